@@ -171,13 +171,13 @@ std::string manySteps(int times) {
 }
 
 /// Functions of the shell. `killed COMMAND`: ends it and all that it has started when a run is whole, and notes the files that
-/// say so. It waits for that run ten minutes at most: nothing takes so long but a hang.
+/// say so. It waits as long as the command lives.
 const std::string kill_in_the_middle = R"(
 tree() { echo $1; for child in $(pgrep -P $1); do tree $child; done; }
 whole() { stat -c '%n %y' "$here"/parts/runs/*/*.outcome.json; }
 killed() {
   "$@" & share=$!
-  for try in $(seq 60000); do
+  while kill -0 $share 2>"$here/gone"; do
     whole >"$here/listed" 2>&1 && break
     sleep 0.01
   done
@@ -226,9 +226,9 @@ exit ${code:-0}
     write(name, text);
     std::filesystem::permissions(file(name), std::filesystem::perms::owner_all);
   }
-  /// With the programs above.
+  /// With the programs above, for a user whose shell runs nothing.
   Finished by(const std::string& engine, const std::string& arguments) const {
-    return shell("env -u PARALLEL PARALLEL_HOME=\"$PWD/.parallel\" "
+    return shell("env -u PARALLEL SHELL=/bin/false PARALLEL_HOME=\"$PWD/.parallel\" "
                  "PATH=\"$PWD:$PATH\" PARALLEL_SSH=\"$PWD/ssh\" '" STROMA_COMMAND "' " + arguments +
                  " -o parts --engine " + engine);
   }

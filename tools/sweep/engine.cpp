@@ -73,9 +73,11 @@ void Engine::writeScript(int shares) const {
                              shares, quoted(request_.folder), quoted(fs::current_path().string()), command));
 }
 
-/// A share takes all cores of its machine, so that a machine has one at a time.
+/// A share takes all cores of its machine, so that a machine has one at a time. Over there parallel starts $SHELL, which may be
+/// unset or no shell of POSIX, unless it is told which.
 std::vector<std::string> Engine::parallelWords(const std::vector<int>& open) const {
-  std::vector<std::string> words{program_, "--will-cite", "--jobs", "1", "--retries", "3", "--joblog", fileOf("engine.joblog")};
+  std::vector<std::string> words{"/usr/bin/env", "PARALLEL_SHELL=/bin/sh", program_, "--will-cite", "--jobs", "1"};
+  words.insert(words.end(), {"--retries", "3", "--joblog", fileOf("engine.joblog")});
   if (!request_.logins.empty()) words.insert(words.end(), {"--sshlogin", request_.logins});
   // nobody is there to be asked for a password
   if (!std::getenv("PARALLEL_SSH")) words.insert(words.end(), {"--ssh", "ssh -o BatchMode=yes"});
