@@ -47,6 +47,17 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
   findTimedNodes();
 }
 
+/// Tried out: a force may read v and have no C.
+bool readsVelocity(ForceField& field, const System& system) {
+  if (field.traits().velocity_dependent) return true;
+  Vector v(system.allRows()), still(system.allRows()), moving(system.allRows());
+  for (Vector* vector : {&v, &still, &moving}) clear(*vector);
+  field.addForce(system.x, v, still);
+  for (Index i = 0; i < v.count(); ++i) v[i] = Vec3(i + 1, 2 * i + 1, 3 * i + 2);
+  field.addForce(system.x, v, moving);
+  return distance(still, moving) > 0;
+}
+
 void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic) {
   const System& system = *system_;
   const std::string& name = integrator.type();
@@ -72,12 +83,12 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
                            "motions given in time, or an integrator that makes its matrix in steps");
   }
   if (!dynamic) return refuseRayleighFactors(system, "statics");
-  for (const ForceField* field : system.forceFields()) {
+  for (ForceField* field : system.forceFields()) {
     if (field->rayleigh_stiffness != 0)
       throw ComponentError(
           fmt::format("{} has rayleighStiffness, and {} is damped by masses alone", field->path(), name),
           "rayleighMass of the solver", "rayleighStiffness=\"0\"");
-    if (field->traits().velocity_dependent)
+    if (readsVelocity(*field, system))
       throw ComponentError(fmt::format("{} depends on velocity, and {} is damped by masses alone", field->path(), name),
                            "rayleighMass of the solver");
   }

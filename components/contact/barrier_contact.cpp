@@ -80,7 +80,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
-    is_assembled_ = true, terms_.addProduct(dx, factor, df);
+    terms_.addProduct(dx, factor, df);
     friction_.terms().addProduct(dx, factor, df);
   }
   void addPattern(BlockPattern& pattern) const override {
@@ -88,11 +88,11 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   }
   long patternRevision() const override { return pattern_revision_; }
   void addStiffness(double factor, BlockMatrix& matrix) const override {
-    is_assembled_ = true, terms_.addTo(factor, matrix);
+    terms_.addTo(factor, matrix);
     friction_.terms().addTo(factor, matrix);
   }
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
-    is_assembled_ = true, terms_.addDiagonal(factor, blocks);
+    terms_.addDiagonal(factor, blocks);
     friction_.terms().addDiagonal(factor, blocks);
   }
   void stepBegins(ConstRows x, double t, double t_end) override;
@@ -136,7 +136,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   std::vector<double> bend_;
   Vec3 moved_at_start_ = Vec3::Zero(), goal_ = Vec3::Zero();
   double travel_ = 0;        ///< the longest way of a vertex in the last step [m]
-  mutable bool is_assembled_ = false, is_carried_ = false;  ///< since the last force; what is moved has gone on since
+  bool is_carried_ = false;  ///< what is moved has gone on since the last force
   bool left_start_ = false, holds_nothing_ = false;  ///< bodies have been elsewhere than at start_; see wantStartForces()
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
   Terms terms_;            ///< of the last force
@@ -230,7 +230,6 @@ void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
   pattern_revision_ += std::exchange(has_new_pairs_, false);
   // energies along a line have the shares of its start, so that these may follow at first; forces along a line have not
   constexpr int most_weighings = 6;
-  is_assembled_ = false;
   const bool begins = std::exchange(is_carried_, false);
   (friction_.mu > 0 ? begins : ++weighings_ <= most_weighings) ? law_.weigh(x_) : law_.weighNew(x_);
   terms_.clear();
@@ -265,7 +264,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 
 void BarrierContact::beginRounds() {
   obstacle_rounds_ = friction_rounds_ = share_rounds_ = weighings_ = 0;
-  left_start_ = is_assembled_ = is_carried_ = false;
+  left_start_ = is_carried_ = false;
   friction_.beginAgain();
   lookAgain(x_);
   law_.weigh(x_);
@@ -286,8 +285,7 @@ void BarrierContact::follow(ConstRows x) {
 }
 
 double BarrierContact::longestStep(ConstRows x, const Way& way) {
-  // a way that no matrix has been made for is that of what is moved: another solve begins where it ends
-  is_assembled_ ? friction_.lineStarts() : void(is_carried_ = true);
+  way.is_carried ? void(is_carried_ = true) : friction_.lineStarts();
   law_.surfaces.gather(x, law_.moved, x_);
   bend_.assign(way.bend ? way_.size() : 0, 0);
   for (std::size_t v = 0; v < way_.size(); ++v) {
@@ -365,7 +363,7 @@ void BarrierContact::reset() {
   law_.candidates.forget();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
   start_.clear(), terms_.clear(), friction_.clear();
-  travel_ = 0, left_start_ = is_assembled_ = is_carried_ = false, outputs_.reset();
+  travel_ = 0, left_start_ = is_carried_ = false, outputs_.reset();
   ++pattern_revision_;
 }
 

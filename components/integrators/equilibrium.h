@@ -65,9 +65,9 @@ class Equilibrium final : public NonlinearProblem {
   bool isBlocked(ConstRows d, bool carries, ConstRows carried, StepReport& report) {
     if (limits_.empty()) return false;
     copy(d, product_);
-    bool is_free = limits_.longest(product_) == 1;
+    bool is_free = limits_.longest(product_, 1, true) == 1;
     if (carries) axpy(1, carried, product_);
-    is_free = is_free && (!carries || limits_.longest(product_) == 1);
+    is_free = is_free && (!carries || limits_.longest(product_, 1, true) == 1);
     if (is_free) return false;
     report.newton_converged = false;
     report.reason = "the prescribed motion of the step leads bodies through each other at once";

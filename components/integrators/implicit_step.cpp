@@ -265,7 +265,7 @@ void ImplicitStep::carryOn() {
     axpy(s * speed, carried_, v());
     unknownsChanged();
   };
-  const double part = limits_.bends() ? limits_.longest(carried_, lack_, goTo) : limits_.longest(carried_, lack_);
+  const double part = limits_.bends() ? limits_.longest(carried_, lack_, true, goTo) : limits_.longest(carried_, lack_, true);
   goTo(part);
   lack_ = part == 1 ? 0 : lack_ * (1 - part);
 }
@@ -273,7 +273,7 @@ void ImplicitStep::carryOn() {
 double ImplicitStep::longestStep(ConstRows d) {
   if (!limits_.bends()) return limits_.longest(d, scheme_.displacement);
   copy(v(), work_);
-  return limits_.longest(d, scheme_.displacement, [&](double s) {
+  return limits_.longest(d, scheme_.displacement, false, [&](double s) {
     copy(work_, v());
     axpy(s, d, v());
     unknownsChanged();

@@ -29,12 +29,7 @@ void ImplicitStep::declareNewton(DataTable& table) {
       .unit("-")
       .min(0, false)
       .max(1, false);
-  table.add("newtonForcing", newton_settings.forcing)
-      .help("largest relative residual that linear solves by products may leave in early Newton iterations; 0: the linear "
-            "solver's own tolerance. Not written: 0.1 where the scene names no linear solver and forces are not linear, else 0")
-      .unit("-")
-      .min(0)
-      .max(1, false);
+  declareForcing(table, "newtonForcing", newton_settings, "relative residual", "where the scene names no linear solver");
 }
 
 void ImplicitStep::declareNewtonSolver(DataTable& table) {

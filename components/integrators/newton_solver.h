@@ -41,6 +41,18 @@ inline void declareNewton(DataTable& table, NewtonSettings& settings, const Newt
   threshold(names.absolute_correction, settings.absolute_correction, "m", "the correction is below this");
 }
 
+/// `residual`: what it limits, for the help; `usual`: when it is 0.1 where nobody writes it.
+inline void declareForcing(DataTable& table, const char* name, NewtonSettings& settings, const std::string& residual,
+                           const std::string& usual) {
+  table.add(name, settings.forcing)
+      .help(fmt::format("largest {} that linear solves by products may leave in early Newton iterations; 0: the linear solver's "
+                        "own tolerance. Not written: 0.1 {} and forces are not linear, else 0",
+                        residual, usual))
+      .unit("-")
+      .min(0)
+      .max(1, false);
+}
+
 /// Steps that ended where they began with forces out of balance: an absolute threshold above the forces is met there.
 class UnmovedSteps {
  public:

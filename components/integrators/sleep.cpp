@@ -70,7 +70,8 @@ void Sleep::compile(System& system) {
     if (dynamic_cast<const HearsSteps*>(field)) refuse("surfaces that meet, of " + field->path());
     const ForceTraits traits = field->traits();
     const bool promises = traits.conservative || traits.forces_balance;  // that x alone decides, where there is no speed
-    looks_ = looks_ || !promises || traits.time_dependent || traits.lagged || dynamic_cast<const History*>(field);
+    looks_ = looks_ || !promises || traits.time_dependent || traits.lagged || traits.decided_outside;
+    looks_ = looks_ || dynamic_cast<const History*>(field);
     for (const State* state : field->states()) looks_ = looks_ || std::ranges::count(system.states(), state) == 0;
   }
   for (Vector* vector : {&start_, &place_, &force_, &zero_, &work_}) vector->resize(system.allRows());

@@ -130,12 +130,7 @@ void StaticSolver::declare(DataTable& table) {
                  .absolute_correction = "absolute_correction_tolerance_threshold",
                  .residual = "|f|",
                  .unit = "N"});
-  table.add("forcing_term", settings_.forcing)
-      .help("largest |K dx + f| / |f| that linear solves by products may leave in early iterations; 0: the linear solver's "
-            "own tolerance. Not written: 0.1 with AutomaticLinearSolver where forces are not linear, else 0")
-      .unit("-")
-      .min(0)
-      .max(1, false);
+  declareForcing(table, "forcing_term", settings_, "|K dx + f| / |f|", "where AutomaticLinearSolver solves");
   table.add("smallest_part", smallest_part_)
       .help("the smallest share of a step's loads and motion that a step which fails is divided into; 1: steps are not "
             "divided. Neither are they with fewer than five Newton iterations or should_diverge_when_residual_is_growing")

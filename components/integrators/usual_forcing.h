@@ -23,14 +23,9 @@ inline double usualForcing(System& system) {
   return hasLinearForces(system) ? 0 : 0.1;
 }
 
-/// That of steps in time by Newton's method: likewise, where the linear solver was made because the scene has none. It then has the
-/// place of the integrator, and no attribute.
+/// That of steps in time by Newton's method: likewise, where the linear solver was made because the scene has none.
 inline double usualForcingOfSteps(const System& system) {
-  const std::string made_for = system.integrator().where().text();
-  const auto& given = system.linearSolver()->data().all();
-  const bool is_made = !made_for.empty() && system.linearSolver()->where().text() == made_for &&
-                       std::none_of(given.begin(), given.end(), [](const Data& data) { return data.isSet(); });
-  return is_made && !hasLinearForces(system) ? 0.1 : 0;
+  return system.linearSolver()->isMadeForAnother() && !hasLinearForces(system) ? 0.1 : 0;
 }
 
 }  // namespace stroma

@@ -187,11 +187,20 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
     kept.symmetric = now;
     tellChoice(kept);
   }
-  const SolveReport report = iterate(matrix, b, x, terms, kept);
   constexpr double round_off = 1e-6;  // of a slender body: factors would leave as much
-  const bool gave_up = report.stop == SolveStop::iteration_limit && report.iterations == patienceOf(kept);
-  const bool stagnated = report.stop == SolveStop::stagnated && report.relative_residual > round_off;
-  if (!gave_up && !stagnated) return report;
+  const auto isHopeless = [&](const SolveReport& solve) {
+    const bool gave_up = solve.stop == SolveStop::iteration_limit && solve.iterations == patienceOf(kept);
+    return gave_up || (solve.stop == SolveStop::stagnated && solve.relative_residual > round_off);
+  };
+  SolveReport report = iterate(matrix, b, x, terms, kept);
+  bool is_hopeless = isHopeless(report);
+  if (is_hopeless && kept.inverse.giveUp()) {  // the hierarchy was that of another matrix
+    const int before = report.iterations;
+    report = iterate(matrix, b, x, terms, kept);
+    is_hopeless = isHopeless(report);
+    report.iterations += before;
+  }
+  if (!is_hopeless) return report;
   kept.now = {Way::factors, 0, report.iterations, report.relative_residual};
   kept.inverse.reset();
   tellChoice(kept);

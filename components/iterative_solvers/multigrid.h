@@ -17,6 +17,7 @@ class Multigrid final : public ApproximateInverse {
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override { now_.hierarchy->apply(r, z); }
   void solved(const SolveReport& report) override;
+  bool giveUp() override { return now_.fresh ? false : (now_ = {}, true); }
   void reset() override { now_ = {}; }
   /// The hierarchies themselves are shared, and never changed once made.
   void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }

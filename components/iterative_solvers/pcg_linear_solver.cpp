@@ -164,9 +164,8 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   }
   factorisations_ += prepared.factored;
   report = iterate(matrix, b, x, inverse.get(), work, iterations_);
-  if (inverse && report.stop == SolveStop::iteration_limit && report.iterations < iterations_) {
+  if (inverse && report.stop == SolveStop::iteration_limit && inverse->giveUp()) {
     const int before = report.iterations;
-    inverse->giveUp();
     SolveReport renewed;
     if (!inverse->follow(matrix, renewed, terms.stop)) {
       renewed.relative_residual = report.relative_residual, renewed.iterations = before;
@@ -174,7 +173,7 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
     }
     factorisations_ += renewed.factored;
     prepared.factored = prepared.factored || renewed.factored;
-    report = iterate(matrix, b, x, inverse.get(), work, iterations_ - before);
+    report = iterate(matrix, b, x, inverse.get(), work, iterations_);
     report.iterations += before;
   }
   shift_ = inverse ? inverse->shift() : 0;

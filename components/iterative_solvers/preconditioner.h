@@ -22,8 +22,8 @@ class ApproximateInverse {
   virtual void solved(const SolveReport&) {}
   /// Iterations of one solve after which a new B would be the better choice: the solve then goes on with that, see giveUp().
   virtual int patience() const { return std::numeric_limits<int>::max(); }
-  /// The next follow() makes B anew.
-  virtual void giveUp() {}
+  /// The next follow() makes B anew. False: it is of this very matrix, or always is.
+  virtual bool giveUp() { return false; }
   /// Forgets the values seen so far.
   virtual void reset() = 0;
   /// See LinearSolver::serializeFor().

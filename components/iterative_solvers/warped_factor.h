@@ -32,7 +32,7 @@ class WarpedFactor final : public ApproximateInverse {
   void apply(ConstRows r, Rows z) override;
   void solved(const SolveReport& report) override;
   int patience() const override;
-  void giveUp() override { now_.renew = true; }
+  bool giveUp() override { return now_.renew = renewal_ != Renewal::never && !now_.fresh; }
   void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
   /// Factors that were renewed meanwhile are made again from the values before when they are needed.
   void takeBack(const SystemMatrix& matrix) override;

@@ -81,7 +81,7 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.symmetric = true;
-    traits.conservative = answers_;
+    traits.conservative = answers_ && (damping_constant_ == 0 || !explicit_);  // damping that no C says is in no energy
     traits.velocity_dependent = isDamped();
     traits.exact_tangent = answers_ && damping_constant_ == 0;
     return traits;

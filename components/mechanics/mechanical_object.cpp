@@ -59,10 +59,13 @@ class MechanicalObject final : public State {
   void chooseTemplate(const std::string& word) override {
     const NodeType* type = typeOf(word);
     if (!type || type->kinds.empty()) return;
-    data().find("position")->keepIn(&flat_position_);
-    data().find("velocity")->keepIn(&flat_velocity_);
-    data().find("rest_position")->keepIn(&flat_rest_);
-    data().find("reset_position")->keepIn(&flat_reset_);
+    const auto keep = [this, type](const char* name, std::vector<double>& list, bool turns) {
+      std::size_t width = 0;
+      for (const RowKind kind : type->kinds) width += kind == RowKind::value ? 1 : kind == RowKind::turn && turns ? 4 : 3;
+      data().find(name)->inValuesOf(width).keepIn(&list);
+    };
+    keep("position", flat_position_, true), keep("velocity", flat_velocity_, false);
+    keep("rest_position", flat_rest_, true), keep("reset_position", flat_reset_, true);
   }
 
   void init() override {

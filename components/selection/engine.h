@@ -33,8 +33,10 @@ class TypedEngine : public Engine {
     width_ = has("Rigid3") ? 7 : has("Vec6") ? 6 : has("Vec4") ? 4 : has("Vec3") ? 3 : has("Vec2") ? 2 : 1;
     whole_ = width_ == 1 && (has("int") || has("Index") || has("bool") || has("unsigned"));
     for (auto& [name, list] : lists_)
-      if (Data* found = data().find(name))
+      if (Data* found = data().find(name)) {
+        found->inValuesOf(width_);
         whole_ ? found->keepIn(DataPointer(&list->wholes)) : found->keepIn(DataPointer(&list->reals));
+      }
   }
 
  protected:

@@ -52,8 +52,8 @@ class QuatToRigidEngine final : public Engine {
  public:
   void declare(DataTable& table) override {
     table.add("positions", positions_).help("centres").unit("m");
-    table.add("orientations", orientations_).help("x y z w of each").unit("-");
-    table.add("rigids", frames_).help("x y z and x y z w of each frame").unit("-").output();
+    table.add("orientations", orientations_).help("x y z w of each").unit("-").inValuesOf(4);
+    table.add("rigids", frames_).help("x y z and x y z w of each frame").unit("-").output().inValuesOf(7);
   }
   void init() override {
     if (positions_.empty() || orientations_.empty() || orientations_.size() % 4 != 0)
@@ -77,9 +77,9 @@ class QuatToRigidEngine final : public Engine {
 class RigidToQuatEngine final : public Engine {
  public:
   void declare(DataTable& table) override {
-    table.add("rigids", frames_).help("x y z and x y z w of each frame").unit("-");
+    table.add("rigids", frames_).help("x y z and x y z w of each frame").unit("-").inValuesOf(7);
     table.add("positions", positions_).help("their centres").unit("m").output();
-    table.add("orientations", orientations_).help("x y z w of each").unit("-").output();
+    table.add("orientations", orientations_).help("x y z w of each").unit("-").output().inValuesOf(4);
     table.add("orientationsEuler", angles_).help("angles about x, then y, then z").unit("degree").output();
   }
   void init() override {
@@ -190,6 +190,8 @@ class SurfaceEngine : public Engine {
     table.add("normals", normals_).help("normals of the nodes").unit("-").output();
   }
   void makeNormals() {
+    if (triangles_.empty() && quads_.empty())
+      throw ComponentError("there is no surface", "triangles or quads", "triangles=\"@mesh.triangles\"");
     normals_.assign(in_.size(), Vec3::Zero());
     const auto add = [this](const auto& cells) {
       for (const auto& cell : cells) {
@@ -205,8 +207,12 @@ class SurfaceEngine : public Engine {
       }
     };
     add(triangles_), add(quads_);
-    for (Vec3& normal : normals_)
-      if (const double size = normal.norm(); size > 0) normal /= size;
+    std::size_t without = 0;
+    for (Vec3& normal : normals_) {
+      const double size = normal.norm();
+      size > 0 ? void(normal /= size) : void(++without);
+    }
+    if (without > 0) warn(fmt::format("{} of {} nodes lie on no cell with an area, and have no normal", without, in_.size()));
   }
   std::vector<Vec3> in_, normals_;
 
@@ -263,6 +269,11 @@ class RoiValueMapper final : public Engine {
     table.add("outputValues", out_).help("the list").output();
   }
   void init() override {
+    for (std::size_t i = std::size_t(count_); i < most; ++i)
+      for (const char* name : {"indices", "value"})
+        if (const std::string given = name + std::to_string(i + 1); data().find(given)->isSet())
+          throw ComponentError(fmt::format("{} is given, and nbROIs is {}", given, count_), "a region for each number",
+                               fmt::format("nbROIs=\"{}\"", i + 1));
     out_.clear();
     for (std::size_t i = 0; i < std::size_t(count_); ++i)
       for (const int index : indices_[i]) {

@@ -10,7 +10,7 @@
 //
 //   T_1 = -k_s (R phi_1 + phi_2),   T_2 = T_1 / R
 //
-// KD damps what a wheel moves and turns against its pivot, its turning about the axis too: force -kd v, torque -kd w.
+// KD damps what a wheel moves and turns against the body of its pivot, its turning about the axis too: force -kd v, torque -kd w.
 //
 // phi is the twist of q = q_p^-1 q_m about e, 2 atan2(v.e, w) of q = (v, w); its derivative by a turn of the wheel is, in the axes
 // of the pivot, (w^2 e + w v x e + (v.e) v) / (w^2 + (v.e)^2). The stiffness is the derivative less its skew part.
@@ -41,7 +41,9 @@
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
+#include "components/springs/twist.h"
 #include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/frames.h"
 #include "framework/mechanics/history.h"
@@ -101,25 +103,6 @@ std::vector<Gear> readGears(const std::string& text) {
   return gears;
 }
 
-/// The twist of q about the unit vector e, and its derivative by a turn in the axes that q turns from.
-struct Twist {
-  double angle;
-  Vec3 by_turn;
-  Mat3 curve;  ///< derivative of by_turn
-  Twist(const Quaternion& q, const Vec3& e) {
-    const double w = q.w(), s = q.vec().dot(e), d = w * w + s * s;
-    const Vec3 v = q.vec(), above = w * w * e + w * v.cross(e) + s * v;
-    angle = 2 * std::atan2(s, w);
-    by_turn = above / d;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 turn = Vec3::Unit(k), dv = 0.5 * (w * turn + turn.cross(v));
-      const double dw = -0.5 * turn.dot(v), ds = dv.dot(e);
-      const Vec3 change = 2 * w * dw * e + dw * v.cross(e) + w * dv.cross(e) + ds * v + s * dv;
-      curve.col(k) = change / d - above * (2 * s * ds + 2 * w * dw) / (d * d);
-    }
-  }
-};
-
 class GearSpringForceField final : public NodeGroupField<8>, public History, public DrawnSegments {
  public:
   void declare(DataTable& table) override {
@@ -152,6 +135,7 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
         angles_.push_back(toHalfTurn(Twist(pivot.conjugate() * starts_.back().turn, Vec3::Unit(gear.axis[i])).angle));
       }
     first_angles_ = angles_;
+    time_ = state().node().root().root_time;
   }
 
   std::vector<State*> states() const override {
@@ -180,6 +164,7 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
       rows.push_back(group);
     }
     setGroups(std::move(rows), traits().velocity_dependent);
+    wheels_.resize(gears_.size());
   }
 
   double energy(ConstRows x) const override {
@@ -199,26 +184,41 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
 
   void addForce(ConstRows x, ConstRows v, Rows f) override {
     for (std::size_t g = 0; g < gears_.size(); ++g) {
-      stiffness_[g].setZero();
-      if (!damping_.empty()) damping_[g].setZero();
-      const std::array<Wheel, 2> wheels{place(g, 0, x), place(g, 1, x)};
-      for (const std::size_t i : {0, 1}) addPivot(g, i, wheels[i], v, f);
-      addTeeth(g, wheels, f);
-      makeSymmetric(stiffness_[g]);
+      wheels_[g] = {place(g, 0, x), place(g, 1, x)};
+      for (const std::size_t i : {0, 1}) {
+        addPivot(g, i, f);
+        if (gears_[g].damping > 0) damp(g, i, v, f);
+      }
+      addTeeth(g, f);
     }
+    outdateTangents();
   }
 
   // ---- whole turns ----
   /// Both states are rows of one system's vector.
-  void stepEnded(double) override {
+  void stepEnded(double t) override {
+    const double dt = t - std::exchange(time_, t);
     const Index end = std::max(state().firstRow() + state().size(), second_->firstRow() + second_->size());
-    const double* rows = state().x().data - std::ptrdiff_t(state().firstRow()) * row_doubles;
+    const auto before = std::ptrdiff_t(state().firstRow()) * row_doubles;
+    const ConstRows x{state().x().data - before, end}, v{state().v().data - before, end};
     for (std::size_t g = 0; g < gears_.size(); ++g)
-      for (const std::size_t i : {0, 1}) angles_[2 * g + i] = place(g, i, ConstRows{rows, end}).angle;
+      for (const std::size_t i : {0, 1}) {
+        const Wheel wheel = place(g, i, x);
+        angles_[2 * g + i] = wheel.angle;
+        const double pivot = wheel.is_free ? 0 : v[rows_[g][4 * i + 1]].dot(wheel.axis);
+        largest_turn_ = std::max(largest_turn_, std::abs(v[rows_[g][4 * i + 3]].dot(wheel.axis) - pivot) * dt);
+      }
+  }
+  std::string doubt(ConstRows) const override {
+    if (!(largest_turn_ > 0.8 * std::numbers::pi)) return {};
+    return fmt::format("a wheel of {} turns by {:.3g} rad in a step: more than half a turn is not counted; smaller steps are", path(),
+                       largest_turn_);
   }
   const std::vector<double>& history() const override { return angles_; }
-  void reset() override { angles_ = first_angles_; }
+  void reset() override { angles_ = first_angles_, largest_turn_ = 0, time_ = state().node().root().root_time; }
   void serialize(Archive& archive) override {
+    archive.value("largest_turn", largest_turn_);
+    archive.value("time", time_);
     archive.list("angles", angles_);
     if (angles_.size() != 2 * gears_.size()) throw std::runtime_error("the checkpoint has the angles of other gears");
   }
@@ -229,6 +229,14 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
 
  protected:
   bool takesAllRows() const override { return true; }
+  void computeTangents() const override {
+    for (std::size_t g = 0; g < gears_.size(); ++g) {
+      stiffness_[g].setZero();
+      for (const std::size_t i : {0, 1}) addPivotTangent(g, i);
+      addTeethTangent(g);
+      makeSymmetric(stiffness_[g]);
+    }
+  }
 
  private:
   struct Start {
@@ -263,63 +271,101 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
             before + toHalfTurn(twist.angle - before)};
   }
 
-  /// The spring that holds the centre, the one that holds the axis, and the damping of both.
-  void addPivot(std::size_t g, std::size_t i, const Wheel& wheel, ConstRows v, Rows f) {
+  /// The torque k_r h n that turns an axis to that of the pivot: h = beta / sin beta, n = a_m x a_p. Axes that are opposite have no
+  /// direction to turn to.
+  struct Tilt {
+    explicit Tilt(const Wheel& wheel) : n(wheel.axis.cross(wheel.pivot_axis)), c(wheel.axis.dot(wheel.pivot_axis)) {
+      const double s2 = n.squaredNorm(), s = std::sqrt(s2);
+      const bool is_near = c > 0 && s < 1e-4;
+      h = is_near ? 1 + s2 / 6 : s > 0 ? std::atan2(s, c) / s : 0;
+      slope = is_near ? -1. / 3 : s > 0 ? (c * h - 1) / s2 : 0;
+    }
+    Vec3 n;
+    double c, h, slope;  ///< c = cos beta; slope = dh/dc
+  };
+
+  /// The spring that holds the centre, and the one that holds the axis.
+  void addPivot(std::size_t g, std::size_t i, Rows f) const {
+    const Wheel& wheel = wheels_[g][i];
+    const Tilt tilt(wheel);
+    const Vec3 force = -gears_[g].shift * wheel.off, torque = gears_[g].turn * tilt.h * tilt.n;
+    const Index* const row = &rows_[g][4 * i];
+    f[row[2]] += force, f[row[3]] += torque;
+    if (!wheel.is_free) f[row[0]] -= force, f[row[1]] -= torque;
+  }
+
+  /// By the velocity of the centre against the pivot there, v_m - v_p - w_p x (c_m - c_p), and that of turning.
+  void damp(std::size_t g, std::size_t i, ConstRows v, Rows f) {
+    const double damping = gears_[g].damping;
+    const bool is_free = wheels_[g][i].is_free;
+    const Vec3& arm = wheels_[g][i].off;
+    const Index* const row = &rows_[g][4 * i];
+    Vec3 speed = v[row[2]], spin = v[row[3]];
+    if (!is_free) speed -= Vec3(v[row[0]]) + Vec3(v[row[1]]).cross(arm), spin -= v[row[1]];
+    f[row[2]] -= damping * speed, f[row[3]] -= damping * spin;
+    if (!is_free) f[row[0]] += damping * speed, f[row[1]] += damping * (spin + arm.cross(speed));
+    if (damping_.empty()) return;
+    const Mat3 one = Mat3::Identity(), none = Mat3::Zero();
+    // what a velocity of each row makes of both
+    const std::array<Mat3, 4> moves{is_free ? none : -one, is_free ? none : crossMatrix(arm), one, none};
+    const std::array<double, 4> turns{0, is_free ? 0. : -1., 0, 1};
+    for (std::size_t r = 0; r < 4; ++r)
+      for (std::size_t c = 0; c < 4; ++c)
+        damping_[g].block(int(4 * i + r), int(4 * i + c)) =
+            -damping * (moves[r].transpose() * moves[c] + turns[r] * turns[c] * one);
+  }
+
+  void addPivotTangent(std::size_t g, std::size_t i) const {
     const Gear& gear = gears_[g];
-    const Group& rows = rows_[g];
+    const Wheel& wheel = wheels_[g][i];
+    const auto& [n, c, h, slope] = Tilt(wheel);
     const int p = int(4 * i), m = p + 2;
-    const Vec3 n = wheel.axis.cross(wheel.pivot_axis);
-    const double c = wheel.axis.dot(wheel.pivot_axis), s2 = n.squaredNorm(), s = std::sqrt(s2);
-    // h = beta / sin beta and dh/dc; axes that are opposite have no direction to turn to
-    const bool is_near = c > 0 && s < 1e-4;
-    const double h = is_near ? 1 + s2 / 6 : s > 0 ? std::atan2(s, c) / s : 0;
-    const double slope = is_near ? -1. / 3 : s > 0 ? (c * h - 1) / s2 : 0;
-    Vec3 force = -gear.shift * wheel.off, torque = gear.turn * h * n;
     const Mat3 one = Mat3::Identity();
     const Mat3 by_wheel = gear.turn * (h * (wheel.axis * wheel.pivot_axis.transpose() - c * one) + slope * n * n.transpose());
     const Mat3 by_pivot = gear.turn * (h * (c * one - wheel.pivot_axis * wheel.axis.transpose()) - slope * n * n.transpose());
     DenseTangent<8>& k = stiffness_[g];
     k.block(m, m) -= gear.shift * one, k.block(m + 1, m + 1) += by_wheel;
-    if (!wheel.is_free) {
-      k.block(p, p) -= gear.shift * one, k.block(m, p) += gear.shift * one, k.block(p, m) += gear.shift * one;
-      k.block(m + 1, p + 1) += by_pivot, k.block(p + 1, m + 1) -= by_wheel, k.block(p + 1, p + 1) -= by_pivot;
-    }
-    if (gear.damping > 0)
-      for (const int row : {0, 1}) {
-        const Vec3 pivot_speed = wheel.is_free ? Vec3(Vec3::Zero()) : Vec3(v[rows[std::size_t(p + row)]]);
-        (row == 0 ? force : torque) -= gear.damping * (Vec3(v[rows[std::size_t(m + row)]]) - pivot_speed);
-        if (damping_.empty()) continue;
-        damping_[g].block(m + row, m + row) -= gear.damping * one;
-        if (wheel.is_free) continue;
-        damping_[g].block(p + row, p + row) -= gear.damping * one;
-        damping_[g].block(m + row, p + row) += gear.damping * one, damping_[g].block(p + row, m + row) += gear.damping * one;
-      }
-    f[rows[std::size_t(m)]] += force, f[rows[std::size_t(m + 1)]] += torque;
-    if (!wheel.is_free) f[rows[std::size_t(p)]] -= force, f[rows[std::size_t(p + 1)]] -= torque;
+    if (wheel.is_free) return;
+    k.block(p, p) -= gear.shift * one, k.block(m, p) += gear.shift * one, k.block(p, m) += gear.shift * one;
+    k.block(m + 1, p + 1) += by_pivot, k.block(p + 1, m + 1) -= by_wheel, k.block(p + 1, p + 1) -= by_pivot;
   }
 
-  void addTeeth(std::size_t g, const std::array<Wheel, 2>& wheels, Rows f) {
-    const Gear& gear = gears_[g];
-    const double torque = -gear.teeth * (gear.ratio * wheels[0].angle + wheels[1].angle);
-    const std::array<double, 2> share{1, 1 / gear.ratio}, slope{gear.ratio, 1};  // of the torque, and of the slip by the angles
+  /// -k_s (R phi_1 + phi_2)
+  double torqueOf(std::size_t g) const {
+    return -gears_[g].teeth * (gears_[g].ratio * wheels_[g][0].angle + wheels_[g][1].angle);
+  }
+  bool isHeldByTeeth(std::size_t g, std::size_t i) const { return !wheels_[g][i].is_free && !one_sided_; }
+  /// The share of that torque which a wheel gets.
+  double shareOf(std::size_t g, std::size_t i) const { return i == 0 ? 1 : 1 / gears_[g].ratio; }
+
+  void addTeeth(std::size_t g, Rows f) const {
+    for (const std::size_t i : {0, 1}) {
+      const Vec3 torque = torqueOf(g) * shareOf(g, i) * wheels_[g][i].twist;
+      f[rows_[g][4 * i + 3]] += torque;
+      if (isHeldByTeeth(g, i)) f[rows_[g][4 * i + 1]] -= torque;
+    }
+  }
+
+  void addTeethTangent(std::size_t g) const {
+    const std::array<double, 2> slope{gears_[g].ratio, 1};  // of the slip, by the angles
+    const double torque = torqueOf(g);
     DenseTangent<8>& k = stiffness_[g];
     for (const std::size_t i : {0, 1}) {
       const int p = int(4 * i) + 1, m = p + 2;
-      const Vec3 own = share[i] * wheels[i].twist;
-      const bool reacts = !wheels[i].is_free && !one_sided_;
-      f[rows_[g][std::size_t(m)]] += torque * own;
-      if (reacts) f[rows_[g][std::size_t(p)]] -= torque * own;
+      const Vec3 own = shareOf(g, i) * wheels_[g][i].twist;
+      const bool reacts = isHeldByTeeth(g, i);
       for (const std::size_t j : {0, 1}) {
         const int pivot = int(4 * j) + 1, other = pivot + 2;
-        const bool moves = !wheels[j].is_free && !one_sided_;
-        const Mat3 block = -gear.teeth * slope[j] * own * wheels[j].twist.transpose();
+        const bool moves = isHeldByTeeth(g, j);
+        const Mat3 block = -gears_[g].teeth * slope[j] * own * wheels_[g][j].twist.transpose();
         k.block(m, other) += block;
         if (moves) k.block(m, pivot) -= block;
         if (reacts) k.block(p, other) -= block;
         if (reacts && moves) k.block(p, pivot) += block;
       }
       if (one_sided_) continue;
-      const Mat3 curve = torque * share[i] * wheels[i].curve;  // by a turn of the wheel against the pivot, which carries it along
+      // by a turn of the wheel against the pivot, which carries it along
+      const Mat3 curve = torque * shareOf(g, i) * wheels_[g][i].curve;
       const Mat3 carried = -crossMatrix(torque * own);
       k.block(m, m) += curve;
       if (!reacts) continue;
@@ -340,8 +386,10 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
   bool one_sided_ = false, explicit_damping_ = false;
   State* second_ = nullptr;
   std::vector<Gear> gears_;
-  std::vector<Start> starts_;                   ///< of the wheels, two a gear
+  std::vector<std::array<Wheel, 2>> wheels_;   ///< where the last forces were asked for
+  std::vector<Start> starts_;                  ///< of the wheels, two a gear
   std::vector<double> angles_, first_angles_;  ///< by which they have turned where the step starts [rad]
+  double largest_turn_ = 0, time_ = 0;         ///< of a wheel in a step so far [rad]; where the step starts [s]
 };
 
 }  // namespace

@@ -105,7 +105,8 @@ class TriangularSprings final : public NodeGroupField<3> {
 
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.symmetric = traits.conservative = traits.forces_balance = traits.torques_balance = true;
+    traits.symmetric = traits.forces_balance = traits.torques_balance = true;
+    traits.conservative = damping_ratio_ == 0 || !explicit_;  // damping that no C says is in no energy
     traits.velocity_dependent = damping_ratio_ > 0 && !explicit_;
     traits.exact_tangent = damping_ratio_ == 0;
     return traits;

@@ -211,7 +211,7 @@ class SparseGridTopology : public Topology {
       nodes *= by_width;
       n_[a] = int(std::min(by_width, 1e9));
     }
-    constexpr double most = 1e7, most_with_finer = 2e8;
+    const double most = 1e7, most_with_finer = splitsCells() ? 2e7 : 2e8;  // each of those that are split takes 40 bytes
     if (nodes > most || nodes * std::pow(8., finer_) > most_with_finer)
       throw ComponentError("the grid has too many cells",
                            fmt::format("at most {:g}, and {:g} with those of finer levels", most, most_with_finer));

@@ -14,12 +14,13 @@ struct ForceTraits {
   bool conservative = false;        ///< force = -grad energy, for every shape
   bool has_stiffness = true;        ///< false: K = 0, products and assembly are skipped
   bool exact_tangent = false;       ///< K is the derivative of the force, not an approximation of it
-  bool velocity_dependent = false;  ///< addForce reads v: C = df/dv is asked for
+  bool velocity_dependent = false;  ///< C = df/dv is asked for; addForce may read v without one
   bool time_dependent = false;      ///< setTime() changes the force
   bool forces_balance = false;      ///< internal: forces sum to zero and vanish at the rest shape
   bool torques_balance = false;     ///< internal: torques sum to zero too
   bool has_rest_shape = false;      ///< a body far larger than at rest has burst; so where forces_balance
   bool lagged = false;              ///< depends on a quantity from before the step
+  bool decided_outside = false;     ///< a program decides on it, and may change it without an edit
 };
 
 /// A force on the nodes of a state, or between states. Vectors are the whole system's (rows as in State::firstRow()).

@@ -46,8 +46,6 @@ class LagrangianConstraint {
  public:
   virtual ~LagrangianConstraint() = default;
   virtual std::vector<State*> constrainedStates() const = 0;
-  /// Once rows of the system are known.
-  virtual void compileConstraint() {}
   /// A step to t_end [s] starts at x: which conditions there are is settled for it.
   virtual void constrainedStepBegins(ConstRows /*x*/, double /*t_end*/) {}
   /// Appends the conditions at x, always as many in a step.

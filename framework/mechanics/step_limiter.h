@@ -11,6 +11,7 @@ namespace stroma {
 struct Way {
   ConstRows dx;
   const double* bend = nullptr;  ///< shape (rows); null: straight
+  bool is_carried = false;       ///< that of what is moved, at whose end a solve begins; else the line of a search
 };
 
 /// A force field that takes something from where a step starts, which then lasts for it: contacts that have been found.

@@ -51,6 +51,7 @@ class Component {
   const std::string& type() const { return type_; }
   const std::string& name() const { return name_; }
   const SourceLocation& where() const { return where_; }
+  bool isMadeForAnother() const { return is_made_for_another_; }  ///< nobody wrote it, see missingPartner()
   std::string path() const;  ///< "/liver/fem"
   Node& node() const { return *node_; }
   DataTable& data() { return data_; }
@@ -90,6 +91,7 @@ class Component {
   Node* node_ = nullptr;
   Diagnostics* diagnostics_ = nullptr;
   Stage stage_ = Stage::created;
+  bool is_made_for_another_ = false;
   DataTable data_;
   /// An attribute of ours that takes the value of another component's.
   struct DataLink {

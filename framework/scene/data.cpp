@@ -26,6 +26,7 @@ Data& Data::input() { return input_ = true, *this; }
 Data& Data::shorthand() { return shorthand_ = true, *this; }
 Data& Data::atOnce() { return change_effect_ = ChangeEffect::at_once, *this; }
 Data& Data::recompiled() { return change_effect_ = ChangeEffect::recompile, *this; }
+Data& Data::inValuesOf(std::size_t numbers) { return value_width_ = numbers, *this; }
 
 LinkBase* Data::link() const {
   const auto* link = std::get_if<LinkBase*>(&pointer_);

@@ -66,6 +66,7 @@ class Data {
   Data& shorthand();   ///< read by the component into another attribute; not in the manual's main table
   Data& atOnce();      ///< ChangeEffect::at_once
   Data& recompiled();  ///< ChangeEffect::recompile
+  Data& inValuesOf(std::size_t numbers);  ///< a flat list: of how many numbers each value is; copyFrom() tears none apart
 
   // ---- use ----
   const std::string& name() const { return name_; }
@@ -108,6 +109,7 @@ class Data {
   bool required_ = false, physical_ = false, output_ = false, input_ = false, shorthand_ = false;
   DataOrigin origin_ = DataOrigin::by_default;
   ChangeEffect change_effect_ = ChangeEffect::restart;
+  std::size_t value_width_ = 0;  ///< 0: as the type says
 };
 
 /// All attributes of a component, in the order of declaration.

@@ -120,6 +120,9 @@ std::optional<Problem> Data::copyFrom(const Data& source) {
         if constexpr (std::is_same_v<To, ChoiceRef> && std::is_same_v<From, ChoiceRef>) {
           return assignChoice(to, from);
         } else if constexpr (holds_value<To> && holds_value<From>) {
+          const std::size_t width = value_width_ > 0 ? value_width_ : Shape<std::decay_t<decltype(*to)>>::width;
+          const std::size_t given = source.value_width_ > 0 ? source.value_width_ : Shape<std::decay_t<decltype(*from)>>::width;
+          if (width > 1 && given > 1 && width != given) return false;
           auto value = *to;
           if (!assign(value, *from)) return false;
           std::swap(*to, value);

@@ -89,6 +89,9 @@ std::string Data::print() const {
       pointer_);
 }
 
-std::string Data::typeText() const { return std::visit(TypeWords(), pointer_); }
+std::string Data::typeText() const {
+  if (value_width_ > 1) return "list of " + std::to_string(value_width_) + " reals";
+  return std::visit(TypeWords(), pointer_);
+}
 
 }  // namespace stroma

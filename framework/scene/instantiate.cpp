@@ -177,6 +177,7 @@ void Instantiation::addMissingPartners(Node& node) {
     std::string name = description.type;
     while (node.findByName(name)) name += "_";
     makeComponent(description, name, node);
+    if (Component* made = node.findByName(name)) made->is_made_for_another_ = true;
   }
 }
 

@@ -11,7 +11,6 @@ namespace stroma {
 static_assert(alignof(Eigen::Vector4d) == 16, "Eigen must be built as the framework was: link stroma::stroma");
 
 using Index = std::int32_t;
-using Real = double;
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 

@@ -145,7 +145,6 @@ void compileActors(Actors& actors) {
   for (ForceField* field : actors.force_fields) field->compile();
   for (const auto* mappings : {&actors.mappings, &actors.passive_mappings})
     for (Mapping* mapping : *mappings) mapping->compile();
-  for (LagrangianConstraint* constraint : actors.lagrangian_constraints) constraint->compileConstraint();
   sortByTraits(actors);
 }
 

@@ -14,12 +14,12 @@ class StepLimits {
  public:
   void compile(System& system);
   bool empty() const { return limiters_.empty(); }
-  /// The largest s <= 1 up to which the system's positions may move by s * factor * dx; dx has the independent rows.
-  double longest(ConstRows dx, double factor = 1);
+  /// The largest s <= 1 up to which the system's positions may move by s * factor * dx; dx has the independent rows. See Way.
+  double longest(ConstRows dx, double factor = 1, bool is_carried = false);
   /// Points may move on curves: mappings are not linear.
   bool bends() const { return !empty() && !system_->mappingChain().isLinear(); }
   /// The same on a way that goTo(s) puts the system's positions on; it ends with goTo(0).
-  double longest(ConstRows dx, double factor, const std::function<void(double)>& goTo);
+  double longest(ConstRows dx, double factor, bool is_carried, const std::function<void(double)>& goTo);
   /// Something that was held fixed in the solve that has ended has moved on: it is to be made again.
   bool moveOn();
   /// See StepLimiter.

@@ -75,6 +75,9 @@ TEST(CondensedRefusals, WhatOneMatrixDoesNotHave) {
   expectRefused(Block{.solver = "<CondensedDynamicSolver/>",
                       .loads = "<DiagonalVelocityDampingForceField dampingCoefficient=\"0.1 0.1 0.1\"/>"},
                 {"depends on velocity"});
+  expectRefused(Block{.solver = "<CondensedDynamicSolver/>",
+                      .loads = "<UniformVelocityDampingForceField dampingCoefficient=\"0.5\" explicitDamping=\"true\"/>"},
+                {"depends on velocity"});
   expectRefused(Block{.solver = "<CondensedDynamicSolver/>", .more = "<VolumeConstraint/>"}, {"corrects positions"});
   expectRefused(Block{.solver = "<CondensedStaticSolver/>",
                       .more = "<AttachProjectiveConstraint indices1=\"50\" indices2=\"51\" twoWay=\"true\"/>"},

@@ -67,6 +67,26 @@ TEST(Friction, ASolveHasOneFunction) {
   EXPECT_GT(relativeDifference(old, t.forceAt(end)), 0.01) << "sides that lean over bear a part";
 }
 
+/// Shares are taken anew where what is moved has gone on, though the step's matrix was made before; the line of a search keeps
+/// them, though none was made for it.
+TEST(Friction, WhatIsMovedBeginsASolveAndALineDoesNot) {
+  FieldUnderTest t = blockThatRubs();
+  auto& limiter = dynamic_cast<StepLimiter&>(t.field());
+  limiter.stepBegins(t.x, 0, 1);
+  const Vector base = shearedBy(0.01, t.x), end = shearedBy(0.2, t.x);
+  t.forceAt(base);
+  limiter.longestStep(base, {t.direction});
+  const Vector old = t.forceAt(end);
+  t.forceAt(base);
+  Vector product(t.x.count());
+  t.field().addStiffnessProduct(t.direction, 1, product);
+  limiter.longestStep(base, {t.direction, nullptr, true});
+  EXPECT_GT(relativeDifference(old, t.forceAt(end)), 0.01);
+  limiter.stepBegins(t.x, 0, 1);
+  t.forceAt(base);
+  EXPECT_EQ(relativeDifference(old, t.forceAt(end)), 0);
+}
+
 /// The tangent of friction is the derivative of its force, of what sticks and of what slips. On a line it is another one, and the
 /// force is the same.
 TEST(Friction, TheTangentRemembersTheLineAndTheForceDoesNot) {

@@ -41,6 +41,8 @@ TOOLS_FOR_TOOLS = {
     "sweep": {"session"},
     "stress": {"sweep", "session", "units", "checks"},
     "python": {"command", "session", "plan", "sofa", "view"},
+    "live": {"platform"},
+    "recordings": {"platform"},
     "session": {"checks", "units"},
     "plan": {"units"},
     "checks": {"units"},

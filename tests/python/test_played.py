@@ -156,6 +156,23 @@ def test_copies_and_matrices_have_it_too():
     assert numpy.allclose(simulation.matrix("stiffness").toarray(), -300 * numpy.eye(60))
 
 
+@pytest.mark.parametrize("sleep", [0, 1e-4])
+def test_a_sleeping_body_feels_what_a_program_changes(sleep):
+    field = Springs(k=50, rest=POINTS[:1].copy())
+    root = stroma.Node("root", dt=0.01, gravity=(0, 0, 0))
+    root.add("EulerImplicitSolver", name="solver", rayleighMass=20, sleepDistance=sleep, sleepTime=0.3)
+    root.add("SparseLDLSolver")
+    root.add("MechanicalObject", name="dofs", position=POINTS[:1])
+    root.add("UniformMass", totalMass=1)
+    root.add(field, name="springs")
+    simulation = stroma.load(root)
+    simulation.run(100)
+    assert (simulation.component("/solver").stepsAsleep > 0) == (sleep > 0)
+    field.rest += 1
+    simulation.run(200)
+    assert abs(simulation.state().x - field.rest).max() < 0.01
+
+
 def test_fields_die_with_what_holds_them():
     field = Springs(k=1.0, rest=POINTS)
     alive = weakref.ref(field)

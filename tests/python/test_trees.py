@@ -180,3 +180,20 @@ def test_sofas_dialect(folder):
     by_file, by_tree = stroma.load("fall.scn"), stroma.load(tree)
     by_file.run(5), by_tree.run(5)
     assert by_file.hash == by_tree.hash
+
+
+def test_a_solver_is_written_wherever_it_is_written():
+    """Where a program adds it on the line of the integrator it is not taken for one that the scene leaves out."""
+    def hash_of(*solvers):
+        root = stroma.Node("root", dt=0.02, gravity=(0, -9.81, 0))
+        for type, words in (("EulerImplicitSolver", {"newtonIterations": 30}), *solvers, ("MechanicalObject", {"name": "dofs"}),
+                            ("UniformMass", {"totalMass": 4}), ("FixedProjectiveConstraint", {"indices": list(range(0, 81, 9))})):
+            root.add(type, **words)
+        root.add("RegularGridTopology", n=(9, 3, 3), min=(0, 0, 0), max=(0.4, 0.1, 0.1))
+        root.add("HexahedronFEMForceField", youngModulus=30000, poissonRatio=0.4, method="svd")
+        simulation = stroma.load(root)
+        simulation.run(3)
+        return simulation.hash
+
+    tight = hash_of(("PCGLinearSolver", {"name": "solver"}))
+    assert hash_of(("PCGLinearSolver", {})) == tight != hash_of()

@@ -66,6 +66,24 @@ TEST(FrameEngines, ASurfaceMovesOutwards) {
                                "<CubeTopology name='cube' nx='2' ny='2' nz='2' min='-1 -1 -1' max='1 1 1'/>");
   const auto normals = made<std::vector<Vec3>>(inwards, "normals");
   for (std::size_t i = 0; i < 8; ++i) EXPECT_LT((normals[i] + start[i] / std::sqrt(3)).norm(), 1e-15);
+  expectContains(problemsOf("<Node name='root'><DilateEngine input_position='0 0 0  1 0 0'/></Node>"), "there is no surface");
+  expectContains(engine("<DilateEngine name='e' input_position='0 0 0  1 0 0  0 1 0  5 5 5' triangles='0 1 2'/>").diagnostics.text(),
+                 "1 of 4 nodes lie on no cell");
+}
+
+/// Three frames have as many numbers as seven points, which are others.
+TEST(FrameEngines, TakeNoFrameApart) {
+  const std::string frames = "<MechanicalObject name='f' template='Rigid3' position='0 0 0 0 0 0 1  10 0 0 0 0 0 1  20 0 0 0 0 0 1'/>";
+  const auto told = [&frames](const std::string& text) { return problemsOf("<Node name='root'>" + frames + text + "</Node>"); };
+  const std::string expected = "the value of position (list of 7 reals) does not fit ";
+  expectContains(told("<AverageCoord vertices='@f.position'/>"), expected + "vertices");
+  expectContains(told("<SumEngine template='Vec3' input='@f.position'/>"), expected + "input");
+  expectContains(told("<MeshTopology position='@f.position'/>"), expected + "position");
+  const Scene scene =
+      engine("<RigidToQuatEngine name='parts' rigids='@f.position'/><AverageCoord name='e' vertices='@parts.positions'/>", frames);
+  EXPECT_EQ(made<std::vector<Vec3>>(scene, "average").at(0), Vec3(10, 0, 0));
+  const Scene sum = engine("<SumEngine name='e' template='Rigid3' input='@f.position'/>", frames);
+  EXPECT_EQ(made<std::vector<double>>(sum, "output"), (std::vector<double>{30, 0, 0, 0, 0, 0, 3}));
 }
 
 TEST(FrameEngines, RegionsHaveTheirValues) {
@@ -73,6 +91,8 @@ TEST(FrameEngines, RegionsHaveTheirValues) {
       engine("<ROIValueMapper name='e' nbROIs='2' indices1='1 3' value1='5' indices2='3 4' value2='7' defaultValue='2'/>");
   EXPECT_EQ(made<std::vector<double>>(scene, "outputValues"), (std::vector<double>{2, 5, 2, 7, 7}));
   expectContains(problemsOf("<Node name='root'><ROIValueMapper nbROIs='1' indices1='-1'/></Node>"), "indices1 names -1");
+  expectContains(problemsOf("<Node name='root'><ROIValueMapper indices1='0 2' value1='5'/></Node>"), "indices1 is given, and nbROIs is 0");
+  expectContains(problemsOf("<Node name='root'><ROIValueMapper nbROIs='2' value3='5'/></Node>"), "nbROIs=\"3\"");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -191,6 +191,16 @@ TEST(ChangingPattern, AWarpedFactorOutlivesItsPatternAlsoInARestore) {
   }
 }
 
+/// However few iterations a scene allows: a solve that reaches its limit with former factors goes on with new ones.
+TEST(ChangingPattern, FormerFactorsThatDoNotReachTheToleranceAreMadeAnew) {
+  const std::string few =
+      "<PCGLinearSolver iterations=\"3\" tolerance=\"1e-8\" preconditioner=\"warped\"/><TestCountingSolver/>";
+  analyses = 0;
+  Simulation simulation = simulationFromText(scene(few, coming));
+  for (int step = 1; step <= 30; ++step) EXPECT_TRUE(simulation.step().linear_converged) << "step " << step;
+  EXPECT_GT(analyses, 1);
+}
+
 TEST(ChangingPattern, ABodyThatOnlyAVanishingSpringHeldIsNamed) {
   // the tetrahedron can turn about the axis through nodes 0 and 1, but for a spring from node 2 to the held node 4
   Simulation simulation = simulationFromText(

@@ -124,6 +124,44 @@ TEST(Gears, OneSidedTeethLeaveThePivots) {
   }
 }
 
+/// Wheels whose centres lie apart from their pivots, all of it in one rigid motion: KD has nothing to brake. In any motion what it
+/// does to wheel and pivot has no resultant and no moment, takes energy, and is C v.
+TEST(Gears, DampingIsThatOfTheMotionAgainstThePivot) {
+  Simulation simulation = simulationFromText(framesOf("0 0 0  0 0 0 1   0.3 0 0  0 0 0 1   2 0 0  0 0 0 1   2.3 0 0.1  0 0 0 1",
+                                                      gear("0 1 2 3 AXIS 2 2 KS_T 0 KS_R 0 0 KD 20")));
+  const System& system = *simulation.systems().at(0);
+  ForceField& field = *system.forceFields().at(0);
+  const Vec3 spin(0.2, -0.3, 1);
+  Vector v(8), f(8);
+  for (Index i = 0; i < 8; i += 2) v[i] = spin.cross(Vec3(system.x[i])), v[i + 1] = spin;
+  field.addForce(system.x, v, f);
+  EXPECT_LT(norm(f), 1e-13);
+  for (Index i = 0; i < 8; ++i) v[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(5 * i + 1));
+  Vector damped(8), product(8);
+  field.addForce(system.x, v, damped);
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  for (Index i = 0; i < 4; i += 2)
+    force += damped[i], moment += Vec3(system.x[i]).cross(Vec3(damped[i])) + Vec3(damped[i + 1]);
+  EXPECT_LT(force.norm() + moment.norm(), 1e-12 * norm(damped));
+  EXPECT_LT(dot(damped, v), -1);
+  field.addDampingProduct(v, 1, product);
+  for (Index i = 0; i < 8; ++i) EXPECT_LT((product[i] - damped[i]).norm(), 1e-12 * norm(damped)) << i;
+}
+
+TEST(Gears, TurnsThatCannotBeCountedAreTold) {
+  for (const double speed : {200., 300.}) {
+    Simulation simulation = simulationFromText(framesOf("0 0 0  0 0 0 1   2 0 0  0 0 0 1", gear("0 0 1 1 AXIS 2 2 KS_R 1 1e4 KD 0"),
+                                                        fmt::format("velocity='0 0 0 0 0 {0}  0 0 0 0 0 -{0}'", speed)));
+    simulation.step();
+    const System& system = *simulation.systems().at(0);
+    const std::string doubt = system.forceFields().at(0)->doubt(system.x);
+    if (speed < 250)
+      EXPECT_EQ(doubt, "");
+    else
+      expectContains(doubt, "turns by 3 rad in a step");
+  }
+}
+
 TEST(Gears, SayWhatIsWrong) {
   const auto told = [](const std::string& words) { return problemsOf(framesOf(four_frames, gear(words))); };
   expectContains(told("0 1 2 9"), "expected indices in 0 ... 3");
@@ -187,6 +225,20 @@ TEST(ExplicitDamping, IsInNoEnergy) {
                             "<UniformVelocityDampingForceField dampingCoefficient='2' explicitDamping='{}'/>"})
     for (const bool is_explicit : {false, true})
       EXPECT_EQ(isConservative(points + fmt::format(fmt::runtime(field), is_explicit) + "</Node>"), !is_explicit) << field;
+  const std::string sheet = "<Node name='root'><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology position='0 0 0  1 0 0  0 1 0' "
+                            "triangles='0 1 2'/><MechanicalObject/><UniformMass totalMass='2'/>";
+  for (const char* type : {"TriangularQuadraticSpringsForceField", "TriangularBiquadraticSpringsForceField"})
+    for (const bool is_explicit : {false, true})
+      EXPECT_EQ(isConservative(sheet + fmt::format("<{} youngModulus='10' poissonRatio='0.3' dampingRatio='0.1' "
+                                                   "explicitDamping='{}'/></Node>", type, is_explicit)), !is_explicit) << type;
+  const std::string ball = "<Node name='root'><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject name='f' template='Rigid3' "
+                           "position='0 0 0 0 0 0 1'/><UniformMass totalMass='2' inertia='1 1 1'/><Node name='p'><MechanicalObject "
+                           "name='q' position='0.5 0 0'/><UniformMass totalMass='1'/></Node>";
+  for (const bool is_explicit : {false, true})
+    EXPECT_EQ(isConservative(ball + fmt::format("<InteractionEllipsoidForceField object1='@p/q' object2='@f' center='0 0 0' "
+                                                "vradius='1 1 1' stiffness='10' damping='2' object2_forces='true' "
+                                                "explicitDamping='{}'/></Node>",
+                                                is_explicit)), !is_explicit);
   for (const bool is_explicit : {false, true})
     EXPECT_EQ(isConservative(framesOf(four_frames, gear("0 1 2 3 KD 2", is_explicit ? "explicitDamping='true'" : ""))),
               !is_explicit);

@@ -35,12 +35,13 @@ TEST(SparseGrid, SaysThatItsCellsHaveAnotherVolume) {
 
 // ---- cells with copies ----
 
-/// Two boxes of 4 x 0.4 x 1 side by side in y, with 0.2 between them, as triangles.
-std::string twoFingers(const std::string& attributes, const std::string& type = "SparseGridRamificationTopology") {
+/// Two boxes of 4 x 0.4 x 1 side by side in y, with 0.2 between them, as triangles. With another `gap` they are as much wider.
+std::string twoFingers(const std::string& attributes, const std::string& type = "SparseGridRamificationTopology", double gap = 0.2) {
   const std::string box = "0 2 1 0 3 2 4 5 6 4 6 7 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7";
   std::string positions, triangles = box;
-  for (const double low : {0., 0.6})
-    positions += fmt::format("0 {0} 0 4 {0} 0 4 {1} 0 0 {1} 0 0 {0} 1 4 {0} 1 4 {1} 1 0 {1} 1 ", low, low + 0.4);
+  const double width = (1 - gap) / 2;
+  for (const double low : {0., 1 - width})
+    positions += fmt::format("0 {0} 0 4 {0} 0 4 {1} 0 0 {1} 0 0 {0} 1 4 {0} 1 4 {1} 1 0 {1} 1 ", low, low + width);
   std::istringstream words(box);
   for (int node = 0; words >> node;) triangles += fmt::format(" {}", node + 8);
   return fmt::format(R"(<Node name="root"><{} name="grid" n="5 2 2" min="0 0 0" max="4 1 1" position="{}" triangles="{}" {}/>
@@ -84,6 +85,17 @@ TEST(SparseGridRamification, WithoutFinerLevelsItIsTheSparseGrid) {
   const auto& other = dynamic_cast<const Topology&>(*whole.root->components().front()).mesh();
   EXPECT_EQ(one.hexahedra, other.hexahedra);
   EXPECT_EQ(one.position, other.position);
+}
+
+/// Fingers so near that they share cells of the finest level: apart by their triangles alone.
+TEST(SparseGridRamification, ByTheFinestCellsNearFingersAreOne) {
+  const auto nodes = [](const char* finest) {
+    const Scene scene = sceneFromText(twoFingers(fmt::format("nbVirtualFinerLevels='3' finestConnectivity='{}'", finest),
+                                                 "SparseGridRamificationTopology", 0.1));
+    return dynamic_cast<const Topology&>(*scene.root->components().front()).mesh().position.size();
+  };
+  EXPECT_EQ(nodes("true"), 40u);
+  EXPECT_EQ(nodes("false"), 20u);
 }
 
 // ---- spheres ----

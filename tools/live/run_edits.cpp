@@ -9,8 +9,8 @@
 #include <list>
 
 #include "framework/scene/node.h"
-#include "framework/simulation/error_sentence.h"
 #include "framework/simulation/integrator.h"
+#include "tools/platform/error_sentence.h"
 
 namespace stroma {
 namespace {

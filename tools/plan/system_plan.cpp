@@ -142,7 +142,7 @@ void addSolvers(const System& system, std::vector<PlanItem>& items) {
       blocks >= 0 ? fmt::format("matrix of {} blocks of 3x3", blocks) : std::string("no matrix is kept so far")));
   if (blocks >= 0) items.back().figures = {{"blocks", double(blocks)}};
   if (const std::string choice = choiceOf(*solver); !choice.empty()) items.back().says += "; " + choice;
-  if (solver->where().text() == integrator.where().text())
+  if (solver->isMadeForAnother())
     items.back().note = "made with its defaults because the scene has none";
   addIdleSolvers(system, items);
 }

@@ -32,6 +32,7 @@ class PythonForceField final : public ForceField {
     traits_.conservative = says(object_, "has_energy");
     traits_.exact_tangent = says(object_, "exact_tangent");
     traits_.time_dependent = says(object_, "time_dependent");
+    traits_.decided_outside = true;
     has_energy_ = says(object_, "has_energy");
   }
   ForceTraits traits() const override { return traits_; }

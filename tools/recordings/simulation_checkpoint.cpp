@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a simulation stores, and how it goes on from there.
-#include "framework/simulation/error_sentence.h"
 #include "framework/simulation/simulation.h"
 
 #include <fmt/format.h>
 
 #include <stdexcept>
 #include <tuple>
+
+#include "tools/platform/error_sentence.h"
 
 namespace stroma {
 
