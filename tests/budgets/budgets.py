@@ -74,7 +74,7 @@ def tree_of(events):
 
 def profile(stroma, scene, arguments=()):
     """Calls and allocations by name, of the steps after the first and of the start; modules."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir="/tmp") as folder:  # bytes of paths are counted
         command(stroma, scene, ["-n", str(STEPS), "--profile", "trace.json", "--json=run.json", *arguments], folder)
         with open(os.path.join(folder, "trace.json"), encoding="utf-8") as file:
             trace = json.load(file)
@@ -109,7 +109,7 @@ def functions_of(library):
 
 def instructions(stroma, scene, arguments=()):
     """Of one step, by function: the module waste stops after each instruction."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir="/tmp") as folder:  # bytes of paths are counted
         command(stroma, scene, ["-n", str(STEPS), "--module", test_module(stroma, "waste"), *arguments], folder, STROMA_COUNT="counts",
                 OPENBLAS_NUM_THREADS="1")
         if not os.path.exists(os.path.join(folder, "counts")):

@@ -140,10 +140,13 @@ def beads(stroma):
         rows, _ = bench(stroma, "beads", "--beads", path)
         for key, row in rows.items():
             expect(abs(float(row["value"]) - 0.5) < 1e-9, f"{key}: beads are {row['value']} mm away, not 0.5")
-        with open(path, "a", encoding="utf-8") as file:
-            file.write("1,1,3,4\n")
-        wrong = subprocess.run([stroma, "bench", "--accuracy=beads", "--beads", path], capture_output=True, text=True)
-        expect(wrong.returncode == 2 and f"{path}:10: expected 15 numbers of a bead" in wrong.stderr, wrong.stderr)
+        with open(path, encoding="utf-8") as file:
+            good = file.read()
+        for row in ("1,1,3,4", "1,1,3,5,-7,-40,0,0,0,0,0,0,5,-7,oops", "1,1,3,5,-7,-40,0,0,0,0,0,0,5,-7,-25.4 mm"):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(good + row + "\n")
+            wrong = subprocess.run([stroma, "bench", "--accuracy=beads", "--beads", path], capture_output=True, text=True)
+            expect(wrong.returncode == 2 and f"{path}:10: expected 15 numbers of a bead" in wrong.stderr, wrong.stderr)
     without = subprocess.run([stroma, "bench", "--accuracy=beads"], capture_output=True, text=True)
     expect(without.returncode == 0 and "left out, its measured beads are not here: --beads FILE" in without.stdout, without.stdout)
 

@@ -34,6 +34,12 @@ node_import_2 = root.add_child("import")
 '''
 
 
+def test_names_that_are_made_take_no_place_of_others():
+    tree = stroma.from_xml_text("""<Node name="root"><Node name="a"><Node name="a"><Node name="a_2"/><Node name="z">
+        <MechanicalObject position="-0 1 2  1e400 0 0"/></Node></Node></Node></Node>""")
+    assert stroma.to_xml(built_by(stroma.to_python(tree))) == stroma.to_xml(tree)
+
+
 def test_every_example(folder):
     run, refused = [], []
     for type in sorted(stroma.types()):

@@ -104,4 +104,7 @@ with tempfile.TemporaryDirectory() as folder:
                  "broken.scn: cannot run because", "5 scenes: 1 run as they are, 1 run without what has no effect, 3 cannot run"):
         assert line in text, f"'{line}' is missing:\n{text}"
     assert "    2     1  Strange" in text and "    1     0  Other" in text, text
+    for wrong in (["--jobs", "0"], ["--jobs=-1"], ["--limit", "nan"], ["--limit=-5"], ["--steps=-1"]):
+        done = subprocess.run([STROMA, "check", "--sofa", folder, *wrong], capture_output=True, text=True, timeout=1800)
+        assert done.returncode == 2 and "expected" in done.stderr, f"{wrong}: {done.returncode} {done.stderr}"
 print("passed")

@@ -171,18 +171,18 @@ def shares_at_work(folder):
 
 def in_the_middle(cluster, stroma, folder, disturb):
     """Starts a sweep, and calls disturb(process, folder of the sweep) when a run is whole; with longer runs, where all were done
-    by then. What was whole, and what the sweep said."""
+    by then, or nothing was disturbed. What was whole, and what the sweep said."""
     for times in (1, 8, 64, 512):
         out = os.path.join(folder, f"out{times}")
         shutil.rmtree(out, ignore_errors=True)
         process = subprocess.Popen(sweep_words(stroma, folder, times, "-o", out, "--engine", "slurm", "--shares", "2"),
                                    env=cluster.environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         until(lambda: outcomes(out) or process.poll() is not None, "a run that is whole")  # pylint: disable=cell-var-from-loop
-        disturb(process, out)
+        was_disturbed = disturb(process, out)
         whole = outcomes(out)
         said = process.communicate()[0]
         # a signal may come when the last run has just ended
-        if 0 < len(whole) < CONFIGURATIONS and not (disturb is interrupt and process.returncode == 0):
+        if was_disturbed and 0 < len(whole) < CONFIGURATIONS and not (disturb is interrupt and process.returncode == 0):
             return times, out, whole, process.returncode, said
     raise AssertionError(f"all runs were done before anything could happen to them: {said}")
 
@@ -204,16 +204,20 @@ def check_whole(failures, stroma, folder, times, out, whole):
 
 def kill_shares(process, out):
     del process
+    killed = 0
     for number in shares_at_work(out):
         try:
             os.kill(number, signal.SIGKILL)
+            killed += 1
         except ProcessLookupError:
             pass
+    return killed > 0
 
 
 def interrupt(process, out):
     del out
     process.send_signal(signal.SIGINT)
+    return True
 
 
 def test(cluster, stroma, folder):

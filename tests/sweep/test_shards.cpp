@@ -227,11 +227,11 @@ exit ${code:-0}
     std::filesystem::permissions(file(name), std::filesystem::perms::owner_all);
   }
   /// With the programs above, for a user whose shell runs nothing.
-  Finished by(const std::string& engine, const std::string& arguments) const {
-    return shell("env -u PARALLEL SHELL=/bin/false PARALLEL_HOME=\"$PWD/.parallel\" "
-                 "PATH=\"$PWD:$PATH\" PARALLEL_SSH=\"$PWD/ssh\" '" STROMA_COMMAND "' " + arguments +
-                 " -o parts --engine " + engine);
+  static std::string commandBy(const std::string& engine, const std::string& arguments) {
+    return "env -u PARALLEL SHELL=/bin/false PARALLEL_HOME=\"$PWD/.parallel\" "
+           "PATH=\"$PWD:$PATH\" PARALLEL_SSH=ssh '" STROMA_COMMAND "' " + arguments + " -o parts --engine " + engine;
   }
+  Finished by(const std::string& engine, const std::string& arguments) const { return shell(commandBy(engine, arguments)); }
   std::set<std::string> linesOf(const std::string& name) const {
     std::ifstream stream(folder_ / name);
     std::set<std::string> lines;
@@ -251,10 +251,16 @@ exit ${code:-0}
   }
 };
 
-// `tools/setup test` installs GNU parallel; without it, in a tree that was built by hand, there is nothing that could be tested.
+class ParallelEngine : public Engines {
+ protected:
+  void SetUp() override {
+    Engines::SetUp();
+    // tools/setup test installs it; a tree that was built by hand may be without it, and then there is nothing to be tested
+    if (!isInstalled("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
+  }
+};
 
-TEST_F(Engines, ParallelMakesTheSharesOnAllMachinesAndGathers) {
-  if (!isInstalled("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
+TEST_F(ParallelEngine, MakesTheSharesOnAllMachinesAndGathers) {
   const std::string engine = "parallel --sshlogin node1,node2 --shares 3";
   const Finished run = by(engine, grid + "--no-times");
   ASSERT_EQ(run.code, 0) << run.err << readText(folder_ / "parts/engine.log");
@@ -273,8 +279,7 @@ TEST_F(Engines, ParallelMakesTheSharesOnAllMachinesAndGathers) {
   EXPECT_EQ(outcomes(), made);
 }
 
-TEST_F(Engines, AShareThatIsKilledInTheMiddleIsGoneOnWith) {
-  if (!isInstalled("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
+TEST_F(ParallelEngine, AShareThatIsKilledInTheMiddleIsGoneOnWith) {
   for (const int times : {1, 8, 64}) {
     for (const char* old : {"parts", "whole", "at_the_kill"}) std::filesystem::remove_all(folder_ / old);
     const Finished run = by("parallel --sshlogin dies --shares 2", manySteps(times));
@@ -288,8 +293,7 @@ TEST_F(Engines, AShareThatIsKilledInTheMiddleIsGoneOnWith) {
   ADD_FAILURE() << "the kill came too late to show anything";
 }
 
-TEST_F(Engines, AMachineThatIsOffLeavesItsSharesToOthers) {
-  if (!isInstalled("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
+TEST_F(ParallelEngine, AMachineThatIsOffLeavesItsSharesToOthers) {
   const Finished lost = by("parallel --sshlogin off", grid + "--no-times");
   EXPECT_EQ(lost.code, 4) << lost.err;
   EXPECT_NE(lost.err.find("6 configurations are open after parallel"), std::string::npos) << lost.err;
@@ -298,6 +302,29 @@ TEST_F(Engines, AMachineThatIsOffLeavesItsSharesToOthers) {
   const Finished run = by("parallel --sshlogin off,node1", grid + "--no-times");
   EXPECT_EQ(run.code, 0) << run.err << readText(folder_ / "parts/engine.log");
   EXPECT_EQ(outcomes().size(), 6u);
+}
+
+/// Shares are known by the folder where they work and by --shard.
+const std::string shares_at_work = R"sh(
+for process in /proc/[0-9]*; do
+  [ "$(readlink $process/cwd)" = "$PWD" ] && tr '\0' ' ' <$process/cmdline | grep -e '--shard [0-9]'
+done)sh";
+
+TEST_F(ParallelEngine, ASignalEndsTheSharesToo) {
+  for (const auto& [signal, code] : {std::pair("TERM", 143), std::pair("HUP", 129)}) {
+    bool was_in_time = false;
+    for (int times = 1; times <= 64 && !was_in_time; times *= 8) {
+      std::filesystem::remove_all(folder_ / "parts");
+      const Finished run = shell("{ " + commandBy("parallel --shares 2", manySteps(times)) + " & run=$!\n" +
+                                 "while kill -0 $run && ! ls parts/runs/*/*.outcome.json; do sleep 0.01; done >listed 2>&1\n"
+                                 "kill -" + signal + " $run; wait $run; }");
+      if (run.code == 0) continue;  // all was done
+      was_in_time = true;
+      EXPECT_EQ(run.code, code) << run.err << readText(folder_ / "parts/engine.log");
+      EXPECT_EQ(shell(shares_at_work).out, "");
+    }
+    EXPECT_TRUE(was_in_time) << signal << " came too late to show anything";
+  }
 }
 
 TEST_F(Engines, SlurmMakesOnlyTheSharesThatAreOpen) {
@@ -329,6 +356,7 @@ TEST_F(Engines, WhatTheyCannotDoIsRefused) {
   isRefused("--shares 3", "--shares is for --engine, which is missing");
   isRefused("--engine slurm --sshlogin node1", "Slurm knows its machines");
   isRefused("--engine slurm --shares 0", "--shares 0: expected 1 or more");
+  isRefused("--engine slurm --shard 1/2", "--engine makes shares itself");
   const Finished none = shell("env PATH=/ '" STROMA_COMMAND "' " + grid + "--no-times -o parts --engine slurm");
   EXPECT_EQ(none.code, 2);
   EXPECT_NE(none.err.find("there is no program sbatch on the path"), std::string::npos) << none.err;

@@ -283,6 +283,8 @@ TEST_F(Regress, AnExpectationThatIsNotMetFails) {
 TEST_F(Regress, SeveralAtOnceSayTheSame) {
   write("other.xml", falling_scene);
   write("list", "references\nfall.xml 8 1e-9\nother.xml 4 1e-9\n");
+  for (const char* wrong : {"--jobs 0", "--jobs -1", "--limit nan", "--limit -5", "--limit 0"})
+    EXPECT_EQ(stroma(std::string("regress list ") + wrong).code, 2) << wrong;
   ASSERT_EQ(stroma("regress list --update --jobs 2").code, 0);
   EXPECT_EQ(stroma("regress list --jobs 2 --json json --junit junit.xml").code, 0);
   tamper([](auto& frames) { frames.back().x[0][1] += 1; });

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 namespace stroma::bench {
 namespace {
@@ -103,8 +104,9 @@ std::vector<Bead> readBeads(const std::string& file) {
     std::istringstream fields(line);
     for (std::string field; std::getline(fields, field, ',');) {
       char* end = nullptr;
-      values.push_back(std::strtod(field.c_str(), &end));
-      if (end == field.c_str()) break;
+      const double value = std::strtod(field.c_str(), &end);
+      if (end == field.c_str() || std::string_view(end).find_first_not_of(" \r") != std::string_view::npos) break;
+      values.push_back(value);
     }
     if (values.size() < columns)
       throw std::runtime_error(fmt::format("{}:{}: expected {} numbers of a bead", file, number, columns));

@@ -80,7 +80,7 @@ class Writer {
   void write(const std::string& name, const std::string& value) {
     constexpr std::size_t widest = 130;
     std::string one_line = value;
-    std::ranges::replace(one_line, '\n', ' ');
+    for (const char space : {'\n', '\r', '\t'}) std::ranges::replace(one_line, space, ' ');
     const std::string word = name + "=\"" + xmlText(one_line) + "\"";
     if (line_.size() + word.size() > widest && line_.find_first_not_of(' ') + 1 < line_.size() && line_.find('=') != line_.npos) {
       text_ += line_ + "\n";

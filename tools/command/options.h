@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Options of a subcommand: parsing with sentences instead of codes, and --help with examples.
 #pragma once
+#include <fmt/format.h>
+
 #include <boost/program_options.hpp>
 #include <optional>
 #include <string>
@@ -35,6 +37,15 @@ std::optional<Values> parseOptions(const Manual& manual, const OptionList& optio
                                    const std::vector<std::string>& positions, const Arguments& arguments);
 
 std::optional<Values> parseOptions(const CommandLine& line, const Arguments& arguments);
+
+/// The option `name`, or `otherwise` where it is not given. Throws UsageError when it is not from `low` to `high`.
+template <class T>
+T within(const Values& values, const char* name, T otherwise, T low, T high) {
+  if (!values.count(name)) return otherwise;
+  const T value = values[name].as<T>();
+  if (!(value >= low && value <= high)) throw UsageError(fmt::format("--{} {}: expected {} to {}", name, value, low, high));
+  return value;
+}
 
 /// The --help of a subcommand.
 std::string helpText(const Manual& manual, const OptionList& options);

@@ -16,6 +16,7 @@
 #include "framework/simulation/expectation.h"
 #include "tools/command/bits.h"
 #include "tools/command/comparison.h"
+#include "tools/command/job_limits.h"
 #include "tools/command/junit.h"
 #include "tools/command/regression_list.h"
 #include "tools/command/session.h"
@@ -306,8 +307,7 @@ std::vector<Result> runList(const RegressionList& list, const Values& values) {
   const auto judge = [&](const RegressionCase& test, Session& one) {
     return runAndCompare(test, fs::path(list.reference_folder) / test.name, one, update);
   };
-  JobLimits limits;
-  limits.at_once = values["jobs"].as<int>(), limits.seconds = values["limit"].as<double>();
+  const JobLimits limits = jobLimitsOf(values);
   if (limits.at_once > 1 && !bits)
     runJobs(
         int(cases.size()), limits,

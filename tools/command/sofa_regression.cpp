@@ -12,6 +12,7 @@
 
 #include "framework/mechanics/mapping.h"
 #include "framework/scene/output_file.h"
+#include "tools/command/job_limits.h"
 #include "tools/command/junit.h"
 #include "tools/command/session.h"
 #include "tools/command/sofa_references.h"
@@ -203,9 +204,7 @@ int regressSofaList(const std::string& list, const Values& values) {
   std::erase_if(cases, [&](const SofaCase& test) { return test.name.find(filter) == std::string::npos; });
   if (cases.empty()) throw UsageError(fmt::format("--filter {}: no case of the list has that in its name", filter));
   const double tolerance = values["tolerance"].as<double>();
-  JobLimits limits;
-  limits.at_once = values["jobs"].as<int>();
-  limits.seconds = values["limit"].as<double>();
+  const JobLimits limits = jobLimitsOf(values);
   int passed = 0, failed = 0, undecided = 0;
   Json all = Json::array();
   std::vector<JunitCase> junit;

@@ -12,6 +12,7 @@
 #include "framework/scene/text.h"
 #include "framework/simulation/expectation.h"
 #include "framework/simulation/step_guard.h"
+#include "tools/command/job_limits.h"
 #include "tools/command/session.h"
 #include "tools/command/sofa_references.h"
 #include "tools/command/sofa_runs.h"
@@ -129,10 +130,8 @@ void dropWriters(Simulation& simulation) {
 
 int surveySofaScenes(const std::string& where, const Values& values) {
   const std::vector<std::string> scenes = scenesOf(where);
-  JobLimits limits;
-  limits.at_once = values["jobs"].as<int>();
-  limits.seconds = values["limit"].as<double>();
-  const long steps = values["steps"].as<long>();
+  const JobLimits limits = jobLimitsOf(values);
+  const long steps = within(values, "steps", 0L, 0L, 1'000'000'000L);
   Survey survey;
   Json all = Json::array();
   const bool json = values.count("json") > 0;

@@ -72,15 +72,6 @@ OptionList stressOptions() {
 
 CommandLine stressLine() { return {stress_manual, stressOptions(), {"SCENE"}}; }
 
-template <class T>
-T within(const Values& values, const char* name, T otherwise, T low, T high) {
-  if (!values.count(name)) return otherwise;
-  const T value = values[name].as<T>();
-  if (!(value >= low && value <= high))
-    throw UsageError(fmt::format("--{} {}: expected {} to {}", name, value, low, high));
-  return value;
-}
-
 stress::StressRequest requestOf(const Values& values) {
   stress::StressRequest request;
   request.program = fs::read_symlink("/proc/self/exe").string();

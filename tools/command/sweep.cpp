@@ -48,7 +48,7 @@ const Manual sweep_manual{
     "  2    the scene or the options are wrong; nothing was run\n"
     "  3    no run has a result\n"
     "  4    an output could not be written, or --engine has left runs open\n"
-    "  130  interrupted with Ctrl-C, 143 ended by SIGTERM; the same command goes on",
+    "  130  interrupted with Ctrl-C, 143 ended by SIGTERM, 129 by its terminal; the same command goes on",
     "  stroma sweep liver.xml --vary /liver/linear.iterations=10,25,50,100 --until 1 -o results/iterations\n"
     "  stroma sweep beam.xml --vary \"/beam/grid.n=11 2 2,21 3 3,41 5 5\" --vary /beam/cells/fem.method=large,polar -n "
     "1 \\\n"
@@ -118,6 +118,8 @@ void takeEngine(const Values& values, sweep::SweepRequest& request) {
   take(values, "engine-options", request.engine_options), take(values, "shares", request.engine_shares);
   if (values.count("engine") && request.engine != "parallel" && request.engine != "slurm")
     throw UsageError(fmt::format("--engine {}: expected parallel or slurm", request.engine));
+  if (values.count("engine") && values.count("shard") && !std::getenv(sweep::share_of_engine))
+    throw UsageError("--engine makes shares itself: leave --shard out, or --engine to make one share here");
   for (const char* option : {"sshlogin", "shares", "engine-options"})
     if (values.count(option) && request.engine.empty())
       throw UsageError(fmt::format("--{} is for --engine, which is missing: expected --engine parallel{}", option,

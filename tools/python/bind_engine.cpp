@@ -4,7 +4,6 @@
 #include <pybind11/stl.h>
 
 #include "framework/mechanics/force_field.h"
-#include "framework/simulation/error_sentence.h"
 #include "tools/plan/plan.h"
 #include "tools/python/engine.h"
 #include "tools/session/action_file.h"

@@ -159,7 +159,7 @@ bool Children::wait(ChildEnd& end) {
 
 void runJobs(int count, const JobLimits& limits, const std::function<std::string(int)>& work,
              const std::function<void(int, const ChildEnd&)>& done) {
-  Children children(limits.seconds);
+  Children children;
   std::map<long, ChildEnd> waiting;
   for (int next = 0, told = 0; told < count;) {
     for (; next < count && int(children.running()) < limits.at_once; ++next)

@@ -69,8 +69,8 @@ void Engine::writeScript(int shares) const {
                              "# Makes share $1 of {0} of the runs; in an array of Slurm that of its task.\n"
                              "share=${{1:-$SLURM_ARRAY_TASK_ID}}\n"
                              "exec >{1}/share_\"$share\".log 2>&1\n"
-                             "cd {2} && exec {3} --shard \"$share/{0}\"\n",
-                             shares, quoted(request_.folder), quoted(fs::current_path().string()), command));
+                             "cd {2} && {4}=1 exec {3} --shard \"$share/{0}\"\n",
+                             shares, quoted(request_.folder), quoted(fs::current_path().string()), command, share_of_engine));
 }
 
 /// A share takes all cores of its machine, so that a machine has one at a time. Over there parallel starts $SHELL, which may be
@@ -114,6 +114,7 @@ Engine::End Engine::run(const std::vector<int>& open, int shares) const {
   const SignalGuard signals;
   constexpr double most_wait = 0.5;
   writeScript(shares);
+  for (const int share : open) fs::remove(fileOf(fmt::format("share_{}.log", share)));  // what it said in an earlier round
   const pid_t process = start({is_slurm_ ? slurmWords(open) : parallelWords(open), request_.folder, fileOf("engine.log"), {}});
   End end;
   ProcessEnd of_process;
@@ -127,9 +128,10 @@ Engine::End Engine::run(const std::vector<int>& open, int shares) const {
   return end;
 }
 
+/// What starts shares may have warned of much that is not the reason.
 std::string Engine::sentence(int share) const {
-  const std::string own = sentenceIn(fileOf("engine.log"));
-  return own.empty() ? sentenceIn(fileOf(fmt::format("share_{}.log", share))) : own;
+  const std::string own = sentenceIn(fileOf(fmt::format("share_{}.log", share)));
+  return own.empty() ? sentenceIn(fileOf("engine.log")) : own;
 }
 
 }  // namespace stroma::sweep

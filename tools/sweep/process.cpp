@@ -67,6 +67,9 @@ bool hasEnded(pid_t process, ProcessEnd& end) {
 SignalGuard::SignalGuard() {
   sigemptyset(&set_);
   for (const int signal : {SIGCHLD, SIGINT, SIGTERM}) sigaddset(&set_, signal);
+  struct sigaction of_terminal {};
+  sigaction(SIGHUP, nullptr, &of_terminal);
+  if (of_terminal.sa_handler != SIG_IGN) sigaddset(&set_, SIGHUP);  // nohup has it ignored
   sigprocmask(SIG_BLOCK, &set_, &before_);
   // a parent may have had it ignored: then nobody could wait for the runs
   struct sigaction usual {};
@@ -83,7 +86,7 @@ int SignalGuard::wait(double seconds) const {
   const double whole = std::floor(seconds);
   const timespec time{time_t(whole), long(1e9 * (seconds - whole))};
   const int signal = sigtimedwait(&set_, nullptr, &time);
-  return signal == SIGINT || signal == SIGTERM ? signal : 0;
+  return signal == SIGINT || signal == SIGTERM || signal == SIGHUP ? signal : 0;
 }
 
 }  // namespace stroma::sweep

@@ -28,12 +28,12 @@ pid_t start(const ProcessRequest& request);
 /// Whether it has ended; `end` tells how.
 bool hasEnded(pid_t process, ProcessEnd& end);
 
-/// Thrown where SIGINT or SIGTERM has come and nothing is left to tell.
+/// Thrown where SIGINT, SIGTERM or SIGHUP has come and nothing is left to tell.
 struct Stopped {
   int signal = 0;
 };
 
-/// While one lives, SIGCHLD, SIGINT and SIGTERM come by wait() alone.
+/// While one lives, SIGCHLD, SIGINT, SIGTERM and SIGHUP come by wait() alone.
 class SignalGuard {
  public:
   SignalGuard();

@@ -8,6 +8,9 @@
 
 namespace stroma::sweep {
 
+/// The environment variable of a share that an engine has started.
+inline constexpr char share_of_engine[] = "STROMA_SHARE_OF_ENGINE";
+
 /// What the user asked for, as it was written.
 struct SweepRequest {
   std::string program;                 ///< the command that makes the runs

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A scene as the text of a program that builds it."""
+import itertools
 import keyword
+import math
 import re
-from typing import Dict, Iterator, List, Optional
+from typing import Iterator, List, Optional, Set
 
 from . import _stroma
 from .tree import Component, Node, _value
@@ -19,7 +21,9 @@ def _quoted(text: str) -> str:
 
 
 def _is_number(word: str) -> bool:
-    return bool(_NUMBER.match(word)) and any(character.isdigit() for character in word.lower().partition("e")[0])
+    """Whether Python reads the same number: without a point, -0 would be 0 there."""
+    return (bool(_NUMBER.match(word)) and any(character.isdigit() for character in word.lower().partition("e")[0])
+            and math.isfinite(float(word)) and word != "-0")
 
 
 _FRAMES = {"position": 7, "rest_position": 7, "velocity": 6}  # numbers of a rigid frame
@@ -82,20 +86,20 @@ def _call(head: str, arguments: List[List[str]]) -> Iterator[str]:
     yield line + ")"
 
 
-def _build(node: Node, variable: str, taken: Dict[str, int]) -> Iterator[str]:
+def _build(node: Node, variable: str, taken: Set[str]) -> Iterator[str]:
     for component in node.components:
         yield from _call(f"{variable}.add(", [[_quoted(component.type)], *_arguments(component, False)])
     for child in node.children:
         name = re.sub(r"\W", "_", child.own_name or "node")
         name = f"node_{name}" if keyword.iskeyword(name) or not name.isidentifier() else name
-        taken[name] = taken.get(name, 0) + 1
-        name = name if taken[name] == 1 else f"{name}_{taken[name]}"
+        free = next(each for number in itertools.count(1) if (each := name if number == 1 else f"{name}_{number}") not in taken)
+        taken.add(free)
         yield ""
-        yield from _call(f"{name} = {variable}.add_child(", _arguments(child, True))
-        yield from _build(child, name, taken)
+        yield from _call(f"{free} = {variable}.add_child(", _arguments(child, True))
+        yield from _build(child, free, taken)
 
 
 def to_python(root: Node) -> str:
     """The text of a program that builds this scene as `root`."""
-    lines = ["import stroma", "", *_call("root = stroma.Node(", _arguments(root, True)), *_build(root, "root", {"root": 1, "stroma": 1})]
+    lines = ["import stroma", "", *_call("root = stroma.Node(", _arguments(root, True)), *_build(root, "root", {"root", "stroma"})]
     return "\n".join(lines) + "\n"
