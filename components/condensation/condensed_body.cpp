@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/local_load.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mechanics/step_limiter.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/node.h"
 #include "framework/simulation/integrator.h"
@@ -98,10 +100,15 @@ void CondensedBody::sortFields(bool dynamic) {
   for (ForceField* field : system_->forceFields()) {
     const ForceTraits traits = field->traits();
     const auto* load = dynamic_cast<const LocalLoad*>(field);
+    if (dynamic_cast<const LagrangianConstraint*>(field) && !traits.has_stiffness) continue;  // its conditions act
     if (load && load->isDeadLoadToFirstOrder()) {
       dead_.push_back(field);
       notes_.push_back(fmt::format("{} is taken for a dead load on the surface at rest, as linear elasticity has it",
                                    field->path()));
+    } else if (dynamic_cast<const HearsSteps*>(field)) {
+      throw ComponentError(fmt::format("{} pushes where surfaces meet, and a condensed body has one matrix for all times",
+                                       field->path()),
+                           "contact by forces of constraint, which the inverse gives", "<ConstraintContact/> in its place");
     } else if (!traits.linear || (traits.has_stiffness && !(traits.constant_stiffness && traits.symmetric))) {
       const bool has_method = field->data().find("method") != nullptr;
       throw ComponentError(

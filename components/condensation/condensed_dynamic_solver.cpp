@@ -39,7 +39,7 @@
 // by round-off: runs of a body near that size are the same bit for bit only where solve="inverse" or "factor" decides,
 // or a file of cacheFolder, which keeps the choice.
 //
-// A node that a constraint moves is a load that is not known: see CondensedStaticSolver.
+// A node that a constraint moves is a load that is not known: see CondensedStaticSolver, also for Lagrangian constraints.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -55,6 +55,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "components/condensation/condensed_integrator.h"
@@ -93,6 +94,9 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   void prepare(System& system) override;
   std::string stepText() const override;
   void complianceOf(const Touch& touch, double* column) override;
+  Mat3 complianceBlock(Index i, Index j) override;
+  void addResponse(const std::vector<Index>& nodes, const std::vector<std::array<double, 3>>& forces,
+                   double* u) override;
   void forward(double* y) override { eliminated_.forward(y, sweep_work_.data()); }
   void backward(double* y) override { eliminated_.backward(y, sweep_work_.data()); }
 
@@ -122,6 +126,8 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   Solve solve_ = Solve::automatic;
 
   Array<double> u_, v_, next_, right_, reduced_, work_;  ///< shape (padded); work_ once for each piece
+  std::map<Index, Array<double>> columns_;               ///< of C, three of each node that asked for; shape (3, padded)
+  Array<double> push_;                                   ///< forces of constraint, and what they lead to
   Array<double> kept_;                                   ///< load and displacement of the kept nodes between sweeps
   double slowest_ = 0;                                   ///< angular frequency [rad/s], of a few iterations
   Array<double> of_u_, of_v_;                            ///< right side per u and per v, shape (padded)
@@ -145,6 +151,7 @@ void CondensedDynamicSolver::checkChoices() const {
 void CondensedDynamicSolver::prepare(System&) {
   for (Array<double>* vector : {&u_, &v_, &next_, &right_, &of_u_, &of_v_}) vector->assign(padded(), 0.0);
   if (!body_.timedNodes().empty()) reduced_.assign(padded(), 0.0);
+  columns_.clear();
   const double dt = timeStep();
   // M (u + dt v)/dt^2 + D (u - dt v)/2dt
   for (std::size_t i = 0; i < 3 * std::size_t(active()); ++i) {
@@ -266,6 +273,42 @@ void CondensedDynamicSolver::complianceOf(const Touch& touch, double* column) {
   std::copy(result.begin(), result.end(), column);
 }
 
+/// An entry of the stored inverse, or of columns that are computed once for each node that asks.
+Mat3 CondensedDynamicSolver::complianceBlock(Index i, Index j) {
+  Mat3 block;
+  const Index first = used_form_ == Form::joined ? body_.interior() : 0;
+  if (used_form_ != Form::factor && i >= first && j >= first) {
+    const auto read = [&](const auto& panels) {
+      for (Index a = 0; a < 3; ++a)
+        for (Index b = 0; b < 3; ++b)
+          block(a, b) = panels.at(std::size_t(3 * (i - first) + a), std::size_t(3 * (j - first) + b));
+    };
+    if (isSingle())
+      read(SymmetricPanels<float>{static_cast<const float*>(compliance()), keptUnknowns()});
+    else
+      read(SymmetricPanels<double>{static_cast<const double*>(compliance()), keptUnknowns()});
+    return block;
+  }
+  Array<double>& columns = columns_[j];
+  for (Index b = 0; columns.size() < 3 * padded(); ++b) {
+    columns.resize(std::size_t(b + 1) * padded());
+    complianceOf({j, Vec3::Unit(b)}, columns.data() + std::size_t(b) * padded());
+  }
+  for (Index b = 0; b < 3; ++b)
+    block.col(b) = Eigen::Map<const Vec3>(columns.data() + std::size_t(b) * padded() + std::size_t(3 * i));
+  return block;
+}
+
+void CondensedDynamicSolver::addResponse(const std::vector<Index>& nodes,
+                                         const std::vector<std::array<double, 3>>& forces, double* u) {
+  push_.assign(2 * padded(), 0.0);
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    for (std::size_t c = 0; c < 3; ++c) push_[3 * std::size_t(nodes[k]) + c] = forces[k][c];
+  double* answer = push_.data() + padded();
+  multiply(push_.data(), answer);
+  for (std::size_t i = 0; i < 3 * std::size_t(active()); ++i) u[i] += answer[i];
+}
+
 void CondensedDynamicSolver::gatherState(const System& system) {
   const double *x = system.x.rows().data, *v = system.v.rows().data;
   for (Index node = 0; node < active(); ++node)
@@ -312,11 +355,13 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
     const Eigen::VectorXd& reaction = solveTouches(next_.data());
     Eigen::Map<Eigen::VectorXd>(next_.data(), Index(next_.size())).noalias() += touchColumns() * reaction;
   }
+  StepReport report;
+  if (!holdConditions(system, next_, report)) return giveUp(system, report.reason);
   for (std::size_t i = 0; i < v_.size(); ++i) right_[i] = (next_[i] - u_[i]) / context.dt;
   if (!writeActive(system, next_.data(), right_.data()))
     return giveUp(system, "a load is not finite, or the body has left the range of numbers");
   finish(system);
-  return {};
+  return report;
 }
 
 }  // namespace

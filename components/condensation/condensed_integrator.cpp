@@ -48,6 +48,7 @@ void CondensedIntegrator::declare(DataTable& table) {
 void CondensedIntegrator::moveTouched(System& system, const StepContext& context) {
   system.setTime(context.t_end);
   const bool moves = body_.movingRows() != nullptr;
+  beginConditions(system, context, moves && !body_.constraintsAreFixed());
   if (!moves && !hands_changed_ && hands_.empty()) return;
   if (!moves) {
     // nothing begins or ends
@@ -247,6 +248,9 @@ void CondensedIntegrator::finish(System& system) {
 
 void CondensedIntegrator::stepTaken(const StepContext& context) {
   behind_ = leavesInside() && !asks_force_;
+  conditions_.swinging += conditions_.swings;
+  if (hasConditions())
+    conditions_.taken.assign(conditions_.solve.l.data(), conditions_.solve.l.data() + conditions_.solve.l.size());
   range_.look(square_, context.t_end);
 }
 
@@ -262,6 +266,9 @@ std::string CondensedIntegrator::doubt() const {
   if (touch_error_ > 0.01)
     text = fmt::format("{}: dragForces may be wrong by {:.0f} %: moved nodes hold each other too well for {} precision",
                        path(), std::min(100 * touch_error_, 100.0), isSingle() ? "single" : "double");
+  if (conditions_.swinging > 0)
+    text += fmt::format("{}{}: in {} steps the directions of forces of constraint had not come to rest; a smaller dt helps",
+                        text.empty() ? "" : "; ", path(), conditions_.swinging);
   const std::string beyond = range_.sentence(rotation_bound_, strain_bound_);
   if (beyond.empty()) return text;
   return text + fmt::format(
@@ -276,12 +283,16 @@ void CondensedIntegrator::reset() {
   range_.reset();
   touching_.clear(), moved_.clear(), dragged_nodes_.clear(), drag_forces_.clear();
   pulls_.clear(), touches_.clear(), hands_.clear(), touch_fault_.clear();
+  conditions_.taken.clear(), conditions_.swinging = 0;
   hands_changed_ = true;
 }
 
 void CondensedIntegrator::serialize(Archive& archive) {
   archive.value("touch_error", touch_error_);
   range_.serialize(archive);
+  if (!hasConditions()) return;
+  archive.list("forces_of_constraint", conditions_.taken);
+  archive.value("swinging", conditions_.swinging);
 }
 
 std::string CondensedIntegrator::describe() const {
@@ -292,6 +303,7 @@ std::string CondensedIntegrator::describe() const {
   if (!body_.timedNodes().empty() && body_.timedNodes().front() < body_.interior() && !insideIsActive())
     text += "; loads on inside nodes change in time: a sweep through the factor of the inside in each step";
   if (body_.movingRows()) text += "; nodes moved by position are loads through their compliance";
+  if (hasConditions()) text += "; forces of constraint through the compliance of the nodes that they act on";
   if (range_.isEmpty())
     text += "; nothing watches the range of linear elasticity: no surface of volume cells moves";
   else if (range_.watched() == 0)

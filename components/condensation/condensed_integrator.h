@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the condensed solvers share: precomputation, its cache on disk, nodes moved by position or pulled by a hand, the
-// interior on demand and the range of linear elasticity.
+// What the condensed solvers share: precomputation, its cache on disk, nodes moved by position or pulled by a hand,
+// Lagrangian constraints, the interior on demand and the range of linear elasticity.
 #pragma once
 #include <Eigen/Dense>
 #include <array>
@@ -12,6 +12,7 @@
 
 #include "components/condensation/compliance.h"
 #include "components/condensation/condensed_body.h"
+#include "components/condensation/condensed_conditions.h"
 #include "components/condensation/linear_range.h"
 #include "components/condensation/partial_cholesky.h"
 #include "components/condensation/section_file.h"
@@ -23,7 +24,7 @@ namespace stroma {
 /// u_S = C f*_S with C = (A^-1)_SS, A the matrix of a static or of a dynamic step. Active nodes are those of u: the
 /// kept ones, or every free node where the inside is solved for in each step. Vectors over them have 3 numbers per node
 /// and are padded to chunks of 8.
-class CondensedIntegrator : public Integrator, public StateOwner {
+class CondensedIntegrator : public Integrator, public StateOwner, public FindsMultipliers {
  public:
   void declare(DataTable& table) override;
   void compile(System& system) final;
@@ -78,6 +79,11 @@ class CondensedIntegrator : public Integrator, public StateOwner {
   virtual std::string stepText() const = 0;
   /// columns(k) = C times direction k, shape (padded); for touches.
   virtual void complianceOf(const Touch& touch, double* column) = 0;
+  /// Rows of node i and columns of node j of C.
+  virtual Mat3 complianceBlock(Index i, Index j) = 0;
+  /// u += C f, f on some nodes.
+  virtual void addResponse(const std::vector<Index>& nodes, const std::vector<std::array<double, 3>>& forces,
+                           double* u) = 0;
   /// SupernodalColumns::forward and backward, compiled for the machine.
   virtual void forward(double* y) = 0;
   virtual void backward(double* y) = 0;
@@ -99,6 +105,10 @@ class CondensedIntegrator : public Integrator, public StateOwner {
   /// nodes; shape (touches).
   const Eigen::VectorXd& solveTouches(const double* u);
   const Eigen::MatrixXd& touchColumns() const { return touch_columns_; }  ///< C E, shape (padded, touches)
+  bool hasConditions() const { return !conditions_.constraints.empty(); }
+  /// u, the displacement that all else leads to, gets that of the forces of Lagrangian constraints. False: the step
+  /// is to be given up, and x is what it was.
+  bool holdConditions(System& system, Array<double>& u, StepReport& report);
   /// Forces on inside nodes that change in time, reduced to kept ones: active f changes by out.
   bool reduceTimedInterior(double* out);
   /// Writes x = x_0 + u, and v where it is given, into the rows of active nodes; false, and nothing written, when u is
@@ -168,6 +178,19 @@ class CondensedIntegrator : public Integrator, public StateOwner {
   bool findHands(const System& system);
   void gatherHands(const System& system);
   double pullStiffness(const Input& input) const;
+  void compileConditions(System& system);
+  void beginConditions(System& system, const StepContext& context, bool is_told);
+  std::string findConditions(const System& system);
+  void readCompliance(std::size_t known);
+  void prepareSlots(const System& system, const double* u);
+  void couple();
+  double respond();
+  void placeSlots(System& system) const;
+  bool gradientsStay() const;
+  void giveForces();
+  void addForces(Array<double>& u);
+  std::string nameOfCondition(std::size_t row) const;
+  void judgeConditions(double step, double size, StepReport& report) const;
   std::string cacheFolder() const;
   [[noreturn]] void refuseFree(System& system, Index node) const;
 
@@ -208,6 +231,7 @@ class CondensedIntegrator : public Integrator, public StateOwner {
   Eigen::VectorXd weights_;  ///< of rows of E^T C E + S, so that soft springs do not spoil its condition; empty: 1
   std::vector<Hand> hands_;
   bool hands_changed_ = true;
+  CondensedConditions conditions_;
   std::string touch_fault_;
   double touch_error_ = 0;  ///< of reactions, estimated
   double square_ = 0;       ///< sum of u^2 of the last step [m^2]

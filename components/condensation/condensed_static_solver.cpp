@@ -17,7 +17,8 @@
 // directions and d where it goes, lambda = (E^T C E)^-1 (d - E^T C f). lambda is what the motion takes [N]: dragForces,
 // for draggedNodes.
 //
-// Inputs (a hand that pulls) reach kept nodes; with condensed="false" every node.
+// Inputs (a hand that pulls) reach kept nodes; with condensed="false" every node. Lagrangian constraints and contacts of
+// ConstraintContact hold on the same nodes, by forces that the entries of K*_ss^-1 at these nodes give.
 //
 // Pressure on a surface is a dead load on the shape at rest. Everything is right for small turns and strains only; runs
 // that leave rotationBound or strainBound on the surface are warned of at their end: it looks at the end, at every
@@ -68,6 +69,11 @@ class CondensedStaticSolver final : public CondensedIntegrator {
                        condensed_ ? "condensed" : "full", active(), isSingle() ? "single" : "double");
   }
   void complianceOf(const Touch& touch, double* column) override;
+  Mat3 complianceBlock(Index i, Index j) override;
+  void addResponse(const std::vector<Index>& nodes, const std::vector<std::array<double, 3>>& forces,
+                   double* u) override {
+    addColumns(nodes, forces, u);
+  }
   void forward(double* y) override { eliminated_.forward(y, sweep_work_.data()); }
   void backward(double* y) override { eliminated_.backward(y, sweep_work_.data()); }
 
@@ -88,6 +94,7 @@ class CondensedStaticSolver final : public CondensedIntegrator {
   int multiplied_ = 0;
 
   Array<double> u_, reduced_;       ///< now; of inside loads; shape (padded)
+  Array<double> held_;              ///< u with forces of constraint
   std::vector<Index> candidates_;   ///< nodes that can have a load that changes
   std::vector<Force> load_, last_;  ///< on candidates, now and in u_, also when the step is not taken
   std::vector<Index> nodes_, changed_nodes_;
@@ -101,7 +108,7 @@ class CondensedStaticSolver final : public CondensedIntegrator {
 };
 
 void CondensedStaticSolver::prepare(System& system) {
-  for (Array<double>* vector : {&u_, &at_touches_}) vector->assign(padded(), 0.0);
+  for (Array<double>* vector : {&u_, &at_touches_, &held_}) vector->assign(padded(), 0.0);
   if (base_.empty()) multiplyConstantLoads();
   std::vector<char> can_change(std::size_t(active()), 0);
   const auto& timed = body_.timedNodes();
@@ -163,6 +170,13 @@ void CondensedStaticSolver::complianceOf(const Touch& touch, double* column) {
   Array<double> sum(padded(), 0.0);  // aligned, which the caller's column need not be
   addColumns(node, {Force{d[0], d[1], d[2]}}, sum.data());
   std::copy(sum.begin(), sum.end(), column);
+}
+
+Mat3 CondensedStaticSolver::complianceBlock(Index i, Index j) {
+  Mat3 block;
+  for (Index a = 0; a < 3; ++a)
+    for (Index b = 0; b < 3; ++b) block(a, b) = entry(3 * i + a, 3 * j + b);
+  return block;
 }
 
 /// Loads that change in time, on candidates.
@@ -266,7 +280,11 @@ StepReport CondensedStaticSolver::step(System& system, const StepContext& contex
   addTouches();
   update();
   StepReport report;
-  if (writeActive(system, u_.data(), nullptr)) {
+  if (hasConditions()) {
+    std::copy(u_.begin(), u_.end(), held_.begin());
+    if (!holdConditions(system, held_, report)) return giveUp(system, report.reason);
+  }
+  if (writeActive(system, hasConditions() ? held_.data() : u_.data(), nullptr)) {
     finish(system);
     return report;
   }

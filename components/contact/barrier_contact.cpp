@@ -74,6 +74,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
     ForceTraits traits;
     traits.symmetric = true;
     traits.conservative = friction_.mu == 0;
+    traits.undamped = true;  // it changes by decades within a step
     return traits;
   }
   void compile() override;
@@ -109,7 +110,8 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
  private:
   void follow(ConstRows x);
   void beginRounds();
-  bool lookAgain(const std::vector<Vec3>& x) const;
+  bool findAgain(const BarrierLaw& law, const std::vector<Vec3>& x) const;
+  void lookAgain(const std::vector<Vec3>& x) const;
   void slideTo(const std::vector<Vec3>& x) {
     friction_.compute(law_.surfaces, x, start_, law_.moved - moved_at_start_);
   }
@@ -135,7 +137,8 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   std::vector<Vec3> way_, forces_, forces_before_, start_;  ///< start_: at the start of the step
   std::vector<double> bend_;
   Vec3 moved_at_start_ = Vec3::Zero(), goal_ = Vec3::Zero();
-  double travel_ = 0;        ///< the longest way of a vertex in the last step [m]
+  double mean_edge_ = 0;     ///< [m]
+  bool is_in_step_ = false;
   bool is_carried_ = false;  ///< what is moved has gone on since the last force
   bool left_start_ = false, holds_nothing_ = false;  ///< bodies have been elsewhere than at start_; see wantStartForces()
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
@@ -189,13 +192,13 @@ void BarrierContact::compile() {
   }
   obstacles_.addTo(law_);
   law_.surfaces.finish();
-  if (law_.range == 0) law_.range = 0.1 * law_.surfaces.meanEdge();
-  friction_.farthest = std::max(law_.range, 0.25 * law_.surfaces.meanEdge());
+  mean_edge_ = law_.surfaces.meanEdge();
+  if (law_.range == 0) law_.range = 0.1 * mean_edge_;
+  friction_.farthest = std::max(law_.range, 0.25 * mean_edge_);
   law_.candidates.self_contact = self_;
   law_.compile();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
   start_.clear(), terms_.clear(), friction_.clear();
-  travel_ = 0;
   ++pattern_revision_;
   way_.resize(law_.surfaces.rows.size());
   for (std::vector<Vec3>* forces : {&forces_, &forces_before_}) forces->resize(law_.surfaces.rows.size());
@@ -210,17 +213,22 @@ void BarrierContact::checkStart(ConstRows x) {
 
 // ---- forces ----
 
-/// True: pairs have been looked for.
-bool BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
-  if (law_.candidates.covers(x)) return false;
-  const double least = 0.5 * law_.range;
-  if (law_.candidates.find(x, std::max(least, std::min(2 * travel_, law_.surfaces.meanEdge())))) has_new_pairs_ = true;
-  return true;
+bool BarrierContact::findAgain(const BarrierLaw& law, const std::vector<Vec3>& x) const {
+  return law.candidates.findAgain(x, 0.5 * law.range, 0.25 * mean_edge_);
+}
+
+void BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
+  if (findAgain(law_, x)) has_new_pairs_ = true;
 }
 
 double BarrierContact::energy(ConstRows x) const {
   law_.surfaces.gather(x, law_.moved, x_);
-  if (lookAgain(x_)) law_.weighNew(x_);
+  if (!is_in_step_ && !law_.candidates.covers(x_)) {  // an observer leaves no trace
+    BarrierLaw law = law_;
+    findAgain(law, x_);
+    return law.energy(x_);
+  }
+  lookAgain(x_);
   return law_.energy(x_);
 }
 
@@ -231,7 +239,7 @@ void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
   // energies along a line have the shares of its start, so that these may follow at first; forces along a line have not
   constexpr int most_weighings = 6;
   const bool begins = std::exchange(is_carried_, false);
-  (friction_.mu > 0 ? begins : ++weighings_ <= most_weighings) ? law_.weigh(x_) : law_.weighNew(x_);
+  if (friction_.mu > 0 ? begins : ++weighings_ <= most_weighings) law_.weigh(x_);
   terms_.clear();
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_));
   terms_.addForce(f);
@@ -244,10 +252,9 @@ void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
 
 void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   follow(x);
-  if (start_.size() == x_.size()) {
-    travel_ = 0;
-    for (std::size_t v = 0; v < x_.size(); ++v) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
-  }
+  lookAgain(x_);  // whether or not somebody has asked between steps
+  law_.candidates.stepBegins();
+  is_in_step_ = true;
   friction_.slip = slip_velocity_ * (t_end - t);
   friction_.begin(x_.size());
   if (friction_.mu > 0 && start_.size() == x_.size()) {
@@ -318,6 +325,7 @@ bool BarrierContact::movesOn(ConstRows x) {
 bool BarrierContact::sharesChange() {
   constexpr double settled = 1e-2;
   constexpr int most_rounds = 10;
+  if (law_.isOutOfReach(x_)) return false;
   law_.sumForces(x_, forces_before_);
   friction_.mu > 0 ? law_.weighAgain(x_) : law_.weigh(x_);
   law_.sumForces(x_, forces_);
@@ -344,6 +352,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   friction_.release();
   slideTo(x_);
   outputs_.note(law_, friction_, x_, bodies_);
+  is_in_step_ = false;
   std::string found;
   if (!crossings.empty()) {
     found = fmt::format("{} edges and triangles of {} cross; {}", crossings.size(), path(),
@@ -363,29 +372,20 @@ void BarrierContact::reset() {
   law_.candidates.forget();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
   start_.clear(), terms_.clear(), friction_.clear();
-  travel_ = 0, left_start_ = is_carried_ = false, outputs_.reset();
+  is_in_step_ = left_start_ = is_carried_ = false, outputs_.reset();
   ++pattern_revision_;
 }
 
 void BarrierContact::serialize(Archive& archive) {
-  archive.list("found_at", law_.candidates.foundAt());
-  archive.value("margin", law_.candidates.margin());
+  law_.candidates.serialize(archive);
   archive.list("start", start_);
   for (int k = 0; k < 3; ++k) {
     archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
     archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
   }
   outputs_.serialize(archive);
-  archive.value("travel", travel_);
   if (!archive.isReading()) return;
-  goal_ = law_.moved, left_start_ = false;
-  const std::vector<Vec3> at = law_.candidates.foundAt();
-  if (at.size() == law_.surfaces.rows.size()) {
-    law_.candidates.find(at, law_.candidates.margin());
-    law_.weigh(at);
-  } else {
-    law_.candidates.forget();
-  }
+  goal_ = law_.moved, left_start_ = is_in_step_ = false;
   ++pattern_revision_;
 }
 

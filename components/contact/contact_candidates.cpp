@@ -3,8 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 
 #include "framework/collision/exact_intersection.h"
+#include "framework/scene/archive.h"
 
 namespace stroma::contact {
 
@@ -13,27 +16,37 @@ bool has(const std::array<int, 3>& face, int vertex) {
   return face[0] == vertex || face[1] == vertex || face[2] == vertex;
 }
 
-/// Boxes around both sides of a pair on their way are farther apart than `distance`: a bound that costs little.
-bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double distance) {
-  Box sides[2];
-  for (std::size_t i = 0; i < 4; ++i) {
-    Box& side = sides[i < (kind == PairKind::point_triangle ? 1 : 2) ? 0 : 1];
-    side.add(x[i]);
-    if (dx) side.add(Vec3(x[i] + (*dx)[i]));
-  }
-  const Vec3 apart = (sides[1].low - sides[0].high).cwiseMax(sides[0].low - sides[1].high).cwiseMax(Vec3::Zero());
-  return apart.squaredNorm() > distance * distance;
+[[noreturn]] void refuseStored() {
+  throw std::runtime_error("the checkpoint has pairs of surfaces that are not there: it was written by another scene");
 }
 }  // namespace
 
 void Candidates::compile(const Surfaces& surfaces) {
   surfaces_ = &surfaces;
-  trees_.assign(surfaces.bodies().size(), {});
-  boxes_.assign(surfaces.bodies().size(), {});
-  for (std::size_t b = 0; b < boxes_.size(); ++b) boxes_[b].resize(std::size_t(surfaces.bodies()[b].faces));
-  fit(surfaces.rest, nullptr, {});
-  for (std::size_t b = 0; b < boxes_.size(); ++b) trees_[b].build(boxes_[b]);
+  parts_ = partsOf(surfaces);
+  trees_.assign(parts_.size(), {});
+  boxes_.assign(parts_.size(), {});
+  is_fit_.assign(parts_.size(), false);
+  gone_.assign(parts_.size(), {}), goes_ = gone_;
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    boxes_[p].resize(parts_[p].faces.size());
+    fit(int(p), surfaces.rest, nullptr, {});
+    trees_[p].build(boxes_[p]);
+  }
+  meetings_.clear();
+  for (int a = 0; a < int(parts_.size()); ++a)
+    for (int b = a; b < int(parts_.size()); ++b)
+      if (mayMeet(parts_[std::size_t(a)].body, parts_[std::size_t(b)].body)) meetings_.push_back({.a = a, .b = b});
+  ways_.assign(meetings_.size(), 0);
+  looks_.assign(meetings_.size(), false), searched_ = looks_;
+  face_pairs_.assign(meetings_.size(), {});
   forget();
+}
+
+void Candidates::forget() {
+  found_at_.clear(), pairs_.clear();
+  for (Meeting& meeting : meetings_) meeting = {.a = meeting.a, .b = meeting.b};
+  ++revision_, step_ = 0, may_push_ = true, work_ = {};
 }
 
 bool Candidates::mayMeet(int a, int b) const {
@@ -42,33 +55,34 @@ bool Candidates::mayMeet(int a, int b) const {
   return bodies[std::size_t(a)].moves || bodies[std::size_t(b)].moves;
 }
 
-void Candidates::fit(const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend) {
-  for (std::size_t b = 0; b < boxes_.size(); ++b) {
-    const Surfaces::Body& body = surfaces_->bodies()[b];
-    for (int f = 0; f < body.faces; ++f) {
-      Box box;
-      const std::size_t face = std::size_t(body.first_face + f);
-      double more = 0;
-      for (const int v : surfaces_->faces[face]) {
-        box.add(x[std::size_t(v)]);
-        if (dx) box.add(x[std::size_t(v)] + (*dx)[std::size_t(v)]);
-        if (!bend.empty()) more = std::max(more, bend[std::size_t(v)]);
-      }
-      boxes_[b][std::size_t(f)] = box.grownBy(surfaces_->radius[face] + more);
+void Candidates::fit(int part, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend) {
+  const std::vector<int>& faces = parts_[std::size_t(part)].faces;
+  std::vector<Box>& boxes = boxes_[std::size_t(part)];
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Box box;
+    const std::size_t face = std::size_t(faces[f]);
+    double more = 0;
+    for (const int v : surfaces_->faces[face]) {
+      box.add(x[std::size_t(v)]);
+      if (dx) box.add(x[std::size_t(v)] + (*dx)[std::size_t(v)]);
+      if (!bend.empty()) more = std::max(more, bend[std::size_t(v)]);
     }
-    trees_[b].refit(boxes_[b]);
+    boxes[f] = box.grownBy(surfaces_->radius[face] + more);
   }
 }
 
+void Candidates::fitBoth(const Meeting& meeting, const std::vector<Vec3>& x, const std::vector<Vec3>* dx,
+                         const std::vector<double>& bend) {
+  for (const int part : {meeting.a, meeting.b})
+    if (!std::exchange(is_fit_[std::size_t(part)], true))
+      fit(part, x, dx, bend), trees_[std::size_t(part)].refit(boxes_[std::size_t(part)]);
+}
+
 template <class Visit>
-void Candidates::forEachNearPair(double margin, Visit&& visit) const {
-  const auto& bodies = surfaces_->bodies();
-  for (int a = 0; a < int(bodies.size()); ++a)
-    for (int b = a; b < int(bodies.size()); ++b)
-      if (mayMeet(a, b))
-        trees_[std::size_t(a)].forEachPair(trees_[std::size_t(b)], margin, [&](Index f, Index g) {
-          visit(bodies[std::size_t(a)].first_face + f, bodies[std::size_t(b)].first_face + g);
-        });
+void Candidates::forEachNearPair(const Meeting& meeting, double margin, Visit&& visit) const {
+  const std::vector<int>&a = parts_[std::size_t(meeting.a)].faces, &b = parts_[std::size_t(meeting.b)].faces;
+  trees_[std::size_t(meeting.a)].forEachPair(trees_[std::size_t(meeting.b)], margin,
+                                             [&](Index f, Index g) { visit(a[std::size_t(f)], b[std::size_t(g)]); });
 }
 
 Candidate Candidates::vertexAndFace(int vertex, int face) const {
@@ -104,35 +118,111 @@ void Candidates::pairsOf(int f, int g, Visit&& visit) const {
 /// Of one piece, which has a shape of its own.
 bool Candidates::isNearAtRest(const Candidate& pair) const {
   const Surfaces& s = *surfaces_;
-  return s.pieceOf(pair.v[0]) == s.pieceOf(pair.v[3]) &&
-         closestPoints(pair.kind, pointsOf(pair, s.rest)).distance() <= reach;
+  if (s.pieceOf(pair.v[0]) != s.pieceOf(pair.v[3])) return false;
+  const FourPoints rest = pointsOf(pair, s.rest);  // parallel edges, as grids have, are dear
+  return !areFar(pair.kind, rest, nullptr, reach) && closestPoints(pair.kind, rest).distance() <= reach;
+}
+
+/// Motion of each meeting at x. True: it is less than what the pairs of each were found for.
+bool Candidates::follow(const std::vector<Vec3>& x) {
+  may_push_ = true;
+  if (found_at_.size() != x.size()) return false;
+  const std::vector<double> straight;
+  for (std::size_t p = 0; p < parts_.size(); ++p) gone_[p] = displacementsOf(parts_[p], x, &found_at_, straight);
+  bool all = true;
+  may_push_ = false;
+  for (Meeting& meeting : meetings_) {
+    const Displacements &a = gone_[std::size_t(meeting.a)], &b = gone_[std::size_t(meeting.b)];
+    const double gone = a.longest + b.longest;  // a way along together is rounded as well
+    meeting.motion = meeting.used + mostApart(a, b) + (gone > 0 ? roundOff(gone) : 0);
+    all = all && meeting.motion <= budgetOf(meeting);
+    may_push_ = may_push_ || !(meeting.pushing - meeting.motion >= reach);
+  }
+  return all;
 }
 
 bool Candidates::find(const std::vector<Vec3>& x, double margin) {
+  forget();
+  startFrom(x);
+  for (std::size_t m = 0; m < meetings_.size(); ++m) search(int(m), x, margin);
+  return takeFound();
+}
+
+bool Candidates::findAgain(const std::vector<Vec3>& x, double least_margin, double most_margin) {
+  constexpr double steps = 3;  // for which a margin is to last; both sides have it
+  if (follow(x)) return false;
+  startFrom(x);
+  for (std::size_t m = 0; m < meetings_.size(); ++m) {
+    const Meeting& meeting = meetings_[m];
+    if (meeting.motion <= budgetOf(meeting)) continue;
+    const double in_a_step = meeting.near < 0 ? 0 : meeting.motion / double(std::max(1L, step_ - meeting.step));
+    const double wanted = std::isfinite(in_a_step) ? steps * in_a_step : 0;
+    search(int(m), x, std::max(least_margin, std::min(wanted, most_margin)));
+  }
+  return takeFound();
+}
+
+/// Motion is measured from x from now on; what it was until then has been used up. Not to be called before follow().
+void Candidates::startFrom(const std::vector<Vec3>& x) {
+  for (Meeting& meeting : meetings_) meeting.used = meeting.motion;
   found_at_ = x;
-  margin_ = margin;
-  std::swap(pairs_, old_pairs_);
-  pairs_.clear();
-  face_pairs_.clear();
-  fit(x, nullptr, {});
-  const double near = reach + 2 * margin;
-  forEachNearPair(near, [&](int f, int g) {
-    face_pairs_.push_back({f, g});
+  size_ = 0;
+  for (const Vec3& p : x) size_ = std::max(size_, p.cwiseAbs().maxCoeff());
+  std::fill(searched_.begin(), searched_.end(), false);
+  found_.clear();
+  fitNone();
+}
+
+/// Pairs of two parts for a motion of twice the margin; where boxes around the parts are farther apart, none and for a longer one.
+void Candidates::search(int number, const std::vector<Vec3>& x, double margin) {
+  Meeting& meeting = meetings_[std::size_t(number)];
+  ++work_.searches;
+  fitBoth(meeting, x, nullptr, {});
+  const Box &a = trees_[std::size_t(meeting.a)].whole(), &b = trees_[std::size_t(meeting.b)].whole();
+  const double apart = (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(Vec3::Zero()).norm();
+  const double near = std::max(reach + 2 * margin, apart);
+  // at x, where it is known to be free
+  meeting.is_free = apart > 0 || (meeting.is_free && meeting.motion < meeting.clear);
+  meeting.near = meeting.pushing = near, meeting.clear = near - thickness;
+  meeting.used = meeting.motion = 0, meeting.step = step_, meeting.has_faces = true;
+  face_pairs_[std::size_t(number)].clear();
+  searched_[std::size_t(number)] = true;
+  if (apart >= reach + 2 * margin) return;
+  forEachNearPair(meeting, near, [&](int f, int g) {
+    face_pairs_[std::size_t(number)].push_back({f, g});
+    meeting.clear = std::min(meeting.clear, leastApart(*surfaces_, f, g, x, meeting.clear));
     pairsOf(f, g, [&](Candidate pair) {
       const double far = near + pair.radius;
       const FourPoints points = pointsOf(pair, x);
       if (areFar(pair.kind, points, nullptr, far)) return;
-      if (closestPoints(pair.kind, points).difference.squaredNorm() > far * far) return;
-      pair.pushes = !isNearAtRest(pair);
-      pairs_.push_back(pair);
+      pair.distance = closestPoints(pair.kind, points).distance() - pair.radius;
+      if (pair.distance > near) return;
+      pair.pushes = !isNearAtRest(pair), pair.meeting = number;
+      meeting.clear = std::min(meeting.clear, pair.distance - (pair.pushes ? thickness : 0));
+      if (pair.pushes) meeting.pushing = std::min(meeting.pushing, pair.distance);
+      found_.push_back(pair);
     });
   });
-  std::sort(pairs_.begin(), pairs_.end());
-  auto old = old_pairs_.begin();
-  for (Candidate& pair : pairs_) {
-    while (old != old_pairs_.end() && *old < pair) ++old;
-    if (old != old_pairs_.end() && !(pair < *old)) pair.factor = old->factor, pair.tried = old->tried, pair.found = old->found;
+}
+
+/// Pairs that have been found take the place of those of the same parts. True: others push.
+bool Candidates::takeFound() {
+  const auto isSearched = [&](const Candidate& pair) { return bool(searched_[std::size_t(pair.meeting)]); };
+  if (found_.empty() && std::none_of(pairs_.begin(), pairs_.end(), isSearched)) return false;
+  std::sort(found_.begin(), found_.end());
+  std::swap(pairs_, old_pairs_);
+  pairs_.clear();
+  auto next = found_.begin();
+  for (auto old = old_pairs_.begin(); old != old_pairs_.end(); ++old) {
+    for (; next != found_.end() && *next < *old; ++next) pairs_.push_back(*next);
+    if (!isSearched(*old)) {
+      pairs_.push_back(*old);
+    } else if (next != found_.end() && !(*old < *next)) {
+      pairs_.push_back(*next++);
+      pairs_.back().factor = old->factor, pairs_.back().tried = old->tried, pairs_.back().found = old->found;
+    }
   }
+  pairs_.insert(pairs_.end(), next, found_.end());
   ++revision_;
   return doOthersPush();
 }
@@ -148,87 +238,158 @@ bool Candidates::doOthersPush() const {
   return now != pairs_.end() || before != old_pairs_.end();
 }
 
-bool Candidates::covers(const std::vector<Vec3>& x) const {
-  if (found_at_.size() != x.size()) return false;
-  for (std::size_t v = 0; v < x.size(); ++v)
-    if (!((x[v] - found_at_[v]).squaredNorm() <= margin_ * margin_)) return false;
-  return true;
-}
-
-bool Candidates::coversWay(const std::vector<Vec3>& x, const std::vector<Vec3>& dx,
-                           const std::vector<double>& bend) const {
-  if (found_at_.size() != x.size()) return false;
-  for (std::size_t v = 0; v < x.size(); ++v) {
-    const Vec3 from = x[v] - found_at_[v];
-    const double room = margin_ - (bend.empty() ? 0 : bend[v]);
-    if (!(from.norm() <= room && (from + dx[v]).norm() <= room)) return false;
-  }
-  return true;
-}
-
-double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
-                               double thickness) {
-  double step = 1;
+/// Makes `step` as short as the pair lets it be.
+void Candidates::shorten(const Candidate& pair, const std::vector<Vec3>& x, const std::vector<Vec3>& dx,
+                         const std::vector<double>& bend, double& step) {
   const StepOptions options;
-  const auto shorten = [&](const Candidate& pair) {
-    double apart = pair.pushes ? thickness + pair.radius : 0;
-    if (!bend.empty()) {
-      const std::size_t first_side = pair.kind == PairKind::point_triangle ? 1 : 2;
-      double sides[2] = {0, 0};
-      for (std::size_t i = 0; i < 4; ++i) {
-        double& side = sides[i < first_side ? 0 : 1];
-        side = std::max(side, bend[std::size_t(pair.v[i])]);
-      }
-      apart += sides[0] + sides[1];
+  ++work_.ways;
+  double apart = pair.pushes ? thickness + pair.radius : 0;
+  if (!bend.empty()) {
+    const std::size_t first_side = pair.kind == PairKind::point_triangle ? 1 : 2;
+    double sides[2] = {0, 0};
+    for (std::size_t i = 0; i < 4; ++i) {
+      double& side = sides[i < first_side ? 0 : 1];
+      side = std::max(side, bend[std::size_t(pair.v[i])]);
     }
-    const FourPoints start = pointsOf(pair, x), way = pointsOf(pair, dx);
-    // at least a tenth of the distance remains then
-    if (areFar(pair.kind, start, &way, apart + options.left * (start[3] - start[0]).norm())) return;
-    step = std::min(step, stroma::longestStep(pair.kind, start, way, {.longest = step, .thickness = apart}));
-  };
-  if (coversWay(x, dx, bend)) {
-    for (const Candidate& pair : pairs_) shorten(pair);
-    return step;
+    apart += sides[0] + sides[1];
   }
-  fit(x, &dx, bend);
-  forEachNearPair(thickness + options.left * reach, [&](int f, int g) {  // farther apart there is no force yet
-    pairsOf(f, g, [&](Candidate pair) {
-      pair.pushes = thickness == 0 || !isNearAtRest(pair);
-      shorten(pair);
+  const FourPoints start = pointsOf(pair, x), way = pointsOf(pair, dx);
+  // at least a tenth of the distance remains then
+  if (areFar(pair.kind, start, &way, apart + options.left * (start[3] - start[0]).norm())) return;
+  step = std::min(step, stroma::longestStep(pair.kind, start, way, {.longest = step, .thickness = apart}));
+}
+
+/// What has room for its way, and a tenth of it besides, is not looked at.
+double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend) {
+  const StepOptions options;
+  const auto rounding = [&](std::size_t m) {
+    return roundOff(goes_[std::size_t(meetings_[m].a)].longest + goes_[std::size_t(meetings_[m].b)].longest);
+  };
+  const auto hasRoom = [&](std::size_t m, double room) {
+    return ways_[m] <= (1 - options.left) * (room - meetings_[m].motion - rounding(m));
+  };
+  const bool knows_any = found_at_.size() == x.size();
+  follow(x);
+  for (std::size_t p = 0; p < parts_.size(); ++p) goes_[p] = displacementsOf(parts_[p], dx, nullptr, bend);
+  double step = 1;
+  bool looks = false;
+  fitNone();
+  for (std::size_t m = 0; m < meetings_.size(); ++m) {
+    const Meeting& meeting = meetings_[m];
+    ways_[m] = mostApart(goes_[std::size_t(meeting.a)], goes_[std::size_t(meeting.b)]);
+    looks_[m] = false;
+    if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear))) continue;
+    looks_[m] = knows_any && meeting.motion + ways_[m] + rounding(m) <= budgetOf(meeting);
+    looks = looks || looks_[m];
+    if (looks_[m]) continue;
+    ++work_.searches;
+    fitBoth(meeting, x, &dx, bend);
+    forEachNearPair(meeting, thickness + options.left * reach, [&](int f, int g) {  // farther apart there is no force yet
+      pairsOf(f, g, [&](Candidate pair) {
+        pair.pushes = thickness == 0 || !isNearAtRest(pair);
+        shorten(pair, x, dx, bend, step);
+      });
     });
-  });
+  }
+  if (looks)
+    for (const Candidate& pair : pairs_) {
+      const std::size_t m = std::size_t(pair.meeting);
+      if (looks_[m] && !hasRoom(m, pair.distance - (pair.pushes ? thickness : 0))) shorten(pair, x, dx, bend, step);
+    }
   return step;
 }
 
-std::vector<Candidates::Crossing> Candidates::crossings(const std::vector<Vec3>& x) {
+void Candidates::testFaces(int from, int to, const std::vector<Vec3>& x, std::vector<Crossing>& found) const {
   const Surfaces& s = *surfaces_;
+  const auto& face = s.faces[std::size_t(to)];
+  const Vec3 &a = x[std::size_t(face[0])], &b = x[std::size_t(face[1])], &c = x[std::size_t(face[2])];
+  for (const int e : s.owned_edges[std::size_t(from)]) {
+    if (e < 0) continue;
+    const auto& ends = s.edges[std::size_t(e)];
+    if (has(face, ends[0]) || has(face, ends[1])) continue;
+    const Vec3 &p = x[std::size_t(ends[0])], &q = x[std::size_t(ends[1])];
+    if (!segmentMeetsTriangle(p, q, a, b, c)) continue;
+    const Vec3 normal = (b - a).cross(c - a);
+    const double area = normal.norm();
+    const auto heightOf = [&](const Vec3& end) { return area > 0 ? std::abs(normal.dot(end - a)) / area : 0; };
+    found.push_back({e, to, std::min(heightOf(p), heightOf(q))});
+  }
+}
+
+/// Two parts of which an exact test has once found nothing that crosses stay without as long as all distances of a vertex and a
+/// triangle and of two edges stay above zero: they may not cross without touching first.
+std::vector<Candidates::Crossing> Candidates::crossings(const std::vector<Vec3>& x) {
   std::vector<Crossing> found;
-  const auto test = [&](int from, int to) {
-    const auto& face = s.faces[std::size_t(to)];
-    const Vec3 &a = x[std::size_t(face[0])], &b = x[std::size_t(face[1])], &c = x[std::size_t(face[2])];
-    for (const int e : s.owned_edges[std::size_t(from)]) {
-      if (e < 0) continue;
-      const auto& ends = s.edges[std::size_t(e)];
-      if (has(face, ends[0]) || has(face, ends[1])) continue;
-      const Vec3 &p = x[std::size_t(ends[0])], &q = x[std::size_t(ends[1])];
-      if (!segmentMeetsTriangle(p, q, a, b, c)) continue;
-      const Vec3 normal = (b - a).cross(c - a);
-      const double area = normal.norm();
-      const auto heightOf = [&](const Vec3& end) { return area > 0 ? std::abs(normal.dot(end - a)) / area : 0; };
-      found.push_back({e, to, std::min(heightOf(p), heightOf(q))});
+  const bool knows_any = found_at_.size() == x.size();
+  follow(x);
+  fitNone();
+  for (std::size_t m = 0; m < meetings_.size(); ++m) {
+    Meeting& meeting = meetings_[m];
+    const bool is_near_known = knows_any && meeting.motion < meeting.clear;
+    if (is_near_known && meeting.is_free) continue;
+    ++work_.tests;
+    const std::size_t before = found.size();
+    const auto both = [&](int f, int g) { testFaces(f, g, x, found), testFaces(g, f, x, found); };
+    if (knows_any && meeting.has_faces && meeting.motion <= budgetOf(meeting)) {
+      for (const auto& [f, g] : face_pairs_[m]) both(f, g);
+    } else {
+      fitBoth(meeting, x, nullptr, {});
+      forEachNearPair(meeting, 0, both);
     }
-  };
-  const auto both = [&](int f, int g) { test(f, g), test(g, f); };
-  if (covers(x)) {
-    for (const auto& [f, g] : face_pairs_) both(f, g);
-  } else {
-    fit(x, nullptr, {});
-    forEachNearPair(0, both);
+    meeting.is_free = is_near_known && found.size() == before;
   }
   std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) {
     return a.depth != b.depth ? a.depth > b.depth : a.edge != b.edge ? a.edge < b.edge : a.face < b.face;
   });
   return found;
+}
+
+/// Pairs are written and not found again: which of them are kept depends on where they were looked for.
+void Candidates::serialize(Archive& archive) {
+  std::vector<int> pairs;
+  std::vector<double> known, distances;
+  for (const Meeting& m : meetings_)
+    known.insert(known.end(), {m.near, m.clear, m.pushing, m.used, double(step_ - m.step), double(m.is_free)});
+  for (const Candidate& pair : pairs_) {
+    pairs.insert(pairs.end(), {int(pair.kind), pair.first, pair.second, pair.meeting});
+    distances.push_back(pair.distance);
+  }
+  archive.list("found_at", found_at_), archive.list("meetings", known);
+  archive.list("pairs", pairs), archive.list("distances", distances);
+  const std::vector<Vec3> at = found_at_;
+  if (archive.isReading()) forget();
+  archive.value("searches", work_.searches), archive.value("ways", work_.ways), archive.value("tests", work_.tests);
+  if (!archive.isReading()) return;
+  // of other obstacles, which somebody has changed since: found anew
+  if (at.size() != surfaces_->rows.size() || known.size() != 6 * meetings_.size()) return;
+  startFrom(at);
+  for (std::size_t m = 0; m < meetings_.size(); ++m) {
+    const double* k = known.data() + 6 * m;
+    Meeting& meeting = meetings_[m];
+    meeting.near = k[0], meeting.clear = k[1], meeting.pushing = k[2], meeting.used = meeting.motion = k[3];
+    meeting.step = step_ - long(k[4]), meeting.is_free = k[5] != 0;
+  }
+  readPairs(pairs, distances);
+}
+
+void Candidates::readPairs(const std::vector<int>& numbers, const std::vector<double>& distances) {
+  const Surfaces& s = *surfaces_;
+  if (numbers.size() != 4 * distances.size()) refuseStored();
+  const auto isOf = [](int number, std::size_t count) { return number >= 0 && std::size_t(number) < count; };
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const int* n = numbers.data() + 4 * i;
+    const bool edges = n[0] == int(PairKind::edge_edge);
+    if ((!edges && n[0] != int(PairKind::point_triangle)) || !isOf(n[1], edges ? s.edges.size() : s.rows.size()) ||
+        !isOf(n[2], edges ? s.edges.size() : s.faces.size()) || !isOf(n[3], meetings_.size()))
+      refuseStored();
+    const auto radiusOf = [&](int edge) {
+      const int v = s.edges[std::size_t(edge)][0];
+      return s.radius[std::size_t(s.faces_around.values[std::size_t(s.faces_around.start[std::size_t(v)])])];
+    };
+    Candidate pair = edges ? twoEdges(n[1], n[2], radiusOf(n[1]) + radiusOf(n[2])) : vertexAndFace(n[1], n[2]);
+    pair.meeting = n[3], pair.distance = distances[i], pair.pushes = !isNearAtRest(pair);
+    pairs_.push_back(pair);
+  }
 }
 
 }  // namespace stroma::contact

@@ -2,10 +2,14 @@
 #pragma once
 #include <limits>
 #include <string>
+#include <utility>
 
-#include "components/contact/contact_surfaces.h"
+#include "components/contact/contact_parts.h"
 #include "components/contact/longest_step.h"
-#include "framework/collision/box_tree.h"
+
+namespace stroma {
+class Archive;
+}
 
 namespace stroma::contact {
 
@@ -15,6 +19,8 @@ struct Candidate {
   int first, second;     ///< vertex and triangle, or two edges
   std::array<int, 4> v;  ///< vertices
   double radius;         ///< both surfaces' [m]
+  double distance = 0;   ///< where it was found, less the radius [m]
+  int meeting = 0;       ///< of the parts that its sides belong to
   bool pushes = true;    ///< false: near at rest already, and only kept from crossing
   double factor = std::numeric_limits<double>::quiet_NaN();  ///< of two edges, see contact_terms.h; not known yet
   double tried = factor, found = factor;                     ///< the factor of the solve before, and the one that followed from it
@@ -29,27 +35,39 @@ struct Plane {
   double offset;
 };
 
-/// The pairs of an interaction that are nearer than a reach, as long as no vertex has moved farther than a margin since
-/// they were looked for; ways and crossings of all pairs.
+/// The pairs of an interaction that are nearer than a reach; ways and crossings of all pairs. Each two parts of the surfaces have
+/// a proof of what they do not need (contact_parts.h): while it holds, neither pairs nor crossings are looked for between them.
 class Candidates {
  public:
   bool self_contact = true;
-  double reach = 0;  ///< distance at which pairs begin to count [m]
+  double reach = 0;      ///< distance at which pairs begin to count [m]
+  double thickness = 0;  ///< distance at which surfaces that push touch, in `reach` [m]
 
   void compile(const Surfaces& surfaces);
-  /// All pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x. What was known of a
-  /// pair stays with it. False: those that push are the same as before.
+  /// Another step begins: margins follow what things move in one.
+  void stepBegins() { ++step_; }
+  /// All pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x; nothing is
+  /// known of them. False: none pushes.
   bool find(const std::vector<Vec3>& x, double margin);
-  void forget() { found_at_.clear(), pairs_.clear(), ++revision_; }
-  /// Grows with each find().
+  /// The same where motion up to x has used up what was known, with margins that last for some steps. What was known of a pair
+  /// stays with it. False: those that push are the same as before.
+  bool findAgain(const std::vector<Vec3>& x, double least_margin, double most_margin);
+  void forget();
+  /// Grows when there are others.
   long revision() const { return revision_; }
-  bool covers(const std::vector<Vec3>& x) const;
+  /// All pairs that are nearer than `reach` at x are known.
+  bool covers(const std::vector<Vec3>& x) { return follow(x); }
   std::vector<Candidate>& pairs() { return pairs_; }
   const std::vector<Candidate>& pairs() const { return pairs_; }
+  // ---- at the x of the last covers() ----
+  /// False: nothing that pushes is nearer than `reach`.
+  bool mayPush() const { return may_push_; }
+  bool mayPush(const Candidate& pair) const {
+    return pair.pushes && pair.distance - meetings_[std::size_t(pair.meeting)].motion < reach;
+  }
   /// The largest s <= 1 up to which the vertices may move from x to x + s dx. `bend`: how far each may be off that line on
   /// its way [m]; empty: not at all.
-  double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
-                     double thickness);
+  double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend);
   /// An edge that has a point in common with a triangle; of the vertices of both.
   struct Crossing {
     int edge, face;
@@ -59,31 +77,56 @@ class Candidates {
   FourPoints pointsOf(const Candidate& pair, const std::vector<Vec3>& x) const {
     return {x[std::size_t(pair.v[0])], x[std::size_t(pair.v[1])], x[std::size_t(pair.v[2])], x[std::size_t(pair.v[3])]};
   }
-  // what has to be known to find the same pairs again
-  std::vector<Vec3>& foundAt() { return found_at_; }
-  double& margin() { return margin_; }
+  void serialize(Archive& archive);
+  /// What has been done since the last forget(): what two parts need counts as one.
+  struct Work {
+    long searches = 0;  ///< of pairs, where two parts were or of the way they want to go
+    long ways = 0;      ///< pairs whose way was looked at
+    long tests = 0;     ///< of crossings
+    long all() const { return searches + ways + tests; }
+  };
+  const Work& work() const { return work_; }
 
  private:
   bool mayMeet(int body_a, int body_b) const;
   bool doOthersPush() const;
   bool isNearAtRest(const Candidate& pair) const;
-  bool coversWay(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend) const;
-  void fit(const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend);
+  bool follow(const std::vector<Vec3>& x);
+  double roundOff(double motion) const { return 4e-12 * (size_ + motion); }
+  double budgetOf(const Meeting& meeting) const { return meeting.near - reach; }
+  void startFrom(const std::vector<Vec3>& x);
+  void search(int meeting, const std::vector<Vec3>& x, double margin);
+  bool takeFound();
+  void fit(int part, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend);
+  void fitBoth(const Meeting& meeting, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend);
+  void fitNone() { std::fill(is_fit_.begin(), is_fit_.end(), false); }
   template <class Visit>
-  void forEachNearPair(double margin, Visit&& visit) const;
+  void forEachNearPair(const Meeting& meeting, double margin, Visit&& visit) const;
   template <class Visit>
   void pairsOf(int f, int g, Visit&& visit) const;
   Candidate vertexAndFace(int vertex, int face) const;
   Candidate twoEdges(int a, int b, double radius) const;
+  void shorten(const Candidate& pair, const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
+               double& step);
+  void testFaces(int from, int to, const std::vector<Vec3>& x, std::vector<Crossing>& found) const;
+  void readPairs(const std::vector<int>& numbers, const std::vector<double>& distances);
 
   const Surfaces* surfaces_ = nullptr;
-  std::vector<BoxTree> trees_;  ///< one per body
-  std::vector<std::vector<Box>> boxes_;
-  std::vector<Candidate> pairs_, old_pairs_;
-  std::vector<std::array<int, 2>> face_pairs_;
-  std::vector<Vec3> found_at_;
-  double margin_ = 0;
-  long revision_ = 0;
+  std::vector<SurfacePart> parts_;
+  std::vector<BoxTree> trees_;           ///< one per part
+  std::vector<std::vector<Box>> boxes_;  ///< of its triangles
+  std::vector<char> is_fit_;             ///< these boxes are of what is looked for now
+  std::vector<Displacements> gone_, goes_;  ///< of each part, to x and on its way
+  std::vector<Meeting> meetings_;
+  std::vector<double> ways_;  ///< of each meeting: motion that a step wants
+  std::vector<char> looks_, searched_;  ///< of each meeting: at its pairs; they are found anew
+  std::vector<std::vector<std::array<int, 2>>> face_pairs_;
+  std::vector<Candidate> pairs_, old_pairs_, found_;
+  std::vector<Vec3> found_at_;  ///< motion is measured from there
+  double size_ = 0;             ///< largest coordinate there [m]
+  bool may_push_ = true;
+  long revision_ = 0, step_ = 0;
+  Work work_;
 };
 
 }  // namespace stroma::contact

@@ -18,6 +18,10 @@ void Outputs::declare(DataTable& table) {
       .help("smallest gap after the last step; 0: nothing is in reach")
       .unit("m")
       .output();
+  table.add("queries", queries_)
+      .help("searches for near pairs, their ways and exact tests that parts of the surfaces have needed so far")
+      .unit("-")
+      .output();
   table.add("frictionChange", friction_change)
       .help("what another solve would change of the friction of the last step, as a part of it")
       .unit("-")
@@ -39,6 +43,9 @@ void Outputs::note(const BarrierLaw& law, const Friction& friction, const std::v
   double smallest = std::numeric_limits<double>::infinity();
   contact_forces_.assign(std::size_t(first.size()), Vec3::Zero());
   wrenches_.assign(2 * bodies.size(), Vec3::Zero());
+  touched_ = false, smallest_gap_ = 0;
+  queries_ = double(law.candidates.work().all());
+  if (law.isOutOfReach(x) && friction.slides.empty()) return;
   forces_.resize(x.size());
   friction.forces(forces_);
   for (const Touch& touch : law.touches(x)) {
@@ -80,6 +87,9 @@ void Outputs::serialize(Archive& archive) {
   archive.value("crossings", crossings);
   archive.value("unsettled", unsettled_);
   archive.value("worst_change", worst_change_);
+  archive.value("friction_change", friction_change), archive.value("smallest_gap", smallest_gap_);
+  archive.value("queries", queries_), archive.value("touched", touched_);
+  archive.list("contact_forces", contact_forces_), archive.list("wrenches", wrenches_);
 }
 
 }  // namespace stroma::contact

@@ -26,7 +26,7 @@ class Outputs {
   double friction_change = 0;  ///< of another solve, relative
 
  private:
-  double smallest_gap_ = 0;
+  double smallest_gap_ = 0, queries_ = 0;
   int unsettled_ = 0;        ///< steps
   double worst_change_ = 0;  ///< of friction_change
   bool touched_ = false;  ///< something is in reach

@@ -55,7 +55,7 @@ Barrier::Barrier(double gap, double range) {
 }
 
 void BarrierLaw::compile() {
-  candidates.reach = range + thickness;
+  candidates.reach = range + thickness, candidates.thickness = thickness;
   candidates.compile(surfaces);
   vertex_share_.assign(surfaces.rows.size(), not_weighed);
   plane_share_.assign(planes.size() * surfaces.rows.size(), not_weighed);
@@ -65,10 +65,17 @@ void BarrierLaw::compile() {
 void BarrierLaw::look(const std::vector<Vec3>& x) const {
   if (looked_revision_ == candidates.revision() && x == looked_at_) return;
   looked_revision_ = candidates.revision(), looked_at_ = x;
-  const auto& pairs = candidates.pairs();
-  closest_.resize(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (pairs[i].pushes) closest_[i] = closestPoints(pairs[i].kind, candidates.pointsOf(pairs[i], x));
+  in_reach_.clear();
+  candidates.covers(x);
+  if (!candidates.mayPush()) return;
+  const auto& pairs = std::as_const(candidates).pairs();
+  const double far = range + thickness;
+  closest_.resize(pairs.size()), in_reach_.assign(pairs.size(), false);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!candidates.mayPush(pairs[i])) continue;
+    closest_[i] = closestPoints(pairs[i].kind, candidates.pointsOf(pairs[i], x));
+    in_reach_[i] = closest_[i].distance() < far + pairs[i].radius;
+  }
 }
 
 double BarrierLaw::shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const {
@@ -122,18 +129,28 @@ void BarrierLaw::weighAgain(const std::vector<Vec3>& x) const {
   weigh(x, Which::all_again);
 }
 
-void BarrierLaw::weighNew(const std::vector<Vec3>& x) const { weigh(x, Which::missing); }
+bool BarrierLaw::isOutOfReach(const std::vector<Vec3>& x) const {
+  look(x);
+  return planes.empty() && in_reach_.empty();
+}
 
 void BarrierLaw::weigh(const std::vector<Vec3>& x, Which which) const {
   const bool all = which != Which::missing;
   look(x);
   auto& pairs = candidates.pairs();
-  if (all) std::fill(vertex_share_.begin(), vertex_share_.end(), not_weighed);
+  if (all && is_weighed_) {
+    std::fill(vertex_share_.begin(), vertex_share_.end(), not_weighed);
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      if (in_reach_.empty() || !in_reach_[i]) pairs[i].factor = not_weighed;
+    is_weighed_ = false;
+  }
+  if (in_reach_.empty()) return;
+  is_weighed_ = true;
   for (std::size_t i = 0; i < pairs.size();) {
     if (pairs[i].kind == PairKind::edge_edge) {
       Candidate& pair = pairs[i];
       const bool is_known = !std::isnan(pair.factor);
-      if (pair.pushes && (all || !is_known)) {
+      if (in_reach_[i] && (all || !is_known)) {
         const double found = factorOf(pair, closest_[i], x);
         const bool again = is_known && which == Which::all_again;
         const double next = again ? nextFactor(pair, found) : found;
@@ -147,7 +164,7 @@ void BarrierLaw::weigh(const std::vector<Vec3>& x, Which which) const {
     double nearest = std::numeric_limits<double>::infinity();
     Vec3 towards = Vec3::Zero();
     for (; i < pairs.size() && pairs[i].kind == PairKind::point_triangle && pairs[i].first == vertex; ++i)
-      if (const double d = pairs[i].pushes ? closest_[i].distance() : 0; d > 0 && d < nearest)
+      if (const double d = in_reach_[i] ? closest_[i].distance() : 0; d > 0 && d < nearest)
         nearest = d, towards = closest_[i].difference / d;
     double& share = vertex_share_[std::size_t(vertex)];
     if (std::isfinite(nearest) && std::isnan(share)) share = surfaces.moves(vertex) ? shareOf(vertex, towards, x) : 0;
@@ -245,20 +262,19 @@ void BarrierLaw::addPlaneTouches(const std::vector<Vec3>& x) const {
 }
 
 const std::vector<Touch>& BarrierLaw::touches(const std::vector<Vec3>& x) const {
-  look(x);
+  weigh(x, Which::missing);
   touches_.clear();
   const auto& pairs = std::as_const(candidates).pairs();
-  const double far = range + thickness;
-  for (std::size_t i = 0; i < pairs.size();) {
+  for (std::size_t i = in_reach_.empty() ? pairs.size() : 0; i < pairs.size();) {
     if (pairs[i].kind == PairKind::edge_edge) {
-      if (pairs[i].pushes) addEdgeTouches(pairs[i], closest_[i], pairs[i].factor);
+      if (in_reach_[i]) addEdgeTouches(pairs[i], closest_[i], pairs[i].factor);
       ++i;
       continue;
     }
     const int vertex = pairs[i].first;
     features_.clear();
     for (; i < pairs.size() && pairs[i].kind == PairKind::point_triangle && pairs[i].first == vertex; ++i)
-      if (pairs[i].pushes && closest_[i].distance() < far + pairs[i].radius) addFeaturesOf(pairs[i], closest_[i], x);
+      if (in_reach_[i]) addFeaturesOf(pairs[i], closest_[i], x);
     addVertexTouches(vertex);
   }
   addPlaneTouches(x);
@@ -273,7 +289,7 @@ double BarrierLaw::energy(const std::vector<Vec3>& x) const {
 
 double BarrierLaw::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
                                const Vec3& way) const {
-  double step = candidates.longestStep(x, dx, bend, thickness);
+  double step = candidates.longestStep(x, dx, bend);
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v)
       if (surfaces.moves(int(v))) {

@@ -74,9 +74,9 @@ class BarrierLaw {
   void weigh(const std::vector<Vec3>& x) const;
   /// The same at the end x of a solve with the shares there were, for the next one.
   void weighAgain(const std::vector<Vec3>& x) const;
-  /// The same for what has none yet, so that energies at several x can be compared.
-  void weighNew(const std::vector<Vec3>& x) const;
-  /// What counts at x; nearer than dh. Not to be called before weigh().
+  /// No surfaces are nearer than dh at x, and there are no planes.
+  bool isOutOfReach(const std::vector<Vec3>& x) const;
+  /// What counts at x; nearer than dh. What has come into reach since weigh() gets its share here.
   const std::vector<Touch>& touches(const std::vector<Vec3>& x) const;
   Vec3 forceOf(const Touch& touch) const;  ///< on the first side [N]
   /// At the x of touches(). `definite`: with a derivative that has no unstable direction.
@@ -103,7 +103,7 @@ class BarrierLaw {
   };
   void look(const std::vector<Vec3>& x) const;
   void addTurning(const Touch& touch, const std::vector<Vec3>& x, double slope, Term& term) const;
-  enum class Which { all, all_again, missing };
+  enum class Which { all, all_again, missing };  ///< of what is in reach
   void weigh(const std::vector<Vec3>& x, Which which) const;
   double factorOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
   double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
@@ -116,7 +116,9 @@ class BarrierLaw {
   void addTouch(const Candidate& pair, const std::array<double, 4>& c, const Vec3& difference, double share,
                 double small) const;
 
-  mutable std::vector<ClosestPoints> closest_;  ///< of each candidate, at looked_at_
+  mutable std::vector<ClosestPoints> closest_;  ///< of each candidate in reach, at looked_at_
+  mutable std::vector<char> in_reach_;          ///< of each candidate; empty: none
+  mutable bool is_weighed_ = false;             ///< something has a share
   mutable std::vector<Vec3> looked_at_;
   mutable long looked_revision_ = -1;
   mutable std::vector<double> vertex_share_, plane_share_;  ///< not a number: not weighed yet

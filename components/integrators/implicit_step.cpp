@@ -58,7 +58,9 @@ void ImplicitStep::setTime(double time) {
 
 /// out += factor (rK K v - rM M v), K at the x of the last force.
 void ImplicitStep::addDamping(double factor, Rows out) {
-  if (has_rayleigh_stiffness_) system_->addStiffnessProduct(v(), factor * rayleigh_stiffness, factor, out);
+  const double r = factor * rayleigh_stiffness;
+  if (has_rayleigh_stiffness_)
+    system_->addStiffnessProduct(v(), {.stiffness = r, .rayleigh_stiffness = factor, .part_of_damping = r}, out);
   if (has_rayleigh_mass_) system_->addRayleighMassProduct(v(), rayleigh_mass, -factor, out);
 }
 
@@ -76,6 +78,7 @@ SystemMatrix& ImplicitStep::tangent() {
   factors.stiffness = -w * (scheme_.displacement + rayleigh_stiffness);
   factors.damping = factors.rayleigh_stiffness = -w;
   factors.rayleigh_mass = w;
+  factors.part_of_damping = -w * rayleigh_stiffness;
   return system_->matrix().withFactors(factors);
 }
 
@@ -91,13 +94,15 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   const double total = scheme_.weight + (two_times ? 0 : scheme_.old_weight);
   const double k = scheme_.weight * scheme_.drift / total + rayleigh_stiffness;
   if (!scheme_.has_history) {
-    s.computeForceAndProduct(s.x, s.v, s.v, k, 1, right_side_);
+    const MatrixFactors factors{.stiffness = k, .rayleigh_stiffness = 1, .part_of_damping = rayleigh_stiffness};
+    s.computeForceAndProduct(s.x, s.v, s.v, factors, right_side_);
   } else {
     copy(position_predictor, work_);
     scale(scheme_.weight / total, work_);
     axpy(k, v(), work_);
-    s.computeForceAndProduct(s.x, s.v, work_, 1, 0, right_side_);
-    if (has_own_stiffness_damping_) s.addStiffnessProduct(v(), 0, 1, b);
+    s.computeForceAndProduct(s.x, s.v, work_, {.stiffness = 1}, right_side_);
+    if (has_own_stiffness_damping_)
+      s.addStiffnessProduct(v(), {.rayleigh_stiffness = 1, .part_of_damping = rayleigh_stiffness}, b);
   }
   scale(total, b);
   if (has_rayleigh_mass_) s.addRayleighMassProduct(v(), rayleigh_mass, -total, b);

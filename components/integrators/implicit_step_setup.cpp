@@ -11,7 +11,7 @@ namespace stroma {
 void ImplicitStep::declareDamping(DataTable& table) {
   table.add("rayleighStiffness", rayleigh_stiffness)
       .recompiled()
-      .help("damping proportional to the stiffness")
+      .help("damping proportional to the stiffness, that of BarrierContact left out")
       .unit("s")
       .min(0);
   table.add("rayleighMass", rayleigh_mass).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
@@ -49,9 +49,11 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   has_own_stiffness_damping_ = depends_on_time_ = false;
   bool from_energy = system.isConservative();
   for (const ForceField* field : system.forceFields()) {
-    has_own_stiffness_damping_ = has_own_stiffness_damping_ || field->rayleigh_stiffness != 0;
-    depends_on_time_ = depends_on_time_ || field->traits().time_dependent;
-    from_energy = from_energy && !field->traits().velocity_dependent;
+    const ForceTraits traits = field->traits();
+    has_own_stiffness_damping_ =
+        has_own_stiffness_damping_ || field->rayleigh_stiffness != 0 || (rayleigh_stiffness != 0 && traits.undamped);
+    depends_on_time_ = depends_on_time_ || traits.time_dependent;
+    from_energy = from_energy && !traits.velocity_dependent;
   }
   has_rayleigh_stiffness_ = rayleigh_stiffness != 0 || has_own_stiffness_damping_;
 

@@ -114,7 +114,7 @@ RoundOff positionRoundOff(const System& system, Rows work, Rows product) {
     }
   system.constraints().project(work);
   clear(product);
-  system.addStiffnessProduct(work, 1, 0, product);
+  system.addStiffnessProduct(work, {.stiffness = 1}, product);
   system.constraints().project(product);
   const double sums = 4 * std::numeric_limits<double>::epsilon() * norm(system.independent(system.f));
   return {norm(product) + sums, 0.5 * std::abs(dot(work, product))};

@@ -353,7 +353,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   motion.difference(system.independent(moved_), d);
   if (dot(d, d) <= 1e-30 * dot(x, x)) return false;
   // f + K d on all rows: the free ones see the prescribed displacement
-  system.computeForceAndProduct(system.x, system.v, displacement_, 1, 0, moved_v_);
+  system.computeForceAndProduct(system.x, system.v, displacement_, {.stiffness = 1}, moved_v_);
   copy(system.independent(moved_v_), force_);
   clear(moved_v_);
   problem_.leaveOut(force_);

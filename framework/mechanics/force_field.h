@@ -21,6 +21,7 @@ struct ForceTraits {
   bool has_rest_shape = false;      ///< a body far larger than at rest has burst; so where forces_balance
   bool lagged = false;              ///< depends on a quantity from before the step
   bool decided_outside = false;     ///< a program decides on it, and may change it without an edit
+  bool undamped = false;            ///< stiffness of contact: an integrator's rayleighStiffness leaves K out
 };
 
 /// A force on the nodes of a state, or between states. Vectors are the whole system's (rows as in State::firstRow()).

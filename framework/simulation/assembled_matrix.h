@@ -8,11 +8,15 @@
 
 namespace stroma {
 
-/// The factors of the terms of a system's matrix. Rayleigh factors multiply each mass's and force field's own.
+/// The factors of the terms of a system's matrix. Rayleigh factors multiply each mass's and force field's own. A part of
+/// `stiffness` may be damping, in which force fields with the trait `undamped` have no share.
 struct MatrixFactors {
-  double mass = 0, stiffness = 0, damping = 0, rayleigh_mass = 0, rayleigh_stiffness = 0;
+  double mass = 0, stiffness = 0, damping = 0, rayleigh_mass = 0, rayleigh_stiffness = 0, part_of_damping = 0;
   bool operator==(const MatrixFactors&) const = default;
-  double of(const ForceField& field) const { return stiffness + rayleigh_stiffness * field.rayleigh_stiffness; }
+  double of(const ForceField& field) const {
+    const double left_out = part_of_damping != 0 && field.traits().undamped ? part_of_damping : 0;
+    return stiffness - left_out + rayleigh_stiffness * field.rayleigh_stiffness;
+  }
   double of(const Mass& mass_term) const { return mass + rayleigh_mass * mass_term.rayleigh_mass; }
 };
 

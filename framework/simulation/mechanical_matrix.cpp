@@ -48,12 +48,13 @@ void MechanicalMatrix::termsChanged() {
 void MechanicalMatrix::serialize(Archive& archive) {
   // those of a step without a result: the next step sets its own whatever they were
   const double sum = factors_.mass + factors_.stiffness + factors_.damping + factors_.rayleigh_mass;
-  if (!std::isfinite(sum + factors_.rayleigh_stiffness)) factors_ = {};
+  if (!std::isfinite(sum + factors_.rayleigh_stiffness + factors_.part_of_damping)) factors_ = {};
   archive.value("mass", factors_.mass);
   archive.value("stiffness", factors_.stiffness);
   archive.value("damping", factors_.damping);
   archive.value("rayleigh_mass", factors_.rayleigh_mass);
   archive.value("rayleigh_stiffness", factors_.rayleigh_stiffness);
+  archive.value("part_of_damping", factors_.part_of_damping);
 }
 
 Index MechanicalMatrix::rows() const { return actors_.independent_rows; }

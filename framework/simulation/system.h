@@ -60,15 +60,15 @@ class System final {
   // ---- forces ----
   /// f = sum of forces at (x, v), gravity included; prepares the stiffness at x. Not projected.
   void computeForce(ConstRows x, ConstRows v, Rows f);
-  /// The same, plus the sum of (k + k_rayleigh rayleighStiffness of the field) K p for all fields, in one pass;
+  /// The same, plus K p of all fields with their factors (MatrixFactors::of()), in one pass;
   /// System::f becomes the force alone where it was asked for, which changes no bit of the rest.
-  void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, double k, double k_rayleigh, Rows out);
+  void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, const MatrixFactors& factors, Rows out);
   /// An integrator that reads System::f after computeForceAndProduct() says so once; observers ask a State.
   void requestForce() { states().front()->requestForce(); }
   /// The time [s] of forces that depend on it; beginStep() sets the end of the step.
   void setTime(double t);
-  /// out += sum of (k + k_rayleigh rayleighStiffness of the field) K p, K of the last force; on independent rows.
-  void addStiffnessProduct(ConstRows p, double k, double k_rayleigh, Rows out) const;
+  /// out += K p of all fields with their factors (MatrixFactors::of()), K of the last force; on independent rows.
+  void addStiffnessProduct(ConstRows p, const MatrixFactors& factors, Rows out) const;
   void addMassProduct(ConstRows p, double factor, Rows out) const;
   /// out += sum of (rayleigh + rayleighMass of the mass) * factor * M p
   void addRayleighMassProduct(ConstRows p, double rayleigh, double factor, Rows out) const;

@@ -71,15 +71,14 @@ void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
   noteForceEvaluation(f_now);
 }
 
-void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows p, double k, double k_rayleigh,
-                                    Rows out) {
+void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows p, const MatrixFactors& factors, Rows out) {
   const bool is_needed = !mappings_.isLinear();  // by the geometric stiffness of mappings
   const bool is_read =
       std::any_of(states().begin(), states().end(), [](const State* s) { return s->forceRequested(); });
   if (is_needed || is_read) computeForce(x_now, v_now, f);
   if (is_needed) {
     copy(f, out);
-    addStiffnessProduct(p, k, k_rayleigh, independent(out));
+    addStiffnessProduct(p, factors, independent(out));
     return;
   }
   // in one pass whether somebody reads the force alone or not: its last bits are others than those of two
@@ -90,7 +89,7 @@ void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows 
   updateMasses(x_all);
   startForce(out);
   for (ForceField* field : forceFields()) {
-    const double factor = k + k_rayleigh * field->rayleigh_stiffness;
+    const double factor = factors.of(*field);
     if (factor == 0 || !field->traits().has_stiffness) {
       heard("force", field)->addForce(x_all, v_all, out);
     } else {
@@ -103,14 +102,14 @@ void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows 
 
 // ---- products ----
 
-void System::addStiffnessProduct(ConstRows p, double k, double k_rayleigh, Rows out) const {
+void System::addStiffnessProduct(ConstRows p, const MatrixFactors& factors, Rows out) const {
   const PhaseTimer timer(times.product);
   const ConstRows p_all = mappings_.direction(p);
   const Rows all = mappings_.beginSum(out);
   for (const ForceField* field : actors_.stiff_fields)
-    if (const double factor = k + k_rayleigh * field->rayleigh_stiffness; factor != 0)
+    if (const double factor = factors.of(*field); factor != 0)
       heard("product", field)->addStiffnessProduct(p_all, factor, all);
-  mappings_.finishProduct(p_all, k, all, out);
+  mappings_.finishProduct(p_all, factors.stiffness, all, out);
 }
 
 template <class Factor>

@@ -115,6 +115,37 @@ TEST(BarrierContact, CollidingBodiesKeepTheirMomentum) {
   EXPECT_GT(system.v[0].norm(), 0.1) << "the first was pushed";
 }
 
+/// An integrator's damping is that of the bodies: the steps are those of the same factor at every field but the contact. What the
+/// barrier adds as an own factor is damping, and another step.
+TEST(BarrierContact, IsNotDampedByTheIntegrator) {
+  const Body low = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 0.5), {2, 2, 1}), high = boxOf(Vec3(0.1, 0.1, 0.52), Vec3(0.8, 0.7, 1), {2, 2, 1});
+  const auto ends = [&](double of_integrator, double of_bodies, const char* of_contact, const char* integrator) {
+    std::string content = bodyNode("a", low, "<FixedProjectiveConstraint indices=\"0 1 2 3\"/>") + bodyNode("b", high, "") +
+                          contact(fmt::format("contactDistance=\"0.02\" stiffness=\"1e5\" {}", of_contact));
+    const std::string field = "<TetrahedronFEMForceField ";
+    for (std::size_t at = 0; (at = content.find(field, at)) != std::string::npos; at += field.size())
+      content.insert(at + field.size(), fmt::format("rayleighStiffness=\"{}\" ", of_bodies));
+    Simulation simulation = simulationFromText(
+        contactScene(content, 0.01, Vec3(0, 0, -9.81),
+                     fmt::format("<{} newtonIterations=\"60\" newtonTolerance=\"1e-9\" rayleighStiffness=\"{}\"/>", integrator,
+                                 of_integrator)));
+    for (int step = 0; step < 12; ++step) {
+      expectCleanStep(simulation, step, *of_contact == 0);
+      if (::testing::Test::HasFatalFailure()) break;
+    }
+    const System& system = *simulation.systems()[0];
+    Vector x(system.x.count());
+    copy(system.x, x);
+    return x;
+  };
+  for (const char* integrator : {"EulerImplicitSolver", "EulerImplicitSolver trapezoidalScheme=\"true\""}) {
+    const Vector at_bodies = ends(0, 0.02, "", integrator), at_integrator = ends(0.02, 0, "", integrator);
+    const Vector everywhere = ends(0.02, 0, "rayleighStiffness=\"0.02\"", integrator);
+    EXPECT_LT(distance(at_bodies, at_integrator), 1e-7) << integrator;
+    EXPECT_GT(distance(at_bodies, everywhere), 1e-5) << integrator;
+  }
+}
+
 /// tan q = 0.5: with mu = 0.505 a block creeps at the share of slipVelocity where the smoothed friction carries it, with 0.49 it
 /// slides 1/2 g (sin q - mu cos q) t^2, and with 0.50 it is not accelerated: the velocity that it is let go with stays.
 TEST(BarrierContact, SticksAndSlipsWhereCoulombSays) {

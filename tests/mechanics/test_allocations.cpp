@@ -36,7 +36,7 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
     context.index = index, context.dt = 0.01, context.t = 0.01 * double(index), context.t_end = context.t + 0.01;
     system.beginStep(context);
     p[4] = Vec3(1, 2, 3);
-    system.computeForceAndProduct(system.x, system.v, p, -0.1, 0, f);
+    system.computeForceAndProduct(system.x, system.v, p, {.stiffness = -0.1}, f);
     system.matrix().withFactors({.mass = 1, .stiffness = -0.01}).multiply(p, out);
     system.matrix().diagonalBlocks(blocks);
     system.matrix().assemble();

@@ -122,11 +122,11 @@ TEST_P(Mapped, ProductIsTheDerivativeOfTheForce) {
   const double size = std::sqrt(dot(product, product));
   Vector both(system.allRows()), before(system.allRows());
   copy(system.f, before);
-  system.computeForceAndProduct(system.x, system.v, p, 2, 0, both);
+  system.computeForceAndProduct(system.x, system.v, p, {.stiffness = 2}, both);
   EXPECT_LT(distance(system.independent(both), product), 1e-12 * size);
   clear(system.f);
   system.requestForce();
-  system.computeForceAndProduct(system.x, system.v, p, 2, 0, both);
+  system.computeForceAndProduct(system.x, system.v, p, {.stiffness = 2}, both);
   EXPECT_LT(distance(system.independent(both), product), 1e-12 * size);
   EXPECT_LT(distance(before, system.f), 1e-12);
 }

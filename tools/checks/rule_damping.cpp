@@ -29,7 +29,7 @@ bool isBackwardEuler(const Integrator& integrator) {
 double frequency(const System& system) {
   Vector product(system.independentRows());
   clear(product);
-  system.addStiffnessProduct(system.independent(system.v), -1, 0, product);
+  system.addStiffnessProduct(system.independent(system.v), {.stiffness = -1}, product);
   const double stored = dot(system.independent(system.v), product), kinetic = system.kineticEnergy();
   return stored > 0 && kinetic > 0 ? std::sqrt(stored / (2 * kinetic)) : 0;
 }

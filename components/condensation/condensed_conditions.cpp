@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Lagrangian constraints on a condensed body: contact, joints, cables. With u_0 the displacement without their forces l,
+//
+//   u = u_0 + C J^T l,   g(x) holds,   J = dg/dx
+//
+// g is taken as linear at a place x_k, g(x_k) + J (u - u_k) = g(x_k) + J (u_0 - u_k) + W l, W = J C D^T, which gives l
+// (condition_forces.h) and x_k+1; x_0 is where the step starts. Where directions that turn make this swing, places are mixed.
+// D = J, along which forces act, follows as long as nodes move by more than 1e-9 of the body, in 40 rounds at most; then it
+// stays for the step. With it this is Newton's method for g(x_0 + C D^T l), and rounds end where g itself holds. C is read from
+// the stored inverse for the nodes of the conditions alone, so that a round costs nothing that grows with the body. With nodes
+// that are touched, by directions E, C is C - C E (E^T C E + S)^-1 E^T C.
+#include "components/condensation/condensed_conditions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/condensation/condensed_integrator.h"
+#include "framework/scene/archive.h"
+#include "framework/simulation/step_limits.h"
+
+namespace stroma {
+
+using Kind = LagrangianRows::Kind;
+
+void CondensedIntegrator::compileConditions(System& system) {
+  CondensedConditions& c = conditions_;
+  c.constraints = system.actors().lagrangian_constraints;
+  if (c.constraints.empty()) return;
+  c.start.resize(system.allRows());
+  Vec3 low = body_.reference()[0], high = low;
+  for (Index row = 0; row < body_.reference().count(); ++row)
+    low = low.cwiseMin(Vec3(body_.reference()[row])), high = high.cwiseMax(Vec3(body_.reference()[row]));
+  c.extent = (high - low).norm();
+  c.nodes.clear(), c.old_nodes.clear();
+  c.slot.assign(std::size_t(active_), -1), c.old_slot = c.slot;
+  c.stored.resize(0, 0), c.old_stored.resize(0, 0);
+}
+
+/// Before touched nodes are moved. System::beginStep() tells the rest itself where it is called.
+void CondensedIntegrator::beginConditions(System& system, const StepContext& context, bool is_told) {
+  if (!hasConditions()) return;
+  copy(system.x, conditions_.start);
+  conditions_.beginSlots();
+  if (!is_told) tellStepBegins(system, system.x, context.t, context.t_end);
+}
+
+std::string CondensedIntegrator::findConditions(const System& system) {
+  CondensedConditions& c = conditions_;
+  std::swap(c.rows, c.rows_before);
+  c.rows.clear(), c.ends.clear(), c.entries.clear(), c.first_entry.assign(1, 0);
+  for (const LagrangianConstraint* constraint : c.constraints) {
+    constraint->addConditions(system.x, c.start, c.rows);
+    c.ends.push_back(c.rows.rows().size());
+  }
+  const auto& rows = c.rows.rows();
+  c.solve.sizes.assign(rows.size(), 0);
+  const std::size_t known = c.nodes.size();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    double square = 0;
+    for (const auto& [row, gradient] : c.rows.entriesOf(rows[i])) {
+      const Index free_node = body_.nodeOf(row), node = free_node - first_active_;
+      if (free_node < 0) continue;  // held
+      if (node < 0)
+        return fmt::format("{} acts on {}, which is inside: {} solves for the kept nodes alone; surfaceIndices keeps others, "
+                           "condensed=\"false\" all",
+                           nameOfCondition(i), system.actors().describeRow(row), path());
+      if (c.slot[node] < 0) c.slot[node] = Index(c.nodes.size()), c.nodes.push_back(node);
+      const Vec3 along = body_.projector(free_node) * gradient;
+      square += along.squaredNorm();
+      c.entries.push_back({c.slot[node], along});
+    }
+    c.solve.sizes[i] = std::sqrt(square);
+    c.first_entry.push_back(c.entries.size());
+  }
+  if (c.nodes.size() > known) readCompliance(known);
+  return {};
+}
+
+/// Each step numbers them anew, so that its sums do not depend on those before. What has been read of C is kept.
+void CondensedConditions::beginSlots() {
+  for (const Index node : old_nodes) old_slot[node] = -1;
+  std::swap(nodes, old_nodes), std::swap(slot, old_slot), stored.swap(old_stored);
+  nodes.clear();
+}
+
+/// Slots from `known` on are new.
+void CondensedIntegrator::readCompliance(std::size_t known) {
+  CondensedConditions& c = conditions_;
+  const auto count = Eigen::Index(c.nodes.size());
+  c.stored.conservativeResize(3 * count, 3 * count);
+  for (Eigen::Index j = Eigen::Index(known); j < count; ++j)
+    for (Eigen::Index i = 0; i <= j; ++i) {
+      const Index a = c.nodes[std::size_t(i)], b = c.nodes[std::size_t(j)], s = c.old_slot[a], t = c.old_slot[b];
+      Mat3 block;
+      if (s >= 0 && t >= 0)
+        block = c.old_stored.block<3, 3>(3 * s, 3 * t);
+      else
+        block = a <= b ? complianceBlock(a, b) : Mat3(complianceBlock(b, a).transpose());
+      c.stored.block<3, 3>(3 * i, 3 * j) = block;
+      if (i != j) c.stored.block<3, 3>(3 * j, 3 * i) = block.transpose();
+    }
+}
+
+/// C and displacements of the slots for this step: what touched nodes hold, and u_0.
+void CondensedIntegrator::prepareSlots(const System& system, const double* u) {
+  CondensedConditions& c = conditions_;
+  const auto count = Eigen::Index(c.nodes.size());
+  c.c = c.stored;
+  if (!touches_.empty()) {
+    Eigen::MatrixXd at(Eigen::Index(touches_.size()), 3 * count);
+    for (Eigen::Index s = 0; s < count; ++s)
+      at.middleCols<3>(3 * s) = touch_columns_.middleRows<3>(3 * c.nodes[std::size_t(s)]).transpose();
+    if (weights_.size() > 0) at = weights_.asDiagonal() * at;
+    touch_factor_.matrixL().solveInPlace(at);
+    c.c.noalias() -= at.transpose() * at;
+  }
+  c.free.resize(3 * count), c.u.resize(3 * count);
+  for (Eigen::Index s = 0; s < count; ++s) {
+    const Index node = c.nodes[std::size_t(s)];
+    c.free.segment<3>(3 * s) = Eigen::Map<const Vec3>(u + 3 * node);
+    c.u.segment<3>(3 * s) = system.x[activeRow(node)] - Eigen::Map<const Vec3>(origin_.data() + 3 * node);
+  }
+}
+
+/// W, and g where there are no forces.
+void CondensedIntegrator::couple() {
+  CondensedConditions& c = conditions_;
+  const auto& rows = c.rows.rows();
+  const auto count = Eigen::Index(rows.size());
+  c.response.resize(c.c.rows(), count), c.solve.w.resize(count, count), c.solve.g.resize(count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    c.response.col(j).setZero();
+    double value = rows[std::size_t(j)].value;
+    for (const auto& [slot, gradient] : c.of(j, c.pushing, c.first_pushing))
+      if (!gradient.isZero(0)) c.response.col(j).noalias() += c.c.middleCols<3>(3 * slot) * gradient;
+    for (const auto& [slot, gradient] : c.of(j, c.entries, c.first_entry))
+      value += gradient.dot(c.free.segment<3>(3 * slot) - c.u.segment<3>(3 * slot));
+    c.solve.g[j] = value;
+  }
+  for (Eigen::Index j = 0; j < count; ++j)
+    for (Eigen::Index i = 0; i < count; ++i) {
+      double sum = 0;
+      for (const auto& [slot, gradient] : c.of(i, c.entries, c.first_entry))
+        sum += gradient.dot(c.response.col(j).segment<3>(3 * slot));
+      c.solve.w(i, j) = sum;
+    }
+}
+
+/// u of the slots from l; by how much it has changed at most.
+double CondensedIntegrator::respond() {
+  CondensedConditions& c = conditions_;
+  c.force.setZero(c.c.rows());
+  for (std::size_t i = 0; i < c.rows.rows().size(); ++i)
+    for (const auto& [slot, gradient] : c.of(Eigen::Index(i), c.pushing, c.first_pushing))
+      c.force.segment<3>(3 * slot) += c.solve.l[Eigen::Index(i)] * gradient;
+  Eigen::VectorXd& next = c.work;
+  next = c.free;
+  next.noalias() += c.c * c.force;
+  const double change = (next - c.u).size() > 0 ? (next - c.u).cwiseAbs().maxCoeff() : 0;
+  c.u.swap(next);
+  c.before.swap(next);
+  return change;
+}
+
+/// Positions at the u of the slots.
+void CondensedIntegrator::placeSlots(System& system) const {
+  const CondensedConditions& c = conditions_;
+  for (std::size_t s = 0; s < c.nodes.size(); ++s) {
+    const Index node = c.nodes[s];
+    system.x[activeRow(node)] =
+        Eigen::Map<const Vec3>(origin_.data() + 3 * node) + c.u.segment<3>(3 * Eigen::Index(s));
+  }
+}
+
+bool CondensedIntegrator::gradientsStay() const {
+  const CondensedConditions& c = conditions_;
+  const auto &now = c.rows.rows(), &before = c.rows_before.rows();
+  if (now.size() != before.size()) return false;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const auto a = c.rows.entriesOf(now[i]), b = c.rows_before.entriesOf(before[i]);
+    if (now[i].kind != before[i].kind || now[i].factor != before[i].factor ||
+        !std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& p, const auto& q) { return p.row == q.row && p.gradient == q.gradient; }))
+      return false;
+  }
+  return true;
+}
+
+bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepReport& report) {
+  constexpr int most_rounds = 60, most_turns = 40;
+  constexpr double close = 1e-13, directed = 1e-9, still = 1e-6;  // of the place, of the body
+  if (!hasConditions()) return true;
+  CondensedConditions& c = conditions_;
+  const double size = largest(c.start);
+  double step = 0, last = 0;
+  bool turns = true, is_mixed = false;
+  c.mixed.clear();
+  c.swings = false;
+  for (int round = 0; round <= most_rounds; ++round) {
+    if (report.reason = findConditions(system); !report.reason.empty()) break;
+    // the last round finds what the conditions have become
+    if (round > 0 && (!(step > close * size) || round == most_rounds || gradientsStay())) {
+      if (gradientsStay()) step = 0;
+      break;
+    }
+    if (round == most_turns) c.swings = turns && step > still * c.extent;
+    turns = turns && (round < 2 || step > directed * c.extent) && round < most_turns;
+    if (turns || c.first_pushing.size() != c.first_entry.size())
+      c.pushing = c.entries, c.first_pushing = c.first_entry;
+    if (round == 0 || Eigen::Index(3 * c.nodes.size()) != c.c.rows()) prepareSlots(system, u.data());
+    couple();
+    if (round == 0 || std::size_t(c.solve.l.size()) != c.rows.rows().size()) {
+      c.solve.l.setZero(Eigen::Index(c.rows.rows().size()));
+      if (c.taken.size() == c.rows.rows().size()) c.solve.l = Eigen::Map<Eigen::VectorXd>(c.taken.data(), c.solve.l.size());
+    }
+    c.solve.solve(c.rows.rows());
+    last = step;
+    step = respond();
+    if (!std::isfinite(step)) report.reason = "the forces of Lagrangian constraints are not finite";
+    is_mixed = is_mixed || (round > 3 && step > 0.5 * last);
+    if (is_mixed && turns && step > directed * c.extent) c.mix();
+    placeSlots(system);
+    if (!report.reason.empty()) break;
+  }
+  if (!report.reason.empty()) {
+    report.diverged = true;
+    copy(c.start, system.x);
+    return false;
+  }
+  giveForces();
+  judgeConditions(step, size, report);
+  addForces(u);
+  return true;
+}
+
+void CondensedConditions::mix() {
+  constexpr std::size_t depth = 8;
+  if (!mixed.empty() && mixed.front()[0].size() != u.size()) mixed.clear();
+  if (mixed.size() == depth) mixed.erase(mixed.begin());
+  mixed.push_back({u - before, u});
+  const auto known = Eigen::Index(mixed.size());
+  Eigen::MatrixXd products(known, known);
+  for (Eigen::Index i = 0; i < known; ++i)
+    for (Eigen::Index j = 0; j < known; ++j) products(i, j) = mixed[std::size_t(i)][0].dot(mixed[std::size_t(j)][0]);
+  const Eigen::VectorXd lengths = products.diagonal().cwiseSqrt();
+  if (!(lengths.minCoeff() > 0)) return;
+  // scaled by their lengths, with as much on the diagonal as round-off takes
+  const Eigen::VectorXd inverse = lengths.cwiseInverse();
+  products = (inverse.asDiagonal() * products * inverse.asDiagonal()).eval();
+  products.diagonal().array() += 1e-13;
+  Eigen::VectorXd weights = inverse.cwiseProduct(products.ldlt().solve(inverse));
+  weights /= weights.sum();
+  constexpr double largest_sum = 10;  // large ones that cancel lead anywhere
+  if (!(weights.cwiseAbs().sum() <= largest_sum)) return mixed.clear();
+  u.setZero();
+  for (Eigen::Index i = 0; i < known; ++i) u += weights[i] * mixed[std::size_t(i)][1];
+}
+
+/// To the constraints.
+void CondensedIntegrator::giveForces() {
+  CondensedConditions& c = conditions_;
+  c.solve.l.conservativeResizeLike(Eigen::VectorXd::Zero(Eigen::Index(c.rows.rows().size())));
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < c.constraints.size(); begin = c.ends[i++])
+    c.constraints[i]->takeForces({c.solve.l.data() + begin, c.ends[i] - begin});
+}
+
+/// u of all active nodes, and the reactions of those that are touched.
+void CondensedIntegrator::addForces(Array<double>& u) {
+  CondensedConditions& c = conditions_;
+  c.loaded.clear(), c.loads.clear();
+  for (std::size_t s = 0; s < c.nodes.size() && Eigen::Index(3 * s) < c.force.size(); ++s) {
+    const Vec3 force = c.force.segment<3>(3 * Eigen::Index(s));
+    if (force.isZero(0)) continue;
+    c.loaded.push_back(c.nodes[s]);
+    c.loads.push_back({force[0], force[1], force[2]});
+  }
+  if (c.loaded.empty()) return;
+  if (!touches_.empty()) {
+    Eigen::VectorXd& reaction = c.work;
+    reaction.setZero(Eigen::Index(touches_.size()));
+    for (std::size_t k = 0; k < c.loaded.size(); ++k)
+      reaction -= touch_columns_.middleRows<3>(3 * c.loaded[k]).transpose() * Eigen::Map<const Vec3>(c.loads[k].data());
+    if (weights_.size() > 0) reaction.array() *= weights_.array();
+    touch_factor_.solveInPlace(reaction);
+    if (weights_.size() > 0) reaction.array() *= weights_.array();
+    Eigen::Map<Eigen::VectorXd>(u.data(), Eigen::Index(u.size())).noalias() += touch_columns_ * reaction;
+    reaction_ += reaction;
+  }
+  addResponse(c.loaded, c.loads, u.data());
+}
+
+/// The constraint that a row is of.
+std::string CondensedIntegrator::nameOfCondition(std::size_t row) const {
+  const auto end = std::upper_bound(conditions_.ends.begin(), conditions_.ends.end(), row);
+  return dynamic_cast<const Component&>(*conditions_.constraints[std::size_t(end - conditions_.ends.begin())]).path();
+}
+
+/// What has not come to rest and what does not hold, at the end of the step.
+void CondensedIntegrator::judgeConditions(double step, double size, StepReport& report) const {
+  // of the largest condition; of the body, conditions and, less, what directions of forces still move it by; of the place
+  constexpr double settled = 1e-6, exact = 1e-9, still = 1e-6, rounding = 1e-13;
+  const CondensedConditions& c = conditions_;
+  const auto refuse = [&report](std::string reason) {
+    report.constraints_converged = false;
+    report.constraint_reason = std::move(reason);
+  };
+  if (c.rows.rows().empty()) return;
+  if (!(c.solve.unsettled() <= settled))
+    return refuse(fmt::format("the forces that {} finds for Lagrangian constraints leave {:.3g} of the conditions", path(),
+                              c.solve.unsettled()));
+  double worst = 0;
+  std::size_t where = 0;
+  for (std::size_t i = 0; i < c.rows.rows().size(); ++i) {
+    const auto& row = c.rows.rows()[i];
+    const bool is_at_limit = row.kind == Kind::push && row.factor > 0 && c.solve.l[Eigen::Index(i)] >= (1 - 1e-12) * row.factor;
+    if (is_at_limit || row.kind == Kind::given || row.kind == Kind::rub) continue;
+    const double off = (row.kind == Kind::equal ? std::abs(row.value) : -row.value) /
+                       (c.solve.sizes[i] > 0 ? c.solve.sizes[i] : 1);
+    if (!(off <= worst) && !std::isnan(worst)) worst = off, where = i;
+  }
+  if (!(worst <= exact * c.extent + rounding * size))
+    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}",
+                              nameOfCondition(where), std::abs(c.rows.rows()[where].value)));
+  if (!(step <= still * c.extent + rounding * size))
+    refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their "
+                       "size when their rounds end",
+                       path(), step / c.extent));
+}
+
+}  // namespace stroma

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <Eigen/Dense>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "components/condensation/condition_forces.h"
+#include "framework/algebra/vector.h"
+
+namespace stroma {
+
+/// What a condensed body knows of the conditions of Lagrangian constraints on it (condensed_conditions.cpp). Nodes are
+/// active; those of the conditions have numbers of their own, slots.
+struct CondensedConditions {
+  struct Entry {
+    Index slot;
+    Vec3 gradient;
+  };
+  static std::span<const Entry> of(Eigen::Index row, const std::vector<Entry>& entries, const std::vector<std::size_t>& first) {
+    return std::span(entries).subspan(first[std::size_t(row)], first[std::size_t(row) + 1] - first[std::size_t(row)]);
+  }
+  std::vector<LagrangianConstraint*> constraints;
+  LagrangianRows rows, rows_before;
+  std::vector<std::size_t> ends;  ///< of the rows of each constraint
+  std::vector<Entry> entries;     ///< of all rows on nodes that can move
+  std::vector<std::size_t> first_entry;
+  std::vector<Entry> pushing;  ///< the same of D, along which forces act
+  std::vector<std::size_t> first_pushing;
+  ConditionForces solve;
+  std::vector<double> taken;  ///< the forces of the last step [N]
+  Vector start;               ///< x where the step starts, shape (allRows())
+  double extent = 0;          ///< of the body [m]
+
+  std::vector<Index> nodes;  ///< of slots
+  std::vector<Index> slot;   ///< of an active node, or -1
+  Eigen::MatrixXd stored;    ///< C of all slots, shape (3 slots, 3 slots)
+  std::vector<Index> old_nodes, old_slot;  ///< of the step before, with its part of C
+  Eigen::MatrixXd old_stored;
+  void beginSlots();
+  Eigen::MatrixXd c;         ///< the same without the share of touched nodes, shape (3 slots, 3 slots)
+  Eigen::MatrixXd response;  ///< C D^T, shape (3 slots, rows)
+  Eigen::VectorXd free, u;   ///< displacements without and with forces, shape (3 slots)
+  Eigen::VectorXd force;     ///< D^T l, shape (3 slots)
+  std::vector<Index> loaded;
+  std::vector<std::array<double, 3>> loads;
+  Eigen::VectorXd work, before;
+  bool swings = false;  ///< in the last step directions of forces have not come to rest
+  int swinging = 0;     ///< steps
+
+  /// The next place after rounds from `before` to u: a sum of those that the last rounds led to whose sum of ways is the
+  /// shortest (Anderson 1965, in the form of Pulay 1980).
+  void mix();
+  std::vector<std::array<Eigen::VectorXd, 2>> mixed;  ///< way and end of the last rounds
+};
+
+}  // namespace stroma

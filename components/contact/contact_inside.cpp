@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/contact/contact_inside.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace stroma::contact {
+namespace {
+
+/// How often the surfaces that have an inside go around a place: the sum of solid angles (Van Oosterom and Strackee 1983).
+double turnsAround(const Vec3& place, const Surfaces& surfaces, const std::vector<Vec3>& x) {
+  double angles = 0;
+  for (const auto& face : surfaces.faces) {
+    if (!surfaces.moves(face[0]) || !surfaces.isOneSided(face[0])) continue;
+    const Vec3 a = x[std::size_t(face[0])] - place, b = x[std::size_t(face[1])] - place, c = x[std::size_t(face[2])] - place;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angles += 2 * std::atan2(a.cross(b).dot(c), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return angles / (4 * M_PI);
+}
+
+}  // namespace
+
+void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x) {
+  for (std::size_t v = 0; v < x.size(); ++v)
+    if (!surfaces.moves(int(v)) && turnsAround(x[v], surfaces, x) > 0.5)
+      throw ComponentError(fmt::format("an obstacle of {} is inside of a body, at {:.4g} {:.4g} {:.4g}", path, x[v].x(), x[v].y(),
+                                       x[v].z()),
+                           "a start with gaps everywhere");
+}
+
+}  // namespace stroma::contact

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "components/contact/contact_surfaces.h"
+
+namespace stroma::contact {
+
+/// Throws ComponentError where a vertex of an obstacle lies inside of a body of the component at `path`, which distances do
+/// not show. x: of all vertices.
+void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x);
+
+}  // namespace stroma::contact

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What is proved by how far things have moved. Surfaces are cut into parts. Where no pair of two parts was nearer than d, and no
+// displacement of one has since differed by more than m from any of the other, no pair is nearer than d - m now: each distance
+// changes by no more than its two sides move against each other. What moves along together has used up nothing.
+#pragma once
+#include "components/contact/contact_surfaces.h"
+#include "framework/collision/box_tree.h"
+#include "framework/collision/pair_distances.h"
+
+namespace stroma::contact {
+
+/// Triangles of one body that lie side by side.
+struct SurfacePart {
+  int body = 0;
+  std::vector<int> faces, vertices;
+};
+/// All bodies in parts of about as many triangles as there are parts, and of no fewer than 16.
+std::vector<SurfacePart> partsOf(const Surfaces& surfaces);
+
+/// Of the vertices of a part.
+struct Displacements {
+  Box box;
+  double longest = 0;  ///< [m]; infinite where one is no number
+};
+/// From `from` to x; without `from`, x are displacements. Each is up to its `bend` [m] off besides, if there is any.
+Displacements displacementsOf(const SurfacePart& part, const std::vector<Vec3>& x, const std::vector<Vec3>* from,
+                              const std::vector<double>& bend);
+/// No displacement of a differs by more from one of b [m].
+double mostApart(const Displacements& a, const Displacements& b);
+
+/// Boxes around both sides of a pair on their way are farther apart than `distance`: a bound that costs little.
+bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double distance);
+/// The smallest distance of a corner or an edge of one triangle from what the other does not share with it, also of those that
+/// belong to a triangle of another part; no more than `least` [m]. An edge comes to cross a triangle only through a distance of zero.
+double leastApart(const Surfaces& surfaces, int f, int g, const std::vector<Vec3>& x, double least);
+
+/// Two parts that may meet, and what a search at some positions has found out. Distances are less radii of obstacles.
+struct Meeting {
+  int a = 0, b = 0;
+  double near = -1;     ///< what is not listed was no nearer [m]; negative: never looked for
+  double clear = 0;     ///< nor was anything nearer than this to where it may not be [m]
+  double pushing = 0;   ///< nor was what pushes [m]
+  double used = 0;      ///< motion up to the positions that motion is measured from [m]
+  double motion = 0;    ///< at the positions asked last [m]
+  long step = 0;        ///< in which was looked
+  bool is_free = false;    ///< nothing crosses as long as the motion is less than `clear`
+  bool has_faces = false;  ///< near pairs of triangles are listed
+};
+
+}  // namespace stroma::contact

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Contact by forces of constraint in an implicit step: Coulomb's law on a slope, a fast body, a tool that is moved.
+#include "framework/collision/pair_distances.h"
+#include "framework/mechanics/state_topology.h"
+#include "tests/contact/contact_scenes.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+const std::string euler = "<EulerImplicitSolver/>";
+
+std::vector<double> outputOf(const Simulation& simulation, const char* name) {
+  std::vector<Component*> all;
+  simulation.root().collect(all);
+  std::vector<double> values;
+  for (const Component* component : all)
+    if (component->type() == "ConstraintContact") {
+      std::istringstream text(component->data().find(name)->print());
+      for (double value = 0; text >> value;) values.push_back(value);
+    }
+  return values;
+}
+
+/// A cube on a slope of 1 in 2, which is a plane with gravity that leans.
+Simulation cubeOnSlope(double friction, const std::string& integrator = euler) {
+  const double down = 9.81 / std::sqrt(1.25);
+  return simulationFromText(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 0.001), Vec3(1, 1, 1.001)),
+               fmt::format("<ConstraintContact contactDistance=\"1e-3\" planes=\"0 0 1 0\" friction=\"{}\"/>", friction), "", 1e7),
+      0.01, Vec3(0.5 * down, 0, -down), integrator));
+}
+
+TEST(ConstraintContact, WhatSticksDoesNotMove) {
+  Simulation simulation = cubeOnSlope(0.505, "<EulerImplicitSolver rayleighMass=\"20\"/>");
+  const State& state = *simulation.states().front();
+  for (int i = 0; i < 50; ++i) {
+    expectCleanStep(simulation, i);
+    if (HasFatalFailure()) return;
+  }
+  // at rest: four corners that bear the weight, and none of them creeps
+  std::vector<Vec3> before;
+  for (Index node = 0; node < 8; ++node) before.push_back(state.x()[node]);
+  for (int i = 0; i < 50; ++i) expectCleanStep(simulation, i);
+  for (Index node = 0; node < 4; ++node)
+    EXPECT_LT((state.x()[node] - before[std::size_t(node)]).norm(), 1e-12) << "node " << node;
+}
+
+TEST(ConstraintContact, WhatSlidesHasCoulombsForce) {
+  Simulation simulation = cubeOnSlope(0.3);
+  const System& system = *simulation.systems().front();
+  for (int i = 0; i < 100; ++i) expectCleanStep(simulation, i);
+  // steps of this rule add up g (sin - mu cos) dt^2 n (n + 1)/2
+  const double expected = 9.81 / std::sqrt(1.25) * (0.5 - 0.3) * 1e-4 * 100 * 101 / 2;
+  double moved = 0;
+  for (Index node = 0; node < 8; ++node) moved += (system.x[node].x() - system.states().front()->rest_position[std::size_t(node)].x()) / 8;
+  EXPECT_NEAR(moved, expected, 0.01 * expected);
+}
+
+/// Of a tool that is pressed into a cube: no triangle comes nearer than its radius and the gap.
+TEST(ConstraintContact, NothingIsInWhatIsMoved) {
+  const std::string held = "<BoxROI name=\"floor\" box=\"-1 -1 -0.1 2 2 0.1\"/><FixedProjectiveConstraint indices=\"@floor.indices\"/>";
+  const Body cube = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {3, 3, 3});
+  Simulation simulation = simulationFromText(contactScene(
+      bodyNode("a", cube, held + "<ConstraintContact contactDistance=\"0.01\" spheres=\"0.5 0.45 1.32 0.3\" keyTimes=\"0 0.2 1\" "
+                                 "movements=\"0 0 0  0 0 -0.1  0.1 0 -0.1\" friction=\"0.2\"/>", "", 1e5),
+      0.02, Vec3::Zero(), "<EulerImplicitSolver rayleighMass=\"20\"/>"));
+  const State& state = *simulation.states().front();
+  const auto triangles = topologyOf(state)->mesh().boundaryTriangles();
+  double nearest = 1;
+  for (int i = 1; i <= 30; ++i) {
+    expectCleanStep(simulation, i);
+    if (HasFatalFailure()) return;
+    const double t = 0.02 * i;
+    const Vec3 centre(0.5 + (t > 0.2 ? 0.1 * (t - 0.2) / 0.8 : 0), 0.45, 1.32 - 0.1 * std::min(1.0, t / 0.2));
+    for (const Triangle& f : triangles)
+      nearest = std::min(
+          nearest, closestPoints(PairKind::point_triangle, {centre, state.x()[f[0]], state.x()[f[1]], state.x()[f[2]]}).distance());
+  }
+  EXPECT_NEAR(nearest, 0.31, 1e-8);
+  EXPECT_GT(-outputOf(simulation, "wrenches").at(2), 0) << "the cube is pressed down";
+}
+
+/// Three times as far in a step as it is away from what it meets.
+TEST(ConstraintContact, WhatIsFastDoesNotPass) {
+  Simulation simulation = simulationFromText(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 1), Vec3(1, 1, 2)), "<ConstraintContact contactDistance=\"0.01\" planes=\"0 0 1 0.6\"/>",
+               "velocity=\"0 0 -60  0 0 -60  0 0 -60  0 0 -60  0 0 -60  0 0 -60  0 0 -60  0 0 -60\"", 1e9),
+      0.02, Vec3::Zero(), euler));
+  const State& state = *simulation.states().front();
+  for (int i = 0; i < 3; ++i) expectCleanStep(simulation, i);
+  for (Index node = 0; node < 8; ++node) EXPECT_GT(state.x()[node].z(), 0.61 - 1e-9) << "node " << node;
+}
+
+/// A sphere under a node of the bottom of a cube that falls on it, far deeper in a step than the sphere is large: it is held, or the
+/// step says that it does not know.
+TEST(ConstraintContact, ASphereUnderANodeIsNotPassed) {
+  for (const double speed : {-2.0, -18.0, -60.0}) {
+    SCOPED_TRACE(speed);
+    std::string velocity = "velocity=\"";
+    for (int i = 0; i < 27; ++i) velocity += fmt::format("0 0 {} ", speed);
+    Simulation simulation = simulationFromText(contactScene(
+        bodyNode("a", boxOf(Vec3(-0.5, -0.5, 0.4), Vec3(0.5, 0.5, 1.4), {2, 2, 2}),
+                 "<ConstraintContact contactDistance=\"0.01\" spheres=\"0 0 0 0.05\"/>", velocity + "\"", 1e8),
+        0.05, Vec3::Zero(), euler));
+    const State& state = *simulation.states().front();
+    for (int i = 0; i < 10; ++i) {
+      const StepReport report = simulation.step();
+      if (report.failed() || !report.constraints_converged) break;
+      ASSERT_GT(state.x()[4].norm(), 0.06 - 1e-9) << "step " << i;
+      ASSERT_GT(state.x()[4].z(), 0) << "step " << i;
+    }
+  }
+}
+
+TEST(ConstraintContact, AnObstacleInsideIsRefused) {
+  const std::string problems = problemsOf(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<ConstraintContact contactDistance=\"0.01\" spheres=\"0.5 0.5 0.5 0.1\"/>"),
+      0.01, Vec3::Zero(), euler));
+  expectContains(problems, "is inside of a body");
+}
+
+/// Somebody else puts nodes into what they keep a distance from: the next step is refused.
+TEST(ConstraintContact, WhatIsPutIntoAnObstacleIsRefused) {
+  Simulation simulation = simulationFromText(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<ConstraintContact contactDistance=\"0.01\" planes=\"0 0 1 -0.02\"/>"), 0.01,
+      Vec3::Zero(), euler));
+  expectCleanStep(simulation, 1);
+  System& system = *simulation.systems().front();
+  for (Index node = 0; node < 8; ++node) system.x[node] -= Vec3(0, 0, 0.049);
+  EXPECT_THROW(simulation.step(), ComponentError);
+}
+
+TEST(ConstraintContact, ObstaclesWithFlatSidesAreRefused) {
+  const std::string problems = problemsOf(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 1), Vec3(1, 1, 2)), "<ConstraintContact boxes=\"0 0 0 1 1 0.5\"/>"), 0.01, Vec3::Zero(), euler));
+  expectContains(problems, "planes, spheres and capsules");
+}
+
+TEST(ConstraintContact, AStartInOneAnotherIsRefused) {
+  const std::string problems = problemsOf(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<ConstraintContact planes=\"0 0 1 0.5\"/>"), 0.01, Vec3::Zero(), euler));
+  expectContains(problems, "node 0 of /a/dofs is 0.5 m inside a plane");
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
