@@ -40,6 +40,9 @@
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/warped_factor.h"
 #include "framework/algebra/solver_choice.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/mapping.h"
+#include "framework/mechanics/mass.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/usual_component.h"
 
@@ -47,6 +50,20 @@ namespace stroma {
 namespace {
 
 constexpr Index always_factored = 2500;  // nodes
+
+/// Whether some matrix of the scene may.
+bool dependsOnState(const Node& root) {
+  std::vector<ForceField*> fields;
+  std::vector<Mapping*> mappings;
+  std::vector<Mass*> masses;
+  root.collect(fields), root.collect(mappings), root.collect(masses);
+  const auto varies = [](const ForceField* field) {
+    const ForceTraits traits = field->traits();
+    return traits.velocity_dependent || (traits.has_stiffness && !traits.constant_stiffness);
+  };
+  return std::ranges::any_of(fields, varies) || !std::ranges::all_of(mappings, &Mapping::isLinear) ||
+         std::ranges::any_of(masses, &Mass::turns);
+}
 
 class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, public SolverChoice {
  public:
@@ -216,7 +233,7 @@ void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive)
   archive.value("patience", kept.now.patience);
   archive.value("lost_iterations", kept.now.lost_iterations);
   archive.value("left", kept.now.left);
-  kept.inverse.serialize(matrix, archive);
+  kept.inverse.serialize(matrix, archive, !archive.isReading() && !dependsOnState(node().root()));
   if (archive.isReading()) tellChoice(kept);
 }
 

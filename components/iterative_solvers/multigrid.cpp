@@ -26,6 +26,17 @@ BlockMatrix symmetricPart(const BlockMatrix& a) {
   return part;
 }
 
+std::shared_ptr<amg::Hierarchy> hierarchyOf(SystemMatrix& matrix, ConstRows positions, SolveReport& report, StopToken stop) {
+  const BlockMatrix& a = matrix.assemble();
+  auto made = matrix.symmetric() ? amg::makeHierarchy(a, positions, report, stop)
+                                 : amg::makeHierarchy(symmetricPart(a), positions, report, stop);
+  if (!made) return nullptr;
+  made->made_of = matrix.key();
+  made->positions = Vector(positions.count);
+  if (positions.count > 0) copy(positions, made->positions);
+  return made;
+}
+
 }  // namespace
 
 bool Multigrid::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
@@ -39,8 +50,7 @@ bool Multigrid::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop
 
 bool Multigrid::make(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   now_ = {};
-  const BlockMatrix& a = matrix.assemble();
-  now_.hierarchy = amg::makeHierarchy(matrix.symmetric() ? a : symmetricPart(a), matrix.positions(), report, stop);
+  now_.hierarchy = hierarchyOf(matrix, matrix.positions(), report, stop);
   if (!now_.hierarchy) return false;
   now_.fresh = true;
   now_.key = matrix.key();
@@ -61,7 +71,7 @@ void Multigrid::takeBack(const SystemMatrix& matrix) {
   taken_back_ = kept_current_ ? matrix.key() : MatrixKey{};
 }
 
-void Multigrid::serialize(SystemMatrix& matrix, Archive& archive) {
+void Multigrid::serialize(SystemMatrix& matrix, Archive& archive, bool never_changes) {
   bool exists = fits(matrix);
   bool is_current = exists && isCurrent(matrix);
   archive.value("exists", exists);
@@ -71,10 +81,30 @@ void Multigrid::serialize(SystemMatrix& matrix, Archive& archive) {
   archive.value("rate", now_.rate);
   archive.value("lost", now_.lost);
   taken_back_ = archive.isReading() ? MatrixKey{} : taken_back_;
-  if (archive.isReading()) now_.hierarchy = exists ? std::make_shared<amg::Hierarchy>() : nullptr;
+  bool is_remade = never_changes && is_current && now_.hierarchy->made_of == now_.key;
+  archive.value("remade", is_remade);
+  if (archive.isReading()) now_.hierarchy = nullptr;
   if (!exists) return;
-  now_.hierarchy->serialize(archive);
-  if (!archive.isReading()) return;
+  if (archive.isReading()) return readHierarchy(matrix, archive, is_remade, is_current);
+  if (is_remade)
+    archive.rows("positions", now_.hierarchy->positions);
+  else
+    now_.hierarchy->serialize(archive);
+}
+
+void Multigrid::readHierarchy(SystemMatrix& matrix, Archive& archive, bool is_remade, bool is_current) {
+  if (is_remade) {
+    Vector positions;
+    archive.rows("positions", positions);
+    SolveReport report;
+    now_.hierarchy = hierarchyOf(matrix, positions, report, {});
+    if (!now_.hierarchy)
+      throw std::runtime_error(
+          "the checkpoint says that the matrix has a multigrid hierarchy, and it has none: it was written by another scene");
+  } else {
+    now_.hierarchy = std::make_shared<amg::Hierarchy>();
+    now_.hierarchy->serialize(archive);
+  }
   if (now_.hierarchy->fine.a.rows() != matrix.rows())
     throw std::runtime_error(
         "the checkpoint holds a multigrid hierarchy of another number of nodes: it was written by "

@@ -22,7 +22,9 @@ class Multigrid final : public ApproximateInverse {
   /// The hierarchies themselves are shared, and never changed once made.
   void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
   void takeBack(const SystemMatrix& matrix) override;
-  void serialize(SystemMatrix& matrix, Archive& archive) override;
+  void serialize(SystemMatrix& matrix, Archive& archive) override { serialize(matrix, archive, false); }
+  /// `never_changes`: nothing in the matrix depends on the state. A hierarchy of it is made again where it is read.
+  void serialize(SystemMatrix& matrix, Archive& archive, bool never_changes);
 
   const amg::Hierarchy* hierarchy() const { return now_.hierarchy.get(); }
   /// How often one was made.
@@ -43,6 +45,7 @@ class Multigrid final : public ApproximateInverse {
   }
   bool isCurrent(const SystemMatrix& matrix) const { return now_.key == matrix.key() || taken_back_ == matrix.key(); }
   bool make(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  void readHierarchy(SystemMatrix& matrix, Archive& archive, bool is_remade, bool is_current);
 
   Memory now_, kept_;
   bool kept_current_ = false;

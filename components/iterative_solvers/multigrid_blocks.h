@@ -6,6 +6,7 @@
 #pragma once
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <vector>
 
 #include "framework/algebra/memory.h"
@@ -33,15 +34,15 @@ struct Register<8> {
 };
 
 /// Memory that is not cleared before it is filled.
-template <class T>
-struct Uncleared : ArrayAllocator<T> {
+template <class T, class Memory>
+struct NotCleared : Memory {
   template <class U>
   struct rebind {
-    using other = Uncleared<U>;
+    using other = NotCleared<U, typename std::allocator_traits<Memory>::template rebind_alloc<U>>;
   };
-  Uncleared() = default;
-  template <class U>
-  Uncleared(const Uncleared<U>&) {}
+  NotCleared() = default;
+  template <class U, class Other>
+  NotCleared(const NotCleared<U, Other>&) {}
   template <class U>
   void construct(U*) {}
   template <class U>
@@ -49,6 +50,12 @@ struct Uncleared : ArrayAllocator<T> {
     *place = value;
   }
 };
+/// Of arrays that are swept often: on huge pages.
+template <class T>
+using Uncleared = NotCleared<T, ArrayAllocator<T>>;
+/// Of arrays that are read a few times and freed: in small pages, which the system has at hand.
+template <class T>
+using Passing = NotCleared<T, std::allocator<T>>;
 using Floats = std::vector<float, Uncleared<float>>;
 
 /// A column of D floats in a register.

@@ -28,7 +28,7 @@ struct BlockView {
 /// The matrix of a coarse level while the next one is made.
 struct CoarseMatrix {
   std::vector<Index> start{0}, columns, diagonal;
-  std::vector<double, Uncleared<double>> values;
+  std::vector<double, Passing<double>> values;
   BlockView<modes> view() const {
     return {Index(diagonal.size()), start.data(), columns.data(), diagonal.data(), values.data()};
   }
@@ -38,7 +38,7 @@ struct CoarseMatrix {
 template <int D>
 struct Motions {
   static constexpr std::size_t size = std::size_t(D) * modes;
-  Array<double> values;
+  std::vector<double> values;
   using Block = Eigen::Matrix<double, D, modes, Eigen::RowMajor>;
   void resize(std::size_t blocks) { values.assign(blocks * size + 8, 0.0); }
   Eigen::Map<Block> at(Index k) { return Eigen::Map<Block>(values.data() + std::size_t(k) * size); }

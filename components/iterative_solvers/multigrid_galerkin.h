@@ -211,44 +211,54 @@ inline void completeDiagonal(double* block) {
 struct UpperRows {
   Index first = 0;
   std::vector<Index> counts, columns;
-  std::vector<double> values;  ///< shape (blocks, 6, 6), column-major
+  std::vector<double> values;        ///< shape (blocks, 6, 6), column-major
+  std::vector<Index> own, mirrored;  ///< slots of the blocks in the whole matrix, see giveSlots()
 };
 
-inline CoarseMatrix completed(const std::vector<UpperRows>& pieces, Index rows) {
-  CoarseMatrix coarse;
-  coarse.start.assign(std::size_t(rows) + 1, 0);
+/// The pattern of the whole matrix: in a row those of the rows above first, then its own in their order.
+inline void giveSlots(std::vector<UpperRows>& pieces, CoarseMatrix& coarse) {
   const auto forEach = [&pieces](auto&& visit) {
-    for (const UpperRows& piece : pieces) {
+    for (UpperRows& piece : pieces) {
       std::size_t at = 0;
       for (std::size_t k = 0; k < piece.counts.size(); ++k)
-        for (Index m = 0; m < piece.counts[k]; ++m, ++at)
-          visit(piece.first + Index(k), piece.columns[at], piece.values.data() + at * modes * modes);
+        for (Index m = 0; m < piece.counts[k]; ++m, ++at) visit(piece, at, piece.first + Index(k), piece.columns[at]);
     }
   };
-  forEach([&](Index i, Index j, const double*) {
+  forEach([&](UpperRows&, std::size_t, Index i, Index j) {
     ++coarse.start[std::size_t(i) + 1];
     if (i != j) ++coarse.start[std::size_t(j) + 1];
   });
-  for (std::size_t i = 0; i < std::size_t(rows); ++i) coarse.start[i + 1] += coarse.start[i];
+  for (std::size_t i = 0; i < coarse.diagonal.size(); ++i) coarse.start[i + 1] += coarse.start[i];
   coarse.columns.resize(std::size_t(coarse.start.back()));
-  coarse.values.resize(coarse.columns.size() * modes * modes);
-  coarse.diagonal.resize(std::size_t(rows));
+  for (UpperRows& piece : pieces) piece.own.resize(piece.columns.size()), piece.mirrored.resize(piece.columns.size());
   std::vector<Index> next(coarse.start.begin(), coarse.start.end());
+  forEach([&](UpperRows& piece, std::size_t at, Index i, Index j) {
+    const Index own = piece.own[at] = next[std::size_t(i)]++;
+    coarse.columns[std::size_t(own)] = j;
+    if (i == j) coarse.diagonal[std::size_t(i)] = own;
+    const Index mirrored = piece.mirrored[at] = i == j ? own : next[std::size_t(j)]++;
+    coarse.columns[std::size_t(mirrored)] = i;
+  });
+}
+
+inline CoarseMatrix completed(std::vector<UpperRows>& pieces, Index rows) {
+  CoarseMatrix coarse;
+  coarse.start.assign(std::size_t(rows) + 1, 0);
+  coarse.diagonal.resize(std::size_t(rows));
+  giveSlots(pieces, coarse);
+  coarse.values.resize(coarse.columns.size() * modes * modes);
+  const auto block = [&coarse](Index slot) {
+    return BlockView<modes>::Block::Map(coarse.values.data() + std::size_t(slot) * modes * modes);
+  };
   using Turned = Eigen::Matrix<double, modes, modes>;
-  forEach([&](Index i, Index j, const double* block) {
-    const Eigen::Map<const Turned> from(block);
-    const auto put = [&](Index row, Index column) {
-      const Index slot = next[std::size_t(row)]++;
-      coarse.columns[std::size_t(slot)] = column;
-      return BlockView<modes>::Block::Map(coarse.values.data() + std::size_t(slot) * modes * modes);
-    };
-    if (i == j) coarse.diagonal[std::size_t(i)] = next[std::size_t(i)];
-    auto own = put(i, j);
-    own = from;
-    if (i != j) {
-      auto mirrored = put(j, i);
-      mirrored = from.transpose();
+  parallelFor(int(pieces.size()), [&](int k) {
+    UpperRows& piece = pieces[std::size_t(k)];
+    for (std::size_t at = 0; at < piece.columns.size(); ++at) {
+      const Eigen::Map<const Turned> from(piece.values.data() + at * modes * modes);
+      block(piece.own[at]) = from;
+      if (piece.mirrored[at] != piece.own[at]) block(piece.mirrored[at]) = from.transpose();
     }
+    piece = {};
   });
   for (const Index slot : coarse.diagonal) completeDiagonal(coarse.values.data() + std::size_t(slot) * modes * modes);
   return coarse;

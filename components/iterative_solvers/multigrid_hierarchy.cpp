@@ -136,46 +136,50 @@ double largestOnDiagonal(const BlockMatrix& a) {
   return std::isfinite(sum) ? largest : sum;
 }
 
-/// Floats as they are, two in the room of a double.
+/// Numbers of four bytes as they are, two in the room of a double.
 template <class Values>
-void serializeFloats(Archive& archive, const std::string& name, Values& values) {
-  std::vector<double> pairs((values.size() + 1) / 2, 0.0);
-  std::memcpy(pairs.data(), values.data(), values.size() * sizeof(float));
+void serializePairs(Archive& archive, const std::string& name, Values& values) {
   std::int64_t count = std::int64_t(values.size());
   archive.value(name + "_count", count);
-  archive.list(name, pairs);
-  if (!archive.isReading()) return;
   values.resize(std::size_t(count));
-  std::memcpy(values.data(), pairs.data(), values.size() * sizeof(float));
+  archive.rows(name, reinterpret_cast<double*>(values.data()), std::size_t(count / 2));
+  if (count % 2 == 0) return;
+  std::int32_t bits = 0;
+  std::memcpy(&bits, &values.back(), sizeof bits);
+  archive.value(name + "_last", bits);
+  std::memcpy(&values.back(), &bits, sizeof bits);
 }
 
 template <int R, int C>
 void serializeBlocks(Archive& archive, const std::string& name, Blocks<R, C>& blocks) {
-  archive.list(name + "_start", blocks.start);
-  archive.list(name + "_columns", blocks.columns);
-  serializeFloats(archive, name, blocks.values);
+  serializePairs(archive, name + "_start", blocks.start);
+  serializePairs(archive, name + "_columns", blocks.columns);
+  serializePairs(archive, name, blocks.values);
 }
 
 template <int D>
 void serializePatches(Archive& archive, const std::string& name, Patches<D>& patches) {
-  archive.list(name + "_start", patches.start);
-  archive.list(name + "_members", patches.members);
+  serializePairs(archive, name + "_start", patches.start);
+  serializePairs(archive, name + "_members", patches.members);
   archive.list(name + "_entry_start", patches.entry_start);
-  archive.list(name + "_entries", patches.entries);
+  serializePairs(archive, name + "_entries", patches.entries);
   archive.list(name + "_first", patches.first);
   archive.list(name + "_place", patches.place);
-  serializeFloats(archive, name + "_inverses", patches.inverses);
+  serializePairs(archive, name + "_inverses", patches.inverses);
 }
 
 template <int D>
 void serializeLevel(Archive& archive, const std::string& name, Level<D>& level) {
   serializeBlocks(archive, name + "a", level.a);
   serializeBlocks(archive, name + "p", level.p);
-  serializeBlocks(archive, name + "r", level.r);
-  serializeFloats(archive, name + "inverse", level.inverse);
+  Index groups = level.r.rows();
+  archive.value(name + "groups", groups);
+  serializePairs(archive, name + "inverse", level.inverse);
   serializePatches(archive, name + "patches", level.patches);
   archive.value(name + "largest", level.largest);
-  if (archive.isReading()) level.allocateWork();
+  if (!archive.isReading()) return;
+  if (groups > 0) transposeProlongation(level, groups);
+  level.allocateWork();
 }
 
 template <int D>

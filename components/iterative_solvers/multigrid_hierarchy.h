@@ -17,6 +17,8 @@ struct Hierarchy {
   std::vector<Level<modes>> coarse;
   LastLevel last;
   double scale = 1;  ///< levels hold A times this
+  MatrixKey made_of;  ///< and with these positions, none where they were not known
+  Vector positions;
 
   /// z = B r, one V-cycle: symmetric.
   void apply(ConstRows r, Rows z);

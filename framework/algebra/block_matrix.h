@@ -15,8 +15,8 @@ class BlockPattern {
   Index rows() const { return Index(columns_.size()); }
   /// Every pair of the listed rows is coupled (both ways, and each with itself).
   void addClique(const Index* rows, int count);
-  void addBlock(Index row, Index column) { columns_[row].push_back(column); }
-  /// Of one row, in the order they were added, with repetitions.
+  void addBlock(Index row, Index column);
+  /// Of one row, in the order they were first added; long rows with repetitions.
   const std::vector<Index>& columns(Index row) const { return columns_[row]; }
 
  private:

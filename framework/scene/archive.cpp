@@ -24,8 +24,7 @@ std::size_t Archive::count(std::string_view name, Kind kind, std::size_t present
 
 void Archive::numbers(std::string_view name, Kind kind, void* values, std::size_t count) {
   if (!reading_) {
-    Entry entry{kind, std::string(8 * count, '\0'), false};
-    if (count > 0) std::memcpy(entry.bytes.data(), values, entry.bytes.size());
+    Entry entry{kind, std::string(static_cast<const char*>(values), 8 * count), false};
     if (!entries_.emplace(fullName(name), std::move(entry)).second)
       throw std::logic_error(fmt::format("{} writes '{}' twice into a checkpoint", owner_, name));
     return;
@@ -40,11 +39,10 @@ void Archive::numbers(std::string_view name, Kind kind, void* values, std::size_
 }
 
 void Archive::value(std::string_view name, std::string& text) {
-  if (reading_) {
+  if (reading_)
     text = find(name, Kind::text).bytes;
-  } else {
+  else
     entries_.emplace(fullName(name), Entry{Kind::text, text, false});
-  }
 }
 
 Archive Archive::take(const std::string& owner) {

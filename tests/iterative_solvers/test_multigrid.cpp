@@ -268,6 +268,61 @@ TEST(AutomaticLinearSolver, ChangesAChoiceThatProvesWrong) {
   EXPECT_NE(solve(0.499999).find("factors, after"), std::string::npos) << solve(0.499999);
 }
 
+/// A hierarchy of the matrix as it was says nothing of what the matrix has become: one of its own is tried before factors are.
+TEST(AutomaticLinearSolver, AFormerHierarchyDoesNotDecideForFactors) {
+  ElasticBlock block = box(16, 16, 16), boned = block;
+  boned.stiffer = [](Vec3 at) { return std::abs(at.x() - 8) < 3 && std::abs(at.y() - 8) < 3 ? 1e4 : 1.; };
+  StoredMatrix matrix = matrixOf(block);
+  const Vector b = weight(block);
+  const int patience = solverCosts(matrix.values, extentsOf(matrix.rows(), matrix.positions())).patience();
+  SolverInScene solver("<AutomaticLinearSolver/>");
+  const auto told = [&](const char* name) { return solver.solver->data().find(name)->print(); };
+  Vector x;
+  ASSERT_LT(solver.solve(matrix, b, x).iterations, patience);
+  const int assemblies = matrix.assemblies;
+  matrix.values = matrixOf(boned).values;
+  ++matrix.revision_number;
+  x = Vector(b.count());
+  const SolveReport report = solver.solve(matrix, b, x);
+  EXPECT_EQ(report.stop, SolveStop::converged) << describe(report.stop);
+  EXPECT_GT(report.iterations, patience) << "the former hierarchy serves it as well";
+  EXPECT_LT(report.iterations, 2 * patience);
+  EXPECT_EQ(matrix.assemblies, assemblies + 1);
+  EXPECT_NE(told("choice").find("with multigrid"), std::string::npos) << told("choice");
+  EXPECT_EQ(told("changes"), "0");
+}
+
+/// Where no force depends on the state, a checkpoint has the places of the nodes instead of the hierarchy, which is made again
+/// from these and not from where the nodes are by then.
+TEST(AutomaticLinearSolver, WritesOnlyHierarchiesThatCannotBeMadeAgain) {
+  ElasticBlock block = box(16, 16, 16);
+  const std::string law = R"(<MechanicalObject position="0 0 0  1 0 0  0 1 0  0 0 1"/>
+    <MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>
+    <TetrahedronFEMForceField youngModulus="5000" poissonRatio="0.3" method=)";
+  for (const bool depends : {false, true}) {
+    const std::string scene = "<AutomaticLinearSolver/>" + law + (depends ? "\"svd\"/>" : "\"small\"/>");
+    SolverInScene first(scene), second(scene);
+    StoredMatrix matrix = matrixOf(block);
+    ASSERT_FALSE(matrix.nodes.empty());
+    Vector x, y;
+    first.solve(matrix, weight(block), x);
+    for (Vec3& node : matrix.nodes) node.x() += 0.1 * node.z() * node.z();
+    Archive written;
+    written.enter("solver");
+    first.solver->serializeFor(matrix, written);
+    std::size_t bytes = 0;
+    for (const auto& [name, entry] : written.entries()) bytes += entry.bytes.size();
+    EXPECT_EQ(bytes < 64 * std::size_t(matrix.rows()), !depends) << bytes;
+    Archive reading = written.readable();
+    reading.enter("solver");
+    second.solver->serializeFor(matrix, reading);
+    x = Vector(matrix.rows());
+    const int again = first.solve(matrix, weight(block), x).iterations;
+    EXPECT_EQ(second.solve(matrix, weight(block), y).iterations, again);
+    EXPECT_EQ(std::memcmp(x.rows().data, y.rows().data, x.rows().doubles() * sizeof(double)), 0);
+  }
+}
+
 /// What was given up and why is known to a run that is taken up again, and to a step that is taken back.
 TEST(AutomaticLinearSolver, TellsAChoiceOfTheRunBefore) {
   ElasticBlock block = box(16, 16, 16);
