@@ -31,6 +31,12 @@ struct ModelPair {
 /// Of a scene, with models that are ready. Without a method it is that of DiscreteIntersection.
 std::vector<ModelPair> modelPairs(const Node& root, const Method* method);
 
+/// What looks for contacts in each step.
+class ContactWatch {
+ public:
+  virtual ~ContactWatch() = default;
+};
+
 /// What acts on contacts that are found, and makes a watch unnecessary.
 class ContactAnswer {
  public:

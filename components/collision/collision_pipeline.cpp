@@ -45,7 +45,7 @@
 namespace stroma::collision {
 namespace {
 
-class CollisionPipeline final : public Observer, public StepGuard {
+class CollisionPipeline final : public Observer, public StepGuard, public ContactWatch {
  public:
   void declare(DataTable& table) override {
     table.add("depth", depth_).help("SOFA's; of its trees of boxes").min(0);

@@ -49,10 +49,11 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "components/collision/contact_pairs.h"
+#include "components/collision/contact_report.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/step_limiter.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/node.h"
 #include "framework/simulation/step_guard.h"
@@ -79,6 +80,7 @@ class CollisionResponse final : public ForceField,
     table.add("response", response_).help("how contacts are answered: PenalityContactForceField or FrictionContactConstraint");
     table.add("responseParams", parameters_).help("mu=... of friction; 0.8 when not given");
     table.add("contacts", acting_).help("contacts that push").output();
+    report_.declare(table);
   }
   void init() override;
   std::vector<State*> states() const override { return states_; }
@@ -96,6 +98,7 @@ class CollisionResponse final : public ForceField,
   void takeForces(std::span<const double> forces) override;
   void compile() override {
     search_.compile(pairs_, *method_);
+    report_.compile(pairs_);
     pushes_.clear(), pattern_.clear();
     found_ = false;
     ++revision_;
@@ -108,7 +111,14 @@ class CollisionResponse final : public ForceField,
   long patternRevision() const override { return revision_; }
   void addStiffness(double factor, BlockMatrix& matrix) const override;
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
-  void reset() override { found_ = false; }
+  void reset() override {
+    found_ = false, acting_ = 0;
+    report_.clear();
+  }
+  void serialize(Archive& archive) override {
+    archive.value("contacts", acting_);
+    report_.serialize(archive);
+  }
 
  protected:
   bool takesAllRows() const override { return true; }
@@ -116,7 +126,7 @@ class CollisionResponse final : public ForceField,
  private:
   /// Something has to look for contacts.
   bool hasPipeline() const {
-    std::vector<StepGuard*> pipelines;
+    std::vector<ContactWatch*> pipelines;
     node().root().collect(pipelines);
     return !pipelines.empty();
   }
@@ -129,6 +139,7 @@ class CollisionResponse final : public ForceField,
   void find();
   static void addSide(const CollisionModel& model, const PartPoint& point, double sign, Push& push);
   static double depth(const Push& push, ConstRows x);
+  static std::array<Vec3, 2> tangents(const Vec3& n);
 
   std::string response_ = "PenalityContactForceField", parameters_;
   int acting_ = 0;
@@ -140,6 +151,7 @@ class CollisionResponse final : public ForceField,
   ContactSearch search_;
   std::vector<Contact> contacts_;
   std::vector<Push> pushes_;  ///< of contacts_
+  ContactReport report_;      ///< the same
   std::vector<std::array<Index, 6>> pattern_;  ///< their rows
   bool found_ = false, has_new_ = false;  ///< new: rows are others than those of the last force
   long revision_ = 0;
@@ -210,6 +222,7 @@ void CollisionResponse::find() {
     has_new_ = has_new_ || pattern_[i] != push.rows;
     pattern_[i] = push.rows;
   }
+  report_.note(contacts_);
   found_ = true;
 }
 
@@ -220,9 +233,15 @@ Vec3 CollisionResponse::wayOf(const Push& push, ConstRows x) {
   return way;
 }
 
+std::array<Vec3, 2> CollisionResponse::tangents(const Vec3& n) {
+  const Vec3 across = n.unitOrthogonal();
+  return {across, n.cross(across)};
+}
+
 double CollisionResponse::depth(const Push& push, ConstRows x) { return push.d - push.n.dot(wayOf(push, x)); }
 
 void CollisionResponse::addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const {
+  if (report_.isRestored()) return;  // asked for between steps: contacts are those of another one
   const auto add = [&](const Push& push, const Vec3& along) {
     for (std::size_t i = 0; i < 6; ++i)
       if (push.rows[i] >= 0 && push.c[i] != 0) rows.add(push.rows[i], push.c[i] * along);
@@ -231,8 +250,8 @@ void CollisionResponse::addConditions(ConstRows x, ConstRows x_start, Lagrangian
     rows.begin(LagrangianRows::Kind::push, -depth(push, x));
     add(push, push.n);
     if (mu_ == 0) continue;
-    const Vec3 slid = wayOf(push, x) - wayOf(push, x_start), across = push.n.unitOrthogonal();
-    for (const Vec3& tangent : {across, Vec3(push.n.cross(across))}) {
+    const Vec3 slid = wayOf(push, x) - wayOf(push, x_start);
+    for (const Vec3& tangent : tangents(push.n)) {
       rows.begin(LagrangianRows::Kind::rub, tangent.dot(slid), mu_);
       add(push, tangent);
     }
@@ -241,7 +260,16 @@ void CollisionResponse::addConditions(ConstRows x, ConstRows x_start, Lagrangian
 
 void CollisionResponse::takeForces(std::span<const double> forces) {
   acting_ = 0;
-  for (std::size_t i = 0; i < forces.size(); i += mu_ == 0 ? 1 : 3) acting_ += forces[i] > 0;
+  report_.setMultipliers(forces);
+  const bool slides = mu_ != 0;
+  for (std::size_t i = 0; i < pushes_.size(); ++i) {
+    const double* l = forces.data() + i * (slides ? 3 : 1);
+    acting_ += l[0] > 0;
+    Vec3 force = l[0] * pushes_[i].n;
+    if (slides)
+      for (int k = 0; k < 2; ++k) force += l[1 + k] * tangents(pushes_[i].n)[std::size_t(k)];
+    report_.setForce(i, force);
+  }
 }
 
 double CollisionResponse::energy(ConstRows x) const {
@@ -257,9 +285,11 @@ void CollisionResponse::addForce(ConstRows x, ConstRows, Rows f) {
   if (!found_) find();
   revision_ += has_new_, has_new_ = false;
   acting_ = 0;
-  for (Push& push : pushes_) {
+  for (std::size_t at = 0; at < pushes_.size(); ++at) {
+    Push& push = pushes_[at];
     const double pen = depth(push, x);
     push.acts = pen > 0;
+    report_.setForce(at, push.acts ? Vec3(push.k * pen * push.n) : Vec3::Zero());
     if (!push.acts) continue;
     ++acting_;
     for (std::size_t i = 0; i < 6; ++i)

@@ -10,12 +10,15 @@
 
 namespace stroma::lagrangian {
 
-void Actuator::declareValue(DataTable& table, const char* way, const char* force, const std::string& help) {
+void Actuator::declareValue(DataTable& table, const char* way, const char* force, bool way_first, const std::string& help) {
   way_word_ = way, force_word_ = force;
+  force_is_ = way_first ? Imposed::second : Imposed::first;
   table.add("value", values_).atOnce().help(help + "; of several the one of valueIndex");
   table.add("valueIndex", index_).help("which of value").min(0);
   table.add("impulses", impulses_).help(fmt::format("a written {} and its bounds are those of a whole step: divided by dt", force));
-  table.add("valueType", type_).help(fmt::format("what value is: {} or {}", way, force));
+  std::vector<std::string> words{way, force};
+  if (!way_first) std::swap(words[0], words[1]);
+  table.addChoice("valueType", imposed_, words).help("what value is");
 }
 
 double Actuator::written(const char* attribute, double value, double otherwise) const {
@@ -28,8 +31,6 @@ double Actuator::Bounds::within(double value, double before) const {
 
 void Actuator::init() {
   PairConstraint::init();
-  if (type_ != way_word_ && type_ != force_word_)
-    throw ComponentError(fmt::format("valueType is {}", type_), way_word_ + " or " + force_word_);
   if (index_ > 0 && index_ >= int(values_.size()))
     throw ComponentError(fmt::format("valueIndex is {}, and value has {} numbers", index_, values_.size()),
                          fmt::format("0 to {}", std::max<int>(0, int(values_.size()) - 1)));

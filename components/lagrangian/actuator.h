@@ -35,14 +35,13 @@ class Actuator : public PairConstraint {
   virtual double measure(ConstRows x) const = 0;  ///< s and a constant
   /// Adds sign * ds/dx to the last row.
   virtual void addGradient(ConstRows x, double sign, LagrangianRows& rows) const = 0;
-  /// value, valueIndex, valueType: `way` or `force`, the words of a scene.
-  void declareValue(DataTable& table, const char* way, const char* force, const std::string& help);
-  void useWord(const char* word) { type_ = word; }  ///< of valueType when not given
+  /// value, valueIndex, valueType: `way` or `force`, the words of a scene. The first of them is that of a scene that gives none.
+  void declareValue(DataTable& table, const char* way, const char* force, bool way_first, const std::string& help);
   /// What a scene has written in an attribute, else what stands for nothing.
   double written(const char* attribute, double value, double otherwise) const;
   /// In init(): throws ComponentError where least is above most.
   void bound(const Bounds& way, const Bounds& force);
-  bool imposesForce() const { return type_ == force_word_; }
+  bool imposesForce() const { return imposed_ == force_is_; }
   void startAt(double measured) { start_ = measured, is_measured_ = true; }
 
   double way_ = 0, force_ = 0, start_ = 0;  ///< s and f after the last step; measure() where the scene starts
@@ -53,13 +52,15 @@ class Actuator : public PairConstraint {
     Kind kind;
     double sign, at, factor;
   };
+  enum class Imposed : int { first, second };  ///< of the words of valueType
   double value() const;
   void plan();
 
   std::vector<double> values_{0};
   int index_ = 0;
   bool impulses_ = false;
-  std::string type_, way_word_, force_word_;
+  Imposed imposed_ = Imposed::first, force_is_ = Imposed::second;
+  std::string way_word_, force_word_;
   Bounds way_bounds_, force_bounds_;
   bool is_measured_ = false;
   std::vector<Plan> plan_;  ///< of the step under way

@@ -37,12 +37,11 @@ class Cable final : public Actuator {
  public:
   void declare(DataTable& table) override {
     declareOneState(table);
-    useWord("displacement");
     table.add("indices", nodes_).required().help("points that the cable runs through, from its pulled end on");
     table.add("pullPoint", pull_).help("where it is pulled").unit("m");
     table.add("hasPullPoint", has_pull_).help("false: it ends at the first of indices");
     table.add("method", method_).help("point: forces act on the points themselves");
-    declareValue(table, "displacement", "force", "displacement [m] or force [N]");
+    declareValue(table, "displacement", "force", true, "displacement [m] or force [N]");
     table.add("minForce", least_force_).help("least tension; 0: it does not push. Without it, none").unit("N");
     table.add("maxForce", most_force_).help("largest tension; without it, none").unit("N");
     table.add("maxPositiveDisp", most_way_).help("largest displacement; without it, none").unit("m");

@@ -39,11 +39,10 @@ class SurfacePressure final : public Actuator {
  public:
   void declare(DataTable& table) override {
     declareOneState(table);
-    useWord("pressure");
     topology_.declare(table, "mesh with the triangles and quads of the surface");
     table.add("triangles", triangles_).help("of the surface; with quads those of the mesh when neither is given");
     table.add("quads", quads_).help("of the surface, each as two triangles");
-    declareValue(table, "volumeGrowth", "pressure", "pressure [Pa] or growth of the volume since the start [m^3]");
+    declareValue(table, "volumeGrowth", "pressure", false, "pressure [Pa] or growth of the volume since the start [m^3]");
     table.add("flipNormal", flip_).help("normals point the other way");
     table.add("minPressure", least_pressure_).help("least pressure; without it, none").unit("Pa");
     table.add("maxPressure", most_pressure_).help("largest pressure; without it, none").unit("Pa");

@@ -34,6 +34,7 @@ class ConstantForceField final : public ForceField {
   void declare(DataTable& table) override {
     ForceField::declare(table);
     table.add("indices", indices_).help("loaded nodes; every node when not given");
+    table.add("emptyMeansAll", empty_is_all_).help("an empty list of indices stands for all nodes, as in SOFA");
     table.add("forces", forces_).recompiled().help("force on each listed node, or one for all of them").unit("N");
     table.add("force", force_).recompiled().help("the same force on each listed node").unit("N").shorthand();
     table.add("totalForce", total_force_).recompiled().help("force shared equally by the listed nodes").unit("N");
@@ -43,12 +44,16 @@ class ConstantForceField final : public ForceField {
 
   void init() override {
     ForceField::init();
-    if (data().find("indices")->isSet()) {
+    const bool is_given = data().find("indices")->isSet();
+    const bool takes_all = indices_.empty() && empty_is_all_;
+    if (is_given && takes_all)
+      warn(fmt::format("indices lists no node: all {} nodes of {} are loaded", state().nodes(), state().path()));
+    if (is_given && !takes_all) {
       if (indices_.empty()) checkedNodes(indices_, state(), "indices");
       for (std::size_t i = 0; i < indices_.size(); ++i) checkNode(indices_[i], i, state(), "indices");
       nodes_.assign(indices_.begin(), indices_.end());
     } else {
-      inform(fmt::format("no indices: all {} nodes of {} are loaded", state().nodes(), state().path()));
+      if (!is_given) inform(fmt::format("no indices: all {} nodes of {} are loaded", state().nodes(), state().path()));
       nodes_.resize(state().nodes());
       std::iota(nodes_.begin(), nodes_.end(), 0);
     }
@@ -124,7 +129,7 @@ class ConstantForceField final : public ForceField {
 
   std::vector<int> indices_;
   std::vector<double> forces_, force_{0, 0, 0}, total_force_{0, 0, 0};  ///< flat
-  bool from_end_ = false;
+  bool from_end_ = false, empty_is_all_ = false;
   std::vector<Index> nodes_;
   std::vector<std::pair<Index, Vec3>> loads_;  ///< row of the state and what acts on it
 };

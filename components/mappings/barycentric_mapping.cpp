@@ -14,9 +14,13 @@
 // Points of triangles, quads and edges are moved onto the nearest of these where the scene starts, and stay there: N_a are those of
 // the foot of the point.
 //
+// A child of frames (template Rigid3) is embedded too, in tetrahedra or hexahedra: its centres as points, and its orientations
+// turn with the cells, by the rotation next to the deformation gradient there (cell_turns.h). The mapping is then not linear, and
+// BarrierContact takes no surface that such frames carry: how far it leaves the line of a step has no bound.
+//
 // Points on which nothing acts are placed after steps that something reads, and cost nothing else.
 //
-// Source: the attributes are SOFA's.
+// Source: the attributes are SOFA's, and so are embedded frames; forces and torques pass here by the exact Jacobian.
 //
 // Example:
 // <Node name="root" dt="0.01">
@@ -38,116 +42,20 @@
 // </Node>
 #include <fmt/format.h>
 
-#include <Eigen/LU>
-#include <boost/geometry.hpp>
-#include <boost/geometry/index/rtree.hpp>
+#include <algorithm>
 #include <cmath>
 
+#include "components/mappings/cell_embedding.h"
+#include "components/mappings/cell_turns.h"
 #include "components/mappings/weighted_mapping.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
-#include "framework/mesh/cell_lists.h"
+#include "framework/mechanics/step_limiter.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
-
-namespace bg = boost::geometry;
-using Point = bg::model::point<double, 3, bg::cs::cartesian>;
-using Box = bg::model::box<Point>;
-
-Point toPoint(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
-
-/// A point in a cell: the weights of its corners, and how far it lies outside [m].
-struct Place {
-  std::array<double, most_cell_nodes> weights{};
-  double distance = 0;
-};
-
-Place placeInTetrahedron(const Vec3* corner, const Vec3& p) {
-  Mat3 edges;
-  edges << corner[1] - corner[0], corner[2] - corner[0], corner[3] - corner[0];
-  const Vec3 u = edges.inverse() * (p - corner[0]);
-  Place place{{1 - u.sum(), u[0], u[1], u[2]}, 0};
-  std::array<double, 4> inside{};
-  double sum = 0;
-  for (std::size_t a = 0; a < 4; ++a) sum += inside[a] = std::max(0.0, place.weights[a]);
-  Vec3 nearest = Vec3::Zero();
-  for (std::size_t a = 0; a < 4; ++a) nearest += inside[a] / sum * corner[a];
-  place.distance = (p - nearest).norm();
-  if (*std::min_element(place.weights.begin(), place.weights.begin() + 4) >= 0) place.distance = 0;
-  return place;
-}
-
-/// Newton's method held in the cell: inside it ends at the point, outside at the side that the point lies beyond.
-Place placeInCurved(const CellKind& kind, const Vec3* corner, const Vec3& p) {
-  std::array<double, most_cell_nodes> value{};
-  std::array<LocalPoint, most_cell_nodes> slope{};
-  const auto slopeOf = [&](std::size_t a) { return Vec3(slope[a][0], slope[a][1], slope[a][2]); };
-  Mat3 jacobian;
-  const auto evaluate = [&](const LocalPoint& xi) {
-    kind.shapes(xi, value.data());
-    kind.gradients(xi, slope.data());
-    Vec3 x = Vec3::Zero();
-    jacobian.setZero();
-    for (std::size_t a = 0; a < std::size_t(kind.nodes); ++a)
-      x += value[a] * corner[a], jacobian += corner[a] * slopeOf(a).transpose();
-    return x;
-  };
-  LocalPoint xi{};
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    const Vec3 before(xi.data()), miss = p - evaluate(xi), next = before + jacobian.inverse() * miss;
-    xi = {next[0], next[1], next[2]};
-    kind.hold(xi);
-    if ((Vec3(xi.data()) - before).norm() < 1e-14) break;
-  }
-  const Vec3 miss = p - evaluate(xi), beyond = jacobian.inverse() * miss;
-  Place place;
-  for (std::size_t a = 0; a < std::size_t(kind.nodes); ++a) place.weights[a] = value[a] + slopeOf(a).dot(beyond);
-  place.distance = beyond.norm() < 1e-9 ? 0 : miss.norm();
-  return place;
-}
-
-/// The foot of the point on an edge, a triangle or a quad, by the method of Gauss and Newton; it may lie beyond their borders.
-Place placeOn(std::size_t nodes, const Vec3* corner, const Vec3& p) {
-  double u = 0, v = 0;
-  const auto weights = [nodes](double a, double b) {
-    Place place;
-    if (nodes == 2) place.weights = {1 - a, a};
-    if (nodes == 3) place.weights = {1 - a - b, a, b};
-    if (nodes == 4) place.weights = {(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b};
-    return place;
-  };
-  const auto at = [&](const Place& place) {
-    Vec3 x = Vec3::Zero();
-    for (std::size_t a = 0; a < nodes; ++a) x += place.weights[a] * corner[a];
-    return x;
-  };
-  for (int iteration = 0; iteration < (nodes == 4 ? 30 : 1); ++iteration) {
-    const Vec3 miss = p - at(weights(u, v));
-    Vec3 along = corner[1] - corner[0];
-    if (nodes == 4) along = (1 - v) * along + v * (corner[2] - corner[3]);
-    if (nodes == 2) {
-      u += along.dot(miss) / along.squaredNorm();
-      continue;
-    }
-    Vec3 across = corner[nodes - 1] - corner[0];
-    if (nodes == 4) across = (1 - u) * across + u * (corner[2] - corner[1]);
-    const double uu = along.squaredNorm(), uv = along.dot(across), vv = across.squaredNorm(), size = uu * vv - uv * uv;
-    const double du = (vv * along.dot(miss) - uv * across.dot(miss)) / size, dv = (uu * across.dot(miss) - uv * along.dot(miss)) / size;
-    u += du, v += dv;
-    if (std::abs(du) + std::abs(dv) < 1e-14) break;
-  }
-  double a = std::clamp(u, 0., 1.), b = std::clamp(v, 0., 1.);
-  if (nodes == 3 && a + b > 1) a /= a + b, b = 1 - a;
-  Place place = weights(u, v);
-  place.distance = (p - at(weights(a, b))).norm();
-  return place;
-}
-
-Place placeIn(const CellKind& kind, const Vec3* corner, const Vec3& p) {
-  if (kind.dimension < 3) return placeOn(std::size_t(kind.nodes), corner, p);
-  return kind.affine ? placeInTetrahedron(corner, p) : placeInCurved(kind, corner, p);
-}
 
 class BarycentricMapping final : public WeightedMapping {
  public:
@@ -161,123 +69,128 @@ class BarycentricMapping final : public WeightedMapping {
 
   void init() override {
     WeightedMapping::init();
-    for (const State* state : {&input(), &output()})
-      if (!state->hasPointsOnly())
-        throw ComponentError(state->path() + " has other nodes than points",
-                             "points; a RigidMapping or a SkinningMapping with frames");
+    turns_.clear();
+    if (!input().hasPointsOnly() || (!output().hasPointsOnly() && !output().hasFrames()))
+      throw ComponentError((input().hasPointsOnly() ? output() : input()).path() + " has other nodes than points",
+                           "points; a RigidMapping or a SkinningMapping with frames");
     const Topology* topology = findTopology(input(), input(), input_topology_, MeshNodes::all, "input_topology");
     if (!topology)
       throw ComponentError(fmt::format("{} has no mesh", input().path()), "a topology, or input_topology=\"@path\"");
-    const int dimension = highestDimension(topology->mesh());
-    if (dimension < 1)
-      throw ComponentError(fmt::format("{} has no cells", topology->path()), "a mesh of a volume, of a surface or of lines");
-    found_.assign(output().position.size(), {});
-    bg::assign_inverse(around_);
-    bool embedded = false;  // in cells of one kind, on surfaces in those of both
-    forEachCellList(
-        [&](const CellKind& kind, const auto& cells) {
-          if (kind.dimension != dimension || cells.empty() || (embedded && dimension == 3) || (dimension < 3 && kind.nodes > 4)) return;
-          embed(kind, cells);
-          embedded = true;
-        },
-        topology->mesh());
-    if (!embedded) throw ComponentError(fmt::format("{} has only cells of curved edges", topology->path()), "triangles, quads or edges");
-    finish();
+    double size = 0;
+    const std::vector<Vec3>& body = from_rest_ ? input().rest_position : input().position;
+    const std::vector<Vec3> points = nodePlaces(output(), from_rest_ ? output().rest_position : output().position);
+    const std::vector<EmbeddedPoint> found = embedPoints(*topology, body, points, size);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!std::isfinite(found[i].distance))
+        throw ComponentError(fmt::format("no cell can hold point {}: all have no volume where it is looked for", i),
+                             "a body whose cells have volumes where it starts", "useRestPosition=\"true\"");
+      std::vector<Weight> weights;
+      for (std::size_t a = 0; a < found[i].nodes.size(); ++a) weights.push_back({found[i].nodes[a], found[i].weights[a]});
+      addNode(weights);
+      if (output().hasFrames()) addTurn(Index(i), found[i]);
+    }
+    tellOutside(found, size);
+  }
+
+  void compile() override {
+    WeightedMapping::compile();
+    if (!turns_.empty()) refuseStepLimits();
+  }
+
+  bool isLinear() const override { return turns_.empty(); }
+  void apply(Rows x) const override {
+    WeightedMapping::apply(x);
+    turns_.apply(x, input().firstRow(), output().firstRow());
+  }
+  void applyJ(Rows v) const override {
+    WeightedMapping::apply(v);
+    turns_.applyJ(v, input().firstRow(), output().firstRow());
+  }
+  void applyJT(Rows f) const override {
+    WeightedMapping::applyJT(f);
+    turns_.applyJT(f, input().firstRow(), output().firstRow());
+  }
+  void addJacobian(std::vector<JacobianBlock>& out) const override {
+    WeightedMapping::addJacobian(out);
+    turns_.addJacobian(out, input().firstRow(), output().firstRow());
+  }
+  void addCurvature(ConstRows v, Rows a) const override {
+    turns_.addCurvature(v, a, input().firstRow(), output().firstRow());
+  }
+  void addGeometricProduct(ConstRows f, ConstRows dx, double factor, Rows df) const override {
+    forBlocks(f, [&](Index row, Index column, const Mat3& block) { df[row] += factor * (block * dx[column]); });
+  }
+  void addGeometricPattern(BlockPattern& pattern) const override {
+    forBlocks({}, [&](Index row, Index column, const Mat3&) { pattern.addBlock(row, column); });
+  }
+  void addGeometricStiffness(ConstRows f, double factor, BlockMatrix& matrix) const override {
+    forBlocks(f, [&](Index row, Index column, const Mat3& block) { matrix.add(row, column, factor * block); });
   }
 
  private:
-  using Tree = bg::index::rtree<std::pair<Box, std::size_t>, bg::index::quadratic<16>>;
-
-  /// Where a point lies best.
-  struct Found {
-    double distance = std::numeric_limits<double>::infinity();
-    std::vector<Weight> weights;
-  };
-
-  /// Gives every point its cell, where it has none that is nearer.
-  template <class Cell>
-  void embed(const CellKind& kind, const std::vector<Cell>& cells) {
-    const std::vector<Vec3>& body = from_rest_ ? input().rest_position : input().position;
-    const std::vector<Vec3>& points = from_rest_ ? output().rest_position : output().position;
-    const Tree tree = treeOf(cells, body);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      std::size_t cell = 0;
-      const Place best = nearestPlace(kind, cells, body, tree, points[i], cell);
-      if (!(best.distance < found_[i].distance)) continue;
-      found_[i] = {best.distance, {}};
-      for (std::size_t a = 0; a < cells[cell].size(); ++a) found_[i].weights.push_back({cells[cell][a], best.weights[a]});
+  /// How far what these frames carry leaves the line of a step has no bound: what limits steps would miss some contacts.
+  void refuseStepLimits() const {
+    std::vector<Mapping*> mappings;
+    std::vector<ForceField*> fields;
+    node().root().collect(mappings);
+    node().root().collect(fields);
+    std::vector<const State*> carried{&output()};
+    const auto is_carried = [&carried](const State* state) {
+      return std::find(carried.begin(), carried.end(), state) != carried.end();
+    };
+    for (bool grows = true; grows;) {
+      grows = false;
+      for (const Mapping* mapping : mappings) {
+        const std::vector<State*> from = mapping->inputs();
+        if (is_carried(&mapping->output()) || std::none_of(from.begin(), from.end(), is_carried)) continue;
+        carried.push_back(&mapping->output()), grows = true;
+      }
+    }
+    for (const ForceField* field : fields) {
+      if (!dynamic_cast<const StepLimiter*>(field)) continue;
+      for (const State* state : field->states())
+        if (is_carried(state))
+          throw ComponentError(fmt::format("{} limits steps by {}, which embedded frames carry on ways that have no bound",
+                                           field->path(), state->path()),
+                               "contact on points that are embedded themselves, or CollisionResponse");
     }
   }
 
-  void finish() {
+  /// The second row of a frame.
+  void addTurn(Index frame, const EmbeddedPoint& place) {
+    if (place.slopes.empty())
+      throw ComponentError(fmt::format("frame {} has no cell with a volume to turn with", frame),
+                           "tetrahedra or hexahedra; frames of other frames take a RigidMapping");
+    const std::vector<Vec3>& rows = from_rest_ ? output().rest_position : output().position;
+    turns_.add(2 * frame + 1, place.nodes, place.slopes, turnedBy(rows[std::size_t(2 * frame + 1)]));
+    addNode({});
+  }
+  template <class Visit>
+  void forBlocks(ConstRows f, Visit&& visit) const {
+    turns_.forGeometricBlocks(f, input().firstRow(), output().firstRow(), visit);
+  }
+
+  /// `size`: of the body.
+  void tellOutside(const std::vector<EmbeddedPoint>& found, double size) const {
     std::size_t outside = 0, farthest = 0;
-    double farthest_distance = 0;
-    for (std::size_t i = 0; i < found_.size(); ++i) {
-      if (!std::isfinite(found_[i].distance))
-        throw ComponentError(fmt::format("no cell can hold point {}: all have no volume where it is looked for", i),
-                             "a body whose cells have volumes where it starts", "useRestPosition=\"true\"");
-      addNode(found_[i].weights);
-      outside += found_[i].distance > 0;
-      if (found_[i].distance > farthest_distance) farthest_distance = found_[i].distance, farthest = i;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      outside += found[i].distance > 0;
+      if (found[i].distance > found[farthest].distance) farthest = i;
     }
-    if (outside > 0)
-      tellOutside(
-          fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow a cell near by",
-                      outside, found_.size(), farthest, farthest_distance),
-          farthest_distance / bg::distance(around_.min_corner(), around_.max_corner()));
-    found_.clear();
-  }
-
-  /// `share`: of the size of the body.
-  void tellOutside(const std::string& sentence, double share) const {
-    if (share > 0.1)
+    if (outside == 0) return;
+    const double most = found[farthest].distance;
+    const std::string sentence =
+        fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow a cell near by", outside,
+                    found.size(), farthest, most);
+    if (most > 0.1 * size)
       warn(sentence, "points inside of the body or near it");
-    else if (share > 1e-6)
+    else if (most > 1e-6 * size)
       inform(sentence);
-  }
-
-  /// The boxes of the cells; `around_` holds all of them.
-  template <class Cell>
-  Tree treeOf(const std::vector<Cell>& cells, const std::vector<Vec3>& body) {
-    std::vector<std::pair<Box, std::size_t>> boxes;
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      Vec3 from = Vec3::Constant(std::numeric_limits<double>::infinity()), to = -from;
-      const auto corners = cornersOf(cells[c], body);
-      for (const Vec3& p : corners) from = from.cwiseMin(p), to = to.cwiseMax(p);
-      if constexpr (std::tuple_size_v<Cell> ==
-                    10)  // the Bezier points of curved edges bound the cell, its nodes do not
-        for (std::size_t e = 0; e < cell_tables::tetrahedron_middles.size(); ++e) {
-          const auto [a, b] = cell_tables::tetrahedron_middles[e];
-          const Vec3 p = 2 * corners[4 + e] - (corners[std::size_t(a)] + corners[std::size_t(b)]) / 2;
-          from = from.cwiseMin(p), to = to.cwiseMax(p);
-        }
-      boxes.emplace_back(Box(toPoint(from), toPoint(to)), c);
-      bg::expand(around_, boxes.back().first);
-    }
-    return Tree(boxes);
-  }
-
-  /// In the nearest cell, whose number goes to `cell`: by ascending distance of their boxes, as no cell whose box is
-  /// farther than the best one can be better.
-  template <class Cell>
-  static Place nearestPlace(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& body,
-                            const Tree& tree, const Vec3& point, std::size_t& cell) {
-    const Point p = toPoint(point);
-    Place best;
-    best.distance = std::numeric_limits<double>::infinity();
-    for (auto found = tree.qbegin(bg::index::nearest(p, unsigned(cells.size()))); found != tree.qend(); ++found) {
-      if (bg::distance(found->first, p) >= best.distance) break;
-      const Place place = placeIn(kind, cornersOf(cells[found->second], body).data(), point);
-      if (place.distance < best.distance) best = place, cell = found->second;
-      if (best.distance == 0) break;
-    }
-    return best;
   }
 
   Link<Topology> input_topology_{"topology"}, output_topology_{"topology"};
   bool from_rest_ = false;
-  std::vector<Found> found_;  ///< of each point, while they are looked for
-  Box around_;                ///< all cells
+  CellTurns turns_;
 };
 
 }  // namespace

@@ -68,6 +68,7 @@ class MeshSprings : public SpringField {
     table.add("stiffness", stiffness_).help("spring constant of all kinds of cells").unit("N/m").min(0).shorthand();
     table.add("damping", damping_of_all_).help("damping of all kinds of cells").unit("N s/m").min(0).shorthand();
     table.add("noCompression", no_compression_).help("springs resist elongation only");
+    table.add("allowEmpty", allow_empty_).help("a mesh without cells that have springs is no error");
     table.add("localRange", range_).help("first and last node that springs may join; -1 -1: all nodes");
     for (const char* name : {"drawMinElongationRange", "drawMaxElongationRange", "drawSpringSize"})
       table.addVisualOnly(name);
@@ -103,8 +104,9 @@ class MeshSprings : public SpringField {
   }
 
   void finish(const char* expected) {
-    if (springs_.empty())
-      throw ComponentError("there is no spring: no kind of cell in the mesh has a stiffness", expected);
+    const std::string empty = "there is no spring: no kind of cell in the mesh has a stiffness";
+    if (springs_.empty() && !allow_empty_) throw ComponentError(empty, expected);
+    if (springs_.empty()) warn(empty, expected);
     for (Spring& spring : springs_) {
       spring.length = restDistance(spring);
       if (!per_length_) continue;
@@ -134,7 +136,7 @@ class MeshSprings : public SpringField {
     if (own && !own->isSet()) value = all;
   }
   TopologyLink topology_;
-  bool no_compression_ = false, per_length_ = false;
+  bool no_compression_ = false, per_length_ = false, allow_empty_ = false;
   double stiffness_ = 0, damping_of_all_ = 0;
   std::vector<int> range_{-1, -1};
   std::set<Edge> pairs_;

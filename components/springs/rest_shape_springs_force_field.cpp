@@ -41,6 +41,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
   void declare(DataTable& table) override {
     ForceField::declare(table);
     table.add("points", points_).alias("indices").help("nodes with a spring; every node when not given");
+    table.add("emptyMeansAll", empty_is_all_).help("an empty list of points stands for all nodes, as in SOFA");
     table.add("stiffness", stiffness_constants_)
         .recompiled()
         .help("spring constant, one per point or one for all")
@@ -65,10 +66,14 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
 
   void init() override {
     ForceField::init();
-    if (data().find("points")->isSet()) {
+    const bool is_given = data().find("points")->isSet();
+    const bool takes_all = points_.empty() && empty_is_all_;
+    if (is_given && takes_all)
+      warn(fmt::format("points lists no node: all {} nodes of {} are held", state().nodes(), state().path()));
+    if (is_given && !takes_all) {
       nodes_ = checkedNodesInOrder(points_, state(), "points");
     } else {
-      inform(fmt::format("no points: all {} nodes of {} have a spring", state().nodes(), state().path()));
+      if (!is_given) inform(fmt::format("no points: all {} nodes of {} have a spring", state().nodes(), state().path()));
       nodes_ = allNodes(state());
     }
     if (!pivot_points_.empty())
@@ -215,6 +220,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
   }
 
   std::vector<int> points_, external_points_, pivot_points_;
+  bool empty_is_all_ = false;
   std::vector<double> given_targets_;
   std::vector<double> stiffness_constants_{100}, angular_stiffness_{100};
   std::vector<bool> directions_{true, true, true};

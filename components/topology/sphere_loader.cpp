@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads spheres from a text: a first line "sph 1.0", then lines "sphe NUMBER x y z r"; # starts a comment. Centres are scaled,
-// turned and moved as by the mesh loaders; radii are scaled by the first factor.
+// Reads spheres from a text: a first line "sph 1.0", lines "nums COUNT", which nothing needs, and lines "sphe NUMBER x y z r"; #
+// starts a comment. Centres are scaled, turned and moved as by the mesh loaders; radii are scaled by the first factor.
 //
 // Source: the format, names and attributes are SOFA's.
 //
@@ -44,7 +44,7 @@ class SphereLoader final : public MeshSource {
       std::istringstream words(line.substr(0, line.find('#')));
       std::string word;
       if (!(words >> word)) continue;
-      if (word == "sph") continue;
+      if (word == "sph" || word == "nums") continue;
       int index = 0;
       Vec3 centre;
       double radius = 0;

@@ -225,7 +225,7 @@ TEST(Cables, WhatCannotBeMeantIsRefused) {
   expectContains(cable("indices=\"1\" minForce=\"3\" maxForce=\"2\""), "the least force is 3 and the largest 2");
   expectContains(cable("indices=\"1 1\""), "indices has point 1 twice in a row");
   expectContains(cable("indices=\"1\" method=\"sphere\""), "method is sphere");
-  expectContains(cable("indices=\"1\" valueType=\"length\""), "displacement or force");
+  expectContains(cable("indices=\"1\" valueType=\"length\""), "expected one of: displacement, force");
   expectContains(cable("indices=\"1\" hasPullPoint=\"0\""), "the cable has no length");
   expectContains(cable("indices=\"1\" object2=\"@.\""), "object2");
   expectContains(cavity("triangles=\"0 1 2\" valueType=\"volumeGrowth\" value=\"1\""),

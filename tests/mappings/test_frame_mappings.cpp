@@ -7,6 +7,7 @@
 #include <random>
 
 #include "framework/mechanics/frames.h"
+#include "tests/support/scene_fixture.h"
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
@@ -29,6 +30,15 @@ std::string underPoints(const std::string& child) {
          "<Node name=\"child\">" +
          child + "</Node></Node>";
 }
+
+/// Frames in a cell that is turned and stretched where the scene starts.
+std::string embeddedFrames(const std::string& cells, const std::string& rest, const std::string& position) {
+  return "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology name=\"net\" position=\"" +
+         rest + "\" " + cells + "/><MechanicalObject name=\"points\" rest_position=\"" + rest + "\" position=\"" + position +
+         "\"/><UniformMass totalMass=\"4\"/><Node name=\"child\"><MechanicalObject name=\"dofs\" template=\"Rigid3\" position=\"0.2 "
+         "0.3 0.1  0.1 0.2 0.3 0.9   0.5 0.4 0.3  0 0 0 1\"/><BarycentricMapping useRestPosition=\"true\"/></Node></Node>";
+}
+const std::string rest_cube = "0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1";
 
 struct Case {
   std::string name, scene;
@@ -96,6 +106,11 @@ std::vector<Case> cases() {
        underPoints("<Node name=\"mesh\"><MeshTopology name=\"net\" position=\"0 0 0  1 0.2 0  1.5 1 0.3  0 1 1\" "
                    "tetrahedra=\"0 1 2 3\"/></Node><Mesh2PointTopologicalMapping input=\"@mesh/net\" pointBaryCoords=\"0.1 0.2 0.3\" "
                    "tetraBaryCoords=\"0.1 0.3 0.2\"/><MechanicalObject name=\"dofs\"/><Mesh2PointMechanicalMapping/>")});
+  all.push_back({"EmbeddedFramesInATetrahedron", embeddedFrames("tetrahedra=\"0 1 2 3\"", "0 0 0  1 0 0  0 1 0  0 0 1",
+                                                                 "0.1 0 0  0.3 1.2 0.2  -0.8 0.4 0.1  0.2 -0.1 0.7")});
+  all.push_back({"EmbeddedFramesInAHexahedron",
+                 embeddedFrames("hexahedra=\"0 1 2 3 4 5 6 7\"", rest_cube,
+                                "0 0.1 0  0.3 1.2 0  -0.6 1.4 0.1  -0.9 0.2 0  0 0 0.8  0.2 1.1 1  -0.5 1.5 1.2  -0.8 0.3 0.9")});
   all.push_back({"CenterOfMass", underFrames("<MechanicalObject name=\"dofs\"/><CenterOfMassMapping/>")});
   all.push_back(
       {"IdentityMulti", "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"a\">" + frames +
@@ -292,6 +307,47 @@ TEST(FrameMappings, PointsFollowTheirFrames) {
   system.applyMappings();
   EXPECT_LT((system.x[6] - Vec3(2, 0.1, 1)).norm(), 1e-15);
   EXPECT_LT((system.x[7] - Vec3(1.8, 0, 1)).norm(), 1e-15);
+}
+
+/// A body that is stretched, turned and moved: x = Q S X + c takes an embedded frame to Q q_0 at Q S X + c.
+TEST(FrameMappings, EmbeddedFramesTurnWithTheBody) {
+  for (const std::string cells : {"hexahedra=\"0 1 2 3 4 5 6 7\"", "tetrahedra=\"0 1 3 4  1 2 3 6  1 4 5 6  3 4 6 7  1 3 4 6\""}) {
+    Simulation simulation = simulationFromText(embeddedFrames(cells, rest_cube, rest_cube));
+    System& system = *simulation.systems()[0];
+    const Quaternion q = turnedBy(Vec3(0.3, -2, 1)), start = Quaternion(0.9, 0.1, 0.2, 0.3).normalized();
+    Mat3 stretch;
+    stretch << 1.5, 0.2, 0.1, 0.2, 0.7, -0.1, 0.1, -0.1, 1.1;
+    const Mat3 a = q.toRotationMatrix() * stretch;
+    const Vec3 c(1, 2, 3);
+    for (Index i = 0; i < 8; ++i) system.x[i] = a * Vec3(system.x[i]) + c;
+    system.applyMappings();
+    EXPECT_LT((Vec3(system.x[8]) - (a * Vec3(0.2, 0.3, 0.1) + c)).norm(), 1e-14);
+    EXPECT_LT(orientationIn(system.x, 9).angularDistance(q * start), 1e-7);
+    EXPECT_LT((Vec3(system.x[10]) - (a * Vec3(0.5, 0.4, 0.3) + c)).norm(), 1e-14);
+    EXPECT_LT(orientationIn(system.x, 11).angularDistance(q), 1e-7);
+  }
+}
+
+TEST(FrameMappings, EmbeddedFramesNeedAVolume) {
+  const std::string problems = problemsOf(embeddedFrames("quads=\"0 1 2 3\"", rest_cube, rest_cube));
+  EXPECT_NE(problems.find("no cell with a volume"), std::string::npos) << problems;
+}
+
+/// What limits steps knows no bound of the ways of what embedded frames carry; of embedded points it does.
+TEST(FrameMappings, EmbeddedFramesCarryNoBarriers) {
+  const auto problems = [](const std::string& carrier) {
+    return problemsOf("<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver newtonIterations=\"30\"/><SparseLDLSolver/><MeshTopology "
+                      "position=\"" + rest_cube + "\" hexahedra=\"0 1 2 3 4 5 6 7\"/><MechanicalObject/><UniformMass totalMass=\"8\"/>"
+                      "<HexahedronFEMForceField youngModulus=\"1e4\" poissonRatio=\"0.3\"/>" + carrier + "</Node>");
+  };
+  const std::string surface =
+      "<MeshTopology position=\"0 0 0  1 0 0  0 1 0\" triangles=\"0 1 2\"/><MechanicalObject name=\"skin\" position=\"0 0 0  1 0 0  0 "
+      "1 0\"/>", contact = "<BarrierContact contactDistance=\"0.01\" planes=\"0 0 1 -9\"/>";
+  const std::string frames = "<Node name=\"frames\"><MechanicalObject template=\"Rigid3\" position=\"0.5 0.5 0.5 0 0 0 1\"/>"
+                             "<BarycentricMapping/><Node name=\"tool\">" + surface + "<RigidMapping/>{}</Node></Node>";
+  EXPECT_NE(problems(fmt::format(fmt::runtime(frames), contact)).find("which embedded frames carry"), std::string::npos);
+  EXPECT_EQ(problems(fmt::format(fmt::runtime(frames), "")), "");
+  EXPECT_EQ(problems("<Node name=\"points\">" + surface + "<BarycentricMapping/>" + contact + "</Node>"), "");
 }
 
 /// Nodes of one body are those of two parents, one of them carried by a frame: both feel what acts on them.

@@ -61,6 +61,100 @@ def test_forces_exist_where_they_were_asked_for(simulation):
     assert numpy.abs(state.f).max() > 0
 
 
+def held_frame():
+    """A frame that is held at a point of it by a Lagrangian constraint: it swings."""
+    root = stroma.Node("root", dt=0.01, gravity=(0, -10, 0))
+    root.add("EulerImplicitSolver", name="solver")
+    root.add("SparseLDLSolver", name="linear")
+    body = root.add_child("body")
+    body.add("MechanicalObject", name="frame", template="Rigid3", position=(0, 0, 0, 0, 0, 0, 1))
+    body.add("UniformMass", name="mass", totalMass=2)
+    point = body.add_child("point")
+    point.add("MechanicalObject", name="dofs", position=(0.5, 0, 0.1, 0, 0.3, 0))
+    point.add("RigidMapping", name="rides")
+    point.add("FixedLagrangianConstraint", name="held", indices=(0,))
+    return root
+
+
+def test_forces_of_constraints_are_what_momentum_lacks():
+    """m dv/dt is the weight and the force of the constraint; its moment is that of a force at the point."""
+    simulation = stroma.load(held_frame())
+    assert not simulation.state("/body").constraint_forces.any(), "nothing before the first step"
+    simulation.step()
+    frame, point = simulation.state("/body/frame"), simulation.state("/body/point")
+    force = frame.constraint_forces
+    assert force.shape == (1, 6) and point.constraint_forces.shape == (2, 3)
+    assert force[0, :3] == pytest.approx(2 * (frame.v[0, :3] / 0.01 - [0, -10, 0]), abs=1e-9) and force[0, 1] > 5
+    assert point.constraint_forces[0] == pytest.approx(force[0, :3], abs=1e-12) and not point.constraint_forces[1].any()
+    arm = point.x[0] - frame.x[0, :3]
+    assert force[0, 3:] == pytest.approx(numpy.cross(arm, force[0, :3]), abs=1e-9)
+    other = stroma.load(held_frame())
+    simulation.run(4)
+    other.run(5)
+    assert simulation.hash == other.hash, "asking changes no bit"
+
+
+def on_a_floor(response):
+    """Two particles at their contact distance of 0.1 m from a floor, and one far away."""
+    root = stroma.Node("root", dt=0.01, gravity=(0, -10, 0))
+    for kind in ("CollisionPipeline", "MinProximityIntersection"):
+        root.add(kind, name=kind, **({"alarmDistance": 0.3, "contactDistance": 0.1} if "Prox" in kind else {}))
+    root.add("CollisionResponse", name="contact", response=response, responseParams="mu=0.9")
+    body = root.add_child("body")
+    body.add("EulerImplicitSolver", name="solver")
+    body.add("SparseLDLSolver", name="linear")
+    body.add("MechanicalObject", name="dofs", position=(0, 0.1, 0, 1, 0.1, 0, 0, 7, 0))
+    body.add("UniformMass", name="mass", totalMass=6)
+    body.add("PointCollisionModel", name="points")
+    floor = root.add_child("floor")
+    floor.add("MeshTopology", name="mesh", position=(-9, 0, -7, 9, 0, -9, 9, 0, 9, -9, 0, 9), triangles=(0, 2, 1, 0, 3, 2))
+    floor.add("MechanicalObject", name="dofs")
+    floor.add("TriangleCollisionModel", name="surface", simulated=False, moving=False)
+    return stroma.load(root)
+
+
+def test_penalties_of_a_contact_are_its_arrays():
+    """k pen with k = 10 10/0.1, where the step started; they are no forces of constraint."""
+    simulation = on_a_floor("PenalityContactForceField")
+    simulation.state("/body").set(x=simulation.state("/body").x - [0, 0.02, 0])
+    simulation.step()
+    contact = simulation["/contact"]
+    assert contact.gaps == pytest.approx([-0.02, -0.02], abs=1e-12) and contact.contacts == 2 and len(contact.multipliers) == 0
+    assert contact.forces == pytest.approx(numpy.array([[0, -1000 * 0.02, 0]] * 2), abs=1e-9)
+    assert not simulation.state("/body").constraint_forces.any()
+
+
+def test_forces_of_a_contact_are_its_arrays():
+    """Particles rest on a floor: what holds them is told of them, of each contact, and by the constraint."""
+    simulation = on_a_floor("FrictionContactConstraint")
+    simulation.run(3)
+    contact = simulation["/contact"]
+    weight = numpy.array([0, 2 * 10, 0])
+    assert contact.models == ["/body/points", "/floor/surface"] and contact.contacts == 2
+    assert sorted(contact.pairs[:, 1]) == [0, 1] and set(contact.pairs[:, 0]) == {0} and set(contact.pairs[:, 2]) == {1}
+    assert contact.gaps == pytest.approx(numpy.zeros(2), abs=1e-9) and contact.normals == pytest.approx(numpy.array([[0, -1, 0]] * 2))
+    assert contact.forces == pytest.approx(numpy.array([-weight] * 2), abs=1e-6), "on the floor"
+    assert contact.secondPoints[:, 1] == pytest.approx(numpy.zeros(2)) and contact.firstPoints[:, 1] == pytest.approx(numpy.full(2, 0.1))
+    assert contact.multipliers.reshape(2, 3)[:, 0] == pytest.approx([20, 20], abs=1e-6)
+    assert simulation.state("/body").constraint_forces == pytest.approx(numpy.array([weight, weight, 0 * weight]), abs=1e-6)
+    told = [getattr(contact, name).copy() for name in ("pairs", "normals", "gaps", "forces", "firstPoints", "secondPoints", "multipliers")]
+    mark = simulation.checkpoint()
+    simulation.run(2)
+    for restored in (simulation, on_a_floor("FrictionContactConstraint")):
+        restored.restore(mark)
+        again = restored["/contact"]
+        assert again.contacts == 2
+        for name, value in zip(("pairs", "normals", "gaps", "forces", "firstPoints", "secondPoints", "multipliers"), told):
+            assert numpy.array_equal(getattr(again, name), value), name
+        with pytest.raises(stroma.SceneError, match="/contact has not the conditions of the last step any more"):
+            restored.state("/body").constraint_forces
+        restored.step()
+        assert restored.state("/body").constraint_forces[0] == pytest.approx(weight, abs=1e-6)
+    simulation.reset()
+    assert contact.contacts == 0 and len(contact.forces) == len(contact.gaps) == 0
+    assert not simulation.state("/body").constraint_forces.any()
+
+
 def test_asking_for_forces_changes_no_bit():
     one, other = stroma.load(block()), stroma.load(block())
     other.request_forces()

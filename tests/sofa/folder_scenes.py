@@ -595,7 +595,7 @@ FILES = {
     "mesh/one.gid": "MESH dimension 3 ElemType Tetrahedra Nnode 4\nCoordinates\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\nEnd Coordinates\n\n"
                     "Elements\n1 1 2 3 4\nEnd Elements\n",
     "mesh/two.sph": "sph 1.0\nsphe 0 0 0 0 0.5\nsphe 1 3 0 0 0.25\n",
-    "mesh/changes.txt": "0.05 REMOVE_TETRAHEDRA 1 0\n",
+    "mesh/changes.txt": "T= 0.2\nREMOVE Tetrahedron 1 0\n",
     "Objects/BoxConstraint.xml": '<Node name="Group"><BoxROI name="box" box="0 0 0 1 1 1"/><FixedProjectiveConstraint '
                                  'indices="@box.indices"/></Node>\n',
 }
@@ -609,7 +609,6 @@ MISSING = {
         ("Mapping/Linear/", ["DeformableOnRigidFrameMapping"]),
         ("ODESolver/Forward/", ["DampVelocitySolver"]),
         ("SolidMechanics/FEM/", ["QuadBendingFEMForceField", "TriangularAnisotropicFEMForceField"]),
-        ("Topology/Container/Dynamic/", ["TopologicalChangeProcessor"]),
         ("Topology/Container/Grid/", ["SparseGridMultipleTopology"])) for name in names},
     "Engine/Transform/TransformPosition_random": ["random displacements are not available"],
     "Mapping/NonLinear/RigidMapping2d": ["Rigid2d"],

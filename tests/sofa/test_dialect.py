@@ -644,6 +644,147 @@ def the_step_that_would_touch_without_a_response_is_refused():
 
 
 @case
+def a_run_ends_where_a_mesh_would_change():
+    def planned(attributes, steps, files=None):
+        mesh = ('<MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/>'
+                '<UniformMass totalMass="4"/>')
+        return Run(root(EXACT + mesh + f'<TopologicalChangeProcessor {attributes}/>'), steps, files=files or {
+            "changes.txt": "T= 0.05\nREMOVE Tetrahedron 1 0\nT= 0.08\nREMOVE Point 1 0\n"})
+    for attributes, first in (('filename="changes.txt" listChanges="1"', 5), ('filename="changes.txt" shift="0.02"', 3),
+                              ('useDataInputs="1" timeToRemove="0.06" tetrahedraToRemove="0"', 7),
+                              ('useDataInputs="1" pointsToRemove="3"', 1)):
+        falls(planned(attributes, first), steps=first, start=[0, 0, 1, 0])
+        planned(attributes, first + 1).fails(3, "changes a mesh", f"step {first + 1} ")
+    for attributes in ('useDataInputs="1" timeToRemove="0.06"', 'listChanges="1"'):  # nothing is planned
+        falls(planned(attributes, 9), steps=9, start=[0, 0, 1, 0])
+    planned('filename="none.txt"', 1).fails(2, "none.txt")
+    planned('useDataInputs="1" timeToRemove="-1" pointsToRemove="3"', 1).fails(2, "where the run starts")
+    for text, word in (("REMOVE Tetrahedron 1 0\n", "before any time"), ("T=0.05\n", "before any time"), ("\nT= soon\n", ":2: "),
+                       ("T=\n", "no time")):
+        planned('filename="other.txt"', 1, {"other.txt": text}).fails(2, "other.txt:", word)
+    planned('filename="other.txt.gz"', 1, {"other.txt.gz": ""}).fails(2, "compressed")
+    falls(planned('filename="other.txt"', 9, {"other.txt": "\n"}), steps=9, start=[0, 0, 1, 0])
+
+
+@case
+def a_mesh_that_changes_looks_for_no_contacts():
+    """What looks for contacts is a pipeline, and nothing else that may end a run."""
+    ball = ('<Node name="{0}">' + EXACT + '<MechanicalObject name="dofs" position="0 {1} 0"/><UniformMass totalMass="1"/>'
+            '<PointCollisionModel/></Node>')
+    def run(more):
+        return Run(root('<CollisionResponse response="PenalityContactForceField"/><MinProximityIntersection alarmDistance="0.3" '
+                        'contactDistance="0.2"/>' + ball.format("a", 0) + ball.format("b", 0.15) + more), 5).x("b.dofs")
+    agree(run('<TopologicalChangeProcessor useDataInputs="1" timeToRemove="2" pointsToRemove="0"/>'), run(""))
+    differ(run("<CollisionPipeline/><BruteForceBroadPhase/><BVHNarrowPhase/>"), run(""), 1e-6)
+
+
+@case
+def actuators_by_number():
+    """valueType by its number: 0 and 1 of displacement and force, of pressure and volumeGrowth."""
+    def pulled(kind, more=""):
+        cable = f'<CableConstraint indices="0" pullPoint="-1 0 0" value="0.1" {kind}/>'
+        return Run(root('<FreeMotionAnimationLoop/><GenericConstraintSolver maxIterations="100" tolerance="1e-12"/><Node name="a">' +
+                        EXACT + BODY + '<RestShapeSpringsForceField stiffness="100"/><LinearSolverConstraintCorrection/>' + cable +
+                        '</Node>' + more), 3).x("a.dofs")
+    agree(pulled('valueType="0"'), pulled('valueType="displacement"'))
+    agree(pulled('valueType="1"'), pulled('valueType="force"'))
+    differ(pulled('valueType="0"'), pulled('valueType="1"'), 1e-3)
+
+
+@case
+def frames_in_a_body():
+    """A body that is stretched and turned by 90 degrees about z where the scene starts: x = Q S X, S = diag(2, 1, 0.5). What a
+    RigidMapping carries on the frame is where Q takes it from the frame's centre."""
+    corners = "0 0 0  1 0 0  0 1 0  0 0 1"
+    body = (f'<MeshTopology position="{corners}" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs" rest_position="{corners}" '
+            'position="0 0 0  0 2 0  -1 0 0  0 0 0.5"/><UniformMass totalMass="4"/><FixedConstraint indices="0 1 2 3"/>')
+    frame = ('<Node name="frame"><MechanicalObject name="frame" template="Rigid3d" position="0.25 0.25 0.25 0 0 0 1"/>'
+             '<BarycentricMapping template="Vec3d,Rigid3d" useRestPosition="1"/><Node name="tip"><MechanicalObject name="tip" '
+             'position="1 0 0  0 0 3"/><RigidMapping/></Node></Node>')
+    run = Run(root(EXACT + body + frame), 2)
+    run.says("SOFA may pass other ones")
+    agree(run.x("frame.tip.tip"), [[-0.25, 1.5, 0.125], [-0.25, 0.5, 3.125]])
+
+
+@case
+def balls_of_a_file_that_counts_them():
+    run = Run(root(EXACT + '<SphereLoader name="loader" filename="two.sph"/><MechanicalObject name="dofs" '
+                   'position="@loader.position"/><UniformMass totalMass="2"/>'), 0, files={
+                       "two.sph": "sph 1.0\nnums 2\nsphe 0 1 2 3 0.5\nsphe 1 4 5 6 0.25\n"})
+    agree(run.x(), [[1, 2, 3], [4, 5, 6]])
+
+
+@case
+def springs_of_a_mesh_without_cells():
+    mesh = '<MeshTopology position="0 0 0  1 0 0"/>' + BODY
+    run = Run(root(EXACT + mesh + '<MeshSpringForceField stiffness="100"/>'), 10)
+    run.says("there is no spring")
+    falls(run)
+
+
+@case
+def selections_of_nothing_that_stand_for_all():
+    """Springs to the rest shape and constant forces: as those without a list."""
+    none = '<BoxROI name="none" box="50 50 50 51 51 51"/>'
+    for field, link in (('<RestShapeSpringsForceField stiffness="100" {}/>', 'points="@none.indices"'),
+                        ('<ConstantForceField totalForce="1 2 3" {}/>', 'indices="@none.indices"')):
+        run = Run(root(EXACT + BODY + none + field.format(link)), 5)
+        run.says("lists no node: all 2 nodes")
+        agree(run.x(), Run(root(EXACT + BODY + field.format("")), 5).x())
+        differ(run.x()[:, 1], [fallen(5)] * 2, 1e-5)
+
+
+@case
+def constants_of_fewer_springs_than_points():
+    points = '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/>'
+    run = Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1 2" stiffness="100 200"/>'), 5)
+    agree(run.x(), Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1 2" stiffness="100 200 100"/>'), 5).x())
+
+
+@case
+def names_with_blanks():
+    """A body and what follows it, with blanks in the names of nodes and components that links name."""
+    def named(blank):
+        follower = (f'<Node name="Collision{blank}Model"><MechanicalObject name="the{blank}points" position="1 0 0"/><SubsetMapping '
+                    f'indices="1" input="@../my{blank}dofs" output="@the{blank}points"/><RestShapeSpringsForceField '
+                    f'stiffness="100" mstate="@the{blank}points"/></Node>')
+        return Run(root(f'<Node name="Soft{blank}Body"><EulerImplicitSolver linearSolver="@linear{blank}solver"/><SparseLDLSolver '
+                        f'name="linear{blank}solver"/><StringMeshCreator name="mesh{blank}loader" resolution="2"/><MechanicalObject '
+                        f'name="my{blank}dofs" position="@mesh{blank}loader.position"/><UniformMass totalMass="2"/>' + follower +
+                        '</Node>'), 5)
+    for name, plain in named("").states.items():
+        agree(named(" ").states[name.replace("SoftBody", "Soft_Body").replace("mydofs", "my_dofs").replace(
+            "CollisionModel", "Collision_Model").replace("thepoints", "the_points")], plain)
+
+
+@case
+def tools_that_carve_nothing():
+    for active in ("", 'active="0"'):
+        falls(Run(root(EXACT + BODY + f'<CarvingManager {active} carvingDistance="0.1"/>'), 10))
+    Run(root(EXACT + BODY + '<CarvingManager active="1"/>'), 1).fails(2, "CarvingManager")
+
+
+@case
+def directions_that_an_isotropic_law_does_not_read():
+    def body(more):
+        return root(EXACT + '<MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/>'
+                    '<UniformMass totalMass="4"/><FixedConstraint indices="0 1"/><TetrahedronHyperelasticityFEMForceField '
+                    f'materialName="StVenantKirchhoff" ParameterSet="100 200" {more}/>')
+    agree(Run(body('AnisotropyDirections="0 0 0"'), 5).x(), Run(body(""), 5).x())
+
+
+@case
+def files_that_an_included_file_names():
+    """Beside the included file first, then beside the scene."""
+    part = '<Node name="part"><MeshOBJLoader name="loader" filename="mesh.obj"/><MechanicalObject name="dofs" src="@loader"/></Node>'
+    scene = root(EXACT + '<include href="parts/part.xml"/>')
+    beside = {"parts/part.xml": part, "mesh.obj": "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 1 2 3\n"}
+    agree(Run(scene, 0, files=beside).x("part.dofs")[0], [1, 2, 3])
+    first = {**beside, "parts/mesh.obj": "v 7 7 7\nv 8 8 8\nv 9 9 7\nf 1 2 3\n"}
+    agree(Run(scene, 0, files=first).x("part.dofs")[0], [7, 7, 7])
+
+
+@case
 def penalty_forces_are_those_of_the_formula():
     """k = k1 k2 / d, in one implicit step each, while the point is nearer than d where the step starts."""
     h, g, d, y, v = 0.01, 10, 0.2, 1.0, 0.0

@@ -62,8 +62,8 @@ bool isAcceptedType(std::string_view type) {
       "NotificationCenter", "SceneDAGExporter", "DevAngleCollisionMonitor", "DevTensionMonitor", "MappedMassMatrixObserver",
       "InputEventReader", "RecordedState", "WriteTopology", "ReadTopology", "CompareTopology", "CompareState",
       // what finds and answers contacts: CollisionPipeline and CollisionResponse do
-      "BruteForceBroadPhase", "BVHNarrowPhase", "BruteForceDetection", "DirectSAP*", "IncrSAP*", "RayTrace*",
-      "CollisionGroupManager",
+      "BruteForceBroadPhase", "BVHNarrowPhase", "ParallelBruteForceBroadPhase", "ParallelBVHNarrowPhase", "BruteForceDetection",
+      "DirectSAP*", "IncrSAP*", "RayTrace*", "CollisionGroupManager", "TreeCollisionGroupManager",
       "DefaultCollisionGroupManager", "*ConstraintSolver", "*ConstraintCorrection", "*LocalMinDistanceFilter",
       "ContactListener", "CubeCollisionModel", "CubeModel", "RayCollisionModel", "RayModel", "CollisionMonitor", "ConstraintAnimationLoop",
       // companions
@@ -72,7 +72,11 @@ bool isAcceptedType(std::string_view type) {
       "MessageHandlerComponent", "CudaVectorOperations", "MechanicalStateController", "SlicedVolumetricModel",
       "NullForceFeedback*", "LCPForceFeedback", "EnslavementForceFeedback", "AttachBodyPerformer*", "TopologicalChangeManager",
       "TextureInterpolation", "VisualManagerPass", "VisualManagerSecondaryPass", "TransparencyManager*", "Distances",
-      "ExtraMonitor", "TimeProfiler*", "CameraCalibration*", "SceneChecker*", "AssetLoader*"};
+      "ExtraMonitor", "TimeProfiler*", "CameraCalibration*", "SceneChecker*", "AssetLoader*", "AddPluginRepository",
+      "AnimationLoopParallelScheduler", "TetrahedronHyperelasticityFEMDrawing",
+      // what a mouse does
+      "*MouseInteractor", "RayPickInteractor", "RemovePrimitivePerformer*",
+      "InciseAlongPathPerformer*"};
   static const List with_effect = {"OglVolumetricModel"};
   return !contains(with_effect, type) &&
          std::any_of(accepted.begin(), accepted.end(), [&](std::string_view each) { return matches(each, type); });
@@ -117,7 +121,9 @@ std::string_view typeHere(std::string_view type) {
       {"BilinearMovementProjectiveConstraint", "PatchTestMovementProjectiveConstraint"},
       {"FixedWeakConstraint", "RestShapeSpringsForceField"}, {"UniformConstraint", "UniformLagrangianConstraint"},
       {"MappedObject", "MechanicalObject"}, {"TriangleBendingSprings", "TriangularBendingSprings"},
-      {"LULinearSolver", "SparseLUSolver"},
+      {"LULinearSolver", "SparseLUSolver"}, {"SparsePARDISOSolver", "SparseLDLSolver"}, {"SparseTAUCSSolver", "SparseLDLSolver"},
+      {"SparseTAUCSLLtSolver", "SparseLDLSolver"}, {"CudaSparseLDLSolver", "SparseLDLSolver"},
+      {"LMDNewProximityIntersection", "LocalMinDistance"}, {"BeamLinearMapping_mt", "BeamLinearMapping"},
       {"CenterPointTopologicalMapping", "Mesh2PointTopologicalMapping"},
       {"CenterPointMechanicalMapping", "Mesh2PointMechanicalMapping"},
       {"DistanceFromTargetMapping", "DistanceFromTarget"}, {"EulerImplicitIntegrationScheme", "EulerImplicitSolver"},
@@ -141,8 +147,7 @@ std::string_view typeHere(std::string_view type) {
       {"LineMesh", "LineCollisionModel"}, {"TLineModel", "LineCollisionModel"}, {"Line", "LineCollisionModel"},
       {"PointModel", "PointCollisionModel"}, {"PointSet", "PointCollisionModel"}, {"PointMesh", "PointCollisionModel"},
       {"TPointModel", "PointCollisionModel"}, {"Point", "PointCollisionModel"}, {"SphereModel", "SphereCollisionModel"},
-      {"TSphereModel", "SphereCollisionModel"}, {"Sphere", "SphereCollisionModel"}, {"ParallelBVHNarrowPhase", "BVHNarrowPhase"},
-      {"ParallelBruteForceBroadPhase", "BruteForceBroadPhase"}};
+      {"TSphereModel", "SphereCollisionModel"}, {"Sphere", "SphereCollisionModel"}};
   const auto found = types.find(type);
   return found == types.end() ? type : found->second;
 }

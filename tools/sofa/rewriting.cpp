@@ -135,6 +135,7 @@ void Rewriting::addFoldersOfTree() {
     scene_.data_paths.push_back((has_share ? at / "share" : at).string());
     scene_.data_paths.push_back((at / "examples").string());
   }
+  scene_.data_paths.push_back(fs::absolute(scene_.file, none).parent_path().string());  // of what an included file names
 }
 
 // ---- nodes ----
@@ -173,7 +174,8 @@ void Rewriting::acceptTypes() {
     const std::string_view type = element.written->type;
     const bool is_everywhere = std::find(accepted.begin(), accepted.end(), type) != accepted.end();
     if (!element.probe && is_everywhere) element.without_effect = true;
-    if (element.probe || is_everywhere || !isAcceptedType(type)) {
+    const bool is_idle = type == "CarvingManager" && (element.text("active").empty() || saysNo(element.text("active")));
+    if (element.probe || is_everywhere || (!is_idle && !isAcceptedType(type))) {
       if (element.probe) renameType(element);
       return;
     }

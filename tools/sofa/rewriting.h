@@ -79,6 +79,8 @@ class Rewriting {
   void meanOfNames(Element& element);
   void meanSprings(Element& element);
   void meanLoads(Element& element);
+  void spreadFirst(Element& element);
+  void warnOfFrames(const Element& mapping);
   bool actsOnNothing(Element& element);
   bool holdsNothing(Element& element);
   // ---- rewritten_components.cpp again ----

@@ -41,6 +41,7 @@ void Rewriting::applyMeaning(Element& element) {
   // rest positions stay as they are written: in the axes of the frames
   if (element.written->type == "RigidMapping") setDefault(element, "applyRestPosition", "false");
   if (element.written->type == "BeamLinearMapping") setDefault(element, "geometricStiffness", "None");
+  if (element.is("BarycentricMapping")) warnOfFrames(element);
   for (const char* name : {"first", "last"})  // -1: not given
     if (element.is("SubsetMapping") && element.text(name).starts_with("-")) element.remove(name);
   if (role == "mesh loader" && element.writes("scale") && element.writes("scale3d")) {  // both count
@@ -94,7 +95,7 @@ void Rewriting::meanField(Element& element) {
     if (Element* mesh = meshOf(element); mesh && mesh->written->type.starts_with("SparseGrid"))
       setDefault(element, "localStiffnessFactor", SceneTree::linkTo(*mesh) + ".cellFactors");
   if (isOneOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
-    setQuirk(element, "spring-length", "perLength", "true");
+    setQuirk(element, "spring-length", "perLength", "true"), setDefault(element, "allowEmpty", "true");
   // without another body they count in the same rest shape
   if (type == "RestShapeSpringsForceField" && !element.find("external_rest_shape") &&
       element.text("external_points") == element.text("points"))

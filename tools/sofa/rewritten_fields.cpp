@@ -85,15 +85,35 @@ void Rewriting::meanSprings(Element& element) {
   }
 }
 
+/// Constants of fewer or more springs than there are points: those without one take the first.
+void Rewriting::spreadFirst(Element& element) {
+  const std::size_t count = writtenNumbers(element.text(element.find("points") ? "points" : "indices")).size();
+  for (const char* name : {"stiffness", "angularStiffness"}) {
+    std::vector<double> values = writtenNumbers(element.text(name));
+    if (count == 0 || values.size() < 2 || values.size() == count) continue;
+    warn(element.find(name)->where, element, name,
+         "has " + std::to_string(values.size()) + " values for " + std::to_string(count) + " points: SOFA takes the first for the others");
+    values.resize(count, values.front());
+    element.set(name, printed(values));
+  }
+}
+
 void Rewriting::meanLoads(Element& element) {
   const std::string& type = element.written->type;
   for (const char* name : {"activeDirections", "initialLength", "zeroLength"})
     if (element.writes(name) && element.text(name).empty()) element.remove(name);
+  if (type == "RestShapeSpringsForceField" || type == "ConstantForceField") setDefault(element, "emptyMeansAll", "true");
+  if (type == "RestShapeSpringsForceField") spreadFirst(element);
   if (type == "SphereForceField") setDefault(element, "radius", "1"), setDefault(element, "center", "0 0 0");
   if (type == "SurfacePressureForceField" && element.writes("min") && element.writes("max") &&
       writtenNumbers(element.text("min")) == writtenNumbers(element.text("max")))
     element.remove("min"), element.remove("max");
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
+  const std::string law = element.text("materialName");  // of SOFA's laws one has directions
+  if (type == "TetrahedronHyperelasticityFEMForceField" && element.find("AnisotropyDirections") && law != "Costa") {
+    element.remove("AnisotropyDirections");
+    noEffect("AnisotropyDirections of an isotropic law");
+  }
   const auto layer = layers_.find(&element);
   if (layer == layers_.end()) return;
   const SourceLocation& where = element.written->where;
@@ -105,6 +125,16 @@ void Rewriting::meanLoads(Element& element) {
   element.place->added_components.push_back(std::move(box));
   SceneTree::linkTo(element);  // nodes above it have names from now on
   element.set("triangleList", "@" + joinPath(element.place->path(), name) + ".triangleIndices");
+}
+
+/// How torques on frames in a body of points act on it is not known of SOFA.
+void Rewriting::warnOfFrames(const Element& mapping) {
+  const std::string output = mapping.text("output");
+  const LinkTarget target = output.empty() ? LinkTarget{nullptr, mapping.place, {}} : tree_->follow(mapping, output, false);
+  const Element* child = target.element ? target.element : target.place ? target.place->firstOf("mechanical state") : nullptr;
+  if (child && child->text("template").starts_with("Rigid3"))
+    warn(mapping.written->where, mapping, {},
+         "its frames turn by the rotation next to the deformation, and pass torques on by its derivative: SOFA may pass other ones");
 }
 
 /// SOFA does not create what acts where no state is.

@@ -35,11 +35,10 @@ void Rewriting::rewriteLink(Element& element, AttributeDescription& attribute, s
   if (data->link() && (!many || !data->link()->takesMany())) {
     value = componentLink(element, *data, text);
   } else if (data->link()) {
-    Words words(text);
-    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-      const std::string one = componentLink(element, *data, std::string(word));
+    forLinks(attribute, [&](std::string_view link) {
+      const std::string one = componentLink(element, *data, std::string(link));
       if (!one.empty()) value += (value.empty() ? "" : " ") + one;
-    }
+    });
   } else if (!many) {
     value = dataLink(element, attribute);
   } else {  // several components in a list of words

@@ -155,7 +155,7 @@ namespace {
 
 Element* named(const Place& place, std::string_view name) {
   for (const auto& element : place.elements)
-    if (element->name == name) return element.get();
+    if (element->name == name || element->other_name == name) return element.get();
   for (const auto& element : place.elements)  // the first of a type without a name, called by the bare type
     if (element->written->name().empty() && element->written->type == name) return element.get();
   return nullptr;
@@ -163,7 +163,7 @@ Element* named(const Place& place, std::string_view name) {
 
 Place* childNamed(const Place& place, std::string_view name) {
   for (const auto& child : place.children)
-    if (child->name == name) return child.get();
+    if (child->name == name || child->other_name == name) return child.get();
   return nullptr;
 }
 
@@ -221,10 +221,41 @@ LinkTarget SceneTree::follow(const Element& from, std::string_view link, bool na
   return found({});
 }
 
+namespace {
+
+/// The name gets underscores for blanks; true where it had some. `taken`: whether a name is another's.
+template <class Taken>
+bool fillBlanks(std::string& name, std::string& other_name, Taken&& taken) {
+  const auto is_blank = [](unsigned char c) { return std::isspace(c) != 0; };
+  if (std::none_of(name.begin(), name.end(), is_blank)) return false;
+  other_name = name;
+  std::replace_if(name.begin(), name.end(), is_blank, '_');
+  while (taken(name)) name += "_";
+  return true;
+}
+
+}  // namespace
+
 std::string SceneTree::linkTo(Element& element) {
-  if (element.written->name().empty()) element.set("name", element.name);
-  for (Place* place = element.place; place->parent; place = place->parent)
-    if (place->node->name().empty()) place->node->attributes.push_back({"name", place->name, place->node->where});
+  const auto is_element = [&element](const std::string& name) {
+    return std::any_of(element.place->elements.begin(), element.place->elements.end(),
+                       [&](const auto& each) { return each.get() != &element && each->name == name; });
+  };
+  const bool is_filled = fillBlanks(element.name, element.other_name, is_element);
+  if (is_filled || element.written->name().empty()) element.set("name", element.name);
+  for (Place* place = element.place; place->parent; place = place->parent) {
+    const auto is_child = [place](const std::string& name) {
+      return std::any_of(place->parent->children.begin(), place->parent->children.end(),
+                         [&](const auto& each) { return each.get() != place && each->name == name; });
+    };
+    const bool had_blanks = fillBlanks(place->name, place->other_name, is_child);
+    std::vector<AttributeDescription>& attributes = place->node->attributes;
+    const auto name = std::find_if(attributes.begin(), attributes.end(), [](const auto& each) { return each.name == "name"; });
+    if (name == attributes.end() || place->node->name().empty())
+      attributes.push_back({"name", place->name, place->node->where});
+    else if (had_blanks)
+      name->value = place->name;
+  }
   return "@" + element.path();
 }
 

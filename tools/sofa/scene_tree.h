@@ -2,6 +2,7 @@
 // A described scene with what its links mean in SOFA. Elements stand for components that are not made yet; each has one
 // beside it, its probe, for the table of its attributes.
 #pragma once
+#include <cctype>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,13 +20,19 @@ struct Place;
 bool saysYes(std::string_view text);
 bool saysNo(std::string_view text);
 
-/// visit(word) for each link of an attribute: words that begin with @.
+/// visit(link) for each link of an attribute: from an @ at the start of a word to the next one, as names may have blanks.
 template <class Visit>
 void forLinks(const AttributeDescription& attribute, Visit&& visit) {
-  if (attribute.value.find('@') == std::string::npos) return;  // lists can be long
-  Words words(attribute.value);
-  for (std::string_view word = words.next(); !word.empty(); word = words.next())
-    if (word.starts_with("@")) visit(word);
+  const std::string_view text = attribute.value;
+  const auto next = [text](std::size_t from) {
+    std::size_t at = text.find('@', from);
+    while (at != text.npos && at > 0 && !std::isspace(static_cast<unsigned char>(text[at - 1]))) at = text.find('@', at + 1);
+    return at;
+  };
+  for (std::size_t at = next(0), end = 0; at != text.npos; at = end) {
+    end = next(at + 1);
+    visit(trimmed(text.substr(at, end == text.npos ? end : end - at)));
+  }
 }
 
 struct Element {
@@ -33,6 +40,7 @@ struct Element {
   std::unique_ptr<ComponentDescription> made;  ///< what `written` is, where no scene wrote it
   Place* place = nullptr;
   std::string name;                  ///< by which links find it
+  std::string other_name;            ///< by which they find it too: as the scene has it, where that has blanks
   std::unique_ptr<Component> probe;  ///< null: there is no such component here
   bool without_effect = false;       ///< accepted: what only draws, schedules or keeps books
   bool dropped = false;
@@ -54,7 +62,7 @@ struct Element {
 struct Place {
   NodeDescription* node = nullptr;
   Place* parent = nullptr;
-  std::string name;
+  std::string name, other_name;  ///< as those of an element
   std::vector<std::unique_ptr<Element>> elements;
   std::vector<std::unique_ptr<Place>> children;
   std::vector<ComponentDescription> added_components;
@@ -86,7 +94,7 @@ class SceneTree {
   void forEachPlace(const std::function<void(Place&)>& call) { forEachPlace(root_, call); }
   /// "@../mesh.position" as SOFA reads it: by name here, then upwards; by path; "[-1]" by place in the node.
   LinkTarget follow(const Element& from, std::string_view link, bool names_data) const;
-  /// The absolute link to an element, which has a name of its own from then on.
+  /// The absolute link to an element, which has a name of its own from then on, without blanks: they part links.
   static std::string linkTo(Element& element);
   /// A component that no scene wrote, with a name that is free in the place; the passes see it from then on. Not to be called
   /// while they go over the place.

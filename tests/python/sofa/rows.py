@@ -559,10 +559,144 @@ def contacts_as_present_scenes_have_them(root):
     floor.addObject("MeshTopology", position=[[-9, 0, -9], [-9, 0, 9], [9, 0, 9], [9, 0, -9]], triangles=[[0, 1, 2], [0, 2, 3]])
     floor.addObject("MechanicalObject", name="dofs")
     floor.addObject("TriangleCollisionModel", moving=False, simulated=False)
+    listener = root.addObject("ContactListener", collisionModel1="@ball/collision/SphereCollisionModel",
+                              collisionModel2=floor.TriangleCollisionModel.getLinkPath())
+    turned = root.addObject("ContactListener", name="turned", collisionModel1="@floor/TriangleCollisionModel",
+                            collisionModel2=sphere.SphereCollisionModel)
     root.addObject(Each(end=lambda step: solver.constraintForces.value))
 
     def check():
         assert ball.mstate.position.value[0] == approx([0.3, 1.1, 0.1, 0, 0, 0, 1], 1e-6) and root.CollisionResponse.contacts.value == 1
+        # SOFA's lambda: of the normal and both tangents, times dt; the normal one holds the weight
+        assert solver.constraintForces.value == approx([2 * 9.81 * 0.01, 0, 0], 1e-6) and solver.currentNumConstraints.value == 3
+        assert listener.getNumberOfContacts() == 1 and listener.getDistances() == approx([0], 1e-9)
+        (one, below, other, top), = listener.getContactPoints()  # the triangle first; the listener's first model is 0
+        assert (one, other) == (1, 0) and top == approx([0.3, 0.1, 0.1], 1e-6) and below == approx([0.3, 0, 0.1], 1e-6)
+        assert listener.getContactElements() == [(1, 1, 0, 0)]  # (0.3, 0, 0.1) is in the triangle 0 2 3
+        assert turned.getContactElements() == [(0, 1, 1, 0)] and turned.getContactPoints()[0][2:] == (1, top)
+        data = turned.getContactData()
+        assert data["numberOfContacts"] == 1 and data["collisionElementsModel1"] == [1] and data["collisionPointsModel2"] == [top]
+    return check
+
+
+def a_contact_that_slides(root):
+    """A particle slides down an oblique plane: the rows of its contact are SOFA's normal and tangents, and together its forces."""
+    root.gravity, h, m, mu = [0, -10, 0], 0.01, 3.0, 0.25
+    root.dt = h
+    root.addObject("FreeMotionAnimationLoop")
+    for kind in ("CollisionPipeline", "BruteForceBroadPhase", "BVHNarrowPhase"):
+        root.addObject(kind)
+    root.addObject("LocalMinDistance", alarmDistance=0.5, contactDistance=0.1)
+    root.addObject("CollisionResponse", response="FrictionContactConstraint", responseParams=f"mu={mu}")
+    solver = root.addObject("GenericConstraintSolver", name="cs", tolerance=1e-9, maxIterations=1000, computeConstraintForces=True)
+    up = np.array([0.36, 0.8, 0.48])  # of length 1
+    body, floor = root.addChild("body"), root.addChild("floor")
+    body.addObject("EulerImplicitSolver")
+    body.addObject("SparseLDLSolver")
+    body.addObject("MechanicalObject", name="mo", position=[0.1 * up])
+    body.addObject("UniformMass", totalMass=m)
+    body.addObject("UncoupledConstraintCorrection")
+    body.addObject("PointCollisionModel")
+    across = [np.cross(up, [0, 0, 1.0]), np.cross(up, np.cross(up, [0, 0, 1.0]))]
+    floor.addObject("MeshTopology", position=[9 * a * across[0] + 9 * b * across[1] for a, b in ((-1, -2), (3, -1), (-1, 4))], triangles=[[0, 1, 2]])
+    floor.addObject("MechanicalObject")
+    floor.addObject("TriangleCollisionModel", moving=False, simulated=False)
+
+    def check():
+        weight = m * np.array(root.gravity.value)
+        pushed = -(weight @ up) * up
+        down = (weight + pushed) / np.linalg.norm(weight + pushed)
+        rubbed = -mu * np.linalg.norm(pushed) * down
+        assert body.mo.velocity.value[0] == approx(10 * h / m * (weight + pushed + rubbed), 1e-6)
+        # UnilateralLagrangianConstraint: n from the triangle to the particle, t and s from its turned components; the forces are the
+        # particle's
+        n = up
+        s = np.cross(n, [n[2], n[0], n[1]])
+        s /= np.linalg.norm(s)
+        rows = np.array(solver.constraintForces.value)
+        assert rows == approx([h * (pushed + rubbed) @ each for each in (n, np.cross(s, n), s)], 1e-6) and rows[0] > 0
+        assert np.hypot(rows[1], rows[2]) == approx(mu * rows[0], 1e-6)
+    return check
+
+
+def forces_of_contacts_on_nodes(root):
+    """`lambda` of states is read and drawn: a ball on a soft body, which feels the opposite on its nodes."""
+    root.dt, solver = 0.02, lagrangian(root)
+    for kind in ("CollisionPipeline", "BruteForceBroadPhase", "BVHNarrowPhase", "DiscreteIntersection"):
+        root.addObject(kind)
+    root.addObject("CollisionResponse", response="FrictionContactConstraint", responseParams="mu=0.1")
+    body = block(root)
+    body.removeObject(body.CGLinearSolver)
+    body.addObject("SparseLDLSolver")
+    body.addObject("FixedProjectiveConstraint", indices=list(range(12)))
+    body.addObject("LinearSolverConstraintCorrection")
+    drawn = body.addChild("drawn").addObject("VisualVectorField", name="field", vectorScale="100", vector="@../mo.lambda", position="@../mo.position",
+                                             color="orange", drawMode="Arrow")
+    spheres = body.addChild("spheres")
+    spheres.addObject("MechanicalObject", name="mo", position=[[1.5, 1, 1.8], [2, 0, 1.8]])
+    spheres.addObject("SphereCollisionModel", radius=0.3)
+    spheres.addObject("BarycentricMapping", input="@../mo", output="@mo")
+    ball = root.addChild("ball")
+    ball.addObject("EulerImplicitIntegrationScheme")
+    ball.addObject("SparseLDLSolver")
+    ball.addObject("MechanicalObject", name="mo", template="Rigid3d", position=[1.55, 2.3, 1.8, 0, 0, 0, 1])
+    ball.addObject("UniformMass", totalMass=1)
+    ball.addObject("SphereCollisionModel", radius=1.0)
+    ball.addObject("UncoupledConstraintCorrection")
+    seen = []
+
+    def end(step):
+        on_ball, on_body = ball.mo.getData("lambda").value, body.mo.findData("lambda").value
+        rows = solver.constraintForces.value
+        assert on_body.shape == (36, 3) and np.linalg.norm(on_ball[0, :3]) == approx(np.linalg.norm(rows), 1e-9)
+        assert on_body.sum(axis=0) == approx(-on_ball[0, :3], 1e-9)
+        if len(rows):
+            drawn.vector.value = -on_body
+            drawn.vectorScale.value = 10 / np.max(rows)
+            seen.append((on_ball[0, :3], np.array(ball.mo.velocity.value)[0, :3]))
+    root.addObject(Each(end=end))
+
+    def check():
+        (_, before), (impulse, after) = seen[-2:]
+        assert impulse == approx(after - before + [0, 9.81 * 0.02, 0], 1e-9) and impulse[1] > 0, "what momentum lacks"
+    return check
+
+
+def calls_that_are_not_here(root):
+    """Scenes ask for a call by hasattr() before they use it; addKToMatrix() with other arguments beside an addDForce()."""
+    body = particle(root)
+    modifier = body.addObject("TetrahedronSetTopologyModifier", name="modifier")
+    shown = body.addObject("OglModel", name="shown")
+    assert not hasattr(modifier, "removeTetrahedra") and not hasattr(shown, "setColor")
+    assert hasattr(shown, "color") and hasattr(shown, "createTangents") and hasattr(modifier, "removeIsolated")
+    try:
+        modifier.removeTetrahedra([0])
+        raise AssertionError("it is not there")
+    except AttributeError as error:
+        assert "/body/modifier: TetrahedronSetTopologyModifier has no 'removeTetrahedra()' here" in str(error)
+
+    class Rest(Sofa.Core.ForceFieldVec3d):
+        def init(self):
+            self.start = self.mstate.position.array().copy()
+
+        def addForce(self, m, force, position, velocity):
+            with force.writeableArray() as f:
+                f[:] += 100 * (self.start - position.value)
+
+        def addDForce(self, m, df, dx):
+            with df.writeableArray() as f:
+                f[:] -= 100 * dx.value * m["kFactor"]
+
+        def addKToMatrix(self, a, b):
+            print("addKToMatrix: ", a, b)
+    body.addObject(Rest(name="rest"))
+
+    def check():
+        y = v = 0.0
+        for _ in range(10):  # implicit Euler of a mass of 2 at a spring of 100
+            v = (v + 0.01 * (-9.81 - 50 * y)) / (1 + 0.01 ** 2 * 50)
+            y += 0.01 * v
+        assert body.mo.position.value[0] == approx([0, y, 0])
     return check
 
 

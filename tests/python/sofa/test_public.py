@@ -289,7 +289,7 @@ def test_files_of_exporters(folder):
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_ten_thousand_calls_on_anything_with_any_value(name):
+def test_ten_thousand_calls_on_anything_with_any_value(name, folder):
     """Each returns or raises an exception of Python."""
     from test_scenes import random_call
 

@@ -28,10 +28,19 @@ def test_by_the_command(create, folder):
     assert done.returncode == 0 and f"{steps} steps" in done.stdout and "Traceback" not in done.stderr, done.stderr
 
 
-def test_what_is_not_computed_is_told(folder):
-    (folder / "scene.py").write_text(f"import sys\nsys.path.insert(0, {str(HERE)!r})\nfrom rows import contacts_as_present_scenes_have_them as createScene\n")
-    told = run("run", "scene.py", "-n", 3, "--no-record", folder=folder).stderr
-    assert told.count("/cs.constraintForces: has none of contacts") == 1, told
+def test_a_listener_of_nothing_says_so(folder):
+    """Links that lead to no collision model, and a scene in which nothing answers contacts."""
+    root = Sofa.Core.Node("root")
+    root.addObject("DefaultAnimationLoop")
+    body = root.addChild("body")
+    body.addObject("MechanicalObject", name="mo")
+    wrong = root.addObject("ContactListener", collisionModel1="@body/mo", collisionModel2="@body/model")
+    with pytest.raises(RuntimeError, match="collisionModel1 leads to /body/mo, which is no collision model"):
+        wrong.getDistances()
+    body.addObject("PointCollisionModel", name="model")
+    wrong.collisionModel1 = "@body/model"
+    Sofa.Simulation.init(root)
+    assert wrong.getNumberOfContacts() == 0 and wrong.getContactPoints() == []
 
 
 def test_there_are_many():

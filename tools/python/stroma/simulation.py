@@ -568,6 +568,12 @@ class State:
         return self._state.f
 
     @property
+    def constraint_forces(self) -> numpy.ndarray:
+        """What Lagrangian constraints did in the last step, contacts with friction among them [N], a copy; with the forces on all that
+        follows this state."""
+        return self._state.constraint_forces
+
+    @property
     def rest(self) -> numpy.ndarray:
         """The rest shape [m], a copy."""
         return self._state.rest

@@ -15,7 +15,8 @@ _POINTS = np.zeros((0, 3))
 _BESIDES = {
     "MechanicalObject": {
         "force": _POINTS, "free_position": _POINTS, "free_velocity": _POINTS, "externalForce": _POINTS, "derivX": _POINTS,
-        "reset_position": _POINTS, "reset_velocity": _POINTS, "constraint": "", "showObject": False, "showObjectScale": 0.1,
+        "lambda": _POINTS, "reset_position": _POINTS, "reset_velocity": _POINTS, "constraint": "",
+        "showObject": False, "showObjectScale": 0.1,
         "showIndices": False, "showIndicesScale": 0.02, "showVectors": False, "showVectorsScale": 0.0001, "drawMode": 0,
         "showColor": "1 1 1 1", "showIndicesSize": 0.02, "size": 0, "reserve": 0,
     },

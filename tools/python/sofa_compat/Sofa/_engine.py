@@ -8,12 +8,14 @@ import stroma
 from stroma import _stroma
 
 from . import _catalogue, _events, _messages, _values
+from ._contacts import rows_of
 from ._data import Data
 from ._mirror import Mirror
 from ._objects import DataEngine, Object, Unavailable
 
 #: values of a state that steps change
-_STATE = {"position", "velocity", "rest_position", "force", "free_position", "free_velocity", "reset_position", "reset_velocity"}
+_STATE = {"position", "velocity", "rest_position", "force", "free_position", "free_velocity", "reset_position", "reset_velocity",
+          "lambda"}
 
 #: data of force fields that are fields of cells here
 _FIELDS = {"vonMisesPerElement": "vonMises"}
@@ -126,6 +128,8 @@ class Engine:
     def _of_state(self, thing, state, name):
         if name in ("position", "free_position"):
             return np.array(state.x)
+        if name == "lambda":  # impulses, as those of a constraint solver
+            return self._last_dt * state.constraint_forces
         if name in ("velocity", "free_velocity"):
             return np.array(state.v)
         if name == "force":
@@ -243,16 +247,23 @@ class Engine:
             raise RuntimeError(f"{thing._s_place()}: is no part of the simulation, and has no matrix")
         return self.sim.matrix_of(component).tocsr()
 
-    def constraint_forces(self, solver):
+    def constraint_forces(self):
         """Of the last step, row by row, of constraint after constraint in the order of the scene. SOFA keeps impulses, f dt."""
         found = [np.zeros(0)]
         for component in self._components.values():
-            is_contact = component.type == "CollisionResponse" and component.get("response").startswith("FrictionContact")
-            if is_contact and "forces" not in component.attributes:
-                _messages.warn(f"{solver._s_place()}.constraintForces: has none of contacts: `contacts` of {component.path} is how many push")
-            elif is_contact or component.role == "Lagrangian constraint":
+            if component.type == "CollisionResponse" and component.get("response").startswith("FrictionContact"):
+                found.append(self._last_dt * rows_of(component, self.types()))
+            elif component.role == "Lagrangian constraint":
                 found.append(self._last_dt * np.ravel(component.get("forces")))
         return np.concatenate(found)
+
+    def types(self):
+        """Of components, by their path."""
+        return {self.mirror.paths[key]: component.type for key, component in self._components.items()}
+
+    def contact_response(self):
+        """What answers contacts; None: nothing does."""
+        return next((each for each in self._components.values() if each.type == "CollisionResponse"), None)
 
     # ---- changes of the tree ----
     def edited(self, what=""):

@@ -75,6 +75,7 @@ class _Explicit(stroma.ForceField):
 class _Implicit(_Explicit):
     symmetric = True  # as SOFA takes it for every solver
     exact_tangent = False
+    has_matrix = True
 
     def stiffness(self, x, v, t):
         matrix = self._asked(self._stiffness, x, v, t)
@@ -82,7 +83,7 @@ class _Implicit(_Explicit):
 
     def _stiffness(self, x, v, t):
         field, size = self.field, x.size
-        given = field.addKToMatrix(self._parameters(t), len(x), size)
+        given = field.addKToMatrix(self._parameters(t), len(x), size) if self.has_matrix else None
         if given is not None:
             given = np.asarray(given, float)
             if given.shape == (size, size) and (size > 3 or np.allclose(given, given.T)):
@@ -115,13 +116,25 @@ def _takes_four(field):
     return code is not None and code.co_argcount >= 5
 
 
+def _takes_too_few(method):
+    """Of (self, parameters, nodes, numbers): SOFA calls it where a matrix is assembled alone, so that many a scene never finds out."""
+    code = getattr(method, "__code__", None)
+    return code is not None and code.co_argcount < 4 and not code.co_flags & 4
+
+
 def played(field, nodes):
     """The object that the engine calls for a force field of the scene."""
     kind, base = type(field), _base()
-    has_matrix = kind.addKToMatrix is not base.addKToMatrix
     has_product = kind.addDForce is not base.addDForce
+    has_matrix = kind.addKToMatrix is not base.addKToMatrix
+    if has_matrix and has_product and _takes_too_few(kind.addKToMatrix):
+        has_matrix = False
+        _messages.warn(f"{field._s_place()}: addKToMatrix() is not called: it takes {kind.addKToMatrix.__code__.co_argcount} arguments "
+                       "and not four (self, parameters, nodes, numbers). addDForce() is")
     if has_matrix or (has_product and 3 * nodes <= _PROBED):
-        return _Implicit(field)
+        made = _Implicit(field)
+        made.has_matrix = has_matrix
+        return made
     if has_product:
         _messages.warn(f"{field._s_place()}: addDForce() is not used for {nodes} nodes, and the force is that at the start of each "
                        "step: addKToMatrix() gives the derivative as a matrix")

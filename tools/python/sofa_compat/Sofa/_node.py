@@ -507,4 +507,6 @@ def _frozen(value):
 
 def _class_of(word):
     """The class of Python for a type."""
-    return Object
+    from ._contacts import ContactListener
+
+    return ContactListener if word == "ContactListener" else Object

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Objects of a scene: components of the engine, and those that a scene writes in Python."""
+import re
+
 import numpy as np
 
 from . import _catalogue, _messages, _values
@@ -24,7 +26,8 @@ class Object(Base):
 
     def _s_template(self):
         data = self._s_data.get("template")
-        return data._s_raw if data is not None and data._s_raw else ""
+        raw = data._s_raw if data is not None else None
+        return raw if isinstance(raw, (str, Data)) and raw else ""
 
     def getClassName(self):
         return self._s_type or type(self).__name__
@@ -60,7 +63,7 @@ class Object(Base):
 
     def findData(self, name):
         found = super().findData(name)
-        if found is None and self._s_facts is not None and self._s_facts.accepted and self._s_facts.info is None:
+        if found is None and self._s_accepts_all():
             name = str(name)
             if not name.startswith("_") and name not in _NEVER_DATA:
                 found = self._s_data[name] = Data(self, name)
@@ -68,6 +71,17 @@ class Object(Base):
 
     def findLink(self, name):
         return self.findData(name)
+
+    def _s_attribute(self, name):
+        """Calls that are not here are no data, even of what may have any: a scene may ask for them by hasattr()."""
+        return None if _CALLS.match(name) and name not in self._s_data and self._s_accepts_all() else super()._s_attribute(name)
+
+    def _s_no_data(self, name):
+        is_call = _CALLS.match(name) and self._s_accepts_all()
+        return f"{self._s_place()}: {self._s_type} has no '{name}()' here" if is_call else super()._s_no_data(name)
+
+    def _s_accepts_all(self):
+        return self._s_facts is not None and self._s_facts.accepted and self._s_facts.info is None
 
     # ---- values ----
     def _s_read(self, data):
@@ -78,7 +92,7 @@ class Object(Base):
         if facts is None or data._s_name == "name":
             return super()._s_read(data)
         if engine is not None and facts.besides is _catalogue.CONSTRAINTS and data._s_name in _catalogue.OF_CONSTRAINTS:
-            found = engine.constraint_forces(self)
+            found = engine.constraint_forces()
             return found if data._s_name == "constraintForces" else len(found)
         if data._s_name == "size" and facts.role == "mechanical state":
             return self.getSize()
@@ -92,7 +106,8 @@ class Object(Base):
             raise MissingType(f"{self._s_place()}: '{self._s_type}' is not in Stroma: its data '{data._s_name}' cannot be read")
         is_drawn = facts.besides is _catalogue.DRAWN and data._s_name in ("position", "vertices", "normal")
         if data._s_raw is None and engine is not None and (is_drawn or data._s_name in _catalogue.NOT_COMPUTED):
-            _messages.warn(f"{self._s_place()}.{data._s_name}: is read, and not computed here: what is read stays as at the start")
+            instead = "; `lambda` has the impulses on its nodes" if data._s_name == "constraint" else ""
+            _messages.warn(f"{self._s_place()}.{data._s_name}: is read, and not computed here: what is read stays as at the start{instead}")
         return super()._s_read(data)
 
     def _s_is_computed(self, data):
@@ -212,6 +227,8 @@ class Object(Base):
 
 #: names that programs ask of any object of Python: no data of what takes all data
 _NEVER_DATA = {"value", "shape", "dtype", "size"}
+#: words of calls, but for two that are data
+_CALLS = re.compile("(?!createTangents$|removeIsolated$)(add|clear|create|find|get|insert|notify|remove|set)[A-Z]")
 
 
 class MissingType(RuntimeError):

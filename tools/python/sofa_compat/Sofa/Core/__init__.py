@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 from .. import _objects
 from .._base import Base  # noqa: F401
+from .._contacts import ContactListener  # noqa: F401
 from .._data import Data, DataContainer, DataDict, DataString, DataVectorString  # noqa: F401
 from .._node import Node  # noqa: F401
 from .._objects import Controller, DataEngine, MissingType, Object  # noqa: F401

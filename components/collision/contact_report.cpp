@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/collision/contact_report.h"
+
+#include <algorithm>
+
+#include "framework/scene/archive.h"
+
+namespace stroma::collision {
+namespace {
+
+/// Where it is now.
+Vec3 placeOf(const CollisionModel& model, const PartPoint& point) {
+  std::array<Vec3, 3> places;
+  Vec3 sum = Vec3::Zero();
+  const std::span<const Vec3> corners = model.corners(*point.part, places);
+  for (std::size_t i = 0; i < corners.size(); ++i) sum += point.weight[i] * corners[i];
+  return sum;
+}
+
+Index numberIn(const CollisionModel& model, const Part& part) { return Index(&part - model.parts().data()); }
+
+}  // namespace
+
+void ContactReport::declare(DataTable& table) {
+  table.add("models", names_).help("paths of the collision models that may meet").output();
+  table.add("pairs", pairs_)
+      .help("of each contact: the first model, as a number in models, its point, line, triangle or sphere, and both of the second")
+      .output();
+  table.add("firstPoints", first_points_)
+      .help("of each contact: its point of the first surface, where the step started")
+      .unit("m")
+      .output();
+  table.add("secondPoints", second_points_).help("the same of the second surface").unit("m").output();
+  table.add("normals", normals_).help("of each contact: from the first surface to the second, in all the step").unit("-").output();
+  table.add("gaps", gaps_)
+      .help("of each contact: how much farther than their contact distance the surfaces were apart, where the step started")
+      .unit("m")
+      .output();
+  table.add("forces", forces_)
+      .help("of each contact: force on the second surface in the last step, with friction; of penalties the last one")
+      .unit("N")
+      .output();
+  table.add("multipliers", multipliers_)
+      .help("with friction: that force of each contact, along the normal and two tangents; along the normal alone where mu is 0")
+      .unit("N")
+      .output();
+}
+
+void ContactReport::compile(const std::vector<ModelPair>& pairs) {
+  models_.clear(), names_.clear();
+  for (const ModelPair& pair : pairs)
+    for (const CollisionModel* model : {pair.a, pair.b})
+      if (std::find(models_.begin(), models_.end(), model) == models_.end())
+        models_.push_back(model), names_.push_back(model->path());
+  clear();
+}
+
+Index ContactReport::numberOf(const CollisionModel& model) const {
+  if (last_ >= models_.size() || models_[last_] != &model)  // neighbours in the list are mostly of one pair
+    last_ = std::size_t(std::find(models_.begin(), models_.end(), &model) - models_.begin());
+  return Index(last_);
+}
+
+void ContactReport::note(const std::vector<Contact>& contacts) {
+  clear();
+  for (const Contact& contact : contacts) {
+    const CollisionModel &a = *contact.model_a, &b = *contact.model_b;
+    pairs_.push_back({numberOf(a), numberIn(a, *contact.a.part), numberOf(b), numberIn(b, *contact.b.part)});
+    const Vec3 p = placeOf(a, contact.a), q = placeOf(b, contact.b);
+    normals_.push_back(contact.normal);
+    first_points_.push_back(p + contact.a.part->radius * contact.normal);
+    second_points_.push_back(q - contact.b.part->radius * contact.normal);
+    gaps_.push_back((q - p).dot(contact.normal) - contact.contact);
+  }
+  forces_.resize(contacts.size(), Vec3::Zero());
+}
+
+void ContactReport::clear() {
+  pairs_.clear(), normals_.clear(), first_points_.clear(), second_points_.clear(), gaps_.clear(), forces_.clear();
+  multipliers_.clear();
+  is_restored_ = false;
+}
+
+void ContactReport::serialize(Archive& archive) {
+  std::vector<Index> numbers;
+  for (const Quad& pair : pairs_) numbers.insert(numbers.end(), pair.begin(), pair.end());
+  archive.list("pairs", numbers);
+  archive.list("first_points", first_points_), archive.list("second_points", second_points_);
+  archive.list("normals", normals_), archive.list("gaps", gaps_);
+  archive.list("forces", forces_), archive.list("multipliers", multipliers_);
+  if (!archive.isReading()) return;
+  pairs_.resize(numbers.size() / 4);
+  for (std::size_t i = 0; i < 4 * pairs_.size(); ++i) pairs_[i / 4][i % 4] = numbers[i];
+  is_restored_ = true;
+}
+
+}  // namespace stroma::collision

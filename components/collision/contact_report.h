@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "components/collision/contact_pairs.h"
+#include "framework/mesh/mesh.h"
+
+namespace stroma {
+class Archive;
+}
+
+namespace stroma::collision {
+
+/// What can be read of the contacts of a step, as attributes of a component: one entry for each contact.
+class ContactReport {
+ public:
+  void declare(DataTable& table);
+  /// Contacts will be of these pairs.
+  void compile(const std::vector<ModelPair>& pairs);
+  /// Where a step starts; none of them pushes yet.
+  void note(const std::vector<Contact>& contacts);
+  void setForce(std::size_t contact, const Vec3& force) { forces_[contact] = force; }
+  void setMultipliers(std::span<const double> forces) { multipliers_.assign(forces.begin(), forces.end()); }
+  void clear();
+  void serialize(Archive& archive);
+  /// It is of a checkpoint, and whoever notes contacts has others.
+  bool isRestored() const { return is_restored_; }
+
+ private:
+  Index numberOf(const CollisionModel& model) const;
+
+  std::vector<const CollisionModel*> models_;
+  std::vector<std::string> names_;                            ///< of models_
+  std::vector<Quad> pairs_;                                   ///< model, part, model, part
+  std::vector<Vec3> normals_, first_points_, second_points_;  ///< unit; [m]
+  std::vector<double> gaps_;                                  ///< [m]
+  std::vector<Vec3> forces_;                                  ///< [N]
+  std::vector<double> multipliers_;                           ///< [N]
+  bool is_restored_ = false;
+  mutable std::size_t last_ = 0;  ///< model that was looked for
+};
+
+}  // namespace stroma::collision
