@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# stroma_module(NAME COMPONENTS stem... [KERNELS stem...] [SHARED stem...] [LIBRARIES lib...] [LEVELS] [PACKAGE part])
+# stroma_module(NAME COMPONENTS stem... [KERNELS stem...] [SHARED stem...] [LIBRARIES lib...] [LEVELS] [PACKAGE part]
+#   [UNITY size])
 #   Builds the components stem.cpp of the current folder as one runtime module, NAME.so, with its index and manual beside
 #   it: the target stroma_NAME. With LEVELS it is built once for each instruction set of STROMA_LEVELS. KERNELS are
 #   private sources that are compiled like components. SHARED are those that hold no element loops: they are compiled
 #   once, for all levels, as stroma_NAME_shared, which the family's tests link too. The generated registry lists every
 #   component by name, so nothing depends on static initialisers. PACKAGE names the package that brings the module, where its
-#   libraries are too heavy for the one of the command: stroma-<part> (cmake/StromaInstall.cmake).
+#   libraries are too heavy for the one of the command: stroma-<part> (cmake/StromaInstall.cmake). UNITY: see stroma_unity().
 #   Outside this tree, after find_package(stroma), the same call builds NAME.so with NAME.index and NAME.manual beside it in
 #   the current build folder; a folder like that is named in STROMA_MODULE_PATH.
 
@@ -65,11 +66,17 @@ if(STROMA_FUZZ)
   target_compile_options(stroma_flags INTERFACE -fsanitize=fuzzer-no-link -fno-sanitize-recover=all -O1)
 endif()
 
-# stroma_unity(TARGET SIZE): compiles SIZE sources of a target as one unit (STROMA_UNITY). The size is a trade: what they
-# include is read and instantiated once for all of them, and a change in one compiles all of them again. Names in anonymous
-# namespaces must then differ between the files of a target.
+# stroma_unity(TARGET SIZE): compiles at most SIZE sources of a target as one unit, equal numbers in each (STROMA_UNITY). The
+# size is a trade: what they include is read and instantiated once for all of them (three units of four integrators took 18 s,
+# one of twelve 10 s), and a change in one compiles all of them again. Names in anonymous namespaces must then differ between
+# the files of a target.
 function(stroma_unity target size)
   if(STROMA_UNITY)
+    get_target_property(sources ${target} SOURCES)
+    list(FILTER sources INCLUDE REGEX "[.]cpp$")
+    list(LENGTH sources count)
+    math(EXPR units "(${count} + ${size} - 1) / ${size}")
+    math(EXPR size "(${count} + ${units} - 1) / ${units}")
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
   endif()
 endfunction()
@@ -127,7 +134,10 @@ if(NOT TARGET stroma::stroma_flags)
 endif()
 
 function(stroma_module name)
-  cmake_parse_arguments(arg "LEVELS" "PACKAGE" "COMPONENTS;KERNELS;SHARED;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "LEVELS" "PACKAGE;UNITY" "COMPONENTS;KERNELS;SHARED;LIBRARIES" ${ARGN})
+  if(NOT arg_UNITY)
+    set(arg_UNITY 12)
+  endif()
   set(registry ${CMAKE_CURRENT_BINARY_DIR}/${name}_registry.cpp)
   set(declarations "")
   set(calls "")
@@ -173,7 +183,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     stroma_level_options(baseline options)
     target_compile_options(stroma_${name}_shared PRIVATE ${options})
     set_target_properties(stroma_${name}_shared PROPERTIES CXX_VISIBILITY_PRESET hidden)
-    stroma_unity(stroma_${name}_shared 4)
+    stroma_unity(stroma_${name}_shared ${arg_UNITY})
     target_precompile_headers(stroma_${name}_shared REUSE_FROM stroma_precompiled_baseline)
     set(shared $<TARGET_OBJECTS:stroma_${name}_shared>)
   endif()
@@ -199,7 +209,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
       set(folder stroma/${level})
     endif()
     if(NOT name MATCHES "elasticity")
-      stroma_unity(${target} 4)
+      stroma_unity(${target} ${arg_UNITY})
     endif()
     stroma_level_options(${level} options)
     target_compile_options(${target} PRIVATE ${options})

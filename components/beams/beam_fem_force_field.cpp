@@ -40,6 +40,17 @@
 namespace stroma {
 namespace {
 
+/// From one direction to another. (Quaternion::FromTwoVectors has a singular value decomposition for opposite ones, which
+/// takes a compiler many seconds.)
+Quaternion shortestTurn(const Vec3& from, const Vec3& to) {
+  const Vec3 a = from.normalized(), b = to.normalized();
+  const double cosine = b.dot(a);
+  if (cosine < -1 + 1e-12) return Quaternion(Eigen::AngleAxisd(std::numbers::pi, a.unitOrthogonal()));
+  const double s = std::sqrt((1 + cosine) * 2);
+  const Vec3 axis = a.cross(b) * (1 / s);
+  return {s * 0.5, axis.x(), axis.y(), axis.z()};
+}
+
 class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
  public:
   void declare(DataTable& table) override {
@@ -73,7 +84,7 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
       if (!(along.norm() > 0))
         throw ComponentError(fmt::format("beam {} (nodes {} {}) has no length", edge, a, b), "two different places");
       const Quaternion turn_a = turnedBy(rest[std::size_t(2 * a + 1)]), turn_b = turnedBy(rest[std::size_t(2 * b + 1)]);
-      const Quaternion axes = Quaternion::FromTwoVectors(turn_a * Vec3::UnitX(), along) * turn_a;
+      const Quaternion axes = shortestTurn(turn_a * Vec3::UnitX(), along) * turn_a;
       pairs.push_back({2 * a, 2 * b, turn_a.conjugate() * axes, turn_b.conjugate() * axes, 0});
       lengths_.push_back(along.norm());
     }

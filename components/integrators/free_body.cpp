@@ -186,10 +186,11 @@ std::vector<Cluster> feel(System& system, SystemMatrix& matrix, const Division& 
       if (n >= cluster.load.size()) continue;
       const double resistance = part.diagonal > 0 ? part.diagonal / (3 * part.rows) : 1;
       const Vec3 held = given(n, row) - modes[n][row];
+      const bool is_held = (held.array() != 0).any();
       cluster.load[n] += force[row].dot(modes[n][row]);
       for (Index m = 0; m < cluster.load.size(); ++m)
-        cluster.stiffness(m, n) +=
-            modes[m][row].dot(product[row]) + resistance * held.dot(given(m, row) - modes[m][row]);
+        cluster.stiffness(m, n) += modes[m][row].dot(product[row]) +
+                                   (is_held ? resistance * held.dot(given(m, row) - modes[m][row]) : 0.0);
     }
   }
   return clusters;

@@ -10,7 +10,7 @@ extern "C" void stroma_register_mesh_stl_loader(stroma::Factory& factory);
 namespace stroma::fuzz {
 namespace {
 
-Factory& factory() {
+Factory& meshFactory() {
   static Factory instance = [] {
     Factory made;
     stroma_register_mesh_gmsh_loader(made);
@@ -25,11 +25,11 @@ Factory& factory() {
 
 void loadMesh(const std::string& loader, const std::string& ending, std::string_view bytes,
               const std::string& attributes) {
-  static Modules modules(factory(), {});
+  static Modules modules(meshFactory(), {});
   const std::string scene = "<Node name=\"root\"><" + loader + " name=\"loader\" filename=\"" +
                             fileWith(bytes, ending) + "\" createSubelements=\"true\" " + attributes + "/></Node>";
   try {
-    const Scene loaded = loadSceneText(scene, "fuzz.xml", {}, factory(), modules);
+    const Scene loaded = loadSceneText(scene, "fuzz.xml", {}, meshFactory(), modules);
     const Mesh& mesh = dynamic_cast<MeshLoader&>(*findComponent(*loaded.root, "/loader")).mesh();
     require(mesh.nodes() > 0, "a mesh without nodes was accepted");
     const std::string error = mesh.firstError();

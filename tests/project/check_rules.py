@@ -35,10 +35,11 @@ READERS_OF_FAMILIES = {
 }
 # Tools whose library another one links.
 TOOLS_FOR_TOOLS = {
-    "command": {"mesh", "view", "picture", "drawing", "sweep", "stress", "profile", "session", "plan", "units", "checks"},
+    "command": {"mesh", "view", "picture", "drawing", "sweep", "stress", "profile", "session", "plan", "units", "checks",
+                "platform"},
     "view": {"drawing", "session", "plan", "scene_writer", "checks", "units"},
     "picture": {"drawing", "units"},
-    "sweep": {"session"},
+    "sweep": {"session", "platform"},
     "stress": {"sweep", "session", "units", "checks"},
     "python": {"command", "session", "plan", "sofa", "view"},
     "live": {"platform"},

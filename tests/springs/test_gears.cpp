@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -160,6 +161,28 @@ TEST(Gears, TurnsThatCannotBeCountedAreTold) {
     else
       expectContains(doubt, "turns by 3 rad in a step");
   }
+}
+
+/// Teeth with k_s R beyond all numbers: of what the field computes the tangent alone overflows, and the processor notes it.
+TEST(Gears, ExplicitStepsComputeNoTangent) {
+  Simulation simulation = simulationFromText(
+      "<Node name='root' dt='0.01' gravity='0 0 0'><EulerExplicitSolver/><MechanicalObject template='Rigid3' position='0 0 0  0 0 0 "
+      "1   2 0 0  0 0 0 1' velocity='1 0 0 0 0 0  0 0 0 0 0 0'/><UniformMass totalMass='2' inertia='0.1 0.1 0.1'/>" +
+      gear("0 0 1 1 AXIS 2 2 KS_T 10 KS_R 1e200 1 KD 0 RATIO 1e200") + "</Node>");
+  System& system = *simulation.systems().at(0);
+  ForceField& field = *system.forceFields().at(0);
+  const auto overflows = [](const auto& computed) {
+    std::feclearexcept(FE_ALL_EXCEPT);
+    computed();
+    return std::fetestexcept(FE_OVERFLOW) != 0;
+  };
+  Vector f(4), d(4), product(4);
+  EXPECT_FALSE(overflows([&] {
+    for (int step = 0; step < 3; ++step) ASSERT_FALSE(simulation.step().failed());
+  }));
+  EXPECT_LT(system.v[0].x(), 1) << "the pivot has held it back";
+  EXPECT_FALSE(overflows([&] { field.addForce(system.x, system.v, f); }));
+  EXPECT_TRUE(overflows([&] { field.addStiffnessProduct(d, 1, product); })) << "nothing would be seen";
 }
 
 TEST(Gears, SayWhatIsWrong) {

@@ -344,6 +344,23 @@ TEST_F(Engines, SlurmMakesOnlyTheSharesThatAreOpen) {
   ADD_FAILURE() << "the kill came too late to show anything";
 }
 
+/// A parallel of the test's: it warns, as GNU's does of much, and its share finds no scene.
+TEST_F(Engines, AWarningOfWhatStartsAShareDoesNotHideWhyItFailed) {
+  script("parallel", "#!/bin/sh\nhere='" + folder_.string() + R"('
+echo 'parallel: Warning: only so many processes are allowed' >&2
+rm "$here/bar.xml"
+for word; do script=$word; done
+sh "$script" 1
+)");
+  const Finished run = by("parallel --shares 2", grid + "--no-times");
+  EXPECT_EQ(run.code, 4) << run.err;
+  EXPECT_NE(readText(folder_ / "parts/engine.log").find("parallel: Warning"), std::string::npos);
+  const std::size_t reason = run.err.find("configurations are open after parallel");
+  ASSERT_NE(reason, std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("bar.xml: there is no such file", reason), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("parallel: Warning"), std::string::npos) << run.err;
+}
+
 TEST_F(Engines, WhatTheyCannotDoIsRefused) {
   const auto isRefused = [this](const std::string& arguments, const std::string& sentence) {
     const Finished run = stroma(grid + "--no-times -o parts " + arguments);

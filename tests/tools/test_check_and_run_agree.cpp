@@ -10,8 +10,8 @@
 //   scenes: no scene plays a part in that.
 // And of the example scenes:
 // - a component that repeats another one of the scene, of the same type and name (the five beams of cantilever.xml);
-// - meshes of many nodes: the organs and the leg have a block of few, some of them in each of their regions, and grids have
-//   fewer;
+// - meshes of many nodes: the organs and the leg have a block of few, some of them in each of their regions, grids have
+//   fewer, and the bowl has four sides;
 // - all but the first precomputation of leg.xml's matrix: it is kept in a cache folder.
 #include <fmt/format.h>
 
@@ -144,6 +144,10 @@ std::vector<Override> overridesOf(const std::string& scene, const std::string& f
   if (scene == "mesh_matrix_mass.xml") return {{"/block/loader", "filename", organ}};
   if (scene == "contact_tool.xml") return {{"/block/mesh", "n", "4 3 2"}};
   if (scene == "lifted_cube.xml") return {{"/cube/mesh", "n", "3 3 3"}};
+  if (scene == "folded_sheet.xml") return {{"/grid", "n", "5 3 1"}};
+  if (scene == "balls_in_a_bowl.xml")
+    return {{"/bowl/mesh", "position", "0 0 0  0.11 0.05 0  0 0.05 0.11  -0.11 0.05 0  0 0.05 -0.11"},
+            {"/bowl/mesh", "triangles", "0 2 1  0 3 2  0 4 3  0 1 4"}};
   if (scene == "cartilage.xml") return {{"/block/grid", "n", "4 4 3"}};
   if (scene == "quadratic.xml") return {{"/grid", "n", "3 3 3"}};
   if (scene.starts_with("organ")) return {{"/organ/loader", "filename", organ}};

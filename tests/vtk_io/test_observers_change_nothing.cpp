@@ -21,6 +21,7 @@ const std::map<std::string, std::string> asked_for = {
     {"OBJExporter", "filename='skin' exportEveryNumberOfSteps='1'"},
     {"STLExporter", "filename='skin' exportEveryNumberOfSteps='1'"},
     {"Monitor", "indices='3 7' ExportPositions='1' ExportVelocities='1' ExportForces='1' fileName='watched'"},
+    {"TopologicalChangeProcessor", "useDataInputs='1' timeToRemove='9' hexahedraToRemove='0'"},
     {"VTKExporter",
      "filename='body' exportEveryNumberOfSteps='1' pointsDataFields='displacement velocity force' "
      "cellsDataFields='vonMises J'"},

@@ -3,17 +3,15 @@
 
 #include <errno.h>  // program_invocation_name
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <sstream>
 
 #include "framework/scene/services.h"
 #include "tools/picture/picture_maker.h"
+#include "tools/platform/program_named.h"
 #include "tools/session/file_uses.h"
 #include "tools/view/viewer.h"
 
@@ -21,14 +19,6 @@ namespace stroma::command {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool isProgram(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (!folder.empty() && ::access((fs::path(folder) / name).c_str(), X_OK) == 0) return true;
-  return false;
-}
 
 /// Whether the library of a service was built; it is not opened.
 template <class Role>
@@ -70,7 +60,7 @@ Results resultsOf(const Simulation& simulation, const std::string& recording) {
     if (isBuilt<view::Viewer>()) results.commands.push_back(program() + " view " + quoted(recording));
     if (isBuilt<picture::PictureMaker>()) results.commands.push_back(program() + " picture " + quoted(recording));
   }
-  if (isProgram("paraview"))
+  if (!programNamed("paraview").empty())
     for (const std::string& file : results.files)
       if (file.ends_with(".pvd") || file.ends_with(".vtu") || file.ends_with(".vtk"))
         results.commands.push_back("paraview " + quoted(file));

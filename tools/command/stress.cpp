@@ -72,7 +72,7 @@ OptionList stressOptions() {
 
 CommandLine stressLine() { return {stress_manual, stressOptions(), {"SCENE"}}; }
 
-stress::StressRequest requestOf(const Values& values) {
+stress::StressRequest stressRequest(const Values& values) {
   stress::StressRequest request;
   request.program = fs::read_symlink("/proc/self/exe").string();
   request.scene = required(values, "SCENE", stress_manual);
@@ -104,7 +104,7 @@ int stressScene(const Arguments& arguments) {
   const auto values = parseOptions(stressLine(), arguments);
   if (!values) return exit_done;
   if (values->count("threads")) throw UsageError("--threads: cases use one thread, and those with more say so");
-  stress::StressRequest request = requestOf(*values);
+  stress::StressRequest request = stressRequest(*values);
   request.words.assign(arguments.begin(), arguments.end());
   return service<stress::Stresser>()->stress(request);
 }

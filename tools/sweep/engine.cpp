@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "framework/scene/output_file.h"
+#include "tools/platform/program_named.h"
 #include "tools/sweep/configuration.h"
 #include "tools/sweep/cores.h"
 #include "tools/sweep/digest.h"
@@ -22,17 +23,6 @@ namespace stroma::sweep {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// On the path, or empty.
-std::string programNamed(const std::string& name) {
-  const char* const path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const std::string file = fs::absolute((folder.empty() ? "." : folder) + "/" + name).string();
-    if (access(file.c_str(), X_OK) == 0 && fs::is_regular_file(file)) return file;
-  }
-  return {};
-}
 
 void addWords(std::vector<std::string>& words, const std::string& text) {
   std::istringstream stream(text);
