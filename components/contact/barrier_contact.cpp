@@ -171,7 +171,7 @@ void BarrierContact::init() {
     if (!body->row_kinds.empty())
       throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
                            body->hasFrames() ? "points below it that a RigidMapping carries" : "");
-  obstacles_.init(self_ || bodies_.size() > 1);
+  obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes or selfContact");
   law_.stiffness = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(states());
   if (!(law_.stiffness > 0))
     throw ComponentError("stiffness is not given, and no body here has a youngModulus from which it would follow",

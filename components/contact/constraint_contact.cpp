@@ -132,7 +132,7 @@ void ConstraintContact::init() {
     if (!body->row_kinds.empty())
       throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
                            body->hasFrames() ? "points below it that a RigidMapping carries" : "");
-  obstacles_.init(false);
+  obstacles_.init(false, "planes, spheres or capsules");
   build();
   is_built_ = false;
   checkStart();

@@ -21,11 +21,10 @@ void Obstacles::declare(DataTable& table) {
   table.add("movements", movements_).help("displacement of all obstacles at keyTimes, linear between them").unit("m");
 }
 
-void Obstacles::init(bool bodies_meet) {
+void Obstacles::init(bool bodies_meet, const std::string& expected) {
   const bool none = planes_.empty() && spheres_.empty() && capsules_.empty() && cylinders_.empty() && boxes_.empty();
   if (none && !bodies_meet)
-    throw ComponentError("nothing meets: there is no other body and no obstacle, and selfContact is off",
-                         "other, planes, spheres, capsules, cylinders, boxes or selfContact");
+    throw ComponentError("nothing meets: there is no obstacle and no other body", expected);
   if (none && !movements_.empty())
     throw ComponentError("movements move obstacles, and there is none", "planes, spheres, capsules, cylinders or boxes");
   path_.assign(times_, movements_, "keyTimes", "movements");

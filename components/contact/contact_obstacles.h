@@ -13,7 +13,7 @@ class Obstacles {
  public:
   void declare(DataTable& table);
   /// Throws ComponentError. `bodies_meet`: so that something does without obstacles.
-  void init(bool bodies_meet);
+  void init(bool bodies_meet, const std::string& expected);
   void addTo(BarrierLaw& law) const;
   Vec3 displacement(double t) const { return times_.empty() ? Vec3(Vec3::Zero()) : path_.at(t); }  ///< [m]
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "framework/scene/archive.h"
 #include "framework/simulation/integrator.h"
@@ -211,6 +212,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (!answer(solver, matrix, base_, stop, report)) return;
   }
   double step = 0, size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
+  // what forces of constraint take back of the free motion leaves its last digits, also where a body stands at the origin
+  const double rounding = 16 * std::numeric_limits<double>::epsilon() * size;
   for (int round = 0; round < most_rounds; ++round) {
     findConditions();
     if (rows_.rows().empty() && !carries_) break;
@@ -230,7 +233,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     sumResponses();
     const double last = step;
     step = rule_.displacement * distance(whole_, before_);
-    const bool goes_on = std::isfinite(step) && step > close * size;
+    const bool goes_on = std::isfinite(step) && step > close * size + rounding;
     // forces that turn much in a step swing
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last);
     if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);
@@ -241,7 +244,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   findConditions();
   solve_.p.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
   give();
-  judge(step, size, report);
+  judge(step, size, rounding, report);
 }
 
 /// The constraint that a row is of.
@@ -252,7 +255,7 @@ std::string Multipliers::nameOf(std::size_t row) const {
 }
 
 /// What has not come to rest and what does not hold.
-void Multipliers::judge(double step, double size, StepReport& report) {
+void Multipliers::judge(double step, double size, double rounding, StepReport& report) {
   const auto refuse = [&report](std::string reason) {
     report.constraints_converged = false;
     report.constraint_reason = std::move(reason);
@@ -277,12 +280,12 @@ void Multipliers::judge(double step, double size, StepReport& report) {
     const double off = (row.kind == Kind::equal ? std::abs(g) : -g) / (solve_.sizes[i] > 0 ? solve_.sizes[i] : 1);
     if (!(off <= worst)) worst = off, where = i;
   }
-  const double allowed = exact * size + 1e-300;
+  const double allowed = exact * size + rounding + 1e-300;
   if (!(worst <= allowed)) {
     const double g = std::abs(solve_.g[Eigen::Index(where)]);
     return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", nameOf(where), g));
   }
-  if (!(step <= still * size + 1e-300))
+  if (!(step <= still * size + rounding + 1e-300))
     refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their largest coordinate "
                        "when their rounds end",
                        system_->integrator().path(), step / size));

@@ -71,7 +71,7 @@ class Multipliers {
   void apply(Rows change);
   void give();
   std::string nameOf(std::size_t row) const;
-  void judge(double step, double size, StepReport& report);
+  void judge(double step, double size, double rounding, StepReport& report);
 
   System* system_ = nullptr;
   Rule rule_;

@@ -12,8 +12,8 @@ namespace stroma {
 struct EmbeddedPoint {
   double distance = std::numeric_limits<double>::infinity();  ///< out of its cell [m]; infinite: no cell can hold it
   std::vector<Index> nodes;                                   ///< of the cell
-  std::vector<double> weights;                                ///< N_a, one a node
-  std::vector<Vec3> slopes;  ///< the gradients of N_a [1/m], one a node; none in a cell without a volume
+  std::vector<double> weights;                                ///< N_a, one per node
+  std::vector<Vec3> slopes;  ///< the gradients of N_a [1/m], one per node; none in a cell without a volume
 };
 
 /// Of each point the place in the cells of the largest dimension, whose nodes lie at `body`. `size` becomes the diagonal of the

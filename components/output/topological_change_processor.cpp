@@ -77,7 +77,7 @@ class TopologicalChangeProcessor final : public Observer, public StepGuard {
 
   std::string refusal(const StepContext& context) override {
     if (!isDue(context.t, context.dt)) return {};
-    return fmt::format("{} changes a mesh at t = {:g} s, which meshes here cannot, so the run ends here", path(), first_);
+    return fmt::format("changes a mesh at t = {:g} s, which meshes here cannot, so the run ends here", first_);
   }
 
  private:

@@ -65,6 +65,15 @@ TEST(LagrangianConstraints, APointThatStaysZeroStandsAtTheOrigin) {
                  "acts on points or numbers");
 }
 
+/// Nothing but round-off of the free motion is there to measure conditions by.
+TEST(LagrangianConstraints, APointIsHeldAtTheOrigin) {
+  Simulation simulation = simulationFromText(
+      sceneOf("<MechanicalObject position='0 0 0'/><UniformMass totalMass='2'/><FixedLagrangianConstraint indices='0'/>"));
+  run(simulation, 10);
+  EXPECT_LT(at(simulation, 0).norm(), 1e-17);
+  EXPECT_NEAR(numbersOf(simulation, "FixedLagrangianConstraint", "forces").at(1), 2 * g, 1e-11);
+}
+
 /// Without gravity a chain that turns and flies keeps its momentum.
 TEST(LagrangianConstraints, AFreeChainKeepsItsMomentum) {
   Simulation simulation =

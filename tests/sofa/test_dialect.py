@@ -681,11 +681,21 @@ def a_mesh_that_changes_looks_for_no_contacts():
 @case
 def actuators_by_number():
     """valueType by its number: 0 and 1 of displacement and force, of pressure and volumeGrowth."""
-    def pulled(kind, more=""):
+    def pulled(kind):
         cable = f'<CableConstraint indices="0" pullPoint="-1 0 0" value="0.1" {kind}/>'
         return Run(root('<FreeMotionAnimationLoop/><GenericConstraintSolver maxIterations="100" tolerance="1e-12"/><Node name="a">' +
                         EXACT + BODY + '<RestShapeSpringsForceField stiffness="100"/><LinearSolverConstraintCorrection/>' + cable +
-                        '</Node>' + more), 3).x("a.dofs")
+                        '</Node>'), 3).x("a.dofs")
+
+    def blown(kind):
+        cube = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0  0 1 0  0 0 1"/><UniformMass totalMass="4"/><RestShapeSpringsForceField '
+                'stiffness="100"/><LinearSolverConstraintCorrection/><SurfacePressureConstraint triangles="0 2 1  0 1 3  1 2 3  0 3 2" '
+                f'value="0.05" {kind}/>')
+        return Run(root('<FreeMotionAnimationLoop/><GenericConstraintSolver maxIterations="100" tolerance="1e-12"/><Node name="a">' +
+                        EXACT + cube + '</Node>'), 3).x("a.dofs")
+    agree(blown('valueType="0"'), blown('valueType="pressure"'))
+    agree(blown('valueType="1"'), blown('valueType="volumeGrowth"'))
+    differ(blown('valueType="0"'), blown('valueType="1"'), 1e-3)
     agree(pulled('valueType="0"'), pulled('valueType="displacement"'))
     agree(pulled('valueType="1"'), pulled('valueType="force"'))
     differ(pulled('valueType="0"'), pulled('valueType="1"'), 1e-3)
@@ -739,6 +749,10 @@ def constants_of_fewer_springs_than_points():
     points = '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/>'
     run = Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1 2" stiffness="100 200"/>'), 5)
     agree(run.x(), Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1 2" stiffness="100 200 100"/>'), 5).x())
+    run.says("2 values for 3 points")
+    run = Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1" stiffness="100 200 300"/>'), 5)
+    agree(run.x(), Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1" stiffness="100 200"/>'), 5).x())
+    run.says("3 values for 2 points")
 
 
 @case
@@ -770,7 +784,9 @@ def directions_that_an_isotropic_law_does_not_read():
         return root(EXACT + '<MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/>'
                     '<UniformMass totalMass="4"/><FixedConstraint indices="0 1"/><TetrahedronHyperelasticityFEMForceField '
                     f'materialName="StVenantKirchhoff" ParameterSet="100 200" {more}/>')
-    agree(Run(body('AnisotropyDirections="0 0 0"'), 5).x(), Run(body(""), 5).x())
+    run = Run(body('AnisotropyDirections="0 0 0"'), 5)
+    agree(run.x(), Run(body(""), 5).x())
+    run.says("AnisotropyDirections of an isotropic law")
 
 
 @case

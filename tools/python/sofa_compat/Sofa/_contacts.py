@@ -19,13 +19,9 @@ def rows_of(component, types):
     or along the normal alone where there is no friction."""
     sign = np.where(turned_round(component, types), -1.0, 1.0)[:, None]
     forces, normals = sign * component.get("forces"), sign * component.get("normals")
-    if _friction(component.get("responseParams")) == 0:
+    if len(component.get("multipliers")) == len(normals):
         return np.einsum("ij,ij->i", forces, normals)
     return np.einsum("ikj,ij->ik", np.stack([normals, *_tangents(normals)], axis=1), forces).ravel()
-
-
-def _friction(text):
-    return next((float(part.split("=")[1]) for part in text.split("&") if part.startswith("mu=")), 0.8)
 
 
 def _tangents(normals):
