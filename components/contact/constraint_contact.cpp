@@ -2,8 +2,8 @@
 // ConstraintContact: a surface that keeps a distance from obstacles, with friction, by forces of constraint at the end of each
 // step.
 //
-// Surfaces, planes, spheres and capsules are those of BarrierContact. With d the distance of a vertex and a triangle, or of two
-// edges, less radii and `thickness`, l_n the force between them, s the way along the surfaces in the step and mu the friction:
+// Surfaces, planes, spheres and capsules are those of BarrierContact. With d the distance of a vertex and a plane, a sphere and a
+// triangle, or an axis and an edge, less radii and `thickness`, l_n the force between them, s the way along the surfaces in the step and mu the friction:
 //
 //   d >= contactDistance,   l_n >= 0,   one of both with equality;   s = 0, or |l_t| = mu l_n against s
 //
@@ -128,10 +128,9 @@ void ConstraintContact::init() {
     throw ComponentError("no mechanical state has a surface for this contact",
                          "a " + usualComponent(Part::state) + " in the same node or above, or mstate=\"@path\"");
   bodies_ = {first};
-  for (const State* body : bodies_)
-    if (!body->row_kinds.empty())
-      throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
-                           body->hasFrames() ? "points below it that a RigidMapping carries" : "");
+  if (!first->row_kinds.empty())
+    throw ComponentError(fmt::format("{} has rows that are no points", first->path()), "a state of points",
+                         first->hasFrames() ? "points below it that a RigidMapping carries" : "");
   obstacles_.init(false, "planes, spheres or capsules");
   build();
   is_built_ = false;
@@ -140,15 +139,13 @@ void ConstraintContact::init() {
 
 void ConstraintContact::build() {
   law_.surfaces.clear();
-  for (const State* body : bodies_) {
-    const Topology* topology = body == bodies_.front() ? topology_.find(*this, *body) : nullptr;
-    if (!topology && !(topology = topologyOf(*body)))
-      throw ComponentError(fmt::format("{} has no mesh, so no surface", body->path()), "a topology beside it");
-    const std::size_t before = law_.surfaces.faces.size();
-    law_.surfaces.addState(*body, topology->mesh());
-    if (law_.surfaces.faces.size() == before)
-      throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body->path()), "a surface");
-  }
+  const State& body = *bodies_.front();
+  const Topology* topology = topology_.find(*this, body);
+  if (!topology && !(topology = topologyOf(body)))
+    throw ComponentError(fmt::format("{} has no mesh, so no surface", body.path()), "a topology beside it");
+  law_.surfaces.addState(body, topology->mesh());
+  if (law_.surfaces.faces.empty())
+    throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body.path()), "a surface");
   obstacles_.addTo(law_);
   law_.surfaces.finish();
   for (std::size_t f = 0; f < law_.surfaces.faces.size(); ++f)
@@ -246,7 +243,7 @@ double ConstraintContact::proof() const {
   for (int v = 0; v < int(x_.size()); ++v)
     if (s.moves(v)) left = std::min(left, 2 * way_ - gone(v));
   for (const KeptGap& contact : found_) {
-    if (!contact.pair || contact.pair->radius == 0) continue;
+    if (!contact.pair) continue;  // a plane has no other side to pass to unseen
     for (const int v : contact.v)
       if (s.moves(v)) left = std::min(left, contact.distance - gone(v));
   }
@@ -259,11 +256,7 @@ void ConstraintContact::addContact(const KeptGap& contact, double reach) {
   if (added.gap + law_.range > reach) return;
   if (added.isOfParallelEdges(law_, x_)) return;
   added.side = added.n, added.side_c = added.c;
-  if (contact.pair) {
-    const double radius = contact.pair->radius;
-    added.is_over = radius > 0 || std::count(added.c.begin(), added.c.end(), 0.0) == 0;
-    added.distance = added.gap + law_.range + law_.thickness + radius;
-  }
+  if (contact.pair) added.distance = added.gap + law_.range + law_.thickness + contact.pair->radius;
   added.across = added.n.unitOrthogonal();
   found_.push_back(added);
 }
@@ -313,7 +306,7 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
   contacts_ = 0;
   smallest_gap_ = std::numeric_limits<double>::infinity();
   contact_forces_.assign(std::size_t(bodies_.front()->size()), Vec3::Zero());
-  wrenches_.assign(2 * bodies_.size(), Vec3::Zero());
+  wrenches_.assign(2, Vec3::Zero());
   const std::size_t each = friction_ > 0 ? 3 : 1;
   for (std::size_t i = 0; i < found_.size(); ++i) {
     const KeptGap& contact = found_[i];
@@ -325,11 +318,11 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
     if (each == 3) whole += l[1] * contact.tangent + l[2] * contact.n.cross(contact.tangent);
     for (std::size_t k = 0; k < 4; ++k) {
       if (contact.v[k] < 0 || !law_.surfaces.moves(contact.v[k])) continue;
-      const std::size_t v = std::size_t(contact.v[k]), body = std::size_t(law_.surfaces.bodyOf(contact.v[k]));
+      const std::size_t v = std::size_t(contact.v[k]);
       const Vec3 force = contact.c[k] * whole;
-      if (body == 0) contact_forces_[std::size_t(law_.surfaces.rows[v] - bodies_.front()->firstRow())] += force;
-      wrenches_[2 * body] += force;
-      wrenches_[2 * body + 1] += x_[v].cross(force);
+      contact_forces_[std::size_t(law_.surfaces.rows[v] - bodies_.front()->firstRow())] += force;
+      wrenches_[0] += force;
+      wrenches_[1] += x_[v].cross(force);
     }
   }
   if (found_.empty()) smallest_gap_ = 0;

@@ -26,8 +26,7 @@ void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
     c = closest.weights;
     n = apart > 0 ? Vec3(closest.difference / apart) : side;
     gap = apart - pair->radius - law.thickness - law.range;
-    // what is beside a triangle or an edge may slide past
-    if (is_over && n.dot(side) < 0) {  // passed through: back to the plane that was between them
+    if (n.dot(side) < 0) {  // passed through: back to the plane that was between them
       c = side_c, n = side;
       double height = 0;
       for (std::size_t k = 0; k < 4; ++k) height += c[k] * n.dot(x[std::size_t(v[k])]);

@@ -4,7 +4,7 @@
 
 namespace stroma::contact {
 
-/// Two places that are kept apart: of a pair, or of a vertex and a plane.
+/// Two places that are kept apart: of a body and a sphere or capsule, or of a vertex and a plane.
 struct KeptGap {
   const Candidate* pair = nullptr;  ///< null: a plane
   std::size_t plane = 0;
@@ -12,7 +12,6 @@ struct KeptGap {
   /// unit: the direction from the other side where the step starts, and one along the surface
   Vec3 side = Vec3::Zero(), across = Vec3::Zero();
   std::array<double, 4> side_c{};  ///< c there
-  bool is_over = false;  ///< a vertex over the inside of a triangle there, edges that cross, or a radius
   double distance = 0;   ///< of the closest points there [m]
   // where conditions were last looked at
   std::array<double, 4> c{};

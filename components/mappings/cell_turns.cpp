@@ -69,7 +69,7 @@ void CellTurns::addJacobian(std::vector<JacobianBlock>& out, Index parent, Index
 void CellTurns::addCurvature(ConstRows v, Rows a, Index parent, Index child) const {
   for (const Turn& turn : turns_) {
     const std::size_t count = turn.nodes.size();
-    std::vector<Vec3> u(count);
+    std::array<Vec3, most_cell_nodes> u;
     Vec3 sum = Vec3::Zero(), bend = Vec3::Zero();
     Mat3 gradient = Mat3::Zero();
     for (std::size_t n = 0; n < count; ++n) {
@@ -84,9 +84,8 @@ void CellTurns::addCurvature(ConstRows v, Rows a, Index parent, Index child) con
   }
 }
 
-std::vector<Mat3> CellTurns::geometricColumn(const Turn& turn, std::size_t b, const Vec3& torque) {
-  std::vector<Mat3> column(turn.nodes.size(), Mat3::Zero());
-  if (torque.isZero(0)) return column;
+void CellTurns::geometricColumn(const Turn& turn, std::size_t b, const Vec3& torque, Column& column) {
+  if (torque.isZero(0)) return column.fill(Mat3::Zero());
   const Vec3 t = turn.rotation.transpose() * torque, p = turn.inverse * t;
   for (int c = 0; c < 3; ++c) {
     const Vec3 u = turn.rotation.transpose().col(c), w = turn.inverse * turn.slopes[b].cross(u);
@@ -95,7 +94,6 @@ std::vector<Mat3> CellTurns::geometricColumn(const Turn& turn, std::size_t b, co
     for (std::size_t a = 0; a < turn.nodes.size(); ++a)
       column[a].col(c) = turn.rotation * (w.cross(p.cross(turn.slopes[a])) + dp.cross(turn.slopes[a]));
   }
-  return column;
 }
 
 }  // namespace stroma

@@ -11,10 +11,12 @@
 // The geometric stiffness has the derivative of the forces with 1/2 [torque] w taken from the torque, as all turns here: it is
 // symmetric.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "components/mappings/linked_mapping.h"
 #include "framework/mechanics/frames.h"
+#include "framework/mesh/cell_tables.h"
 
 namespace stroma {
 
@@ -34,9 +36,10 @@ class CellTurns {
   /// the blocks are zero.
   template <class Visit>
   void forGeometricBlocks(ConstRows f, Index parent, Index child, Visit&& visit) const {
+    Column column;
     for (const Turn& turn : turns_)
       for (std::size_t b = 0; b < turn.nodes.size(); ++b) {
-        const std::vector<Mat3> column = geometricColumn(turn, b, f.count > 0 ? Vec3(f[child + turn.row]) : Vec3(Vec3::Zero()));
+        geometricColumn(turn, b, f.count > 0 ? Vec3(f[child + turn.row]) : Vec3(Vec3::Zero()), column);
         for (std::size_t a = 0; a < turn.nodes.size(); ++a) visit(parent + turn.nodes[a], parent + turn.nodes[b], column[a]);
       }
   }
@@ -50,8 +53,9 @@ class CellTurns {
     // at the last apply()
     Mat3 rotation = Mat3::Identity(), stretch = Mat3::Identity(), inverse = Mat3::Identity() / 2;  ///< R, S, G^-1
   };
+  using Column = std::array<Mat3, most_cell_nodes>;
   /// Of node b: the change of the forces on all nodes.
-  static std::vector<Mat3> geometricColumn(const Turn& turn, std::size_t b, const Vec3& torque);
+  static void geometricColumn(const Turn& turn, std::size_t b, const Vec3& torque, Column& column);
 
   mutable std::vector<Turn> turns_;
 };
