@@ -50,6 +50,7 @@
 
 #include "components/contact/contact_bodies.h"
 #include "components/contact/contact_friction.h"
+#include "components/contact/contact_inside.h"
 #include "components/contact/contact_obstacles.h"
 #include "components/contact/contact_outputs.h"
 #include "framework/mechanics/force_field.h"
@@ -207,6 +208,7 @@ void BarrierContact::compile() {
 void BarrierContact::checkStart(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
   refuseOverlap(path(), law_, x_, [this](int vertex) { return nameOf(vertex); });
+  refuseInside(path(), law_.surfaces, x_);
   law_.candidates.forget();  // as after reset()
   has_new_pairs_ = true;
 }

@@ -3,7 +3,8 @@
 // step.
 //
 // Surfaces, planes, spheres and capsules are those of BarrierContact. With d the distance of a vertex and a plane, a sphere and a
-// triangle, or an axis and an edge, less radii and `thickness`, l_n the force between them, s the way along the surfaces in the step and mu the friction:
+// triangle, or an axis and an edge, less radii and `thickness`, l_n the force between them, s the way along the surfaces in the
+// step and mu the friction:
 //
 //   d >= contactDistance,   l_n >= 0,   one of both with equality;   s = 0, or |l_t| = mu l_n against s
 //

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <utility>
 
 namespace stroma::contact {
 namespace {
@@ -24,8 +25,10 @@ double turnsAround(const Vec3& place, const Surfaces& surfaces, const std::vecto
 }  // namespace
 
 void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x) {
+  std::vector<char> is_known(x.size(), false);  // pieces
   for (std::size_t v = 0; v < x.size(); ++v)
-    if (!surfaces.moves(int(v)) && turnsAround(x[v], surfaces, x) > 0.5)
+    if (!surfaces.moves(int(v)) && !std::exchange(is_known[std::size_t(surfaces.pieceOf(int(v)))], true) &&
+        turnsAround(x[v], surfaces, x) > 0.5)
       throw ComponentError(fmt::format("an obstacle of {} is inside of a body, at {:.4g} {:.4g} {:.4g}", path, x[v].x(), x[v].y(),
                                        x[v].z()),
                            "a start with gaps everywhere");

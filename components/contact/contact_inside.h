@@ -7,8 +7,8 @@
 
 namespace stroma::contact {
 
-/// Throws ComponentError where a vertex of an obstacle lies inside of a body of the component at `path`, which distances do
-/// not show. x: of all vertices.
+/// Throws ComponentError where an obstacle lies inside of a body of the component at `path`, which distances do not show. One vertex
+/// of each piece tells: what crosses a surface is found otherwise (refuseOverlap()). x: of all vertices.
 void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x);
 
 }  // namespace stroma::contact

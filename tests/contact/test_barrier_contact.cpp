@@ -196,6 +196,11 @@ TEST(BarrierContact, RefusesAStartInOverlap) {
   expectContains(problemsOf(contactScene(
                      bodyNode("a", boxOf(Vec3(0, 0, -0.1), Vec3(1, 1, 1)), "<BarrierContact planes=\"0 0 1 0\"/>"))),
                  "0.1 m inside a plane");
+  const Body block = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2});
+  for (const char* inside : {"spheres=\"0.4 0.4 0.6 0.05\"", "capsules=\"0.3 0.4 0.6 0.7 0.4 0.6 0.05\"",
+                             "boxes=\"0.3 0.3 0.3 0.6 0.6 0.6\"", "cylinders=\"0.3 0.4 0.6 0.7 0.4 0.6 0.05\""})
+    expectContains(problemsOf(contactScene(bodyNode("a", block, fmt::format("<BarrierContact {}/>", inside)))), "is inside of a body");
+  EXPECT_EQ(problemsOf(contactScene(bodyNode("a", block, "<BarrierContact spheres=\"0.4 0.4 1.2 0.05\"/>"))), "");
 }
 
 TEST(BarrierContact, RefusesWhatCanNeverAct) {
