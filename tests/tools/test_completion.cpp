@@ -167,7 +167,7 @@ TEST_F(Completion, FishOffersIt) {
 /// Types a line and a tab into a zsh of its own, and prints what the line has become.
 constexpr const char* zsh_harness = R"(
 zmodload zsh/zpty
-zpty shell zsh -f -i
+zpty shell zsh -f -i || { print -u2 'no pseudo-terminal: is /dev/pts mounted?'; exit 1; }
 zpty -w shell 'PS1=; autoload -Uz compinit; compinit -u -D; source script.zsh; stty -echo columns 300; bindkey "^I" complete-word
   keep() { print -r -- "$BUFFER" >line.txt; zle kill-whole-line; }; zle -N keep; bindkey "^O" keep; print READ''Y'
 zpty -r shell said '*READY*'
