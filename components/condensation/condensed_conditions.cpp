@@ -15,14 +15,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "components/condensation/condensed_integrator.h"
 #include "framework/scene/archive.h"
 #include "framework/simulation/step_limits.h"
 
 namespace stroma {
-
-using Kind = LagrangianRows::Kind;
 
 void CondensedIntegrator::compileConditions(System& system) {
   CondensedConditions& c = conditions_;
@@ -109,7 +108,8 @@ void CondensedIntegrator::prepareSlots(const System& system, const double* u) {
   const auto count = Eigen::Index(c.nodes.size());
   c.c = c.stored;
   if (!touches_.empty()) {
-    Eigen::MatrixXd at(Eigen::Index(touches_.size()), 3 * count);
+    Eigen::MatrixXd& at = c.touched;
+    at.resize(Eigen::Index(touches_.size()), 3 * count);
     for (Eigen::Index s = 0; s < count; ++s)
       at.middleCols<3>(3 * s) = touch_columns_.middleRows<3>(3 * c.nodes[std::size_t(s)]).transpose();
     if (weights_.size() > 0) at = weights_.asDiagonal() * at;
@@ -155,7 +155,7 @@ double CondensedIntegrator::respond() {
   for (std::size_t i = 0; i < c.rows.rows().size(); ++i)
     for (const auto& [slot, gradient] : c.of(Eigen::Index(i), c.pushing, c.first_pushing))
       c.force.segment<3>(3 * slot) += c.solve.l[Eigen::Index(i)] * gradient;
-  Eigen::VectorXd& next = c.work;
+  Eigen::VectorXd& next = c.next;
   next = c.free;
   next.noalias() += c.c * c.force;
   const double change = (next - c.u).size() > 0 ? (next - c.u).cwiseAbs().maxCoeff() : 0;
@@ -174,20 +174,6 @@ void CondensedIntegrator::placeSlots(System& system) const {
   }
 }
 
-bool CondensedIntegrator::gradientsStay() const {
-  const CondensedConditions& c = conditions_;
-  const auto &now = c.rows.rows(), &before = c.rows_before.rows();
-  if (now.size() != before.size()) return false;
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    const auto a = c.rows.entriesOf(now[i]), b = c.rows_before.entriesOf(before[i]);
-    if (now[i].kind != before[i].kind || now[i].factor != before[i].factor ||
-        !std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const auto& p, const auto& q) { return p.row == q.row && p.gradient == q.gradient; }))
-      return false;
-  }
-  return true;
-}
-
 bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepReport& report) {
   constexpr int most_rounds = 60, most_turns = 40;
   constexpr double close = 1e-13, directed = 1e-9, still = 1e-6;  // of the place, of the body
@@ -196,15 +182,14 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepR
   const double size = largest(c.start);
   double step = 0, last = 0;
   bool turns = true, is_mixed = false;
-  c.mixed.clear();
+  c.mixing.restart();
   c.swings = false;
   for (int round = 0; round <= most_rounds; ++round) {
     if (report.reason = findConditions(system); !report.reason.empty()) break;
     // the last round finds what the conditions have become
-    if (round > 0 && (!(step > close * size) || round == most_rounds || gradientsStay())) {
-      if (gradientsStay()) step = 0;
-      break;
-    }
+    const bool stays = round > 0 && c.rows.hasGradientsOf(c.rows_before);
+    if (stays) step = 0;
+    if (round > 0 && (!(step > close * size) || round == most_rounds)) break;
     if (round == most_turns) c.swings = turns && step > still * c.extent;
     turns = turns && (round < 2 || step > directed * c.extent) && round < most_turns;
     if (turns || c.first_pushing.size() != c.first_entry.size())
@@ -236,26 +221,13 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepR
 }
 
 void CondensedConditions::mix() {
-  constexpr std::size_t depth = 8;
-  if (!mixed.empty() && mixed.front()[0].size() != u.size()) mixed.clear();
-  if (mixed.size() == depth) mixed.erase(mixed.begin());
-  mixed.push_back({u - before, u});
-  const auto known = Eigen::Index(mixed.size());
-  Eigen::MatrixXd products(known, known);
-  for (Eigen::Index i = 0; i < known; ++i)
-    for (Eigen::Index j = 0; j < known; ++j) products(i, j) = mixed[std::size_t(i)][0].dot(mixed[std::size_t(j)][0]);
-  const Eigen::VectorXd lengths = products.diagonal().cwiseSqrt();
-  if (!(lengths.minCoeff() > 0)) return;
-  // scaled by their lengths, with as much on the diagonal as round-off takes
-  const Eigen::VectorXd inverse = lengths.cwiseInverse();
-  products = (inverse.asDiagonal() * products * inverse.asDiagonal()).eval();
-  products.diagonal().array() += 1e-13;
-  Eigen::VectorXd weights = inverse.cwiseProduct(products.ldlt().solve(inverse));
-  weights /= weights.sum();
-  constexpr double largest_sum = 10;  // large ones that cancel lead anywhere
-  if (!(weights.cwiseAbs().sum() <= largest_sum)) return mixed.clear();
-  u.setZero();
-  for (Eigen::Index i = 0; i < known; ++i) u += weights[i] * mixed[std::size_t(i)][1];
+  const auto bytes = std::size_t(u.size()) * sizeof(double);
+  const Index whole_rows = Index((u.size() + row_doubles - 1) / row_doubles);
+  if (from.count() != whole_rows) from.resize(whole_rows), to.resize(whole_rows), mixing.restart();
+  std::memcpy(from.rows().data, before.data(), bytes);
+  std::memcpy(to.rows().data, u.data(), bytes);
+  mixing.next(from, to);
+  std::memcpy(u.data(), to.rows().data, bytes);
 }
 
 /// To the constraints.
@@ -279,10 +251,11 @@ void CondensedIntegrator::addForces(Array<double>& u) {
   }
   if (c.loaded.empty()) return;
   if (!touches_.empty()) {
-    Eigen::VectorXd& reaction = c.work;
+    Eigen::VectorXd& reaction = c.reaction;
     reaction.setZero(Eigen::Index(touches_.size()));
     for (std::size_t k = 0; k < c.loaded.size(); ++k)
-      reaction -= touch_columns_.middleRows<3>(3 * c.loaded[k]).transpose() * Eigen::Map<const Vec3>(c.loads[k].data());
+      reaction.noalias() -=
+          touch_columns_.middleRows<3>(3 * c.loaded[k]).transpose() * Eigen::Map<const Vec3>(c.loads[k].data());
     if (weights_.size() > 0) reaction.array() *= weights_.array();
     touch_factor_.solveInPlace(reaction);
     if (weights_.size() > 0) reaction.array() *= weights_.array();
@@ -299,31 +272,22 @@ std::string CondensedIntegrator::nameOfCondition(std::size_t row) const {
 }
 
 /// What has not come to rest and what does not hold, at the end of the step.
-void CondensedIntegrator::judgeConditions(double step, double size, StepReport& report) const {
-  // of the largest condition; of the body, conditions and, less, what directions of forces still move it by; of the place
-  constexpr double settled = 1e-6, exact = 1e-9, still = 1e-6, rounding = 1e-13;
-  const CondensedConditions& c = conditions_;
+void CondensedIntegrator::judgeConditions(double step, double size, StepReport& report) {
+  // of the body: conditions and, less, what directions of forces still move it by; of the place
+  constexpr double exact = 1e-9, still = 1e-6, rounding = 1e-13;
+  CondensedConditions& c = conditions_;
   const auto refuse = [&report](std::string reason) {
     report.constraints_converged = false;
     report.constraint_reason = std::move(reason);
   };
   if (c.rows.rows().empty()) return;
-  if (!(c.solve.unsettled() <= settled))
-    return refuse(fmt::format("the forces that {} finds for Lagrangian constraints leave {:.3g} of the conditions", path(),
-                              c.solve.unsettled()));
-  double worst = 0;
-  std::size_t where = 0;
-  for (std::size_t i = 0; i < c.rows.rows().size(); ++i) {
-    const auto& row = c.rows.rows()[i];
-    const bool is_at_limit = row.kind == Kind::push && row.factor > 0 && c.solve.l[Eigen::Index(i)] >= (1 - 1e-12) * row.factor;
-    if (is_at_limit || row.kind == Kind::given || row.kind == Kind::rub) continue;
-    const double off = (row.kind == Kind::equal ? std::abs(row.value) : -row.value) /
-                       (c.solve.sizes[i] > 0 ? c.solve.sizes[i] : 1);
-    if (!(off <= worst) && !std::isnan(worst)) worst = off, where = i;
+  const ConditionForces::Violation worst = c.solve.worst(c.rows.rows());
+  if (!(worst.off <= exact * c.extent + rounding * size)) {
+    const std::string name = nameOfCondition(worst.row);
+    if (worst.rubs) return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m", name, worst.off));
+    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", name,
+                              std::abs(c.rows.rows()[worst.row].value)));
   }
-  if (!(worst <= exact * c.extent + rounding * size))
-    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}",
-                              nameOfCondition(where), std::abs(c.rows.rows()[where].value)));
   if (!(step <= still * c.extent + rounding * size))
     refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their "
                        "size when their rounds end",

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "components/condensation/condition_forces.h"
-#include "framework/algebra/vector.h"
+#include "framework/algebra/mixing.h"
+#include "framework/mechanics/condition_forces.h"
 
 namespace stroma {
 
@@ -42,16 +42,18 @@ struct CondensedConditions {
   Eigen::MatrixXd response;  ///< C D^T, shape (3 slots, rows)
   Eigen::VectorXd free, u;   ///< displacements without and with forces, shape (3 slots)
   Eigen::VectorXd force;     ///< D^T l, shape (3 slots)
+  Eigen::MatrixXd touched;   ///< what touched nodes take of C, shape (touches, 3 slots)
+  Eigen::VectorXd reaction;  ///< of touched nodes, shape (touches)
   std::vector<Index> loaded;
   std::vector<std::array<double, 3>> loads;
-  Eigen::VectorXd work, before;
+  Eigen::VectorXd next, before;
   bool swings = false;  ///< in the last step directions of forces have not come to rest
   int swinging = 0;     ///< steps
 
-  /// The next place after rounds from `before` to u: a sum of those that the last rounds led to whose sum of ways is the
-  /// shortest (Anderson 1965, in the form of Pulay 1980).
+  /// The next place after rounds from `before` to u.
   void mix();
-  std::vector<std::array<Eigen::VectorXd, 2>> mixed;  ///< way and end of the last rounds
+  Mixing mixing;
+  Vector from, to;  ///< `before` and u as whole rows
 };
 
 }  // namespace stroma

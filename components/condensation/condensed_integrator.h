@@ -186,11 +186,10 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   void couple();
   double respond();
   void placeSlots(System& system) const;
-  bool gradientsStay() const;
   void giveForces();
   void addForces(Array<double>& u);
   std::string nameOfCondition(std::size_t row) const;
-  void judgeConditions(double step, double size, StepReport& report) const;
+  void judgeConditions(double step, double size, StepReport& report);
   std::string cacheFolder() const;
   [[noreturn]] void refuseFree(System& system, Index node) const;
 

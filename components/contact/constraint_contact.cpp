@@ -14,9 +14,10 @@
 //
 // Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
 // in the last step, as its speed would take it, or as an eighth of the mean edge. Which side of each other they are on is that of
-// the start. Each step is proved besides: nothing has passed through a sphere or an axis where its way to each pair's vertices is
-// shorter than their distance was. A condition that is off by the rest refuses a step in which it is not, and BarrierContact is
-// for such. contactDistance is above zero for the sake of the side.
+// the start. Each step is proved besides: nothing has passed through a sphere or an axis where each pair may go straight from
+// where the step starts to where it ends (Li, Kaufman and Jiang 2021) and no vertex has moved farther than pairs were looked for.
+// A condition that is off by the rest refuses a step in which it is not, and BarrierContact is for such. contactDistance is above
+// zero for the sake of the side.
 //
 // Of pairs whose closest points are the same one counts, and of nearly parallel edges the ends alone. Bodies do not meet each
 // other, nor themselves: BarrierContact has that, and boxes and cylinders.
@@ -74,6 +75,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint {
   void buildForRun(ConstRows x);
   void checkStart();
   void refuseOverlaps() const;
+  void refuseNear() const;
   void checkMoves() const;
   void measureTravel();
   double proof() const;
@@ -96,6 +98,8 @@ class ConstraintContact final : public Component, public LagrangianConstraint {
   std::vector<Vec3> start_, end_;   ///< of all vertices, where the step starts, and where the last one ended
   mutable std::vector<Vec3> x_;     ///< where conditions were last looked at
   mutable std::vector<KeptGap> found_;
+  mutable std::vector<GapKey> keys_;  ///< of ignoreDoubles()
+  std::vector<KeptGap> watched_;      ///< that no condition is of: nearly parallel edges
   Vec3 moved_at_start_ = Vec3::Zero();
   double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
   double way_ = 0;     ///< up to which pairs were looked for in it [m]
@@ -167,11 +171,33 @@ void ConstraintContact::buildForRun(ConstRows x) {
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
   refuseOverlaps();
+  refuseNear();
 }
 
 void ConstraintContact::refuseOverlaps() const {
   refuseInside(path(), law_.surfaces, x_);
   refuseOverlap(path(), law_, x_, [this](int vertex) { return nameOfVertex(law_.surfaces, bodies_, vertex); });
+}
+
+/// What starts nearer than the gap that is kept would be thrown out to it.
+void ConstraintContact::refuseNear() const {
+  constexpr double rounding = 1e-6;
+  double nearest = (1 - rounding) * law_.range;
+  int at = -1;
+  const auto look = [&](double gap, int vertex) {
+    if (gap < nearest) nearest = gap, at = vertex;
+  };
+  for (const Candidate& pair : law_.candidates.pairs()) {
+    const double apart = closestPoints(pair.kind, law_.candidates.pointsOf(pair, x_)).distance();
+    look(apart - pair.radius - law_.thickness, law_.surfaces.moves(pair.v[0]) ? pair.v[0] : pair.v[3]);
+  }
+  for (std::size_t p = 0; p < law_.planes.size(); ++p)
+    for (int v = 0; v < int(x_.size()); ++v)
+      if (law_.surfaces.moves(v)) look(law_.gapToPlane(p, x_[std::size_t(v)]), v);
+  if (at >= 0)
+    throw ComponentError(fmt::format("{} starts with a gap of {:.4g} m, and contactDistance is {:.4g} m",
+                                     nameOfVertex(law_.surfaces, bodies_, at), nearest, law_.range),
+                         "gaps that are not smaller than contactDistance");
 }
 
 /// Before a run; where mapped nodes are is known when it begins.
@@ -185,6 +211,7 @@ void ConstraintContact::checkStart() {
   for (Index i = 0; i < body.size(); ++i) x[i] = body.position[std::size_t(i)];
   law_.surfaces.gather(x, law_.moved, x_);
   refuseOverlaps();
+  refuseNear();
 }
 
 /// Somebody else has moved what is near: it may be anywhere.
@@ -210,7 +237,7 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   way_ = std::max({2 * travel_, 2 * fastest() * node().root().dt(), of_edge * law_.surfaces.meanEdge()}) +
          (goal - moved_at_start_).norm();
   law_.candidates.find(x_, way_);
-  found_.clear();
+  found_.clear(), watched_.clear();
   const double reach = law_.range + 2 * way_;
   for (const Candidate& pair : law_.candidates.pairs())
     if (pair.pushes) addContact({.pair = &pair, .v = pair.v}, reach);
@@ -241,13 +268,22 @@ double ConstraintContact::proof() const {
   const Vec3 way = law_.moved - moved_at_start_;
   const auto gone = [&](int v) { return (x_[std::size_t(v)] - start_[std::size_t(v)] - way).norm(); };
   double left = 2 * way_;  // what is farther away is in no pair
+  if (start_.size() != x_.size()) return left;
   for (int v = 0; v < int(x_.size()); ++v)
     if (s.moves(v)) left = std::min(left, 2 * way_ - gone(v));
-  for (const KeptGap& contact : found_) {
-    if (!contact.pair) continue;  // a plane has no other side to pass to unseen
-    for (const int v : contact.v)
-      if (s.moves(v)) left = std::min(left, contact.distance - gone(v));
-  }
+  const auto look = [&](const KeptGap& contact) {
+    if (!contact.pair) return;  // a plane has no other side to pass to unseen
+    double nearest = contact.distance;
+    FourPoints start, ways;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t v = std::size_t(contact.v[k]);
+      start[k] = start_[v], ways[k] = x_[v] - start_[v];
+      if (s.moves(contact.v[k])) nearest = std::min(nearest, contact.distance - gone(contact.v[k]));
+    }
+    if (nearest < 0 && longestStep(contact.pair->kind, start, ways) < 1) left = std::min(left, nearest);
+  };
+  for (const KeptGap& contact : found_) look(contact);
+  for (const KeptGap& contact : watched_) look(contact);
   return left;
 }
 
@@ -255,11 +291,10 @@ void ConstraintContact::addContact(const KeptGap& contact, double reach) {
   KeptGap added = contact;
   added.look(law_, x_);
   if (added.gap + law_.range > reach) return;
-  if (added.isOfParallelEdges(law_, x_)) return;
   added.side = added.n, added.side_c = added.c;
   if (contact.pair) added.distance = added.gap + law_.range + law_.thickness + contact.pair->radius;
   added.across = added.n.unitOrthogonal();
-  found_.push_back(added);
+  (added.isOfParallelEdges(law_, x_) ? watched_ : found_).push_back(added);
 }
 
 /// The way of the two places past each other in the step.
@@ -280,7 +315,7 @@ Vec3 ConstraintContact::slide(const KeptGap& contact) const {
 void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {
   law_.surfaces.gather(x, law_.moved, x_);
   for (KeptGap& contact : found_) contact.counts = true, contact.look(law_, x_);
-  ignoreDoubles(found_);
+  ignoreDoubles(found_, keys_);
   const auto add = [&](const KeptGap& contact, const Vec3& along) {
     for (std::size_t k = 0; k < 4; ++k)
       if (contact.v[k] >= 0 && law_.surfaces.moves(contact.v[k]))
@@ -313,7 +348,7 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
     const KeptGap& contact = found_[i];
     smallest_gap_ = std::min(smallest_gap_, contact.gap + law_.range);
     const double* l = forces.data() + each * i;
-    if (!contact.counts || !(l[0] > 0)) continue;
+    if (!(l[0] > 0)) continue;
     ++contacts_;
     Vec3 whole = l[0] * contact.n;
     if (each == 3) whole += l[1] * contact.tangent + l[2] * contact.n.cross(contact.tangent);
@@ -331,7 +366,7 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
 
 void ConstraintContact::reset() {
   moved_at_start_ = law_.moved = obstacles_.displacement(node().root().root_time);
-  start_.clear(), end_.clear(), found_.clear();
+  start_.clear(), end_.clear(), found_.clear(), watched_.clear();
   forces_.clear(), contact_forces_.clear(), wrenches_.clear();
   travel_ = way_ = smallest_gap_ = 0;
   contacts_ = 0;

@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <utility>
 
 namespace stroma::contact {
 
@@ -26,7 +25,9 @@ void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
     c = closest.weights;
     n = apart > 0 ? Vec3(closest.difference / apart) : side;
     gap = apart - pair->radius - law.thickness - law.range;
-    if (n.dot(side) < 0) {  // passed through: back to the plane that was between them
+    // passed through, or so deep that its direction tells nothing: back to the plane that was between them
+    const bool is_deep = apart < 0.5 * (pair->radius + law.thickness + law.range);
+    if (n.dot(side) < 0 || (is_deep && !side.isZero(0))) {
       c = side_c, n = side;
       double height = 0;
       for (std::size_t k = 0; k < 4; ++k) height += c[k] * n.dot(x[std::size_t(v[k])]);
@@ -37,8 +38,8 @@ void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
   if (const double length = tangent.norm(); length > 0) tangent /= length;
 }
 
-void ignoreDoubles(std::vector<KeptGap>& gaps) {
-  std::vector<std::pair<std::array<int, 4>, std::size_t>> keys;
+void ignoreDoubles(std::vector<KeptGap>& gaps, std::vector<GapKey>& keys) {
+  keys.clear();
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     const KeptGap& gap = gaps[i];
     if (!gap.pair) continue;
@@ -50,7 +51,7 @@ void ignoreDoubles(std::vector<KeptGap>& gaps) {
   }
   std::sort(keys.begin(), keys.end());
   for (std::size_t k = 1; k < keys.size(); ++k)
-    if (keys[k].first == keys[k - 1].first) gaps[keys[k].second].counts = false;
+    if (keys[k].vertices == keys[k - 1].vertices) gaps[keys[k].gap].counts = false;
 }
 
 }  // namespace stroma::contact

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <compare>
+
 #include "components/contact/contact_terms.h"
 
 namespace stroma::contact {
@@ -25,7 +27,14 @@ struct KeptGap {
   bool isOfParallelEdges(const BarrierLaw& law, const std::vector<Vec3>& x) const;
 };
 
-/// Of those with the same closest points all but one no longer count.
-void ignoreDoubles(std::vector<KeptGap>& gaps);
+/// The vertices of the closest points of a gap.
+struct GapKey {
+  std::array<int, 4> vertices;
+  std::size_t gap;
+  auto operator<=>(const GapKey&) const = default;
+};
+
+/// Of those with the same closest points all but one no longer count. `keys`: work space.
+void ignoreDoubles(std::vector<KeptGap>& gaps, std::vector<GapKey>& keys);
 
 }  // namespace stroma::contact

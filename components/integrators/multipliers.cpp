@@ -12,7 +12,9 @@
 
 namespace stroma {
 
-using Kind = LagrangianRows::Kind;
+namespace {
+constexpr double exact = 1e-9;  ///< of the place: by which conditions may be off
+}
 
 void Multipliers::compile(System& system) {
   system_ = &system;
@@ -55,19 +57,6 @@ void Multipliers::findConditions() {
     for (const auto& entry : rows_.entriesOf(rows_.rows()[i])) sum += entry.gradient.squaredNorm();
     solve_.sizes[i] = std::sqrt(sum);
   }
-}
-
-bool Multipliers::haveGradientsChanged() const {
-  if (!system_->mappingChain().isLinear()) return true;  // what mapped points follow turns
-  const auto &now = rows_.rows(), &before = old_rows_.rows();
-  if (now.size() != before.size()) return true;
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    const auto a = rows_.entriesOf(now[i]), b = old_rows_.entriesOf(before[i]);
-    if (!std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const auto& p, const auto& q) { return p.row == q.row && p.gradient == q.gradient; }))
-      return true;
-  }
-  return false;
 }
 
 /// 1 or -1 when the gradient is that of the row before, or its opposite; else 0.
@@ -166,27 +155,25 @@ void Multipliers::couple() {
     for (Eigen::Index j = 0; j < count; ++j) {
       double sum = 0;
       for (const auto& [at, gradient] : rows_.entriesOf(rows[std::size_t(j)])) sum += gradient.dot(along[at]);
-      solve_.w(j, i) = rule_.displacement * sum;
+      solve_.w(j, i) = rule_.weight * rule_.displacement * sum;
     }
   }
 }
 
 void Multipliers::give() {
-  forces_.assign(solve_.p.data(), solve_.p.data() + solve_.p.size());
-  for (double& force : forces_) force /= rule_.weight;
   std::size_t begin = 0;
   const auto& constraints = system_->actors().lagrangian_constraints;
   for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++])
-    constraints[i]->takeForces({forces_.data() + begin, ends_[i] - begin});
+    constraints[i]->takeForces({solve_.l.data() + begin, ends_[i] - begin});
 }
 
-/// What the impulses change u by.
+/// What the forces change u by.
 void Multipliers::sumResponses() {
   copy(whole_, before_);
   clear(whole_);
   if (carries_) axpy(-1, base_, whole_);
-  for (Eigen::Index i = 0; i < solve_.p.size(); ++i)
-    if (const double p = solve_.p[i]; p != 0) axpy(p, responses_[std::size_t(i)], whole_);
+  for (Eigen::Index i = 0; i < solve_.l.size(); ++i)
+    if (const double p = rule_.weight * solve_.l[i]; p != 0) axpy(p, responses_[std::size_t(i)], whole_);
 }
 
 /// x and v from those without forces of constraint, with whole_ in the place of before_.
@@ -198,27 +185,29 @@ void Multipliers::apply(Rows change) {
 }
 
 void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report) {
-  constexpr int most_rounds = 100;
+  constexpr int most_rounds = 100, most_idle = 10;
   constexpr double close = 1e-13;  // of the place
   System& s = *system_;
   copy(s.independent(s.x), free_);
   clear(whole_);
   bool is_mixed = false;
   mixing_.restart();
-  solve_.startSweeps();
   if (carries_) {
     copy(carried_, right_side_);
     s.constraints().project(right_side_);
     if (!answer(solver, matrix, base_, stop, report)) return;
   }
-  double step = 0, size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
+  double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
+  int least_round = 0;
+  double size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
   // what forces of constraint take back of the free motion leaves its last digits, also where a body stands at the origin
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * size;
   for (int round = 0; round < most_rounds; ++round) {
     findConditions();
     if (rows_.rows().empty() && !carries_) break;
-    if (round == 0) solve_.p = Eigen::VectorXd::Zero(solve_.g.size());
-    if (round == 0 || haveGradientsChanged()) {
+    if (round == 0) solve_.l.setZero(solve_.g.size());
+    // what mapped points follow turns
+    if (round == 0 || !s.mappingChain().isLinear() || !rows_.hasGradientsOf(old_rows_)) {
       if (!carries_) takeDirections();
       if ((round == 0 || !carries_) && !respond(solver, matrix, stop, report)) return;
       couple();
@@ -229,11 +218,14 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     for (Eigen::Index i = 0; i < solve_.g.size(); ++i)
       for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
         solve_.g[i] -= rule_.displacement * gradient.dot(along[row]);
-    solve_.solve(rows_.rows(), rule_.weight);
+    solve_.solve(rows_.rows());
     sumResponses();
     const double last = step;
     step = rule_.displacement * distance(whole_, before_);
-    const bool goes_on = std::isfinite(step) && step > close * size + rounding;
+    // two places that share a force may pass it to and fro for ever, by round-off of their directions
+    if (!(step > 0.5 * least)) least = step, least_round = round;
+    const bool is_idle = step <= exact * size && round > least_round + most_idle;
+    const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle;
     // forces that turn much in a step swing
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last);
     if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);
@@ -242,7 +234,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (!goes_on) break;
   }
   findConditions();
-  solve_.p.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
+  solve_.l.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
   give();
   judge(step, size, rounding, report);
 }
@@ -265,25 +257,13 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
     report.reason = "the forces of Lagrangian constraints are not finite";
     return;
   }
-  // of the largest condition; of the place, conditions and, less, what directions of forces still turn bodies by
-  constexpr double settled = 1e-6, exact = 1e-9, still = 1e-6;
-  if (!(solve_.unsettled() <= settled))
-    return refuse(fmt::format("the forces that {} finds at contacts still change by {:.3g} of the conditions when sweeps end",
-                              system_->integrator().path(), solve_.unsettled()));
-  double worst = 0;
-  std::size_t where = 0;
-  for (std::size_t i = 0; i < rows_.rows().size(); ++i) {
-    const auto& row = rows_.rows()[i];
-    const double g = solve_.g[Eigen::Index(i)], p = solve_.p[Eigen::Index(i)];
-    const bool is_at_limit = row.kind == Kind::push && row.factor > 0 && p >= (1 - 1e-12) * rule_.weight * row.factor;
-    if (is_at_limit || row.kind == Kind::given || row.kind == Kind::rub) continue;
-    const double off = (row.kind == Kind::equal ? std::abs(g) : -g) / (solve_.sizes[i] > 0 ? solve_.sizes[i] : 1);
-    if (!(off <= worst)) worst = off, where = i;
-  }
-  const double allowed = exact * size + rounding + 1e-300;
-  if (!(worst <= allowed)) {
-    const double g = std::abs(solve_.g[Eigen::Index(where)]);
-    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", nameOf(where), g));
+  constexpr double still = 1e-6;  // of the place: what directions of forces still turn bodies by
+  const ConditionForces::Violation worst = solve_.worst(rows_.rows());
+  if (!(worst.off <= exact * size + rounding + 1e-300)) {
+    if (worst.rubs)
+      return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m", nameOf(worst.row), worst.off));
+    const double g = std::abs(solve_.g[Eigen::Index(worst.row)]);
+    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", nameOf(worst.row), g));
   }
   if (!(step <= still * size + rounding + 1e-300))
     refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their largest coordinate "
@@ -299,7 +279,7 @@ void Multipliers::carry(Rows out) {
   takeDirections();
   clear(added_);
   share_ = 1;
-  for (std::size_t i = 0; i < rows_.rows().size(); ++i) axpy(solve_.p[Eigen::Index(i)], directions_[i], added_);
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i) axpy(rule_.weight * solve_.l[Eigen::Index(i)], directions_[i], added_);
   axpy(-1, carried_, added_);
   axpy(1, added_, carried_);
   axpy(1, added_, out);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Forces of Lagrangian constraints in an implicit step. The step without them has found u, with its matrix A of A du = b.
 // Impulses p = weight l along the gradients J then change
-//   u by c = A^-1 J^T p,   x by displacement c,   conditions g(x) by W (p - p_before),   W = displacement J A^-1 J^T
-// W is dense, of as many solves with A as there are rows (impulses.h). Then g and J are computed anew where x has come to, and
-// it is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds: forces have the directions of the end of the step.
-// Where that swings, iterates are mixed (mixing.h).
+//   u by c = A^-1 J^T p,   x by displacement c,   conditions g(x) by W (l - l_before),   W = weight displacement J A^-1 J^T
+// W is dense, of as many solves with A as there are rows (condition_forces.h). Then g and J are computed anew where x has come
+// to, and it is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds: forces have the directions of the end of the
+// step. Where that swings, iterates are mixed (mixing.h).
 //
 // A rule that weighs forces where the step starts with the share s (the trapezoidal one: 1/2) has J = (1 - s) J(x) + s J(x0)
 // in J^T p, with one l for the step: a force that is given acts with its whole weight.
@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "components/integrators/impulses.h"
-#include "components/integrators/mixing.h"
+#include "framework/algebra/mixing.h"
+#include "framework/mechanics/condition_forces.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -60,7 +60,6 @@ class Multipliers {
 
  private:
   void findConditions();
-  bool haveGradientsChanged() const;
   double likeRowBefore(std::size_t row) const;
   void pullBack(std::size_t row, Rows out);
   void takeDirections();
@@ -78,7 +77,7 @@ class Multipliers {
   bool carries_ = false;
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
-  Impulses solve_;                         ///< W, g and p
+  ConditionForces solve_;                  ///< W, g and l
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them
@@ -92,7 +91,6 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   double share_ = 1;
   Mixing mixing_;
-  std::vector<double> forces_;
 };
 
 }  // namespace stroma

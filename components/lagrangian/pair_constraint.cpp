@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/mechanics/node_indices.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/usual_component.h"
 
@@ -53,7 +54,7 @@ void PairConstraint::checkState(const State& state) const {
 }
 
 void PairConstraint::checkNode(const State& state, Index node, const char* attribute) const {
-  if (node < 0 || node >= state.nodes())
+  if (!isNode(node, state))
     throw ComponentError(fmt::format("{} names node {}, and {} has {}", attribute, node, state.path(), state.nodes()),
                          fmt::format("a node from 0 to {}", state.nodes() - 1));
 }

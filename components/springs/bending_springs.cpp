@@ -37,7 +37,7 @@
 
 #include <map>
 
-#include "framework/mechanics/spring_field.h"
+#include "components/springs/spring_field.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/scene/factory.h"

@@ -40,7 +40,7 @@
 
 #include <set>
 
-#include "framework/mechanics/spring_field.h"
+#include "components/springs/spring_field.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_faces.h"
 #include "framework/scene/factory.h"

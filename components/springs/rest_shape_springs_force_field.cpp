@@ -13,7 +13,8 @@
 //   E = sum a_i/2 |th_i|^2,   exp(th_i) = q_i q_t^-1,   torque = -a_i th_i
 //   K = -a_i (I + c [th]^2), the symmetric part, with c as in dexp^-1;   a = angularStiffness
 //
-// `stiffness` has a value for each point or one for all. Without `points` every node has a spring.
+// `stiffness` has a value for each point or one for all; with firstForOthers points without a value take the first. Without
+// `points` every node has a spring.
 //
 // Source: the attributes are SOFA's.
 //
@@ -42,6 +43,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     ForceField::declare(table);
     table.add("points", points_).alias("indices").help("nodes with a spring; every node when not given");
     table.add("emptyMeansAll", empty_is_all_).help("an empty list of points stands for all nodes, as in SOFA");
+    table.add("firstForOthers", first_for_others_)
+        .help("of several values the first is that of points without one, and those beyond are left out, as in SOFA");
     table.add("stiffness", stiffness_constants_)
         .recompiled()
         .help("spring constant, one per point or one for all")
@@ -80,8 +83,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
       throw ComponentError(
           fmt::format("pivot_points are of rigid bodies, and the nodes of {} are points", state().path()),
           "points, or external_points of another state");
-    spread(stiffness_constants_, nodes_.size(), "stiffness", "points");
-    spread(angular_stiffness_, nodes_.size(), "angularStiffness", "points");
+    spreadValues(stiffness_constants_, "stiffness");
+    spreadValues(angular_stiffness_, "angularStiffness");
     if (directions_.size() == 7 && state().hasFrames()) directions_.pop_back();  // SOFA's have one for each number of a frame
     const std::size_t count = directions_.size();
     if (count != 3 && !(count == 6 && state().hasFrames()))
@@ -148,6 +151,15 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
   bool takesAllRows() const override { return true; }
 
  private:
+  void spreadValues(std::vector<double>& values, const char* attribute) const {
+    const std::size_t given = values.size(), count = nodes_.size();
+    if (first_for_others_ && given > 1 && given != count) {
+      warn(fmt::format("{} has {} values for {} points: {}", attribute, given, count,
+                       given < count ? "the others take the first" : "those beyond are left out"));
+      values.resize(count, values.front());
+    }
+    spread(values, count, attribute, "points");
+  }
   double constantOf(std::size_t target) const {
     return stiffness_constants_[target / (targets_.size() / nodes_.size())];
   }
@@ -220,7 +232,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
   }
 
   std::vector<int> points_, external_points_, pivot_points_;
-  bool empty_is_all_ = false;
+  bool empty_is_all_ = false, first_for_others_ = false;
   std::vector<double> given_targets_;
   std::vector<double> stiffness_constants_{100}, angular_stiffness_{100};
   std::vector<bool> directions_{true, true, true};

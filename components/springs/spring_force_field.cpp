@@ -32,9 +32,9 @@
 
 #include <cmath>
 
+#include "components/springs/spring_field.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/node_pairs.h"
-#include "framework/mechanics/spring_field.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -95,7 +95,7 @@ class SpringForceField final : public SpringField {
       const double* v = all_in_one_.data() + s;
       for (int end = 0; end < 2; ++end) {
         const State& owner = end == 0 ? state() : second;
-        if (v[end] != std::floor(v[end]) || v[end] < 0 || v[end] >= owner.nodes())
+        if (v[end] != std::floor(v[end]) || !(std::abs(v[end]) < 1e9) || !isNode(int(v[end]), owner))
           throw ComponentError(fmt::format("spring[{}] is {:g}, and {} has {} nodes", s + std::size_t(end), v[end],
                                            owner.path(), owner.nodes()),
                                fmt::format("an index in 0 ... {}", owner.nodes() - 1));

@@ -10,18 +10,11 @@
 // component and axis, because the one along xi depends on eta and zeta alone.
 //
 // Rest shape: modes X in the frame of the mean edges (xi on x, eta in the xy plane); J_0 = dX/d(xi, eta, zeta) at a
-// Gauss point and a = J_0^-1, whose rows are the gradients of xi, eta, zeta. F = J a; weight w = |det J_0|. R =
-// rotation of F of the mean edges: F_mean = [u_xi u_eta u_zeta] [X_xi X_eta X_zeta]^-1. In all variants
-//   H = sum_i (J - R J_0)_i (x) g_i over the columns i, eps = sym H, sigma = lambda tr(eps) I + 2 mu eps,
-// and the force is -sum over Gauss points of w sigma g (the same B gives strain and force), with
-//   B not updated:   g = R a
-//   B updated:       g_i = n_i / det J_0, n_i the columns of the cofactor matrix of J
-//   B and V updated: g_i = n_i / det J, and the weight |det J|
-// Source: M. Nesme et al. 2005, sections 2, 3 and 5.1 and appendix A. Gradients are stored with w^1/2 / 8, so that
-// products need no weight.
+// Gauss point and a = J_0^-1, whose rows are the gradients of xi, eta, zeta. F = J a; weight w = |det J_0|. Gradients are
+// stored with w^1/2 / 8, so that products need no weight.
+// Source: M. Nesme et al. 2005, appendix A.
 #pragma once
-#include "framework/fem/rotation.h"
-#include "framework/fem/strain.h"
+#include "framework/fem/gradients.h"
 
 namespace stroma::hexahedron {
 
@@ -67,44 +60,6 @@ void nodesOf(const Modes<T>& m, V3<T> (&f)[8]) {
   };
   level(-m.zeta, m.xi - m.zeta_xi, m.eta - m.eta_zeta, m.xi_eta - m.all, 0);
   level(m.zeta, m.xi + m.zeta_xi, m.eta + m.eta_zeta, m.xi_eta + m.all, 4);
-}
-
-/// R m
-template <class T>
-Modes<T> rotated(const M3<T>& r, const Modes<T>& m) {
-  Modes<T> out;
-  forEachMode(out, m, [&](V3<T>& a, const V3<T>& b) { a = r * b; });
-  return out;
-}
-/// R^T m
-template <class T>
-Modes<T> rotatedBack(const M3<T>& r, const Modes<T>& m) {
-  Modes<T> out;
-  forEachMode(out, m, [&](V3<T>& a, const V3<T>& b) { a = transposedTimes(r, b); });
-  return out;
-}
-template <class T>
-Modes<T> operator-(const Modes<T>& a, const Modes<T>& b) {
-  Modes<T> out = a;
-  forEachMode(out, b, [](V3<T>& c, const V3<T>& d) { c = c - d; });
-  return out;
-}
-template <class T>
-Modes<T> operator+(const Modes<T>& a, const Modes<T>& b) {
-  Modes<T> out = a;
-  forEachMode(out, b, [](V3<T>& c, const V3<T>& d) { c = c + d; });
-  return out;
-}
-template <class T>
-T dot(const Modes<T>& a, const Modes<T>& b) {
-  T sum(0.);
-  forEachMode(a, b, [&](const V3<T>& c, const V3<T>& d) { sum += stroma::dot(c, d); });
-  return sum;
-}
-/// 8 [u_xi u_eta u_zeta]: what the rotation of an element is taken from.
-template <class T>
-M3<T> meanEdges(const Modes<T>& m) {
-  return {m.xi, m.eta, m.zeta};
 }
 
 // ---- Gauss points; point p has xi = +- for its first bit, eta for the second, zeta for the third (1: plus) ----
@@ -169,12 +124,6 @@ template <class T>
 void addColumns(const V3<T>& a, const V3<T>& b, const V3<T>& c, int p, PointValues<T>& out) {
   V3<T>&x = out.xi[out.ofXi(p)], &e = out.eta[out.ofEta(p)], &z = out.zeta[out.ofZeta(p)];
   x = x + a, e = e + b, z = z + c;
-}
-
-/// Adds s g_i at Gauss point p.
-template <class T>
-void addStress(const S3<T>& s, const Gradients<T>& g, int p, PointValues<T>& out) {
-  addColumns(s * g.g1, s * g.g2, s * g.g3, p, out);
 }
 
 }  // namespace stroma::hexahedron

@@ -38,11 +38,11 @@ template <class T>
 M3<T> bestRotation(const M3<T>& a) {
   const T size = squaredNorm(a);
   const auto line = squaredNorm(cofactor(a)) < size * size * T(1e-20);
-  M3<T> r = rotation::Svd::of(spread(a));
+  M3<T> r = rotation::nearest(spread(a));
   if (!any(line)) return r;
   const T little = T(1e-6) * sqrt(size);
   M3<T> towards = identity<T>();
-  for (int repeat = 0; repeat < 3; ++repeat) towards = rotation::Svd::of(spread(a + towards * little));
+  for (int repeat = 0; repeat < 3; ++repeat) towards = rotation::nearest(spread(a + towards * little));
   return select(line, towards, r);
 }
 

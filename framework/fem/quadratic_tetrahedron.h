@@ -5,7 +5,7 @@
 //   dx/dxi_i at corner v = h_i(v) - h_0(v),   h_w(v) = 4 x_vw - x_w,   h_v(v) = 3 x_v,   x_vw the node between v and w
 // those at point p are a sum_v (...)(v) + (b - a) (...)(p). Forces on derivatives go back to nodes by the transpose.
 #pragma once
-#include "framework/fem/strain.h"
+#include "framework/fem/gradients.h"
 #include "framework/mesh/cell_kind.h"
 
 namespace stroma::quadratic_tetrahedron {

@@ -45,6 +45,8 @@ class ForceField : public Component {
   virtual double energy(ConstRows x) const = 0;
   /// f += force [N] at (x, v); prepares the stiffness at x.
   virtual void addForce(ConstRows x, ConstRows v, Rows f) = 0;
+  /// False: force and derivatives of the last addForce() are zero, as of contact where nothing touches. Asked in each product.
+  virtual bool acts() const { return true; }
   /// df += factor * K dx.
   virtual void addStiffnessProduct(ConstRows dx, double factor, Rows df) const = 0;
   /// Which blocks of the system matrix K and C touch.

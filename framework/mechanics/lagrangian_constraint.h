@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,7 @@ class LagrangianRows {
   struct Entry {
     Index row;
     Vec3 gradient;
+    bool operator==(const Entry&) const = default;
   };
   struct Row {
     Kind kind;
@@ -34,6 +36,11 @@ class LagrangianRows {
   void add(Index row, const Vec3& gradient) { entries_.push_back({row, gradient}), ++rows_.back().end; }
   const std::vector<Row>& rows() const { return rows_; }
   std::span<const Entry> entriesOf(const Row& row) const { return {entries_.data() + row.begin, row.end - row.begin}; }
+  /// The same rows as in `other`, at another place or with other values.
+  bool hasGradientsOf(const LagrangianRows& other) const {
+    const auto alike = [](const Row& a, const Row& b) { return a.kind == b.kind && a.factor == b.factor && a.end == b.end; };
+    return std::equal(rows_.begin(), rows_.end(), other.rows_.begin(), other.rows_.end(), alike) && entries_ == other.entries_;
+  }
 
  private:
   std::vector<Row> rows_;
@@ -41,7 +48,7 @@ class LagrangianRows {
 };
 
 /// A component besides, whose conditions hold at the end of a step by forces of constraint. An integrator that knows the
-/// matrix A of its step finds them: A c = dt J^T l, J the gradients (components/integrators/multipliers.h).
+/// matrix A of its step finds them: A c = dt J^T l, J the gradients (condition_forces.h).
 class LagrangianConstraint {
  public:
   virtual ~LagrangianConstraint() = default;

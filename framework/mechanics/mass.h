@@ -29,6 +29,8 @@ class Mass : public Component {
   /// Row sums of M [kg], by which gravity acts.
   virtual const std::vector<double>& rowSums() const { return lumped(); }
   virtual bool isDiagonal() const = 0;
+  /// True where the inertia of nodes that a constraint moves is not to reach their neighbours.
+  bool leavesMovedAlone() const { return moved_alone_; }
   /// out += factor * M p. The default uses lumped().
   virtual void addProduct(ConstRows p, double factor, Rows out) const;
   virtual void addPattern(BlockPattern&) const {}
@@ -65,7 +67,7 @@ class Mass : public Component {
   std::vector<double> turns_;         ///< orientations at the x of the last update(), shape (turning_, 4) or empty
   mutable std::vector<Mat3> excess_;  ///< J - trace J/3 there, in fixed axes, once they are asked for
   mutable bool excess_outdated_ = false;
-  bool separate_gravity_ = false;
+  bool separate_gravity_ = false, moved_alone_ = false;
   mutable Vector work_;  ///< M v of kineticEnergy(), allocated when first asked for a mass that is not diagonal
 };
 

@@ -6,10 +6,19 @@
 #include <algorithm>
 #include <numeric>
 
+#include "framework/mechanics/mapping.h"
+
 namespace stroma {
 
+bool isNode(int index, const State& state) {
+  if (index < state.nodes()) return index >= 0;
+  for (const auto& beside : state.node().components())
+    if (dynamic_cast<Mapping*>(beside.get())) beside->ensureReady();
+  return index < state.nodes();
+}
+
 void checkNode(int index, std::size_t position, const State& state, const std::string& attribute) {
-  if (index >= 0 && index < state.nodes()) return;
+  if (isNode(index, state)) return;
   throw ComponentError(
       fmt::format("{}[{}] is {}, and {} has {} nodes", attribute, position, index, state.path(), state.nodes()),
       fmt::format("indices in 0 ... {}", state.nodes() - 1));

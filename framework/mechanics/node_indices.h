@@ -16,6 +16,9 @@ std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& st
 std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state,
                                        const std::string& attribute);
 
+/// Whether a state has this node. One that follows may have its nodes from a mapping beside it, which is then ready.
+bool isNode(int index, const State& state);
+
 /// Throws as above for one index; `position` is its place in the list.
 void checkNode(int index, std::size_t position, const State& state, const std::string& attribute);
 

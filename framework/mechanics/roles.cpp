@@ -78,6 +78,8 @@ void PositionConstraint::init() { state_ = findState(*this, mstate_); }
 void Mass::declare(DataTable& table) {
   declareState(table, mstate_);
   declareRayleigh(table, "rayleighMass", rayleigh_mass, "mass-proportional damping of this mass", "1/s");
+  table.add("movedAlone", moved_alone_)
+      .help("the inertia of nodes that a constraint moves does not reach their neighbours, as in SOFA; else it is refused");
   table.add("separateGravity", separate_gravity_)
       .help("accepted for SOFA's sake; gravity is always a constant force that is computed once");
   for (const char* name : {"showGravityCenter", "showAxisSizeFactor", "showInitialCenterOfGravity", "showX0"})

@@ -41,26 +41,5 @@ double volumeBehind(const std::vector<Face>& faces, const Position& position) {
   return sum;
 }
 
-/// The coefficients of V(x + s d), a cubic in s. V is a symmetric form in three positions, so that with areas A(x) and
-/// A(d) of the surface at x and of the one that has d for its positions
-///   V(x + s d) = 1/3 sum x.A(x) + s sum d.A(x) + s^2 sum x.A(d) + s^3 1/3 sum d.A(d).
-template <class Position, class Direction>
-std::array<double, 4> volumeAlong(const std::vector<Face>& faces, const Position& position,
-                                  const Direction& direction) {
-  const Vec3 origin = position(faces[0].nodes[0]);
-  std::array<double, 4> sums{};
-  for (const Face& face : faces) {
-    const Corners x = cornersOf(face, position, origin), d = cornersOf(face, direction);
-    const Corners areas_x = of(x, face.corners), areas_d = of(d, face.corners);
-    for (std::size_t a = 0; a < std::size_t(face.corners); ++a) {
-      sums[0] += x[a].dot(areas_x[a]) / 3;
-      sums[1] += d[a].dot(areas_x[a]);
-      sums[2] += x[a].dot(areas_d[a]);
-      sums[3] += d[a].dot(areas_d[a]) / 3;
-    }
-  }
-  return sums;
-}
-
 }  // namespace area_vectors
 }  // namespace stroma

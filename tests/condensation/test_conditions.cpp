@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Lagrangian constraints and contact on condensed bodies. EulerImplicitSolver has the equations of CondensedDynamicSolver without
-// damping, and solves them by other means: a solve with the whole matrix for each condition, and sweeps of Gauss and Seidel. In
-// steps of 1e5 s the inertia is gone and it has those of CondensedStaticSolver.
+// damping, and solves them by other means: a solve with the whole matrix for each condition. In steps of 1e5 s the inertia is gone
+// and it has those of CondensedStaticSolver.
 #include <fmt/format.h>
 
-#include <random>
-
-#include "components/condensation/condition_forces.h"
 #include "framework/collision/pair_distances.h"
 #include "framework/mechanics/state_topology.h"
 #include "tests/condensation/bodies.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
-
-using Kind = LagrangianRows::Kind;
 
 const std::string whole = "<EulerImplicitSolver/><SparseLDLSolver/>";
 const std::string dynamic_solvers[] = {"<CondensedDynamicSolver/>", "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\"/>",
@@ -78,6 +73,34 @@ TEST(CondensedConditions, AStaticBodyIsTheWholeBody) {
   expectWhole(static_solvers, {.loads = joints, .dt = dt}, 4, 1e-7);
 }
 
+/// Along one side of the block, pulled from below: it bends.
+TEST(CondensedConditions, ACablePullsAsOnTheWholeBody) {
+  for (const double dt : {0.002, 1e5}) {
+    SCOPED_TRACE(dt);
+    Block block{.loads = "<CableConstraint name=\"cable\" indices=\"42 82 122\" pullPoint=\"0.04 -0.02 0\" value=\"0.002\" "
+                         "maxDispVariation=\"0.0005\"/>",
+                .gravity = "0 0 0",
+                .dt = dt};
+    dt < 1 ? expectWhole(dynamic_solvers, block, 8, 1e-7) : expectWhole(static_solvers, block, 8, 1e-7);
+    double tension = 0;
+    for (const std::string& solver : {whole, std::string(dt < 1 ? "<CondensedDynamicSolver/>" : "<CondensedStaticSolver/>")}) {
+      block.solver = solver;
+      Simulation simulation = simulationFromText(block.text());
+      for (int i = 0; i < 8; ++i) simulation.step();
+      std::vector<Component*> all;
+      simulation.root().collect(all);
+      for (const Component* component : all) {
+        if (component->name() != "cable") continue;
+        const double force = std::stod(component->data().find("force")->print());
+        EXPECT_NEAR(std::stod(component->data().find("displacement")->print()), 0.002, 1e-10);
+        EXPECT_GT(std::abs(force), 1e-3);
+        if (tension == 0) tension = force;
+        EXPECT_NEAR(force, tension, 1e-6 * std::abs(tension));
+      }
+    }
+  }
+}
+
 TEST(CondensedConditions, NodesThatAreDraggedAreInTheCompliance) {
   for (const double dt : {0.002, 1e5}) {
     const std::string loads = fmt::format(fmt::runtime(dragged), 5 * dt, 20 * dt) + sphere(dt, 0.3) + joints;
@@ -139,74 +162,6 @@ TEST(CondensedConditions, OnInsideNodesAreToldWithTheNode) {
   EXPECT_TRUE(report.diverged);
   for (const char* word : {"/body/pin", "node 66", "surfaceIndices"})
     EXPECT_NE(report.reason.find(word), std::string::npos) << word << " in: " << report.reason;
-}
-
-/// Signorini's and Coulomb's conditions themselves, where many contacts hold each other.
-TEST(ConditionForces, AreThoseOfSignoriniAndCoulomb) {
-  std::mt19937 random(5);
-  std::normal_distribution<double> normal;
-  for (const double mu : {0.1, 0.7})
-    for (const int contacts : {1, 7, 40}) {
-      SCOPED_TRACE(fmt::format("mu {} contacts {}", mu, contacts));
-      LagrangianRows rows;
-      ConditionForces forces;
-      const Eigen::Index n = 3 * contacts;
-      Eigen::MatrixXd roots(n, n);
-      for (Eigen::Index i = 0; i < n * n; ++i) roots.data()[i] = normal(random);
-      forces.w = roots * roots.transpose() / double(n) + 0.2 * Eigen::MatrixXd::Identity(n, n);
-      forces.g.resize(n), forces.l.setZero(n), forces.sizes.assign(std::size_t(n), 1);
-      for (Eigen::Index i = 0; i < n; ++i) {
-        forces.g[i] = i % 3 == 0 ? normal(random) - 0.5 : 0.5 * normal(random);
-        rows.begin(i % 3 == 0 ? Kind::push : Kind::rub, forces.g[i], i % 3 == 0 ? 0 : mu);
-      }
-      const Eigen::VectorXd g = forces.g;
-      forces.solve(rows.rows());
-      EXPECT_LT(forces.unsettled(), 1e-11);
-      const Eigen::VectorXd at = g + forces.w * forces.l;
-      int open = 0, sticks = 0, slips = 0;
-      for (Eigen::Index i = 0; i < n; i += 3) {
-        const double l = forces.l[i];
-        const Eigen::Vector2d along = forces.l.segment<2>(i + 1), way = at.segment<2>(i + 1);
-        EXPECT_GE(l, 0);
-        EXPECT_GE(at[i], -1e-10);
-        EXPECT_NEAR(l * at[i], 0, 1e-9);
-        EXPECT_LE(along.norm(), mu * l + 1e-9);
-        if (l == 0) {
-          ++open;
-        } else if (way.norm() < 1e-9) {
-          ++sticks;
-        } else {
-          ++slips;
-          EXPECT_NEAR(along.norm(), mu * l, 1e-9);
-          EXPECT_NEAR(along.dot(way), -along.norm() * way.norm(), 1e-8) << "against the way";
-        }
-      }
-      if (contacts < 40) continue;
-      EXPECT_TRUE(open > 0 && slips > 0 && (sticks > 0 || mu < 0.5)) << open << " " << sticks << " " << slips;
-    }
-}
-
-TEST(ConditionForces, TellNumbersThatAreNone) {
-  LagrangianRows rows;
-  for (int i = 0; i < 2; ++i) rows.begin(Kind::push, -1);
-  ConditionForces forces;
-  forces.w.setIdentity(2, 2), forces.g = Eigen::Vector2d(std::nan(""), -1), forces.l.setZero(2), forces.sizes.assign(2, 1);
-  forces.solve(rows.rows());
-  EXPECT_FALSE(std::isfinite(forces.unsettled()));
-}
-
-/// Rows that say the same twice share the force, and a bound is kept.
-TEST(ConditionForces, OfEqualRowsAndOfBounds) {
-  LagrangianRows rows;
-  for (int i = 0; i < 2; ++i) rows.begin(Kind::equal, -1);
-  rows.begin(Kind::push, -6, 2);
-  ConditionForces forces;
-  forces.w = Eigen::Matrix3d{{2, 2, 0}, {2, 2, 0}, {0, 0, 1}};
-  forces.g = Eigen::Vector3d(-1, -1, -6), forces.l.setZero(3), forces.sizes.assign(3, 1);
-  forces.solve(rows.rows());
-  EXPECT_NEAR(forces.l[0] + forces.l[1], 0.5, 1e-12);
-  EXPECT_NEAR(forces.l[0], forces.l[1], 1e-12);
-  EXPECT_NEAR(forces.l[2], 2, 1e-12) << "no more than its bound";
 }
 
 }  // namespace STROMA_TEST_FILE

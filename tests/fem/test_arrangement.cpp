@@ -4,7 +4,7 @@
 #include <random>
 #include <set>
 
-#include "framework/fem/arrangement.h"
+#include "framework/fem/element_loop.h"
 
 namespace stroma {
 namespace {
@@ -51,6 +51,39 @@ TEST(Arrangement, AllPositionsAtOnePoint) {
   std::vector<Tetrahedron> cells;
   for (Index e = 0; e + 3 < 40000; ++e) cells.push_back({e, e + 1, e + 2, e + 3});
   expectValid(cells, position, 8);
+}
+
+// A chain, in which a node meets the three before and after it.
+TEST(ElementLoop, PatternAndSlotsDoNotDependOnThreads) {
+  constexpr Index nodes = 40000, first_row = 5;
+  std::vector<Tetrahedron> cells;
+  std::vector<Vec3> position;
+  for (Index i = 0; i < nodes; ++i) position.emplace_back(i, 0, 0);
+  for (Index e = 0; e + 3 < nodes; ++e) cells.push_back({e, e + 1, e + 2, e + 3});
+  ElementLoop<4> loop;
+  loop.build(cells, position, first_row);
+  ASSERT_GE(loop.elements(), parallelElements(4)) << "one thread does it all";
+  for (const int count : {1, 3}) {
+    setThreads(count);
+    BlockPattern pattern(first_row + nodes);
+    loop.addPattern(pattern);
+    const BlockMatrix matrix(std::move(pattern));
+    const std::vector<Index> slots = loop.slots(matrix);
+    setThreads(1);
+    for (Index i = 0; i < nodes; ++i) {
+      std::vector<Index> expected;
+      for (Index j = std::max(0, i - 3); j <= std::min(nodes - 1, i + 3); ++j) expected.push_back(first_row + j);
+      const auto columns = matrix.columns().begin(), start = columns + matrix.rowStart()[first_row + i];
+      ASSERT_EQ(std::vector<Index>(start, columns + matrix.rowStart()[first_row + i + 1]), expected) << i;
+    }
+    for (Index b = 0; b < loop.batches(); ++b)
+      for (int l = 0; l < pack_lanes; ++l)
+        for (int ij = 0; ij < 16; ++ij) {
+          const Index e = loop.elementOf(b, l);
+          const Index slot = e < 0 ? 0 : matrix.slot(first_row + cells[e][ij / 4], first_row + cells[e][ij % 4]);
+          ASSERT_EQ(slots[std::size_t((b * 16 + ij) * pack_lanes + l)], slot);
+        }
+  }
 }
 
 TEST(Arrangement, NoElements) {

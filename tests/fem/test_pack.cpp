@@ -131,7 +131,7 @@ TEST(Pack, QrLanesDoNotMeet) {
     for (double& value : entry) value = number(random);
   const auto frame = [&f] {
     const auto column = [&f](std::size_t k) { return V3<Pack>{packOf(f[k]), packOf(f[k + 1]), packOf(f[k + 2])}; };
-    const M3<Pack> r = rotation::Qr::of(M3<Pack>{column(0), column(3), column(6)});
+    const M3<Pack> r = rotation::gramSchmidt(M3<Pack>{column(0), column(3), column(6)});
     return std::array<Lanes, 9>{lanesOf(r.c0.x), lanesOf(r.c0.y), lanesOf(r.c0.z), lanesOf(r.c1.x), lanesOf(r.c1.y),
                                 lanesOf(r.c1.z), lanesOf(r.c2.x), lanesOf(r.c2.y), lanesOf(r.c2.z)};
   };

@@ -119,6 +119,24 @@ TEST(LagrangianRows, MappedPointsKeepTheDistanceThatTheyStartWith) {
   }
 }
 
+/// Across a spring that is pressed to half its length the matrix is not positive: dt^2 k is far above m. The node stays all the same.
+TEST(LagrangianRows, ANodeThatWouldBuckleIsHeld) {
+  for (const char* solver : {"<SparseLUSolver/>", "<SVDLinearSolver/>", "<MinResLinearSolver iterations=\"50\" tolerance=\"1e-14\"/>"}) {
+    SCOPED_TRACE(solver);
+    Simulation simulation = simulationFromText(
+        std::string("<Node name=\"root\" dt=\"0.1\" gravity=\"0 -10 0\"><EulerImplicitSolver/>") + solver +
+        "<MechanicalObject position=\"0 0 0  0.5 0 0\"/><UniformMass totalMass=\"0.2\"/><FixedProjectiveConstraint indices=\"0\"/>"
+        "<SpringForceField springsIndices1=\"0\" springsIndices2=\"1\" lengths=\"1\" stiffness=\"1000\"/>"
+        "<FixedLagrangianConstraint indices=\"1\"/></Node>");
+    run(simulation, 3);
+    EXPECT_LT((at(simulation, 1) - Vec3(0.5, 0, 0)).norm(), 1e-10);
+    const std::vector<double> forces = numbersOf(simulation, "FixedLagrangianConstraint", "forces");
+    ASSERT_EQ(forces.size(), 3u);
+    EXPECT_NEAR(forces[0], -500, 1e-6) << "what the spring pushes with";
+    EXPECT_NEAR(forces[1], 1, 1e-7) << "the weight";
+  }
+}
+
 /// A number that something pushes against its bound rests there, and bears the force.
 TEST(LagrangianRows, AStopperRestsUnderAForce) {
   for (const char* integrator :

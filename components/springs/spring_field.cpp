@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "framework/mechanics/spring_field.h"
+#include "components/springs/spring_field.h"
 
 #include <fmt/format.h>
 

@@ -19,9 +19,9 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "components/springs/spring_field.h"
 #include "framework/mechanics/factor_over_time.h"
 #include "framework/mechanics/node_indices.h"
-#include "framework/mechanics/spring_field.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 

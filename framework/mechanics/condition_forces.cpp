@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/mechanics/condition_forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace stroma {
+
+using Kind = LagrangianRows::Kind;
+
+void ConditionForces::solve(const std::vector<Row>& rows) {
+  constexpr int most_rounds = 100, newton_steps = 12, sweeps = 20, most_idle = 10;
+  // where a step or a round no longer helps, round-off of forces that are large for their conditions is left
+  constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, idle = 0.99;
+  scaleRows(rows);
+  findGroups(rows);
+  double size = 0;  // of those that forces have to mend; gaps far from contact have no say
+  for (const Group& group : groups_)
+    size = std::max(size, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
+  const auto measure = [&] { return size > 0 ? residual() / size : residual(); };
+  restart(q_);
+  least_ = q_;
+  double now = unsettled_ = measure();
+  for (int round = 0, idle_rounds = 0; round < most_rounds && unsettled_ > settled && idle_rounds < most_idle; ++round) {
+    for (int k = 0; k < sweeps * round; ++k) sweep();
+    if (round > 0) now = measure();
+    best_ = q_;
+    double least = now;
+    bool helps = true;
+    for (int k = 0; k < newton_steps && helps && now > settled && newtonStep(); ++k) {
+      const double last = std::exchange(now, measure());
+      if (now < least) least = now, best_ = q_;
+      helps = now > rounded || now < 0.5 * last;
+    }
+    const double before = unsettled_;
+    if (least < unsettled_) unsettled_ = least, least_ = best_;
+    if (!helps || !std::isfinite(least) || (round > 0 && unsettled_ < near && unsettled_ > 0.5 * before)) break;
+    idle_rounds = unsettled_ > idle * before ? idle_rounds + 1 : 0;
+    restart(best_);
+  }
+  l = scale_.cwiseProduct(least_);
+  if (!std::isfinite(unsettled_)) l.setConstant(unsettled_);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].kind == Kind::given) l[Eigen::Index(i)] = rows[i].factor;
+}
+
+/// Zero for rows that nothing moves; what rubs goes with what pushes. What is given goes to the offset.
+void ConditionForces::scaleRows(const std::vector<Row>& rows) {
+  const Eigen::Index count = g.size();
+  double most = 0;
+  for (Eigen::Index i = 0; i < count; ++i)
+    if (const double size = sizes[std::size_t(i)]; size > 0) most = std::max(most, std::abs(w(i, i)) / (size * size));
+  scale_.resize(count), across_.resize(count), step_.resize(count), q_.setZero(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Row& row = rows[std::size_t(i)];
+    const double own = std::abs(w(i, i)), size = sizes[std::size_t(i)];
+    if (row.kind == Kind::rub && i > 0)
+      scale_[i] = scale_[i - 1];
+    else
+      scale_[i] = own > 1e-14 * most * size * size ? 1 / std::sqrt(own) : 0;
+    if (row.kind == Kind::given)
+      g += row.factor * w.col(i);
+    else if (scale_[i] > 0)
+      q_[i] = l[i] / scale_[i];
+  }
+  scaled_ = scale_.asDiagonal() * w * scale_.asDiagonal();
+  offset_ = scale_.cwiseProduct(g);
+}
+
+void ConditionForces::findGroups(const std::vector<Row>& rows) {
+  groups_.clear();
+  for (int i = 0, end = 1; i < int(rows.size()); i = end++) {
+    const Row& row = rows[std::size_t(i)];
+    Group group{.pushes = row.kind == Kind::push, .first = i, .end = i + 1};
+    while (group.pushes && end < int(rows.size()) && rows[std::size_t(end)].kind == Kind::rub) ++end;
+    if (const int tangents = end - i - 1; tangents > 0 && rows[std::size_t(i) + 1].factor > 0) {
+      group.mu = rows[std::size_t(i) + 1].factor;
+      group.rate = scaled_.block(i + 1, i + 1, tangents, tangents).cwiseAbs().rowwise().sum().maxCoeff();
+      if (group.rate > 0) group.end = end;
+    }
+    // where W has a negative diagonal, as that of a body that buckles, what is equal has a force and what pushes none
+    const bool moves = group.pushes ? scaled_(i, i) > 0 : row.kind == Kind::equal && scale_[i] > 0;
+    if (moves && group.pushes && row.factor > 0) group.most = row.factor / scale_[i];
+    if (moves) groups_.push_back(group);
+    const int first = moves ? group.end : i;
+    q_.segment(first, end - first).setZero();
+  }
+}
+
+void ConditionForces::restart(const Eigen::VectorXd& q) {
+  if (&q != &q_) q_ = q;
+  r_ = offset_;
+  r_.noalias() += scaled_ * q_;
+}
+
+void ConditionForces::change(int row, double to) {
+  if (to == q_[row]) return;
+  r_ += (to - q_[row]) * scaled_.col(row);
+  q_[row] = to;
+}
+
+void ConditionForces::findWanted(const Group& group) {
+  const int first = group.first + 1, count = group.tangents();
+  wanted_ = q_.segment(first, count) - r_.segment(first, count) / group.rate;
+  length_ = wanted_.norm(), bound_ = group.mu * std::max(q_[group.first], 0.0);
+  if (length_ > bound_) wanted_ *= bound_ / length_;
+}
+
+/// The function of what is equal or pushes.
+double ConditionForces::offAt(const Group& group) const {
+  const double q = q_[group.first], r = r_[group.first];
+  return std::abs(group.pushes ? q - std::clamp(q - r, 0.0, group.most) : r);
+}
+
+/// The largest function of what rubs.
+double ConditionForces::offAlong(const Group& group) {
+  if (group.tangents() == 0) return 0;
+  findWanted(group);
+  return group.rate * (wanted_ - q_.segment(group.first + 1, group.tangents())).cwiseAbs().maxCoeff();
+}
+
+double ConditionForces::residual() {
+  double worst = 0;
+  for (const Group& group : groups_)
+    for (const double off : {offAt(group), offAlong(group)})
+      if (!(off <= worst) && !std::isnan(worst)) worst = off;  // a NaN stays
+  return worst;
+}
+
+void ConditionForces::sweep() {
+  for (const Group& group : groups_) {
+    const int i = group.first;
+    const double wanted = q_[i] - r_[i] / scaled_(i, i);
+    change(i, group.pushes ? std::clamp(wanted, 0.0, group.most) : wanted);
+    if (group.tangents() == 0) continue;
+    findWanted(group);
+    for (int k = 0; k < group.tangents(); ++k) change(i + 1 + k, wanted_[k]);
+  }
+}
+
+/// Takes to their bounds the forces that belong there, and collects the other rows.
+void ConditionForces::findActive() {
+  active_.clear();
+  for (Group& group : groups_) {
+    const double wanted = q_[group.first] - r_[group.first];
+    group.is_active = !group.pushes || (wanted > 0 && wanted < group.most);
+    group.at = wanted > 0 ? group.most : 0;
+  }
+  for (const Group& group : groups_)
+    for (int row = group.first; row < group.end && !group.is_active; ++row)
+      if (row == group.first || group.at == 0) change(row, group.at);
+  for (Group& group : groups_) {
+    if (!group.is_active) continue;
+    for (int row = group.first; row < group.end; ++row) active_.push_back(row);
+    if (group.tangents() == 0) continue;
+    findWanted(group);
+    group.slips = length_ > bound_;
+    if (!group.slips) continue;
+    group.turn = bound_ / length_;
+    const int first = group.first + 1, count = group.tangents();
+    across_.segment(first, count) = (q_.segment(first, count) - r_.segment(first, count) / group.rate) / length_;
+  }
+}
+
+/// The derivative of the functions of active_; step_ has their negative values.
+ConditionForces::Square ConditionForces::linearise() {
+  const auto count = Eigen::Index(active_.size());
+  derivative_.resize(std::size_t(count * count));
+  Square a(derivative_.data(), count, count);
+  Eigen::Index k = 0;
+  for (const Group& group : groups_) {
+    if (!group.is_active) continue;
+    const Eigen::Index push = k;
+    for (int row = group.first; row < group.end; ++row, ++k) {
+      if (row == group.first || !group.slips) {
+        for (Eigen::Index at = 0; at < count; ++at) a(k, at) = scaled_(row, active_[std::size_t(at)]);
+        step_[k] = -r_[row];
+        continue;
+      }
+      a.row(k).setZero();
+      for (int other = group.first + 1; other < group.end; ++other) {
+        const double turned = group.turn * ((other == row ? 1 : 0) - across_[row] * across_[other]);
+        for (Eigen::Index at = 0; at < count; ++at) a(k, at) += turned / group.rate * scaled_(other, active_[std::size_t(at)]);
+        a(k, push + other - group.first) -= turned;
+      }
+      a(k, k) += 1;
+      a(k, push) -= group.mu * across_[row];
+      step_[k] = group.mu * std::max(q_[group.first], 0.0) * across_[row] - q_[row];
+    }
+  }
+  return a;
+}
+
+/// step_ = a^-1 step_ by elimination with pivots, in place, a few columns at a time. False: rows depend on each other.
+bool ConditionForces::eliminate(Square a) {
+  constexpr Eigen::Index width = 16;
+  const Eigen::Index count = a.rows();
+  double most = 0;
+  for (Eigen::Index first = 0; first < count; first += width) {
+    const Eigen::Index last = std::min(first + width, count), rest = count - last;
+    for (Eigen::Index k = first; k < last; ++k) {
+      Eigen::Index best = 0;
+      const double pivot = a.col(k).tail(count - k).cwiseAbs().maxCoeff(&best);
+      most = std::max(most, pivot);
+      if (!(pivot > 1e-14 * most)) return false;
+      if (best > 0) a.row(k).swap(a.row(k + best)), std::swap(step_[k], step_[k + best]);
+      for (Eigen::Index i = k + 1; i < count; ++i) {
+        a(i, k) /= a(k, k);
+        a.row(i).segment(k + 1, last - k - 1) -= a(i, k) * a.row(k).segment(k + 1, last - k - 1);
+        step_[i] -= a(i, k) * step_[k];
+      }
+    }
+    for (Eigen::Index k = first; k < last; ++k)
+      for (Eigen::Index i = k + 1; i < last; ++i) a.row(i).tail(rest) -= a(i, k) * a.row(k).tail(rest);
+    const Eigen::Index wide = last - first;
+    a.bottomRightCorner(rest, rest).noalias() -= a.block(last, first, rest, wide) * a.block(first, last, wide, rest);
+  }
+  for (Eigen::Index k = count - 1; k >= 0; --k) {
+    const Eigen::Index rest = count - k - 1;
+    step_[k] = (step_[k] - a.row(k).tail(rest).dot(step_.segment(k + 1, rest))) / a(k, k);
+  }
+  return true;
+}
+
+/// False where there is no step.
+bool ConditionForces::newtonStep() {
+  findActive();
+  const auto count = Eigen::Index(active_.size());
+  if (count == 0) return false;
+  if (!eliminate(linearise())) {  // rows that say the same twice: the shortest solution
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> general;
+    general.setThreshold(1e-12);
+    general.compute(linearise());
+    step_.head(count) = general.solve(step_.head(count)).eval();
+  }
+  if (!step_.head(count).allFinite()) return false;
+  for (Eigen::Index k = 0; k < count; ++k) q_[active_[std::size_t(k)]] += step_[k];
+  restart(q_);
+  return true;
+}
+
+ConditionForces::Violation ConditionForces::worst(const std::vector<Row>& rows) {
+  Violation found;
+  const auto note = [&](std::size_t row, double off, bool rubs) {
+    if (sizes[row] > 0) off /= sizes[row];
+    if (!(off <= found.off) && !std::isnan(found.off)) found = {row, off, rubs};
+  };
+  const bool is_solved = scale_.size() == Eigen::Index(rows.size());
+  auto group_of = groups_.begin();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double value = rows[i].value;
+    if (is_solved) r_[Eigen::Index(i)] = scale_[Eigen::Index(i)] * value;
+    const bool is_found = is_solved && group_of != groups_.end() && group_of->first == int(i);
+    if (is_found)
+      ++group_of;
+    else if (rows[i].kind == Kind::equal || (rows[i].kind == Kind::push && !(value >= 0)))
+      note(i, std::abs(value), false);  // nothing moves it
+  }
+  if (!is_solved) return found;
+  q_ = least_;
+  for (const Group& group : groups_) {
+    const double scale = scale_[group.first];
+    note(std::size_t(group.first), offAt(group) / scale, false);
+    if (group.tangents() > 0) note(std::size_t(group.first) + 1, offAlong(group) / scale, true);
+  }
+  return found;
+}
+
+}  // namespace stroma

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The forces l with which conditions g + W l hold, W what forces change them by: dense, symmetric but for small differences.
+//   equal   = 0
+//   push    >= 0, l >= 0 and one of both zero; or l at a largest force and the condition below zero
+//   rub     = 0, or |l_t| = mu l_n against the condition, l_n that of the push before (Coulomb)
+//   given   l is known
+// Each is the zero of a function, with r = g + W l in units in which W has a diagonal of one, so that conditions of different
+// units (a length, a volume) may meet:
+//   equal r,   push l - max(0, l - r),   rub l_t - (l_t - r_t/c cut to the length mu l_n)
+// c: at least the largest eigenvalue of the tangents' block of W. Newton's method solves for the zero, with the derivative of the
+// piece of the function where it is (Alart and Curnier 1991). Near the solution it takes as many iterations as contacts change
+// between open, sticking and slipping. Where it does not come nearer, sweeps of projected Gauss and Seidel go before it tries
+// again. Nothing is allocated while the number of rows stays, unless some say the same twice.
+#pragma once
+#include <Eigen/Dense>
+#include <limits>
+#include <vector>
+
+#include "framework/mechanics/lagrangian_constraint.h"
+
+namespace stroma {
+
+class ConditionForces {
+ public:
+  using Kind = LagrangianRows::Kind;
+  using Row = LagrangianRows::Row;
+  /// What is farthest from its law at the end of a step.
+  struct Violation {
+    std::size_t row = 0;
+    double off = 0;     ///< of a condition, over the length of its gradient [m]
+    bool rubs = false;  ///< it is a slide that does not follow Coulomb's law
+  };
+
+  Eigen::MatrixXd w;          ///< W, shape (rows, rows)
+  Eigen::VectorXd g;          ///< the conditions without forces, shape (rows); solve() adds forces that are given
+  Eigen::VectorXd l;          ///< forces [N], shape (rows); where the search begins
+  std::vector<double> sizes;  ///< lengths of the gradients: what moves less than round-off of this is held
+
+  void solve(const std::vector<Row>& rows);
+  /// By how much the functions above are off, of the largest condition that does not hold without forces.
+  double unsettled() const { return unsettled_; }
+  /// The functions above, where the rows of the last solve() have come to (Row::value).
+  Violation worst(const std::vector<Row>& rows);
+
+ private:
+  /// Rows [first, end): one that is equal, or a push and what rubs there.
+  struct Group {
+    bool pushes = false;
+    int first = 0, end = 0;
+    double mu = 0, rate = 0;  ///< c
+    double most = std::numeric_limits<double>::infinity();
+    // in a Newton step
+    bool is_active = true, slips = false;
+    double at = 0;    ///< the bound that q takes where it is not active
+    double turn = 0;  ///< where it slips: which part of what would hold it friction can take
+    int tangents() const { return end - first - 1; }
+  };
+  using Square = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+
+  void scaleRows(const std::vector<Row>& rows);
+  void findGroups(const std::vector<Row>& rows);
+  void restart(const Eigen::VectorXd& q);
+  void change(int row, double to);
+  void findWanted(const Group& group);
+  double offAt(const Group& group) const;
+  double offAlong(const Group& group);
+  double residual();
+  void sweep();
+  bool newtonStep();
+  void findActive();
+  Square linearise();
+  bool eliminate(Square a);
+
+  std::vector<Group> groups_;
+  Eigen::VectorXd scale_, offset_, q_, r_, best_, least_;  ///< scaled; q_: forces, r_ = offset_ + scaled_ q_
+  Eigen::MatrixXd scaled_;
+  Eigen::VectorXd wanted_, across_;  ///< friction that holds a slide; its directions where it cannot, shape (rows)
+  double length_ = 0, bound_ = 0;    ///< of wanted_, before it was cut to the bound
+  std::vector<int> active_;          ///< unknowns of a Newton step
+  std::vector<double> derivative_;   ///< on them, row by row
+  Eigen::VectorXd step_;             ///< its first numbers are those of active_
+  double unsettled_ = 0;
+};
+
+}  // namespace stroma

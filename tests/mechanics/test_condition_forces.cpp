@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Forces with which conditions hold, against the laws of Signorini and Coulomb themselves.
+#include "framework/mechanics/condition_forces.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+using Kind = LagrangianRows::Kind;
+
+/// Signorini's and Coulomb's conditions themselves, where many contacts hold each other.
+TEST(ConditionForces, AreThoseOfSignoriniAndCoulomb) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (const double mu : {0.1, 0.7})
+    for (const int contacts : {1, 7, 40}) {
+      SCOPED_TRACE(fmt::format("mu {} contacts {}", mu, contacts));
+      LagrangianRows rows;
+      ConditionForces forces;
+      const Eigen::Index n = 3 * contacts;
+      Eigen::MatrixXd roots(n, n);
+      for (Eigen::Index i = 0; i < n * n; ++i) roots.data()[i] = normal(random);
+      forces.w = roots * roots.transpose() / double(n) + 0.2 * Eigen::MatrixXd::Identity(n, n);
+      forces.g.resize(n), forces.l.setZero(n), forces.sizes.assign(std::size_t(n), 1);
+      for (Eigen::Index i = 0; i < n; ++i) {
+        forces.g[i] = i % 3 == 0 ? normal(random) - 0.5 : 0.5 * normal(random);
+        rows.begin(i % 3 == 0 ? Kind::push : Kind::rub, forces.g[i], i % 3 == 0 ? 0 : mu);
+      }
+      const Eigen::VectorXd g = forces.g;
+      forces.solve(rows.rows());
+      EXPECT_LT(forces.unsettled(), 1e-11);
+      const Eigen::VectorXd at = g + forces.w * forces.l;
+      int open = 0, sticks = 0, slips = 0;
+      for (Eigen::Index i = 0; i < n; i += 3) {
+        const double l = forces.l[i];
+        const Eigen::Vector2d along = forces.l.segment<2>(i + 1), way = at.segment<2>(i + 1);
+        EXPECT_GE(l, 0);
+        EXPECT_GE(at[i], -1e-10);
+        EXPECT_NEAR(l * at[i], 0, 1e-9);
+        EXPECT_LE(along.norm(), mu * l + 1e-9);
+        if (l == 0) {
+          ++open;
+        } else if (way.norm() < 1e-9) {
+          ++sticks;
+        } else {
+          ++slips;
+          EXPECT_NEAR(along.norm(), mu * l, 1e-9);
+          EXPECT_NEAR(along.dot(way), -along.norm() * way.norm(), 1e-8) << "against the way";
+        }
+      }
+      if (contacts < 40) continue;
+      EXPECT_TRUE(open > 0 && slips > 0 && (sticks > 0 || mu < 0.5)) << open << " " << sticks << " " << slips;
+    }
+}
+
+TEST(ConditionForces, TellNumbersThatAreNone) {
+  LagrangianRows rows;
+  for (int i = 0; i < 2; ++i) rows.begin(Kind::push, -1);
+  ConditionForces forces;
+  forces.w.setIdentity(2, 2), forces.g = Eigen::Vector2d(std::nan(""), -1), forces.l.setZero(2), forces.sizes.assign(2, 1);
+  forces.solve(rows.rows());
+  EXPECT_FALSE(std::isfinite(forces.unsettled()));
+}
+
+/// Rows that say the same twice share the force, and a bound is kept.
+TEST(ConditionForces, OfEqualRowsAndOfBounds) {
+  LagrangianRows rows;
+  for (int i = 0; i < 2; ++i) rows.begin(Kind::equal, -1);
+  rows.begin(Kind::push, -6, 2);
+  ConditionForces forces;
+  forces.w = Eigen::Matrix3d{{2, 2, 0}, {2, 2, 0}, {0, 0, 1}};
+  forces.g = Eigen::Vector3d(-1, -1, -6), forces.l.setZero(3), forces.sizes.assign(3, 1);
+  forces.solve(rows.rows());
+  EXPECT_NEAR(forces.l[0] + forces.l[1], 0.5, 1e-12);
+  EXPECT_NEAR(forces.l[0], forces.l[1], 1e-12);
+  EXPECT_NEAR(forces.l[2], 2, 1e-12) << "no more than its bound";
+}
+
+/// Where a body buckles, W is not positive: what is equal holds all the same, and a contact that cannot is told.
+TEST(ConditionForces, OfNegativeCompliance) {
+  LagrangianRows rows, after;
+  for (int i = 0; i < 2; ++i) rows.begin(Kind::equal, 1);
+  rows.begin(Kind::push, -2);
+  ConditionForces forces;
+  forces.w = Eigen::Vector3d(1, -1, -1).asDiagonal(), forces.g = Eigen::Vector3d(1, 1, -2), forces.l.setZero(3);
+  forces.sizes.assign(3, 1);
+  forces.solve(rows.rows());
+  EXPECT_LT((forces.l - Eigen::Vector3d(-1, 1, 0)).norm(), 1e-12);
+  for (int i = 0; i < 2; ++i) after.begin(Kind::equal, 0);
+  after.begin(Kind::push, -2);
+  EXPECT_EQ(forces.worst(after.rows()).row, 2u);
+  EXPECT_NEAR(forces.worst(after.rows()).off, 2, 1e-12);
+  after.clear();
+  after.begin(Kind::equal, 0), after.begin(Kind::equal, 0.5), after.begin(Kind::push, 0);
+  EXPECT_EQ(forces.worst(after.rows()).row, 1u);
+  EXPECT_NEAR(forces.worst(after.rows()).off, 0.5, 1e-12);
+}
+
+/// What is told of where rows have come to: a slide against Coulomb's law, a contact that pushes at a distance.
+TEST(ConditionForces, SayWhatIsFarthestFromItsLaw) {
+  // one contact with mu = 0.5 on a body of W = 1 that falls by 2 and slides by (3, 0): l = (2, -1, 0), and (2, 0) of the slide is left
+  const auto solved = [](LagrangianRows& rows) {
+    rows.begin(Kind::push, -2), rows.add(0, Vec3(0, 0, 1));
+    rows.begin(Kind::rub, 3, 0.5), rows.add(0, Vec3(1, 0, 0));
+    rows.begin(Kind::rub, 0, 0.5), rows.add(0, Vec3(0, 1, 0));
+    ConditionForces forces;
+    forces.w.setIdentity(3, 3), forces.g = Eigen::Vector3d(-2, 3, 0), forces.l.setZero(3), forces.sizes.assign(3, 1);
+    forces.solve(rows.rows());
+    return forces;
+  };
+  const auto worstAt = [&](double gap, double x, double y) {
+    LagrangianRows before, after;
+    ConditionForces forces = solved(before);
+    EXPECT_LT((forces.l - Eigen::Vector3d(2, -1, 0)).norm(), 1e-12);
+    after.begin(Kind::push, gap), after.begin(Kind::rub, x, 0.5), after.begin(Kind::rub, y, 0.5);
+    return forces.worst(after.rows());
+  };
+  EXPECT_LT(worstAt(0, 2, 0).off, 1e-12) << "where the forces put it";
+  EXPECT_LT(worstAt(0, 0.1, 0).off, 1e-12) << "slower, and friction is against it all the same";
+  const auto across = worstAt(0, 2, 0.3);
+  EXPECT_TRUE(across.rubs);
+  EXPECT_EQ(across.row, 1u);
+  EXPECT_GT(across.off, 0.05) << "friction of another direction";
+  EXPECT_TRUE(worstAt(0, -0.4, 0).rubs) << "friction along the slide";
+  EXPECT_NEAR(worstAt(0, -0.4, 0).off, 0.4, 1e-12);
+  EXPECT_NEAR(worstAt(-0.2, 2, 0).off, 0.2, 1e-12);
+  EXPECT_FALSE(worstAt(-0.2, 2, 0).rubs);
+  EXPECT_NEAR(worstAt(0.3, 2, 0).off, 0.3, 1e-12) << "it pushes at a distance";
+  EXPECT_TRUE(std::isnan(worstAt(std::nan(""), 2, 0).off));
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
