@@ -81,6 +81,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   void compile() override;
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
+  bool acts() const override { return !terms_.empty() || !friction_.terms().empty(); }
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
     terms_.addProduct(dx, factor, df);
     friction_.terms().addProduct(dx, factor, df);
@@ -152,8 +153,7 @@ void BarrierContact::declare(DataTable& table) {
   table.addLink("other", other_).help("states of other bodies; without any, mstate meets itself and obstacles");
   topology_.declare(table, "mesh whose surface mstate has");
   table.add("contactDistance", law_.range).help("gap below which surfaces push; 0: a tenth of their mean edge").unit("m").min(0);
-  table.add("stiffness", stiffness_)
-      .help("kappa; 0: a tenth of the largest youngModulus of the bodies").unit("Pa").min(0);
+  table.add("stiffness", stiffness_).help("kappa; 0: a tenth of the largest youngModulus of the bodies").unit("Pa").min(0);
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   table.add("friction", friction_.mu).help("Coulomb's coefficient mu").unit("-").min(0);
   table.add("slipVelocity", slip_velocity_).help("what sticks may creep as fast").unit("m/s").min(0, false);

@@ -4,20 +4,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "framework/collision/exact_intersection.h"
-#include "framework/scene/archive.h"
 
 namespace stroma::contact {
 
 namespace {
 bool has(const std::array<int, 3>& face, int vertex) {
   return face[0] == vertex || face[1] == vertex || face[2] == vertex;
-}
-
-[[noreturn]] void refuseStored() {
-  throw std::runtime_error("the checkpoint has pairs of surfaces that are not there: it was written by another scene");
 }
 }  // namespace
 
@@ -28,6 +22,8 @@ void Candidates::compile(const Surfaces& surfaces) {
   boxes_.assign(parts_.size(), {});
   is_fit_.assign(parts_.size(), false);
   gone_.assign(parts_.size(), {}), goes_ = gone_;
+  turned_.assign(parts_.size(), {}), turns_ = turned_;
+  is_turned_.assign(parts_.size(), false), does_turn_ = is_turned_;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     boxes_[p].resize(parts_[p].faces.size());
     fit(int(p), surfaces.rest, nullptr, {});
@@ -40,11 +36,13 @@ void Candidates::compile(const Surfaces& surfaces) {
   ways_.assign(meetings_.size(), 0);
   looks_.assign(meetings_.size(), false), searched_ = looks_;
   face_pairs_.assign(meetings_.size(), {});
+  radii_ = 0;
+  for (const double radius : surfaces.radius) radii_ = std::max(radii_, 2 * radius);
   forget();
 }
 
 void Candidates::forget() {
-  found_at_.clear(), pairs_.clear();
+  found_at_.clear(), pairs_.clear(), is_followed_ = false;
   for (Meeting& meeting : meetings_) meeting = {.a = meeting.a, .b = meeting.b};
   ++revision_, step_ = 0, may_push_ = true, work_ = {};
 }
@@ -119,26 +117,10 @@ void Candidates::pairsOf(int f, int g, Visit&& visit) const {
 bool Candidates::isNearAtRest(const Candidate& pair) const {
   const Surfaces& s = *surfaces_;
   if (s.pieceOf(pair.v[0]) != s.pieceOf(pair.v[3])) return false;
-  const FourPoints rest = pointsOf(pair, s.rest);  // parallel edges, as grids have, are dear
-  return !areFar(pair.kind, rest, nullptr, reach) && closestPoints(pair.kind, rest).distance() <= reach;
-}
-
-/// Motion of each meeting at x. True: it is less than what the pairs of each were found for.
-bool Candidates::follow(const std::vector<Vec3>& x) {
-  may_push_ = true;
-  if (found_at_.size() != x.size()) return false;
-  const std::vector<double> straight;
-  for (std::size_t p = 0; p < parts_.size(); ++p) gone_[p] = displacementsOf(parts_[p], x, &found_at_, straight);
-  bool all = true;
-  may_push_ = false;
-  for (Meeting& meeting : meetings_) {
-    const Displacements &a = gone_[std::size_t(meeting.a)], &b = gone_[std::size_t(meeting.b)];
-    const double gone = a.longest + b.longest;  // a way along together is rounded as well
-    meeting.motion = meeting.used + mostApart(a, b) + (gone > 0 ? roundOff(gone) : 0);
-    all = all && meeting.motion <= budgetOf(meeting);
-    may_push_ = may_push_ || !(meeting.pushing - meeting.motion >= reach);
-  }
-  return all;
+  const FourPoints rest = pointsOf(pair, s.rest);
+  if (areFar(pair.kind, rest, nullptr, reach)) return false;
+  if (pair.kind == PairKind::edge_edge && leastOfParallel(rest) > reach) return false;
+  return closestPoints(pair.kind, rest).distance() <= reach;
 }
 
 bool Candidates::find(const std::vector<Vec3>& x, double margin) {
@@ -160,17 +142,6 @@ bool Candidates::findAgain(const std::vector<Vec3>& x, double least_margin, doub
     search(int(m), x, std::max(least_margin, std::min(wanted, most_margin)));
   }
   return takeFound();
-}
-
-/// Motion is measured from x from now on; what it was until then has been used up. Not to be called before follow().
-void Candidates::startFrom(const std::vector<Vec3>& x) {
-  for (Meeting& meeting : meetings_) meeting.used = meeting.motion;
-  found_at_ = x;
-  size_ = 0;
-  for (const Vec3& p : x) size_ = std::max(size_, p.cwiseAbs().maxCoeff());
-  std::fill(searched_.begin(), searched_.end(), false);
-  found_.clear();
-  fitNone();
 }
 
 /// Pairs of two parts for a motion of twice the margin; where boxes around the parts are farther apart, none and for a longer one.
@@ -195,7 +166,7 @@ void Candidates::search(int number, const std::vector<Vec3>& x, double margin) {
       const double far = near + pair.radius;
       const FourPoints points = pointsOf(pair, x);
       if (areFar(pair.kind, points, nullptr, far)) return;
-      pair.distance = closestPoints(pair.kind, points).distance() - pair.radius;
+      pair.distance = leastDistance(pair.kind, points) - pair.radius;
       if (pair.distance > near) return;
       pair.pushes = !isNearAtRest(pair), pair.meeting = number;
       meeting.clear = std::min(meeting.clear, pair.distance - (pair.pushes ? thickness : 0));
@@ -271,14 +242,19 @@ double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec
   const bool knows_any = found_at_.size() == x.size();
   follow(x);
   for (std::size_t p = 0; p < parts_.size(); ++p) goes_[p] = displacementsOf(parts_[p], dx, nullptr, bend);
+  std::fill(does_turn_.begin(), does_turn_.end(), false);
   double step = 1;
   bool looks = false;
   fitNone();
   for (std::size_t m = 0; m < meetings_.size(); ++m) {
     const Meeting& meeting = meetings_[m];
-    ways_[m] = mostApart(goes_[std::size_t(meeting.a)], goes_[std::size_t(meeting.b)]);
-    looks_[m] = false;
+    const Displacements &a = goes_[std::size_t(meeting.a)], &b = goes_[std::size_t(meeting.b)];
+    ways_[m] = a.longest + b.longest, looks_[m] = false;
     if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear))) continue;
+    ways_[m] = mostApart(a, b);
+    if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear))) continue;
+    takeOffTurns(meetings_[m], x), ways_[m] = takeOffTurns(meeting, x, dx, bend, ways_[m]);
+    if (knows_any && hasRoom(m, meeting.clear)) continue;
     looks_[m] = knows_any && meeting.motion + ways_[m] + rounding(m) <= budgetOf(meeting);
     looks = looks || looks_[m];
     if (looks_[m]) continue;
@@ -342,54 +318,6 @@ std::vector<Candidates::Crossing> Candidates::crossings(const std::vector<Vec3>&
     return a.depth != b.depth ? a.depth > b.depth : a.edge != b.edge ? a.edge < b.edge : a.face < b.face;
   });
   return found;
-}
-
-/// Pairs are written and not found again: which of them are kept depends on where they were looked for.
-void Candidates::serialize(Archive& archive) {
-  std::vector<int> pairs;
-  std::vector<double> known, distances;
-  for (const Meeting& m : meetings_)
-    known.insert(known.end(), {m.near, m.clear, m.pushing, m.used, double(step_ - m.step), double(m.is_free)});
-  for (const Candidate& pair : pairs_) {
-    pairs.insert(pairs.end(), {int(pair.kind), pair.first, pair.second, pair.meeting});
-    distances.push_back(pair.distance);
-  }
-  archive.list("found_at", found_at_), archive.list("meetings", known);
-  archive.list("pairs", pairs), archive.list("distances", distances);
-  const std::vector<Vec3> at = found_at_;
-  if (archive.isReading()) forget();
-  archive.value("searches", work_.searches), archive.value("ways", work_.ways), archive.value("tests", work_.tests);
-  if (!archive.isReading()) return;
-  // of other obstacles, which somebody has changed since: found anew
-  if (at.size() != surfaces_->rows.size() || known.size() != 6 * meetings_.size()) return;
-  startFrom(at);
-  for (std::size_t m = 0; m < meetings_.size(); ++m) {
-    const double* k = known.data() + 6 * m;
-    Meeting& meeting = meetings_[m];
-    meeting.near = k[0], meeting.clear = k[1], meeting.pushing = k[2], meeting.used = meeting.motion = k[3];
-    meeting.step = step_ - long(k[4]), meeting.is_free = k[5] != 0;
-  }
-  readPairs(pairs, distances);
-}
-
-void Candidates::readPairs(const std::vector<int>& numbers, const std::vector<double>& distances) {
-  const Surfaces& s = *surfaces_;
-  if (numbers.size() != 4 * distances.size()) refuseStored();
-  const auto isOf = [](int number, std::size_t count) { return number >= 0 && std::size_t(number) < count; };
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    const int* n = numbers.data() + 4 * i;
-    const bool edges = n[0] == int(PairKind::edge_edge);
-    if ((!edges && n[0] != int(PairKind::point_triangle)) || !isOf(n[1], edges ? s.edges.size() : s.rows.size()) ||
-        !isOf(n[2], edges ? s.edges.size() : s.faces.size()) || !isOf(n[3], meetings_.size()))
-      refuseStored();
-    const auto radiusOf = [&](int edge) {
-      const int v = s.edges[std::size_t(edge)][0];
-      return s.radius[std::size_t(s.faces_around.values[std::size_t(s.faces_around.start[std::size_t(v)])])];
-    };
-    Candidate pair = edges ? twoEdges(n[1], n[2], radiusOf(n[1]) + radiusOf(n[2])) : vertexAndFace(n[1], n[2]);
-    pair.meeting = n[3], pair.distance = distances[i], pair.pushes = !isNearAtRest(pair);
-    pairs_.push_back(pair);
-  }
 }
 
 }  // namespace stroma::contact

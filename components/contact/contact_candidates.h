@@ -93,6 +93,14 @@ class Candidates {
   bool isNearAtRest(const Candidate& pair) const;
   bool follow(const std::vector<Vec3>& x);
   double roundOff(double motion) const { return 4e-12 * (size_ + motion); }
+  double goneOf(const Meeting& meeting) const {
+    return gone_[std::size_t(meeting.a)].longest + gone_[std::size_t(meeting.b)].longest;
+  }
+  double roundOffOf(const Meeting& meeting) const { return goneOf(meeting) > 0 ? roundOff(goneOf(meeting)) : 0; }
+  void takeOffShift(Meeting& meeting);
+  void takeOffTurns(Meeting& meeting, const std::vector<Vec3>& x);
+  double takeOffTurns(const Meeting& meeting, const std::vector<Vec3>& x, const std::vector<Vec3>& dx,
+                      const std::vector<double>& bend, double way);
   double budgetOf(const Meeting& meeting) const { return meeting.near - reach; }
   void startFrom(const std::vector<Vec3>& x);
   void search(int meeting, const std::vector<Vec3>& x, double margin);
@@ -117,12 +125,17 @@ class Candidates {
   std::vector<std::vector<Box>> boxes_;  ///< of its triangles
   std::vector<char> is_fit_;             ///< these boxes are of what is looked for now
   std::vector<Displacements> gone_, goes_;  ///< of each part, to x and on its way
+  std::vector<CommonMotion> turned_, turns_;  ///< the same as a whole; made where asked for
+  std::vector<char> is_turned_, does_turn_;   ///< they are made
+  double radii_ = 0;                          ///< the largest of two triangles [m]
   std::vector<Meeting> meetings_;
   std::vector<double> ways_;  ///< of each meeting: motion that a step wants
   std::vector<char> looks_, searched_;  ///< of each meeting: at its pairs; they are found anew
   std::vector<std::vector<std::array<int, 2>>> face_pairs_;
   std::vector<Candidate> pairs_, old_pairs_, found_;
   std::vector<Vec3> found_at_;  ///< motion is measured from there
+  std::vector<Vec3> followed_;  ///< where motion was asked for last
+  bool is_followed_ = false, is_all_known_ = false;  ///< it is of now; it is within all budgets
   double size_ = 0;             ///< largest coordinate there [m]
   bool may_push_ = true;
   long revision_ = 0, step_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/contact/contact_parts.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -80,31 +81,178 @@ double mostApart(const Displacements& a, const Displacements& b) {
   return std::min(sum, (a.box.high - b.box.low).cwiseMax(b.box.high - a.box.low).norm());
 }
 
-bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double distance) {
-  Box sides[2];
-  for (std::size_t i = 0; i < 4; ++i) {
-    Box& side = sides[i < (kind == PairKind::point_triangle ? 1 : 2) ? 0 : 1];
-    side.add(x[i]);
-    if (dx) side.add(Vec3(x[i] + (*dx)[i]));
+namespace {
+
+/// Moments of the points of a part and of what belongs to each, about their means.
+struct Moments {
+  Vec3 p = Vec3::Zero(), d = Vec3::Zero();  // means
+  Mat3 pp = Mat3::Zero(), dp = Mat3::Zero();
+  template <class Of>
+  Moments(const SurfacePart& part, const std::vector<Vec3>& points, const Vec3& middle, Of&& of) {
+    for (const int v : part.vertices) {
+      const Vec3 r = points[std::size_t(v)] - middle, u = of(v);
+      p += r, d += u;
+      pp.noalias() += r * r.transpose(), dp.noalias() += u * r.transpose();
+    }
+    const double count = double(part.vertices.size());
+    p /= count, d /= count;
+    pp -= count * p * p.transpose(), dp -= count * d * p.transpose();
+    p += middle;
   }
-  const Vec3 apart = (sides[1].low - sides[0].high).cwiseMax(sides[0].low - sides[1].high).cwiseMax(Vec3::Zero());
-  return apart.squaredNorm() > distance * distance;
+};
+
+/// w with w x p nearest to d, from sum p p^T and sum d p^T.
+Vec3 rotationVectorOf(const Mat3& pp, const Mat3& dp) {
+  const double trace = pp.trace();
+  const Mat3 inertia = (1 + 1e-9) * trace * Mat3::Identity() - pp;
+  return trace > 0 ? Vec3(inertia.inverse() * Vec3(dp(2, 1) - dp(1, 2), dp(0, 2) - dp(2, 0), dp(1, 0) - dp(0, 1)))
+                   : Vec3(Vec3::Zero());
+}
+
+/// The S that is nearest to what is left, from sum (what is left) p^T; none along which a part is flat.
+Mat3 stretchOf(const Mat3& pp, const Mat3& rest) {
+  constexpr double flat = 0.003;  // of its size, squared
+  const double trace = pp.trace();
+  return trace > 0 ? Mat3(rest * (pp + flat * trace * Mat3::Identity()).inverse()) : Mat3(Mat3::Zero());
+}
+
+CommonMotion placed(const SurfacePart& part, const std::vector<Vec3>& points) {
+  CommonMotion motion;
+  Box box;
+  for (const int v : part.vertices) box.add(points[std::size_t(v)]);
+  motion.middle = 0.5 * (box.low + box.high);
+  motion.half = (box.high - motion.middle).cwiseMax(motion.middle - box.low);
+  return motion;
+}
+
+/// Turns and stretches, and what they leave.
+template <class Of>
+void complete(CommonMotion& motion, const Moments& m, const Mat3& turn, const Mat3& stretch, const SurfacePart& part,
+              const std::vector<Vec3>& points, Of&& of) {
+  motion.gradient = turn + stretch, motion.shrink = stretch.norm();
+  motion.shift = m.d - motion.gradient * (m.p - motion.middle);
+  for (const int v : part.vertices)
+    motion.left.add(Vec3(of(v) - motion.shift - motion.gradient * (points[std::size_t(v)] - motion.middle)));
+}
+
+}  // namespace
+
+CommonMotion commonMotionTo(const SurfacePart& part, const std::vector<Vec3>& p, const std::vector<Vec3>& x) {
+  constexpr int rounds = 8;  // what is left of the error counts as left over
+  constexpr double exact = 1e-24;
+  CommonMotion motion = placed(part, p);
+  const auto of = [&](int v) { return Vec3(x[std::size_t(v)] - p[std::size_t(v)]); };
+  const Moments m(part, p, motion.middle, of);
+  const Mat3 to = m.dp + m.pp;
+  Mat3 turn = Mat3::Identity();
+  for (int round = 0; round < rounds; ++round) {
+    const Mat3 now = to * turn.transpose();
+    // with the mean of both moments, a turn of points that are spread alike in all directions is found in the first round
+    const Vec3 w = rotationVectorOf(0.5 * (turn * m.pp * turn.transpose() + 0.5 * (now + now.transpose())), now);
+    if (!(w.squaredNorm() > exact)) break;
+    turn = Eigen::Quaterniond(1, 0.5 * w.x(), 0.5 * w.y(), 0.5 * w.z()).normalized().toRotationMatrix() * turn;
+  }
+  complete(motion, m, turn - Mat3::Identity(), stretchOf(m.pp, to - turn * m.pp), part, p, of);
+  return motion;
+}
+
+CommonMotion commonMotionAlong(const SurfacePart& part, const std::vector<Vec3>& p, const std::vector<Vec3>& dx,
+                               const std::vector<double>& bend) {
+  CommonMotion motion = placed(part, p);
+  const auto of = [&](int v) -> const Vec3& { return dx[std::size_t(v)]; };
+  const Moments m(part, p, motion.middle, of);
+  const Vec3 w = rotationVectorOf(m.pp, m.dp);
+  Mat3 turn;
+  turn << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
+  complete(motion, m, turn, stretchOf(m.pp, m.dp - turn * m.pp), part, p, of);
+  double off = 0;
+  if (!bend.empty())
+    for (const int v : part.vertices) off = std::max(off, bend[std::size_t(v)]);
+  motion.left = motion.left.grownBy(off);
+  return motion;
+}
+
+double mostApart(const CommonMotion& a, const CommonMotion& b) {
+  const Vec3 between = b.shift - a.shift - a.gradient * (b.middle - a.middle);
+  const Vec3 more = (b.gradient - a.gradient).cwiseAbs() * b.half;
+  const Vec3 low = b.left.low + between - more, high = b.left.high + between + more;
+  return (a.left.high - low).cwiseMax(high - a.left.low).norm();
+}
+
+bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double distance) {
+  const std::size_t first_side = kind == PairKind::point_triangle ? 1 : 2;
+  double square = 0;
+  for (int k = 0; k < 3 && !(square > distance * distance); ++k) {
+    double low[2], high[2];
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t side = i < first_side ? 0 : 1;
+      const bool begins = i == 0 || i == first_side;
+      const double from = x[i][k], to = dx ? from + (*dx)[i][k] : from;
+      const double least = std::min(from, to), most = std::max(from, to);
+      low[side] = begins ? least : std::min(low[side], least), high[side] = begins ? most : std::max(high[side], most);
+    }
+    const double apart = std::max({low[1] - high[0], low[0] - high[1], 0.0});
+    square += apart * apart;
+  }
+  return square > distance * distance;
+}
+
+namespace {
+double squareBetween(const Box& a, const Box& b) {
+  return (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(Vec3::Zero()).squaredNorm();
+}
+}  // namespace
+
+/// From closest points within both edges go along both of them, the same way where these are parallel: until one of them ends,
+/// after no more than half the shorter edge, the square of the distance grows by the square of that way times the difference of
+/// their directions. Distances of ends are right to round-off, however parallel edges are.
+double leastOfParallel(const FourPoints& x) {
+  constexpr double parallel = 1e-6, round_off = 1e-14;  // of the sine, squared; of the size of the pair
+  const Vec3 p = x[1] - x[0], q = x[3] - x[2], from = x[0] - x[2];
+  const double pp = p.squaredNorm(), qq = q.squaredNorm(), sizes = pp * qq, square = p.cross(q).squaredNorm();
+  if (!(square <= parallel * sizes && sizes > std::numeric_limits<double>::min())) return -1;
+  const auto toEdge = [](const Vec3& d, const Vec3& along, double length) {
+    return (d - std::clamp(d.dot(along) / length, 0.0, 1.0) * along).squaredNorm();
+  };
+  const double ends = std::min({toEdge(from, q, qq), toEdge(from + p, q, qq), toEdge(-from, p, pp), toEdge(q - from, p, pp)});
+  const double differ = 1.01 * std::sqrt(square / sizes) + round_off, way = 0.5 * std::sqrt(std::min(pp, qq));
+  const double least = std::sqrt(std::max(0.0, ends - differ * differ * way * way));
+  return std::max(0.0, least - round_off * (from.norm() + std::sqrt(std::max(pp, qq))));
+}
+
+double leastDistance(PairKind kind, const FourPoints& x) {
+  const double least = kind == PairKind::edge_edge ? leastOfParallel(x) : -1;
+  return least >= 0 ? least : closestPoints(kind, x).distance();
 }
 
 double leastApart(const Surfaces& s, int f, int g, const std::vector<Vec3>& x, double least) {
   const auto &p = s.faces[std::size_t(f)], &q = s.faces[std::size_t(g)];
-  const auto look = [&](PairKind kind, const std::array<int, 4>& v) {
-    const FourPoints at{x[std::size_t(v[0])], x[std::size_t(v[1])], x[std::size_t(v[2])], x[std::size_t(v[3])]};
-    if (!areFar(kind, at, nullptr, least)) least = std::min(least, closestPoints(kind, at).distance());
+  // boxes of the edges and of the whole of both, which are compared often
+  std::array<std::array<Box, 3>, 2> edges;
+  std::array<Box, 2> whole;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto& face = side == 0 ? p : q;
+      const Vec3 &from = x[std::size_t(face[i])], &to = x[std::size_t(face[(i + 1) % 3])];
+      edges[side][i] = {from.cwiseMin(to), from.cwiseMax(to)}, whole[side].add(edges[side][i]);
+    }
+  if (squareBetween(whole[0], whole[1]) > least * least) return least;
+  const auto look = [&](PairKind kind, const Box& a, const Box& b, const std::array<int, 4>& v) {
+    if (squareBetween(a, b) > least * least) return;
+    const auto at = [&](std::size_t i) -> const Vec3& { return x[std::size_t(v[i])]; };
+    least = std::min(least, leastDistance(kind, {at(0), at(1), at(2), at(3)}));
   };
   const auto isOf = [](int v, const std::array<int, 3>& face) { return v == face[0] || v == face[1] || v == face[2]; };
-  for (const auto& [one, other] : {std::pair(p, q), std::pair(q, p)})
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto &one = side == 0 ? p : q, &other = side == 0 ? q : p;
     for (const int v : one)
-      if (!isOf(v, other)) look(PairKind::point_triangle, {v, other[0], other[1], other[2]});
+      if (const Vec3& at = x[std::size_t(v)]; !isOf(v, other))
+        look(PairKind::point_triangle, {at, at}, whole[1 - side], {v, other[0], other[1], other[2]});
+  }
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
       const int a = p[i], b = p[(i + 1) % 3], c = q[j], d = q[(j + 1) % 3];
-      if (a != c && a != d && b != c && b != d) look(PairKind::edge_edge, {a, b, c, d});
+      if (a != c && a != d && b != c && b != d) look(PairKind::edge_edge, edges[0][i], edges[1][j], {a, b, c, d});
     }
   return least;
 }

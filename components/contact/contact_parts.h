@@ -2,6 +2,11 @@
 // What is proved by how far things have moved. Surfaces are cut into parts. Where no pair of two parts was nearer than d, and no
 // displacement of one has since differed by more than m from any of the other, no pair is nearer than d - m now: each distance
 // changes by no more than its two sides move against each other. What moves along together has used up nothing.
+// Where parts turn and stretch, p -> p + t + G (p - c) with R = 1 + G - S a rotation, is taken off the displacements of both first.
+// Under that alone no length l becomes shorter than (1 - |S|) l; what is left over counts as above:
+//   d' >= (1 - |S|) d - m
+// The bound holds on a whole way to there: R_s from 1 to R, then s S and s times what is left over. So an exact test that has
+// found nothing at one place holds at all that such a bound above zero is known of.
 #pragma once
 #include "components/contact/contact_surfaces.h"
 #include "framework/collision/box_tree.h"
@@ -28,10 +33,31 @@ Displacements displacementsOf(const SurfacePart& part, const std::vector<Vec3>& 
 /// No displacement of a differs by more from one of b [m].
 double mostApart(const Displacements& a, const Displacements& b);
 
+/// The motion of a part as a whole, t + G (p - c), and what it leaves of its displacements. Any t and G will do; these are fitted.
+struct CommonMotion {
+  Vec3 middle = Vec3::Zero(), half = Vec3::Zero();  ///< c and half the size of the box of its points p [m]
+  Vec3 shift = Vec3::Zero();                        ///< t [m]
+  Mat3 gradient = Mat3::Zero();                     ///< G
+  double shrink = 0;                                ///< |S|
+  Box left;                                         ///< of the displacements [m]
+};
+/// From p to x.
+CommonMotion commonMotionTo(const SurfacePart& part, const std::vector<Vec3>& p, const std::vector<Vec3>& x);
+/// Along a straight way, p + s dx: here G - S is skew, and the bound is (1 - s |S|) l. `bend` as above.
+CommonMotion commonMotionAlong(const SurfacePart& part, const std::vector<Vec3>& p, const std::vector<Vec3>& dx,
+                               const std::vector<double>& bend);
+/// What the motion of a leaves of a displacement of its part differs by no more from what it leaves of one of b's part [m].
+double mostApart(const CommonMotion& a, const CommonMotion& b);
+
 /// Boxes around both sides of a pair on their way are farther apart than `distance`: a bound that costs little.
 bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double distance);
+/// A lower bound of the distance of nearly parallel edges, which regular grids have many of and closestPoints() takes long for;
+/// -1 for others.
+double leastOfParallel(const FourPoints& edges);
+/// closestPoints().distance(), or that bound.
+double leastDistance(PairKind kind, const FourPoints& x);
 /// The smallest distance of a corner or an edge of one triangle from what the other does not share with it, also of those that
-/// belong to a triangle of another part; no more than `least` [m]. An edge comes to cross a triangle only through a distance of zero.
+/// belong to a triangle of another part; no more than `least` [m]. An edge comes to cross a triangle only through a distance of 0.
 double leastApart(const Surfaces& surfaces, int f, int g, const std::vector<Vec3>& x, double least);
 
 /// Two parts that may meet, and what a search at some positions has found out. Distances are less radii of obstacles.

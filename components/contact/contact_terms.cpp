@@ -73,7 +73,9 @@ void BarrierLaw::look(const std::vector<Vec3>& x) const {
   closest_.resize(pairs.size()), in_reach_.assign(pairs.size(), false);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!candidates.mayPush(pairs[i])) continue;
-    closest_[i] = closestPoints(pairs[i].kind, candidates.pointsOf(pairs[i], x));
+    const FourPoints points = candidates.pointsOf(pairs[i], x);
+    if (pairs[i].kind == PairKind::edge_edge && leastOfParallel(points) > far + pairs[i].radius) continue;
+    closest_[i] = closestPoints(pairs[i].kind, points);
     in_reach_[i] = closest_[i].distance() < far + pairs[i].radius;
   }
 }

@@ -24,10 +24,6 @@ struct Box {
   bool isNear(const Box& other, double margin) const {
     return (low.array() - margin <= other.high.array()).all() && (other.low.array() - margin <= high.array()).all();
   }
-  /// From a point to the nearest of the box, squared [m^2].
-  double squaredDistance(const Vec3& p) const {
-    return ((low - p).cwiseMax(p - high)).cwiseMax(Vec3::Zero()).squaredNorm();
-  }
 };
 
 class BoxTree {
@@ -52,25 +48,6 @@ class BoxTree {
       } else {
         waiting[count++] = node.right;
         waiting[count++] = node.left;
-      }
-    }
-  }
-  /// visit(i) for boxes in an order in which near ones come early; visit returns the squared distance that is still of
-  /// interest, and boxes farther from p than that are passed over.
-  template <class Visit>
-  void forEachNear(const Vec3& p, double squared, Visit&& visit) const {
-    if (empty()) return;
-    Stack waiting{0};
-    for (std::size_t count = 1; count > 0;) {
-      const Node& node = nodes_[std::size_t(waiting[--count])];
-      if (node.box.squaredDistance(p) > squared) continue;
-      if (node.item >= 0) {
-        squared = visit(node.item);
-      } else {
-        const bool left_first =
-            nodes_[std::size_t(node.left)].box.squaredDistance(p) < nodes_[std::size_t(node.right)].box.squaredDistance(p);
-        waiting[count++] = left_first ? node.right : node.left;
-        waiting[count++] = left_first ? node.left : node.right;
       }
     }
   }

@@ -14,6 +14,18 @@ void MappingChain::compile(const Actors& actors) {
   for (Vector* vector : {&x_, &v_, &p_, &f_}) vector->resize(actors.all_rows);
   linear_ = std::all_of(actors.mappings.begin(), actors.mappings.end(), [](const Mapping* m) { return m->isLinear(); });
   if (!linear_) last_force_.resize(actors.all_rows);
+  const std::vector<Mapping*>& mappings = actors.mappings;
+  loads_.assign(mappings.size(), {});
+  for (std::size_t i = mappings.size(); i-- > 0;) {
+    State* const child = &mappings[i]->output();
+    const auto has = [child](const std::vector<State*>& states) { return std::ranges::count(states, child) > 0; };
+    for (const ForceField* field : actors.force_fields)
+      if (has(field->states())) loads_[i].push_back(field);
+    for (std::size_t j = i + 1; j < mappings.size(); ++j)
+      if (has(mappings[j]->inputs())) loads_[i].insert(loads_[i].end(), loads_[j].begin(), loads_[j].end());
+    const bool has_mass = std::ranges::any_of(actors.masses, [&](const Mass* m) { return has({&m->state()}); });
+    if (has_mass || loads_[i].empty()) loads_[i].push_back(nullptr);  // empty: something reads it
+  }
 }
 
 ConstRows MappingChain::positions(ConstRows x) const {
@@ -23,10 +35,18 @@ ConstRows MappingChain::positions(ConstRows x) const {
   return std::as_const(x_).rows();
 }
 
-ConstRows MappingChain::lifted(ConstRows p, Vector& work) const {
+ConstRows MappingChain::beginProduct(ConstRows p) const {
+  acting_.clear();
+  for (std::size_t i = 0; i < loads_.size(); ++i)
+    if (std::ranges::any_of(loads_[i], [](const ForceField* field) { return !field || field->acts(); }))
+      acting_.push_back(actors_->mappings[i]);
+  return acting_.empty() ? p : lifted(p, p_, acting_);
+}
+
+ConstRows MappingChain::lifted(ConstRows p, Vector& work, const std::vector<Mapping*>& mappings) const {
   if (empty()) return p;
   copy(p.head(actors_->independent_rows), work.head(actors_->independent_rows));
-  for (const Mapping* mapping : actors_->mappings) heard("map", mapping)->applyJ(work);
+  for (const Mapping* mapping : mappings) heard("map", mapping)->applyJ(work);
   return std::as_const(work).rows();
 }
 
@@ -44,28 +64,18 @@ Rows MappingChain::beginSum(Rows out) const {
   return f_;
 }
 
-void MappingChain::finishSum(Rows all, Rows out) const {
-  if (empty()) return;
-  pullBack(all);
-  axpy(1, all.head(actors_->independent_rows), out.head(actors_->independent_rows));
-}
-
 void MappingChain::finishProduct(ConstRows p, double k, Rows all, Rows out) const {
   if (empty()) return;
-  pullBackProduct(p, k, all);
+  for (auto mapping = acting_.rbegin(); mapping != acting_.rend(); ++mapping) {
+    if (k != 0 && !(*mapping)->isLinear()) (*mapping)->addGeometricProduct(last_force_, p, k, all);
+    heard("map", *mapping)->applyJT(all);
+  }
   axpy(1, all.head(actors_->independent_rows), out.head(actors_->independent_rows));
 }
 
 void MappingChain::pullBack(Rows all) const {
   for (auto mapping = actors_->mappings.rbegin(); mapping != actors_->mappings.rend(); ++mapping)
     heard("map", *mapping)->applyJT(all);
-}
-
-void MappingChain::pullBackProduct(ConstRows p, double k, Rows all) const {
-  for (auto mapping = actors_->mappings.rbegin(); mapping != actors_->mappings.rend(); ++mapping) {
-    if (!(*mapping)->isLinear()) (*mapping)->addGeometricProduct(last_force_, p, k, all);
-    heard("map", *mapping)->applyJT(all);
-  }
 }
 
 void MappingChain::noteForce(ConstRows f) {

@@ -17,20 +17,20 @@ class MappingChain {
   /// The same vector on all rows. Vectors of a caller end with the independent rows, or have rows for mapped states that
   /// only mappings can fill. Valid until the next call of the same function.
   ConstRows positions(ConstRows x) const;
-  ConstRows velocities(ConstRows v) const { return lifted(v, v_); }
-  ConstRows direction(ConstRows p) const { return lifted(p, p_); }
+  ConstRows velocities(ConstRows v) const { return lifted(v, v_, actors_->mappings); }
+  ConstRows direction(ConstRows p) const { return lifted(p, p_, actors_->mappings); }
+  /// The same for a product: mappings to what does not act now are left out until finishProduct().
+  ConstRows beginProduct(ConstRows p) const;
 
   /// The acceleration of mapped rows where that of independent ones is zero, at the x of the last positions() and the v of
   /// all rows; zero in independent rows.
   void curve(ConstRows v, Rows a) const;
 
   /// Where to add forces on all rows whose sum out += J^T f is wanted: `out` itself without mappings, else work space
-  /// that is zero. To be handed to finishSum() or finishProduct().
+  /// that is zero. To be handed to finishProduct().
   Rows beginSum(Rows out) const;
-  /// out += J^T all, on independent rows; nothing to do without mappings.
-  void finishSum(Rows all, Rows out) const;
-  /// The same for k times the product of the stiffness with `p` (on all rows): each mapping that is not linear adds
-  /// the turning of the force on its child, (J^T f)' = J^T K J + dJ^T/dx f.
+  /// out += J^T all of a product with `p` (on all rows), on independent rows; nothing to do without mappings. With k times the
+  /// stiffness each mapping that is not linear adds the turning of the force on its child, (J^T f)' = J^T K J + dJ^T/dx f.
   void finishProduct(ConstRows p, double k, Rows all, Rows out) const;
 
   /// all += J^T all, from children to parents.
@@ -44,10 +44,11 @@ class MappingChain {
   void placePassive(Rows x, Rows v) const;
 
  private:
-  ConstRows lifted(ConstRows p, Vector& work) const;
-  void pullBackProduct(ConstRows p, double k, Rows all) const;
+  ConstRows lifted(ConstRows p, Vector& work, const std::vector<Mapping*>& mappings) const;
 
   const Actors* actors_ = nullptr;
+  std::vector<std::vector<const ForceField*>> loads_;  ///< of each mapping, on its child and what follows it; null: always
+  mutable std::vector<Mapping*> acting_;               ///< of the product that has begun
   bool linear_ = true;
   mutable Vector x_, v_, p_, f_;  ///< work space, shape (all rows), only with mappings
   Vector last_force_;             ///< shape (all rows), only with mappings that are not linear

@@ -104,7 +104,7 @@ void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows 
 
 void System::addStiffnessProduct(ConstRows p, const MatrixFactors& factors, Rows out) const {
   const PhaseTimer timer(times.product);
-  const ConstRows p_all = mappings_.direction(p);
+  const ConstRows p_all = mappings_.beginProduct(p);
   const Rows all = mappings_.beginSum(out);
   for (const ForceField* field : actors_.stiff_fields)
     if (const double factor = factors.of(*field); factor != 0)
@@ -114,11 +114,11 @@ void System::addStiffnessProduct(ConstRows p, const MatrixFactors& factors, Rows
 
 template <class Factor>
 void System::addMassProducts(ConstRows p, Rows out, Factor factor) const {
-  const ConstRows p_all = mappings_.direction(p);
+  const ConstRows p_all = mappings_.beginProduct(p);
   const Rows all = mappings_.beginSum(out);
   for (const Mass* mass : masses())
     if (factor(*mass) != 0) heard("product", mass)->addProduct(p_all, factor(*mass), all);
-  mappings_.finishSum(all, out);
+  mappings_.finishProduct(p_all, 0, all, out);
 }
 
 void System::addMassProduct(ConstRows p, double factor, Rows out) const {

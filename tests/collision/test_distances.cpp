@@ -71,25 +71,6 @@ TEST(BoxTree, FindsEachPairOnce) {
   }
 }
 
-TEST(BoxTree, FindsTheNearest) {
-  std::mt19937 random(2);
-  const std::vector<Box> boxes = someBoxes(random, 200);
-  BoxTree tree;
-  tree.build(boxes);
-  for (int round = 0; round < 50; ++round) {
-    const Vec3 p = 2 * somewhere(random);
-    double best = 1e30, expected = 1e30;
-    int visits = 0;
-    tree.forEachNear(p, best, [&](Index i) {
-      ++visits;
-      return best = std::min(best, boxes[std::size_t(i)].squaredDistance(p));
-    });
-    for (const Box& box : boxes) expected = std::min(expected, box.squaredDistance(p));
-    EXPECT_EQ(best, expected);
-    EXPECT_LT(visits, 100);
-  }
-}
-
 /// Points of a thing of up to three corners, a fine net.
 std::vector<Vec3> laidOver(const std::vector<Vec3>& corners) {
   std::vector<Vec3> points;

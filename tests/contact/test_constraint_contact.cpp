@@ -104,13 +104,55 @@ TEST(ConstraintContact, ASphereUnderANodeIsNotPassed) {
         0.05, Vec3::Zero(), euler));
     const State& state = *simulation.states().front();
     int done = 0;
-    for (int i = 0; i < 100; ++i, ++done) {
+    for (int i = 0; i < (speed == -2 ? 10 : 100); ++i, ++done) {
       const StepReport report = simulation.step();
       if (report.failed() || !report.constraints_converged) break;
       ASSERT_GT(state.x()[4].norm(), 0.06 - 1e-9) << "step " << i;
       ASSERT_GT(state.x()[4].z(), 0) << "step " << i;
     }
-    if (speed == -0.1) EXPECT_EQ(done, 100) << "half a contact distance per step is followed";
+    if (speed == -0.1 || speed == -2) {
+      EXPECT_EQ(done, speed == -2 ? 10 : 100) << "half a contact distance per step, or ten";
+    }
+  }
+}
+
+/// A node comes straight down on a sphere. In the step in which it would go into it, it stops where the gap is kept, whatever its
+/// speed, and in each step what pushes takes the momentum that the body loses (implicit Euler: m (v1 - v0) = dt l n).
+TEST(ConstraintContact, ANodeIsStoppedByASphereAtAnySpeed) {
+  constexpr double dt = 0.05;
+  for (const double speed : {-0.04, -0.11, -0.3, -0.5, -1.0, -2.0}) {
+    SCOPED_TRACE(speed);
+    std::string velocity = "velocity=\"";
+    for (int i = 0; i < 27; ++i) velocity += fmt::format("0 0 {} ", speed);
+    Simulation simulation = simulationFromText(contactScene(
+        bodyNode("a", boxOf(Vec3(-0.5, -0.5, 0.1), Vec3(0.5, 0.5, 1.1), {2, 2, 2}),
+                 "<ConstraintContact contactDistance=\"0.01\" spheres=\"0 0 0 0.05\"/>", velocity + "\"", 1e8),
+        dt, Vec3::Zero(), euler));
+    const System& system = *simulation.systems().front();
+    const std::vector<double>& mass = system.masses().front()->lumped();
+    const auto momentum = [&] {
+      Vec3 sum = Vec3::Zero();
+      for (Index node = 0; node < 27; ++node) sum += mass[std::size_t(node)] * system.v[node];
+      return sum;
+    };
+    const double whole = std::abs(momentum().z());
+    int stopped = 0;
+    for (int i = 1; i <= 40; ++i) {
+      const Vec3 before = momentum();
+      expectCleanStep(simulation, i);
+      if (HasFatalFailure()) return;
+      const std::vector<double> push = outputOf(simulation, "wrenches");
+      ASSERT_EQ(push.size(), 6u);
+      EXPECT_LT((momentum() - before - dt * Vec3(push[0], push[1], push[2])).norm(), 1e-9 * whole) << "step " << i;
+      const double away = system.x[4].norm();
+      ASSERT_GE(away, 0.06 - 1e-9) << "step " << i;
+      if (push[2] == 0) continue;
+      EXPECT_GT(push[2], 0) << "step " << i;
+      if (++stopped > 1) continue;
+      EXPECT_NEAR(system.x[4].z(), 0.06, 1e-6) << "where it first meets the sphere";
+      EXPECT_NEAR(0.1 + i * dt * speed, 0.06 + 0.5 * dt * speed, -0.5 * dt * speed + 1e-9) << "in the step that would take it in";
+    }
+    EXPECT_GT(stopped, 0);
   }
 }
 
@@ -136,6 +178,21 @@ TEST(ConstraintContact, ObstaclesWithFlatSidesAreRefused) {
   const std::string problems = problemsOf(contactScene(
       bodyNode("a", boxOf(Vec3(0, 0, 1), Vec3(1, 1, 2)), "<ConstraintContact boxes=\"0 0 0 1 1 0.5\"/>"), 0.01, Vec3::Zero(), euler));
   expectContains(problems, "planes, spheres and capsules");
+}
+
+/// Nearer than the gap that is kept: a plane below a cube, and a sphere below its bottom.
+TEST(ConstraintContact, AStartNearerThanTheGapIsRefused) {
+  for (const char* obstacle : {"planes=\"0 0 1 -0.02\"", "spheres=\"0.6 0.5 -0.22 0.2\""}) {
+    const auto scene = [&](double distance) {
+      return contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)),
+                                   fmt::format("<ConstraintContact contactDistance=\"{}\" {}/>", distance, obstacle)),
+                          0.01, Vec3::Zero(), euler);
+    };
+    const std::string problems = problemsOf(scene(0.05));
+    expectContains(problems, "of /a/dofs starts with a gap of 0.02 m, and contactDistance is 0.05 m");
+    expectContains(problems, "gaps that are not smaller than contactDistance");
+    EXPECT_EQ(problemsOf(scene(0.02)), "") << "a start at the gap is none";
+  }
 }
 
 TEST(ConstraintContact, AStartInOneAnotherIsRefused) {

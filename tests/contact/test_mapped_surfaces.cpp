@@ -3,8 +3,11 @@
 // triangles turn the wrong way.
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <map>
+#include <string_view>
 
+#include "framework/scene/spans.h"
 #include "framework/simulation/simulation.h"
 #include "tests/contact/contact_scenes.h"
 
@@ -237,6 +240,48 @@ TEST(MappedSurfaces, FrictionThatHasNotSettledIsSaid) {
     else
       EXPECT_EQ(said, "");
   }
+}
+
+struct CountsMaps final : SpanListener {
+  CountsMaps() { span_listener = this; }
+  ~CountsMaps() override { span_listener = nullptr; }
+  void begin(const char* what, const Component*) override { maps += std::string_view(what) == "map"; }
+  void end(long) override {}
+  std::atomic<long> maps = 0;
+};
+
+/// A tool comes down on a block. Until it touches, products of the solves leave out its mapping; no bit of what follows depends on
+/// that: a load of zero on the tool keeps the mapping in.
+TEST(MappedSurfaces, ProductsLeaveOutWhatDoesNotAct) {
+  int met = 0;  // the last step in which they did
+  const auto run = [&met](const std::string& load, std::vector<double>& maps) {
+    const std::string tool = rigid("tool", boxOf(Vec3(-.2, -.2, -.1), Vec3(.2, .2, .1)),
+                                   "position=\"0.5 0.5 1.25  0 0 0 1\" velocity=\"0 0 -1.5  0.3 0 0\"", 100, 1);
+    std::string scene = contactScene(
+        bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2}), "<FixedProjectiveConstraint indices=\"0 1 2 3\"/>") + tool +
+            "<BarrierContact name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" other=\"@tool/skin/dofs\" contactDistance=\"0.02\"/>",
+        0.01, Vec3(0, 0, -1));
+    scene.replace(scene.find("<SparseLDLSolver/>"), 18, "<CGLinearSolver iterations=\"400\" tolerance=\"1e-10\"/>");
+    scene.replace(scene.find("<RigidMapping/>"), 0, load);
+    Simulation simulation = simulationFromText(scene);
+    CountsMaps counts;
+    std::vector<double> places;
+    for (int i = 0; i < 20; ++i) {
+      const long before = counts.maps;
+      expectCleanStep(simulation, i, false);
+      maps.push_back(double(counts.maps - before));
+      if (outputOf(simulation, "smallestGap") > 0) met = i;
+      const System& system = *simulation.systems()[0];
+      for (Index row = 0; row < system.x.count(); ++row)
+        for (int k = 0; k < 3; ++k) places.push_back(system.x[row][k]);
+    }
+    return places;
+  };
+  std::vector<double> less, more;
+  EXPECT_EQ(run("", less), run("<ConstantForceField indices=\"0\" forces=\"0 0 0\"/>", more));
+  EXPECT_LT(less.front(), more.front() / 2);
+  ASSERT_GT(met, 5);
+  EXPECT_GT(less[std::size_t(met)], 3 * less.front()) << "what is pushed is in the products";
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "framework/collision/exact_intersection.h"
+#include "components/contact/contact_parts.h"
 #include "components/contact/longest_step.h"
 
 namespace stroma::test {
@@ -174,6 +175,35 @@ TEST(Queries, DistancesAgreeWithRationalNumbers) {
       const double expected = std::sqrt(double(squaredDistance(kind, exact(x))));
       ASSERT_NEAR(closestPoints(kind, x).distance(), expected, 1e-14 * 16) << i;
     }
+}
+
+/// Edges that are nearly parallel, from exactly to a thousandth: side by side, over each other, in one line, crossing, touching. The
+/// bound is no more than the distance, in rational numbers, and less by no more than their angle makes of half an edge.
+TEST(Queries, TheBoundForParallelEdgesIsOne) {
+  Numbers numbers(16);
+  int bounds = 0, crossed = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 along = numbers.point();
+    if (along.norm() < 0.1) continue;
+    const double angle = numbers.whole(0, 8) == 0 ? 0 : std::ldexp(1, -numbers.whole(11, 56));
+    const double length = numbers.whole(-64, 64) / 32., apart = numbers.whole(0, 2) == 0 ? 0 : std::ldexp(1, -numbers.whole(0, 50));
+    FourPoints x{numbers.point(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+    x[1] = x[0] + along;
+    x[2] = x[0] + numbers.whole(-64, 64) / 32. * along + apart * numbers.point();
+    x[3] = x[2] + length * (along + angle * numbers.point());
+    const double bound = contact::leastOfParallel(x);
+    if (bound < 0) continue;
+    ++bounds;
+    const Rational square = squaredDistance(PairKind::edge_edge, exact(x));
+    ASSERT_LE(Rational(bound) * Rational(bound), square) << i;
+    const Vec3 p = x[1] - x[0], q = x[3] - x[2];
+    const double slack = 0.51 * p.cross(q).norm() / std::max(p.norm(), q.norm());
+    const double distance = std::sqrt(double(square));
+    ASSERT_GE(bound, std::sqrt(std::max(0.0, distance * distance - slack * slack)) - 2e-13) << i;
+    crossed += distance < 1e-12;
+  }
+  EXPECT_GT(bounds, 10000);
+  EXPECT_GT(crossed, 100);
 }
 
 }  // namespace STROMA_TEST_FILE

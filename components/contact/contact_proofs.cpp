@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What motion has used up of the proofs of Candidates, and what is written of them.
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "components/contact/contact_candidates.h"
+#include "framework/scene/archive.h"
+
+namespace stroma::contact {
+
+namespace {
+[[noreturn]] void refuseStored() {
+  throw std::runtime_error("the checkpoint has pairs of surfaces that are not there: it was written by another scene");
+}
+
+/// Of two parts, by the common motion of either, for distances up to `far`.
+double leftOver(const CommonMotion& a, const CommonMotion& b, double far) {
+  return std::min(mostApart(a, b) + a.shrink * far, mostApart(b, a) + b.shrink * far);
+}
+}  // namespace
+
+/// Motion of each meeting at x. True: it is less than what the pairs of each were found for.
+bool Candidates::follow(const std::vector<Vec3>& x) {
+  if (is_followed_ && x == followed_) return is_all_known_;
+  may_push_ = true, is_followed_ = false;
+  if (found_at_.size() != x.size()) return false;
+  const std::vector<double> straight;
+  for (std::size_t p = 0; p < parts_.size(); ++p) gone_[p] = displacementsOf(parts_[p], x, &found_at_, straight);
+  std::fill(is_turned_.begin(), is_turned_.end(), false);
+  is_all_known_ = true, may_push_ = false;
+  for (Meeting& meeting : meetings_) {
+    // most parts are so far apart that the least known of their motion is enough
+    meeting.motion = meeting.used + goneOf(meeting) + roundOffOf(meeting);
+    const double budget = budgetOf(meeting), until_push = meeting.pushing - reach;
+    const double enough = std::min({budget, meeting.clear, until_push > 0 ? until_push : budget});
+    if (meeting.motion >= enough) takeOffShift(meeting);
+    if (meeting.motion >= enough) takeOffTurns(meeting, x);
+    is_all_known_ = is_all_known_ && meeting.motion <= budget;
+    may_push_ = may_push_ || !(meeting.pushing - meeting.motion >= reach);
+  }
+  followed_ = x, is_followed_ = true;
+  return is_all_known_;
+}
+
+/// Motion of a meeting at the x of the last follow(), less what its parts go along together. That is rounded all the same.
+void Candidates::takeOffShift(Meeting& meeting) {
+  const Displacements &a = gone_[std::size_t(meeting.a)], &b = gone_[std::size_t(meeting.b)];
+  meeting.motion = meeting.used + mostApart(a, b) + roundOffOf(meeting);
+}
+
+/// The same, less what each of them does as a whole.
+void Candidates::takeOffTurns(Meeting& meeting, const std::vector<Vec3>& x) {
+  const double round_off = roundOffOf(meeting);
+  if (meeting.near < 0 || !std::isfinite(round_off) || !(meeting.motion > meeting.used + round_off)) return;
+  for (const int part : {meeting.a, meeting.b})
+    if (!std::exchange(is_turned_[std::size_t(part)], true))
+      turned_[std::size_t(part)] = commonMotionTo(parts_[std::size_t(part)], found_at_, x);
+  const double motion = meeting.used + round_off + leftOver(turned_[std::size_t(meeting.a)], turned_[std::size_t(meeting.b)],
+                                                            meeting.near + radii_);
+  if (motion < meeting.motion) meeting.motion = motion;
+}
+
+/// The same of a straight way from x, of which `way` is known.
+double Candidates::takeOffTurns(const Meeting& meeting, const std::vector<Vec3>& x, const std::vector<Vec3>& dx,
+                                const std::vector<double>& bend, double way) {
+  if (meeting.near < 0 || !std::isfinite(way)) return way;
+  for (const int part : {meeting.a, meeting.b})
+    if (!std::exchange(does_turn_[std::size_t(part)], true))
+      turns_[std::size_t(part)] = commonMotionAlong(parts_[std::size_t(part)], x, dx, bend);
+  const double less = leftOver(turns_[std::size_t(meeting.a)], turns_[std::size_t(meeting.b)], meeting.near + radii_);
+  return less < way ? less : way;
+}
+
+/// Motion is measured from x from now on; what it was until then has been used up. Not to be called before follow().
+void Candidates::startFrom(const std::vector<Vec3>& x) {
+  for (Meeting& meeting : meetings_) {
+    if (meeting.near >= 0) takeOffShift(meeting), takeOffTurns(meeting, x);
+    meeting.used = meeting.motion;
+  }
+  is_followed_ = false;
+  found_at_ = x;
+  size_ = 0;
+  for (const Vec3& p : x) size_ = std::max(size_, p.cwiseAbs().maxCoeff());
+  std::fill(searched_.begin(), searched_.end(), false);
+  found_.clear();
+  fitNone();
+}
+
+/// Pairs are written and not found again: which of them are kept depends on where they were looked for.
+void Candidates::serialize(Archive& archive) {
+  std::vector<int> pairs;
+  std::vector<double> known, distances;
+  for (const Meeting& m : meetings_)
+    known.insert(known.end(), {m.near, m.clear, m.pushing, m.used, double(step_ - m.step), double(m.is_free)});
+  for (const Candidate& pair : pairs_) {
+    pairs.insert(pairs.end(), {int(pair.kind), pair.first, pair.second, pair.meeting});
+    distances.push_back(pair.distance);
+  }
+  archive.list("found_at", found_at_), archive.list("meetings", known);
+  archive.list("pairs", pairs), archive.list("distances", distances);
+  const std::vector<Vec3> at = found_at_;
+  if (archive.isReading()) forget();
+  archive.value("searches", work_.searches), archive.value("ways", work_.ways), archive.value("tests", work_.tests);
+  if (!archive.isReading()) return;
+  // of other obstacles, which somebody has changed since: found anew
+  if (at.size() != surfaces_->rows.size() || known.size() != 6 * meetings_.size()) return;
+  startFrom(at);
+  for (std::size_t m = 0; m < meetings_.size(); ++m) {
+    const double* k = known.data() + 6 * m;
+    Meeting& meeting = meetings_[m];
+    meeting.near = k[0], meeting.clear = k[1], meeting.pushing = k[2], meeting.used = meeting.motion = k[3];
+    meeting.step = step_ - long(k[4]), meeting.is_free = k[5] != 0;
+  }
+  readPairs(pairs, distances);
+}
+
+void Candidates::readPairs(const std::vector<int>& numbers, const std::vector<double>& distances) {
+  const Surfaces& s = *surfaces_;
+  if (numbers.size() != 4 * distances.size()) refuseStored();
+  const auto isOf = [](int number, std::size_t count) { return number >= 0 && std::size_t(number) < count; };
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const int* n = numbers.data() + 4 * i;
+    const bool edges = n[0] == int(PairKind::edge_edge);
+    if ((!edges && n[0] != int(PairKind::point_triangle)) || !isOf(n[1], edges ? s.edges.size() : s.rows.size()) ||
+        !isOf(n[2], edges ? s.edges.size() : s.faces.size()) || !isOf(n[3], meetings_.size()))
+      refuseStored();
+    const auto radiusOf = [&](int edge) {
+      const int v = s.edges[std::size_t(edge)][0];
+      return s.radius[std::size_t(s.faces_around.values[std::size_t(s.faces_around.start[std::size_t(v)])])];
+    };
+    Candidate pair = edges ? twoEdges(n[1], n[2], radiusOf(n[1]) + radiusOf(n[2])) : vertexAndFace(n[1], n[2]);
+    pair.meeting = n[3], pair.distance = distances[i], pair.pushes = !isNearAtRest(pair);
+    pairs_.push_back(pair);
+  }
+}
+
+}  // namespace stroma::contact
