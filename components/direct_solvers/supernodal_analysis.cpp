@@ -136,15 +136,17 @@ cholmod_sparse* SupernodalAnalysis::upper(const Graph& graph) {
 /// a node's three unknowns have one pattern.
 std::vector<int> SupernodalAnalysis::orderUnknowns(const Graph& nodes) {
   std::vector<int> node_order(std::size_t(nodes.rows())), best;
-  const std::lock_guard lock(orderingLock());
   cholmod_sparse* graph = upper(nodes);
   common.method[0].ordering = CHOLMOD_GIVEN;
   common.supernodal = CHOLMOD_SIMPLICIAL;
   common.postorder = 1;
   double fewest = 0;
+  const auto metis = [&] {
+    const std::lock_guard lock(orderingLock());
+    return cholmod_metis(graph, nullptr, 0, 1, node_order.data(), &common);
+  };
   for (const char* method : {"METIS", "AMD"}) {
-    const bool good = *method == 'M' ? cholmod_metis(graph, nullptr, 0, 1, node_order.data(), &common)
-                                     : cholmod_amd(graph, nullptr, 0, node_order.data(), &common);
+    const bool good = *method == 'M' ? metis() : cholmod_amd(graph, nullptr, 0, node_order.data(), &common);
     if (!good) continue;
     cholmod_factor* trial = cholmod_analyze_p(graph, node_order.data(), nullptr, 0, &common);
     if (trial && (best.empty() || common.fl < fewest)) {

@@ -105,12 +105,11 @@ struct ExactDeviatoric : Model {
   }
 };
 
-/// The cells of one material: everything that the averages do not share with other materials. `Single`: one of the
-/// models above.
-template <class Single>
+/// The cells of one material: everything that the averages do not share with other materials. `Storage`: of fans of one of
+/// the models above.
+template <class Storage>
 struct AveragedCells {
-  using Model = FanOf<Single>;
-  StorageOf<Model> storage;
+  Storage storage;
   std::vector<Fan> fans;           ///< in the order of the storage's elements; Fan::element indexes `cells`
   std::vector<Tetrahedron> cells;  ///< rows of their nodes
   std::vector<Index> rows;         ///< rows of the nodes of all cells, ascending

@@ -40,6 +40,8 @@ class ElasticElements {
   virtual void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) = 0;
   /// `first_row`: row of node 0; `lame`: Lame's constants of a cell.
   virtual std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const = 0;
+  /// Kernels of the exact tangent lie as those of the warped one: what is known of the matrix of the one holds for the other.
+  virtual bool tangentsLieAlike() const { return false; }
   /// "tetrahedron 12 (nodes 3 4 8 9)"
   virtual std::string describe(std::size_t cell) const = 0;
   /// The smallest det F at the cell's integration points; x starts at node 0.

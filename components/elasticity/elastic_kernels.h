@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "components/elasticity/elastic_variant.h"
+#include "components/elasticity/rotation_methods.h"
 #include "framework/fem/model_kernels.h"
-#include "framework/fem/rotation.h"
 
 namespace stroma {
 
@@ -16,18 +16,13 @@ std::unique_ptr<ElementKernels> makeRotated(const ElasticVariant& variant, Make&
   if (variant.method == ElasticMethod::polar) return make.template operator()<rotation::Polar>();
   return make.template operator()<rotation::Svd>();
 }
-/// The same with make.operator()<update>().
+/// The same with make.operator()<update>(): none or strain_displacement. Whether the volume follows too is a number of the rest
+/// shapes.
 template <class Make>
 std::unique_ptr<ElementKernels> makeUpdated(const ElasticVariant& variant, Make&& make) {
   using elastic::Update;
-  switch (variant.update) {
-    case Update::none:
-      return make.template operator()<Update::none>();
-    case Update::strain_displacement:
-      return make.template operator()<Update::strain_displacement>();
-    default:
-      return make.template operator()<Update::strain_displacement_and_volume>();
-  }
+  if (variant.update == Update::none) return make.template operator()<Update::none>();
+  return make.template operator()<Update::strain_displacement>();
 }
 
 /// A method whose products go through its own assembled matrix, refreshed with every force unless K is constant.

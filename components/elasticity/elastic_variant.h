@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "framework/fem/strain.h"
+#include "components/elasticity/strain.h"
 
 namespace stroma {
 

@@ -6,7 +6,7 @@
 //   K_ab = -sum_p [ lambda m_a (x) m_b + mu m_b (x) m_a + mu (n_a . n_b) F F^T + (n_a . S n_b) I ],   m_a = F n_a
 // for small strains and for St. Venant-Kirchhoff.
 #pragma once
-#include "framework/fem/strain.h"
+#include "components/elasticity/strain.h"
 
 namespace stroma::elastic {
 

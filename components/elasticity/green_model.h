@@ -6,7 +6,7 @@
 //   matrixOf(), addMeanMatrixOf()        K of the points, and its part of a mean dilatation, out of line
 #pragma once
 #include "components/elasticity/element_matrix.h"
-#include "framework/fem/strain.h"
+#include "components/elasticity/strain.h"
 
 namespace stroma::elastic {
 

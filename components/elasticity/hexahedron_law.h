@@ -9,7 +9,7 @@
 // strains are small. In the constants below: lambda becomes -2/3 mu, the local part of dev, and `bulk` = K/V acts on
 // sum w tr(eps).
 #pragma once
-#include "framework/fem/hexahedron.h"
+#include "components/elasticity/hexahedron_modes.h"
 
 namespace stroma::hexahedron {
 

@@ -6,13 +6,11 @@
 
 namespace stroma {
 
-#define STROMA_MEAN_FORCES_OF(Rotation)                                                                           \
-  STROMA_MEAN_FORCES template struct ForceLoops<                                                                  \
-      hexahedron::PointCorotational<hexahedron::MeanDilatation, Rotation, elastic::Update::none>>;                \
-  STROMA_MEAN_FORCES template struct ForceLoops<                                                                  \
-      hexahedron::PointCorotational<hexahedron::MeanDilatation, Rotation, elastic::Update::strain_displacement>>; \
-  STROMA_MEAN_FORCES template struct ForceLoops<hexahedron::PointCorotational<                                    \
-      hexahedron::MeanDilatation, Rotation, elastic::Update::strain_displacement_and_volume>>
+#define STROMA_MEAN_FORCES_OF(Rotation)                                                            \
+  STROMA_MEAN_FORCES template struct ForceLoops<                                                   \
+      hexahedron::PointCorotational<hexahedron::MeanDilatation, Rotation, elastic::Update::none>>; \
+  STROMA_MEAN_FORCES template struct ForceLoops<                                                   \
+      hexahedron::PointCorotational<hexahedron::MeanDilatation, Rotation, elastic::Update::strain_displacement>>
 STROMA_MEAN_FORCES_OF(rotation::Qr);
 STROMA_MEAN_FORCES_OF(rotation::Polar);
 STROMA_MEAN_FORCES_OF(rotation::Svd);

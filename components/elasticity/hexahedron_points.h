@@ -82,8 +82,8 @@ struct Kinematics {
     if constexpr (update == Update::none) return elastic::rotated(rotation, rest.g[p]);
     const M3<T> c = Columns<T>(j, p).matrix(), n = cofactor(c);
     T scale = rest.scale[p];
-    if constexpr (update == Update::strain_displacement_and_volume)
-      scale = volumeScale(stroma::dot(c.c0, n.c0) * rest.inverse_determinant[p], scale);
+    const T inverse = rest.inverse_determinant[p];
+    if (any(abs(inverse) > T(0.))) scale = volumeScale(stroma::dot(c.c0, n.c0) * inverse, scale);
     return {n.c0 * scale, n.c1 * scale, n.c2 * scale};
   }
 };
@@ -155,8 +155,8 @@ struct ExactPointCorotational : PointCorotational<Law, Rotation, update> {
     const M3<T> dn{cross(de[1], e[2]) + cross(e[1], de[2]), cross(de[2], e[0]) + cross(e[2], de[0]),
                    cross(de[0], e[1]) + cross(e[0], de[1])};
     T scale = rest.scale[p], dscale(0.);
-    if constexpr (update == Update::strain_displacement_and_volume) {
-      const T inverse = rest.inverse_determinant[p], ratio = stroma::dot(e[0], n.c0) * inverse;
+    if (const T inverse = rest.inverse_determinant[p]; any(abs(inverse) > T(0.))) {
+      const T ratio = stroma::dot(e[0], n.c0) * inverse;
       const T dratio = (stroma::dot(de[0], n.c0) + stroma::dot(de[1], n.c1) + stroma::dot(de[2], n.c2)) * inverse;
       dscale = volumeScaleDifferential(ratio, dratio, scale);
       scale = volumeScale(ratio, scale);

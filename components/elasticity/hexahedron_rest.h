@@ -24,7 +24,7 @@ struct PointRest {
   Modes<T> modes;            ///< X
   Gradients<T> g[8];         ///< w^1/2 / 8 times the rows of J_0^-1
   T scale[8];                ///< of the cofactors of a J made of modes: sign(det J_0) / (512 w^1/2)
-  T inverse_determinant[8];  ///< of a J_0 made of modes, 512 det J_0
+  T inverse_determinant[8];  ///< of a J_0 made of modes, 512 det J_0; 0 where B is updated and the volume is not
 };
 
 }  // namespace stroma::hexahedron

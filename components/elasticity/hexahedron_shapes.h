@@ -10,9 +10,9 @@
 #include "components/elasticity/hexahedron_boxes.h"
 #include "components/elasticity/hexahedron_green.h"
 #include "components/elasticity/hexahedron_points.h"
+#include "components/elasticity/rotation_methods.h"
 #include "framework/fem/eigen_matrix.h"
 #include "framework/fem/isotropic.h"
-#include "framework/fem/rotation.h"
 #include "framework/mesh/mesh.h"
 #include "framework/scene/diagnostics.h"
 
@@ -119,7 +119,7 @@ class HexahedronShapes {
     const PointValues<double> j = atPoints(rest.modes);
     for (int p = 0; p < 8; ++p) {
       const M3<double> columns = Columns<double>(j, p).matrix(), n = cofactor(columns);
-      rest.inverse_determinant[p] = 1 / determinantAt(j, p);
+      rest.inverse_determinant[p] = variant_.update == Update::strain_displacement ? 0 : 1 / determinantAt(j, p);
       const double weight = std::abs(determinantAt(j, p)) / 512;
       rest.scale[p] = std::copysign(1 / (512 * std::sqrt(weight)), determinantAt(j, p));
       rest.g[p] = {n.c0 * rest.scale[p], n.c1 * rest.scale[p], n.c2 * rest.scale[p]};

@@ -11,8 +11,8 @@
 //   P_00 = sigma_00,  P_01 = sigma_01,  P_11 = sigma_11,  P_10 = (sigma_01 m_11 - sigma_11 m_01) / m_00
 // and f_i = -V sum_ab r_a P_ab G_ib, G_i row i of D_m^-1. P_10 differs from sigma_01 in second order of the strain.
 #pragma once
+#include "components/elasticity/rotation_methods.h"
 #include "framework/fem/model_kernels.h"
-#include "framework/fem/rotation.h"
 
 namespace stroma::membrane {
 

@@ -86,7 +86,7 @@ struct Elements {
   const std::function<Lame(std::size_t)>& lame;
 };
 
-/// method = large, polar, svd (Rotation): quadratic_tetrahedron_large.cpp, _polar.cpp and _svd.cpp.
+/// method = large, polar, svd (Rotation): quadratic_tetrahedron_rotated.cpp.
 template <class Rotation>
 std::unique_ptr<ElementKernels> rotatedKernels(const Elements& elements);
 

@@ -9,9 +9,9 @@
 #pragma once
 #include "components/elasticity/element_matrix.h"
 #include "components/elasticity/green_model.h"
+#include "components/elasticity/rotation_methods.h"
 #include "framework/fem/model_kernels.h"
 #include "framework/fem/quadratic_tetrahedron.h"
-#include "framework/fem/rotation.h"
 
 namespace stroma::quadratic_tetrahedron {
 

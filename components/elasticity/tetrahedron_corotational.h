@@ -16,8 +16,9 @@
 #include <cmath>
 #include <type_traits>
 
+#include "components/elasticity/rotation_methods.h"
+#include "components/elasticity/strain.h"
 #include "framework/fem/isotropic.h"
-#include "framework/fem/rotation.h"
 #include "framework/fem/tetrahedron.h"
 
 namespace stroma::tetrahedron {
@@ -40,6 +41,7 @@ struct RestShape {
   T root;
   V3<T> edges[3];
   T inverse_six_volume;
+  T of_volume;  ///< the same where V is updated too, else 0
 };
 /// Warping by node weighs F by 1/6V_0 and takes it with the gradients of its tangent.
 template <class T>
@@ -123,8 +125,7 @@ Kinematics<T> kinematics(const RestOf<update, T>& rest, const V3<T> (&x)[4]) {
   } else {
     const M3<T> n = cofactor(M3<T>{e[0], e[1], e[2]});
     T scale = rest.inverse_six_volume;
-    if constexpr (update == Update::strain_displacement_and_volume)
-      scale = volumeScale(dot(e[0], n.c0) * rest.inverse_six_volume, rest.inverse_six_volume);
+    if (any(abs(rest.of_volume) > T(0.))) scale = volumeScale(dot(e[0], n.c0) * rest.of_volume, rest.of_volume);
     k.g = {n.c0 * scale, n.c1 * scale, n.c2 * scale};
     for (int i = 0; i < 3; ++i) k.d[i] = e[i] - k.rotation * rest.edges[i];
   }
@@ -160,11 +161,11 @@ Variation<T> variation(const RestOf<update, T>& rest, const V3<T> (&x)[4], const
     const M3<T> dn{cross(de[1], e[2]) + cross(e[1], de[2]), cross(de[2], e[0]) + cross(e[2], de[0]),
                    cross(de[0], e[1]) + cross(e[0], de[1])};
     T scale = rest.inverse_six_volume, dscale(0.);
-    if constexpr (update == Update::strain_displacement_and_volume) {
-      const T ratio = dot(e[0], n.c0) * rest.inverse_six_volume;
-      const T dratio = (dot(de[0], n.c0) + dot(de[1], n.c1) + dot(de[2], n.c2)) * rest.inverse_six_volume;
-      scale = volumeScale(ratio, rest.inverse_six_volume);
-      dscale = volumeScaleDifferential(ratio, dratio, rest.inverse_six_volume);
+    if (const T inverse = rest.of_volume; any(abs(inverse) > T(0.))) {
+      const T ratio = dot(e[0], n.c0) * inverse;
+      const T dratio = (dot(de[0], n.c0) + dot(de[1], n.c1) + dot(de[2], n.c2)) * inverse;
+      scale = volumeScale(ratio, inverse);
+      dscale = volumeScaleDifferential(ratio, dratio, inverse);
     }
     dg = {dn.c0 * scale + n.c0 * dscale, dn.c1 * scale + n.c1 * dscale, dn.c2 * scale + n.c2 * dscale};
     for (int i = 0; i < 3; ++i) dd[i] = de[i] - dr * rest.edges[i];

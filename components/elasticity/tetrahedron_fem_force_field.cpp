@@ -54,7 +54,7 @@
 //     <FixedProjectiveConstraint indices="@held.indices"/>
 //   </Node>
 // </Node>
-#include "components/elasticity/averaged_kernels.h"
+#include "components/elasticity/nodal_dilatation.h"
 #include "components/elasticity/elastic_force_field.h"
 #include "framework/scene/factory.h"
 
@@ -91,18 +91,20 @@ class Tetrahedra final : public ElasticElements {
   }
   // up to here the mean is better by a fifth of the error at most, and a product costs twice as much
   double meanDilatationFrom() const override { return std::nextafter(0.45, 1); }
-  std::size_t mostMaterials() const override { return 100; }  // averaged_kernels.h
+  std::size_t mostMaterials() const override { return 100; }  // nodal_averages.cpp
   bool rotationHasPotential() const override { return true; }
   bool usePolarOfEdges() override { return polar_of_edges_ = true; }
 
   void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
     variant_ = variant;
-    shapes_ = std::make_unique<TetrahedronShapes>(mesh, rest);
+    shapes_ = std::make_unique<TetrahedronShapes>(mesh, rest, variant.update);
   }
 
   std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
     return withOwnMatrix(variant_, makeMethod({*shapes_, first_row, lame}));
   }
+
+  bool tangentsLieAlike() const override { return !variant_.mean_dilatation; }  // in the same fans
 
   std::string describe(std::size_t e) const override { return shapes_->describe(e); }
   double jacobian(std::size_t e, ConstRows x) const override {
@@ -125,7 +127,8 @@ class Tetrahedra final : public ElasticElements {
   Nanoseconds cost() const override {
     const double lanes = 8. / pack_lanes;
     const bool green = variant_.method == ElasticMethod::green, nodal = variant_.method == ElasticMethod::nodal;
-    return {(green ? 12 : variant_.exact_tangent ? 40 : nodal ? 30 : 4.6) * lanes, 100};
+    const bool by_products = variant_.exact_tangent && !green;  // a matrix of twelve products
+    return {(green ? 12 : by_products ? 40 : nodal ? 30 : 4.6) * lanes, by_products ? 400 * lanes : 100};
   }
 
  private:

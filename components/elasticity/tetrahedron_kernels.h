@@ -17,7 +17,7 @@ struct Elements {
 /// method = large, polar, svd (Rotation): tetrahedron_large.cpp, _polar.cpp and _svd.cpp.
 template <class Rotation>
 std::unique_ptr<ElementKernels> rotatedKernels(const ElasticVariant& variant, const Elements& elements);
-/// The same with dilatation = mean: nodal_dilatation_large.cpp, _polar.cpp and _svd.cpp.
+/// The same with dilatation = mean: nodal_dilatation.cpp.
 template <class Rotation>
 std::unique_ptr<ElementKernels> averagedKernels(const ElasticVariant& variant, const Elements& elements);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The kernels of one rotation, for the source that instantiates them.
 #pragma once
-#include "components/elasticity/averaged_kernels.h"
+#include "components/elasticity/nodal_dilatation.h"
 
 namespace stroma::tetrahedron {
 

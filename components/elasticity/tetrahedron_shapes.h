@@ -6,10 +6,10 @@
 #include <Eigen/LU>
 #include <functional>
 
+#include "components/elasticity/rotation_methods.h"
 #include "components/elasticity/tetrahedron_models.h"
 #include "framework/fem/eigen_matrix.h"
 #include "framework/fem/isotropic.h"
-#include "framework/fem/rotation.h"
 #include "framework/mesh/mesh.h"
 #include "framework/scene/diagnostics.h"
 
@@ -21,7 +21,8 @@ using LameOf = std::function<Lame(std::size_t)>;
 class TetrahedronShapes {
  public:
   /// Throws ComponentError for a cell without a volume. Both are kept by reference.
-  TetrahedronShapes(const Mesh& mesh, const std::vector<Vec3>& rest) : mesh_(&mesh), rest_(&rest) {
+  TetrahedronShapes(const Mesh& mesh, const std::vector<Vec3>& rest, elastic::Update update)
+      : mesh_(&mesh), rest_(&rest), update_(update) {
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
       const Mat3 edges = restEdges(mesh.tetrahedra[e]);
       const double longest = edges.colwise().norm().maxCoeff();
@@ -66,6 +67,8 @@ class TetrahedronShapes {
       rest.edges[0] = local.c0, rest.edges[1] = local.c1, rest.edges[2] = local.c2;
     }
     if constexpr (requires { rest.inverse_six_volume; }) rest.inverse_six_volume = 1 / edges.determinant();
+    if constexpr (requires { rest.of_volume; })
+      rest.of_volume = update_ == elastic::Update::strain_displacement_and_volume ? rest.inverse_six_volume : 0;
     setTangent(tangent, {world.c0, world.c1, world.c2}, constants, volume);
   }
 
@@ -79,6 +82,7 @@ class TetrahedronShapes {
 
   const Mesh* mesh_;
   const std::vector<Vec3>* rest_;
+  elastic::Update update_;
 };
 
 }  // namespace stroma::tetrahedron

@@ -3,12 +3,15 @@
 #include "components/hyperelasticity/hyperelastic_tensors.h"
 #include "framework/fem/hexahedron.h"
 #include "framework/fem/quadratic_tetrahedron.h"
+#include "framework/mesh/mesh.h"
 
 namespace stroma::hyperelastic {
 
-/// For CellVolume: 8 J at 2x2x2 points (hexahedron.h).
+/// For CellVolume and PointLaw: 8 J at 2x2x2 points (hexahedron.h).
 struct HexahedronPoints {
   static constexpr int nodes = 8, points = 8;
+  static constexpr double scale = 512;  ///< a point has det J over it of the volume
+  static const auto& listOf(const Mesh& mesh) { return mesh.hexahedra; }
   template <class T>
   using Values = hexahedron::PointValues<T>;
   template <class T>
@@ -31,6 +34,8 @@ struct HexahedronPoints {
 /// J at four points (quadratic_tetrahedron.h).
 struct QuadraticPoints {
   static constexpr int nodes = quadratic_tetrahedron::nodes, points = quadratic_tetrahedron::points;
+  static constexpr double scale = 24;
+  static const auto& listOf(const Mesh& mesh) { return mesh.quadratic_tetrahedra; }
   template <class T>
   using Values = quadratic_tetrahedron::PointValues<T>;
   template <class T>
@@ -48,6 +53,10 @@ struct QuadraticPoints {
   template <class T>
   static void toNodes(const Values<T>& all, V3<T> (&f)[nodes]) {
     quadratic_tetrahedron::nodesOf(all, f);
+  }
+  template <class T>
+  static V3<T> nodeGradient(const elastic::Gradients<T>& g, int a, int p) {
+    return quadratic_tetrahedron::nodeGradient(g, a, p);
   }
 };
 

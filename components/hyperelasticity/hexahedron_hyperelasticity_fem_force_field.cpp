@@ -26,11 +26,15 @@
 //   <FixedProjectiveConstraint indices="@held.indices"/>
 // </Node>
 #include "components/hyperelasticity/hyperelastic_force_field.h"
+#include "components/hyperelasticity/point_kernels.h"
+#include "components/hyperelasticity/point_law.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
+using namespace stroma::hyperelastic;
 
 STROMA_COMPONENT(hexahedron_hyperelasticity_fem_force_field) {
+  if (!pointKernels().hexahedra) pointKernels().hexahedra = pointLawOf<HexahedronPoints>;
   factory.add<HyperelasticForceField>(
       "HexahedronHyperelasticityFEMForceField",
       "hyperelastic hexahedra: laws of large strains (StVenantKirchhoff, NeoHookean, ...) at 2x2x2 points",

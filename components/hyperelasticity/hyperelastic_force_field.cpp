@@ -12,7 +12,7 @@
 #include <set>
 
 #include "components/hyperelasticity/hyperelastic_volume.h"
-#include "components/hyperelasticity/quadratic_kernels.h"
+#include "components/hyperelasticity/point_kernels.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/names.h"
@@ -105,11 +105,11 @@ HyperelasticForceField::KindKernels HyperelasticForceField::kernels() const {
   using hyperelastic::Cells;
   using Method = std::unique_ptr<ElementKernels>;
   if (kind->type == CellType::hexahedron)
-    return {[](const HyperelasticLaw& law, const Cells& cells) -> Method { return law.hexahedra(cells); },
-            hyperelastic::meanVolumeKernels().hexahedra, residualStressKernels().hexahedra, 120, 1200};
+    return {hyperelastic::pointKernels().hexahedra, hyperelastic::meanVolumeKernels().hexahedra,
+            residualStressKernels().hexahedra, 120, 1200};
   if (kind->type == CellType::quadratic_tetrahedron)
-    return {hyperelastic::quadraticKernels().make, hyperelastic::meanVolumeKernels().quadratic_tetrahedra, nullptr, 100,
-            2500};
+    return {hyperelastic::pointKernels().quadratic_tetrahedra, hyperelastic::meanVolumeKernels().quadratic_tetrahedra,
+            nullptr, 100, 2500};
   return {[](const HyperelasticLaw& law, const Cells& cells) -> Method { return law.tetrahedra(cells); }, nullptr,
           residualStressKernels().tetrahedra, 12, 150};
 }

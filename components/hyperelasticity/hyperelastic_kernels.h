@@ -5,7 +5,6 @@
 //   energy(J, I..., p)       the energy density, a template: numbers give the energy, jets its derivatives too
 // It belongs into one .cpp, which includes this header and nothing else does: kernels are large.
 #pragma once
-#include "components/hyperelasticity/hyperelastic_hexahedron.h"
 #include "components/hyperelasticity/hyperelastic_spectral.h"
 #include "components/hyperelasticity/hyperelastic_tetrahedron.h"
 #include "components/hyperelasticity/point_functions.h"
@@ -16,23 +15,13 @@ namespace stroma::hyperelastic {
 /// The kernels for the form of a law that a scene chose: once, outside all loops.
 template <class Law>
 std::unique_ptr<ElementKernels> tetrahedraOf(const Cells& cells) {
-  const auto make = [&]<class Point>() -> std::unique_ptr<ElementKernels> {
-    return std::make_unique<ModelKernels<Fan<Point>>>(fansOf<Point>(cells));
+  const auto make = [&]<class Model>() -> std::unique_ptr<ElementKernels> {
+    return std::make_unique<ModelKernels<Model>>(inForm<Model>(fansOf<Law>(cells)));
   };
-  if (cells.form == Form::regularised) return make.template operator()<Regularised<Law>>();
-  if (cells.form == Form::projected) return make.template operator()<Projected<Law>>();
-  if (cells.form == Form::standard) return make.template operator()<Standard<Law>>();
-  return make.template operator()<Mjed<Law>>();
-}
-/// In the forms mjed and projected; null for the others.
-template <class Law>
-std::unique_ptr<ElementKernels> hexahedraOf(const Cells& cells) {
-  const auto make = [&]<class Point>() -> std::unique_ptr<ElementKernels> {
-    return std::make_unique<ModelKernels<Hexahedron<Point>>>(hexahedronStorage<Point>(cells));
-  };
-  if (cells.form == Form::regularised || cells.form == Form::standard) return nullptr;
-  if (cells.form == Form::projected) return make.template operator()<Projected<Law>>();
-  return make.template operator()<Mjed<Law>>();
+  if (cells.form == Form::regularised) return make.template operator()<RegularisedFan<Law>>();
+  if (cells.form == Form::projected) return make.template operator()<Fan<Projected<Law>>>();
+  if (cells.form == Form::standard) return make.template operator()<Fan<Standard<Law>>>();
+  return make.template operator()<Fan<Mjed<Law>>>();
 }
 
 /// A law that has Lame's constants alone; inLameConstants() describes them.
@@ -66,7 +55,6 @@ HyperelasticLaw lawOf(std::string name, std::string formula, std::vector<Paramet
   HyperelasticLaw law;
   law.name = std::move(name), law.formula = std::move(formula), law.parameters = std::move(parameters);
   law.tetrahedra = tetrahedraOf<Law>;
-  law.hexahedra = hexahedraOf<Law>;
   law.at_point = pointFunctionsOf<Law>;
   law.stress = [](Values values, const Mat3& f) -> Mat3 {
     typename Mjed<Law>::template Tangent<double> t;

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "components/hyperelasticity/hyperelastic_volume.h"
-#include "components/hyperelasticity/quadratic_kernels.h"
+#include "components/hyperelasticity/point_kernels.h"
 
 namespace stroma::hyperelastic {
 namespace {
@@ -46,8 +46,8 @@ HyperelasticLaw::Moduli HyperelasticLaw::moduliAtRest(Values values) const {
   return {differential(values, unit, shear)(1, 2) / 2, differential(values, unit, unit).trace() / 9};
 }
 
-QuadraticKernels& quadraticKernels() {
-  static QuadraticKernels kernels;
+PointKernels& pointKernels() {
+  static PointKernels kernels;
   return kernels;
 }
 MeanVolumeKernels& meanVolumeKernels() {

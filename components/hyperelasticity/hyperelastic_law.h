@@ -67,7 +67,6 @@ struct HyperelasticLaw {
   HyperelasticLaw (*with_terms)(std::size_t terms) = nullptr;
 
   std::unique_ptr<ElementKernels> (*tetrahedra)(const Cells&) = nullptr;
-  std::unique_ptr<ElementKernels> (*hexahedra)(const Cells&) = nullptr;
   /// For kernels of other cells; null for a form that they do not have.
   const PointFunctions* (*at_point)(Form) = nullptr;
   /// P [Pa] of F, and dP at F for dF, in the material's axes.

@@ -2,7 +2,7 @@
 // What hyperelastic laws need of matrices: contractions, the metric F^T F, and a 4th-order elasticity in Voigt's order.
 #pragma once
 #include "components/hyperelasticity/hyperelastic_jet.h"
-#include "framework/fem/strain.h"
+#include "framework/fem/gradients.h"
 
 namespace stroma::hyperelastic {
 

@@ -57,18 +57,25 @@ struct MaterialFrame {
   }
 };
 
+template <class Law>
+using FrameOf = std::conditional_t<Law::Set::anisotropic, MaterialFrame, TriangularFrame>;
+
+/// The same in all forms of a law.
+template <class Law, class T>
+struct TetrahedronRest {
+  typename FrameOf<Law>::template Gradients<T> g;  ///< [1/m]
+  T weight;                                        ///< -V_0 [m^3]
+  ParametersOf<Law, T> parameters;
+};
+
 /// A model of ModelKernels, from a form of a law (Mjed, Standard, ...).
 template <class Form>
 struct Tetrahedron {
   static constexpr int nodes = 4;
   static constexpr bool reads_position = true;
-  using Frame = std::conditional_t<Form::Law::Set::anisotropic, MaterialFrame, TriangularFrame>;
+  using Frame = FrameOf<typename Form::Law>;
   template <class T>
-  struct Rest {
-    typename Frame::template Gradients<T> g;  ///< [1/m]
-    T weight;                                 ///< -V_0 [m^3]
-    typename Form::template Parameters<T> parameters;
-  };
+  using Rest = TetrahedronRest<typename Form::Law, T>;
   template <class T>
   using Tangent = typename Form::template Tangent<T>;
 
@@ -104,25 +111,42 @@ struct Tetrahedron {
 
 template <class Form>
 using Fan = tetrahedron::FanOf<Tetrahedron<Form>>;
+/// On the same data as Mjed, with its forces and energy.
+template <class Law>
+struct RegularisedFan : Fan<Regularised<Law>> {
+  using Forces = Fan<Mjed<Law>>;
+};
 
-template <class Form>
-StorageOf<Fan<Form>> fansOf(const Cells& cells) {
+template <class Law>
+StorageOf<Fan<Mjed<Law>>> fansOf(const Cells& cells) {
   using namespace tetrahedron;
   const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
   std::vector<std::array<Index, fan_nodes>> nodes;
   nodes.reserve(fans.size());
   for (const auto& fan : fans) nodes.push_back(fan.nodes);
-  StorageOf<hyperelastic::Fan<Form>> storage;
+  StorageOf<hyperelastic::Fan<Mjed<Law>>> storage;
   storage.build(nodes, *cells.rest, cells.first_row, [&](std::size_t f, bool padding, auto& rest, auto&) {
     for (int i = 0; i < fan_size; ++i) {
       const Index e = fans[f].element[i];
       stroma::Tetrahedron order;
       for (int a = 0; a < 4; ++a) order[a] = nodes[f][corner(i, a)];
-      hyperelastic::Tetrahedron<Form>::set(cells, std::size_t(e >= 0 ? e : fans[f].element[0]), order, padding || e < 0,
-                                           rest.of[i]);
+      hyperelastic::Tetrahedron<Mjed<Law>>::set(cells, std::size_t(e >= 0 ? e : fans[f].element[0]), order,
+                                                padding || e < 0, rest.of[i]);
     }
   });
   return storage;
+}
+/// The same fans for another form of the law.
+template <class Model, class Storage>
+StorageOf<Model> inForm(Storage&& of_mjed) {
+  if constexpr (std::is_same_v<StorageOf<Model>, Storage>) {
+    return std::move(of_mjed);
+  } else {
+    StorageOf<Model> storage{std::move(of_mjed.loop), std::move(of_mjed.rest), {}};
+    storage.tangent.resize(std::size_t(storage.loop.batches()));
+    std::memset(static_cast<void*>(storage.tangent.data()), 0, storage.tangent.size() * sizeof storage.tangent[0]);
+    return storage;
+  }
 }
 
 }  // namespace stroma::hyperelastic

@@ -7,8 +7,5 @@ using namespace stroma;
 using namespace stroma::hyperelastic;
 
 STROMA_COMPONENT(mean_volume) {
-  if (!meanVolumeKernels().hexahedra)
-    meanVolumeKernels().hexahedra = [](const Cells& cells, const HyperelasticLaw& law, bool definite) {
-      return meanVolumeOf<HexahedronPoints>(cells, law, cells.mesh->hexahedra, 512, definite);
-    };
+  if (!meanVolumeKernels().hexahedra) meanVolumeKernels().hexahedra = meanVolumeOf<HexahedronPoints>;
 }

@@ -73,10 +73,9 @@ struct MeanVolume {
   }
 };
 
-/// `cells_of`: the mesh's list; `scale`: the volume is sum_q det j_q over it.
 template <class Cell>
-std::unique_ptr<ElementKernels> meanVolumeOf(const Cells& cells, const HyperelasticLaw& law, const auto& list,
-                                             double scale, bool definite) {
+std::unique_ptr<ElementKernels> meanVolumeOf(const Cells& cells, const HyperelasticLaw& law, bool definite) {
+  const auto& list = Cell::listOf(*cells.mesh);
   const auto methodOf = [&]<class U, bool stable>(U, std::bool_constant<stable>) -> std::unique_ptr<ElementKernels> {
     StorageOf<MeanVolume<U, Cell, stable>> storage;
     storage.build(list, *cells.rest, cells.first_row, [&](std::size_t cell, bool padding, auto& rest, auto&) {
@@ -85,7 +84,7 @@ std::unique_ptr<ElementKernels> meanVolumeOf(const Cells& cells, const Hyperelas
       const double volume = CellVolume<Cell, double>(x).value();
       rest.per_volume = 1 / volume;
       const double k = cells.parameters(cell)[law.volume_parameter];
-      rest.weight = padding ? 0 : -k * std::abs(volume) / (scale * cells.mesh->overlap);
+      rest.weight = padding ? 0 : -k * std::abs(volume) / (Cell::scale * cells.mesh->overlap);
     });
     return std::make_unique<ModelKernels<MeanVolume<U, Cell, stable>>>(std::move(storage));
   };

@@ -8,7 +8,5 @@ using namespace stroma::hyperelastic;
 
 STROMA_COMPONENT(quadratic_mean_volume) {
   if (!meanVolumeKernels().quadratic_tetrahedra)
-    meanVolumeKernels().quadratic_tetrahedra = [](const Cells& cells, const HyperelasticLaw& law, bool definite) {
-      return meanVolumeOf<QuadraticPoints>(cells, law, cells.mesh->quadratic_tetrahedra, 24, definite);
-    };
+    meanVolumeKernels().quadratic_tetrahedra = meanVolumeOf<QuadraticPoints>;
 }

@@ -13,6 +13,8 @@
 // trapezoidal one, of order 2 as well. The differences of the last step are kept, not its state, so that nodes moved
 // from outside between steps keep a finite velocity.
 //
+// With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
+//
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
 //   <BDFOdeSolver order="2" newtonSolver="@newton"/>
@@ -25,6 +27,7 @@
 #include <fmt/format.h>
 
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/sleep.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -37,14 +40,17 @@ class BDFOdeSolver final : public Integrator, public FindsMultipliers {
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext& context) override;
+  void sceneChanged() override { sleep_.wake(); }
   bool toleratesLaggedForces() const override { return order_ == 1; }
-  std::string describe() const override { return fmt::format("BDF step of order {}", order_) + implicit_.describe(); }
+  std::string describe() const override {
+    return fmt::format("BDF step of order {}", order_) + implicit_.describe() + sleep_.describe();
+  }
   void reset() override {
     last_step_ = 0;
-    implicit_.reset();
+    implicit_.reset(), sleep_.reset();
   }
   void serialize(Archive& archive) override {
-    implicit_.serialize(archive);
+    implicit_.serialize(archive), sleep_.serialize(archive);
     archive.value("last_step", last_step_);
     archive.rows("way", way_);
     archive.rows("change", change_);
@@ -56,6 +62,7 @@ class BDFOdeSolver final : public Integrator, public FindsMultipliers {
 
   int order_ = 1;
   ImplicitStep implicit_;
+  Sleep sleep_;
   Vector way_, change_;                 ///< x0 - x_-1 and v0 - v_-1, shape (independentRows())
   Vector new_way_;                      ///< x1 - x0 of the step just made
   std::vector<Vec3> momentum_changes_;  ///< L0 - L_-1 of turning bodies, which is stepped instead of w
@@ -68,10 +75,12 @@ void BDFOdeSolver::declare(DataTable& table) {
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
+  sleep_.declare(table);
 }
 
 void BDFOdeSolver::compile(System& system) {
   implicit_.compile(*this, system);
+  sleep_.compile(system);
   if (order_ == 2)
     for (Vector* vector : {&way_, &change_, &new_way_}) vector->resize(system.independentRows());
   momentum_changes_.assign(implicit_.bodies().count(), Vec3::Zero());
@@ -99,6 +108,7 @@ ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
 }
 
 StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
+  if (sleep_.passesOver(context)) return {};
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = scheme.drift = h;
@@ -109,10 +119,15 @@ StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
   if (order_ == 2) copy(x, new_way_);
   StepReport report = implicit_.solve(scheme, context.stop);
   if (order_ == 2 && !report.failed()) system.motion().difference(x, new_way_);
-  return report;
+  return sleep_.judged(report);
 }
 
 void BDFOdeSolver::stepTaken(const StepContext& context) {
+  if (sleep_.stepTaken(context.dt)) {
+    clear(way_), clear(change_);
+    if (order_ == 2) last_step_ = context.dt;
+    return;
+  }
   implicit_.stepTaken();
   if (order_ == 1) return;
   std::swap(way_, new_way_);

@@ -11,6 +11,8 @@
 // positions without damping and velocities at the end of steps. Stable while h w < 2, w the highest angular frequency
 // of the body, whatever rM is. A scene above the estimated limit is warned of.
 //
+// With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
+//
 // Example:
 // <Node name="root" dt="0.001" gravity="0 -9.81 0">
 //   <CentralDifferenceSolver rayleighMass="0.1"/>
@@ -19,6 +21,7 @@
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
 #include "components/integrators/explicit_step.h"
+#include "components/integrators/sleep.h"
 #include "components/integrators/stable_step.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -31,18 +34,30 @@ class CentralDifferenceSolver final : public Integrator {
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
-  void stepTaken(const StepContext& context) override { last_step_ = context.dt; }
-  std::string describe() const override {
-    return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe();
+  void stepTaken(const StepContext& context) override {
+    sleep_.stepTaken(context.dt);
+    last_step_ = context.dt;
   }
-  void reset() override { last_step_ = 0; }
-  void serialize(Archive& archive) override { archive.value("last_step", last_step_); }
+  void sceneChanged() override { sleep_.wake(); }
+  std::string describe() const override {
+    return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe() +
+           sleep_.describe();
+  }
+  void reset() override {
+    last_step_ = 0;
+    sleep_.reset();
+  }
+  void serialize(Archive& archive) override {
+    archive.value("last_step", last_step_);
+    sleep_.serialize(archive);
+  }
 
  private:
   double rayleigh_mass_ = 0;
   void turnBodies(System& system, double h);
 
   Acceleration acceleration_;
+  Sleep sleep_;
   Vector middle_;  ///< x, with the bodies as they are at the middle of a step
   Vector a_;
   std::vector<double> damping_;  ///< rM of each row [1/s], shape (independentRows())
@@ -53,6 +68,7 @@ class CentralDifferenceSolver final : public Integrator {
 void CentralDifferenceSolver::declare(DataTable& table) {
   table.add("rayleighMass", rayleigh_mass_).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
   declareLinearSolver(table, false);
+  sleep_.declare(table);
   table.addVisualOnly("threadSafeVisitor");
 }
 
@@ -66,6 +82,7 @@ void CentralDifferenceSolver::compile(System& system) {
                            "an implicit integrator, or no such damping", "rayleighStiffness=\"0\"");
   }
   acceleration_.compile(system, name);
+  sleep_.compile(system);
   a_.resize(system.independentRows());
   middle_.resize(acceleration_.bodies().empty() ? 0 : system.allRows());
   damping_.assign(system.independentRows(), rayleigh_mass_);
@@ -96,6 +113,7 @@ void CentralDifferenceSolver::turnBodies(System& system, double h) {
 }
 
 StepReport CentralDifferenceSolver::step(System& system, const StepContext& context) {
+  if (sleep_.passesOver(context)) return {};
   if (depends_on_time_) system.setTime(context.t);
   StepReport report;
   system.computeForce(system.x, system.v, system.f);
@@ -112,7 +130,7 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   turnBodies(system, h);
   axpy(1, a_, v);
   system.motion().advance(h, v, system.x);
-  return report;
+  return sleep_.judged(report);
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, pub
   bool keepsEnergy() const override { return trapezoidal_ && !first_order_; }
   std::string describe() const override;
   void stepTaken(const StepContext& context) override {
-    if (!sleep_.stepTaken(*system_, context.dt)) implicit_.stepTaken();
+    if (!sleep_.stepTaken(context.dt)) implicit_.stepTaken();
   }
   void sceneChanged() override { sleep_.wake(); }
   void reset() override { implicit_.reset(), sleep_.reset(); }
@@ -71,7 +71,6 @@ class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, pub
   double theta_ = 1;
   ImplicitStep implicit_;
   Sleep sleep_;
-  System* system_ = nullptr;
   Vector right_side_;
 };
 
@@ -101,7 +100,6 @@ void EulerImplicitSolver::init() {
 }
 
 void EulerImplicitSolver::compile(System& system) {
-  system_ = &system;
   implicit_.compile(*this, system);
   sleep_.compile(system);
   const bool has_conditions = !system.actors().lagrangian_constraints.empty();
@@ -119,7 +117,7 @@ void EulerImplicitSolver::compile(System& system) {
 }
 
 StepReport EulerImplicitSolver::step(System& system, const StepContext& context) {
-  if (sleep_.passesOver(system, context)) return {};
+  if (sleep_.passesOver(context)) return {};
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = theta_ * h;
@@ -132,7 +130,7 @@ StepReport EulerImplicitSolver::step(System& system, const StepContext& context)
   StepReport report = first_order_ ? firstOrderStep(system, context) : implicit_.solve(scheme, context.stop);
   if (report.failed()) return report;
   if (velocity_damping_ != 0 && !first_order_) scale(std::exp(-h * velocity_damping_), system.v);
-  return report;
+  return sleep_.judged(report);
 }
 
 StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext& context) {

@@ -43,10 +43,10 @@ class ExactTangent {
   }
   /// It was not.
   void noteSlow() { is_slow_too_ = true; }
-  /// It has begun for speed, and is worth no more than so many iterations of a step.
+  /// It has begun for speed, and is worth no more than so many iterations of a solve.
   void limitIterations(double most) { most_iterations_ = most; }
-  /// The step, which began with it, took so many. Where they cost more than those with the approximate one would have, the next
-  /// step begins with that; the second time that is so, it stays.
+  /// The last solve of the step, which began with it, took so many. Where they cost more than those with the approximate one
+  /// would have, the next step begins with that; the second time that is so, it stays.
   bool isTooDear(int iterations) const { return isOn() && most_iterations_ > 0 && iterations > most_iterations_; }
   void letGo() {
     helped_ = false;

@@ -242,11 +242,15 @@ std::string ExplicitStep::describe() const {
 
 // ---- the integrator ----
 
-void ExplicitIntegrator::declare(DataTable& table) { declareLinearSolver(table, false); }
+void ExplicitIntegrator::declare(DataTable& table) {
+  declareLinearSolver(table, false);
+  sleep_.declare(table);
+}
 
 void ExplicitIntegrator::compile(System& system) {
   explicit_.scheme = scheme();
   explicit_.compile(*this, system);
+  sleep_.compile(system);
 }
 
 }  // namespace stroma

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "components/integrators/orientations.h"
+#include "components/integrators/sleep.h"
 #include "components/integrators/turning_bodies.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/simulation/integrator.h"
@@ -89,13 +90,19 @@ class ExplicitStep {
   bool depends_on_time_ = false;
 };
 
-/// An integrator that is a scheme; a component supplies the scheme and its own attributes.
+/// An integrator that is a scheme; a component supplies the scheme and its own attributes. Bodies at rest may sleep (sleep.h).
 class ExplicitIntegrator : public Integrator {
  public:
-  void declare(DataTable& table) override;  ///< linearSolver
+  void declare(DataTable& table) override;  ///< linearSolver, and those of Sleep
   void compile(System& system) final;
-  StepReport step(System& system, const StepContext& context) final { return explicit_.step(system, context); }
-  std::string describe() const final { return explicit_.describe(); }
+  StepReport step(System& system, const StepContext& context) final {
+    return sleep_.passesOver(context) ? StepReport{} : sleep_.judged(explicit_.step(system, context));
+  }
+  void stepTaken(const StepContext& context) final { sleep_.stepTaken(context.dt); }
+  void sceneChanged() final { sleep_.wake(); }
+  void reset() final { sleep_.reset(); }
+  void serialize(Archive& archive) final { sleep_.serialize(archive); }
+  std::string describe() const final { return explicit_.describe() + sleep_.describe(); }
 
  protected:
   /// With its name; called once, after init().
@@ -103,6 +110,7 @@ class ExplicitIntegrator : public Integrator {
 
  private:
   ExplicitStep explicit_;
+  Sleep sleep_;
 };
 
 }  // namespace stroma

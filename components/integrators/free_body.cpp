@@ -54,8 +54,23 @@ struct Division {
 /// Every part of a cluster has motions of its own as long as there are not more than this: each takes six vectors.
 constexpr Index most_parts = 8;
 
+/// Whether the matrix of the system has been laid out, and couples what stiffness couples and nothing else.
+bool hasPatternOfStiffness(System& system) {
+  const Actors& actors = system.actors();
+  const auto is_stiff = [](const ForceField* field) { return field->traits().has_stiffness; };
+  return system.matrix().keptBlocks() >= 0 && actors.mappings.empty() && actors.massIsDiagonal() &&
+         system.constraints().mixedRows().empty() && std::ranges::all_of(actors.damped_fields, is_stiff);
+}
+
 /// What stiffness and mappings hold together.
-Connections connectedRows(const System& system) {
+Connections connectedRows(System& system) {
+  if (hasPatternOfStiffness(system)) {
+    const BlockMatrix& matrix = system.matrix().pattern();
+    Connections connections(matrix.rows());
+    for (Index row = 0; row < matrix.rows(); ++row)
+      for (Index s = matrix.rowStart()[row]; s < matrix.rowStart()[row + 1]; ++s) connections.join(row, matrix.columns()[s]);
+    return connections;
+  }
   BlockPattern pattern(system.allRows());
   for (ForceField* field : system.forceFields())
     if (field->traits().has_stiffness) field->addPattern(pattern);
@@ -94,7 +109,7 @@ std::vector<Index> numbered(Connections& connections, const System& system) {
   return numbers;
 }
 
-Division divide(const System& system) {
+Division divide(System& system) {
   Connections parts = connectedRows(system), clusters = parts;
   forEachTie(system, [&clusters](Index a, Index b) { clusters.join(a, b); });
   const auto count = [&](const std::vector<Index>& part_of_row, const std::vector<Index>& cluster_of_row) {

@@ -192,7 +192,8 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
     report = solveFromHere(stop);
     addCounts(before, report);
   }
-  if (began_exact && exact_.isTooDear(report.newton_iterations) && report.newton_converged && !report.failed()) {
+  const int of_last_solve = int(newton_.history().size()) - 1;  // a step can have several, each short enough
+  if (began_exact && exact_.isTooDear(of_last_solve) && report.newton_converged && !report.failed()) {
     exact_.letGo();
     residual(system_->independent(right_side_));
   }

@@ -14,6 +14,8 @@
 // positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
 // vdamping multiplies v by exp(-h vdamping) after the step.
 //
+// With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
+//
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
 //   <NewmarkImplicitSolver gamma="0.5" beta="0.25"/>
@@ -28,6 +30,7 @@
 
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/sleep.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -40,22 +43,19 @@ class NewmarkImplicitSolver final : public Integrator {
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
-  void stepTaken(const StepContext&) override {
-    std::swap(a_, new_a_);
-    std::swap(rates_, new_rates_);
-    started_ = true;
-    implicit_.stepTaken();
-  }
+  void stepTaken(const StepContext& context) override;
+  void sceneChanged() override { sleep_.wake(); }
   bool keepsEnergy() const override { return gamma_ <= 0.5; }  // above it the rule damps
   std::string describe() const override {
-    return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe();
+    return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe() +
+           sleep_.describe();
   }
   void reset() override {
     started_ = false;
-    implicit_.reset();
+    implicit_.reset(), sleep_.reset();
   }
   void serialize(Archive& archive) override {
-    implicit_.serialize(archive);
+    implicit_.serialize(archive), sleep_.serialize(archive);
     archive.value("started", started_);
     archive.rows("acceleration", a_);
     archive.list("momentum_rates", rates_);
@@ -65,6 +65,7 @@ class NewmarkImplicitSolver final : public Integrator {
   double gamma_ = 0.5, beta_ = 0.25, velocity_damping_ = 0;
   ImplicitStep implicit_;
   Acceleration acceleration_;
+  Sleep sleep_;
   Vector force_;                         ///< [N], shape (independentRows())
   Vector a_, new_a_;                     ///< a0 and a1 [m/s^2], shape (independentRows())
   bool started_ = false;                 ///< a_ is that of the state
@@ -93,6 +94,7 @@ void NewmarkImplicitSolver::declare(DataTable& table) {
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
+  sleep_.declare(table);
 }
 
 void NewmarkImplicitSolver::init() {
@@ -106,12 +108,14 @@ void NewmarkImplicitSolver::init() {
 
 void NewmarkImplicitSolver::compile(System& system) {
   implicit_.compile(*this, system);
+  sleep_.compile(system);
   acceleration_.compile(system, "the first step of Newmark's method");
   for (Vector* vector : {&force_, &a_, &new_a_}) vector->resize(system.independentRows());
   for (std::vector<Vec3>* list : {&rates_, &new_rates_}) list->assign(implicit_.bodies().count(), Vec3::Zero());
 }
 
 StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
+  if (sleep_.passesOver(context)) return {};
   if (!started_) {
     StepReport first;
     implicit_.wholeForce(context.t, force_);
@@ -139,7 +143,15 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   xpay(implicit_.change(), -(1 - gamma_) * h, new_a_);
   scale(1 / (gamma_ * h), new_a_);
   if (velocity_damping_ != 0) scale(std::exp(-h * velocity_damping_), system.v);
-  return report;
+  return sleep_.judged(report);
+}
+
+void NewmarkImplicitSolver::stepTaken(const StepContext& context) {
+  if (sleep_.stepTaken(context.dt)) return clear(a_);
+  std::swap(a_, new_a_);
+  std::swap(rates_, new_rates_);
+  started_ = true;
+  implicit_.stepTaken();
 }
 
 }  // namespace

@@ -161,11 +161,11 @@ bool Newton::isPointless() const {
 /// are needed; else 0. The way to where that begins and the last iterations are left alone.
 double Newton::iterationsLeft() const {
   constexpr double smallest_factor = 0.1, largest_factor = 0.95;
-  const std::size_t last = history_.size() - 1;
-  if (history_.size() < 5) return 0;
-  for (std::size_t i = last - 2; i <= last; ++i)
+  const std::size_t last = history_.size() - 1, count = std::size_t(settings.slow_factors);
+  if (last < count + 1) return 0;
+  for (std::size_t i = last - count + 1; i <= last; ++i)
     if (const double factor = history_[i] / history_[i - 1]; !(factor > smallest_factor && factor < largest_factor)) return 0;
-  const double each = std::log(history_[last] / history_[last - 3]) / 3;
+  const double each = std::log(history_[last] / history_[last - count]) / double(count);
   return std::max(0.0, std::log(goal() * scale_ / history_[last]) / each);
 }
 
@@ -185,7 +185,7 @@ bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& rep
 double Newton::forcingTerm(double now) const {
   if (settings.forcing <= 0) return 0;
   double term = settings.forcing;
-  if (history_.size() > 1) term = 0.9 * std::pow(now / history_[history_.size() - 2], 2);
+  if (history_.size() > 1) term = went_on_ ? term * term : 0.9 * std::pow(now / history_[history_.size() - 2], 2);
   const double end = std::max(settings.relative_residual * scale_, settings.absolute_residual) / now;
   if (term < settings.forcing_reach * end) term = settings.forcing_margin * end;
   return std::min(term, settings.forcing);
@@ -222,7 +222,8 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   StepReport report;
   problem.residual(residual_);
   double now = norm(residual_);
-  if (std::exchange(was_slow_, false)) {  // goes on from there
+  went_on_ = std::exchange(was_slow_, false);
+  if (went_on_) {  // from there
     history_.pop_back();
   } else {
     history_.clear();
@@ -274,6 +275,7 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
   const bool found = solveOrShift(solver, problem.tangent(), residual_, direction_, {forcingTerm(now), stop_}, report,
                                   std::ref(definite));
   if (switched) problem.useDefiniteTangent(false);
+  went_on_ = false;
   return found;
 }
 
@@ -293,8 +295,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
     return false;
   }
   if (settings.stop_when_residual_grows && now > before) {
-    report.diverged = true;
-    report.newton_converged = false;
+    report.diverged = true, report.newton_converged = false;
     report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,
                                 report.newton_iterations);
     return false;
@@ -308,9 +309,8 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   const double attainable = problem.roundOff().residual;
   if (!problem.isLoaded() && scale_ <= 3 * attainable) return false;
   report.newton_converged = false;
-  report.reason =
-      fmt::format("Newton's corrections are below the round-off of positions at a relative residual of {:.2g}{}",
-                  report.newton_residual, tooSmallLoads(attainable / scale_));
+  report.reason = fmt::format("Newton's corrections are below the round-off of positions at a relative residual of {:.2g}{}",
+                              report.newton_residual, tooSmallLoads(attainable / scale_));
   return false;
 }
 

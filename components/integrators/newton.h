@@ -55,6 +55,7 @@ struct NewtonSettings {
   int patience =
       0;  ///< the solve is given up when |R| has not halved in so many iterations, the first 25 aside; 0: never
   bool leaves_slow = false;  ///< for callers with another tangent: a solve that converges by small factors is given up
+  int slow_factors = 3;      ///< after so many of them, the first one of a solve aside
   double relative_residual = 1e-8;  ///< |R| <= this * the larger of |R| and loadScale() where the solve starts
   double absolute_residual = 0;     ///< |R| <= this; 0: not used
   double successive_residual = 0;   ///< |R| <= this * |R| one iteration before; 0: not used
@@ -124,7 +125,7 @@ class Newton {
   StopToken stop_;        ///< of the last solve()
   double scale_ = 0;      ///< the larger of |R| and loadScale() where the solve starts
   double best_norm_ = 0;  ///< |R| of best_
-  bool was_slow_ = false;
+  bool was_slow_ = false, went_on_ = false;  ///< went on: with another tangent, whose first direction is to be found
   bool keeps_scale_ = false;  ///< see keepScale()
 };
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "components/integrators/newton.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/component.h"
 
 namespace stroma {
@@ -63,6 +64,7 @@ class UnmovedSteps {
     if (is_unmoved && settings.absolute_residual + settings.absolute_correction > 0 && hasForces())
       largest_ = std::max(largest_, report.newton_residual);
   }
+  void serialize(Archive& archive) { archive.value("unmoved", largest_); }
   /// A sentence, or empty.
   std::string doubt(const std::string& path) const {
     constexpr double much = 0.03;

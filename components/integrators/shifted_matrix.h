@@ -52,6 +52,7 @@ class ShiftedMatrix final : public SystemMatrix {
   bool symmetric() const override { return base_.symmetric(); }
   bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
   ConstRows positions() const override { return base_.positions(); }
+  bool isOfLooseNodes() const override { return base_.isOfLooseNodes(); }
   std::string describeRow(Index row) const override { return base_.describeRow(row); }
 
  private:

@@ -56,6 +56,7 @@ void Sleep::declare(DataTable& table) {
 }
 
 void Sleep::compile(System& system) {
+  system_ = &system;
   wake();
   if (!isOn()) return;
   const auto refuse = [](const std::string& what) {
@@ -77,7 +78,8 @@ void Sleep::compile(System& system) {
   for (Vector* vector : {&start_, &place_, &force_, &zero_, &work_}) vector->resize(system.allRows());
 }
 
-bool Sleep::isUndisturbed(System& system, const StepContext& context) {
+bool Sleep::isUndisturbed(const StepContext& context) {
+  System& system = *system_;
   const ConstraintSet& constraints = system.constraints();
   const double little = same_place * distance_;
   if (!(largestWay(system.x, place_) <= little) || (is_still_ && !(largest(system.v) * context.dt <= little))) return false;
@@ -93,14 +95,15 @@ bool Sleep::isUndisturbed(System& system, const StepContext& context) {
   return largestWay(work_, force_) <= same_force * largest(force_);
 }
 
-bool Sleep::passesOver(System& system, const StepContext& context) {
-  passed_ = is_asleep_ && isUndisturbed(system, context);
-  if (passed_) clear(system.v);
+bool Sleep::passesOver(const StepContext& context) {
+  passed_ = is_asleep_ && isUndisturbed(context);
+  if (passed_) clear(system_->v);
   return passed_;
 }
 
 /// At the end of a step: what has not changed by the end of the next one goes on sleeping.
-void Sleep::fallAsleep(System& system) {
+void Sleep::fallAsleep() {
+  System& system = *system_;
   is_asleep_ = true, is_still_ = false;
   had_inputs_ = system.inputs() != nullptr;
   held_ = heldDirections(system.constraints());
@@ -108,20 +111,28 @@ void Sleep::fallAsleep(System& system) {
   system.computeForce(system.x, zero_, force_);
 }
 
-bool Sleep::stepTaken(System& system, double dt) {
+/// A linear solve that ends at its limit, as is often meant, has moved what can move.
+StepReport Sleep::judged(StepReport report) {
+  is_solved_ = !report.unsolved && report.newton_converged && report.constraints_converged &&
+               (report.linear_converged || report.linear_at_limit);
+  return report;
+}
+
+bool Sleep::stepTaken(double dt) {
   if (!isOn()) return false;
   if (passed_) {
     ++steps_asleep_;
     is_still_ = true;
     return true;
   }
-  if (is_asleep_) wake();
+  if (is_asleep_ || !is_solved_) wake();
+  if (!is_solved_) return false;
   elapsed_ += dt;
-  if (!has_start_ || !(largestWay(system.x, start_) <= distance_ / 2)) {
-    copy(system.x, start_);
+  if (!has_start_ || !(largestWay(system_->x, start_) <= distance_ / 2)) {
+    copy(system_->x, start_);
     has_start_ = true, elapsed_ = 0;
   } else if (elapsed_ >= time_) {
-    fallAsleep(system);
+    fallAsleep();
   }
   return false;
 }
@@ -134,7 +145,7 @@ void Sleep::serialize(Archive& archive) {
   archive.value("has_start", has_start_);
   archive.value("lain", elapsed_);
   archive.value("steps_asleep", steps_asleep_);
-  archive.value("held", held_);
+  archive.value("slept_held", held_);
   archive.rows("start", start_);
   archive.rows("place", place_);
   archive.rows("force", force_);
@@ -142,8 +153,9 @@ void Sleep::serialize(Archive& archive) {
 
 std::string Sleep::describe() const {
   if (!isOn()) return {};
-  return fmt::format("; not computed once all nodes have lain within {:g} m for {:g} s, until {} changes", distance_ / 2, time_,
-                     looks_ ? "a force or the scene" : "the scene");
+  return fmt::format("; not computed once all nodes have lain within {:g} m for {:g} s, until {} changes{}", distance_ / 2, time_,
+                     looks_ ? "a force or the scene" : "the scene",
+                     steps_asleep_ > 0 ? fmt::format(": {} steps so far", steps_asleep_) : "");
 }
 
 }  // namespace stroma

@@ -23,22 +23,21 @@
 // step's own. The run tells how many steps were divided. No part is smaller than `smallest_part`: then the step says
 // under how much of its loads the last equilibrium is, and leaves that, or with moved nodes is taken back.
 //
-// Before that, a solve that fails or gets no further with the approximate tangent of a force field (tangent="warped")
-// is tried with the exact one, from the best iterate and then from where it began, and the rest of the step with it. One that
-// only gets on by small factors, each above 0.1, with more than six still to go, takes the exact one too, where that is
-// symmetric (method svd). Where that helped, later steps begin with it. The run tells how many steps needed that. The linear
-// solver must take what the exact tangent is: CGLinearSolver takes symmetric ones only. With fewer than five Newton
-// iterations it is not tried.
+// Before that, a solve that fails or gets no further with the approximate tangent of a force field (tangent="warped") is tried
+// with the exact one, from the best iterate and then from where it began, and the rest of the step with it. One that gets
+// on by a factor above 0.1, with more than six such still to go, takes the exact one too, where that is symmetric (method svd).
+// Where that helped, later steps begin with it. The run tells how many steps needed that. The linear solver must take what the
+// exact tangent is: CGLinearSolver takes symmetric ones only. With fewer than five Newton iterations it is not tried.
 //
-// A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
-// nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
-// of the balance of forces) is met, or when dx no longer changes x in double precision. After newton_iterations without
-// that, the step says that it has not converged and leaves the best iterate; a run that ends with such a step has no
-// result, and its exit code is 3. SOFA's defaults are 1 iteration and 1e-5 for all four. A NewtonRaphsonSolver in the
-// node, or linked, holds the settings instead.
+// A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held nodes
+// included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead of the balance of
+// forces) is met, or when dx no longer changes x in double precision. After newton_iterations without that, the step says that it
+// has not converged and leaves the best iterate; a run that ends with such a step has no result, and its exit code is 3. SOFA's
+// defaults are 1 iteration and 1e-5 for all four. A NewtonRaphsonSolver in the node, or linked, holds the settings instead.
 //
-// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with
-// a sentence naming the body and the direction or axis. A body is what forces tie together: a state can hold several.
+// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with a sentence
+// naming the body and the direction or axis. A body is what forces tie together: a state can hold several. With sleepDistance one
+// that keeps its place is not computed, exactly until something changes; sleep.h has the rule.
 //
 // Example:
 // <Node name="root" dt="1" gravity="0 -9.81 0">
@@ -61,6 +60,7 @@
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/free_body.h"
 #include "components/integrators/newton_solver.h"
+#include "components/integrators/sleep.h"
 #include "components/integrators/usual_forcing.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -79,14 +79,15 @@ class StaticSolver final : public Integrator, public HeedsStepLimits {
   std::string describe() const override;
   bool movesInTime() const override { return false; }
   std::string doubt() const override { return unmoved_.doubt(path()); }
-  void sceneChanged() override { is_checked_ = false; }
-  void stepTaken(const StepContext&) override { exact_.stepTaken(); }
+  void sceneChanged() override { is_checked_ = false, sleep_.wake(); }
+  void stepTaken(const StepContext& context) override {
+    if (!sleep_.stepTaken(context.dt)) exact_.stepTaken();
+  }
   void reset() override {
-    is_checked_ = false, exact_tangent_steps_ = 0;
-    exact_.reset(), unmoved_ = {};
+    exact_.reset(), sleep_.reset(), unmoved_ = {}, is_checked_ = false, exact_tangent_steps_ = 0;
   }
   void serialize(Archive& archive) override {
-    exact_.serialize(archive);
+    exact_.serialize(archive), unmoved_.serialize(archive), sleep_.serialize(archive);
     archive.value("is_checked", is_checked_);
     archive.value("held", held_);
   }
@@ -118,6 +119,7 @@ class StaticSolver final : public Integrator, public HeedsStepLimits {
   long checked_revision_ = -1;             ///< of what held bodies then
   long held_ = 0;                          ///< directions of nodes, in the last step
   UnmovedSteps unmoved_;
+  Sleep sleep_;
 };
 
 void StaticSolver::declare(DataTable& table) {
@@ -140,10 +142,10 @@ void StaticSolver::declare(DataTable& table) {
   table.add("should_diverge_when_residual_is_growing", settings_.stop_when_residual_grows)
       .help("end the run when an iteration makes the residual larger");
   table.add("residualGraph", graph_).help("|f| of the last step's Newton iterations").unit("N").output();
-  declareExactTangentSteps(table, exact_tangent_steps_);
-  declareLinearSolver(table);
+  declareExactTangentSteps(table, exact_tangent_steps_), declareLinearSolver(table);
   table.addLink("newtonSolver", newton_link_)
       .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
+  sleep_.declare(table);
 }
 
 void StaticSolver::compile(System& system) {
@@ -159,12 +161,13 @@ void StaticSolver::compile(System& system) {
     settings_.forcing = own.forcing;
   }
   if (!data().find("forcing_term")->isSet()) settings_.forcing = usualForcing(system);
-  settings_.use_energy = system.isConservative();
+  settings_.use_energy = system.isConservative(), settings_.slow_factors = 1;
   // a limit that the scene writes is the only one
   settings_.patience = settings_component_ || data().find("newton_iterations")->isSet() ? 0 : 10;
   newton_.settings = settings_;
   newton_.compile(system.independentRows());
   problem_.compile(system);
+  sleep_.compile(system);
   for (Vector* vector : {&force_, &mode_, &good_}) vector->resize(system.independentRows());
   for (Vector* vector : {&moved_, &moved_v_, &displacement_}) vector->resize(system.allRows());
   graph_.reserve(std::size_t(settings_.iterations) + 2);
@@ -197,6 +200,7 @@ bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& r
 }
 
 StepReport StaticSolver::step(System& system, const StepContext& context) {
+  if (sleep_.passesOver(context)) return {};
   clear(system.v);
   problem_.begin();
   StepReport report;
@@ -238,7 +242,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.giveUp();
     report.reason += "; the state before the step was kept";
   }
-  return report;
+  return sleep_.judged(report);
 }
 
 /// One go at the share of the step that `context` ends with.
@@ -384,7 +388,8 @@ std::string StaticSolver::describe() const {
   return fmt::format("static equilibrium: up to {} Newton iterations to a relative residual of {:g}, line search on {}{}",
       settings_.iterations, settings_.relative_residual,
       settings_.use_energy ? "the potential energy" : "the work of the residual",
-      mayDivide() ? fmt::format("; a step that fails is divided into parts of {:.2g} or more", smallest_part_) : "");
+      mayDivide() ? fmt::format("; a step that fails is divided into parts of {:.2g} or more", smallest_part_) : "") +
+      sleep_.describe();
 }
 
 }  // namespace

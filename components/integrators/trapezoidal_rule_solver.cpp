@@ -7,6 +7,8 @@
 // EulerImplicitSolver with trapezoidalScheme; F, the Rayleigh factors and Newton's method are described there. A step
 // too large for the fastest motion does not damp it: it then rings with a period of two steps.
 //
+// With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
+//
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
 //   <TrapezoidalRuleSolver newtonIterations="10"/>
@@ -16,6 +18,7 @@
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/sleep.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -28,24 +31,33 @@ class TrapezoidalRuleSolver final : public Integrator, public FindsMultipliers {
     implicit_.declareNewton(table);
     declareLinearSolver(table);
     implicit_.declareNewtonSolver(table);
+    sleep_.declare(table);
   }
-  void compile(System& system) override { implicit_.compile(*this, system); }
+  void compile(System& system) override {
+    implicit_.compile(*this, system);
+    sleep_.compile(system);
+  }
   StepReport step(System&, const StepContext& context) override {
+    if (sleep_.passesOver(context)) return {};
     ImplicitScheme scheme;
     scheme.weight = scheme.old_weight = scheme.displacement = context.dt / 2;
     scheme.drift = context.dt;
     scheme.time = context.t_end;
     scheme.old_time = context.t;
-    return implicit_.solve(scheme, context.stop);
+    return sleep_.judged(implicit_.solve(scheme, context.stop));
   }
   bool keepsEnergy() const override { return true; }
-  void stepTaken(const StepContext&) override { implicit_.stepTaken(); }
-  void reset() override { implicit_.reset(); }
-  void serialize(Archive& archive) override { implicit_.serialize(archive); }
-  std::string describe() const override { return "trapezoidal step" + implicit_.describe(); }
+  void stepTaken(const StepContext& context) override {
+    if (!sleep_.stepTaken(context.dt)) implicit_.stepTaken();
+  }
+  void sceneChanged() override { sleep_.wake(); }
+  void reset() override { implicit_.reset(), sleep_.reset(); }
+  void serialize(Archive& archive) override { implicit_.serialize(archive), sleep_.serialize(archive); }
+  std::string describe() const override { return "trapezoidal step" + implicit_.describe() + sleep_.describe(); }
 
  private:
   ImplicitStep implicit_;
+  Sleep sleep_;
 };
 
 }  // namespace

@@ -19,6 +19,8 @@
 // for forces without a potential), or is the potential energy of gravity and force fields. Energies go to a file by
 // EnergyMonitor.
 //
+// With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
+//
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
 //   <VariationalSymplecticSolver newtonError="1e-10" steps="20"/>
@@ -31,6 +33,7 @@
 
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/sleep.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -44,21 +47,23 @@ class VariationalSymplecticSolver final : public Integrator {
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
-  void stepTaken(const StepContext&) override {
+  void stepTaken(const StepContext& context) override {
+    if (sleep_.stepTaken(context.dt)) return;
     potential_ = new_potential_;
     started_ = true;
     implicit_.stepTaken();
   }
+  void sceneChanged() override { sleep_.wake(); }
   bool keepsEnergy() const override { return true; }
   std::string describe() const override {
-    return is_explicit_ ? explicit_.describe() : "implicit midpoint step" + implicit_.describe();
+    return (is_explicit_ ? explicit_.describe() : "implicit midpoint step" + implicit_.describe()) + sleep_.describe();
   }
   void reset() override {
     started_ = false;
-    implicit_.reset();
+    implicit_.reset(), sleep_.reset();
   }
   void serialize(Archive& archive) override {
-    implicit_.serialize(archive);
+    implicit_.serialize(archive), sleep_.serialize(archive);
     archive.value("started", started_);
     archive.value("potential", potential_);
   }
@@ -72,6 +77,7 @@ class VariationalSymplecticSolver final : public Integrator {
   double hamiltonian_ = 0;
   ImplicitStep implicit_;
   ExplicitStep explicit_;
+  Sleep sleep_;
   std::vector<Vec3> momenta_;  ///< of turning bodies
   Vector start_;               ///< x before the step, shape (independentRows())
   double potential_ = 0;       ///< U [J]
@@ -95,6 +101,7 @@ void VariationalSymplecticSolver::declare(DataTable& table) {
   table.add("file", file_).help("see saveEnergyInFile");
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
+  sleep_.declare(table);
   table.addVisualOnly("threadSafeVisitor");
 }
 
@@ -109,6 +116,7 @@ void VariationalSymplecticSolver::init() {
 
 void VariationalSymplecticSolver::compile(System& system) {
   start_.resize(system.independentRows());
+  sleep_.compile(system);
   if (computes_hamiltonian_ && incremental_) system.requestForce();
   if (!is_explicit_) {
     implicit_.compile(*this, system);
@@ -120,12 +128,16 @@ void VariationalSymplecticSolver::compile(System& system) {
 }
 
 StepReport VariationalSymplecticSolver::step(System& system, const StepContext& context) {
+  if (sleep_.passesOver(context)) {
+    if (computes_hamiltonian_) hamiltonian_ = potential_;
+    return {};
+  }
   new_potential_ = potential_;
   if (computes_hamiltonian_ && incremental_ && !started_) new_potential_ = system.potentialEnergy(system.x);
   copy(system.independent(system.x), start_);
   StepReport report = is_explicit_ ? explicit_.step(system, context) : implicitStep(system, context);
   if (!report.failed() && computes_hamiltonian_) noteEnergy(system);
-  return report;
+  return sleep_.judged(report);
 }
 
 StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepContext& context) {

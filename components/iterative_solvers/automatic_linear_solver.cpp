@@ -113,6 +113,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   DirectSolver* direct_ = nullptr;
   std::string choice_;
   int changes_ = 0;
+  int most_expected_ = 0;  ///< iterations of a solve to the tolerance
   PerMatrix<Kept> kept_;
 };
 
@@ -126,6 +127,7 @@ void AutomaticLinearSolver::declare(DataTable& table) {
 void AutomaticLinearSolver::init() {
   expected_iterations_ = 15;
   KrylovSolver::init();
+  most_expected_ = expected_iterations_;
   direct_ = &factorSource(*this, factors_);
 }
 
@@ -174,6 +176,8 @@ void AutomaticLinearSolver::tellChoice(const Kept& kept) {
 
 SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
                                            Kept& kept) {
+  constexpr int few_iterations = 8;  // of a loose solve
+  expected_iterations_ = terms.relative_residual > tolerance() ? std::min(few_iterations, most_expected_) : most_expected_;
   SolveReport report;
   if (!begin(matrix, b, x, terms, report)) return report;
   SolveReport prepared;

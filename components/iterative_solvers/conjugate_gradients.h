@@ -3,21 +3,54 @@
 // iteration reads or writes 10 vectors (11 with x updated beside r). Inline for the reason given in vector.h.
 #pragma once
 #include <Eigen/LU>
+#include <array>
+#include <cstdint>
 #include <vector>
 
+#include "framework/algebra/parallel.h"
 #include "framework/algebra/vector.h"
 
 namespace stroma::cg {
 
-// The sums run over the two halves of a vector at once: one chain of additions waits four cycles for each register,
+// ---- pieces of long vectors, which threads share: how many there are depends on the rows alone. What is done with one is never
+// inlined: with another number of threads the compiler's other copy would round otherwise ----
+
+constexpr int most_pieces = 64;
+inline int piecesOf(Index rows) { return std::clamp(int(rows / 16384), 1, most_pieces); }
+/// body(piece, first row, rows)
+template <class Body>
+void forPieces(Index rows, Body&& body) {
+  const int pieces = piecesOf(rows);
+  const auto begin = [&](int k) { return k == pieces ? rows : Index(std::int64_t(rows) * k / pieces) / 2 * 2; };
+  parallelFor(pieces, [&](int k) { body(k, begin(k), begin(k + 1) - begin(k)); });
+}
+/// The sum of part(first row, rows), a struct or a number.
+template <class Value, class Part>
+Value sumOfPieces(Index rows, Part&& part) {
+  std::array<Value, most_pieces> parts;
+  forPieces(rows, [&](int k, Index first, Index size) { parts[std::size_t(k)] = part(first, size); });
+  for (int k = 1; k < piecesOf(rows); ++k) parts[0] += parts[std::size_t(k)];
+  return parts[0];
+}
+
+/// a.b
+[[gnu::noinline]] inline double innerOfPiece(ConstRows a, ConstRows b) { return dot(a, b); }
+inline double inner(ConstRows a, ConstRows b) {
+  return sumOfPieces<double>(a.count, [&](Index first, Index size) {
+    return innerOfPiece(a.segment(first, size), b.segment(first, size));
+  });
+}
+
+// The sums run over the two halves of a piece at once: one chain of additions waits four cycles for each register,
 // more than the loads take. Halves start on a cache line.
 inline std::size_t halfOf(ConstRows a) { return a.doubles() / 16 * 8; }
 
 /// p.q, p.p and q.q in one pass (2 reads).
 struct Curvature {
   double pq = 0, pp = 0, qq = 0;
+  void operator+=(const Curvature& other) { pq += other.pq, pp += other.pp, qq += other.qq; }
 };
-inline Curvature curvature(ConstRows p, ConstRows q) {
+[[gnu::noinline]] inline Curvature curvatureOfPiece(ConstRows p, ConstRows q) {
   const std::size_t half = halfOf(p);
   const double* __restrict p0 = p.data;
   const double* __restrict q0 = q.data;
@@ -40,9 +73,14 @@ inline Curvature curvature(ConstRows p, ConstRows q) {
   }
   return {pq0 + pq1, pp0 + pp1, qq0 + qq1};
 }
+inline Curvature curvature(ConstRows p, ConstRows q) {
+  return sumOfPieces<Curvature>(p.count, [&](Index first, Index size) {
+    return curvatureOfPiece(p.segment(first, size), q.segment(first, size));
+  });
+}
 
 /// r -= alpha q; returns r.r (2 reads, 1 write).
-inline double reduceResidual(double alpha, ConstRows q, Rows r) {
+[[gnu::noinline]] inline double reducePiece(double alpha, ConstRows q, Rows r) {
   const std::size_t half = halfOf(r);
   const double* __restrict q0 = q.data;
   const double* __restrict q1 = q.data + half;
@@ -63,9 +101,14 @@ inline double reduceResidual(double alpha, ConstRows q, Rows r) {
   }
   return sum0 + sum1;
 }
+inline double reduceResidual(double alpha, ConstRows q, Rows r) {
+  return sumOfPieces<double>(r.count, [&](Index first, Index size) {
+    return reducePiece(alpha, q.segment(first, size), r.segment(first, size));
+  });
+}
 
 /// x += alpha p, then p = z + beta p (3 reads, 2 writes): x lags behind r by one pass, so that p is read once for both.
-inline void advance(double alpha, double beta, ConstRows z, Rows p, Rows x) {
+[[gnu::noinline]] inline void advancePiece(double alpha, double beta, ConstRows z, Rows p, Rows x) {
   const double* __restrict pz = z.data;
   double* __restrict pp = p.data;
   double* __restrict px = x.data;
@@ -74,6 +117,11 @@ inline void advance(double alpha, double beta, ConstRows z, Rows p, Rows x) {
     px[i] += alpha * pp[i];
     pp[i] = pz[i] + beta * pp[i];
   }
+}
+inline void advance(double alpha, double beta, ConstRows z, Rows p, Rows x) {
+  forPieces(p.count, [&](int, Index first, Index size) {
+    advancePiece(alpha, beta, z.segment(first, size), p.segment(first, size), x.segment(first, size));
+  });
 }
 
 /// Inverses of the 3x3 diagonal blocks as three columns of four doubles per row, so that a row's product is three
@@ -98,8 +146,13 @@ class BlockJacobi {
   }
   /// z = D^-1 r; returns r.z.
   double apply(ConstRows r, Rows z) const {
+    return sumOfPieces<double>(r.count, [&](Index first, Index size) { return applyTo(first, first + size, r, z); });
+  }
+
+ private:
+  [[gnu::noinline]] double applyTo(Index begin, Index end, ConstRows r, Rows z) const {
     double lanes[4] = {0, 0, 0, 0};
-    for (Index row = 0; row < r.count; ++row) {
+    for (Index row = begin; row < end; ++row) {
       const double* __restrict d = columns_.data() + std::size_t(row) * 12;
       const double* __restrict p = r.data + std::size_t(row) * row_doubles;
       double* __restrict out = z.data + std::size_t(row) * row_doubles;
@@ -111,8 +164,6 @@ class BlockJacobi {
     }
     return lanes[0] + lanes[1] + lanes[2] + lanes[3];
   }
-
- private:
   std::vector<double> columns_;  ///< shape (rows, 3, 4)
 };
 

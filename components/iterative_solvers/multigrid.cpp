@@ -2,8 +2,11 @@
 #include "components/iterative_solvers/multigrid.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
+
+#include "components/iterative_solvers/node_rotation.h"
 
 namespace stroma {
 namespace {
@@ -44,8 +47,43 @@ bool Multigrid::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop
   taken_back_ = {};
   if (!fits(matrix) || (now_.renew && !same)) return make(matrix, report, stop);
   now_.fresh = now_.fresh && same;
+  if (!same) turn(matrix);
   now_.key = matrix.key();
   return true;
+}
+
+/// From the places alone: a run that is taken up again has the same turns. A node turns much as the one before it.
+void Multigrid::turn(const SystemMatrix& matrix) {
+  constexpr double least = 1e-3, enough = 1e-4;  // [rad]
+  std::shared_ptr<Vector> turns = std::move(now_.turns);
+  const ConstRows x = matrix.positions();
+  const Vector& before = now_.hierarchy->positions;
+  if (before.count() != matrix.rows() || x.count != matrix.rows() || !matrix.isOfLooseNodes()) return;
+  if (turns && turns.use_count() > 1) std::swap(turns, spare_turns_);  // those of the step before stay
+  if (!turns || turns.use_count() > 1 || turns->count() != x.count) turns = std::make_shared<Vector>(x.count);
+  const auto& a = now_.hierarchy->fine.a;
+  std::atomic<bool> has_turned = false;
+  amg::forPieces(x.count, amg::piecesOf(x.count), [&](int, Index first, Index end) {
+    Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+    for (Index i = first; i < end; ++i) {
+      Mat3 spread = Mat3::Zero(), coupled = Mat3::Zero();
+      for (Index s = a.start[std::size_t(i)]; s < a.start[std::size_t(i) + 1]; ++s) {
+        const Index j = a.columns[std::size_t(s)];
+        if (j == i) continue;
+        const Mat3 block = Eigen::Map<const Eigen::Matrix3f>(a.at(s)).cast<double>();
+        coupled.noalias() += block * block.transpose();
+        spread.noalias() += (Vec3(x[j]) - Vec3(x[i])) * (Vec3(before[j]) - Vec3(before[i])).transpose();
+      }
+      // a direction that is held is in no coupling, and must stay where it is
+      coupled /= std::max(coupled.trace(), 1e-300);
+      const bool may_turn = coupled.determinant() > 1e-8;
+      if (may_turn) followRotation(spread, q, enough);
+      if (may_turn && q.vec().squaredNorm() > least * least / 4) has_turned.store(true, std::memory_order_relaxed);
+      const Eigen::Quaterniond turned = may_turn ? q : Eigen::Quaterniond::Identity();
+      Eigen::Map<Eigen::Quaterniond>(turns->rows().data + std::size_t(i) * row_doubles) = turned;
+    }
+  });
+  (has_turned ? now_.turns : spare_turns_) = std::move(turns);
 }
 
 bool Multigrid::make(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
@@ -83,19 +121,20 @@ void Multigrid::serialize(SystemMatrix& matrix, Archive& archive, bool never_cha
   taken_back_ = archive.isReading() ? MatrixKey{} : taken_back_;
   bool is_remade = never_changes && is_current && now_.hierarchy->made_of == now_.key;
   archive.value("remade", is_remade);
-  if (archive.isReading()) now_.hierarchy = nullptr;
+  bool is_turned = exists && now_.turns;
+  archive.value("turned", is_turned);
+  if (archive.isReading()) now_.hierarchy = nullptr, now_.turns = is_turned ? std::make_shared<Vector>() : nullptr;
   if (!exists) return;
+  if (is_turned) archive.rows("turns", *now_.turns);
   if (archive.isReading()) return readHierarchy(matrix, archive, is_remade, is_current);
-  if (is_remade)
-    archive.rows("positions", now_.hierarchy->positions);
-  else
-    now_.hierarchy->serialize(archive);
+  archive.rows("positions", now_.hierarchy->positions);
+  if (!is_remade) now_.hierarchy->serialize(archive);
 }
 
 void Multigrid::readHierarchy(SystemMatrix& matrix, Archive& archive, bool is_remade, bool is_current) {
+  Vector positions;
+  archive.rows("positions", positions);
   if (is_remade) {
-    Vector positions;
-    archive.rows("positions", positions);
     SolveReport report;
     now_.hierarchy = hierarchyOf(matrix, positions, report, {});
     if (!now_.hierarchy)
@@ -104,6 +143,7 @@ void Multigrid::readHierarchy(SystemMatrix& matrix, Archive& archive, bool is_re
   } else {
     now_.hierarchy = std::make_shared<amg::Hierarchy>();
     now_.hierarchy->serialize(archive);
+    now_.hierarchy->positions = std::move(positions);
   }
   if (now_.hierarchy->fine.a.rows() != matrix.rows())
     throw std::runtime_error(

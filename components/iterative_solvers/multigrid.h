@@ -12,13 +12,16 @@ namespace stroma {
 /// lost, and once more is lost than a new hierarchy costs, the next matrix gets one. Pairs that come and go in the pattern
 /// count as other values do: what solves is the matrix as it is. Costs are counted in iterations, so that each run does the
 /// same. Of a matrix that is not symmetric the symmetric part gets the hierarchy.
+///
+/// A hierarchy of former values is turned with the body, B = R B_0 R^T: R_i is how much the surroundings of node i have turned
+/// since, as in WarpedFactor.
 class Multigrid final : public ApproximateInverse {
  public:
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
-  void apply(ConstRows r, Rows z) override { now_.hierarchy->apply(r, z); }
+  void apply(ConstRows r, Rows z) override { now_.hierarchy->apply(r, z, now_.turns.get()); }
   void solved(const SolveReport& report) override;
   bool giveUp() override { return now_.fresh ? false : (now_ = {}, true); }
-  void reset() override { now_ = {}; }
+  void reset() override { now_ = kept_ = {}; }
   /// The hierarchies themselves are shared, and never changed once made.
   void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
   void takeBack(const SystemMatrix& matrix) override;
@@ -39,17 +42,20 @@ class Multigrid final : public ApproximateInverse {
     bool renew = false;                         ///< the next one that sees other values does
     double rate = 0;                            ///< iterations for a decade with the fresh one; 0: not known yet
     double lost = 0;                            ///< iterations more than with a fresh one, since it was made
+    std::shared_ptr<Vector> turns;              ///< of nodes since it was made, see amg::Hierarchy::apply(); null: none
   };
   bool fits(const SystemMatrix& matrix) const {
     return now_.hierarchy && now_.hierarchy->fine.a.rows() == matrix.rows();
   }
   bool isCurrent(const SystemMatrix& matrix) const { return now_.key == matrix.key() || taken_back_ == matrix.key(); }
   bool make(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  void turn(const SystemMatrix& matrix);
   void readHierarchy(SystemMatrix& matrix, Archive& archive, bool is_remade, bool is_current);
 
   Memory now_, kept_;
   bool kept_current_ = false;
   MatrixKey taken_back_;  ///< what a step that was taken back left of the matrix of now_
+  std::shared_ptr<Vector> spare_turns_;  ///< for the next ones: a step allocates none
   int made_ = 0;
 };
 

@@ -2,6 +2,8 @@
 #include "components/iterative_solvers/multigrid_hierarchy.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 
 #include "components/iterative_solvers/multigrid_galerkin.h"
 #include "components/iterative_solvers/multigrid_patch_build.h"
@@ -208,22 +210,30 @@ void Hierarchy::cycle(Level<D>& level, std::size_t below) {
   level.smooth(smoother_steps);
 }
 
-void Hierarchy::apply(ConstRows r, Rows z) {
-  const double size = std::max(largest(r), std::numeric_limits<double>::min());
+void Hierarchy::apply(ConstRows r, Rows z, const Vector* turns) {
+  std::array<double, 32> part{};
+  forPieces(r.count, piecesOf(r.count), [&](int k, Index first, Index end) {
+    part[std::size_t(k)] = largest(r.segment(first, end - first));
+  });
+  const double size = std::max(*std::ranges::max_element(part), std::numeric_limits<double>::min());
   const double in = 1 / size;
+  const double* const given_turns = turns ? turns->rows().data : nullptr;
+  const auto turnOf = [given_turns](Index i) {
+    return Eigen::Map<const Eigen::Quaterniond>(given_turns + std::size_t(i) * row_doubles);
+  };
   forRows(r.count, [&](Index i) {
-    for (int l = 0; l < row_doubles; ++l) {
-      const std::size_t at = std::size_t(i) * row_doubles + std::size_t(l);
-      fine.b[at] = float(in * r.data[at]);
-    }
+    const Vec3 given = turns ? Vec3(turnOf(i).conjugate() * Vec3(r[i])) : Vec3(r[i]);
+    float* const to = fine.b.data() + std::size_t(i) * lanes<3>;
+    for (int l = 0; l < 3; ++l) to[l] = float(in * given[l]);
+    to[3] = 0;
   });
   cycle(fine, 0);
   const double out = size * scale;
   forRows(r.count, [&](Index i) {
-    for (int l = 0; l < row_doubles; ++l) {
-      const std::size_t at = std::size_t(i) * row_doubles + std::size_t(l);
-      z.data[at] = out * double(fine.x[at]);
-    }
+    const float* const from = fine.x.data() + std::size_t(i) * lanes<3>;
+    const Vec3 found(out * double(from[0]), out * double(from[1]), out * double(from[2]));
+    z[i] = turns ? Vec3(turnOf(i) * found) : found;
+    z.data[std::size_t(i) * row_doubles + 3] = 0;
   });
 }
 

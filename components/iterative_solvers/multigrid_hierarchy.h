@@ -20,8 +20,8 @@ struct Hierarchy {
   MatrixKey made_of;  ///< and with these positions, none where they were not known
   Vector positions;
 
-  /// z = B r, one V-cycle: symmetric.
-  void apply(ConstRows r, Rows z);
+  /// z = B r, one V-cycle: symmetric. With `turns`, unit quaternions (x, y, z, w) of shape (rows), z = R B R^T r.
+  void apply(ConstRows r, Rows z, const Vector* turns = nullptr);
   /// Numbers of all levels' matrices over those of the first.
   double complexity() const;
   int levels() const { return 1 + int(coarse.size()); }

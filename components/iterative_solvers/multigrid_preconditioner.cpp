@@ -28,8 +28,10 @@
 // volumes, so that the coarser levels are too stiff.
 //
 // The hierarchy is kept while the matrix changes, over Newton iterations and steps, until the iterations that this has
-// cost exceed what a new one costs. A held direction is in no motion. A matrix that shows itself to be indefinite, by
-// a diagonal block or the inverse of the last level, is refused; the conjugate gradients see the rest.
+// cost exceed what a new one costs. It is turned with the body as WarpPreconditioner turns factors, B = R B_0 R^T, where
+// rows are nodes that nothing ties to others and no direction of a node is held. A held direction is in no motion. A
+// matrix that shows itself to be indefinite, by a diagonal block or the inverse of the last level, is refused; the conjugate
+// gradients see the rest.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

@@ -33,7 +33,7 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
   constexpr double smallest_cosine = 1e-10, noise = 1e-14;
   auto& [r, p, q, z] = work;
   precondition(r.rows(), z.rows());
-  double rho = dot(r, z);
+  double rho = inner(r, z);
   copy(z, p);
   for (;;) {
     product(p.rows(), q.rows());
@@ -55,7 +55,7 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
     }
     precondition(r.rows(), z.rows());
     const double before = rho;
-    rho = dot(r, z);
+    rho = inner(r, z);
     advance(alpha, rho / before, z, p, x);
   }
 }

@@ -6,27 +6,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "components/iterative_solvers/node_rotation.h"
 #include "framework/scene/node.h"
 
 namespace stroma {
 namespace {
 
 constexpr double block_product_seconds = 3e-9;
-
-/// Turns q to the rotation nearest to A (largest trace of R^T A), from the q given (Mueller, Bender, Chentanez, Macklin
-/// 2016): works for any A, also one that inverts or has lost a rank.
-void followRotation(const Mat3& a, Eigen::Quaterniond& q) {
-  for (int i = 0; i < 10; ++i) {
-    const Mat3 r = q.toRotationMatrix();
-    const Vec3 axis = r.col(0).cross(a.col(0)) + r.col(1).cross(a.col(1)) + r.col(2).cross(a.col(2));
-    const double scale = std::abs((r.transpose() * a).trace()) + 1e-9 * a.norm();
-    if (!(scale > 0)) return;
-    const double angle = axis.norm() / scale;
-    if (!(angle > 1e-7)) return;
-    q = Eigen::AngleAxisd(angle, axis.normalized()) * q;
-    q.normalize();
-  }
-}
 
 [[noreturn]] void refuseStored() { throw std::runtime_error("the checkpoint holds a factored matrix that is none"); }
 

@@ -39,9 +39,8 @@ class WarpedFactor final : public ApproximateInverse {
   /// With the values that were factored: they are factored again when they are needed.
   void serialize(SystemMatrix& matrix, Archive& archive) override;
   void reset() override {
-    now_.rows = -1;
-    now_.renew = false;
-    now_.rough = true;
+    now_ = kept_ = {};
+    origins_ = {}, factored_ = none;
   }
 
  private:

@@ -52,6 +52,8 @@ class SystemMatrix {
   /// Where the nodes of the rows are, near enough to tell how the matrix has turned since another one; nothing (count
   /// 0) when rows are not nodes in space.
   virtual ConstRows positions() const { return {}; }
+  /// Every row is a place that nothing ties to others: what belongs to one may turn alone.
+  virtual bool isOfLooseNodes() const { return positions().count > 0; }
   /// Name (path) of the component to blame for row `row`, for messages.
   virtual std::string describeRow(Index row) const = 0;
 

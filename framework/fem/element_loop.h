@@ -89,20 +89,19 @@ class ElementLoop {
 
   /// Marks the coupled pairs of nodes of every element, padding left out.
   void addPattern(BlockPattern& pattern) const {
-    forEachLane([&](Index b, int l) {
-      for (int i = 0; i < N; ++i)
-        for (int j = 0; j < N; ++j)
-          if (Coupling::coupled(i, j)) pattern.addBlock(row(b, i, l), row(b, j, l));
+    forEachBatch([&](Index b) {  // rows of blocks that run at once are others
+      for (int at = 0; at < N * N * pack_lanes; ++at)
+        if (const int l = at / (N * N), i = at / N % N, j = at % N; elementOf(b, l) >= 0 && Coupling::coupled(i, j))
+          pattern.addBlock(row(b, i, l), row(b, j, l));
     });
   }
   /// Looks up the slots of every pair of nodes, shape (batches, N, N, lanes); 0 for pairs that are not coupled.
   std::vector<Index> slots(const BlockMatrix& matrix) const {
     std::vector<Index> result(std::size_t(batches()) * N * N * pack_lanes, 0);
-    forEachLane([&](Index b, int l) {
-      for (int i = 0; i < N; ++i)
-        for (int j = 0; j < N; ++j)
-          if (Coupling::coupled(i, j))
-            result[((std::size_t(b) * N + i) * N + j) * pack_lanes + l] = matrix.slot(row(b, i, l), row(b, j, l));
+    forEachBatch([&](Index b) {
+      for (int at = 0; at < N * N * pack_lanes; ++at)
+        if (const int ij = at / pack_lanes, l = at % pack_lanes; elementOf(b, l) >= 0 && Coupling::coupled(ij / N, ij % N))
+          result[std::size_t(b) * N * N * pack_lanes + std::size_t(at)] = matrix.slot(row(b, ij / N, l), row(b, ij % N, l));
     });
     return result;
   }

@@ -11,12 +11,9 @@ struct FanCoupling {
   static constexpr bool coupled(int i, int j) { return i < 2 || j < 2 || (i - j <= 1 && j - i <= 1); }
 };
 /// What each tetrahedron of a fan keeps.
-template <template <class> class Data>
+template <class Data>
 struct Fanned {
-  template <class T>
-  struct Of {
-    Data<T> of[fan_size];
-  };
+  Data of[fan_size];
 };
 
 /// A model of ModelKernels for fans, from one for tetrahedra. `long_force`, where it has it: its force is not short.
@@ -27,9 +24,9 @@ struct FanOf {
   using Coupling = FanCoupling;
   static constexpr bool long_force = reads_position || requires { Single::long_force; };
   template <class T>
-  using Rest = typename Fanned<Single::template Rest>::template Of<T>;
+  using Rest = Fanned<typename Single::template Rest<T>>;
   template <class T>
-  using Tangent = typename Fanned<Single::template Tangent>::template Of<T>;
+  using Tangent = Fanned<typename Single::template Tangent<T>>;
 
   /// f = the forces [N] of all tetrahedra of the fan on its nodes; each keeps its own tangent.
   template <class T>

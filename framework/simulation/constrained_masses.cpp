@@ -38,11 +38,12 @@ std::vector<char> rowsAlwaysHeld(const Actors& actors) {
 void requireDiagonalUnderMotion(const Actors& actors) {
   const auto moving = std::find_if(actors.constraints.begin(), actors.constraints.end(),
                                    [](const ProjectiveConstraint* c) { return c->prescribesMotion(); });
-  if (moving != actors.constraints.end() && !actors.massIsDiagonal())
+  const auto alone = [&actors](const Mass* mass) {
+    return mass->leavesMovedAlone() || (mass->isDiagonal() && mass->state().firstRow() < actors.independent_rows);
+  };
+  if (moving != actors.constraints.end() && !std::all_of(actors.masses.begin(), actors.masses.end(), alone))
     throw ComponentError(
-        fmt::format("{} moves nodes, and their inertia would not reach their neighbours through a mass "
-                    "that is not diagonal",
-                    (*moving)->path()),
+        (*moving)->path() + " moves nodes, and their inertia would not reach their neighbours through a mass that is not diagonal",
         "a diagonal mass", "use " + usualComponent(Part::diagonal_mass) + ", or lumping=\"true\"");
 }
 

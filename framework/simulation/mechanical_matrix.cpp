@@ -59,6 +59,11 @@ void MechanicalMatrix::serialize(Archive& archive) {
 
 Index MechanicalMatrix::rows() const { return actors_.independent_rows; }
 ConstRows MechanicalMatrix::positions() const { return system_.independent(system_.x); }
+bool MechanicalMatrix::isOfLooseNodes() const {
+  bool loose = constraints_.groups().empty() && constraints_.relations().empty();
+  for (Index row = 0; loose && row < rows(); ++row) loose = system_.motion().kindOf(row) == RowKind::place;
+  return loose;
+}
 std::string MechanicalMatrix::describeRow(Index row) const { return actors_.describeRow(row); }
 
 // Each part only grows, so that no two states of the matrix have one sum.
@@ -88,9 +93,10 @@ void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
   const PhaseTimer timer(system_.times.product);
   ++system_.counts.products;
   assert(out.count == rows());
-  const ConstRows p_all = mappings_.direction(p);
+  const ConstRows p_all = mappings_.beginProduct(p);
+  const bool maps = p_all.data != p.data;
   clear(out);
-  const Rows all = mappings_.beginSum(out);
+  const Rows all = maps ? mappings_.beginSum(out) : out;
   for (const Mass* mass : actors_.masses)
     if (const double factor = factors_.of(*mass); factor != 0) heard("product", mass)->addProduct(p_all, factor, all);
   for (const ForceField* field : actors_.stiff_fields)
@@ -99,7 +105,7 @@ void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
   if (factors_.damping != 0)
     for (const ForceField* field : actors_.damped_fields)
       heard("product", field)->addDampingProduct(p_all, factors_.damping, all);
-  mappings_.finishProduct(p_all, factors_.stiffness, all, out);
+  if (maps) mappings_.finishProduct(p_all, factors_.stiffness, all, out);
   constraints_.project(out);
 }
 

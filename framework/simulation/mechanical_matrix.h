@@ -35,6 +35,7 @@ class MechanicalMatrix final : public SystemMatrix {
   bool symmetric() const override;
   bool prefersAssembled(int expected_products) const override;
   ConstRows positions() const override;
+  bool isOfLooseNodes() const override;
   std::string describeRow(Index row) const override;
 
   /// Blocks of the matrix that is kept; -1: none so far.

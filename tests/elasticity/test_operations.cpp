@@ -30,7 +30,8 @@ struct Sample {
     if constexpr (update == Update::none)
       return {rest.g, rest.root};
     else
-      return rest;
+      return {rest.g, rest.root, {rest.edges[0], rest.edges[1], rest.edges[2]}, rest.inverse_six_volume,
+              update == Update::strain_displacement ? Counted() : rest.inverse_six_volume};
   }
   Gradients<Counted> g;
   V3<Counted> x[4];
@@ -146,7 +147,7 @@ struct Sample {
     if constexpr (requires { rest.inverse_edges; }) {
       const double quarter[6] = {0.25, 0, 0.25, 0, 0, 0.25};
       for (int i = 0; i < 6; ++i) rest.inverse_edges[i] = Counted(quarter[i]);
-      for (int p = 0; p < 8; ++p) rest.g[p] = g, rest.scale[p] = rest.inverse_determinant[p] = one;
+      for (int p = 0; p < 8; ++p) rest.g[p] = g, rest.scale[p] = one;  // and B alone follows: inverse_determinant is 0
     }
   }
 };

@@ -5,6 +5,8 @@
 
 #include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "components/hyperelasticity/hyperelastic_kernels.h"
+#include "components/hyperelasticity/point_kernels.h"
+#include "components/hyperelasticity/point_law.h"
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
@@ -26,8 +28,9 @@ struct IsochoricNeoHookean {
   }
 };
 
-/// A law of the test's own, and a field that knows it: the module has its own list of laws.
+/// A law of the test's own, and a field that knows it: the module has its own list of laws and kernels.
 void offerLaw() {
+  pointKernels().hexahedra = pointLawOf<HexahedronPoints>;
   HyperelasticLaw law =
       lawOf<IsochoricNeoHookean>("IsochoricNeoHookean", "mu/2 (J^-2/3 I1 - 3) + bulk/4 (J^2 - 1 - 2 ln J)",
                                  {{"mu", "Pa", "shear modulus", true}, {"bulk", "Pa", "bulk modulus", true}});

@@ -2,6 +2,8 @@
 // Sleep of bodies at rest: the sleeping run against the waking one, which is computed in every step, and what wakes it.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "framework/mechanics/force_field.h"
 #include "framework/scene/factory.h"
 #include "tests/support/scene_fixture.h"
@@ -29,10 +31,19 @@ class NeighbourForceField final : public ForceField {
   void addStiffnessDiagonal(double, std::vector<double>&) const override {}
 };
 
+/// What moves the block.
+struct Rule {
+  std::string name, element;  ///< without what ends its tag
+  double dt = 0.01;
+  std::string damping{};  ///< a force field, where the integrator has none
+};
+void PrintTo(const Rule& rule, std::ostream* out) { *out << rule.name; }
+const Rule euler{"EulerImplicitSolver", R"(<EulerImplicitSolver name="solver" rayleighStiffness="0.03" )"};
+
 /// A soft block of 0.1 m that settles on its base within half a second.
-std::string block(const std::string& sleep, const std::string& more = {}) {
-  return R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><EulerImplicitSolver name="solver" rayleighStiffness="0.03" )" + sleep +
-         R"(/><SparseLDLSolver/>
+std::string block(const std::string& sleep, const std::string& more = {}, const Rule& rule = euler) {
+  return fmt::format(R"(<Node name="root" dt="{}" gravity="0 0 -9.81">)", rule.dt) + rule.element + sleep + "/>" + rule.damping +
+         R"(<SparseLDLSolver/>
   <RegularGridTopology name="grid" n="3 3 4" min="0 0 0" max="0.1 0.1 0.1"/>
   <MechanicalObject name="dofs"/><DiagonalMass massDensity="1000"/>
   <HexahedronFEMForceField name="fem" method="large" youngModulus="20000" poissonRatio="0.3"/>
@@ -46,8 +57,8 @@ long stepsAsleep(const Simulation& simulation) {
 
 /// One simulation that may sleep beside one that never does; both get whatever happens.
 struct Pair {
-  explicit Pair(const std::string& more = {})
-      : tired(simulationFromText(block(sleeping, more))), awake(simulationFromText(block("", more))) {}
+  explicit Pair(const std::string& more = {}, const Rule& rule = euler)
+      : tired(simulationFromText(block(sleeping, more, rule))), awake(simulationFromText(block("", more, rule))) {}
 
   /// The farthest that the two are apart after any of the steps [m].
   double run(int steps) {
@@ -67,13 +78,14 @@ struct Pair {
     EXPECT_LE(run(10), tolerance);
     EXPECT_EQ(stepsAsleep(tired), before + 10);
   }
+  int stepsIn(double seconds) const { return int(std::lround(seconds / tired.dt())); }
   /// It is awake in the next step, moves as the other one, and sleeps again in the end.
   void expectThatItWakes(double way) {
     const long before = stepsAsleep(tired);
     const Vec3 place = tired.systems()[0]->x[tired.systems()[0]->allRows() - 1];
     EXPECT_LE(run(1), tolerance);
     EXPECT_EQ(stepsAsleep(tired), before) << "the change is seen in its step";
-    EXPECT_LE(run(400), tolerance);
+    EXPECT_LE(run(stepsIn(4)), tolerance);
     EXPECT_GT((tired.systems()[0]->x[tired.systems()[0]->allRows() - 1] - place).norm(), way) << "the test moves the body";
     EXPECT_GT(stepsAsleep(tired), before + 100);
   }
@@ -183,6 +195,87 @@ TEST(Sleep, ACheckpointHasIt) {
   EXPECT_EQ(stepsAsleep(whole), 0);
   for (int n = 0; n < 310; ++n) whole.step();
   EXPECT_EQ(whole.stateHash(), parted.stateHash());
+}
+
+// ---- the same of every integrator that has it ----
+
+class SleepOf : public testing::TestWithParam<Rule> {};
+
+TEST_P(SleepOf, ABodyAtRestIsNotComputedAndALoadAndAnInputWakeIt) {
+  // rests until t = 4 s
+  Pair pair(R"(<LinearForceField points="35" times="0 4 4.5 60" forces="0 0 0  0 0 0  0.05 0 0  0.05 0 0"/>)", GetParam());
+  EXPECT_LE(pair.run(pair.stepsIn(3)), tolerance);
+  EXPECT_GT(stepsAsleep(pair.tired), pair.stepsIn(0.5));
+  const std::uint64_t bits = pair.tired.stateHash();
+  const long before = stepsAsleep(pair.tired), forces = pair.tired.systems()[0]->counts.forces;
+  EXPECT_LE(pair.run(pair.stepsIn(1)), tolerance);
+  EXPECT_EQ(stepsAsleep(pair.tired), before + pair.stepsIn(1));
+  EXPECT_EQ(pair.tired.stateHash(), bits);
+  EXPECT_EQ(pair.tired.systems()[0]->counts.forces, forces + pair.stepsIn(1)) << "the load over time is looked at once per step";
+  pair.expectThatItWakes(1e-4);
+  Input input;
+  input.state = "/dofs", input.nodes = {35}, input.force = Vec3(0, 0.05, 0);
+  pair.tired.addInput(input), pair.awake.addInput(input);
+  pair.expectThatItWakes(1e-4);
+  if (const Data* energy = findComponent(pair.tired.root(), "/solver")->data().find("hamiltonianEnergy")) {
+    const std::string other = findComponent(pair.awake.root(), "/solver")->data().find("hamiltonianEnergy")->print();
+    EXPECT_NEAR(std::stod(energy->print()), std::stod(other), 1e-6);
+  }
+  expectContains(pair.tired.systems()[0]->integrator().describe(), fmt::format("{} steps so far", stepsAsleep(pair.tired)));
+}
+
+TEST_P(SleepOf, ACheckpointHasIt) {
+  const auto scene = [] { return simulationFromText(block(sleeping, "", GetParam())); };
+  Simulation whole = scene(), parted = scene(), other = scene();
+  const int steps = int(std::lround(3 / whole.dt()));
+  for (int n = 0; n < steps; ++n) whole.step(), parted.step();
+  ASSERT_GT(stepsAsleep(whole), 10);
+  other.restore(parted.checkpoint().readable());
+  Input input;
+  input.state = "/dofs", input.nodes = {35}, input.force = Vec3(0.05, 0, 0);
+  whole.addInput(input), other.addInput(input);
+  for (int n = 0; n < 20; ++n) whole.step(), other.step();
+  EXPECT_EQ(stepsAsleep(other), stepsAsleep(whole));
+  EXPECT_EQ(other.stateHash(), whole.stateHash());
+  EXPECT_NE(other.stateHash(), parted.stateHash());
+}
+
+const std::string drag = R"(<UniformVelocityDampingForceField dampingCoefficient="1"/>)";
+INSTANTIATE_TEST_SUITE_P(
+    Integrators, SleepOf,
+    testing::Values(Rule{"Newmark", R"(<NewmarkImplicitSolver name="solver" rayleighStiffness="0.03" )"},
+                    Rule{"Trapezoid", R"(<TrapezoidalRuleSolver name="solver" rayleighStiffness="0.03" )"},
+                    Rule{"Bdf1", R"(<BDFOdeSolver name="solver" rayleighStiffness="0.03" )"},
+                    Rule{"Bdf2", R"(<BDFOdeSolver name="solver" order="2" rayleighStiffness="0.03" )"},
+                    Rule{"Midpoint", R"(<VariationalSymplecticSolver name="solver" rayleighStiffness="0.03" )"},
+                    Rule{"Variational", R"(<VariationalSymplecticSolver name="solver" explicitIntegration="true" )", 0.002, drag},
+                    Rule{"Statics", R"(<StaticSolver name="solver" )"},
+                    Rule{"ExplicitEuler", R"(<EulerExplicitSolver name="solver" )", 0.002, drag},
+                    Rule{"RungeKutta2", R"(<RungeKutta2Solver name="solver" )", 0.0016, drag},
+                    Rule{"RungeKutta4", R"(<RungeKutta4Solver name="solver" )", 0.002, drag},
+                    Rule{"NewtonCotes", R"(<NewtonCotesSolver name="solver" )", 0.002, drag},
+                    Rule{"CentralDifferences", R"(<CentralDifferenceSolver name="solver" rayleighMass="40" )", 0.002}),
+    [](const auto& tested) { return tested.param.name; });
+
+/// A beam whose steps of statics keep their starts, because two iterations find no equilibrium.
+TEST(Sleep, WhatHasNoSolutionIsNotAtRest) {
+  const auto steps = [](const std::string& gravity, int count) {
+    Simulation simulation = simulationFromText(R"(<Node name="root" dt="1" gravity=")" + gravity + R"(">
+      <StaticSolver name="solver" sleepDistance="1e-3" sleepTime="2"/><SparseLDLSolver/>
+      <NewtonRaphsonSolver updateStateWhenDiverged="false" maxNbIterationsNewton="2"/>
+      <RegularGridTopology name="grid" n="9 2 2" min="0 0 0" max="1 0.1 0.1"/><MechanicalObject/><UniformMass totalMass="10"/>
+      <HexahedronFEMForceField youngModulus="1e5" poissonRatio="0.3" method="polar"/>
+      <BoxROI name="box" box="-0.01 -1 -1 0.01 1 1"/><FixedProjectiveConstraint indices="@box.indices"/></Node>)");
+    StepReport last;
+    for (int n = 0; n < count; ++n) last = simulation.step();
+    return std::pair(last, stepsAsleep(simulation));
+  };
+  const auto [last, asleep] = steps("0 -900 0", 12);
+  EXPECT_TRUE(last.unsolved);
+  EXPECT_EQ(asleep, 0);
+  const auto [solved, rest] = steps("0 -1e-6 0", 12);
+  EXPECT_FALSE(solved.unsolved) << solved.reason;
+  EXPECT_GT(rest, 5);
 }
 
 TEST(Sleep, WhatIsNotOfForcesAloneIsRefused) {

@@ -50,6 +50,9 @@ TEST(StaticSolver, AThresholdAboveTheForcesIsADoubt) {
   const std::string doubt = loose.systems()[0]->integrator().doubt();
   EXPECT_NE(doubt.find("a step counts as solved where it began, with 100 % of the forces out of balance"), std::string::npos)
       << doubt;
+  Simulation restored = statics("absolute_residual_tolerance_threshold='1000'", "stiffness='20'", "");
+  restored.restore(loose.checkpoint().readable());
+  EXPECT_EQ(restored.systems()[0]->integrator().doubt(), doubt) << "a run that goes on is no better";
   Simulation usual = statics("absolute_residual_tolerance_threshold='1e-9'", "stiffness='20'", "");
   for (int step = 0; step < 2; ++step) usual.step();
   EXPECT_EQ(usual.systems()[0]->integrator().doubt(), "") << "the second step has nothing to do";

@@ -9,20 +9,40 @@ using namespace stroma;
 using namespace stroma::test;
 
 TEST(ConjugateGradientLoops, EqualTheirUnfusedForms) {
-  const Vector p0 = randomVector(101, 1), q = randomVector(101, 2), z = randomVector(101, 3);
-  Vector p(101), x = randomVector(101, 4), r = randomVector(101, 5);
-  copy(p0, p);
-  const cg::Curvature curve = cg::curvature(p, q);
-  EXPECT_NEAR(curve.pq, dense(p).dot(dense(q)), 1e-12);
-  EXPECT_NEAR(curve.pp, dense(p).squaredNorm(), 1e-11);
-  EXPECT_NEAR(curve.qq, dense(q).squaredNorm(), 1e-11);
+  for (const Index rows : {101, 70001}) {  // in one piece and in four
+    const Vector p0 = randomVector(rows, 1), q = randomVector(rows, 2), z = randomVector(rows, 3);
+    Vector p(rows), x = randomVector(rows, 4), r = randomVector(rows, 5);
+    copy(p0, p);
+    const cg::Curvature curve = cg::curvature(p, q);
+    const double size = dense(p).norm() * dense(q).norm();
+    EXPECT_NEAR(curve.pq, dense(p).dot(dense(q)), 1e-14 * size);
+    EXPECT_NEAR(curve.pp, dense(p).squaredNorm(), 1e-13 * size);
+    EXPECT_NEAR(curve.qq, dense(q).squaredNorm(), 1e-13 * size);
+    EXPECT_NEAR(cg::inner(p, q), dense(p).dot(dense(q)), 1e-14 * size);
 
-  const Eigen::VectorXd r1 = dense(r) - 0.3 * dense(q), x1 = dense(x) + 0.7 * dense(p), p1 = dense(z) + 1.9 * dense(p);
-  EXPECT_NEAR(cg::reduceResidual(0.3, q, r), r1.squaredNorm(), 1e-11);
-  EXPECT_LT((dense(r) - r1).norm(), 1e-14 * r1.norm());
-  cg::advance(0.7, 1.9, z, p, x);
-  EXPECT_LT((dense(x) - x1).norm(), 1e-14 * x1.norm());
-  EXPECT_LT((dense(p) - p1).norm(), 1e-14 * p1.norm());
+    const Eigen::VectorXd r1 = dense(r) - 0.3 * dense(q), x1 = dense(x) + 0.7 * dense(p), p1 = dense(z) + 1.9 * dense(p);
+    EXPECT_NEAR(cg::reduceResidual(0.3, q, r), r1.squaredNorm(), 1e-13 * size);
+    EXPECT_LT((dense(r) - r1).norm(), 1e-14 * r1.norm());
+    cg::advance(0.7, 1.9, z, p, x);
+    EXPECT_LT((dense(x) - x1).norm(), 1e-14 * x1.norm());
+    EXPECT_LT((dense(p) - p1).norm(), 1e-14 * p1.norm());
+  }
+}
+
+// Each row belongs to one piece, whatever the number of rows.
+TEST(ConjugateGradientLoops, PiecesCoverAVector) {
+  for (const Index rows : {0, 1, 32767, 32768, 49153, 2000001}) {
+    Index next = 0;
+    int pieces = 0;
+    cg::forPieces(rows, [&](int k, Index first, Index size) {
+      EXPECT_EQ(k, pieces++);
+      EXPECT_EQ(first, next);
+      EXPECT_EQ(first % 2, 0) << "not at the start of a cache line";
+      next = first + size;
+    });
+    EXPECT_EQ(next, rows);
+    EXPECT_EQ(pieces, cg::piecesOf(rows));
+  }
 }
 
 TEST(BlockJacobi, DividesByTheDiagonalBlocks) {

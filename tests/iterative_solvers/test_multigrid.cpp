@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include "components/iterative_solvers/multigrid_aggregates.h"
 #include "components/iterative_solvers/solver_costs.h"
 #include "framework/algebra/parallel.h"
@@ -137,6 +139,14 @@ TEST(Multigrid, PatchesAreTakenWhereManyNodesAreHeld) {
   EXPECT_LE(iterations(block, multigrid), 60);
 }
 
+/// What a run that is taken up again with the solver `to` has of the one before.
+void handOver(SolverInScene& from, SolverInScene& to, StoredMatrix& matrix) {
+  Archive written;
+  written.enter("solver"), from.solver->serializeFor(matrix, written);
+  Archive reading = written.readable();
+  reading.enter("solver"), to.solver->serializeFor(matrix, reading);
+}
+
 /// A run that is taken up again has the hierarchy of the run before, with its patches: the next solve has the same bits.
 TEST(Multigrid, HierarchiesAreWrittenAndReadAgain) {
   for (const double poisson : {0.3, 0.499}) {
@@ -145,13 +155,7 @@ TEST(Multigrid, HierarchiesAreWrittenAndReadAgain) {
     StoredMatrix matrix = matrixOf(block);
     SolverInScene first(multigrid), second(multigrid);
     Vector x, y;
-    first.solve(matrix, weight(block), x);
-    Archive written;
-    written.enter("solver");
-    first.solver->serializeFor(matrix, written);
-    Archive reading = written.readable();
-    reading.enter("solver");
-    second.solver->serializeFor(matrix, reading);
+    first.solve(matrix, weight(block), x), handOver(first, second, matrix);
     const int assemblies = matrix.assemblies;
     x = Vector(matrix.rows());
     const int again = first.solve(matrix, weight(block), x).iterations;
@@ -219,6 +223,54 @@ TEST(Multigrid, TheHierarchyIsKeptAsLongAsItPays) {
   }
   EXPECT_EQ(matrix.assemblies, 2);
   EXPECT_LE(last, 2 * fresh);
+}
+
+/// A becomes R A R^T, and its nodes move accordingly: those of the sliding wall stay, the others turn as a whole.
+void turn(StoredMatrix& matrix, const ElasticBlock& block, const Mat3& rotation, Vector& b) {
+  const auto stays = [&block](Index row) { return block.slide_wall && row % block.nodes(0) == 0; };
+  const auto turnOf = [&](Index row) { return stays(row) ? Mat3(Mat3::Identity()) : rotation; };
+  using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+  for (Index row = 0; row < matrix.rows(); ++row) {
+    for (Index s = matrix.values.rowStart()[row]; s < matrix.values.rowStart()[row + 1]; ++s) {
+      Block value(matrix.values.values().data() + 9 * s);
+      value = (turnOf(row) * value * turnOf(matrix.values.columns()[s]).transpose()).eval();
+    }
+    matrix.nodes[std::size_t(row)] = rotation * matrix.nodes[std::size_t(row)];
+    b[row] = (turnOf(row) * b[row]).eval();
+  }
+  ++matrix.revision_number;
+}
+
+// The rotation is as good as a new hierarchy, and held directions stay held.
+TEST(Multigrid, AFormerHierarchyTurnsWithTheBody) {
+  for (const bool slides : {false, true}) {
+    ElasticBlock block = box(12, 12, 12);
+    block.slide_wall = slides;
+    StoredMatrix matrix = matrixOf(block);
+    Vector b = weight(block), x, y;
+    for (Index row = 0; slides && row < b.count(); row += block.nodes(0)) b[row].x() = 0;
+    SolverInScene solver(multigrid), again(multigrid);
+    const int fresh = solver.solve(matrix, b, x).iterations;
+    const Mat3 rotation = Eigen::AngleAxisd(slides ? 0.4 : 1.0, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+    turn(matrix, block, rotation, b);
+    const SolveReport report = solver.solve(matrix, b, y);
+    EXPECT_EQ(report.stop, SolveStop::converged);
+    EXPECT_EQ(matrix.assemblies, 1) << "a hierarchy was made anew";
+    EXPECT_LE(report.iterations, fresh + 1);
+    for (Index row = 0; row < b.count(); ++row) {
+      const bool stays = slides && row % block.nodes(0) == 0;
+      EXPECT_LE((y[row] - (stays ? Vec3(x[row]) : Vec3(rotation * x[row]))).norm(), 1e-5 * norm(x)) << row;
+      EXPECT_TRUE(!stays || y[row].x() == 0) << row;
+    }
+    handOver(solver, again, matrix);
+    for (const int count : {1, 3}) {  // the first solves have the turns that were written, the second ones make theirs
+      x = Vector(b.count()), y = Vector(b.count());
+      solver.solve(matrix, b, x);
+      setThreads(count), again.solve(matrix, b, y), setThreads(1);
+      EXPECT_EQ(std::memcmp(x.rows().data, y.rows().data, x.rows().doubles() * sizeof(double)), 0) << count << " threads";
+      ++matrix.revision_number;
+    }
+  }
 }
 
 TEST(Multigrid, EveryNodeWithStrongNeighboursIsInOneGroup) {
@@ -335,12 +387,7 @@ TEST(AutomaticLinearSolver, TellsAChoiceOfTheRunBefore) {
   const std::string before = told(first, "choice");
   EXPECT_NE(before.find("with multigrid"), std::string::npos) << before;
   first.solve(matrix, weight(block), x);
-  Archive written;
-  written.enter("solver");
-  first.solver->serializeFor(matrix, written);
-  Archive reading = written.readable();
-  reading.enter("solver");
-  second.solver->serializeFor(matrix, reading);
+  handOver(first, second, matrix);
   EXPECT_NE(told(second, "choice").find("factors, after"), std::string::npos) << told(second, "choice");
   EXPECT_EQ(told(second, "choice"), told(first, "choice"));
   EXPECT_EQ(told(second, "changes"), "1");

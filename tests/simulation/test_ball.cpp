@@ -13,13 +13,6 @@
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-/// One node of 1 kg at the origin that a spring of 100 N/m holds there.
-std::string springScene(const std::string& integrator, const std::string& dt) {
-  return "<Node name=\"root\" dt=\"" + dt + "\" gravity=\"0 0 0\">" + integrator +
-         "<MechanicalObject name=\"dofs\" position=\"0 0 0\"/><UniformMass totalMass=\"1\"/>"
-         "<RestShapeSpringsForceField stiffness=\"100\"/></Node>";
-}
-
 /// A block of 0.1 x 0.1 x 0.3 m, held at z = 0; node 43 is in the middle of the edge y = 0.1 of its free end.
 std::string blockScene(const std::string& integrator, const std::string& dt = "0.01") {
   return "<Node name=\"root\" dt=\"" + dt + "\" gravity=\"0 0 0\">" + integrator +

@@ -11,13 +11,6 @@
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-/// One node of 1 kg at the origin that a spring of 100 N/m holds there.
-std::string springScene(const std::string& integrator, const std::string& dt) {
-  return "<Node name=\"root\" dt=\"" + dt + "\" gravity=\"0 0 0\">" + integrator +
-         "<MechanicalObject name=\"dofs\" position=\"0 0 0\"/><UniformMass totalMass=\"1\"/>"
-         "<RestShapeSpringsForceField stiffness=\"100\"/></Node>";
-}
-
 std::string beamScene(const std::string& solver, const std::string& integrator = "<EulerImplicitSolver/>") {
   return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -9.81 0\">" + integrator + solver +
          "<RegularGridTopology n=\"3 3 5\" min=\"0 0 0\" max=\"0.1 0.1 0.3\"/><MechanicalObject name=\"dofs\"/>"

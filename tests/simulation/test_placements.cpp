@@ -3,6 +3,7 @@
 // can act is taken out of the example of its manual page and put to the root, above, beside and below its node.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 

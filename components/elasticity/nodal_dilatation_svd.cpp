@@ -1,6 +1,0 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
-// Tetrahedra with method = svd and dilatation = mean.
-#include "components/elasticity/tetrahedron_rotated.h"
-
-template std::unique_ptr<stroma::ElementKernels> stroma::tetrahedron::averagedKernels<stroma::rotation::Svd>(
-    const ElasticVariant& variant, const Elements& elements);
