@@ -4,11 +4,13 @@
 //   x(t) = mean + amplitude sin(pulsation t + phase),   v(t) = pulsation amplitude cos(pulsation t + phase)
 //
 // `oscillators` has nine numbers for each node: its index, the mean (x y z) [m], the amplitude (x y z) [m], the
-// pulsation [rad/s] and the phase [rad]. With `indices` instead, the mean is the initial position of each listed node,
-// and the amplitude is `translation` plus, for plates of a rheometer, rotation x (X - centre): a rotation vector
-// [rad], small enough that paths along the tangent are those of a turning body (a radius grows by half the square of
-// the angle); pulsation and phase are then those of the attributes. Rigid frames take `indices` only: their orientation is
-// exp(sin(pulsation t + phase) rotation) q.
+// pulsation [rad/s] and the phase [rad]. Of a rigid frame it has sixteen: the mean has seven numbers (centre and quaternion) and
+// the amplitude six (of the centre, and a rotation vector [rad] in fixed axes).
+//
+// With `indices` instead, the mean is the initial position of each listed node, and the amplitude is `translation` plus, for
+// plates of a rheometer, rotation x (X - centre): a rotation vector [rad], small enough that paths along the tangent are those of
+// a turning body (a radius grows by half the square of the angle); pulsation and phase are then those of the attributes. The
+// orientation of a frame is exp(sin(pulsation t + phase) rotation) q, with q the mean one.
 //
 // Source: name and `oscillators` are SOFA's.
 //
@@ -40,7 +42,7 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
-    table.add("oscillators", given_).help("for each node: index, mean x y z, amplitude x y z, pulsation, phase");
+    table.add("oscillators", given_).help("for each node: index, mean, amplitude, pulsation, phase");
     table.add("indices", indices_).help("nodes that swing about their initial positions with the attributes below");
     table.add("translation", translation_).unit("m").help("amplitude of the nodes of indices");
     table.add("rotation", rotation_)
@@ -53,12 +55,14 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
 
   void init() override {
     ProjectiveConstraint::init();
-    constexpr std::size_t numbers = 9;
+    const bool frames = state().hasFrames();
+    const std::size_t numbers = frames ? 16 : 9, amplitude = frames ? 8 : 4;  // of each node, and where its amplitude begins
     if (given_.empty() == indices_.empty())
       throw ComponentError(given_.empty() ? "no node is named" : "oscillators and indices are both given",
                            "oscillators, or indices with translation, rotation, pulsation and phase");
     if (given_.size() % numbers != 0)
-      throw ComponentError(fmt::format("oscillators has {} numbers", given_.size()), "nine for each node");
+      throw ComponentError(fmt::format("oscillators has {} numbers", given_.size()),
+                           frames ? "sixteen for each frame" : "nine for each node");
     const auto vector = [this](std::size_t i) { return Vec3(given_[i], given_[i + 1], given_[i + 2]); };
     std::vector<int> named = indices_;
     oscillators_.clear();
@@ -66,15 +70,22 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
       named.push_back(int(given_[i]));
       if (given_[i] != named.back())
         throw ComponentError(fmt::format("{} is no index of a node", given_[i]), "an integer");
-      oscillators_.push_back({named.back(), vector(i + 1), vector(i + 4), given_[i + 7], given_[i + 8]});
+      Oscillator o{named.back(), vector(i + 1), vector(i + amplitude), given_[i + numbers - 2], given_[i + numbers - 1]};
+      if (frames) {
+        const Quaternion turn(given_[i + 7], given_[i + 4], given_[i + 5], given_[i + 6]);
+        if (!(turn.norm() > 0)) throw ComponentError("oscillators has an orientation of length zero", "x y z w of length 1");
+        o.mean_turn = rotationVector(turn.normalized()), o.swing = vector(i + amplitude + 3);
+      }
+      oscillators_.push_back(o);
     }
     const std::vector<Index> rows = checkedNodesInOrder(named, state(), given_.empty() ? "indices" : "oscillators");
-    if (!state().hasPointsOnly() && !(state().hasFrames() && given_.empty()))
-      throw ComponentError(fmt::format("the nodes of {} are no points", state().path()),
-                           "points; or indices of rigid frames with translation and rotation");
+    if (!state().hasPointsOnly() && !frames)
+      throw ComponentError(fmt::format("the nodes of {} are no points", state().path()), "points or rigid frames");
+    for (std::size_t i = 0; i < oscillators_.size(); ++i) oscillators_[i].node = rows[i];
     for (const Index node : given_.empty() ? rows : std::vector<Index>()) {
       const Vec3& mean = state().position[std::size_t(node)];
       oscillators_.push_back({node, mean, translation_ + rotation_.cross(mean - centre_), pulsation_, phase_});
+      if (frames) oscillators_.back().mean_turn = state().position[std::size_t(node + 1)], oscillators_.back().swing = rotation_;
     }
   }
 
@@ -90,9 +101,9 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
       v[state().firstRow() + o.node] = o.pulsation * std::cos(angle) * o.amplitude;
       if (!state().hasFrames()) continue;
       const Index turn = state().firstRow() + o.node + 1;
-      placeRow(RowKind::turn, state().position[std::size_t(o.node + 1)], x, turn);
-      Motion::turnBy(std::sin(angle) * rotation_, x.data + std::size_t(turn) * row_doubles);
-      v[turn] = o.pulsation * std::cos(angle) * rotation_;
+      placeRow(RowKind::turn, o.mean_turn, x, turn);
+      Motion::turnBy(std::sin(angle) * o.swing, x.data + std::size_t(turn) * row_doubles);
+      v[turn] = o.pulsation * std::cos(angle) * o.swing;
     }
   }
 
@@ -104,6 +115,7 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
     Index node;               ///< first row
     Vec3 mean, amplitude;     ///< [m]
     double pulsation, phase;  ///< [rad/s], [rad]
+    Vec3 mean_turn = Vec3::Zero(), swing = Vec3::Zero();  ///< of frames [rad]
   };
   std::vector<double> given_;
   std::vector<int> indices_;

@@ -48,6 +48,7 @@ class DeadPressure : public ForceField, public LocalLoad {
     table.add("normal", normal_).help("with dmin and dmax: what lies between two planes is loaded").unit("-");
     table.add("dmin", dmin_).help("distance of the one plane from the origin").unit("m");
     table.add("dmax", dmax_).help("distance of the other").unit("m");
+    table.add("allowEmpty", allow_empty_).help("that nothing is chosen is no error: there is no load");
     for (const char* name : {"showForces", "arrowSizeCoef"}) table.addVisualOnly(name);
   }
   void init() override {
@@ -93,7 +94,9 @@ class DeadPressure : public ForceField, public LocalLoad {
     });
   }
   void checkCells(const auto& cells, const char* name) const {
-    if (cells.empty()) throw ComponentError(fmt::format("no {} is loaded", name), "at least one", "check the selection that is linked");
+    if (cells.empty() && !allow_empty_)
+      throw ComponentError(fmt::format("no {} is loaded", name), "at least one", "check the selection that is linked");
+    if (cells.empty()) warn(fmt::format("{} chooses nothing: there is no load", name));
     for (const auto& cell : cells)
       for (const Index node : cell)
         if (node < 0 || node >= state().nodes()) throw ComponentError(fmt::format("{} names node {} of {}", name, node, state().nodes()));
@@ -110,6 +113,7 @@ class DeadPressure : public ForceField, public LocalLoad {
   TopologyLink topology_;
   Vec3 normal_ = Vec3::Zero();
   double dmin_ = 0, dmax_ = 0;
+  bool allow_empty_ = false;
 };
 
 class QuadPressure final : public DeadPressure {

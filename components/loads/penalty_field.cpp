@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "framework/mechanics/node_indices.h"
 
 namespace stroma {
@@ -12,7 +14,7 @@ void PenaltyField::declare(DataTable& table) {
   table.add("damping", damping_constant_).help("force over velocity and depth").unit("N s/m^2").min(0);
   table.add("explicitDamping", explicit_damping_).help("damping has no part in derivatives, as in SOFA");
   table.add("indices", indices_).help("nodes that feel the surface; every node when not given");
-  table.add("localRange", range_).help("first node and the one after the last that feel the surface; -1 -1: all");
+  table.add("localRange", range_).help("first node and the one after the last that feel the surface; -1: no bound");
   for (const char* name : {"color", "bwdColor", "draw"}) table.addVisualOnly(name);
 }
 
@@ -25,11 +27,12 @@ void PenaltyField::init() {
     return;
   }
   nodes_ = allNodes(state());
-  if (!ranged || (range_.size() == 2 && (range_[0] < 0 || range_[1] < 0))) return;
-  if (range_.size() != 2 || range_[0] >= range_[1] || range_[1] > state().nodes())
+  if (!ranged) return;
+  const Index first = range_.empty() ? 0 : std::max(range_[0], 0), end = range_.size() == 2 && range_[1] >= 0 ? range_[1] : state().nodes();
+  if (range_.size() != 2 || first >= end || end > state().nodes())
     throw ComponentError(fmt::format("localRange is no range of the {} nodes of {}", state().nodes(), state().path()),
                          fmt::format("two numbers: first < last <= {}", state().nodes()));
-  nodes_ = {nodes_.begin() + range_[0], nodes_.begin() + range_[1]};
+  nodes_ = {nodes_.begin() + first, nodes_.begin() + end};
 }
 
 ForceTraits PenaltyField::traits() const {

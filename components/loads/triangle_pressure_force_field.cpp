@@ -39,6 +39,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
     table.add("pressure", pressure_).help("force per area at rest, of a fixed direction").unit("Pa");
     table.add("cauchyStress", given_stress_).help("xx xy yy zx yz zz of a stress that acts on the normals").unit("Pa");
     table.add("triangleList", list_).help("loaded triangles of the mesh").required();
+    table.add("allowEmpty", allow_empty_).help("a list without triangles is no error: nothing is loaded");
     table.add("useConstantForce", constant_).help("load by pressure and the area at rest, else by cauchyStress");
     table.addVisualOnly("showForces");
   }
@@ -88,9 +89,10 @@ class TrianglePressureForceField final : public SurfaceLoad {
 
  private:
   std::vector<Face> listedTriangles(const Mesh& mesh) const {
-    if (list_.empty())
+    if (list_.empty() && !allow_empty_)
       throw ComponentError("triangleList lists no triangle", "at least one",
                            "when a selection is linked here, check that its box holds triangles");
+    if (list_.empty()) warn("triangleList lists no triangle: there is no load");
     std::vector<Face> faces;
     for (std::size_t i = 0; i < list_.size(); ++i) {
       if (list_[i] < 0 || std::size_t(list_[i]) >= mesh.triangles.size())
@@ -111,6 +113,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
     }
   }
 
+  bool allow_empty_ = false;
   Vec3 pressure_ = Vec3::Zero();
   std::vector<double> given_stress_;
   std::vector<int> list_;

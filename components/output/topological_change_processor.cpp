@@ -61,9 +61,10 @@ class TopologicalChangeProcessor final : public Observer, public StepGuard {
       names_some = names_some || !list->empty();
     if (by_lists_ && names_some) first_ = time_;
     if (!by_lists_ && !file_name_.given.empty()) first_ = firstOfFile() - shift_;
-    if (isDue(node().root().root_time, node().root().dt()))
-      throw ComponentError(fmt::format("meshes do not change here, and the first change is due at t = {:g} s, where the run starts",
-                                       first_),
+    const double start = node().root().root_time;
+    if (isDue(start, node().root().dt()))
+      throw ComponentError(fmt::format("meshes do not change here, and the first change is due at t = {:g} s, {}", first_,
+                                       first_ < start ? "before the run starts" : "where the run starts"),
                            "changes later on, or none");
     if (std::isfinite(first_))
       inform(fmt::format("meshes do not change here: the run ends at t = {:g} s, where the first change is due", first_));

@@ -51,6 +51,27 @@
 namespace stroma {
 namespace {
 
+/// The coefficients of V(x + s d), a cubic in s. V is a symmetric form in three positions, so that with areas A(x) and
+/// A(d) of the surface at x and of the one that has d for its positions
+///   V(x + s d) = 1/3 sum x.A(x) + s sum d.A(x) + s^2 sum x.A(d) + s^3 1/3 sum d.A(d).
+template <class Position, class Direction>
+std::array<double, 4> volumeAlong(const std::vector<Face>& faces, const Position& position,
+                                  const Direction& direction) {
+  const Vec3 origin = position(faces[0].nodes[0]);
+  std::array<double, 4> sums{};
+  for (const Face& face : faces) {
+    const area_vectors::Corners x = area_vectors::cornersOf(face, position, origin), d = area_vectors::cornersOf(face, direction);
+    const area_vectors::Corners areas_x = area_vectors::of(x, face.corners), areas_d = area_vectors::of(d, face.corners);
+    for (std::size_t a = 0; a < std::size_t(face.corners); ++a) {
+      sums[0] += x[a].dot(areas_x[a]) / 3;
+      sums[1] += d[a].dot(areas_x[a]);
+      sums[2] += x[a].dot(areas_d[a]);
+      sums[3] += d[a].dot(areas_d[a]) / 3;
+    }
+  }
+  return sums;
+}
+
 /// a0 + a1 s + a2 s^2 + a3 s^3
 struct Cubic {
   std::array<double, 4> a{};
@@ -216,7 +237,7 @@ double VolumeConstraint::correctPositions(const PositionStep& step, Rows x, Rows
   }
   stuck_ = largest > 0 ? "" : ", and no node that may move would change it";
   if (largest > 0) scale(span / largest, direction_);
-  Cubic volume{area_vectors::volumeAlong(
+  Cubic volume{volumeAlong(
       faces_, [&](Index i) -> Vec3 { return x[row(nodes_[i])]; }, [this](Index i) -> Vec3 { return direction_[i]; })};
   reached_ = volume.a[0];
   const double violation = std::abs(reached_ - target_) / allowed_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads spheres from a text: a first line "sph 1.0", lines "nums COUNT", which nothing needs, and lines "sphe NUMBER x y z r"; #
-// starts a comment. Centres are scaled, turned and moved as by the mesh loaders; radii are scaled by the first factor.
+// Reads spheres from a text: a first line "sph 1.0", lines "nums COUNT", which tell how many there are, and lines
+// "sphe NUMBER x y z r"; # starts a comment. Centres are scaled, turned and moved as by the mesh loaders; radii are scaled by the
+// first factor.
 //
 // Source: the format, names and attributes are SOFA's.
 //
@@ -39,11 +40,12 @@ class SphereLoader final : public MeshSource {
     if (!stream) throw ComponentError(fmt::format("the file {} cannot be opened", filename_.given));
     position_.clear(), radii_.clear();
     const Mat3 turn = rotationFromDegrees(rotation_);
-    std::string line;
+    std::string line, told;
     for (int number = 1; std::getline(stream, line); ++number) {
       std::istringstream words(line.substr(0, line.find('#')));
       std::string word;
       if (!(words >> word)) continue;
+      if (word == "nums") words >> told;
       if (word == "sph" || word == "nums") continue;
       int index = 0;
       Vec3 centre;
@@ -56,6 +58,8 @@ class SphereLoader final : public MeshSource {
       radii_.push_back(radius * scale3d_[0]);
     }
     if (position_.empty()) throw ComponentError(fmt::format("{} holds no sphere", filename_.given), "lines sphe NUMBER x y z r");
+    if (!told.empty() && told != std::to_string(position_.size()))
+      warn(fmt::format("{} tells of {} spheres, and holds {}: the file may be cut off", filename_.given, told, position_.size()));
   }
 
  private:

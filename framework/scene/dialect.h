@@ -13,6 +13,8 @@ inline constexpr const char* dialect_note = "/.dialect";
 
 /// By the attribute `dialect` of the outermost node, the override of it, or the ending of the file.
 bool isForeign(const std::string& file, const NodeDescription& root, const std::vector<Override>& overrides);
+/// A text that is no UTF-8 is Latin-1 in such a scene, with a warning; the text of a native one stays.
+void decodeForeign(std::string& text, const std::string& file, bool is_foreign, Diagnostics& diagnostics);
 /// Whether a type that is known here names a file of components in such a scene, where there is one.
 bool isPrefabAbroad(const std::string& type);
 /// Rewrites `scene` in place where its outermost node names the dialect; a native scene stays. What was accepted is named in

@@ -48,6 +48,7 @@ class Resolver {
   bool take(SceneFileText text, int depth, NodeDescription& root) {
     std::error_code none;
     const std::string file = text.file;
+    decodeForeign(text.text, file, is_foreign_ || isForeign(file, {}, overrides_), diagnostics_);
     root = readXml(text.text, file, limits_, diagnostics_);
     if (root.where.file.empty()) return false;
     if (chain_.empty() && isForeign(file, root, overrides_)) {

@@ -7,20 +7,15 @@
 
 namespace stroma {
 
-namespace {
-
-/// Where a text stops to be UTF-8 (RFC 3629: no overlong forms, surrogates or code points above 10FFFF), or its size.
+/// RFC 3629: no overlong forms, surrogates or code points above 10FFFF.
 std::size_t firstByteNotUtf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto byte = [&](std::size_t k) -> unsigned {
       return k < text.size() ? static_cast<unsigned char>(text[k]) : 0;
     };
     const unsigned first = byte(i), second = byte(i + 1);
-    if (first < 0x80) {
-      ++i;
-      continue;
-    }
-    const std::size_t length = first >= 0xC2 && first <= 0xDF   ? 2
+    const std::size_t length = first < 0x80                     ? 1
+                               : first >= 0xC2 && first <= 0xDF ? 2
                                : (first & 0xF0) == 0xE0         ? 3
                                : first >= 0xF0 && first <= 0xF4 ? 4
                                                                 : 0;
@@ -34,6 +29,8 @@ std::size_t firstByteNotUtf8(std::string_view text) {
   }
   return text.size();
 }
+
+namespace {
 
 class Scanner {
  public:

@@ -34,6 +34,8 @@ struct XmlPositions {
   std::vector<std::pair<std::size_t, std::size_t>> instructions;
 };
 
+/// Where a text stops to be UTF-8, or its size.
+std::size_t firstByteNotUtf8(std::string_view text);
 /// False when the file cannot be used: exactly one sentence has gone to `diagnostics`.
 bool scanXml(std::string_view text, const std::string& file, const ReadLimits& limits, XmlPositions& positions,
              Diagnostics& diagnostics);

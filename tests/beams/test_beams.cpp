@@ -133,6 +133,31 @@ TEST(Beams, ACantileverBendsAndTwistsAsBeamsDo) {
   }
 }
 
+/// A beam that runs against the x axis of its frames bends, stretches and twists as any other.
+TEST(Beams, AFrameMayLookTheOtherWay) {
+  const double length = 2, force = 1e-4, couple = 0.003, pull = 0.01, area = std::numbers::pi * 4e-4;
+  for (const char* turn : {"0 0 0 1", "0 0 1 0", "0 1 0 0", "0 0 0.70710678118654757 0.70710678118654757"}) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/><MeshTopology edges="0 1"/>
+    <MechanicalObject template="Rigid3" position="0 0 0  {0}   -2 0 0  {0}"/>
+    <BeamFEMForceField youngModulus="1e9" poissonRatio="0.3" radius="0.02"/><FixedProjectiveConstraint indices="0"/>
+    <ConstantForceField indices="1" forces="{1} {2} 0  {3} 0 0"/></Node>)",
+        turn, -pull, force, couple));
+    System& system = *simulation.systems()[0];
+    Vector v(system.allRows()), f(system.allRows());
+    for (ForceField* field : system.forceFields())
+      if (field->type() == "BeamFEMForceField") field->addForce(system.x, v, f);
+    for (Index row = 0; row < 4; ++row) EXPECT_LT(Vec3(f[row]).norm(), 1e-9) << turn << ": force at rest";
+    const Quaternion start = orientationIn(system.x, 3);
+    ASSERT_TRUE(simulation.step().newton_converged) << turn;
+    EXPECT_NEAR(system.x[2].y(), force * length * length * length / (3 * bending), 1e-3 * system.x[2].y()) << turn;
+    EXPECT_NEAR(system.x[2].x(), -length - pull * length / (1e9 * area), 1e-2 * pull * length / (1e9 * area)) << turn;
+    const Vec3 turned = rotationVector(orientationIn(system.x, 3) * start.conjugate());
+    EXPECT_NEAR(turned.x(), couple * length / (bending / 1.3), 1e-3 * couple * length / (bending / 1.3)) << turn;
+    EXPECT_NEAR(turned.z(), -force * length * length / (2 * bending), 1e-3 * force * length * length / (2 * bending)) << turn;
+  }
+}
+
 /// A column with an arm: the arm's end sinks by its own bending, the column's and the column's shortening.
 TEST(Beams, AnAngleBendsAsBothOfItsBars) {
   const double height = 1, arm = 0.5, load = 1e-3, area = std::numbers::pi * 4e-4;

@@ -218,6 +218,22 @@ TEST(MovedFrames, TurnWithAnAffineMovementAndSwing) {
   EXPECT_LT((systemOf(swinging).v[1] - Vec3(0, 2 * std::cos(2 * 0.4 + 0.3) * 0.8, 0)).norm(), 1e-12);
 }
 
+TEST(MovedFrames, SwingAboutAPlaceAndAnOrientationThatAreGiven) {
+  const std::string frames = "<MechanicalObject template='Rigid3' position='9 9 9  0 0 0 1  1 0 0  0 0 0 1'/><UniformMass totalMass='1'/>"
+                             "<OscillatorProjectiveConstraint oscillators='1  1 2 3 0 0 0.6 0.8  0.1 0 0 0 0.8 0  2 0.3'/>";
+  Simulation s = simulationFromText(scene("<EulerImplicitSolver/>", frames));
+  run(s, 40);
+  const double angle = 2 * s.time() + 0.3;
+  const Quaternion mean(0.8, 0, 0, 0.6);
+  const System& system = systemOf(s);
+  EXPECT_LT((Vec3(system.x[2]) - Vec3(1 + 0.1 * std::sin(angle), 2, 3)).norm(), 1e-12);
+  EXPECT_LT((Vec3(system.v[2]) - Vec3(0.2 * std::cos(angle), 0, 0)).norm(), 1e-12);
+  const Quaternion turn(Eigen::AngleAxisd(0.8 * std::sin(angle), Vec3::UnitY()));
+  EXPECT_LT((orientationIn(system.x, 3) * (turn * mean).conjugate()).vec().norm(), 1e-12);
+  EXPECT_LT((Vec3(system.v[3]) - Vec3(0, 1.6 * std::cos(angle), 0)).norm(), 1e-12);
+  EXPECT_GT((Vec3(system.x[0]) - Vec3(1, 2, 3)).norm(), 1) << "a frame that is not named does not swing";
+}
+
 TEST(MovedFrames, GoOnFromACheckpointToTheBit) {
   const std::string text =
       scene("<EulerImplicitSolver/>", R"(<MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1  1 0 0 0 0 0 1"

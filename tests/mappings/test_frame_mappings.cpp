@@ -125,6 +125,12 @@ std::vector<Case> cases() {
            "0 0 0 0 0 0 1  0 0 0 0 0 0 1  0 0 0 0 0 0 1\"/><DiscreteCosseratMapping input1=\"@../k\" "
            "input2=\"@../../base/frames\" baseIndex=\"1\" curv_abs_input=\"0 0.4 0.5 0.9\" "
            "curv_abs_output=\"0 0.15 0.4 0.8\"/></Node></Node></Node>"});
+  for (const std::string place : {"index=\"1\"", "index=\"0\" indexFromEnd=\"true\" geometricStiffness=\"None\""})
+    all.push_back({place.starts_with("index=\"1") ? "DeformableOnFrame" : "DeformableOnFrameNone",
+                   "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"a\">" + frames +
+                       "</Node><MechanicalObject name=\"local\" position=\"0.1 0.2 -0.3  0.5 0 0  0 0.4 0.2\"/><UniformMass "
+                       "totalMass=\"1\"/><Node name=\"child\"><MechanicalObject name=\"dofs\"/><DeformableOnRigidFrameMapping " +
+                       place + " input1=\"@../local\" input2=\"@../a/frames\"/></Node></Node>"});
   for (const std::string word : {"Exact", "None", "Stabilized"}) {
     const std::string geometric = " geometricStiffness=\"" + word + "\"";
     const std::string cells =

@@ -310,8 +310,10 @@ SCENES = {
         FRAMES + '<UniformMass vertexMass="2"/><Node name="child"><MechanicalObject name="mapped" position="0 0 0"/><CenterOfMassMapping '
         'template="Rigid3d,Vec3d"/><RestShapeSpringsForceField stiffness="10"/></Node>', ODE + CG),
     "Mapping/Linear/DeformableOnRigidFrameMapping": body(
-        FRAMES + '<UniformMass/><Node name="child"><MechanicalObject/><DeformableOnRigidFrameMapping/><PlaneForceField normal="0 1 0" '
-        'd="-5"/></Node>'),
+        '<Node name="rigid">' + FRAMES + '<UniformMass vertexMass="1"/></Node><Node name="soft">' + POINTS +
+        '<RestShapeSpringsForceField stiffness="100"/><Node name="child"><MechanicalObject name="m"/><DeformableOnRigidFrameMapping '
+        'template="Vec3d,Rigid3d,Vec3d" input1="@../dofs" input2="@../../rigid/dofs" output="@m" index="1" '
+        'rootAngularForceScaleFactor="1"/><PlaneForceField normal="0 1 0" d="-5"/></Node></Node>'),
     "Mapping/Linear/DistanceToPlaneMapping": numbers('<DistanceToPlaneMapping planeNormal="0 1 0" planePoint="0 0 0"/>'),
     "Mapping/Linear/IdentityMapping": mapped('<IdentityMapping input="@../dofs" output="@mapped"/>', 'src="@../grid"'),
     "Mapping/Linear/IdentityMultiMapping": root(
@@ -606,7 +608,6 @@ MISSING = {
         ("AnimationLoop/", ["MultiTagAnimationLoop"]),
         ("Collision/Geometry/", ["CylinderCollisionModel", "TetrahedronCollisionModel"]),
         ("Diffusion/", ["TetrahedronDiffusionFEMForceField"]),
-        ("Mapping/Linear/", ["DeformableOnRigidFrameMapping"]),
         ("ODESolver/Forward/", ["DampVelocitySolver"]),
         ("SolidMechanics/FEM/", ["QuadBendingFEMForceField", "TriangularAnisotropicFEMForceField"]),
         ("Topology/Container/Grid/", ["SparseGridMultipleTopology"])) for name in names},

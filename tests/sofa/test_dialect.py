@@ -41,8 +41,8 @@ class Run:
             for file, text in {name: scene, **(files or {})}.items():
                 path = os.path.join(folder, file)
                 os.makedirs(os.path.dirname(path), exist_ok=True)
-                with open(path, "w") as out:
-                    out.write(text)
+                with open(path, "wb") as out:
+                    out.write(text if isinstance(text, bytes) else text.encode())
             record = {"run": ["-n", str(steps), "--record", "out"], "migrate": ["-o", "native.xml"]}.get(command, [])
             environment = {**os.environ, "STROMA_DATA_PATH": os.path.join(folder, "data")}
             done = subprocess.run([STROMA, command, name, *record, *args], cwd=folder, capture_output=True, text=True,
@@ -658,7 +658,7 @@ def a_run_ends_where_a_mesh_would_change():
     for attributes in ('useDataInputs="1" timeToRemove="0.06"', 'listChanges="1"'):  # nothing is planned
         falls(planned(attributes, 9), steps=9, start=[0, 0, 1, 0])
     planned('filename="none.txt"', 1).fails(2, "none.txt")
-    planned('useDataInputs="1" timeToRemove="-1" pointsToRemove="3"', 1).fails(2, "where the run starts")
+    planned('useDataInputs="1" timeToRemove="-1" pointsToRemove="3"', 1).fails(2, "before the run starts")
     for text, word in (("REMOVE Tetrahedron 1 0\n", "before any time"), ("T=0.05\n", "before any time"), ("\nT= soon\n", ":2: "),
                        ("T=\n", "no time")):
         planned('filename="other.txt"', 1, {"other.txt": text}).fails(2, "other.txt:", word)
@@ -722,6 +722,11 @@ def balls_of_a_file_that_counts_them():
                    'position="@loader.position"/><UniformMass totalMass="2"/>'), 0, files={
                        "two.sph": "sph 1.0\nnums 2\nsphe 0 1 2 3 0.5\nsphe 1 4 5 6 0.25\n"})
     agree(run.x(), [[1, 2, 3], [4, 5, 6]])
+    assert "cut off" not in run.text, run.text
+    for told in ("3", "x"):
+        Run(root(EXACT + '<SphereLoader name="loader" filename="two.sph"/><MechanicalObject name="dofs" position="@loader.position"/>'
+                 '<UniformMass totalMass="2"/>'), 0, files={"two.sph": f"sph 1.0\nnums {told}\nsphe 0 1 2 3 0.5\n"}).says(
+                     f"tells of {told} spheres, and holds 1")
 
 
 @case
@@ -753,6 +758,11 @@ def constants_of_fewer_springs_than_points():
     run = Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1" stiffness="100 200 300"/>'), 5)
     agree(run.x(), Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1" stiffness="100 200"/>'), 5).x())
     run.says("3 values for 2 points")
+    region = '<BoxROI name="all" box="-1 -1 -1 3 1 1"/>'
+    for listed in ("0-2", "@all.indices"):
+        run = Run(root(EXACT + region + points + f'<RestShapeSpringsForceField points="{listed}" stiffness="100 200"/>'), 5)
+        agree(run.x(), Run(root(EXACT + points + '<RestShapeSpringsForceField points="0 1 2" stiffness="100 200 100"/>'), 5).x())
+        run.says("2 values for 3 points: the others take the first")
 
 
 @case
@@ -769,6 +779,181 @@ def names_with_blanks():
     for name, plain in named("").states.items():
         agree(named(" ").states[name.replace("SoftBody", "Soft_Body").replace("mydofs", "my_dofs").replace(
             "CollisionModel", "Collision_Model").replace("thepoints", "the_points")], plain)
+
+
+@case
+def files_that_are_no_utf8():
+    """Latin-1, with a declaration and without, in the scene and in what it includes."""
+    declared = '<?xml version="1.0" encoding="ISO-8859-1"?>\n'
+    scene = root('<!-- r\xe9gime, 20 \xb0C --><Node name="k\xf6rper">' + EXACT + BODY + '</Node>')
+    for text in (declared + scene, scene):
+        run = Run(text.encode("latin-1"), 10)
+        run.says(f"scene.scn:{1 + text.startswith('<?xml')}:", "is no UTF-8: it is read as Latin-1")
+        falls(run, "k\xf6rper.dofs")
+        falls(Run(text.encode("latin-1").replace(b'dt="0.01"', b'dt="0.01" dialect="sofa"'), 10, name="a.xml"), "k\xf6rper.dofs")
+        Run(text.encode("latin-1"), 1, name="a.xml").fails(2, "is not part of a UTF-8 text")
+        assert "Latin-1" not in Run(text.replace("ISO-8859-1", "UTF-8"), 1).text
+    falls(Run(root('<include href="part.xml"/>'), 10, files={"part.xml": (declared + f'<Node name="k\xf6rper">{EXACT}{BODY}</Node>').encode(
+        "latin-1")}), "k\xf6rper.dofs")
+
+
+@case
+def nodes_of_a_follower_that_is_made_after_what_names_them():
+    """A constraint and springs of the outermost node, whose components come first, on states that have their nodes from mappings."""
+    frames = "".join(f"{x} 0 0 0 0 0 1  " for x in (0, 1, 2))
+    body = (f'<Node name="a">{EXACT}<MechanicalObject name="dofs" template="Rigid3" position="{frames}"/><UniformMass totalMass="3"/>'
+            '<LinearSolverConstraintCorrection/><Node name="p"><MechanicalObject name="p"/><IdentityMapping/></Node></Node>')
+    held = (f'<Node name="b">{EXACT}<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/>'
+            '<FixedConstraint fixAll="1"/><LinearSolverConstraintCorrection/><Node name="p"><MechanicalObject name="p"/><IdentityMapping/>'
+            '</Node></Node>')
+    join = '<BilateralInteractionConstraint object1="@a/p/p" object2="@b/p/p" first_point="0 2" second_point="0 2"/>'
+    free = '<FreeMotionAnimationLoop/><GenericConstraintSolver maxIterations="500" tolerance="1e-10"/>'
+    run = Run(root(free + join + body + held), 5)
+    agree(run.x("a.dofs", 7)[:, :3], [[0, 0, 0], [1, fallen(5), 0], [2, 0, 0]], 1e-7)
+    spring = '<SpringForceField object1="@a/p/p" object2="@b/p/p" spring="2 2 1000 0 0"/>'
+    run = Run(root(spring + body.replace("<LinearSolverConstraintCorrection/>", "") +
+                   held.replace("<LinearSolverConstraintCorrection/>", "")), 5)
+    agree(run.x("a.dofs", 7)[:2, 1], [fallen(5)] * 2)
+    y = v = 0.0
+    for _ in range(5):
+        v -= 0.01 * (10 + 1000 * y)  # with the force of a step's start: no solver has both bodies
+        y += 0.01 * v
+    agree(run.x("a.dofs", 7)[2, 1], y, 1e-7)
+
+
+@case
+def quirk_moved_inertia():
+    """A triangle with the consistent mass, one node of which is moved: the others fall as if it stood still, by M dv = h f with 1/6
+    and 1/12 of the mass in M, and 1/3 of it in f."""
+    sheet = ('<MeshTopology position="0 0 0  1 0 0  0 1 0" triangles="0 1 2"/><MechanicalObject name="dofs"/><MeshMatrixMass '
+             'massDensity="2"/><LinearMovementConstraint indices="0" keyTimes="0 1" movements="0 0 0  0 0 7"/>')
+    run = Run(root(EXACT + sheet), 10)
+    agree(run.x(), [[0, 0, 7 * 0.09], [1, fallen(10) * (1 / 3) / (1 / 4), 0], [0, 1 + fallen(10) * (1 / 3) / (1 / 4), 0]])
+    Run(root(EXACT + sheet), 1, args=["--without-quirk", "moved-inertia"]).fails(2, "through a mass that is not diagonal")
+    child = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/><LinearMovementConstraint indices="0" '
+             'keyTimes="0 1" movements="0 0 0  0 0 7"/><Node name="c"><MechanicalObject name="c" position="0.5 0 0"/><MeshTopology '
+             'position="0 0 0"/><SubsetMultiMapping input="@../dofs" output="@c" indexPairs="0 1"/><UniformMass totalMass="1"/></Node>')
+    agree(Run(root(EXACT + child), 10).x(), [[0, 0, 7 * 0.09], [1, fallen(10), 0]])
+
+
+@case
+def forces_from_outside_that_are_zero():
+    """As scenes that SOFA saved have them."""
+    falls(Run(root(EXACT + BODY.replace('name="dofs"', 'name="dofs" externalForce="0 0 0 0.0 0 0"')), 10))
+    Run(root(EXACT + BODY.replace('name="dofs"', 'name="dofs" externalForce="0 0 0 0 1 0"')), 1).fails(2, "externalForce")
+
+
+@case
+def stiffness_alone_moves_what_has_no_mass():
+    """By springs it is at once where forces balance; nothing that acts there is gravity."""
+    body = ('<Node name="b"><MechanicalObject name="b" position="1 2 3"/><RestShapeSpringsForceField stiffness="100"/><ConstantForceField '
+            'forces="5 0 0"/></Node>')
+    for steps in (1, 3):
+        run = Run(root(EXACT + body), steps)
+        agree(run.x("b.b"), [[1.05, 2, 3]], 1e-7)
+        run.says("SOFA moves it by stiffness alone")
+    whole = '<MechanicalObject name="dofs" position="0 0 0  2 0 0"/><FixedConstraint indices="0"/><SpringForceField spring="0 1 100 0 1"/>'
+    agree(Run(root(EXACT + whole), 1).x(), [[0, 0, 0], [1, 0, 0]], 1e-7)
+    below = body.replace("</Node>", '<Node name="c"><MechanicalObject name="c" position="0 0 0"/><UniformMass totalMass="1"/></Node></Node>')
+    run = Run(root(EXACT + below), 3)
+    agree(run.x("b.b"), [[1.05, 2, 3]], 1e-7)
+    agree(run.x("b.c.c"), [[0, fallen(3), 0]])
+    grid = '<RegularGridTopology n="3 2 2" min="0 0 0" max="2 1 1"/><MechanicalObject name="b"/>'
+    soft = f'<Node name="b">{grid}<HexahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/><FixedConstraint indices="0"/></Node>'
+    assert "system of units" not in Run(root(EXACT + soft), 1).text  # nobody wrote the density
+    # a state above a body, on which nothing acts
+    above = '<Node name="b"><MechanicalObject name="b" position="1 2 3"/>' + BODY.replace("<Mech", '<Node name="c"><Mech') + (
+        '<RestShapeSpringsForceField stiffness="0"/></Node></Node>')
+    run = Run(root(EXACT + above), 3)
+    agree(run.x("b.b"), [[1, 2, 3]])
+    falls(run, "b.c.dofs", 3)
+    both = body.replace('<MechanicalObject', '<UniformMass totalMass="1"/><MechanicalObject')
+    assert "by stiffness alone" not in Run(root(EXACT + both), 1).text
+
+
+@case
+def ranges_have_their_last_node():
+    plane = '<PlaneForceField normal="0 1 0" d="1" stiffness="100" localRange="{}"/>'
+
+    def pushed(steps):  # mass 1, depth 1 - y
+        y = v = 0.0
+        for _ in range(steps):
+            v += 0.01 * (-10 + 100 * (1 - y) - 0.01 * 100 * v) / (1 + 0.01**2 * 100)
+            y += 0.01 * v
+        return y
+    for listed, count in (("0 0", 1), ("0 1", 2), ("-1 -1", 2), ("1 1", 1), ("1 -1", 1), ("-1 0", 1)):
+        run = Run(root(EXACT + BODY + plane.format(listed).replace("/>", ' damping="0"/>')), 5)
+        y = run.x()[:, 1] if not listed.startswith("1") else run.x()[::-1, 1]
+        agree(y, [pushed(5)] * count + [fallen(5)] * (2 - count))
+
+
+@case
+def loads_that_choose_nothing():
+    sheet = ('<MeshTopology name="m" position="0 0 0  1 0 0  0 1 0" triangles="0 1 2" quads="" /><MechanicalObject name="dofs"/><UniformMass '
+             'totalMass="3"/><BoxROI name="none" box="8 8 8 9 9 9"/>')
+    for load in ('<TrianglePressureForceField triangleList="@none.triangleIndices" pressure="0 9 0"/>',
+                 '<TrianglePressureForceField pressure="0 9 0"/>', '<QuadPressureForceField quadList="@none.quadIndices" pressure="0 9 0"/>',
+                 '<EdgePressureForceField edgeIndices="@none.edgeIndices" pressure="0 9 0"/>'):
+        run = Run(root(EXACT + sheet + load), 5)
+        run.says("there is no load")
+        agree(run.x()[:, 1], np.add([0, 0, 1], fallen(5)))
+
+
+@case
+def lists_of_a_grid_that_links_name():
+    grid = '<RegularGridTopology name="grid" n="3 1 1" min="0 0 0" max="2 0 0"/><MechanicalObject name="dofs"/><UniformMass totalMass="3"/>'
+    child = ('<Node name="e"><EdgeSetTopologyContainer name="e" edges="@../grid.edges"/><MechanicalObject name="y" template="Vec1"/>'
+             '<DistanceMapping topology="@e" computeDistance="1"/><RestShapeSpringsForceField stiffness="0"/></Node>')
+    agree(Run(root(EXACT + grid + child), 1).x("e.y", 1), [[1], [1]])
+
+
+@case
+def files_of_masses_and_springs():
+    """Of a file that has both, as TorusSpring has: against the same numbers in the scene."""
+    text = ("Xsp 3.0\nnumm 3\nnums 2\ngrav 0 0 0\nvisc 0\nmass 1 v 0 0 0 0 0 0 -1 0\nmass 2 v 1 0 0 0 0 0 2 0\nmass 3 s 2 0 0 0 0 0 3 0\n"
+            "lspg 1 1 2 100 1 0.9\nlspg 2 2 3 200 2 1.1\n")
+    read = ('<MeshXspLoader name="l" filename="net.xs3"/><MechanicalObject name="dofs" src="@l"/><DiagonalMass fileMass="net.xs3"/>'
+            '<FixedConstraint indices="0"/><StiffSpringForceField filename="net.xs3"/>')
+    written = ('<MeshTopology position="0 0 0  1 0 0  2 0 0" edges="0 1  1 2"/><MechanicalObject name="dofs"/><DiagonalMass vertexMass="1 2 3"/>'
+               '<FixedConstraint indices="0"/><StiffSpringForceField spring="0 1 100 1 0.9  1 2 200 2 1.1"/>')
+    run = Run(root(EXACT + read), 10, files={"net.xs3": text})
+    agree(run.x(), Run(root(EXACT + written), 10).x())
+    differ(run.x()[:, 0], [0, 1, 2], 1e-4)
+    Run(root(EXACT + read), 1).fails(2, "net.xs3", "is not found")
+    Run(root(EXACT + read), 1, files={"net.xs3": text.replace(" 200 2 1.1", "")}).fails(2, "a line lspg with too few numbers")
+    balls = ('<MechanicalObject name="dofs" template="Rigid3" position="1 2 3 0 0 0 1"/><UniformMass totalMass="1"/><FixedConstraint '
+             'indices="0"/><Node name="c"><MechanicalObject name="c"/><RigidMapping filename="{}"/>{}</Node>')
+    files = {"net.xs3": text, "two.sph": "sph 1.0\nsphe 0 0 0 4 0.5\nsphe 1 5 0 0 0.25\n"}
+    for name, more, points in (("two.sph", '<SphereCollisionModel filename="two.sph"/>', [[1, 2, 7], [6, 2, 3]]),
+                               ("net.xs3", "", [[1, 2, 3], [2, 2, 3], [3, 2, 3]])):
+        agree(Run(root(EXACT + balls.format(name, more)), 1, files=files).x("c.c"), points)
+    written = balls.format("two.sph", "").replace('name="c"/><Rigid', 'name="c" position="9 9 9"/><Rigid').replace("filename", "fileRigidMapping")
+    run = Run(root(EXACT + written), 1, files=files)
+    agree(run.x("c.c"), [[1, 2, 7], [6, 2, 3]])
+    run.says("reads points of a file")
+
+
+@case
+def names_of_other_years():
+    tetra = ('<MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/><UniformMass '
+             'totalMass="1"/><FixedConstraint indices="0 1 2"/><MJEDTetrahedralForceField materialName="{}" ParameterSet="3000 3000"/>')
+    agree(Run(root(EXACT + tetra.format("BoyceAndArruda")), 3).x(), Run(root(EXACT + tetra.format("ArrudaBoyce")), 3).x())
+    run = Run(root('<CompositeCollisionPipeline/><SubCollisionPipeline name="a"/>' + EXACT + BODY), 3)
+    falls(run, steps=3)
+
+
+@case
+def what_is_accepted_and_may_do_something():
+    run = Run(root(EXACT + BODY + '<PythonScriptController filename="a.py" classname="A"/>'), 2)
+    run.says("is a script that SOFA runs")
+    Run(root('<FreeMotionAnimationLoop/><GenericConstraintSolver regularizationTerm="0.1"/>' + EXACT + BODY), 1).says("makes constraints soft")
+    held = '<FixedLagrangianConstraint indices="0"/><{}ConstraintCorrection/>'
+    free = '<FreeMotionAnimationLoop/><GenericConstraintSolver tolerance="1e-10"/><Node name="a">'
+    spring = '<SpringForceField spring="0 1 10 0 1"/>'
+    for kind, word in (("Uncoupled", "as if none were tied"), ("Precomputed", "compliance of the start"), ("LinearSolver", "")):
+        text = Run(root(free + EXACT + BODY + spring + held.format(kind) + '</Node>'), 2).text
+        assert ("SOFA moves nodes by forces of constraint" in text) == bool(word) and word in text, text
+        assert "SOFA moves nodes" not in Run(root(free + EXACT + BODY + held.format(kind) + '</Node>'), 2).text
 
 
 @case
@@ -811,6 +996,25 @@ def penalty_forces_are_those_of_the_formula():
         y += h * v
     assert y > 0.02, y
     agree(Run(falling_point(1), 150).x("ball.dofs"), [[0, y, 0]])
+
+
+@case
+def friction_of_the_solver():
+    """A point that slides on the floor loses mu g dt in each step: of LCPConstraintSolver the coefficient is its own, 0.6 when not given."""
+    def slid(solver, parameters):
+        floor = ('<Node name="floor"><MeshTopology position="-9 0 -9  9 0 -9  9 0 9  -9 0 9" triangles="0 2 1  0 3 2"/><MechanicalObject/>'
+                 '<TriangleCollisionModel moving="0" simulated="0"/></Node>')
+        ball = ('<Node name="ball"><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject name="dofs" position="0 0.1 0.3" velocity="1 0 0"/>'
+                '<UniformMass totalMass="1"/><UncoupledConstraintCorrection/><PointCollisionModel/></Node>')
+        return Run(root(f'<FreeMotionAnimationLoop/>{solver}<CollisionPipeline/><BruteForceBroadPhase/><BVHNarrowPhase/><LocalMinDistance '
+                        f'alarmDistance="0.3" contactDistance="0.1"/><CollisionResponse response="FrictionContactConstraint" {parameters}/>' +
+                        floor + ball), 8)
+    lcp = '<LCPConstraintSolver tolerance="1e-9" maxIt="1000" {}/>'
+    for solver, parameters, mu in ((lcp.format('mu="0.2"'), 'responseParams="mu=0.7"', 0.2), (lcp.format(""), "", 0.6),
+                                   ('<GenericConstraintSolver maxIterations="1000" tolerance="1e-9"/>', 'responseParams="mu=0.7"', 0.7)):
+        run = slid(solver, parameters)
+        agree(run.x("ball.dofs")[0], [sum(0.01 * (1 - mu * 10 * 0.01 * (k + 1)) for k in range(8)), 0.1, 0.3], 1e-5)
+        assert ("takes its own mu=0.2" in run.text) == (mu == 0.2), run.text
 
 
 @case
@@ -881,6 +1085,23 @@ def bodies_that_nothing_ties_keep_their_solvers():
     run = Run(scene, 10)
     falls(run, "a.dofs")
     assert "one system here" not in run.text
+
+
+@case
+def a_node_that_no_solver_moves_holds_a_spring():
+    """A post without a solver: it stays, and the spring pulls the body with the force of a step's start."""
+    post = '<Node name="post"><MechanicalObject name="post" position="0 0 0"/></Node>'
+    body = ('<Node name="body">' + EXACT + '<MechanicalObject name="body" position="1 0 0"/><UniformMass totalMass="2"/></Node>')
+    spring = '<StiffSpringForceField object1="@post/post" object2="@body/body" spring="0 0 100 0 0.5"/>'
+    run = Run(node(post + body + spring), 10)
+    x, v = 1.0, 0.0
+    for _ in range(10):
+        v -= 0.01 * 100 * (x - 0.5) / 2
+        x += 0.01 * v
+    agree(run.x("body.body"), [[x, 0, 0]])
+    agree(run.x("post.post"), [[0, 0, 0]])
+    run.says("no integrator moves it")
+    assert "by stiffness alone" not in run.text and "held_by_the_scene" not in run.text, run.text
 
 
 @case
@@ -1237,6 +1458,12 @@ def quirk_late_times():
     swing = '<OscillatorConstraint oscillators="0  1 2 3  0 4 0  10 0.3"/>'
     for steps in (1, 4):
         agree(Run(node(EXACT + one + swing), steps).x(), [[1, 2 + 4 * np.sin(10 * (steps - 1) * 0.01 + 0.3), 3]])
+    frame = '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass totalMass="2"/>'
+    swing = '<OscillatorConstraint oscillators="0  1 2 3 0 0 0.6 0.8  0 4 0 0 0 0.5  10 0.3"/>'
+    for steps in (1, 4):  # the mean orientation turned about its own axis
+        phase = np.sin(10 * (steps - 1) * 0.01 + 0.3)
+        half = np.arcsin(0.6) + 0.25 * phase
+        agree(Run(node(EXACT + frame + swing), steps).x(width=7), [[1, 2 + 4 * phase, 3, 0, 0, np.sin(half), np.cos(half)]])
     turn = ('<AffineMovementConstraint indices="0" beginConstraintTime="0.01" endConstraintTime="0.03" rotation="1 0 0 0 1 0 0 0 1" '
             'translation="0 0 8"/>')
     for steps, z in ((2, 3), (3, 7), (4, 11), (5, 11)):
@@ -1353,11 +1580,22 @@ def states_without_mass_stay_where_they_are():
         falls(run)
         agree(run.x("goal.goal"), [[3, 0, 0]])
         run.says("has no mass, and nothing acts on it")
-    # with a spring on it its motion is not defined
+    # a spring without damping and length draws it to where the other end is at the end of each step, and feels nothing
+    spring = '<StiffSpringForceField object1="@goal/goal" object2="@./" spring="0 0 100 0 0"/>'
+    run = Run(root(EXACT + BODY + goal.format("") + spring), 10)
+    agree(run.x("goal.goal"), [[0, fallen(10), 0]], 1e-7)
+    falls(run)
     spring = '<RestShapeSpringsForceField points="0"/>'
-    Run(root(EXACT + BODY + goal.replace("/></Node>", "/>" + spring + "</Node>").format("")), 1).fails(2, "has no mass")
-    Run(root(EXACT + BODY + goal.format("") + '<StiffSpringForceField object1="@goal/goal" object2="@./" spring="0 0 1 1 0"/>'),
-        1).fails(2, "no mass")
+    Run(root('<NewmarkImplicitSolver/><SparseLDLSolver/>' + goal.replace("/></Node>", "/>" + spring + "</Node>").format("")), 1).fails(
+        2, "has no mass")
+    Run(root('<EulerExplicitSolver/>' + BODY + goal.replace("/></Node>", "/>" + spring + "</Node>").format("")), 1).fails(2, "has no mass")
+    # of a body whose nodes are those of two states, one of which has nothing else, it has the mass of those nodes alone
+    parts = ('<Node name="free"><MechanicalObject name="free" position="0 0 0  1 0 0"/></Node><Node name="held"><MechanicalObject name="held" '
+             'position="2 0 0"/><UniformMass totalMass="1"/><FixedConstraint/></Node><Node name="all"><MechanicalObject name="all"/>'
+             '<SubsetMultiMapping input="@../free/free @../held/held" output="@all" indexPairs="0 0  0 1  1 0"/><UniformMass totalMass="3"/>'
+             '<ConstantForceField indices="0" forces="2 0 0"/></Node>')
+    x = Run(root(EXACT + parts), 10).x("free.free")
+    agree(x, [[-fallen(10) * 0.2, fallen(10), 0], [1, fallen(10), 0]])
 
 
 @case
@@ -1894,8 +2132,19 @@ def a_subset_of_a_topology_is_a_region():
     for region in ('box="-0.1 -1 -1 1.1 1 1"', 'centers="0.5 0 0" radii="0.6"'):
         run = Run(root(EXACT + grid + f'<SubsetTopology name="e" {region}/><FixedConstraint indices="@e.indices"/>'), 10)
         agree(run.x()[:, 1], [0, 0, fallen(10)])
-    Run(root(EXACT + grid + '<SubsetTopology name="e" box="0 0 0 1 1 1" localIndices="true"/>'
-             '<FixedConstraint indices="@e.indices"/>'), 1).fails(2, "localIndices")
+    # the second of two tetrahedra, whose nodes are counted in the part; its springs are those of the whole one
+    mesh = ('<MeshTopology name="m" position="5 5 5  0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3  1 2 3 4"/><MechanicalObject '
+            'name="dofs" position="5 5 5  0 0 0  1 0 0  0 1 0  0 0 2"/><UniformMass totalMass="5"/>')
+    region = '<SubsetTopology name="e" box="-0.1 -0.1 -0.1 1.1 1.1 2.1" rest_position="@m.position" tetrahedra="@m.tetrahedra" {}/>'
+    part = ('<Node name="part"><TetrahedronSetTopologyContainer position="{}" tetrahedra="@../e.{}"/><MechanicalObject name="p" '
+            'rest_position="@../m.position"/><{}/><TetrahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/></Node>')
+    local = Run(root(EXACT + mesh + region.format('localIndices="true"') + part.format(
+        "@../e.pointsInROI", "tetrahedraInROI", 'SubsetMapping indices="@../e.indices"').replace(
+            'rest_position="@../m.position"', 'rest_position="@../e.pointsInROI"')), 5)
+    agree(local.x(), Run(root(EXACT + mesh + region.format("") + part.format("@../m.position", "tetrahedraInROI", "IdentityMapping")), 5).x())
+    differ(local.x()[:, 2], [5, 0, 0, 0, 2], 1e-2)
+    Run(root(EXACT + mesh + region.format('localIndices="true"') + part.format("@../m.position", "tetrahedraOutROI", "IdentityMapping")),
+        1).fails(2, "keep the numbers of the whole")
 
 
 TWO = ('<Node name="{0}">{1}<MechanicalObject name="dofs" position="{2}" velocity="{3}"/><UniformMass totalMass="{4}"/></Node>')

@@ -63,7 +63,7 @@ bool isAcceptedType(std::string_view type) {
       "InputEventReader", "RecordedState", "WriteTopology", "ReadTopology", "CompareTopology", "CompareState",
       // what finds and answers contacts: CollisionPipeline and CollisionResponse do
       "BruteForceBroadPhase", "BVHNarrowPhase", "ParallelBruteForceBroadPhase", "ParallelBVHNarrowPhase", "BruteForceDetection",
-      "DirectSAP*", "IncrSAP*", "RayTrace*", "CollisionGroupManager", "TreeCollisionGroupManager",
+      "SubCollisionPipeline", "DirectSAP*", "IncrSAP*", "RayTrace*", "CollisionGroupManager", "TreeCollisionGroupManager",
       "DefaultCollisionGroupManager", "*ConstraintSolver", "*ConstraintCorrection", "*LocalMinDistanceFilter",
       "ContactListener", "CubeCollisionModel", "CubeModel", "RayCollisionModel", "RayModel", "CollisionMonitor", "ConstraintAnimationLoop",
       // companions
@@ -139,6 +139,7 @@ std::string_view typeHere(std::string_view type) {
       {"ParallelCGLinearSolver", "CGLinearSolver"}, {"ParallelMeshSpringForceField", "MeshSpringForceField"},
       {"ParallelSpringForceField", "SpringForceField"}, {"ParallelStiffSpringForceField", "SpringForceField"},
       {"SubsetTopology", "BoxROI"},
+      {"CompositeCollisionPipeline", "CollisionPipeline"},
       {"DefaultPipeline", "CollisionPipeline"}, {"CollisionLoop", "CollisionPipeline"}, {"DefaultContactManager", "CollisionResponse"},
       {"RuleBasedContactManager", "CollisionResponse"}, {"TriangleModel", "TriangleCollisionModel"},
       {"TriangleSet", "TriangleCollisionModel"}, {"TriangleMesh", "TriangleCollisionModel"}, {"TTriangleModel", "TriangleCollisionModel"},
@@ -228,8 +229,12 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"CubeTopology", {"splitNormals"}},
       {"SphereROI", {"direction", "normal", "edgeAngle", "triAngle"}},
       {"TriangularFEMForceFieldOptim", {"damping", "restScale"}},
-      {"RigidMapping", {"filename"}},
+      {"RigidMapping", {"filename", "fileRigidMapping"}},
+      {"SphereCollisionModel", {"filename", "fileSphere"}},
+      {"CollisionResponse", {"rules"}},
       {"RigidRigidMapping", {"filename", "repartition"}},
+      {"DeformableOnRigidFrameMapping",
+       {"repartition", "globalToLocalCoords", "rootAngularForceScaleFactor", "rootLinearForceScaleFactor"}},
       {"SubsetMapping", {"ignoreNotFound", "resizeToModel"}},
       {"PartialLinearMovementProjectiveConstraint", {"linearMovementBetweenNodesInIndices"}},
       {"MeshSpringForceField", {"object1", "object2"}},
@@ -265,7 +270,8 @@ bool isSofasDefault(std::string_view attribute, std::string_view value) {
       {"force", {"1"}}, {"handleSeams", {"0", "false"}}, {"maxInjectionRate", {"1000"}}, {"initialVolume", {"0"}},
       {"infile", {""}}, {"period", {"0"}}, {"reinit", {"0", "false"}}, {"LineActiverPath", {""}}, {"PointActiverPath", {""}},
       {"matrixRegularization", {"0.4"}}, {"object2_invert", {"0", "false"}}, {"lastPos", {"0"}}, {"lastDir", {"0"}},
-      {"quadraticBendingModel", {"0", "false"}},
+      {"quadraticBendingModel", {"0", "false"}}, {"globalToLocalCoords", {"0", "false"}}, {"rootAngularForceScaleFactor", {"1"}},
+      {"rootLinearForceScaleFactor", {"1"}}, {"externalForce", {"0"}},
       {"direction", {"0"}}, {"normal", {"0"}}, {"dmin", {"0"}}, {"dmax", {"0"}}};
   const auto found = table.find(attribute);
   if (found == table.end()) return false;

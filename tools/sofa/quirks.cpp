@@ -21,6 +21,7 @@ const std::vector<Quirk>& allQuirks() {
       {"one-iteration", "statics make one iteration of Newton a step unless told more, and go on from there"},
       {"trapezoidal-positions", "the trapezoidal rule moves positions with the new velocity"},
       {"grid-origin", "p0 of a grid is its origin, whatever its box"},
+      {"moved-inertia", "the inertia of nodes that are moved does not reach their neighbours"},
       {"total-mass", "of totalMass and vertexMass the total wins"},
       {"fixed-inertia", "the inertia of rigid frames stays in fixed axes, without gyroscopic forces"},
       {"late-times", "movements and forces given at times are those of the start of a step"},

@@ -76,8 +76,10 @@ void Rewriting::run() {
   dropUnusedLoaders();
   dropIdleWatch();
   tree_->forEach([this](Element& element) { rewriteLinks(element); });
+  for (Element* region : parts_) renumberPart(*region);
   tree_->forEach([this](Element& element) {
     readMeshFiles(element);
+    readOwnFile(element);
     if (element.written->type.starts_with("SparseGrid") || element.is("CubeTopology")) joinCorners(element);
     if (element.is("MeshSpringForceField") || element.is("RegularGridSpringForceField") || element.is("QuadBendingSprings"))
       checkOneBody(element);
@@ -186,6 +188,7 @@ void Rewriting::acceptTypes() {
                            "a matrix without a part of it cannot be assembled here", "true");
     element.without_effect = element.dropped = true;
     noEffect(std::string(type));
+    warnOfAccepted(element);
   });
 }
 
@@ -235,34 +238,13 @@ void Rewriting::dropIdle(Place& place, bool is_moved) {
     if (!child->dropped) dropIdle(*child, moves);
 }
 
-/// Below an integrator a state without mass, on which nothing acts, stays where it is: a target that a program moves. Here
-/// it gets a mass that nothing pulls.
-void Rewriting::holdMassless(Place& place, bool is_moved) {
-  const bool moves = is_moved || place.has("integrator");
-  static const std::set<std::string> acting = {"force field", "mass", "projective constraint", "position constraint"};
-  const std::function<bool(const Place&)> acts = [&](const Place& here) {
-    return std::any_of(here.elements.begin(), here.elements.end(),
-                       [](const auto& each) { return !each->dropped && acting.count(each->role()); }) ||
-           std::any_of(here.children.begin(), here.children.end(),
-                       [&](const auto& child) { return !child->dropped && acts(*child); });
-  };
-  Element* state = place.firstOf("mechanical state");
-  if (moves && place.parent && state && !isMapped(*state) && !acts(place) && !isPulledFromElsewhere(*state)) {
-    const SourceLocation& where = state->written->where;
-    place.added_components.push_back({"UniformMass", {{"totalMass", "1", where}}, where, state->written->folder});
-    place.node->attributes.push_back({"gravity", "0 0 0", where});
-    diagnostics_.note(where, state->path(), "has no mass, and nothing acts on it: it stays where it is");
-  }
-  for (const auto& child : place.children)
-    if (!child->dropped) holdMassless(*child, moves);
-}
-
-/// A field or a constraint of another node acts on it.
-bool Rewriting::isPulledFromElsewhere(const Element& state) const {
+/// A component of another node acts on it: of a role, or of any.
+bool Rewriting::isPulledFromElsewhere(const Element& state, std::string_view role) const {
   bool found = false;
   tree_->forEach([&](Element& element) {
     for (const char* name : {"object1", "object2", "mstate"}) {
-      const bool acts = !element.dropped && !element.without_effect && element.role() != "selection" && element.role() != "engine";
+      const bool acts = !element.dropped && !element.without_effect && element.role() != "selection" && element.role() != "engine" &&
+                        (role.empty() || element.role() == role);
       const std::string link = acts ? element.text(name) : "";
       if (link.empty()) continue;
       const LinkTarget target = tree_->follow(element, link, false);

@@ -3,6 +3,7 @@
 // leaves, links are followed as SOFA follows them, values and attributes become those that components here have.
 #pragma once
 #include <map>
+#include <set>
 
 #include "tools/sofa/quirks.h"
 #include "tools/sofa/scene_tree.h"
@@ -23,9 +24,8 @@ class Rewriting {
   void acceptTypes();
   void keepOneIntegrator(Place& place, bool is_moved);
   void dropIdle(Place& place, bool is_moved);
-  void holdMassless(Place& place, bool is_moved);
   bool isMapped(const Element& state) const;
-  bool isPulledFromElsewhere(const Element& state) const;
+  bool isPulledFromElsewhere(const Element& state, std::string_view role) const;
   void dropVisualMappings();
   void dropUnusedSolvers();
   void dropUnusedLoaders();
@@ -60,6 +60,7 @@ class Rewriting {
   std::string dataLink(Element& element, const AttributeDescription& attribute);
   void warnOfMoving(const Element& element, const AttributeDescription& attribute, const Element& source, const std::string& data);
   Element* meant(const Element& asker, const LinkTarget& target, const LinkBase& wanted) const;
+  void renumberPart(Element& region);
 
   // ---- rewritten_attributes.cpp ----
   void rewriteAttributes(Element& element);
@@ -79,12 +80,11 @@ class Rewriting {
   void meanOfNames(Element& element);
   void meanSprings(Element& element);
   void meanLoads(Element& element);
-  void spreadFirst(Element& element);
+  void includeLast(Element& element);
   void warnOfFrames(const Element& mapping);
   bool actsOnNothing(Element& element);
   bool holdsNothing(Element& element);
   // ---- rewritten_components.cpp again ----
-  void meanMass(Element& element);
   void meanMesh(Element& element);
   void meanState(Element& element);
   void meanConstraint(Element& element);
@@ -98,11 +98,24 @@ class Rewriting {
   void checkOneBody(Element& field);
   void readMeshFiles(Element& element);
   void readMeshFile(Element& element, const std::string& attribute);
+  // ---- rewritten_files.cpp ----
+  void readOwnFile(Element& element);
+  void takeOfFile(Element& element, const std::string& numbers);
+
+  // ---- rewritten_masses.cpp ----
+  void meanMass(Element& element);
+  void holdMassless(Place& place, bool is_moved);
+  bool movesNodes() const;
+  bool hasMass(const Place& place) const;
+  bool actsIn(const Place& place, const std::set<std::string>& roles) const;
+  bool isPulledThroughOthers(const Element& state) const;
 
   // ---- rewritten_solvers.cpp ----
   void meanSolver(Element& element);
   void meanStatics(Element& solver);
   void meanNewton(Element& newton);
+  void warnOfAccepted(const Element& element);
+  void takeFriction(Element& response);
 
   // ---- rewritten_times.cpp ----
   double timeStep() const;
@@ -123,6 +136,7 @@ class Rewriting {
   Quirks quirks_;
   std::map<const Element*, ComponentDescription> plasticity_;  ///< by the field whose stress it lowers
   std::map<const Element*, std::string> layers_;               ///< by the load whose triangles lie in a box
+  std::vector<Element*> parts_;                                ///< regions whose cells count their own nodes
   std::unique_ptr<SceneTree> tree_;
 };
 

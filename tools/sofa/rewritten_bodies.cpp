@@ -95,7 +95,7 @@ class Bodies {
     tree_.forEachPlace([&](Place& place) { any_moves = any_moves || place.has("integrator"); });
     if (!any_moves) return;
     tree_.forEachPlace([this](Place& place) {
-      if (!isMoved(place) && !moves(place) && leads(place)) still_.push_back(&place);
+      if (!isMoved(place) && !moves(place) && (leads(place) || isTied(place))) still_.push_back(&place);
     });
     const std::vector<Place*> meeting = bodiesThatMeet();
     const std::optional<Solvers> common = meeting.size() > 1 ? makeAlike(meeting) : std::nullopt;
@@ -110,6 +110,21 @@ class Bodies {
     for (; place; place = place->parent)
       if (place->has("integrator") || isIn(still_, place)) body = place;
     return body;
+  }
+  /// It has a state of its own that something between two objects names.
+  bool isTied(const Place& place) const {
+    const std::vector<Element*> states = allOf(place, "mechanical state");
+    bool is_named = false;
+    if (states.size() != 1 || place.has("mapping")) return false;
+    tree_.forEach([&](Element& element) {
+      if (!isAnyOf(element.role(), {"force field", "position constraint", "projective constraint"})) return;
+      for (const char* name : {"object1", "object2"}) {
+        if (!element.find(name)) continue;
+        const LinkTarget target = tree_.follow(element, element.text(name), false);
+        is_named = is_named || target.element == states[0] || (!target.element && target.place == &place);
+      }
+    });
+    return is_named;
   }
   /// The bodies that something between two objects, or a mapping of several states, has to do with.
   std::vector<Place*> bodiesAt(const Element& element) const {

@@ -39,9 +39,12 @@ void Rewriting::applyMeaning(Element& element) {
   meanTimes(element);
   if (element.written->type == "CableConstraint" || element.written->type == "SurfacePressureConstraint") meanActuator(element);
   // rest positions stay as they are written: in the axes of the frames
-  if (element.written->type == "RigidMapping") setDefault(element, "applyRestPosition", "false");
-  if (element.written->type == "BeamLinearMapping") setDefault(element, "geometricStiffness", "None");
+  if (isOneOf(element.written->type, {"RigidMapping", "DeformableOnRigidFrameMapping"}))
+    setDefault(element, "applyRestPosition", "false");
+  if (isOneOf(element.written->type, {"BeamLinearMapping", "DeformableOnRigidFrameMapping"}))
+    setDefault(element, "geometricStiffness", "None");
   if (element.is("BarycentricMapping")) warnOfFrames(element);
+  if (element.is("CollisionResponse")) takeFriction(element);
   for (const char* name : {"first", "last"})  // -1: not given
     if (element.is("SubsetMapping") && element.text(name).starts_with("-")) element.remove(name);
   if (role == "mesh loader" && element.writes("scale") && element.writes("scale3d")) {  // both count
@@ -54,7 +57,8 @@ void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::st
                          const std::string& value) {
   if (!element.probe->data().find(attribute))
     return warn(element.written->where, element, {}, "has not SOFA's way '" + std::string(quirk) + "': the result differs");
-  if (quirks_.use(quirk, element.path())) element.set(attribute, value);
+  const bool is_ours = element.name.starts_with("held_by_the_scene_");  // which no scene wrote
+  if (is_ours ? quirks_.isOn(quirk) : quirks_.use(quirk, element.path())) element.set(attribute, value);
 }
 
 /// Where a force or a pressure is written; what is asked for as a way is the same in both.
@@ -158,21 +162,6 @@ void Rewriting::cutHexahedra(Element& field) {
   field.place->added_children.push_back(std::move(cells));
   SceneTree::linkTo(field);  // nodes above it have names from now on
   field.set("topology", "@" + joinPath(field.place->path(), name) + "/tetrahedra");
-}
-
-void Rewriting::meanMass(Element& element) {
-  const std::string& type = element.written->type;
-  if (element.text("filename") == "unused") element.remove("filename");
-  const bool total = element.find("totalMass"), vertex = element.find("vertexMass");
-  const Element* state = element.place->nearest("mechanical state");
-  const bool of_frames = state && state->text("template").starts_with("Rigid3");
-  if (type == "UniformMass" && of_frames) setQuirk(element, "fixed-inertia", "turns", "false");
-  if (type == "UniformMass" && total && vertex && !of_frames && quirks_.use("total-mass", element.path())) {
-    warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
-    element.remove("vertexMass");
-  }
-  setDefault(element, "cells", "first");
-  if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
 }
 
 void Rewriting::meanMesh(Element& element) {
@@ -280,6 +269,9 @@ void Rewriting::completeGrid(Element& grid) {
     asked = asked || isOneOf(type, {"MeshSpringForceField", "VectorSpringForceField", "SurfacePressureForceField",
                                     "TrianglePressureForceField",
                                     "QuadPressureForceField", "EdgePressureForceField", "LineCollisionModel"});
+    for (const AttributeDescription& attribute : element.written->attributes)
+      for (const char* list : {".edges", ".lines", ".quads", ".triangles"})
+        asked = asked || trimmed(attribute.value) == "@" + grid.path() + list;
   });
   const Vec3 count = grid.find("n") ? numbersOf(grid.text("n"), Vec3(2, 2, 2)) : Vec3(2, 2, 2);
   bool flat = (count.array() == 1).any();

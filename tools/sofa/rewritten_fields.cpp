@@ -85,17 +85,10 @@ void Rewriting::meanSprings(Element& element) {
   }
 }
 
-/// Constants of fewer or more springs than there are points: those without one take the first.
-void Rewriting::spreadFirst(Element& element) {
-  const std::size_t count = writtenNumbers(element.text(element.find("points") ? "points" : "indices")).size();
-  for (const char* name : {"stiffness", "angularStiffness"}) {
-    std::vector<double> values = writtenNumbers(element.text(name));
-    if (count == 0 || values.size() < 2 || values.size() == count) continue;
-    warn(element.find(name)->where, element, name,
-         "has " + std::to_string(values.size()) + " values for " + std::to_string(count) + " points: SOFA takes the first for the others");
-    values.resize(count, values.front());
-    element.set(name, printed(values));
-  }
+/// SOFA's localRange has its last node, where here it is the one after.
+void Rewriting::includeLast(Element& element) {
+  const std::vector<double> range = writtenNumbers(element.text("localRange"));
+  if (range.size() == 2 && range[1] >= 0) element.set("localRange", printed({range[0], range[1] + 1}));
 }
 
 void Rewriting::meanLoads(Element& element) {
@@ -103,12 +96,20 @@ void Rewriting::meanLoads(Element& element) {
   for (const char* name : {"activeDirections", "initialLength", "zeroLength"})
     if (element.writes(name) && element.text(name).empty()) element.remove(name);
   if (type == "RestShapeSpringsForceField" || type == "ConstantForceField") setDefault(element, "emptyMeansAll", "true");
-  if (type == "RestShapeSpringsForceField") spreadFirst(element);
+  if (type == "RestShapeSpringsForceField") setDefault(element, "firstForOthers", "true");
+  if (isAnyOf(type, {"TrianglePressureForceField", "QuadPressureForceField", "EdgePressureForceField"})) {
+    setDefault(element, "allowEmpty", "true");
+    const bool chooses = type != "TrianglePressureForceField" || element.find("triangleList") || layers_.count(&element);
+    element.dropped = !chooses;
+    if (!chooses) return warn(element.written->where, element, "triangleList", "is not given: there is no load");
+  }
+  if (isAnyOf(type, {"PlaneForceField", "SphereForceField", "EllipsoidForceField", "ConicalForceField"})) includeLast(element);
   if (type == "SphereForceField") setDefault(element, "radius", "1"), setDefault(element, "center", "0 0 0");
   if (type == "SurfacePressureForceField" && element.writes("min") && element.writes("max") &&
       writtenNumbers(element.text("min")) == writtenNumbers(element.text("max")))
     element.remove("min"), element.remove("max");
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
+  if (element.text("materialName") == "BoyceAndArruda") element.set("materialName", "ArrudaBoyce");  // its name before 2023
   const std::string law = element.text("materialName");  // of SOFA's laws one has directions
   if (type == "TetrahedronHyperelasticityFEMForceField" && element.find("AnisotropyDirections") && law != "Costa") {
     element.remove("AnisotropyDirections");

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Links as SOFA follows them, written as absolute ones.
 #include <algorithm>
+#include <cctype>
+#include <set>
 
+#include "framework/scene/names.h"
 #include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
 
@@ -105,6 +108,46 @@ void Rewriting::warnOfMoving(const Element& element, const AttributeDescription&
   warn(attribute.where, element, attribute.name,
        "is read once, where the scene starts: in SOFA " + element.written->type + " follows " + source.path() + " as it moves",
        data == "position" ? "@" + source.path() + ".rest_position, if that is meant" : "");
+}
+
+/// Cells of a region that name nodes by their places in it: a MeshSubsetEngine has them.
+void Rewriting::renumberPart(Element& region) {
+  const SourceLocation& where = region.written->where;
+  const std::string link = SceneTree::linkTo(region) + ".", name = region.name + "_part";
+  const std::string engine = "@" + joinPath(region.place->path(), name) + ".";
+  std::set<std::string> kinds;
+  tree_->forEach([&](Element& element) {
+    for (AttributeDescription& attribute : element.written->attributes) {
+      if (!trimmed(attribute.value).starts_with(link)) continue;
+      std::string data(trimmed(attribute.value).substr(link.size()));
+      const bool is_in = data.ends_with("InROI");
+      const bool is_cells = isAnyOf(data.substr(0, data.find(is_in ? "InROI" : "OutROI")),
+                                    {"edges", "triangles", "quads", "tetrahedra", "hexahedra"});
+      if (!is_cells || (!is_in && !data.ends_with("OutROI"))) continue;
+      if (!is_in || saysNo(region.text("strict")))
+        return diagnostics_.error(attribute.where, element.path() + "." + attribute.name,
+                                  "the cells outside of a region, or with nodes outside, keep the numbers of the whole here",
+                                  "localIndices=\"false\" of " + region.path());
+      data.resize(data.size() - std::string_view("InROI").size());
+      kinds.insert(data);
+      attribute.value = engine + data;
+    }
+  });
+  if (kinds.empty()) return;
+  Element* mesh = meshOf(region);
+  const auto source = [&](const std::string& list) {
+    const Data* data = region.probe->data().find(list);
+    for (const AttributeDescription& attribute : region.written->attributes)
+      if (region.probe->data().find(attribute.name) == data) return attribute.value;
+    return mesh ? SceneTree::linkTo(*mesh) + "." + list : std::string();
+  };
+  ComponentDescription part{"MeshSubsetEngine", {{"name", name, where}, {"indices", link + "indices", where}}, where,
+                            region.written->folder};
+  part.attributes.push_back({"inputPosition", source("position"), where});
+  for (const std::string& kind : kinds)
+    part.attributes.push_back({std::string("input") + char(std::toupper(static_cast<unsigned char>(kind[0]))) + kind.substr(1),
+                               source(kind), where});
+  region.place->added_components.push_back(std::move(part));
 }
 
 }  // namespace stroma::sofa

@@ -52,6 +52,8 @@ void Rewriting::moveJoints(NodeDescription& node) {
 void Rewriting::renameType(Element& element) {
   const std::string type = element.written->type;
   meanOfNames(element);
+  if (type == "CompositeCollisionPipeline")
+    warn(element.written->where, element, {}, "has pipelines for groups of models in SOFA: here all models may meet each other");
   if (type == "AsyncSparseLDLSolver")
     warn(element.written->where, element, {},
          "SOFA factors in another thread and solves with older factors: this solver has those of the step");
@@ -68,9 +70,7 @@ void Rewriting::renameType(Element& element) {
       element.set("indices", "0");
     element.remove("fixAll");
   }
-  if (type == "SubsetTopology" && saysYes(element.text("localIndices")))
-    diagnostics_.error(element.find("localIndices")->where, element.path() + ".localIndices",
-                       "the parts keep the numbers of the whole here", "false", "MeshSubsetEngine numbers a part anew");
+  if (type == "SubsetTopology" && saysYes(element.text("localIndices"))) parts_.push_back(&element);
   if (type == "SubsetTopology") element.remove("localIndices");
   if (type == "HexahedronFEMForceFieldAndMass" || type == "HexahedralFEMForceFieldAndMass") splitMass(element);
   if (type == "TetrahedronFEMForceField") splitPlasticity(element);

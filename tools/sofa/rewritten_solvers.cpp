@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What integrators and solvers mean in SOFA: their defaults, and what ends an iteration.
+#include <cstdlib>
+
 #include "framework/scene/names.h"
 #include "tools/sofa/rewriting.h"
 
@@ -67,6 +69,53 @@ void Rewriting::meanNewton(Element& newton) {
                              "absoluteResidualStoppingThreshold"})
       setDefault(newton, name, "1e-05");
   }
+}
+
+/// SOFA's LCPConstraintSolver has one coefficient of friction for all contacts, whatever they were given.
+void Rewriting::takeFriction(Element& response) {
+  const std::string answer = response.text("response");  // an older way: "FrictionContactConstraint?mu=0.7"
+  if (const auto mark = answer.find('?'); mark != std::string::npos) {
+    response.set("response", answer.substr(0, mark));
+    if (!response.find("responseParams")) response.set("responseParams", answer.substr(mark + 1));
+  }
+  const Element* solver = nullptr;
+  tree_->forEachPlace([&solver](Place& place) {  // accepted, and no part any more
+    for (const auto& each : place.elements)
+      if (each->is("LCPConstraintSolver")) solver = each.get();
+  });
+  if (!solver || response.text("response").find("Friction") == std::string::npos) return;
+  const std::string given = response.text("responseParams"), mu = solver->find("mu") ? solver->text("mu") : "0.6";
+  const auto at = given.find("mu=");
+  const double own = at == std::string::npos ? -1 : std::atof(given.c_str() + at + 3);
+  if (own == 0 || own == std::atof(mu.c_str())) return;
+  if (own > 0)
+    warn(response.written->where, response, "responseParams",
+         "does not count: LCPConstraintSolver takes its own mu=" + mu + " for all contacts");
+  response.set("responseParams", "mu=" + mu);
+}
+
+/// What is accepted, and in SOFA may do something to the numbers.
+void Rewriting::warnOfAccepted(const Element& element) {
+  if (element.written->type.starts_with("Python"))
+    return warn(element.written->where, element, {}, "is a script that SOFA runs: what it does to the scene is not done here");
+  if (element.written->type.ends_with("ConstraintSolver") && std::atof(element.text("regularizationTerm").c_str()) != 0)
+    return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
+  const bool is_precomputed = element.is("PrecomputedConstraintCorrection");
+  if (!is_precomputed && !element.is("UncoupledConstraintCorrection")) return;
+  bool pulls = element.find("compliance") || element.find("defaultCompliance"), holds = false;
+  tree_->forEach([&](Element& each) {
+    const Place* place = each.place;
+    while (place && place != element.place) place = place->parent;
+    pulls = pulls || (place && each.role() == "force field");
+    holds = holds || each.written->type.ends_with("LagrangianConstraint") || each.is("CableConstraint") ||
+            each.is("SurfacePressureConstraint") || each.text("response").find("Constraint") != std::string::npos ||
+            each.text("response").find("Friction") != std::string::npos;
+  });
+  if (pulls && holds)
+    warn(element.written->where, element, {},
+         is_precomputed
+             ? "SOFA moves nodes by forces of constraint with the compliance of the start: here it is that of the step"
+             : "SOFA moves nodes by forces of constraint as if none were tied to another: here the matrix of the step moves them");
 }
 
 }  // namespace stroma::sofa

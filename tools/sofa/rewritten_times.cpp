@@ -135,8 +135,10 @@ void Rewriting::meanTimes(Element& element) {
     return;
   }
   if (swings) {
+    const Element* state = element.place->nearest("mechanical state");
+    const std::size_t width = state && state->text("template").starts_with("Rigid3") ? 16 : 9;
     std::vector<double> numbers = numbersIn(element.text("oscillators"));
-    for (std::size_t i = 0; i + 9 <= numbers.size(); i += 9) numbers[i + 8] -= numbers[i + 7] * h;
+    for (std::size_t i = width; i <= numbers.size(); i += width) numbers[i - 1] -= numbers[i - 2] * h;
     if (!numbers.empty()) element.set("oscillators", print(numbers));
     return;
   }

@@ -2,6 +2,7 @@
 // A described scene with what its links mean in SOFA. Elements stand for components that are not made yet; each has one
 // beside it, its probe, for the table of its attributes.
 #pragma once
+#include <algorithm>
 #include <cctype>
 #include <functional>
 #include <memory>
@@ -19,6 +20,9 @@ struct Place;
 /// A bool as SOFA reads it: 1, true, T, yes, on and their opposites, in any case.
 bool saysYes(std::string_view text);
 bool saysNo(std::string_view text);
+inline bool isAnyOf(std::string_view word, std::initializer_list<std::string_view> list) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
 
 /// visit(link) for each link of an attribute: from an @ at the start of a word to the next one, as names may have blanks.
 template <class Visit>

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Files of masses and springs that components of SOFA read themselves: what they hold becomes attributes.
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "framework/scene/files.h"
+#include "framework/scene/text.h"
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+namespace {
+
+/// Numbers of the lines that begin with a word, after those that are passed over; false: a line has too few.
+bool numbersOfLines(std::ifstream& file, const char* first, int passed, int taken, std::vector<std::vector<double>>& lines) {
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string word;
+    if (!(words >> word) || word != first) continue;
+    for (int i = 0; i < passed; ++i) words >> word;
+    std::vector<double> numbers(static_cast<std::size_t>(taken));
+    for (double& number : numbers)
+      if (!(words >> number)) return false;
+    lines.push_back(std::move(numbers));
+  }
+  return true;
+}
+
+}  // namespace
+
+/// What a component reads of a file: lines "mass NUMBER s|v x y z vx vy vz mass elasticity", where a mass below zero is that of a
+/// node that is held, and "lspg NUMBER a b stiffness damping length", nodes from 1, of a .xs3; "sphe NUMBER x y z radius" of a .sph.
+void Rewriting::readOwnFile(Element& element) {
+  struct Reading {
+    const char *type, *attribute, *other, *ending, *line;
+    int passed, taken, kept;  ///< words after the first, numbers then, and how many of them are at the end
+  };
+  static const std::vector<Reading> readings = {{"SpringForceField", "filename", "fileSprings", ".xs3", "lspg", 1, 5, 5},
+                                                {"DiagonalMass", "filename", "fileMass", ".xs3", "mass", 2, 7, 1},
+                                                {"RigidMapping", "filename", "fileRigidMapping", ".xs3", "mass", 2, 3, 3},
+                                                {"RigidMapping", "filename", "fileRigidMapping", ".sph", "sphe", 1, 3, 3},
+                                                {"SphereCollisionModel", "filename", "fileSphere", ".sph", "sphe", 1, 4, 1}};
+  for (const Reading& reading : readings) {
+    const AttributeDescription* given = element.find(reading.attribute);
+    if (!given) given = element.find(reading.other);
+    const std::string name(given ? trimmed(given->value) : "");
+    if (!given || !element.is(reading.type) || !name.ends_with(reading.ending)) continue;
+    const std::string attribute = given->name;
+    const SourceLocation where = given->where;
+    element.remove(attribute);
+    std::vector<std::string> searched;
+    const std::string path = findFileIn(name, element.written->folder, scene_.data_paths, &searched);
+    std::ifstream file(path);
+    std::vector<std::vector<double>> lines;
+    if (path.empty() || !numbersOfLines(file, reading.line, reading.passed, reading.taken, lines))
+      return diagnostics_.error(where, element.path() + "." + attribute,
+                                path.empty() ? "the file " + inQuotes(name) + " is not found"
+                                             : name + " has a line " + reading.line + " with too few numbers",
+                                "", path.empty() ? searchedText(searched) : "");
+    std::string text;
+    for (const std::vector<double>& numbers : lines)
+      for (std::size_t i = std::size_t(reading.taken - reading.kept); i < numbers.size(); ++i) {
+        const double number = element.is("DiagonalMass") ? std::abs(numbers[i]) : numbers[i];
+        text += (text.empty() ? "" : " ") + printReal(element.is("SpringForceField") && i < 2 ? number - 1 : number);
+      }
+    return takeOfFile(element, text);
+  }
+}
+
+void Rewriting::takeOfFile(Element& element, const std::string& numbers) {
+  if (element.is("DiagonalMass")) return element.set("vertexMass", numbers);
+  if (element.is("SphereCollisionModel")) return element.set("listRadius", numbers);
+  if (element.is("SpringForceField")) return element.set("spring", element.text("spring") + " " + numbers);
+  Element* points = element.place->firstOf("mechanical state");  // places in the axes of the frame
+  if (!points)
+    return diagnostics_.error(element.written->where, element.path(), "there is no state for the points of the file",
+                              "a MechanicalObject in the node");
+  if (points->find("position") || element.find("initialPoints"))
+    warn(element.written->where, element, "", "reads points of a file: they count, and those that are written do not");
+  element.remove("initialPoints");
+  points->set("position", numbers);
+}
+
+}  // namespace stroma::sofa

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What masses mean in SOFA, and what becomes of states that have none.
+#include <algorithm>
+#include <set>
+
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+void Rewriting::meanMass(Element& element) {
+  const std::string& type = element.written->type;
+  if (element.text("filename") == "unused") element.remove("filename");
+  const bool total = element.find("totalMass"), vertex = element.find("vertexMass");
+  const Element* state = element.place->nearest("mechanical state");
+  const bool of_frames = state && state->text("template").starts_with("Rigid3");
+  if (type == "UniformMass" && of_frames) setQuirk(element, "fixed-inertia", "turns", "false");
+  if (type == "UniformMass" && total && vertex && !of_frames && quirks_.use("total-mass", element.path())) {
+    warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
+    element.remove("vertexMass");
+  }
+  setDefault(element, "cells", "first");
+  const bool couples = (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
+  if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");
+  if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
+}
+
+/// Some constraint puts nodes where they are to be.
+bool Rewriting::movesNodes() const {
+  static const std::vector<std::string_view> still = {"Fixed", "PartialFixed", "FixedTranslation", "FixedRotation", "FixedPlane"};
+  bool moves = false;
+  tree_->forEach([&moves](Element& element) {
+    if (element.role() != "projective constraint") return;
+    moves = moves || std::none_of(still.begin(), still.end(), [&element](std::string_view word) {
+      return element.written->type == std::string(word) + "ProjectiveConstraint";
+    });
+  });
+  return moves;
+}
+
+/// Below an integrator a state without mass, on which nothing acts, stays where it is: a target that a program moves. Here
+/// it gets a mass that nothing pulls; and where stiffness alone moves it, one that is next to none.
+void Rewriting::holdMassless(Place& place, bool is_moved) {
+  const bool moves = is_moved || place.has("integrator");
+  Element* state = place.firstOf("mechanical state");
+  const bool is_held = std::any_of(place.elements.begin(), place.elements.end(),  // by rewritten_bodies.cpp
+                                   [](const auto& each) { return each->name.starts_with("held_by_the_scene_"); });
+  if (moves && state && !is_held && !isMapped(*state) && !hasMass(place) && !isPulledFromElsewhere(*state, "mass") &&
+      !isPulledThroughOthers(*state)) {
+    const bool pulled = actsIn(place, {"force field", "position constraint"}) || isPulledFromElsewhere(*state, "");
+    const Element* integrator = place.nearest("integrator");
+    const bool takes_it = integrator && integrator->is("EulerImplicitSolver");  // others begin with an acceleration
+    if (pulled ? takes_it : !actsIn(place, {"projective constraint"})) {
+      const SourceLocation& where = state->written->where;
+      NodeDescription weightless;  // a node of its own: gravity is that of what else is here
+      weightless.where = where;
+      weightless.folder = state->written->folder;
+      weightless.attributes = {{"name", state->name + "_mass", where}, {"gravity", "0 0 0", where}};
+      weightless.components.push_back(
+          {"UniformMass",
+           {{"totalMass", pulled ? "1e-12" : "1", where}, {"mstate", SceneTree::linkTo(*state), where}},
+           where,
+           state->written->folder});
+      place.added_children.push_back(std::move(weightless));
+      diagnostics_.note(where, state->path(),
+                        pulled ? "has no mass: SOFA moves it by stiffness alone, and here it has 1e-12 kg"
+                               : "has no mass, and nothing acts on it: it stays where it is");
+    }
+  }
+  for (const auto& child : place.children)
+    if (!child->dropped) holdMassless(*child, moves);
+}
+
+/// Nodes that follow it, in another place or below, have a mass or are acted on.
+bool Rewriting::isPulledThroughOthers(const Element& state) const {
+  bool found = false;
+  tree_->forEach([&](Element& element) {
+    if (element.role() != "mapping" || !actsIn(*element.place, {"force field", "mass", "position constraint"})) return;
+    bool is_named = false;
+    for (const char* name : {"input", "input1", "input2"}) {
+      const AttributeDescription* given = element.find(name);
+      if (!given) continue;
+      is_named = true;
+      forLinks(*given, [&](std::string_view link) {
+        const LinkTarget target = tree_->follow(element, link, false);
+        found = found || target.element == &state || (!target.element && target.place == state.place);
+      });
+    }
+    const Place* above = element.place->parent;
+    found = found || (!is_named && above && above->nearest("mechanical state") == &state);
+  });
+  return found;
+}
+
+/// A body of its own, below another one.
+static bool isOther(const Place& place) { return place.has("mechanical state") && !place.has("mapping"); }
+
+/// In the place or below, but for other bodies.
+bool Rewriting::hasMass(const Place& place) const {
+  const auto is_mass = [](const ComponentDescription& each) { return each.type.ends_with("Mass"); };  // split off a field
+  return place.has("mass") || std::any_of(place.added_components.begin(), place.added_components.end(), is_mass) ||
+         std::any_of(place.children.begin(), place.children.end(),
+                     [this](const auto& child) { return !child->dropped && !isOther(*child) && hasMass(*child); });
+}
+bool Rewriting::actsIn(const Place& place, const std::set<std::string>& roles) const {
+  return std::any_of(place.elements.begin(), place.elements.end(),
+                     [&roles](const auto& each) { return !each->dropped && roles.count(each->role()); }) ||
+         std::any_of(place.children.begin(), place.children.end(),
+                     [&](const auto& child) { return !child->dropped && !isOther(*child) && actsIn(*child, roles); });
+}
+
+}  // namespace stroma::sofa
