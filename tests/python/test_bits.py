@@ -53,3 +53,14 @@ def test_overrides_are_those_of_the_command(folder):
     changed = stroma.load(EXAMPLES / "cantilever.xml", set={"dt": 0.005}, observers=False)
     changed.run(STEPS)
     assert changed.hash == of_the_command(EXAMPLES / "cantilever.xml", "--set", "dt=0.005")
+
+
+@pytest.mark.parametrize("name", ["suture.xml", "balls_in_a_bowl.xml"])
+def test_the_command_goes_on_from_a_checkpoint_of_python(name, folder):
+    """Which has the forces of constraints besides what the command keeps."""
+    simulation = stroma.load(EXAMPLES / name, observers=False)
+    simulation.run(STEPS - 1)
+    (folder / "python.checkpoint").write_bytes(simulation.checkpoint())
+    assert b"constraint forces" in simulation.checkpoint()
+    simulation.run(1)
+    assert simulation.hash == of_the_command(EXAMPLES / name, "--restart", "python.checkpoint")

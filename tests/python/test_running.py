@@ -3,9 +3,11 @@
 import copy
 import os
 import signal
+import sys
 import threading
 import time
 import traceback
+import types
 
 import numpy
 import pytest
@@ -237,12 +239,16 @@ def test_energies_fields_and_plans(simulation):
 
 
 def test_a_page_plays_the_run(simulation, folder):
+    begun, ended = [], []
+    simulation.on_step_begin(lambda sim: begun.append(sim.steps))
+    simulation.on_step_end(lambda sim: ended.append(sim.steps))
     try:
         page = simulation.page("run.html", steps=6, every=2)
     except stroma.StromaError as error:
         if "view" in str(error):
             pytest.skip("the live view is not built")
         raise
+    assert (begun, ended) == ([0, 1, 2, 3, 4, 5], [1, 2, 3, 4, 5, 6])
     assert simulation.steps == 6 and (folder / "run.html").stat().st_size > 10000
     assert page._repr_html_().startswith("<iframe")
 
@@ -273,6 +279,26 @@ def test_studies_and_recordings(folder):
         stroma.read_recording("none.state")
 
 
+def test_files_of_monitors_are_arrays(folder):
+    root = block()
+    root["body"].add("Monitor", name="tip", indices=(3, 7), ExportPositions=True, ExportVelocities=True)
+    root.add("EnergyMonitor", name="energy", filename="energy.txt")
+    simulation = stroma.load(root)
+    start = simulation.state().start
+    simulation.run(4)
+    simulation.finish()
+    x, v, energy = (stroma.read_monitor(name) for name in ("tip_x.txt", "tip_v.txt", "energy.txt"))
+    assert x.times.tolist() == pytest.approx([0, 0.01, 0.02, 0.03, 0.04]) and x.values.shape == v.values.shape == (5, 2, 3)
+    assert numpy.array_equal(x.values[0], start[[3, 7]]) and numpy.array_equal(x.values[-1], simulation.state().x[[3, 7]])
+    assert numpy.array_equal(v.values[-1], simulation.state().v[[3, 7]]) and "positions" in x.head[0]
+    assert energy.values.shape == (5, 5) and energy.values[-1, 0] == pytest.approx(simulation.energies()["kinetic"], rel=1e-12)
+    with pytest.raises(FileNotFoundError):
+        stroma.read_monitor("none.txt")
+    (folder / "cut.txt").write_text("# head\n0 1 2\n0.1 1\n")
+    with pytest.raises(ValueError, match="different numbers of columns"):
+        stroma.read_monitor("cut.txt")
+
+
 def test_several_threads_load_at_once():
     hashes, threads = [], []
     for _ in range(4):
@@ -290,7 +316,8 @@ def test_a_view_runs_until_it_is_interrupted(simulation, capsys):
         steps.append(sim.steps)
         if sim.steps == 20:
             os.kill(os.getpid(), signal.SIGINT)
-    token = simulation.on_step_end(seen)
+    begun = []
+    token, other = simulation.on_step_end(seen), simulation.on_step_begin(lambda sim: begun.append(sim.steps))
     try:
         simulation.view(at_once=True, browser=False)
     except stroma.StromaError as error:
@@ -298,11 +325,29 @@ def test_a_view_runs_until_it_is_interrupted(simulation, capsys):
             pytest.skip("the live view is not built")
         raise
     assert capsys.readouterr().out.startswith("http://127.0.0.1:") and steps[:20] == list(range(1, 21))
+    assert begun[:20] == list(range(20)), "before each step"
+    other.remove()
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     before = simulation.steps
     token.remove()
     simulation.run(2)
     assert simulation.steps == before + 2
+
+
+def test_a_view_is_linked_below_its_cell(simulation, monkeypatch):
+    """In a notebook: as IPython's display() is given it; a plain interpreter has no IPython."""
+    shown = []
+    shell = types.SimpleNamespace(kernel=object())
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setitem(sys.modules, "IPython.display", types.SimpleNamespace(HTML=str, display=shown.append))
+    simulation.on_step_end(lambda sim: os.kill(os.getpid(), signal.SIGINT))
+    try:
+        simulation.view(at_once=True, browser=False)
+    except stroma.StromaError as error:
+        if "view" in str(error):
+            pytest.skip("the live view is not built")
+        raise
+    assert len(shown) == 1 and shown[0].startswith('<a href="http://127.0.0.1:')
 
 
 @pytest.mark.parametrize("when", ["on_step_begin", "on_step_end"])
@@ -347,3 +392,19 @@ def test_problems_of_a_file_have_their_place(folder):
         stroma.load("none.xml")
     with pytest.raises(stroma.SceneError, match="did you mean '?/dofs"):
         stroma.load(stroma.from_xml_text('<Node><MechanicalObject name="dofs" position="0 0 0"/></Node>'), set={"/dosf.position": "1 1 1"})
+
+
+def test_what_refuses_a_step_does_so_without_observers(folder):
+    root = stroma.Node("root", dt=0.01)
+    root.add("EulerExplicitSolver")
+    root.add("RegularGridTopology", n=[2, 2, 2], min=[0, 0, 0], max=[1, 1, 1])
+    root.add("MechanicalObject")
+    root.add("UniformMass", totalMass=1)
+    root.add("TopologicalChangeProcessor", useDataInputs=True, timeToRemove=0.05, hexahedraToRemove=0)
+    for simulation in (stroma.load(root), stroma.load(root, observers=False), stroma.load(root).copy()):
+        try:
+            report = simulation.run(10)
+            assert report.end != "done", simulation.time
+        except stroma.StepError as error:
+            assert "changes a mesh" in str(error)
+        assert simulation.time < 0.07

@@ -163,17 +163,17 @@ static void bindRuns(EngineClass& engine) {
       .def_property_readonly("steps", [](Ref self) { return self->simulation().steps(); })
       .def_property_readonly("scene_file", [](Ref self) { return self->session().sceneFile(); })
       .def("hash", [](Ref self) { return self->between().stateHash(); })
-      .def("reset", [](Ref self) { self->between().reset(); })
+      .def("reset", &Engine::reset)
       .def("finish", [](Ref self) { self->between().end(); })
       .def("checkpoint",
            [](Ref self) {
              self->between();
-             return py::bytes(self->session().checkpoint().bytes());
+             return py::bytes(self->checkpoint().bytes());
            })
       .def("restore",
            [](Ref self, const std::string& bytes) {
              self->between();
-             return self->session().restore(Checkpoint::fromBytes(bytes, "the checkpoint"), "the checkpoint");
+             return self->restore(Checkpoint::fromBytes(bytes, "the checkpoint"));
            })
       .def("problems", [](Ref self) { return problemsOf(self->simulation().scene().diagnostics); })
       .def("no_effect", [](Ref self) { return self->simulation().scene().no_effect; })

@@ -2,6 +2,7 @@
 #include "tools/python/engine.h"
 
 #include "tools/python/termination.h"
+#include "tools/session/drop_readers.h"
 
 namespace stroma::python {
 namespace {
@@ -58,7 +59,7 @@ void Engine::load(Diagnostics diagnostics, bool observed) {
   py::gil_scoped_release unlocked;
   session_.load(source_, overrides_, std::move(diagnostics));
   simulation_ = session_.shared();
-  if (!observed) simulation_->dropObservers();
+  if (!observed) dropReaders(*simulation_);
 }
 
 std::shared_ptr<Engine> Engine::ofFile(const std::string& file, const std::vector<Override>& overrides, bool observed) {
@@ -86,18 +87,23 @@ std::shared_ptr<Engine> Engine::copy() {
   other->source_ = source_;
   other->overrides_ = overrides_;
   other->load({}, false);
-  other->session_.restore(session_.checkpoint(), "the checkpoint");
+  other->restore(checkpoint());
   return other;
 }
 
 Engine& Engine::twin() {
   between();
   if (twin_) {
-    twin_->session_.restore(session_.checkpoint(), "the checkpoint");
+    twin_->restore(checkpoint());
   } else {
     twin_ = copy();
   }
   return *twin_;
+}
+
+void Engine::reset() {
+  between().reset();
+  restored_.clear();
 }
 
 Simulation& Engine::use() const {

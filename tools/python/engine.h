@@ -42,6 +42,14 @@ class Engine {
   bool isOwn() const { return own_ != nullptr; }
   Component& component(const std::string& path) const;
 
+  /// Session::checkpoint() with the forces of constraints, which not all components can tell again after restore().
+  Checkpoint checkpoint();
+  std::vector<std::string> restore(Checkpoint checkpoint);
+  /// Forces of Lagrangian constraints in the last step on all rows of a system, before mapped states hand them up. Throws
+  /// ComponentError where a component does not tell them.
+  Vector constraintForces(std::size_t system) const;
+  void reset();
+
   /// Ends at a limit; `begin` and `end` are called with `owner` before and after each step.
   RunReport run(std::optional<long> steps, std::optional<double> until, const py::list& begin, const py::list& end,
                 const py::object& owner, bool heeds_interrupts);
@@ -57,6 +65,7 @@ class Engine {
   SceneDescription source_;
   std::vector<Override> overrides_;
   std::shared_ptr<Engine> twin_;
+  std::vector<Vector> restored_;  ///< constraintForces() of a checkpoint, until something steps
   friend class InUse;
   std::atomic<std::thread::id> user_{};  ///< the thread that steps it
   std::atomic<bool> is_enough_{false};
@@ -65,7 +74,9 @@ class Engine {
 /// As long as it lives, this thread alone uses the engine; afterwards whoever did before.
 class InUse {
  public:
-  explicit InUse(Engine& engine) : user_(engine.user_), before_(user_.exchange(std::this_thread::get_id())) {}
+  explicit InUse(Engine& engine) : user_(engine.user_), before_(user_.exchange(std::this_thread::get_id())) {
+    engine.restored_.clear();
+  }
   ~InUse() { user_ = before_; }
   InUse(const InUse&) = delete;
 

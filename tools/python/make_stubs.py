@@ -26,20 +26,20 @@ def advice(type: str) -> str: ...
 Where = tuple[str, int]
 Real = Union[float, str]
 Integer = Union[int, str]
-Array = Union[numpy.ndarray, Sequence[Any], str]
+Array = Union[numpy.ndarray[Any, Any], Sequence[Any], float, str]
 Link = Union[Component, Node, str]
 '''
 EXPORTED = {"code": "to_python", "errors": "OutputError Problem SceneError StepError StromaError", "formula": "FormulaLaw", "laws": "Law",
             "played": "Constraint ForceField",
             "simulation": "Force LiveComponent LiveNode Observer RunReport Simulation State StepReport load",
-            "studies": "Recording Run jacobian read_recording sweep",
+            "studies": "Recording Run Table jacobian read_monitor read_recording sweep",
             "tree": "Component Node Preview from_xml from_xml_text to_xml", "types": "Attribute TypeInfo type_info types"}
 #: What a value may be given as, by the kind of the attribute.
 GIVEN = {"real": "Real", "integer": "Integer", "truth": "Union[bool, str]", "text": "str", "choice": "str",
          "words": "Union[str, Sequence[str]]", "link": "Union[Link, Sequence[Link]]",
          "file": "Union[str, os.PathLike[str]]", "array": "Array"}
 #: What reading it gives.
-READ = {"real": "float", "integer": "int", "truth": "bool", "words": "List[str]", "array": "numpy.ndarray"}
+READ = {"real": "float", "integer": "int", "truth": "bool", "words": "List[str]", "array": "numpy.ndarray[Any, Any]"}
 
 
 def stub_of(info):

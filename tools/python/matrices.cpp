@@ -7,6 +7,7 @@
 
 #include "framework/simulation/integrator.h"
 #include "tools/python/engine.h"
+#include "tools/python/played.h"
 
 namespace stroma::python {
 namespace {
@@ -68,14 +69,20 @@ BlockMatrix unconstrained(System& system, const MatrixFactors& factors) {
   return matrix;
 }
 
-py::tuple matrixOf(const std::shared_ptr<Engine>& engine, const std::string& kind, bool constrained, const std::string& integrator) {
-  const MatrixFactors factors = factorsOf(kind);
-  System& system = systemOf(engine->twin(), integrator);
+/// A system whose matrix is made in steps, with the forces at its present state.
+System& withForces(Engine& engine, const std::string& integrator) {
+  System& system = systemOf(engine, integrator);
   if (system.integrator().stateOwner())
     throw ComponentError(system.integrator().path() + " has computed its matrix beforehand",
                          "an integrator that makes it in steps");
   Vector force(system.allRows());
   system.computeForce(system.x, system.v, force);
+  return system;
+}
+
+py::tuple matrixOf(const std::shared_ptr<Engine>& engine, const std::string& kind, bool constrained, const std::string& integrator) {
+  const MatrixFactors factors = factorsOf(kind);
+  System& system = withForces(engine->twin(), integrator);
   return tupleOf(constrained ? system.matrix().withFactors(factors).assemble() : unconstrained(system, factors));
 }
 
@@ -110,6 +117,38 @@ py::tuple partOf(const std::shared_ptr<Engine>& engine, const std::string& path)
   throw ComponentError(path + " is no force field and no mass that acts on what moves: it has no matrix");
 }
 
+/// x of A x = b, A with constraints, by the linear solver of the scene.
+py::array solutionOf(const std::shared_ptr<Engine>& engine, const Array& given, double mass, double damping, double stiffness,
+                     const std::string& integrator) {
+  System& system = withForces(engine->twin(), integrator);
+  LinearSolver* solver = system.linearSolver();
+  if (!solver)
+    throw ComponentError(system.integrator().path() + " solves no linear systems", "an implicit integrator, or matrix() with SciPy");
+  const py::ssize_t rows = system.independentRows();
+  if (given.ndim() != 2 || given.shape(0) != rows || given.shape(1) != 3)
+    throw py::value_error("expected an array of shape (" + std::to_string(rows) + ", 3)");
+  Vector b(system.independentRows()), x(system.independentRows());
+  for (py::ssize_t row = 0; row < rows; ++row)
+    std::copy_n(given.data() + 3 * row, 3, b.rows().data + std::size_t(row) * row_doubles);
+  system.constraints().project(b.rows());
+  MatrixFactors factors;
+  factors.mass = mass, factors.damping = damping, factors.stiffness = stiffness;
+  MechanicalMatrix& matrix = system.matrix().withFactors(factors);
+  if (solver->needsSymmetric() && !matrix.symmetric())
+    throw ComponentError(solver->path() + " needs a symmetric matrix, which this is not", "a SparseLUSolver, or matrix() with SciPy");
+  const SolveReport report = solver->solve(matrix, b, x);
+  const bool is_slow = report.stop == SolveStop::iteration_limit || report.stop == SolveStop::stagnated;
+  if (report.stop != SolveStop::converged && report.stop != SolveStop::zero_right_side)
+    throw ComponentError(solver->path() + " finds no solution: " + std::string(describe(report.stop)),
+                         is_slow ? "more iterations of it, a wider tolerance, or a direct solver"
+                                 : "factors with which the matrix is definite (K = dF/dx has none above zero), or another solver");
+  system.constraints().project(x.rows());
+  py::array_t<double> out({rows, py::ssize_t(3)});
+  for (py::ssize_t row = 0; row < rows; ++row)
+    std::copy_n(x.rows().data + std::size_t(row) * row_doubles, 3, out.mutable_data() + 3 * row);
+  return out;
+}
+
 py::array forceOf(const std::shared_ptr<Engine>& engine, const std::string& integrator) {
   System& system = systemOf(engine->twin(), integrator);
   Vector force(system.allRows());
@@ -125,6 +164,7 @@ py::array forceOf(const std::shared_ptr<Engine>& engine, const std::string& inte
 void bindMatrices(py::module_& module) {
   module.def("matrix_of", &matrixOf);
   module.def("matrix_of_part", &partOf);
+  module.def("solution_of", &solutionOf);
   module.def("force_of", &forceOf);
   module.def("systems_of", [](const std::shared_ptr<Engine>& engine) {
     py::list out;

@@ -6,10 +6,8 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "framework/mechanics/frames.h"
-#include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/simulation/integrator.h"
 #include "tools/python/engine.h"
@@ -80,30 +78,6 @@ py::array listed(const StateRef& self, const std::vector<Vec3>& values) {
   return readOnly(std::move(out));
 }
 
-/// Forces of constraint of a component in the last step, as it tells them itself; none before a step.
-const std::vector<double>& toldForces(const Component& component) {
-  const DataTable& table = component.data();
-  const Data* data = table.find("multipliers") ? table.find("multipliers") : table.find("forces");
-  const auto* const* found = data ? std::get_if<std::vector<double>*>(&data->pointer()) : nullptr;
-  if (!found)
-    throw ComponentError(component.path() + " does not tell the forces of its conditions", "its own attributes of forces");
-  return **found;
-}
-
-/// The same, one for each of its rows.
-std::vector<double> multipliersOf(const Component& component, const std::vector<double>& given,
-                                  const std::vector<LagrangianRows::Row>& rows) {
-  std::vector<double> forces(rows.size(), 0);
-  if (given.size() == rows.size())
-    forces = given;
-  else if (given.size() == 1 && !rows.empty())
-    forces[0] = given[0];  // of rows that are one another or its opposite
-  else
-    throw ComponentError(component.path() + " has not the conditions of the last step any more", "a step before");
-  if (given.size() == 1 && rows.size() > 0 && rows[0].kind == LagrangianRows::Kind::push) forces[0] = std::abs(forces[0]);
-  return forces;
-}
-
 /// Forces of Lagrangian constraints in the last step, and what mapped states hand up of them.
 py::array constraintForces(const StateRef& self) {
   const Systems& systems = self.engine->use().systems();
@@ -112,20 +86,9 @@ py::array constraintForces(const StateRef& self) {
     return std::find(states.begin(), states.end(), self.state) != states.end();
   });
   if (system == systems.end()) throw ComponentError("nothing moves " + self.state->path(), "a state below an integrator");
-  Vector all((*system)->allRows());
-  const MappingChain& mappings = (*system)->mappingChain();
-  const ConstRows x = mappings.positions((*system)->x);
-  for (const LagrangianConstraint* constraint : (*system)->actors().lagrangian_constraints) {
-    const auto& component = dynamic_cast<const Component&>(*constraint);
-    const std::vector<double>& told = toldForces(component);
-    if (told.empty()) continue;
-    LagrangianRows rows;
-    constraint->addConditions(x, x, rows);
-    const std::vector<double> forces = multipliersOf(component, told, rows.rows());
-    for (std::size_t i = 0; i < forces.size(); ++i)
-      for (const auto& [row, gradient] : rows.entriesOf(rows.rows()[i])) all[row] += forces[i] * gradient;
-  }
-  mappings.pullBack(all);
+  Vector all = self.engine->constraintForces(std::size_t(system - systems.begin()));
+  if (all.count() == 0) all.resize((*system)->allRows());
+  (*system)->mappingChain().pullBack(all);
   const State& state = *self.state;
   const ConstRows own = all.rows().segment(state.firstRow(), state.size());
   if (state.hasFrames()) return frames(self, own, What::force);

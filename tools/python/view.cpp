@@ -25,7 +25,7 @@ class KeptSignals {
 
 /// Serves pages until Ctrl-C; `opened` is called with the address. Returns why the run ended by itself, or nothing.
 std::string serve(const std::shared_ptr<Engine>& engine, const std::string& host, int port, double fps, bool at_once,
-                  bool paused, const py::function& opened, const py::list& after, const py::object& owner) {
+                  bool paused, const py::function& opened, const py::list& before, const py::list& after, const py::object& owner) {
   engine->between();
   const auto viewer = service<view::Viewer>();
   std::string reason;
@@ -36,16 +36,19 @@ std::string serve(const std::shared_ptr<Engine>& engine, const std::string& host
     const py::gil_scoped_acquire lock;
     opened(address);
   };
-  if (after.size() > 0)
-    request.after_step = [&] {
+  const auto calls = [&](const py::list& functions) -> std::function<void()> {
+    if (functions.size() == 0) return {};
+    return [&engine, &functions, &owner] {
       const py::gil_scoped_acquire lock;
       const InUse used(*engine);  // the thread of the view, until its functions have returned
       try {
-        for (std::size_t i = 0; i < after.size(); ++i) after[i](owner);
+        for (std::size_t i = 0; i < functions.size(); ++i) functions[i](owner);
       } catch (const py::error_already_set& error) {  // in a thread of the view: there is nobody to catch it
         throw std::runtime_error(error.what());
       }
     };
+  };
+  request.before_step = calls(before), request.after_step = calls(after);
   request.output_failed = request.ended = [&](const std::string& sentence) { reason = sentence; };
   {
     const KeptSignals kept;
@@ -58,10 +61,19 @@ std::string serve(const std::shared_ptr<Engine>& engine, const std::string& host
 }
 
 RunReport writePage(const std::shared_ptr<Engine>& engine, const std::string& file, long steps, long every,
-                    const std::vector<std::string>& fields, bool inside) {
+                    const std::vector<std::string>& fields, bool inside, const py::list& before, const py::list& after,
+                    const py::object& owner) {
   engine->between();
   view::ExportRequest request;
   request.file = file, request.steps = steps, request.every = every, request.fields = fields, request.inside = inside;
+  const auto calls = [&](const py::list& functions) -> std::function<void()> {
+    if (functions.size() == 0) return {};
+    return [&functions, &owner] {
+      const py::gil_scoped_acquire lock;
+      for (std::size_t i = 0; i < functions.size(); ++i) functions[i](owner);
+    };
+  };
+  request.before_step = calls(before), request.after_step = calls(after);
   const auto viewer = service<view::Viewer>();
   const InUse used(*engine);
   const py::gil_scoped_release unlocked;

@@ -243,6 +243,7 @@ std::vector<std::string> Session::restore(Checkpoint checkpoint, const std::stri
   bool tells_convergence = false;
   try {
     UnconvergedSteps unconverged;
+    checkpoint.values.take("constraint forces");  // for programs in Python (tools/python/engine.h)
     Archive run = checkpoint.values.take("run");
     tells_convergence = !run.entries().empty();
     if (tells_convergence) unconverged.serialize(run);

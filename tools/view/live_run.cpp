@@ -167,6 +167,7 @@ double LiveRun::time() const {
 void LiveRun::advance(long steps) {
   RunLimits limits;
   limits.steps = steps;
+  if (request_.before_step) limits.before_step = [this](Simulation&) { request_.before_step(); };
   limits.after_step = [this](const StepReport& report, double seconds) { afterStep(report, seconds); };
   limits.reached = [this](const Simulation&) {
     if (running_) waitForRealTime();

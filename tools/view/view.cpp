@@ -114,7 +114,9 @@ class BrowserViewer final : public Viewer {
     page.keep(simulation.time());
     RunLimits limits;
     limits.steps = request.steps;
+    if (request.before_step) limits.before_step = [&](Simulation&) { request.before_step(); };
     limits.after_step = [&](const StepReport&, double) {
+      if (request.after_step) request.after_step();
       if (simulation.steps() % request.every != 0) return;
       page.keep(simulation.time());
       page.checkSize(all);

@@ -30,6 +30,7 @@ struct ViewRequest {
   // Called by the thread that steps, between steps:
   /// May throw OutputError: the run ends. A reset whose after_reset threw lets after_step throw until another has not.
   std::function<void()> after_step{}, after_reset{};
+  std::function<void()> before_step{};  ///< what it throws ends the run
   std::function<void(const std::string& sentence)> output_failed{};  ///< of an observer, before `ended`
   std::function<void(const std::string& sentence)> ended{};          ///< a step without a result, an output that fails
 };
@@ -42,6 +43,7 @@ struct ExportRequest {
   Recording recording{};              ///< not empty: its instants are shown, and nothing is run
   std::vector<std::string> fields{};  ///< names of cell fields that are kept; all nodes' displacements always are
   bool inside = false;                ///< the nodes inside too, so that the body can be cut
+  std::function<void()> before_step{}, after_step{};  ///< called by the thread that steps; what they throw ends the run
 };
 
 class Viewer {

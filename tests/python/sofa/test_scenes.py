@@ -478,7 +478,7 @@ def test_cycles_are_refused():
 def test_every_scene_has_a_test():
     with open(__file__, encoding="utf-8") as file:
         text = file.read()
-    for other in ("test_command.py", "test_public.py"):
+    for other in ("test_command.py", "test_public.py", "test_ways.py"):
         with open(SCENES.parent / other, encoding="utf-8") as file:
             text += file.read()
     named = [each.stem for each in SCENES.glob("*.py") if each.stem not in ("parts_of_scene", "params", "FingerController")]

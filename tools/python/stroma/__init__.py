@@ -13,7 +13,7 @@ from .formula import FormulaLaw
 from .laws import Law
 from .played import Constraint, ForceField
 from .simulation import Force, LiveComponent, LiveNode, Observer, RunReport, Simulation, State, StepReport, load
-from .studies import Recording, Run, jacobian, read_recording, sweep
+from .studies import Recording, Run, Table, jacobian, read_monitor, read_recording, sweep
 from .tree import Component, Node, Preview, from_xml, from_xml_text, to_xml
 from .types import (Attribute, TypeInfo, advice, has_no_effect, is_known, nearest, present_type, type_info, types)
 
@@ -45,6 +45,12 @@ def _class_of(info: TypeInfo) -> type:
         @property
         def __doc__(cls):
             return info.text()
+
+        @property
+        def __signature__(cls):
+            if cls.__init__ is not __init__:  # of a class that is derived from it
+                raise AttributeError("__signature__")
+            return info.signature()
 
     def __init__(self, name=None, where=None, **attributes):
         Component.__init__(self, info.type, name, where, **attributes)

@@ -3,9 +3,10 @@
 import contextlib
 import operator
 import os
+import sys
 import threading
 import weakref
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
 import numpy
 
@@ -13,6 +14,9 @@ from . import _stroma
 from .errors import OutputError, Problem, SceneError, StepError, StromaError, refusal
 from .tree import Node, caller
 from .types import Attribute, TypeInfo, nearest, type_info
+
+if TYPE_CHECKING:
+    from .mesh import Mesh
 
 StepReport = _stroma.StepReport
 RunReport = _stroma.RunReport
@@ -329,19 +333,21 @@ class Simulation:
     def view(self, host: str = "127.0.0.1", port: int = 0, fps: float = 60, at_once: bool = False, paused: bool = False,
              browser: bool = True) -> str:
         """Shows it live in the browser, as `stroma view`, until Ctrl-C: it runs, is stopped, pulled at and changed there. It begins
-        when a page is there to see it, or `at_once`. Functions of on_step_end() are called. Returns why the run has ended by
-        itself, or nothing."""
+        when a page is there to see it, or `at_once`. Functions of on_step_begin() and on_step_end() are called. Returns why the run
+        has ended by itself, or nothing."""
         def opened(address: str) -> None:
             print(address, flush=True)
+            _link_in_notebook(address)
             if browser:
                 import webbrowser
                 webbrowser.open(address)
-        return _stroma.serve(self._engine, host, port, fps, at_once, paused, opened, self._end, self)
+        return _stroma.serve(self._engine, host, port, fps, at_once, paused, opened, self._begin, self._end, self)
 
     def page(self, file: Union[str, os.PathLike], steps: int = 100, every: int = 1, fields: Sequence[str] = (),
              inside: bool = False) -> "Page":
-        """Makes steps and writes them as an HTML file that plays them without a server; in Jupyter it is shown."""
-        report = _stroma.write_page(self._engine, os.fspath(file), steps, every, list(fields), inside)
+        """Makes steps, with the functions that are called before and after each, and writes them as an HTML file that plays them
+        without a server; in Jupyter it is shown."""
+        report = _stroma.write_page(self._engine, os.fspath(file), steps, every, list(fields), inside, self._begin, self._end, self)
         if report.end != "done":
             raise StepError(report.reason, report)
         return Page(os.fspath(file))
@@ -395,6 +401,11 @@ class Simulation:
         own = slice(3 * first, 3 * (first + count))
         return found if whole else found.tocsr()[own, own].tobsr((3, 3))
 
+    def solve(self, b: Any, mass: float = 0, damping: float = 0, stiffness: float = -1, integrator: str = "") -> numpy.ndarray:
+        """x of (mass M + damping C + stiffness K) x = b, with what is held, by the linear solver of the scene: (rows, 3), as force()
+        has them. solve(force()) is how far a linear body goes under its forces. In a copy: no bit of the run changes."""
+        return _stroma.solution_of(self._engine, b, float(mass), float(damping), float(stiffness), integrator)
+
     def force(self, integrator: str = "") -> numpy.ndarray:
         """The net force at the present state, (rows, 3) [N], gravity included; computed in a copy."""
         return _stroma.force_of(self._engine, integrator)
@@ -408,6 +419,16 @@ class Simulation:
 
     def __repr__(self) -> str:
         return f"<simulation of {self.scene_file} at {self.time:g} s, step {self.steps}>"
+
+
+def _link_in_notebook(address: str) -> None:
+    """Below the cell of Jupyter that is running: its browser may be on another machine than the one of this program."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    if hasattr(shell, "kernel"):
+        import html
+
+        from IPython.display import HTML, display
+        display(HTML(f'<a href="{html.escape(address)}" target="_blank">The live view</a>, until the kernel is interrupted'))
 
 
 class Page:
@@ -429,6 +450,12 @@ class LiveComponent:
     """A component of a simulation. What its attributes hold can be read; what may change while it runs can be set."""
 
     _fixed = frozenset(("simulation", "path", "type", "name", "role", "where", "_names"))
+    simulation: "Simulation"
+    path: str
+    type: str
+    name: str
+    role: str
+    where: Tuple[str, int]
 
     def __init__(self, simulation: Simulation, facts: tuple):
         for key, value in zip(("simulation", "path", "type", "name", "role", "where", "_names"),
@@ -487,6 +514,9 @@ class LiveNode:
     """A node of a simulation: gravity may be set, and dt of the outermost one."""
 
     _fixed = frozenset(("simulation", "path", "name"))
+    simulation: "Simulation"
+    path: str
+    name: str
 
     def __init__(self, simulation: Simulation, path: str, name: str):
         for key, value in (("simulation", simulation), ("path", path), ("name", name)):

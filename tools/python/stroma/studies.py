@@ -66,6 +66,28 @@ class Recording(NamedTuple):
     unfinished: str  #: why it has no end, or empty
 
 
+class Table(NamedTuple):
+    """What a monitor has written."""
+
+    times: numpy.ndarray  #: (instants,) [s]
+    values: numpy.ndarray  #: (instants, columns); of a Monitor (instants, nodes, numbers of each)
+    head: List[str]  #: the lines of comment: what the columns are, and their units
+
+
+def read_monitor(path: Union[str, os.PathLike]) -> Table:
+    """A file of a Monitor or an EnergyMonitor."""
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    head = [line[1:].strip() for line in lines if line.startswith("#")]
+    rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
+    if any(len(row) != len(rows[0]) for row in rows):
+        raise ValueError(f"{os.fspath(path)}: rows have different numbers of columns")
+    numbers = numpy.array(rows, float).reshape(len(rows), -1)
+    times, values = numbers[:, 0] if rows else numpy.zeros(0), numbers[:, 1:]
+    nodes = next((line.partition(" of nodes ")[2].split() for line in head if " of nodes " in line), [])
+    return Table(times, values.reshape(len(rows), len(nodes), -1) if nodes and rows else values, head)
+
+
 def read_recording(path: Union[str, os.PathLike], state: Optional[str] = None) -> Recording:
     """A file of WriteState, or that of the state of this path in a folder of `stroma run --record`. Of points."""
     path = os.fspath(path)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The types of components: what a scene can name, and the attributes of each."""
+import inspect
+import keyword
 from typing import Any, Dict, Iterable, List, Optional
 
 from . import _stroma
@@ -53,6 +55,14 @@ class Attribute:
         return f"<attribute {self.line()}>"
 
 
+def _plain(text: str) -> Any:
+    """A number where it is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 class TypeInfo:
     """A type of components. Its attributes are looked up when they are asked for: that opens the module which has it."""
 
@@ -99,6 +109,17 @@ class TypeInfo:
     def names(self) -> List[str]:
         self._look()
         return list(self._by_name)
+
+    def signature(self) -> inspect.Signature:
+        """The arguments of its class: what editors and notebooks complete."""
+        kind = inspect.Parameter
+        arguments = [kind(name, kind.POSITIONAL_OR_KEYWORD, default=None) for name in ("name", "where")]
+        for one in self.attributes:
+            if one.output or one.name in ("name", "where") or not one.name.isidentifier() or keyword.iskeyword(one.name):
+                continue
+            default = one.value if isinstance(one.value, (bool, int, float, str)) else _plain(one.default)
+            arguments.append(kind(one.name, kind.KEYWORD_ONLY, default=kind.empty if one.required else default))
+        return inspect.Signature([*arguments, kind("others", kind.VAR_KEYWORD)])
 
     def text(self) -> str:
         """What help() shows."""

@@ -2,7 +2,11 @@
 """SOFA's Python scenes on Stroma. `createScene(root)` of a file builds a tree of nodes; `stroma run scene.py` runs it, and so does a
 program of its own by Sofa.Simulation. It is found beside `stroma` only where a path says so, and hides no SOFA that is there."""
 from . import Core, Helper, Simulation, Types, constants  # noqa: F401
-from . import Gui  # noqa: F401
+from . import Components, Gui  # noqa: F401
+from ._errors import (  # noqa: F401
+    getPythonCallingPoint, getPythonCallingPointAsString, getSofaFormattedStringFromException, getStackForSofa, formatStackForSofa,
+    sendMessageFromException)
+from ._scene_file import import_sofa_python_scene, unloadModules  # noqa: F401
 from ._old_python import (  # noqa: F401
     PythonScriptController, PythonScriptDataEngine, getSofaPythonVersion, loadScene)
 from ._prefab import PrefabBuilder  # noqa: F401

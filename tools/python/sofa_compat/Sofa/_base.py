@@ -217,17 +217,15 @@ class Base:
     # ---- links ----
     def _s_linked(self, text, own_name=None):
         """What a link leads to from here: an object, a node, data, or None."""
-        words = text.split()
-        if len(words) != 1:
+        links = _values.links_in(text)
+        if len(links) != 1:
             return None
-        path, data = words[0][1:], None
+        path, data = links[0][1:], None
         tail = path.rsplit("/", 1)[-1]
         if "." in tail and tail not in (".", "..") and not tail.startswith("["):
             path, data = path[: len(path) - len(tail) + tail.index(".")], tail[tail.index(".") + 1:]
-        found = self._s_follow(path)
-        if found is None:
-            return None
-        return found.findData(data) if data else found
+        found = None if data and " " in data else self._s_follow(path)
+        return found.findData(data) if found is not None and data else found
 
     def _s_follow(self, path):
         from ._node import Node
@@ -262,6 +260,9 @@ class Base:
 
     def _s_attribute(self, name):
         return self.findData(name)
+
+    def __dir__(self):
+        return sorted({*super().__dir__(), *(name for name in self._s_data_names() if name.isidentifier())})
 
     def __setattr__(self, name, value):
         if name == "name":

@@ -409,7 +409,7 @@ def bind(root, engine):
     _events.warn_of_unsent(root)
     for each in engine.sim.problems if not engine._s_given else ():
         if each.severity == "warning":
-            _messages.warn(str(each.text))
+            _messages.warn(str(each.text).replace(": warning: ", ": ", 1))
     _events.call(root, "bwdInit")
     _events.send(root, "SimulationInitDoneEvent", {})
 

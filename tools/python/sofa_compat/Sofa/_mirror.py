@@ -27,6 +27,7 @@ class Mirror:
         self._keep_loaders = keep_loaders
         self._has_python = not keep_loaders and any(not each._s_type for each in root._s_all_objects())
         self._reachable = {id(node) for node in root._s_all_nodes()}
+        self._acting = _ACTING if any(_looks_for_contacts(each) for each in root._s_all_objects()) else _ACTING - {"collision model"}
         self._has_integrator = any(_is_moved(node) for node in root._s_all_nodes())
         self._name_all(root, "")
         self.root = stroma.Node(_clean(root._s_name or "root"), strict=False, dialect="sofa", where=root._s_where)
@@ -112,7 +113,7 @@ class Mirror:
         if not self._has_python or _is_moved(node):
             return
         states = _of_role(node, "mechanical state")
-        if len(states) == 1 and not _acts(node) and not self._is_held(node):
+        if len(states) == 1 and not _acts(node, self._acting) and not self._is_held(node):
             copy.add("EulerExplicitSolver", name="moved_by_the_scene", where=states[0]._s_where)
 
     def _is_held(self, node):
@@ -160,10 +161,12 @@ class Mirror:
 
     def _followed(self, thing, data, text):
         """A link as text: absolute when it leads somewhere, else as it is, to be told."""
-        words = text.split()
-        if len(words) > 1:
-            return " ".join(self._followed(thing, data, word) or word for word in words)
+        links = _values.links_in(text)
+        if len(links) > 1:
+            return " ".join(self._followed(thing, data, link) or link for link in links)
         target = thing._s_linked(text, data._s_name)
+        if target is None and len(text.split()) > 1:  # words behind a link
+            return " ".join(self._followed(thing, data, word) if word.startswith("@") else word for word in text.split())
         if isinstance(target, Data):
             return self._link_to(target, data)
         return (self._path_to(target) if target is not None else None) or text
@@ -186,10 +189,14 @@ class Mirror:
 _ACTING = {"collision model", "mass", "force field", "projective constraint", "position constraint", "integrator"}
 
 
-def _acts(node):
+def _acts(node, acting):
     """Whether a state here has forces, masses, constraints or surfaces that touch others, on it or below, or follows another."""
     return any(each._s_type and each._s_facts.role == "mapping" for each in node._s_objects) or any(
-        each._s_type and each._s_facts.role in _ACTING for each in node._s_all_objects())
+        each._s_type and each._s_facts.role in acting for each in node._s_all_objects())
+
+
+def _looks_for_contacts(thing):
+    return bool(thing._s_type) and thing._s_facts.info is not None and thing._s_facts.info.type == "CollisionPipeline"
 
 
 def _of_role(node, role):

@@ -2,8 +2,8 @@
 """Nodes: objects, children, and the time and gravity of what is below."""
 import numpy as np
 
-from . import _messages
-from ._base import Base
+from . import _catalogue, _messages, _values
+from ._base import Base, caller
 from ._data import Data
 from ._objects import ForceField, Object, take
 
@@ -64,6 +64,14 @@ class Node(Base):
         object.__setattr__(self, "_s_objects", [])
         object.__setattr__(self, "_s_children", [])
         return self
+
+    # ---- with node.addChild("name") as child: ----
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        """SOFA initialises the node here; what is read before the scene is initialised is computed when it is asked for."""
+        return False
 
     # ---- data ----
     def _s_sample_of(self, name):
@@ -137,6 +145,13 @@ class Node(Base):
             from . import _old_python
 
             return _old_python.controller(self, values)
+        if _catalogue.facts(what).missing:
+            from . import _scene_file
+
+            where = caller()
+            if _scene_file.is_caught(*where):  # the scene has another answer
+                _messages.warn(f"{where[0]}:{where[1]}: {_scene_file.missing_sentence(what)}: the scene takes another one for it")
+                raise ValueError(f"{self._s_place()}: {_scene_file.missing_sentence(what)}")
         made = _class_of(what)()
         object.__setattr__(made, "_s_type_word", what)
         return self._s_insert(made, values)
@@ -358,6 +373,9 @@ class Node(Base):
                 return found
         return self._s_by_role(name)
 
+    def __dir__(self):
+        return sorted({*super().__dir__(), *(each._s_name for each in self._s_objects + self._s_children if each._s_name.isidentifier())})
+
     def _s_no_data(self, name):
         names = [each._s_name for each in self._s_objects + self._s_children] + self._s_data_names()
         near = _messages.nearest(name, names)
@@ -490,9 +508,13 @@ def _followed(thing, data, value):
     if not isinstance(value, str) or not value.lstrip().startswith("@"):
         return value
     found = []
-    for word in value.split():
-        target = thing._s_linked(word, data._s_name) if word.startswith("@") else word
-        found.append(word if target is None or target is data else target)
+    for link in _values.links_in(value):
+        target = thing._s_linked(link, data._s_name)
+        if target is not None:
+            found.append(link if target is data else target)
+        else:  # words behind a link
+            words = [(thing._s_linked(word, data._s_name) if word.startswith("@") else None, word) for word in link.split()]
+            found += [word if leads is None or leads is data else leads for leads, word in words]
     return found[0] if len(found) == 1 else found
 
 

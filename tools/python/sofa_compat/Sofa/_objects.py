@@ -29,6 +29,13 @@ class Object(Base):
         raw = data._s_raw if data is not None else None
         return raw if isinstance(raw, (str, Data)) and raw else ""
 
+    def _s_template_of_state(self):
+        """Of what acts on a state: that of the state here, or of the next one above, as SOFA chooses it."""
+        node = self._s_node() if self._s_facts.role in ("force field", "projective constraint") else None
+        while node is not None and node.getMechanicalState() is None:
+            node = node._s_node()
+        return "" if node is None else node.getMechanicalState()._s_template()
+
     def getClassName(self):
         return self._s_type or type(self).__name__
 
@@ -49,7 +56,7 @@ class Object(Base):
         if facts is not None:
             if name == "template":
                 return "", ""
-            sample = facts.sample(name, self._s_template())
+            sample = facts.sample(name, self._s_template() or self._s_template_of_state())
             if sample is not None:
                 found = facts.find(name)
                 return sample, found.help if found else ""

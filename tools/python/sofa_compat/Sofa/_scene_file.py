@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A file of Python with createScene(root): it is executed, and everything that it cannot do here is told at once."""
 import ast
+import functools
 import importlib.util
 import os
 import sys
@@ -62,6 +63,21 @@ def _search_in(folder):
     folders = [each for each in os.environ.get("STROMA_DATA_PATH", "").split(os.pathsep) if each]
     if folder not in folders:
         os.environ["STROMA_DATA_PATH"] = os.pathsep.join([folder, *folders])
+
+
+def import_sofa_python_scene(path):
+    """The module of a file with createScene(): looked for beside the scene."""
+    folders = [os.getcwd(), *os.environ.get("STROMA_DATA_PATH", "").split(os.pathsep)]
+    found = next((each for each in (os.path.join(folder, str(path)) for folder in folders) if os.path.isfile(each)), str(path))
+    if not os.path.isfile(found):
+        raise FileNotFoundError(f"there is no file '{path}', in none of {', '.join(folder for folder in folders if folder)}")
+    module = _execute(os.path.abspath(found))
+    _maker(module, found)
+    return module
+
+
+def unloadModules():
+    """Modules stay: a scene is loaded in a process of its own."""
 
 
 def _execute(file):
@@ -239,10 +255,48 @@ def _is_there(name):
         return False
 
 
+_SIMPLE = (ast.Expr, ast.Assign, ast.AnnAssign, ast.Break, ast.Return)
+
+
+def _may_catch(handler):
+    """Whether `except ...:` takes the ValueError that addObject() raises, and keeps it."""
+    kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
+    takes = any(kind is None or getattr(kind, "id", "") in ("BaseException", "Exception", "ValueError") for kind in kinds)
+    return takes and not any(isinstance(each, ast.Raise) for each in ast.walk(handler))
+
+
+def _adds(handler):
+    return any(isinstance(each, ast.Call) and getattr(each.func, "attr", "") in ("addObject", "createObject", "addChild", "add")
+               for each in ast.walk(handler))
+
+
+def _is_choice(node):
+    """A `try` that tries one component, with another one for it: in its handler, or next in a loop that it would end. A scene that
+    wraps much more, or does nothing instead, goes on without a part of itself, which is told as missing."""
+    if len(node.body) > 3 or not all(isinstance(each, _SIMPLE) for each in node.body):
+        return False
+    ends_loop = isinstance(node.body[-1], (ast.Break, ast.Return)) or any(isinstance(each, (ast.Break, ast.Return)) for each in node.orelse)
+    return any(_may_catch(each) and (ends_loop or _adds(each)) for each in node.handlers)
+
+
+@functools.lru_cache(maxsize=200)
+def _caught_lines(file):
+    """(first, last) line of what a scene tries."""
+    return [(node.body[0].lineno, node.body[-1].end_lineno) for node in ast.walk(_tree(file))
+            if isinstance(node, ast.Try) and _is_choice(node)]
+
+
+def is_caught(file, line):
+    """Whether a scene tries a component there, and has another one for it where SOFA's addObject() raises."""
+    return any(first <= line <= last for first, last in _caught_lines(file))
+
+
 def _types_in(file):
-    """(type, line) of addObject("Type", ...) with the type as a word."""
+    """(type, line) of addObject("Type", ...) with the type as a word, but for those that the scene can do without."""
     found = []
     for node in ast.walk(_tree(file)):
+        if isinstance(node, ast.Call) and is_caught(file, node.lineno):
+            continue
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in ("addObject", "createObject"):
             first = node.args[0] if node.args else None
             if isinstance(first, ast.Constant) and isinstance(first.value, str):

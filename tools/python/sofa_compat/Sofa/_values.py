@@ -2,6 +2,7 @@
 """Values of data: what a scene may write (text, numbers, lists, arrays, objects, links), and what reading gives."""
 import numbers
 import os
+import re
 
 import numpy as np
 
@@ -16,6 +17,11 @@ _FALSE = {"0", "false", "f", "no", "off", ""}
 def is_link_text(value):
     """Whether a value is a link as text: "@loader.position"."""
     return isinstance(value, str) and value.strip().startswith("@")
+
+
+def links_in(text):
+    """Each link of a text: from an @ at the start of a word to the next one, as names may have blanks."""
+    return re.split(r"\s+(?=@)", text.strip())
 
 
 def plain_template(template):

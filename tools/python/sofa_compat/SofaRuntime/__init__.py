@@ -3,6 +3,10 @@
 import os
 
 from Sofa import _messages
+from Sofa._errors import (  # noqa: F401
+    exceptHandler as sofaExceptHandler, formatStackForSofa, getPythonCallingPoint, getPythonCallingPointAsString,
+    getSofaFormattedStringFromException, getStackForSofa, sendMessageFromException)
+from Sofa._scene_file import unloadModules  # noqa: F401
 
 
 def importPlugin(*names):
@@ -58,6 +62,13 @@ PluginRepository = Repository("STROMA_PLUGIN_PATH")
 GuiDataRepository = Repository("STROMA_GUI_PATH")
 
 
+class Records(dict):
+    """What SOFA's timers have measured: nothing."""
+
+    def __missing__(self, name):
+        raise KeyError(f"SOFA's timers measure nothing here, and '{name}' neither: `stroma run --profile FILE` tells where the time goes")
+
+
 class Timer:
     """SOFA's timers: nothing is timed by them."""
 
@@ -72,7 +83,7 @@ class Timer:
 
     @staticmethod
     def getRecords(*_):
-        return {}
+        return Records()
 
     @staticmethod
     def isEnabled(*_):
@@ -110,8 +121,4 @@ def init(*_):
     """Nothing is to be set up."""
 
 
-def formatStackForSofa(stack):
-    return str(stack)
-
-
-formatStackForSofaPython = getStackForSofa = formatStackForSofa
+formatStackForSofaPython = formatStackForSofa

@@ -131,15 +131,19 @@ void main() {
   drawn = vec4(shaded, opacity);
 }`;
 
-const LINE_VERTEX = `${HEAD}${NODES}
+// In front of the surface that its node is on.
+const LIFTED = `
 uniform float lift;
 in int node;
 out vec3 place;
-void main() {
+void lifted() {
   place = drawnAt(node);
   gl_Position = projectionMatrix * modelViewMatrix * vec4(place, 1.0);
   gl_Position.z -= lift * gl_Position.w;
 }`;
+
+const LINE_VERTEX = `${HEAD}${NODES}${LIFTED}
+void main() { lifted(); }`;
 
 const LINE_FRAGMENT = `${HEAD}${CUT}
 uniform vec3 colour;
@@ -151,16 +155,11 @@ void main() {
   drawn = vec4(colour, opacity);
 }`;
 
-const POINT_VERTEX = `${HEAD}${NODES}
+const POINT_VERTEX = `${HEAD}${NODES}${LIFTED}
 uniform float size;
 uniform float pixelRatio;
-uniform float lift;
-in int node;
-out vec3 place;
 void main() {
-  place = drawnAt(node);
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(place, 1.0);
-  gl_Position.z -= lift * gl_Position.w;
+  lifted();
   gl_PointSize = size * pixelRatio;
 }`;
 

@@ -1,8 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { MAPS, bodyColour, colourAt, colourTable, toOklab } from '../src/colours.js';
+import { MAPS, bodyColour, colourAt, colourTable } from '../src/colours.js';
 
+/** Björn Ottosson's Oklab of a colour of a screen: lightness, a, b. */
+function toOklab(colour) {
+  const [r, g, b] = colour.map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+  const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
+  const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
+  const s = Math.cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
+  return [0.2104542553 * l + 0.793617785 * m - 0.0040720468 * s, 1.9779984951 * l - 2.428592205 * m + 0.4505937099 * s,
+    0.0259040371 * l + 0.7827717662 * m - 0.808675766 * s];
+}
 const lightness = (name, t) => toOklab(colourAt(name, t))[0];
 const PLACES = Array.from({ length: 101 }, (_, i) => i / 100);
 
@@ -35,6 +44,7 @@ test('a table has as many colours as asked for, and ends where the map ends', ()
   assert.equal(table.length, 1024);
   assert.deepEqual([...table.slice(0, 4)], [0x44, 0x01, 0x54, 255]);
   assert.deepEqual([...table.slice(-4)], [0xfd, 0xe7, 0x25, 255]);
+  assert.deepEqual(Object.keys(MAPS), ['viridis', 'cividis', 'diverging']);
   for (const { colours } of Object.values(MAPS)) assert.equal(colours.length, 33);
 });
 

@@ -5,6 +5,10 @@ import math
 import numpy as np
 
 
+def to_radians(degrees):
+    return degrees * math.pi / 180.0
+
+
 class Vec3(np.ndarray):
     def __new__(cls, *values):
         return np.array(values[0] if len(values) == 1 else values or (0, 0, 0), dtype=float).view(cls)

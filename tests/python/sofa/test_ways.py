@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""createScene() files in the manner of public ones of many years and hands. Each runs ten steps by the command, or says in one message
+all that is missing. Many check themselves against closed forms in their controllers: what they assert ends the run."""
+import re
+
+import numpy as np
+import pytest
+import Sofa
+from playing import SCENES, animate, run, started
+
+RUNS = ["tutorial_floor", "contact_forces", "liver_keys", "cube_prefab", "cosserat_beam", "cosserat_controller", "tripod", "gym_cartpole",
+        "gym_loop", "topology_read", "hand_loop", "finger_steps", "tentacle", "pneumatic_pid", "gripper_cube", "motors_keytimes",
+        "ties_and_attachments", "cloth_floor", "old_python_script", "old_names", "paths_and_params", "plain_helpers", "rigid_joystick",
+        "matrices_asked", "spring_force_python", "threads_and_waits", "everything_drawn", "deformed_by_engines", "instances_everywhere",
+        "script_events", "typed_scene", "fit_by_scipy", "worker_threads", "sparse_grid", "introspection", "time_json", "static_load",
+        "sliding_old_names", "class_of_scene"]
+LACKS = {"missing_many": ["softrobots.inverse", "SofaCUDA_of_nobody", "pyDOE_of_nobody", "QPInverseProblemSolver",
+                          "AsyncSparseLDLSolverOfNobody", "PositionEffector", "CableActuator"]}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_runs_ten_steps(name, folder):
+    done = run("run", SCENES / f"{name}.py", "-n", 10, "--no-record", folder=folder)
+    assert done.returncode == 0, done.stderr
+    assert "10 steps" in done.stdout and "Traceback" not in done.stderr
+    assert "changes its tree" not in done.stderr, "no controller of these makes a new engine"
+    assert not re.search("warning: .*: warning: ", done.stderr), "each warning is one"
+
+
+@pytest.mark.parametrize("name", LACKS)
+def test_all_that_is_missing_is_one_message(name, folder):
+    done = run("run", SCENES / f"{name}.py", "-n", 10, "--no-record", folder=folder)
+    assert done.returncode == 2 and "Traceback" not in done.stderr, done.stderr
+    for word in LACKS[name]:
+        assert re.search(rf"{name}.py:\d+: error: .*{word}", done.stderr), f"{word}\n{done.stderr}"
+    assert f"{len(LACKS[name])} errors: nothing was run" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("name", RUNS[::4] + list(LACKS))
+def test_checked_by_the_command(name, folder):
+    """It may warn, and never ends otherwise than with a sentence."""
+    done = run("check", SCENES / f"{name}.py", folder=folder)
+    assert done.returncode == (2 if name in LACKS else 0) and "Traceback" not in done.stderr, done.stderr
+
+
+def falling(node, name, **values):
+    node.addObject("EulerExplicitSolver")
+    state = node.addObject("MechanicalObject", name=name, **values)
+    node.addObject("UniformMass", totalMass=1)
+    return state
+
+
+def test_links_by_names_with_blanks(capsys):
+    """One, several, of data, relative and absolute, with numbers behind them: they lead where they lead without blanks."""
+    root = Sofa.Core.Node("root")
+    root.addObject("DefaultAnimationLoop")
+    body = root.addChild("my body")
+    state = falling(body, "my dofs", position=[[0, 0, 0], [1, 0, 0]])
+    rider = body.addChild("a rider")
+    rider.addObject("MechanicalObject", name="its dofs", position="@../my dofs.position")
+    mapping = rider.addObject("IdentityMapping", input="@../my dofs", output="@its dofs")
+    assert state.getLinkPath() == "@/my body/my dofs" and mapping.findData("input").getLinkedBase() is state
+    assert mapping.findData("output").getLinkedBase() is rider.getObject("its dofs")
+    two = root.addChild("two")
+    springs = two.addObject("SpringForceField", object1="@/my body/my dofs", object2=state.getLinkPath(), spring=[0, 1, 0.0, 0.0, 1.0])
+    data = root.addData("lists", value="@/my body/my dofs.position", type="string")
+    assert data.getParent() is state.position and springs.findData("object2").getLinkedBase() is state
+    assert root._s_linked("@/my body/my dofs.position 3") is None
+    Sofa.Simulation.init(root)
+    animate(root, 3)
+    fall = -9.81 * 1e-4 * 6
+    assert state.position.value[:, 1] == pytest.approx([fall, fall]), "three steps of symplectic Euler"
+    assert np.array_equal(rider.getObject("its dofs").position.value, state.position.value)
+    assert "leads nowhere" not in capsys.readouterr().err
+
+
+def test_a_contact_listener_of_names_with_blanks():
+    root = Sofa.Core.Node("root")
+    body = root.addChild("my body")
+    body.addObject("MechanicalObject", name="mo", position=[[0, 0, 0]])
+    model = body.addObject("PointCollisionModel", name="my points")
+    listener = root.addObject("ContactListener", collisionModel1="@my body/my points", collisionModel2="@/my body/my points")
+    assert listener._s_model("collisionModel1") is model is listener._s_model("collisionModel2")
+
+
+@pytest.mark.parametrize("where", ["here", "below"])
+def test_rows_of_forces_are_those_of_the_state(where):
+    """Without a template: of frames six numbers, as SOFA has it from the state; a moment turns what it turns."""
+    root = Sofa.Core.Node("root")
+    root.gravity = [0, 0, 0]
+    root.addObject("DefaultAnimationLoop")
+    body = root.addChild("body")
+    body.addObject("EulerExplicitSolver")
+    state = body.addObject("MechanicalObject", template="Rigid3", position=[[0, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0, 0, 0, 1]])
+    body.addObject("UniformMass", vertexMass="2 1 1 0 0 0 1 0 0 0 1")
+    node = body if where == "here" else body.addChild("below")
+    load = node.addObject("ConstantForceField", indices=[0, 1], forces=[[4, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 3]],
+                          **({} if where == "here" else {"mstate": state.getLinkPath()}))
+    assert load.forces.value.shape == (2, 6)
+    load.forces[1][5] = 6.0
+    Sofa.Simulation.init(root)
+    assert load.forces.value.tolist() == [[4, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 6]]
+    animate(root, 1)
+    assert state.velocity.value == pytest.approx(np.array([[0.02, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0.03]]))
+    points = root.addChild("points")
+    points.addObject("MechanicalObject")
+    assert points.addObject("ConstantForceField").forces.value.shape == (0, 3)
+
+
+def test_a_cavity_comes_to_its_target():
+    """The pressure that the controller has found grows while the effector is below its target, and swells the cavity."""
+    root = started("pneumatic_pid")
+    animate(root, 10)
+    cavity = root.body.cavity.SurfacePressureConstraint
+    assert root.body.effector.MechanicalObject.position.value[0][1] < 21 and (np.diff(root.controller.pressures) > 0).all()
+    assert cavity.cavityVolume.value > cavity.initialCavityVolume.value and cavity.pressure.value > 0
+
+
+def test_nodes_in_with_blocks():
+    """A tree as indented blocks; what is raised within one comes out."""
+    root = Sofa.Core.Node("root")
+    with root.addChild("a") as a:
+        with a.addChild("b") as b:
+            b.addObject(Sofa.Components.RegularGridTopology, name="grid", n=[2, 2, 2], min=[0, 0, 0], max=[1, 1, 1])
+            roi = b.addObject("BoxROI", name="low", box=[[-1, -1, -1], [0.5, 2, 2]], position=b.grid.position)
+    assert root.a.b is b and sorted(roi.indices.value.tolist() + roi.indicesOut.value.tolist()) == list(range(8))
+    assert roi.pointsInROI.value.shape == roi.pointsOutROI.value.shape == (4, 3)
+    with pytest.raises(KeyError):
+        with root.addChild("c"):
+            raise KeyError("out")
+
+
+def test_another_scene_is_imported(folder, capsys):
+    """Beside the scene, wherever the program runs; what is none says so."""
+    (folder / "part.py").write_text("def createScene(node):\n    node.addObject('MechanicalObject', name='dofs')\n")
+    root = Sofa.Core.Node("root")
+    Sofa.import_sofa_python_scene("part.py").createScene(root.addChild("part"))
+    assert root.part.dofs.getClassName() == "MechanicalObject"
+    (folder / "none.py").write_text("x = 1\n")
+    with pytest.raises(RuntimeError, match=r"none.py:1: error: there is no function createScene"):
+        Sofa.import_sofa_python_scene("none.py")
+    with pytest.raises(FileNotFoundError, match="nothing.py"):
+        Sofa.import_sofa_python_scene("nothing.py")
+    try:
+        raise ValueError("told")
+    except ValueError as error:
+        Sofa.sendMessageFromException(error)
+    assert "told" in capsys.readouterr().err and Sofa.getPythonCallingPoint()[0] == __file__ and "test_ways.py" in Sofa.getStackForSofa()
+
+
+def test_timers_say_that_they_measure_nothing():
+    import SofaRuntime
+
+    SofaRuntime.Timer.setEnabled("Animate", True)
+    records = SofaRuntime.Timer.getRecords("Animate")
+    assert len(records) == 0 and records.get("solve") is None
+    with pytest.raises(KeyError, match="SOFA's timers measure nothing here"):
+        records["solve"]
+
+
+FALLBACK = """
+def createScene(root):
+    root.addObject("DefaultAnimationLoop")
+    for name in ("ParallelThingOfNobody", "MeshTopology"):
+        try:
+            found = root.addObject(name, name="first")
+            break
+        except {caught}:
+            print("without", name)
+    assert found.getClassName() == "MeshTopology"
+"""
+
+
+@pytest.mark.parametrize("caught, runs", [("ValueError as error", True), ("Exception", True), ("(KeyError, ValueError)", True),
+                                          ("KeyError", False)])
+def test_a_scene_that_has_another_answer_to_a_missing_component(folder, caught, runs):
+    """As in SOFA a ValueError, where the scene catches it; else it is told with all that is missing."""
+    (folder / "scene.py").write_text(FALLBACK.format(caught=caught))
+    done = run("run", "scene.py", "-n", 2, "--no-record", folder=folder)
+    assert (done.returncode == 0) == runs and ("without ParallelThingOfNobody" in done.stdout) == runs, done.stderr
+    for done in (done, run("check", "scene.py", folder=folder)):
+        assert re.search(("scene.py:6: .*" if runs else "") + "there is no component 'ParallelThingOfNobody'", done.stderr)
+
+
+NO_ANSWERS = {"all of it": """
+    try:
+        root.addObject("DefaultAnimationLoop")
+        n = root.addChild("n")
+        n.addObject("MeshTopology")
+        n.addObject("ShellOfNobody")
+        n.addObject("MechanicalObject")
+    except Exception:
+        root.addObject("MeshTopology")
+""", "nothing instead": """
+    try:
+        root.addObject("ShellOfNobody")
+    except ValueError:
+        pass
+""", "on it goes": """
+    try:
+        root.addObject("ShellOfNobody")
+    except Exception as error:
+        root.addObject("MeshTopology")
+        raise
+"""}
+
+
+@pytest.mark.parametrize("how", NO_ANSWERS)
+def test_a_scene_that_would_go_on_without_a_part_is_not_run(folder, how):
+    """It catches, and has nothing for what is missing: that would be other physics in silence."""
+    (folder / "scene.py").write_text("def createScene(root):" + NO_ANSWERS[how])
+    for words in (("run", "scene.py", "-n", 2, "--no-record"), ("check", "scene.py")):
+        done = run(*words, folder=folder)
+        assert done.returncode == 2 and "there is no component 'ShellOfNobody'" in done.stderr, done.stderr
+
+
+def test_names_that_are_completed():
+    """Data of objects, and what is in a node, as editors ask for them."""
+    root = Sofa.Core.Node("root")
+    body = root.addChild("body")
+    state = body.addObject("MechanicalObject", name="dofs")
+    body.addObject("UniformMass", name="no identifier")
+    assert {"body", "gravity", "addObject"} <= set(dir(root)) and {"dofs", "dt"} <= set(dir(body)) and "no identifier" not in dir(body)
+    assert {"position", "velocity", "getLinkPath"} <= set(dir(state))
+    assert state.addData("mine", value=1) is state.mine and "mine" in dir(state)
