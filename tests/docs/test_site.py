@@ -16,9 +16,10 @@ import urllib.parse
 
 SKIPPED = 77
 # What a script and a comment hold is no tag, and the parser need not see text and tags without these: pages of source code are long.
-NO_TAGS = re.compile(r"<!--.*?-->|(<script\b[^>]*>).*?(?=</script>)", re.S)
-TAG = re.compile(r"""<[a-zA-Z](?:[^<>"']|"[^"]*"|'[^']*')*>""")
-WANTED = re.compile(r"\s(?:href|src|id|name)\b")
+NO_TAGS = re.compile(r"<!--.*?-->|(<script\b[^>]*>).*?(?=</script>)", re.S | re.I)
+TAG = re.compile(r"""<[a-zA-Z](?:=\s*"[^"]*"|=\s*'[^']*'|[^>])*?>""")  # a quotation mark elsewhere is a letter as others
+WANTED = re.compile(r"\s(?:href|src|id|name)\b", re.I)
+SCRIPT = re.compile(r"<script\b", re.I)
 
 
 class Reader(html.parser.HTMLParser):
@@ -55,7 +56,7 @@ def read_pages(site):
         with open(os.path.join(site, path), encoding="utf-8") as file:
             for tag in TAG.findall(NO_TAGS.sub(r"\1", file.read())):
                 if WANTED.search(tag):
-                    reader.feed(tag + "</script>" * tag.startswith("<script"))
+                    reader.feed(tag + "</script>" * bool(SCRIPT.match(tag)))
         pages[path] = reader
     return pages
 
@@ -225,9 +226,9 @@ def self_test():
         with open(os.path.join(site, "a.html"), "w", encoding="utf-8") as file:
             file.write('<h1 id="top">A</h1><a href="b.html">b</a><a title="a > b"\nhref=#nowhere>n</a><a href="a.html#top">t</a><img src="c.png">'
                        '<script>"<a href=\\"d.html\\">"</script><!-- <a href="e.html">e</a> --><script src="https://host/x.js"></script>'
-                       '<a href="https://host/">out</a>')
+                       '<a href="https://host/">out</a><A HREF=f.html>f</A><a href="g.html" data-x=it\'s>g</a><SCRIPT>"<a href=h.html>"</SCRIPT>')
         found, count = problems(site)
-        expected = ("links to b.html", "no such heading", "loads c.png", "has no words", "fetches https://host/x.js")
+        expected = ("links to b.html", "links to f.html", "links to g.html", "no such heading", "loads c.png", "has no words", "fetches https://host/x.js")
         assert count == 1 and len(found) == len(expected), found
         assert all(any(words in line for line in found) for words in expected), found
     print("planted mistakes of a site are found")

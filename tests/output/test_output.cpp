@@ -13,18 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Output : public FolderTest {
+class Output : public WorkingFolderTest {
  protected:
-  void SetUp() override {
-    FolderTest::SetUp();
-    before_ = fs::current_path();
-    fs::current_path(folder_);
-  }
-  void TearDown() override {
-    fs::current_path(before_);
-    FolderTest::TearDown();
-  }
-
   static std::string scene(const std::string& observers) {
     return R"(<Node name="root" dt="0.1" gravity="0 -10 0">
       <EulerExplicitSolver/>
@@ -38,8 +28,6 @@ class Output : public FolderTest {
     for (int i = 0; i < steps; ++i) ASSERT_FALSE(simulation.step().diverged);
     simulation.end();
   }
-
-  fs::path before_;
 };
 
 std::vector<double> times(const std::vector<StateFrame>& frames) {

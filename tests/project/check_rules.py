@@ -37,8 +37,8 @@ READERS_OF_FAMILIES = {
 TOOLS_FOR_TOOLS = {
     "command": {"mesh", "view", "picture", "drawing", "sweep", "stress", "profile", "session", "plan", "units", "checks",
                 "platform"},
-    "view": {"drawing", "session", "plan", "scene_writer", "checks", "units"},
-    "picture": {"drawing", "units"},
+    "view": {"drawing", "session", "plan", "scene_writer", "checks", "units", "platform"},
+    "picture": {"drawing", "units", "platform"},
     "sweep": {"session", "platform"},
     "stress": {"sweep", "session", "units", "checks"},
     "python": {"command", "session", "plan", "sofa", "view"},

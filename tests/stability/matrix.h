@@ -24,6 +24,7 @@ struct IntegratorChoice {
   std::string name, element;  ///< {} takes the attributes of Rayleigh damping
   bool damps = true;          ///< fast motions, with no help of the scene
   bool is_static = false;
+  bool iterates = false;  ///< statics, until its tolerance is met
 };
 const std::vector<IntegratorChoice>& integrators();
 

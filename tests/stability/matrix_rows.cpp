@@ -49,7 +49,7 @@ const std::vector<IntegratorChoice>& integrators() {
       {"midpoint", "<VariationalSymplecticSolver name='solver' steps='1' {}/>", false},
       {"midpoint, Newton", "<VariationalSymplecticSolver name='solver' steps='10' {}/>", false},
       {"static", "<StaticSolver name='solver' newton_iterations='1'/>", true, true},
-      {"static, Newton", "<StaticSolver name='solver' newton_iterations='50'/>", true, true}};
+      {"static, Newton", "<StaticSolver name='solver' newton_iterations='50'/>", true, true, true}};
   return all;
 }
 

@@ -210,6 +210,25 @@ TEST_P(StressOfScene, BreaksNowhere) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fields, StressOfScene, testing::Values("finger", "tendon", "leaflet", "cartilage", "breast"));
+/// Frames in cells, and contacts of both kinds.
+INSTANTIATE_TEST_SUITE_P(Components, StressOfScene, testing::Values("sensor", "pressed", "folding"));
+
+/// A slab that is cut after 50 ms: a step of 10 s is beyond that, and no other observer of the scene is asked.
+TEST_F(Stress, WhatEndsARunByItselfDoesSoHereToo) {
+  const Finished run = stroma("stress " STROMA_SOURCE_DIR "/tests/stress/scenes/incision.xml -q --json --cases 48 -n 4 -o out" +
+                              std::string(all_cases));
+  EXPECT_EQ(run.code, 0) << run.err;
+  const json result = json::parse(run.out, nullptr, false);
+  EXPECT_EQ(sentences(result, "breaks"), "");
+  bool was_cut = false;
+  for (const json& one : result["cases"]) {
+    if (!one["text"].get<std::string>().starts_with("/.dt x 1e+3")) continue;
+    was_cut = true;
+    EXPECT_EQ(one["ending"], "stops") << one;
+    EXPECT_NE(one["sentences"].dump().find("/slab/knife: changes a mesh at t = 0.05 s"), std::string::npos) << one;
+  }
+  EXPECT_TRUE(was_cut);
+}
 
 // ---- what is perturbed ----
 

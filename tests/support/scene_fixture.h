@@ -12,24 +12,12 @@
 namespace stroma::test {
 
 /// The factory and the modules of a test executable; register test-only components here before the first scene.
-inline Factory& factory() {
-  static Factory instance;
-  return instance;
-}
-inline Modules& modules() {
-  static Modules instance(factory());
-  return instance;
-}
+Factory& factory();
+Modules& modules();
 
 /// Throws SceneError with every problem of the text.
-inline Scene sceneFromText(const std::string& text) {
-  Diagnostics diagnostics;
-  SceneDescription description;
-  description.file = "test.xml";
-  description.root = readXml(text, description.file, {}, diagnostics);
-  return instantiate(std::move(description), factory(), modules(), std::move(diagnostics));
-}
-inline Simulation simulationFromText(const std::string& text) { return Simulation(sceneFromText(text)); }
+Scene sceneFromText(const std::string& text);
+Simulation simulationFromText(const std::string& text);
 
 /// The text of all problems that `load` throws, or empty.
 template <class Load>
@@ -42,12 +30,8 @@ std::string problemsIn(Load&& load) {
   return {};
 }
 /// Of a scene that is loaded and compiled.
-inline std::string problemsOf(const std::string& text) {
-  return problemsIn([&] { simulationFromText(text); });
-}
+std::string problemsOf(const std::string& text);
 
-inline void expectContains(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in:\n" << text;
-}
+void expectContains(const std::string& text, const std::string& part);
 
 }  // namespace stroma::test

@@ -8,8 +8,11 @@
 #include "tests/support/folder_fixture.h"
 #include "tools/sweep/assessment.h"
 #include "tools/sweep/chart.h"
+#include "tools/sweep/cores.h"
 #include "tools/sweep/digest.h"
 #include "tools/sweep/goal.h"
+#include "tools/sweep/probe.h"
+#include "tools/sweep/run_folder.h"
 
 namespace stroma::sweep {
 namespace {
@@ -88,6 +91,42 @@ Entry entryOf(double seconds, double error, bool good = true) {
   entry.runs.repetitions.push_back(run);
   if (good) entry.error = error;
   return entry;
+}
+
+TEST(Repetition, IsDisturbedByOthersOnItsCores) {
+  Repetition run;
+  run.process_seconds = 10, run.cpu_seconds = 9.5, run.cores = {3};
+  EXPECT_FALSE(run.wasDisturbed());
+  run.cpu_seconds = 8.5;
+  EXPECT_TRUE(run.wasDisturbed());
+  // of four threads, one half and three quarters of the time wait for each other: nobody else is there
+  run.cores = {0, 1, 2, 3}, run.cpu_seconds = 25, run.others_seconds = 3.9;
+  EXPECT_FALSE(run.wasDisturbed());
+  run.others_seconds = 4.1;
+  EXPECT_TRUE(run.wasDisturbed());
+  run.timed = false;
+  EXPECT_FALSE(run.wasDisturbed());
+}
+
+TEST(Repetition, CoresAreBusyAsTheSystemSays) {
+  const std::string text = "cpu  9 9 9 9 9 9 9 9 9 9\ncpu0 100 20 30 4000 500 6 7 8 0 0\ncpu1 1 0 0 99 0 0 0 0 0 0\n"
+                           "cpu10 50 0 0 0 0 0 0 0 0 0\nintr 5\n";
+  EXPECT_DOUBLE_EQ(busySecondsIn(text, {0}, 100), 1.71);
+  EXPECT_DOUBLE_EQ(busySecondsIn(text, {1, 10}, 100), 0.51);
+  EXPECT_DOUBLE_EQ(busySecondsIn(text, {2}, 100), 0);
+  EXPECT_GT(busySeconds(physicalCores()), 0);
+}
+
+TEST(Probed, FilesAreThoseOfTheValuesThatReadThem) {
+  Probed probed;
+  probed.inputs = {"scene", "a", "b", "x", "both"};
+  probed.of_value = {{{"scene", "a", "both"}, {"scene", "b", "both"}, {}}, {{"scene", "a", "both"}, {"scene", "a", "both", "x", "b"}}};
+  using Files = Probed::Files;
+  EXPECT_EQ(probed.inputsWith({0, 0}), (Files{"scene", "a", "both"}));
+  EXPECT_EQ(probed.inputsWith({1, 0}), (Files{"scene", "b", "both"}));
+  EXPECT_EQ(probed.inputsWith({0, 1}), (Files{"scene", "a", "b", "both", "x"})) << "the second value reads b by itself";
+  EXPECT_EQ(probed.inputsWith({2, 0}), probed.inputs) << "nobody knows what a value reads that the first ones refuse";
+  EXPECT_EQ(probed.inputsWith({}), probed.inputs) << "of --reference-set, where it does not say its own";
 }
 
 TEST(Front, HasWhatNothingBeatsAndNoFailure) {

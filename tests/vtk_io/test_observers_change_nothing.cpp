@@ -10,8 +10,6 @@
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-namespace fs = std::filesystem;
-
 /// What each observer is asked for: everything, forces too. One that is not here fails the test.
 const std::map<std::string, std::string> asked_for = {
     {"CollisionPipeline", ""},
@@ -59,17 +57,8 @@ std::string scene(const Method& method, const std::string& observers) {
                      method.integrator, method.field, observers);
 }
 
-class Observers : public FolderTest {
+class Observers : public WorkingFolderTest {
  protected:
-  void SetUp() override {
-    FolderTest::SetUp();
-    before_ = fs::current_path();
-    fs::current_path(folder_);
-  }
-  void TearDown() override {
-    fs::current_path(before_);
-    FolderTest::TearDown();
-  }
   static std::vector<std::uint64_t> hashes(const std::string& text) {
     std::vector<std::uint64_t> found;
     Simulation simulation = simulationFromText(text);
@@ -82,8 +71,6 @@ class Observers : public FolderTest {
     simulation.end();
     return found;
   }
-
-  fs::path before_;
 };
 
 TEST_F(Observers, ChangeNoBitOfTheRun) {

@@ -4,10 +4,12 @@
 #include "tools/bench/accuracy.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <time.h>
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "framework/algebra/parallel.h"
@@ -20,7 +22,6 @@
 namespace stroma::bench {
 namespace {
 
-constexpr int repetitions = 3;
 constexpr double long_enough = 500;  ///< ms: noise matters no more
 constexpr double wanted[] = {0.03, 0.01};
 
@@ -36,7 +37,40 @@ struct Outcome {
   bool isWithin(double share) const { return trouble.empty() && std::abs(error) <= share; }
 };
 
-Outcome solve(const Problem& problem, const Way& way, int cells) {
+/// "column/20,40": a problem, and sizes of it.
+struct Choice {
+  std::string problem;
+  std::vector<int> sizes;
+  bool has(const std::string& name) const { return (problem.empty() && sizes.empty()) || name == problem; }
+};
+
+Choice choiceOf(const std::string& text) {
+  Choice choice;
+  std::istringstream words(text);
+  std::getline(words, choice.problem, '/');
+  for (std::string word; std::getline(words, word, ',');) {
+    std::size_t end = 0;
+    try {
+      choice.sizes.push_back(std::stoi(word, &end));
+    } catch (const std::logic_error&) {
+    }
+    if (end == 0 || end != word.size())
+      throw std::invalid_argument(fmt::format("--accuracy={}: '{}' is no size: expected a number, as in column/40", text, word));
+  }
+  return choice;
+}
+
+/// Throws std::invalid_argument where a size is none of `all`.
+void checkSizes(const Choice& choice, std::vector<int> all) {
+  std::ranges::sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  const std::string expected = all == std::vector{0} ? "no size, because it has one mesh" : fmt::format("{}", fmt::join(all, ", "));
+  for (const int size : choice.sizes)
+    if (std::ranges::count(all, size) == 0)
+      throw std::invalid_argument(fmt::format("--accuracy={}/{}: expected {}", choice.problem, size, expected));
+}
+
+Outcome solve(const Problem& problem, const Way& way, int cells, int repetitions) {
   std::vector<std::string> overrides = way.settings;
   for (std::string& setting : problem.mesh(cells)) overrides.push_back(std::move(setting));
   const auto simulation = loadSimulation(way.scene, overrides, way.parts);
@@ -108,7 +142,7 @@ void conclude(const Problem& problem, const std::vector<Outcome>& all) {
       fmt::print("- {}: {}.\n", way.name, sentence);
 }
 
-void compare(const Problem& problem, std::string& csv) {
+void compare(const Problem& problem, const Choice& choice, int repetitions, std::string& csv) {
   const std::string reference = problem.size > 0 ? "distance from" : fmt::format("reference {:.6g} by", problem.reference);
   fmt::print("\n{}, {}\n{} {}{}\n\n", problem.name, problem.quantity, reference, problem.source,
              problem.uncertainty > 0 ? fmt::format(", known to {:.2g} %", 100 * problem.uncertainty) : "");
@@ -116,7 +150,8 @@ void compare(const Problem& problem, std::string& csv) {
   std::vector<Outcome> all;
   for (const Way& way : problem.ways)
     for (const int cells : way.sizes) {
-      all.push_back(solve(problem, way, cells));
+      if (!isAsked(choice.sizes, cells)) continue;
+      all.push_back(solve(problem, way, cells, repetitions));
       const Outcome& outcome = all.back();
       fmt::print("{:<30} {:>6} {:>8} {:>12.5g} {:>10.2f} {:>8.3g} {:>8} {}\n", way.name, cells, outcome.nodes,
                  outcome.value, 100 * outcome.error, outcome.milliseconds, outcome.newton_iterations, outcome.trouble);
@@ -137,27 +172,34 @@ double threadMilliseconds() {
   return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
 }
 
-void compareAccuracy(const std::string& only, const std::string& csv_file, const std::string& stored_file,
-                     const std::string& beads) {
+bool isAsked(const std::vector<int>& sizes, int size) { return sizes.empty() || std::ranges::count(sizes, size) > 0; }
+
+void compareAccuracy(const AccuracyRequest& request) {
   setThreads(1);
-  std::vector<Problem> problems = staticProblems(beads);
+  const Choice choice = choiceOf(request.problem);
+  std::vector<Problem> problems = staticProblems(request.beads);
   std::string names;
   for (const Problem& problem : problems) names += problem.name + ", ";
-  const auto isLeftOut = [&](const std::string& name) { return !only.empty() && name != only; };
-  std::erase_if(problems, [&](const Problem& problem) { return isLeftOut(problem.name); });
-  if (problems.empty() && isLeftOut(vibration))
-    throw std::invalid_argument(fmt::format("--accuracy={}: expected {}{}, or nothing for all", only, names, vibration));
+  std::erase_if(problems, [&](const Problem& problem) { return !choice.has(problem.name); });
+  if (problems.empty() && !choice.has(vibration))
+    throw std::invalid_argument(
+        fmt::format("--accuracy={}: expected {}{}, or nothing for all", request.problem, names, vibration));
+  std::vector<int> sizes;
+  if (choice.has(vibration)) sizes = vibrationSizes();
+  for (const Problem& problem : problems)
+    for (const Way& way : problem.ways) sizes.insert(sizes.end(), way.sizes.begin(), way.sizes.end());
+  if (problems.empty() || problems.front().left_out.empty()) checkSizes(choice, std::move(sizes));
   std::string csv =
       "problem,way,cells_or_steps,nodes,value,reference,relative_error,milliseconds,newton_iterations,converged\n";
   for (const Problem& problem : problems)
     if (problem.left_out.empty())
-      compare(problem, csv);
+      compare(problem, choice, request.repetitions, csv);
     else
       fmt::print("\n{}, {}: left out, {}\n", problem.name, problem.quantity, problem.left_out);
-  if (!isLeftOut(vibration)) compareVibration(csv);
-  const std::string changes = stored_file.empty() ? "" : changesSince(stored_file, csv);
-  if (!csv_file.empty()) writeWholeFile(csv_file, csv);
-  if (!changes.empty()) fmt::print("\nsince {}, {}", stored_file, changes);
+  if (choice.has(vibration)) compareVibration(choice.sizes, csv);
+  const std::string changes = request.stored_file.empty() ? "" : changesSince(request.stored_file, csv);
+  if (!request.csv_file.empty()) writeWholeFile(request.csv_file, csv);
+  if (!changes.empty()) fmt::print("\nsince {}, {}", request.stored_file, changes);
 }
 
 }  // namespace stroma::bench

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -46,9 +47,17 @@ std::vector<std::string> cookMesh(int n) {
   return {"/mesh.position=" + position, "/mesh.hexahedra=" + cells};
 }
 
-/// Nodes of a layer are those of three sides of a cube, drawn to a sphere so that they lie at equal angles.
-std::vector<std::string> chamberMesh(int n) {
-  constexpr double inner = 10, wall = 10;
+std::vector<std::string> muscleMesh(int n) { return {fmt::format("/grid.n={} {} {}", 10 * n + 1, n + 1, n + 1)}; }
+
+std::vector<std::string> memoryMesh(int n) { return muscleMesh(n); }
+
+namespace {
+
+using Point = std::array<double, 3>;
+
+/// n layers of three patches of n x n cells each, whose nodes are those of three sides of a cube. `place_of`: a direction from the
+/// middle, in the first octant and of unit length, at a share of the wall from inside; the directions lie at equal angles.
+std::vector<std::string> shellMesh(int n, const std::function<Point(const Point& direction, double share)>& place_of) {
   std::map<std::array<int, 3>, int> numbers;
   for (int k = 0; k <= n; ++k)
     for (int j = 0; j <= n; ++j)
@@ -59,11 +68,12 @@ std::vector<std::string> chamberMesh(int n) {
   std::string position, cells, quads;
   for (int layer = 0; layer <= n; ++layer)
     for (const auto& [place, number] : numbers) {
-      std::array<double, 3> d{};
+      Point d{};
       double square = 0;
       for (std::size_t a = 0; a < 3; ++a) d[a] = std::tan(std::numbers::pi / 4 * place[a] / n), square += d[a] * d[a];
-      const double scale = (inner + wall * layer / n) / std::sqrt(square);
-      position += fmt::format("{:.17g} {:.17g} {:.17g} ", scale * d[0], scale * d[1], scale * d[2]);
+      for (double& part : d) part /= std::sqrt(square);
+      const Point at = place_of(d, double(layer) / n);
+      position += fmt::format("{:.17g} {:.17g} {:.17g} ", at[0], at[1], at[2]);
     }
   for (std::size_t a = 0; a < 3; ++a)
     for (int u = 0; u < n; ++u)
@@ -80,6 +90,27 @@ std::vector<std::string> chamberMesh(int n) {
             for (const int node : ring) cells += fmt::format("{} ", end * count + node);
       }
   return {"/mesh.position=" + position, "/mesh.hexahedra=" + cells, "/mesh.quads=" + quads};
+}
+
+}  // namespace
+
+std::vector<std::string> chamberMesh(int n) {
+  constexpr double inner = 10, wall = 10;
+  return shellMesh(n, [](const Point& direction, double share) {
+    const double radius = inner + wall * share;
+    return Point{radius * direction[0], radius * direction[1], radius * direction[2]};
+  });
+}
+
+/// The third direction becomes the apex, below, and what is across it the base. Angles from the apex are stretched evenly.
+std::vector<std::string> ventricleMesh(int n) {
+  constexpr double short_inner = 7, long_inner = 17, wall = 3, base = 5;
+  return shellMesh(n, [](const Point& d, double share) {
+    const double across = std::hypot(d[0], d[1]), angle = std::atan2(across, d[2]) / (std::numbers::pi / 2);
+    const double long_axis = long_inner + wall * share, u = angle * (std::numbers::pi - std::acos(base / long_axis));
+    const double radius = across > 0 ? (short_inner + wall * share) * std::sin(u) / across : 0;
+    return Point{radius * d[1], radius * d[0], -long_axis * std::cos(u)};
+  });
 }
 
 }  // namespace stroma::bench

@@ -10,6 +10,12 @@
 //   a block drawn to l times its height by a nominal stress P, its sides free and s times as wide, J = l s^2:
 //   dW/ds = 0, P = dW/dl of W = c1 (J^-2/3 (l^2 + 2 s^2) - 3) + k0/2 (ln J)^2
 //
+//   a beam under its own weight q, clamped at x = 0:  u = q/24EI (6 L^2 x^2 - 4 L x^3 + x^4) + q/kGA (L x - x^2/2), so that
+//   u(L/2) / u(L) = (17/384 + 3 s/8) / (1/8 + s/2), s = EI / kGA L^2 = (h/L)^2 / 5 for nu = 0 (Timoshenko 1921)
+//
+//   S. Land et al., "Verification of cardiac mechanics software: benchmark problems and solutions for testing active and passive
+//   material behaviour", Proc. R. Soc. A 471, 20150641, 2015: of their problems 1 and 2 the middle of what the codes found
+//
 //   a column at the time T_v:  U = 1 - sum 2/k^2 exp(-k^2 T_v),  k = pi/2, 3 pi/2, 5 pi/2, ...   (Terzaghi 1923)
 #include "tools/bench/accuracy_problems.h"
 
@@ -42,15 +48,17 @@ Problem beam() {
   tetrahedra("svd", {"method=svd"}, "five");
   tetrahedra("svd, warped tangent", {"method=svd", "tangent=warped"}, "five");
   tetrahedra("polar", {"method=polar", "tangent=warped"}, "five");
+  tetrahedra("polar, exact tangent (L U)", {"method=polar"}, "five");
   tetrahedra("polar, B", {"method=polar", "tangent=warped", "updateStiffnessMatrix=true"}, "five");
   tetrahedra("svd, ten tetrahedra per cell", {"method=svd"}, "ten");
   tetrahedra("svd, six tetrahedra per cell", {"method=svd"}, "six");
-  const auto hexahedra = [&](const char* name, const char* method) {
-    problem.ways.push_back({name, "benchmarks/cantilever_hexahedra.xml", {std::string("/beam/fem.method=") + method},
-                            {1, 2, 3, 4, 6}});
+  const auto hexahedra = [&](const char* name, std::vector<std::string> settings) {
+    for (std::string& setting : settings) setting = "/beam/fem." + setting;
+    problem.ways.push_back({name, "benchmarks/cantilever_hexahedra.xml", settings, {1, 2, 3, 4, 6}});
   };
-  hexahedra("hexahedra, svd", "svd");
-  hexahedra("hexahedra, green", "green");
+  hexahedra("hexahedra, svd", {"method=svd"});
+  hexahedra("hexahedra, svd, warped tangent", {"method=svd", "tangent=warped"});
+  hexahedra("hexahedra, green", {"method=green"});
   problem.ways.push_back({"quadratic tetrahedra, svd", "benchmarks/cantilever_quadratic.xml", {}, {1, 2, 3}});
   return problem;
 }
@@ -127,6 +135,53 @@ Problem chamber() {
   for (const char* dilatation : {"mean", "local"})
     problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/chamber.xml",
                             {std::string("/fem.dilatation=") + dilatation}, {1, 2, 4, 6}});
+  return problem;
+}
+
+const std::string muscle = R"(materialName="Costa" a="2" k0="200" bff="8" bss="2" bnn="2" bsn="2" bfs="4" bfn="4" )"
+                           R"(AnisotropyDirections="1 0 0  0 1 0")";
+
+/// Land et al.'s problem 1: z of the end between 4.14 and 4.20 mm, 1 mm at rest.
+Problem muscleBar() {
+  Problem problem{"muscle", "way of the end of a bar of heart muscle that a pressure bends [mm]", "Land et al. 2015, problem 1"};
+  problem.reference = 3.17, problem.uncertainty = 0.03 / 3.17;
+  problem.mesh = muscleMesh, problem.measure = muscleEnd;
+  for (const char* dilatation : {"mean", "local"})
+    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/muscle_bar.xml",
+                            {std::string("/fem.dilatation=") + dilatation}, {2, 4, 6}});
+  problem.ways.push_back({"tetrahedra", "benchmarks/muscle_bar.xml", {}, {2, 4, 6}, 1,
+                          {{"<HexahedronHyperelasticityFEMForceField name=\"fem\" " + muscle + "/>",
+                            tetrahedra("TetrahedronHyperelasticityFEMForceField " + muscle)}}});
+  return problem;
+}
+
+/// Land et al.'s problem 2: the inner side of the apex between z = -26.9 and -26.4 mm (as read from figure 6), -17 mm at rest.
+Problem ventricle() {
+  Problem problem{"ventricle", "way of the apex of a ventricle that is inflated [mm]", "Land et al. 2015, problem 2"};
+  problem.reference = 9.65, problem.uncertainty = 0.25 / 9.65;
+  problem.mesh = ventricleMesh, problem.measure = ventricleApex;
+  for (const char* dilatation : {"mean", "local"})
+    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/ventricle.xml",
+                            {std::string("/fem.dilatation=") + dilatation}, {1, 2, 4, 6}, 5});
+  return problem;
+}
+
+/// What has no modulus has a shape all the same.
+Problem memoryBeam() {
+  Problem problem{"memory", "deflection of the middle of a beam under its own weight, as a share of that of its end",
+                  "closed form (Timoshenko 1921)"};
+  constexpr double shear = 0.01 / 5;  // of ten heights
+  problem.reference = (17. / 384 + 3 * shear / 8) / (1. / 8 + shear / 2);
+  problem.mesh = memoryMesh, problem.measure = middleOverEnd;
+  const std::string memory = R"(<ShapeMemoryForceField name="memory" stiffness="500"/>)";
+  const auto add = [&](const char* name, std::vector<std::string> settings, std::vector<int> sizes) {
+    problem.ways.push_back({name, "benchmarks/memory_beam.xml", std::move(settings), std::move(sizes)});
+  };
+  add("shape memory", {}, {1, 2, 4});
+  add("shape memory, contour", {"/memory.nodes=contour"}, {1, 2, 4});
+  add("shape memory, triangles", {"/memory.frame=triangle"}, {1, 2, 4});
+  add("shape memory, no reaction", {"/memory.reaction=false"}, {1});  // finer ones find no equilibrium
+  problem.ways.push_back({"hexahedra, svd", "benchmarks/memory_beam.xml", {}, {1, 2, 4}, 1, {{memory, hooke("svd", "1e6", "0")}}});
   return problem;
 }
 
@@ -221,7 +276,8 @@ Problem truthCube(const std::string& file) {
 }  // namespace
 
 std::vector<Problem> staticProblems(const std::string& beads) {
-  return {beam(), pressedCube(), truthCube(beads), block(), cook(), twistedBar(), chamber(), column(), organ(), leg()};
+  return {beam(),    pressedCube(), truthCube(beads), block(),  cook(), twistedBar(), chamber(),
+          ventricle(), muscleBar(),   column(),         organ(), leg(),  memoryBeam()};
 }
 
 }  // namespace stroma::bench

@@ -70,6 +70,22 @@ double chamberGrowth(const Simulation& simulation) {
                 [](const Vec3& rest, const Vec3& moved) { return (rest + moved).norm() - inner; });
 }
 
+double ventricleApex(const Simulation& simulation) {
+  return -meanDisplacement(simulation, 2, [](const Vec3& p) { return std::hypot(p.x(), p.y()) < 1e-6 && p.z() > -17 - 1e-6; });
+}
+
+double muscleEnd(const Simulation& simulation) {
+  return meanDisplacement(simulation, 2, [](const Vec3& p) { return (p - Vec3(10, 0.5, 1)).norm() < 1e-6; });
+}
+
+double middleOverEnd(const Simulation& simulation) {
+  constexpr double length = 0.2;
+  const auto at = [&](double x) {
+    return meanDisplacement(simulation, 1, [x](const Vec3& p) { return std::abs(p.x() - x) < 1e-9; });
+  };
+  return at(length / 2) / at(length);
+}
+
 double columnDegree(const Simulation& simulation) {
   constexpr double drained = 1400, load = 0.01;
   double modulus = 0;

@@ -14,6 +14,9 @@ double cubeBulge(const Simulation& simulation);   ///< of the middle of a side [
 double barTorque(const Simulation& simulation);   ///< of the forces that hold the lower end, about the axis [mN mm]
 double blockTop(const Simulation& simulation);    ///< way of the top [mm]
 double chamberGrowth(const Simulation& simulation);  ///< of the inner radius [mm]
+double ventricleApex(const Simulation& simulation);  ///< way of its inner side down [mm]
+double muscleEnd(const Simulation& simulation);      ///< way of the end of scenes/benchmarks/muscle_bar.xml up [mm]
+double middleOverEnd(const Simulation& simulation);  ///< deflections of scenes/benchmarks/memory_beam.xml
 /// Degree of consolidation of scenes/benchmarks/column.xml: of the way of the top from undrained to drained.
 double columnDegree(const Simulation& simulation);
 double legDent(const Simulation& simulation);   ///< mean way of the strap along y [m]

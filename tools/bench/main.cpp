@@ -24,8 +24,10 @@ class UsageError : public std::runtime_error {
 
 struct Request {
   bool help = false, accuracy = false, list = false;
-  std::string json_file, csv_file, problem, stored_file, beads;
+  std::string json_file;
+  AccuracyRequest asked;  ///< with accuracy
   std::vector<std::string> passed_on{"stroma-bench", "--benchmark_repetitions=9", "--benchmark_min_time=0.05"};
+  static constexpr std::size_t usual_options = 3;  ///< of these
 
   Request(int count, char** values) {
     const auto isOption = [](const std::string& word) { return word.rfind("--", 0) == 0; };
@@ -42,15 +44,15 @@ struct Request {
       if (word == "--help" || word == "-h")
         help = true;
       else if (word == "--accuracy")
-        accuracy = true, problem = value;
+        accuracy = true, asked.problem = value;
       else if (word == "--json")
         json_file = argument();
       else if (word == "--csv")
-        csv_file = argument();
+        asked.csv_file = argument();
       else if (word == "--against")
-        stored_file = argument();
+        asked.stored_file = argument();
       else if (word == "--beads")
-        beads = argument();
+        asked.beads = argument();
       else if (word == "--scenes")
         setSceneFolder(argument());
       else if (own)
@@ -59,9 +61,24 @@ struct Request {
         passed_on.push_back(word);
       list = list || word.rfind("--benchmark_list_tests", 0) == 0;
     }
-    if (!csv_file.empty() && !accuracy) throw UsageError("--csv goes with --accuracy");
-    if (!stored_file.empty() && !accuracy) throw UsageError("--against goes with --accuracy");
-    if (!beads.empty() && !accuracy) throw UsageError("--beads goes with --accuracy");
+    if (!asked.csv_file.empty() && !accuracy) throw UsageError("--csv goes with --accuracy");
+    if (!asked.stored_file.empty() && !accuracy) throw UsageError("--against goes with --accuracy");
+    if (!asked.beads.empty() && !accuracy) throw UsageError("--beads goes with --accuracy");
+    if (accuracy) readRepetitions();
+  }
+
+ private:
+  /// The one option of Google Benchmark that means something with --accuracy too.
+  void readRepetitions() {
+    const std::string name = "--benchmark_repetitions=";
+    for (std::size_t i = usual_options; i < passed_on.size(); ++i) {
+      const std::string& word = passed_on[i];
+      const std::string number = word.rfind(name, 0) == 0 ? word.substr(name.size()) : "";
+      if (number.empty()) throw UsageError(fmt::format("{} does not go with --accuracy", word));
+      if (number.size() > 6 || number.find_first_not_of("0123456789") != std::string::npos || std::stoi(number) < 1)
+        throw UsageError(fmt::format("{}: expected a number of repetitions from 1 on", word));
+      asked.repetitions = std::stoi(number);
+    }
   }
 };
 
@@ -103,7 +120,7 @@ int main(int count, char** values) {
     if (request.help) {
       fmt::print("{}", help);
     } else if (request.accuracy) {
-      compareAccuracy(request.problem, request.csv_file, request.stored_file, request.beads);
+      compareAccuracy(request.asked);
     } else {
       measure(request);
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/command/bits.h"
+#include "tools/session/drop_readers.h"
 #include "tools/session/scene_program.h"
 
 #include <fmt/format.h>
@@ -45,7 +46,7 @@ Bits bitsOfEveryRun(const RegressionCase& test, Session& session) {
   const auto load = [&](int thread_count) -> Simulation& {
     setThreads(thread_count);
     Simulation& simulation = session.load(test.scene, parseOverrides(test.overrides));
-    simulation.dropObservers();
+    dropReaders(simulation);
     return simulation;
   };
   Bits bits;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/command/completion.h"
-#include "tools/command/text_file.h"
+#include "tools/platform/text_file.h"
 
-STROMA_TEXT_FILE(stroma_bash_script, "tools/command/shell/stroma.bash")
-STROMA_TEXT_FILE(stroma_zsh_script, "tools/command/shell/_stroma")
-STROMA_TEXT_FILE(stroma_fish_script, "tools/command/shell/stroma.fish")
+STROMA_TEXT_FILE(stroma_bash_script, STROMA_SOURCE "/tools/command/shell/stroma.bash")
+STROMA_TEXT_FILE(stroma_zsh_script, STROMA_SOURCE "/tools/command/shell/_stroma")
+STROMA_TEXT_FILE(stroma_fish_script, STROMA_SOURCE "/tools/command/shell/stroma.fish")
 
 namespace stroma::command {
 

@@ -26,6 +26,7 @@
 #include "tools/command/termination.h"
 #include "tools/profile/report.h"
 #include "tools/session/action_file.h"
+#include "tools/session/drop_readers.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/replay.h"
 
@@ -209,7 +210,7 @@ struct Run {
     progress.loaded();
     simulation.computeOnDemand(true);
     warnings = reportProblems(simulation.scene(), request.quiet);
-    if (!request.measure_file.empty()) simulation.dropObservers();
+    if (!request.measure_file.empty()) dropReaders(simulation);
     if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
     checkpoint = request.checkpointToGoOnFrom();
     if (request.resume && checkpoint.empty() && !request.quiet)

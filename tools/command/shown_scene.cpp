@@ -5,13 +5,15 @@
 
 #include <vector>
 
+#include "tools/session/drop_readers.h"
+
 namespace stroma::command {
 
 void leaveOutputs(Simulation& simulation, const std::string& why) {
   std::vector<std::string> left;
   for (const Observer* observer : simulation.observers())
     if (!observer->files().empty()) left.push_back(observer->path());
-  simulation.dropObservers();
+  dropReaders(simulation);
   if (left.empty() || why.empty()) return;
   fmt::print(stderr, "note: {} write{} no file {}\n", fmt::join(left, ", "), left.size() == 1 ? "s" : "", why);
 }

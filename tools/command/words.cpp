@@ -7,11 +7,11 @@
 #include <stdexcept>
 
 #include "framework/scene/text.h"
-#include "tools/command/text_file.h"
+#include "tools/platform/text_file.h"
 
-STROMA_TEXT_FILE(stroma_topics, "tools/command/words/topics.txt")
-STROMA_TEXT_FILE(stroma_sofa, "tools/command/words/sofa.txt")
-STROMA_TEXT_FILE(stroma_scene_page, "docs/scene.md")
+STROMA_TEXT_FILE(stroma_topics, STROMA_SOURCE "/tools/command/words/topics.txt")
+STROMA_TEXT_FILE(stroma_sofa, STROMA_SOURCE "/tools/command/words/sofa.txt")
+STROMA_TEXT_FILE(stroma_scene_page, STROMA_SOURCE "/docs/scene.md")
 
 namespace stroma::command {
 namespace {

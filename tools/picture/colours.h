@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Colour maps that are even to the eye and safe for the colour-blind: those of the live view, and two for print.
+// Colour maps that are even to the eye and safe for the colour-blind: those of the live view, and others for print. They and the
+// colours of bodies are in tools/drawing/colours.json, which the page of the view reads too.
 #pragma once
 #include <array>
 #include <string>

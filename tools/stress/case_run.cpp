@@ -17,6 +17,7 @@
 
 #include "framework/algebra/parallel.h"
 #include "tools/checks/result_doubts.h"
+#include "tools/session/drop_readers.h"
 #include "tools/session/session.h"
 #include "tools/stress/disturbance.h"
 #include "tools/stress/force_checks.h"
@@ -163,7 +164,7 @@ class CaseRun {
     std::vector<Override> overrides = scenery_.overrides;
     if (what_.override) overrides.push_back(*what_.override);
     session_.setOverrides(std::move(overrides));
-    session_.load(scenery_.scene).dropObservers();
+    dropReaders(session_.load(scenery_.scene));
   }
   Simulation& simulation() { return session_.simulation(); }
 
@@ -308,7 +309,7 @@ Undisturbed runUndisturbed(const Scenery& scenery) {
   for (const std::string& module : scenery.modules) session.modules().open(module);
   session.setOverrides(scenery.overrides);
   Simulation& simulation = session.load(scenery.scene);
-  simulation.dropObservers();
+  dropReaders(simulation);
   const RunReport report = session.run({.steps = scenery.steps});
   if (report.end != RunEnd::done) undisturbed.failure = report.reason;
   if (undisturbed.failure.empty()) undisturbed.failure = notFinite(simulation);

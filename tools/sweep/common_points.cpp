@@ -14,17 +14,16 @@
 namespace stroma::sweep {
 namespace {
 
-/// Meshes with more cells are sampled at one point per cell: there are enough of them.
-constexpr std::size_t fine_mesh = 50'000;
+constexpr int squares = 2;  ///< of linear functions are integrated exactly
 
 template <class Cell>
-void addGaussPoints(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& rest, int degree,
+void addGaussPoints(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& rest,
                     std::vector<Vec3>& places, std::vector<double>& weights) {
   std::array<double, most_cell_nodes> shape{};
   std::array<LocalPoint, most_cell_nodes> slope{};
   for (const Cell& cell : cells) {
     const auto corners = cornersOf(cell, rest);
-    for (const QuadraturePoint& point : kind.rule(degree).points) {
+    for (const QuadraturePoint& point : kind.rule(squares).points) {
       kind.shapes(point.xi, shape.data());
       kind.gradients(point.xi, slope.data());
       Vec3 x = Vec3::Zero();
@@ -59,13 +58,12 @@ double sizeOf(const std::vector<Vec3>& points) {
 }  // namespace
 
 CommonPoints::CommonPoints(const EndState& end) {
-  const int degree = end.cells() > fine_mesh ? 1 : 2;
   const bool any_cells = end.cells() > 0;
   for (const Body& body : end.bodies) {
     if (body.rest.empty() || (any_cells && body.cells() == 0)) continue;  // a surface that follows a body adds nothing
     Group group{body.path, places_.size(), 0, body.cells() == 0};
-    addGaussPoints(cell_kinds::tetrahedron, body.tetrahedra, body.rest, degree, places_, weights_);
-    addGaussPoints(cell_kinds::hexahedron, body.hexahedra, body.rest, degree, places_, weights_);
+    addGaussPoints(cell_kinds::tetrahedron, body.tetrahedra, body.rest, places_, weights_);
+    addGaussPoints(cell_kinds::hexahedron, body.hexahedra, body.rest, places_, weights_);
     if (group.are_nodes) {
       places_.insert(places_.end(), body.rest.begin(), body.rest.end());
       weights_.resize(places_.size(), 1.0);

@@ -9,7 +9,9 @@
 #include <array>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <set>
+#include <sstream>
 
 namespace stroma::sweep {
 
@@ -32,6 +34,28 @@ std::vector<int> physicalCores() {
 double loadOfMachine() {
   double load = 0;
   return getloadavg(&load, 1) == 1 ? load : 0;
+}
+
+double busySecondsIn(const std::string& text, const std::vector<int>& cores, double ticks_a_second) {
+  double ticks = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name;
+    // user programs, patient ones, the system, idle, waiting for a disk, interrupts of two kinds, taken by a host
+    std::array<double, 8> spent{};
+    words >> name;
+    for (double& one : spent) words >> one;
+    const bool is_asked = std::ranges::any_of(cores, [&](int core) { return name == fmt::format("cpu{}", core); });
+    if (is_asked) ticks += spent[0] + spent[1] + spent[2] + spent[5] + spent[6] + spent[7];
+  }
+  return ticks / ticks_a_second;
+}
+
+double busySeconds(const std::vector<int>& cores) {
+  std::ifstream stream("/proc/stat");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return busySecondsIn(text, cores, double(sysconf(_SC_CLK_TCK)));
 }
 
 std::string hostName() {

@@ -13,6 +13,11 @@ std::vector<int> physicalCores();
 /// Mean number of busy processors over the last minute.
 double loadOfMachine();
 
+/// How long these have been busy since the machine started, each added to the others [s].
+double busySeconds(const std::vector<int>& cores);
+/// The same, of the text of /proc/stat.
+double busySecondsIn(const std::string& text, const std::vector<int>& cores, double ticks_a_second);
+
 /// "host: processor, 8 cores"
 std::string machineText();
 std::string hostName();

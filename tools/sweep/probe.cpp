@@ -169,7 +169,41 @@ void checkMeasure(const ErrorMeasure& measure, const std::vector<Trial>& trials)
   }
 }
 
+/// The files of a value.
+std::vector<std::vector<Probed::Files>> filesOfValues(const std::vector<Axis>& axes, const std::vector<Trial>& trials) {
+  std::vector<std::vector<Probed::Files>> files;
+  const auto take = [](const Trial& trial, Probed::Files& to) {
+    if (trial.end) to.insert(trial.end->inputs.begin(), trial.end->inputs.end());
+  };
+  for (const Axis& axis : axes) {
+    files.emplace_back(axis.size());
+    take(trials.front(), files.back().front());
+  }
+  for (const Trial& trial : trials)
+    if (trial.axis < axes.size() && trial.value > 0) take(trial, files[trial.axis][trial.value]);
+  return files;
+}
+
 }  // namespace
+
+Probed::Files Probed::inputsWith(const std::vector<std::size_t>& choice) const {
+  if (choice.empty()) return of_reference.empty() ? inputs : of_reference;
+  for (std::size_t a = 0; a < of_value.size(); ++a)
+    if (of_value[a][choice[a]].empty()) return inputs;  // it may be borne with other values
+  Files files;
+  for (const std::string& file : inputs) {
+    bool is_chosen = false, is_read = false;  // whether values decide on it, and whether one of these reads it
+    for (std::size_t a = 0; a < of_value.size(); ++a) {
+      const auto readers = std::size_t(std::ranges::count_if(of_value[a], [&](const Files& read) { return read.contains(file); }));
+      const auto refused = std::size_t(std::ranges::count(of_value[a], Files{}));
+      if (readers + refused == of_value[a].size()) continue;
+      is_chosen = is_chosen || readers > 0;
+      is_read = is_read || of_value[a][choice[a]].contains(file);
+    }
+    if (!is_chosen || is_read) files.insert(file);
+  }
+  return files;
+}
 
 Probed probe(const SweepRequest& request, std::vector<Axis>& axes, const ErrorMeasure& measure) {
   // shares work beside each other
@@ -183,16 +217,18 @@ Probed probe(const SweepRequest& request, std::vector<Axis>& axes, const ErrorMe
   checkMeasure(measure, trials);
   learnKinds(axes, trials);
   std::set<double> steps;
-  std::set<std::string> inputs;
+  Probed probed;
+  probed.of_value = filesOfValues(axes, trials);
   for (const Trial& trial : trials) {
     if (!trial.end) continue;
     steps.insert(trial.end->dt);
-    inputs.insert(trial.end->inputs.begin(), trial.end->inputs.end());
+    probed.inputs.insert(trial.end->inputs.begin(), trial.end->inputs.end());
+    if (trial.axis == axes.size()) probed.of_reference.insert(trial.end->inputs.begin(), trial.end->inputs.end());
   }
   if (steps.size() > 1 && !request.until)
     throw std::invalid_argument("the time step varies: give --until T instead of -n, so that all runs end at one time");
   if (steps.size() > 1) checkSteps(request, trials);
-  return {{inputs.begin(), inputs.end()}};
+  return probed;
 }
 
 }  // namespace stroma::sweep

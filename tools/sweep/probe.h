@@ -2,6 +2,7 @@
 // Loads the scene with every value before anything is run: what is misspelt is refused, and what the meshes and time steps
 // are is known.
 #pragma once
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,14 @@
 namespace stroma::sweep {
 
 struct Probed {
-  std::vector<std::string> inputs;  ///< files that the scene reads, with any of the values
+  using Files = std::set<std::string>;
+  Files inputs;  ///< files that the scene reads, with any of the values
+  /// Those that it reads with each value of each axis, and the first ones of the others. A value that it refuses has none.
+  std::vector<std::vector<Files>> of_value;
+  Files of_reference;  ///< with --reference-set
+
+  /// Those that it reads with these values, as far as one of them alone decides; `choice` as that of a Configuration.
+  Files inputsWith(const std::vector<std::size_t>& choice) const;
 };
 
 /// Completes the kinds and sizes of the axes. Throws std::invalid_argument with the messages of `stroma run` when a value

@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/sweep/report_files.h"
 
-// NAME_begin and NAME_end: the bytes of a file of report/.
-#define STROMA_REPORT_FILE(name, file)                                                             \
-  asm(".section .rodata\n.global " #name "_begin\n.global " #name "_end\n.balign 16\n" #name       \
-      "_begin:\n.incbin \"" STROMA_REPORT_FOLDER "/" file "\"\n" #name "_end:\n.byte 0\n.text\n"); \
-  extern "C" __attribute__((visibility("hidden"))) const char name##_begin[], name##_end[];
+#include "tools/platform/text_file.h"
 
-STROMA_REPORT_FILE(stroma_report_script, "report.js")
-STROMA_REPORT_FILE(stroma_report_style, "report.css")
-STROMA_REPORT_FILE(stroma_report_chart, "chart.css")
-STROMA_REPORT_FILE(stroma_report_light, "light.css")
-STROMA_REPORT_FILE(stroma_report_dark, "dark.css")
+STROMA_TEXT_FILE(stroma_report_script, STROMA_REPORT_FOLDER "/report.js")
+STROMA_TEXT_FILE(stroma_report_style, STROMA_REPORT_FOLDER "/report.css")
+STROMA_TEXT_FILE(stroma_report_chart, STROMA_REPORT_FOLDER "/chart.css")
+STROMA_TEXT_FILE(stroma_report_light, STROMA_REPORT_FOLDER "/light.css")
+STROMA_TEXT_FILE(stroma_report_dark, STROMA_REPORT_FOLDER "/dark.css")
 
 namespace stroma::sweep {
 namespace {
-
-std::string_view between(const char* begin, const char* end) { return {begin, std::size_t(end - begin)}; }
-
-#define STROMA_BYTES_OF(name) between(name##_begin, name##_end)
 
 /// Renderers of SVG files know no variables: their values are put in.
 std::string withValues(std::string_view rules, std::string_view values) {
@@ -44,25 +36,23 @@ std::string_view declarations(std::string_view file) {
 
 }  // namespace
 
-std::string_view reportScript() { return STROMA_BYTES_OF(stroma_report_script); }
+std::string_view reportScript() { return stroma_report_script(); }
 
 std::string_view reportStyle() {
   static const std::string all = [] {
-    const std::string light(STROMA_BYTES_OF(stroma_report_light)),
-        dark(declarations(STROMA_BYTES_OF(stroma_report_dark)));
+    const std::string light(stroma_report_light()), dark(declarations(stroma_report_dark()));
     return light + "@media (prefers-color-scheme: dark){:root{" + dark + "}}\n:root[data-theme=light]{" +
            std::string(declarations(light)) + "}\n:root[data-theme=dark]{" + dark + "}\n" +
-           std::string(STROMA_BYTES_OF(stroma_report_chart)) + std::string(STROMA_BYTES_OF(stroma_report_style));
+           std::string(stroma_report_chart()) + std::string(stroma_report_style());
   }();
   return all;
 }
 
 std::string chartStyle(bool dark) {
-  const std::string_view rules = STROMA_BYTES_OF(stroma_report_chart);
-  std::string text = withValues(rules, declarations(STROMA_BYTES_OF(stroma_report_light)));
+  const std::string_view rules = stroma_report_chart();
+  std::string text = withValues(rules, declarations(stroma_report_light()));
   if (dark)
-    text += "@media (prefers-color-scheme: dark){" +
-            withValues(rules, declarations(STROMA_BYTES_OF(stroma_report_dark))) + "}";
+    text += "@media (prefers-color-scheme: dark){" + withValues(rules, declarations(stroma_report_dark())) + "}";
   return text;
 }
 

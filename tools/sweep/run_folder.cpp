@@ -35,6 +35,7 @@ Repetition repetitionOf(const RunJson& outcome, RunJson summary) {
   run.exit_code = outcome.value("exit_code", 0);
   run.process_seconds = outcome.value("process_seconds", 0.0);
   run.cpu_seconds = outcome.value("cpu_seconds", 0.0);
+  run.others_seconds = outcome.value("others_seconds", 0.0);
   run.timed = outcome.value("timed", true);
   run.cores = outcome.value("cores", std::vector<int>{});
   run.beside = outcome.value("beside", 0);
@@ -98,6 +99,7 @@ void writeOutcome(const std::string& folder, const Job& job, const ProcessEnd& e
   json["exit_code"] = end.exit_code;
   json["process_seconds"] = circumstances.seconds;
   json["cpu_seconds"] = end.cpu_seconds;
+  json["others_seconds"] = circumstances.others_seconds;
   json["preemptions"] = end.preemptions;
   json["timed"] = job.timed;
   json["cores"] = circumstances.cores;

@@ -22,7 +22,8 @@ struct Repetition {
   double step_ms = 0;          ///< median over the steps
   double load_seconds = 0;     ///< until the first step [s]
   double process_seconds = 0;  ///< all of the process [s]
-  double cpu_seconds = 0;      ///< of that with a core [s]
+  double cpu_seconds = 0;      ///< of that with a core, of all its threads together [s]
+  double others_seconds = 0;   ///< of its cores, with other programs [s]
   bool timed = true;
   std::vector<int> cores;
   int beside = 0;
@@ -30,8 +31,11 @@ struct Repetition {
   std::string host, machine;
   nlohmann::json summary;
 
-  /// Somebody else had the core for more than a tenth of the time.
-  bool wasDisturbed() const { return timed && cpu_seconds < 0.9 * process_seconds; }
+  /// Somebody else had its cores for more than a tenth of the time. Threads wait for one another too, and one for nobody.
+  bool wasDisturbed() const {
+    const double share = 0.1 * process_seconds;
+    return timed && (cores.size() > 1 ? others_seconds > share * double(cores.size()) : process_seconds - cpu_seconds > share);
+  }
 };
 
 /// All runs of a configuration.

@@ -39,6 +39,7 @@ void Scheduler::begin(std::deque<Job>& queue) {
   run.circumstances.beside = int(running_.size());
   run.circumstances.load = loadOfMachine();
   run.job.process.cores = run.circumstances.cores;
+  run.busy = busySeconds(run.circumstances.cores);
   run.start = std::chrono::steady_clock::now();
   run.process = start(run.job.process);
   running_.push_back(std::move(run));
@@ -63,6 +64,7 @@ void Scheduler::collect(const Finished& finished) {
     free_.insert(free_.end(), run.circumstances.cores.begin(), run.circumstances.cores.end());
     std::ranges::sort(free_);
     run.circumstances.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - run.start).count();
+    run.circumstances.others_seconds = std::max(0., busySeconds(run.circumstances.cores) - run.busy - end.cpu_seconds);
     finished(run.job, end, run.circumstances);
   }
 }

@@ -26,6 +26,7 @@ struct Circumstances {
   int beside = 0;   ///< most other runs of this sweep at the same time
   double load = 0;  ///< of the machine at the start
   double seconds = 0;
+  double others_seconds = 0;  ///< of these cores, what other programs had of them
 };
 
 class Scheduler {
@@ -48,6 +49,7 @@ class Scheduler {
     pid_t process = 0;
     Circumstances circumstances;
     std::chrono::steady_clock::time_point start;
+    double busy = 0;  ///< its cores until then [s]
   };
   void startWhatFits();
   bool fits(const Job& job) const;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <list>
+#include <map>
 #include <set>
 
 #include "framework/scene/abi.h"
@@ -143,11 +144,15 @@ class Sweep {
  private:
   void makeEntries() {
     build_ = digestOfBuild(request_.program, request_.modules);
-    scene_ = digestOfFiles(probed_.inputs);
+    scene_ = digestOfFiles({probed_.inputs.begin(), probed_.inputs.end()});
+    std::map<Probed::Files, std::string> digests;  // many configurations read the same
     std::vector<Configuration> all = allConfigurations(request_, axes_);
     if (!request_.reference_settings.empty()) all.push_back(extraReference(request_, axes_));
     for (Configuration& configuration : all) {
-      std::string text = build_ + "\n" + scene_ + "\n";
+      const Probed::Files files = probed_.inputsWith(configuration.choice);
+      std::string& digest = digests[files];
+      if (digest.empty()) digest = digestOfFiles({files.begin(), files.end()});
+      std::string text = build_ + "\n" + digest + "\n";
       for (const std::string& word : runArguments(request_, configuration)) text += word + "\n";
       if (assessor_->measure().asksRun()) text += assessor_->measure().quantity;
       configuration.key = digestOf(text);

@@ -65,6 +65,7 @@ Json runOf(const Repetition& run) {
   return {{"seconds", run.seconds},
           {"ms_per_step", run.step_ms},
           {"process_seconds", run.process_seconds},
+          {"others_seconds", run.others_seconds},
           {"cpu_seconds", run.cpu_seconds},
           {"timed", run.timed},
           {"disturbed", run.wasDisturbed()},

@@ -167,7 +167,9 @@ WrittenBody bodyOf(const State& state, const Mass* mass) {
   WrittenBody body{&state, {}, nullptr, nullptr, {restSize(state), 0, 0, 0}, std::numeric_limits<double>::infinity()};
   const Topology* topology = topologyOf(state);
   const double volume = topology ? volumeOf(topology->mesh()) : 0;
-  const Data* data = mass ? massDataOf(*mass) : nullptr;
+  // a mass elsewhere, which nothing pulls, stands for none: nobody wrote it (tools/sofa/rewritten_masses.cpp)
+  const bool is_written = mass && (&mass->node() == &state.node() || !mass->node().gravity().isZero(0));
+  const Data* data = is_written ? massDataOf(*mass) : nullptr;
   body.value[body_gravity] = writtenGravity(state.node());
   if (data && volume > 0) {
     body.mass = mass, body.mass_data = data;
