@@ -79,7 +79,8 @@ std::vector<std::string> Engine::restore(Checkpoint checkpoint) {
   std::vector<std::string> notes = session_.restore(std::move(checkpoint), "the checkpoint");
   restored_ = std::vector<Vector>(simulation_->systems().size());
   for (std::size_t i = 0; i < restored_.size(); ++i)
-    if (const std::string name = std::to_string(i); forces.entries().count("constraint forces:" + name) > 0) forces.rows(name, restored_[i]);
+    if (const std::string name = std::to_string(i); forces.entries().count("constraint forces:" + name) > 0)
+      forces.rows(name, restored_[i]);
   return notes;
 }
 

@@ -19,7 +19,8 @@ void Rewriting::meanMass(Element& element) {
     element.remove("vertexMass");
   }
   setDefault(element, "cells", "first");
-  const bool couples = (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
+  const bool couples =
+      (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
   if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
 }
