@@ -14,7 +14,8 @@
 //
 // Fields are words `what` or `label=what`. pointsDataFields: position, restPosition, displacement, velocity, force (or
 // `state.velocity`), of frames also angularVelocity and torque. cellsDataFields: a cell field of a force field of the same
-// node, `vonMises`, `fem.vonMises` or `@../body/fem.vonMises`; cells that the force field does not have get NaN.
+// node, `vonMises` or `fem.vonMises`, or of another one, `stress=@../body/fem.vonMises`; cells that the force field does
+// not have get NaN. Tensors (`strain`) have six numbers per cell: xx yy zz xy yz zx.
 //
 // Source: the attributes are SOFA's; the formats are VTK's.
 //
@@ -83,7 +84,6 @@ class VTKExporter : public Observer {
   void addCellField(const std::string& word);
   ForceField& forceFieldWith(const std::string& field) const;
   ForceField& forceFieldAt(const std::string& path) const;
-  const CellKind* kindOfValues(std::size_t count, const CellOutput& output) const;
   std::vector<double> fieldOfCells(const CellOutput& output) const;
   void fill();
   void write(const Simulation& simulation);
@@ -210,6 +210,7 @@ void VTKExporter::addCellField(const std::string& word) {
   const std::string label = parts.label.empty() ? parts.field : parts.label;
   auto values = vtkSmartPointer<vtkDoubleArray>::New();
   values->SetName(label.c_str());
+  values->SetNumberOfComponents(int(source.cellFieldShape(parts.field).width));
   values->SetNumberOfTuples(grid_->GetNumberOfCells());
   cell_outputs_.push_back({label, parts.field, &source, values});
   grid_->GetCellData()->AddArray(cell_outputs_.back().values);
@@ -305,42 +306,31 @@ void VTKExporter::fill() {
   points_->Modified();
 }
 
-/// Of which kind of volume cells a force field has given `count` values: null for all of them in turn.
-const CellKind* VTKExporter::kindOfValues(std::size_t count, const CellOutput& output) const {
-  std::size_t all = 0;
-  std::string counts;
-  const CellKind* only = nullptr;
-  const auto measure = [&](const CellKind& kind, const auto& cells) {
-    if (kind.dimension < 3) return;
-    all += cells.size();
-    counts += fmt::format("{}{} {}", counts.empty() ? "" : " and ", cells.size(), kind.plural);
-    if (!only && count == cells.size()) only = &kind;
-  };
-  forEachCellList(measure, mesh());
-  if (count == all) return nullptr;
-  if (only) return only;
-  throw ComponentError(fmt::format("cellsDataFields: {} gives {} values of '{}', but the mesh has {}",
-                                   output.source->path(), count, output.field, counts),
-                       "a value for each cell");
-}
-
-/// One value for each written cell, NaN where the force field has none.
+/// The numbers of each written cell, NaN where the force field has none.
 std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
   std::vector<double> values;
   output.source->cellField(output.field, system_->x, values);
-  const CellKind* only = kindOfValues(values.size(), output);
-  std::vector<double> out(std::size_t(grid_->GetNumberOfCells()), std::numeric_limits<double>::quiet_NaN());
-  auto from = values.begin();
+  const auto [of, width] = output.source->cellFieldShape(output.field);
+  std::vector<double> out(width * std::size_t(grid_->GetNumberOfCells()), std::numeric_limits<double>::quiet_NaN());
+  std::size_t cells_of_kind = 0;
   auto to = out.begin();
-  const auto place = [&](const CellKind& kind, bool wanted, const auto& cells) {
-    if (kind.dimension < 3) return;
-    const bool has_values = !only || only == &kind;
-    const auto count = std::ptrdiff_t(cells.size());
-    if (wanted && has_values) std::copy_n(from, count, to);
-    if (has_values) from += count;
-    if (wanted) to += count;
+  const auto place = [&, kind_of_values = of, each = width](const CellKind& kind, bool wanted, const auto& cells) {
+    const bool has_values = kind_of_values && kind.type == kind_of_values->type;
+    if (has_values) cells_of_kind = cells.size();
+    if (wanted && has_values && values.size() == each * cells.size()) std::copy(values.begin(), values.end(), to);
+    if (wanted) to += std::ptrdiff_t(each * cells.size());
   };
-  forEachCellList(place, wanted_, mesh());
+  for (const int dimension : {3, 2, 1})  // as in makeGrid()
+    forEachCellList(
+        [&](const CellKind& kind, bool wanted, const auto& cells) {
+          if (kind.dimension == dimension) place(kind, wanted, cells);
+        },
+        wanted_, mesh());
+  if (values.size() != width * cells_of_kind)
+    throw ComponentError(fmt::format("cellsDataFields: {} gives '{}' for {} {}, but the exported mesh has {}",
+                                     output.source->path(), output.field, values.size() / width,
+                                     of ? of->plural : "cells", cells_of_kind),
+                         "the topology of the force field");
   return out;
 }
 

@@ -6,6 +6,8 @@
 
 namespace stroma {
 
+struct CellKind;
+
 /// What a force field is, so that the plan can skip work. A trait that is forgotten promises nothing.
 struct ForceTraits {
   bool linear = false;              ///< force is affine in x
@@ -82,6 +84,12 @@ class ForceField : public Component {
   /// Named per-cell fields for output ("vonMises", "J"): computed only when an observer asks. Empty name list: none.
   virtual std::vector<std::string> cellFields() const { return {}; }
   virtual void cellField(const std::string&, ConstRows /*x*/, std::vector<double>& /*out*/) const {}
+  /// Which cells of its mesh have the values, and how many numbers each has (of a symmetric tensor six, xx yy zz xy yz zx).
+  struct CellFieldShape {
+    const CellKind* kind = nullptr;
+    std::size_t width = 1;
+  };
+  virtual CellFieldShape cellFieldShape(const std::string& /*name*/) const { return {}; }
 
   double rayleigh_stiffness = 0;  ///< [s], local Rayleigh factor added to the integrator's
 

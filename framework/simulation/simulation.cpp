@@ -189,6 +189,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
     }
     if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
     if (!lean && system.integrator().keepsEnergy()) watch_.look(index, system, before, context);
+    if (!owns_state) system.computeRequestedForce(context.t_end);
   } else {
     if (!lean) takeBack(index);
     report.diverged = true;

@@ -56,7 +56,7 @@ double StepLimits::longest(ConstRows dx, double factor, bool is_carried, const s
   constexpr double most_turn = 1.5, margin = 1.1;
   constexpr int trials = 60;
   const auto placesAt = [&](double s, Vector& out) { goTo(s), copy(system_->mappingChain().positions(system_->x), out); };
-  placesAt(0, start_);
+  copy(system_->mappingChain().positions(system_->x), start_);  // as after goTo(0)
   const double turn = factor * largestTurn(dx);
   double step = turn > most_turn ? most_turn / turn : 1;
   for (int trial = 0;; ++trial) {
@@ -71,7 +71,7 @@ double StepLimits::longest(ConstRows dx, double factor, bool is_carried, const s
     step = trial == trials ? 0 : step * (free > 0 ? std::min(free, 0.9) : 0.5);
     if (step == 0) break;
   }
-  placesAt(0, start_);  // mappings are where they were
+  goTo(0), system_->mappingChain().positions(system_->x);  // mappings are where they were
   return step;
 }
 

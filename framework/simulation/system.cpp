@@ -49,7 +49,7 @@ System::System(const SystemMembers& members)
   corrections_.compile(actors_, integrator_, constraints_);
   std::vector<Index> unanswered;
   for (const ProjectiveConstraint* constraint : constraints_.all()) constraint->addUnansweredRows(unanswered);
-  if (!unanswered.empty()) requestForce();  // a run says what they take
+  if (!unanswered.empty()) states().front()->requestForce();  // a run says what they take
 }
 
 void System::bindStates() {

@@ -61,10 +61,12 @@ class System final {
   /// f = sum of forces at (x, v), gravity included; prepares the stiffness at x. Not projected.
   void computeForce(ConstRows x, ConstRows v, Rows f);
   /// The same, plus K p of all fields with their factors (MatrixFactors::of()), in one pass;
-  /// System::f becomes the force alone where it was asked for, which changes no bit of the rest.
+  /// System::f becomes the force alone after requestForce(), which changes no bit of the rest.
   void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, const MatrixFactors& factors, Rows out);
   /// An integrator that reads System::f after computeForceAndProduct() says so once; observers ask a State.
-  void requestForce() { states().front()->requestForce(); }
+  void requestForce() { keeps_force_ = true; }
+  /// At the end of a step, before histories go on: System::f is the force at (x, v) and time t, if observers asked for it.
+  void computeRequestedForce(double t);
   /// The time [s] of forces that depend on it; beginStep() sets the end of the step.
   void setTime(double t);
   /// out += K p of all fields with their factors (MatrixFactors::of()), K of the last force; on independent rows.
@@ -139,6 +141,7 @@ class System final {
   std::vector<Mass*> curved_masses_;     ///< on mapped states, with mappings that are not linear
   mutable Vector curve_, momentum_;      ///< work space, with such masses
   bool has_gravity_ = false;
+  bool keeps_force_ = false;  ///< requestForce()
   long derivatives_revision_ = 0;
 };
 

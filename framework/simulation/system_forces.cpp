@@ -71,17 +71,21 @@ void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
   noteForceEvaluation(f_now);
 }
 
+void System::computeRequestedForce(double t) {
+  if (std::none_of(states().begin(), states().end(), [](const State* s) { return s->forceRequested(); })) return;
+  setTime(t);
+  computeForce(x, v, f);
+}
+
 void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows p, const MatrixFactors& factors, Rows out) {
   const bool is_needed = !mappings_.isLinear();  // by the geometric stiffness of mappings
-  const bool is_read =
-      std::any_of(states().begin(), states().end(), [](const State* s) { return s->forceRequested(); });
-  if (is_needed || is_read) computeForce(x_now, v_now, f);
+  if (is_needed || keeps_force_) computeForce(x_now, v_now, f);
   if (is_needed) {
     copy(f, out);
     addStiffnessProduct(p, factors, independent(out));
     return;
   }
-  // in one pass whether somebody reads the force alone or not: its last bits are others than those of two
+  // in one pass whether the force is kept alone or not: its last bits are others than those of two
   const PhaseTimer timer(times.force);
   assert(out.count == allRows());
   const ConstRows x_all = mappings_.positions(x_now), v_all = mappings_.velocities(v_now);

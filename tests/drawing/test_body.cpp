@@ -127,6 +127,26 @@ TEST(Bodies, FieldsOfCellsHaveAValueForEachCell) {
   EXPECT_GT(fields, 0);
 }
 
+TEST(Bodies, FieldsAreOnTheCellsOfTheirForceFieldWhereThereAreAsManyOfAnotherKind) {
+  Simulation simulation = simulationFromText(
+      R"(<Node name="root" gravity="0 0 0" dt="1"><StaticSolver/><SparseLDLSolver/>
+      <MeshTopology position="0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1  0.5 0.5 2"
+                    hexahedra="0 1 2 3 4 5 6 7" tetrahedra="4 5 6 8"/><MechanicalObject/>
+      <HexahedronFEMForceField method="small" youngModulus="1000" poissonRatio="0"/>
+      <FixedProjectiveConstraint indices="0 1 2 3"/><ConstantForceField indices="4 5 6 7" totalForce="0 0 100"/></Node>)");
+  simulation.step();
+  const Drawing drawing = drawingOf(simulation);
+  std::vector<double> work;
+  std::vector<float> values;
+  const auto stress = std::find_if(drawing.fields.begin(), drawing.fields.end(),
+                                   [](const Field& field) { return field.name == "vonMises"; });
+  ASSERT_NE(stress, drawing.fields.end());
+  ASSERT_TRUE(cellValues(*stress, drawing.bodies.at(0), work, values));
+  ASSERT_EQ(values.size(), 2u);
+  EXPECT_TRUE(std::isnan(values[0])) << "the tetrahedron";
+  EXPECT_NEAR(values[1], 100, 1e-4);
+}
+
 /// A pull of 10 % along an axis strains by E = diag((1.1^2 - 1) / 2, 0, 0), wherever the axis points.
 TEST(Bodies, TheNormOfATensorDoesNotTurnWithTheAxes) {
   const Simulation simulation = simulationFromText(

@@ -183,6 +183,32 @@ TEST_F(Exporter, QuadraticTetrahedraComeBack) {
   }
 }
 
+/// A hexahedron is pulled to a stress of 100 Pa and a strain of 0.1; the stiff tetrahedron on it goes along unstrained.
+TEST_F(Exporter, FieldsAreOnTheCellsOfTheirForceFieldWhereThereAreAsManyOfAnotherKind) {
+  Simulation simulation = simulationFromText(
+      R"(<Node name="root" gravity="0 0 0" dt="1"><StaticSolver/><SparseLDLSolver/>
+      <MeshTopology position="0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1  0.5 0.5 2"
+                    hexahedra="0 1 2 3 4 5 6 7" tetrahedra="4 5 6 8"/><MechanicalObject/>
+      <HexahedronFEMForceField name="hexa" method="small" youngModulus="1000" poissonRatio="0"/>
+      <TetrahedronFEMForceField name="tetra" method="small" youngModulus="1e6" poissonRatio="0"/>
+      <FixedProjectiveConstraint indices="0 1 2 3"/><ConstantForceField indices="4 5 6 7" totalForce="0 0 100"/>)" +
+      exporter(R"(cellsDataFields="hexa=hexa.vonMises tetra=tetra.vonMises strain=hexa.strain")") + "</Node>");
+  simulation.step();
+  const auto grid = read(at("beam00000.vtu"));
+  ASSERT_EQ(grid->GetNumberOfCells(), 2);
+  ASSERT_EQ(grid->GetCellType(0), VTK_TETRA);
+  vtkCellData& data = *grid->GetCellData();
+  EXPECT_TRUE(std::isnan(data.GetArray("hexa")->GetTuple1(0)));
+  EXPECT_NEAR(data.GetArray("hexa")->GetTuple1(1), 100, 1e-9);
+  EXPECT_NEAR(data.GetArray("tetra")->GetTuple1(0), 0, 1e-6);
+  EXPECT_TRUE(std::isnan(data.GetArray("tetra")->GetTuple1(1)));
+  ASSERT_EQ(data.GetArray("strain")->GetNumberOfComponents(), 6);
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_TRUE(std::isnan(data.GetArray("strain")->GetComponent(0, k)));
+    EXPECT_NEAR(data.GetArray("strain")->GetComponent(1, k), k == 2 ? 0.1 : 0, 1e-12);
+  }
+}
+
 TEST_F(Exporter, WhenAndHowOften) {
   const auto times = [this](const std::string& attributes, int steps) {
     std::filesystem::remove_all(folder_ / "new");

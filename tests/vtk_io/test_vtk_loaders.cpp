@@ -114,6 +114,25 @@ TEST_F(VtkTest, DirectionsOfCellsAndNodes) {
                  "the data 'heat' have 1 components");
 }
 
+/// The second array of scalars of a legacy file, of the volume cells, in the order of the file.
+TEST_F(VtkTest, ValuesOfCellsReachAMaterial) {
+  std::string text = with_directions;
+  text.replace(text.find("VECTORS"), 0, "SCALARS young double 1\nLOOKUP_TABLE default\n0.001 -7 0.0025\n");
+  const std::string path = write("young.vtk", text);
+  const auto scene = [&](const std::string& attributes) {
+    return "<Node name=\"root\" dt=\"0.01\"><EulerImplicitSolver/><CGLinearSolver/><MeshVTKLoader name=\"loader\" filename=\"" + path +
+           "\" " + attributes +
+           "/><TetrahedronSetTopologyContainer src=\"@loader\"/><MechanicalObject/><UniformMass totalMass=\"1\"/>"
+           "<TetrahedronFEMForceField name=\"fem\" youngModulus=\"@loader.tetrahedraValues\" poissonRatio=\"0.3\"/></Node>";
+  };
+  const Scene loaded = sceneFromText(scene("valueArray=\"young\" valueFactor=\"1e6\""));
+  EXPECT_EQ(findComponent(*loaded.root, "/fem")->data().find("youngModulus")->print(), "1000 2500");
+  expectContains(errors(scene("valueArray=\"yuong\"")), "no cell data 'yuong'");
+  expectContains(errors(scene("valueArray=\"yuong\"")), "did you mean 'young'");
+  expectContains(errors(scene("valueArray=\"fibres\"")), "the cell data 'fibres' have 3 components");
+  expectContains(errors(scene("groupArray=\"young\"")), "the cell data 'young' are no labels: real numbers");
+}
+
 /// From the file into a law, of cells and of nodes.
 TEST_F(VtkTest, DirectionsReachALaw) {
   const std::string path = write("fibres.vtk", with_directions);
@@ -177,7 +196,7 @@ TEST_F(VtkTest, XmlEncodings) {
     expectAllKinds(load("MeshVTKLoader", path, as_written));
   }
   const Scene scene = sceneFromText(sceneText("MeshVTKLoader", folder_ / "mesh.vtu"));
-  expectContains(scene.diagnostics.text(), "1 cells of kind vtkVertex are not used");
+  expectContains(scene.diagnostics.text(), "1 cell of kind vtkVertex is not used");
 }
 
 /// The corners of a square without cells, the first one at (x, y).

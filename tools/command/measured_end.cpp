@@ -189,23 +189,21 @@ void MeasuredQuantity::ofCells(const Simulation& simulation, const ForceField& f
   for (const auto& candidate : simulation.systems())
     if (std::ranges::find(candidate->forceFields(), &field) != candidate->forceFields().end()) system = candidate.get();
   if (!system) throw ComponentError(field.path() + " acts in no system that moves");
+  const auto shape = field.cellFieldShape(name);
   const Mesh* mesh = volumeMeshOf(simulation, field.state());
   std::vector<double> volumes;
-  if (mesh) {
-    forEachCellList(
-        [&](const CellKind& kind, const auto& cells) {
-          for (const auto& cell : cells)
-            if (kind.dimension == 3) volumes.push_back(kind.size(cornersOf(cell, field.state().rest_position).data()));
-        },
-        *mesh);
-  }
-  evaluate_ = [this, system, volumes, &field, name] {
+  const auto measure = [&](const CellKind& kind, const auto& cells) {
+    if (!shape.kind || kind.type != shape.kind->type) return;
+    for (const auto& cell : cells) volumes.push_back(kind.size(cornersOf(cell, field.state().rest_position).data()));
+  };
+  if (mesh) forEachCellList(measure, *mesh);
+  evaluate_ = [this, system, volumes, &field, name, width = shape.width] {
     std::vector<double> values;
     field.cellField(name, system->x, values);
-    const bool fits = volumes.size() == values.size();
+    const std::size_t count = values.size() / width;
     return meanOf(
-        values.size(), 1, chosen_, [&](std::size_t i, std::size_t) { return values[i]; },
-        [&](std::size_t i) { return fits ? volumes[i] : 1.0; });
+        count, width, chosen_, [&](std::size_t i, std::size_t c) { return values[width * i + c]; },
+        [&](std::size_t i) { return volumes.size() == count ? volumes[i] : 1.0; });
   };
 }
 

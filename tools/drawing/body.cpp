@@ -354,26 +354,20 @@ double normOf(const double* values, std::size_t width) {
 }  // namespace
 
 bool cellValues(const Field& field, const Body& body, std::vector<double>& work, std::vector<float>& out) {
+  const auto [kind, width] = field.source->cellFieldShape(field.name);
   field.source->cellField(field.name, body.system->x, work);
-  const Mesh& mesh = *body.mesh;
-  const bool volume = hasVolume(mesh);
-  const std::size_t parts[] = {volume ? mesh.tetrahedra.size() : mesh.triangles.size(),
-                               volume ? mesh.hexahedra.size() : mesh.quads.size(),
-                               volume ? mesh.quadratic_tetrahedra.size() : mesh.quadratic_triangles.size()};
-  const std::size_t all = parts[0] + parts[1] + parts[2];
-  // numbers per cell: one of a scalar, three of a vector, six or nine of a tensor
-  for (const std::size_t width : {1, 3, 6, 9}) {
-    const std::size_t count = work.size() / width;
-    if (work.size() % width != 0) continue;
-    std::size_t offset = 0, part = 0;
-    if (count != all)
-      while (part < std::size(parts) && count != parts[part]) offset += parts[part++];
-    if (part == std::size(parts)) continue;
-    out.assign(all, std::numeric_limits<float>::quiet_NaN());
-    for (std::size_t i = 0; i < count; ++i) out[offset + i] = float(normOf(work.data() + width * i, width));
-    return true;
-  }
-  return false;
+  const int dimension = hasVolume(*body.mesh) ? 3 : 2;
+  std::size_t all = 0, first = 0, count = 0;
+  const auto look = [&, of_field = kind](const CellKind& of, const auto& cells) {
+    if (of.dimension != dimension) return;
+    if (of_field && of.type == of_field->type) first = all, count = cells.size();
+    all += cells.size();
+  };
+  forEachCellList(look, *body.mesh);
+  if (count == 0 || work.size() != width * count) return false;
+  out.assign(all, std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < count; ++i) out[first + i] = float(normOf(work.data() + width * i, width));
+  return true;
 }
 
 std::string unitOfField(const std::string& name) {
