@@ -128,21 +128,26 @@ void CondensedIntegrator::prepareSlots(const System& system, const double* u) {
 void CondensedIntegrator::couple() {
   CondensedConditions& c = conditions_;
   const auto& rows = c.rows.rows();
-  const auto count = Eigen::Index(rows.size());
-  c.response.resize(c.c.rows(), count), c.solve.w.resize(count, count), c.solve.g.resize(count);
-  for (Eigen::Index j = 0; j < count; ++j) {
-    c.response.col(j).setZero();
+  c.live.clear();
+  for (std::size_t i = 0; i < rows.size(); ++i)  // nothing has to answer to a force that is given as zero
+    if (rows[i].kind != LagrangianRows::Kind::given || rows[i].factor != 0) c.live.push_back(Eigen::Index(i));
+  const auto count = Eigen::Index(c.live.size());
+  c.response.resize(c.c.rows(), count), c.solve.w.resize(count, count), c.solve.g.resize(Eigen::Index(rows.size()));
+  for (Eigen::Index j = 0; j < c.solve.g.size(); ++j) {
     double value = rows[std::size_t(j)].value;
-    for (const auto& [slot, gradient] : c.of(j, c.pushing, c.first_pushing))
-      if (!gradient.isZero(0)) c.response.col(j).noalias() += c.c.middleCols<3>(3 * slot) * gradient;
     for (const auto& [slot, gradient] : c.of(j, c.entries, c.first_entry))
       value += gradient.dot(c.free.segment<3>(3 * slot) - c.u.segment<3>(3 * slot));
     c.solve.g[j] = value;
   }
+  for (Eigen::Index j = 0; j < count; ++j) {
+    c.response.col(j).setZero();
+    for (const auto& [slot, gradient] : c.of(c.live[std::size_t(j)], c.pushing, c.first_pushing))
+      if (!gradient.isZero(0)) c.response.col(j).noalias() += c.c.middleCols<3>(3 * slot) * gradient;
+  }
   for (Eigen::Index j = 0; j < count; ++j)
     for (Eigen::Index i = 0; i < count; ++i) {
       double sum = 0;
-      for (const auto& [slot, gradient] : c.of(i, c.entries, c.first_entry))
+      for (const auto& [slot, gradient] : c.of(c.live[std::size_t(i)], c.entries, c.first_entry))
         sum += gradient.dot(c.response.col(j).segment<3>(3 * slot));
       c.solve.w(i, j) = sum;
     }
@@ -192,7 +197,7 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepR
     if (round > 0 && (!(step > close * size) || round == most_rounds)) break;
     if (round == most_turns) c.swings = turns && step > still * c.extent;
     turns = turns && (round < 2 || step > directed * c.extent) && round < most_turns;
-    if (turns || c.first_pushing.size() != c.first_entry.size())
+    if (turns || c.first_pushing != c.first_entry)
       c.pushing = c.entries, c.first_pushing = c.first_entry;
     if (round == 0 || Eigen::Index(3 * c.nodes.size()) != c.c.rows()) prepareSlots(system, u.data());
     couple();
@@ -285,6 +290,10 @@ void CondensedIntegrator::judgeConditions(double step, double size, StepReport& 
   if (!(worst.off <= exact * c.extent + rounding * size)) {
     const std::string name = nameOfCondition(worst.row);
     if (worst.rubs) return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m", name, worst.off));
+    if (c.rows.entriesOf(c.rows.rows()[worst.row]).empty())
+      return refuse(fmt::format("the Lagrangian constraint {} does not hold and no force mends it: the step goes farther than what "
+                                "it can prove to be free. A smaller dt helps, or larger gaps",
+                                name));
     return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", name,
                               std::abs(c.rows.rows()[worst.row].value)));
   }

@@ -28,6 +28,7 @@ struct CondensedConditions {
   std::vector<Entry> pushing;  ///< the same of D, along which forces act
   std::vector<std::size_t> first_pushing;
   ConditionForces solve;
+  std::vector<Eigen::Index> live;  ///< rows of its W
   std::vector<double> taken;  ///< the forces of the last step [N]
   Vector start;               ///< x where the step starts, shape (allRows())
   double extent = 0;          ///< of the body [m]

@@ -105,6 +105,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   void wantStartForces(bool wanted) override { holds_nothing_ = wanted; }
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
+  std::string worstElement(ConstRows x) const override;
   bool useDefiniteTangent(bool definite) override { return definite_ = friction_.definite = definite, true; }
   void reset() override;
   void serialize(Archive& archive) override;
@@ -112,14 +113,15 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
  private:
   void follow(ConstRows x);
   void beginRounds();
-  bool findAgain(const BarrierLaw& law, const std::vector<Vec3>& x) const;
+  double leastMargin() const { return 0.5 * law_.range; }
+  BarrierLaw lawAt(const std::vector<Vec3>& x) const;
   void lookAgain(const std::vector<Vec3>& x) const;
   void slideTo(const std::vector<Vec3>& x) {
     friction_.compute(law_.surfaces, x, start_, law_.moved - moved_at_start_);
   }
   bool frictionChanges();
   bool sharesChange();
-  std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, states(), vertex); }
+  auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
   // ---- attributes ----
   BarrierLaw law_;
@@ -207,31 +209,34 @@ void BarrierContact::compile() {
 
 void BarrierContact::checkStart(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
-  refuseOverlap(path(), law_, x_, [this](int vertex) { return nameOf(vertex); });
+  refuseOverlap(path(), law_, x_, names(), leastMargin());
   refuseInside(path(), law_.surfaces, x_);
-  law_.candidates.forget();  // as after reset()
   has_new_pairs_ = true;
 }
 
 // ---- forces ----
 
-bool BarrierContact::findAgain(const BarrierLaw& law, const std::vector<Vec3>& x) const {
-  return law.candidates.findAgain(x, 0.5 * law.range, 0.25 * mean_edge_);
+void BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
+  if (law_.candidates.findAgain(x, leastMargin(), 0.25 * mean_edge_)) has_new_pairs_ = true;
 }
 
-void BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
-  if (findAgain(law_, x)) has_new_pairs_ = true;
+/// A copy that knows the pairs at x: who only asks leaves no trace.
+BarrierLaw BarrierContact::lawAt(const std::vector<Vec3>& x) const {
+  BarrierLaw law = law_;
+  law.candidates.findAgain(x, leastMargin(), 0.25 * mean_edge_);
+  return law;
 }
 
 double BarrierContact::energy(ConstRows x) const {
   law_.surfaces.gather(x, law_.moved, x_);
-  if (!is_in_step_ && !law_.candidates.covers(x_)) {  // an observer leaves no trace
-    BarrierLaw law = law_;
-    findAgain(law, x_);
-    return law.energy(x_);
-  }
+  if (!is_in_step_ && !law_.candidates.covers(x_)) return lawAt(x_).energy(x_);
   lookAgain(x_);
   return law_.energy(x_);
+}
+
+std::string BarrierContact::worstElement(ConstRows x) const {
+  law_.surfaces.gather(x, law_.moved, x_);
+  return describeWorst(lawAt(x_), x_, names());
 }
 
 void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
@@ -254,6 +259,7 @@ void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
 
 void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   follow(x);
+  if (law_.candidates.isNew()) has_new_pairs_ = true, law_.candidates.find(x_, leastMargin()), law_.candidates.crossings(x_);
   lookAgain(x_);  // whether or not somebody has asked between steps
   law_.candidates.stepBegins();
   is_in_step_ = true;
@@ -355,16 +361,10 @@ std::string BarrierContact::overlap(ConstRows x) {
   slideTo(x_);
   outputs_.note(law_, friction_, x_, bodies_);
   is_in_step_ = false;
-  std::string found;
-  if (!crossings.empty()) {
-    found = fmt::format("{} edges and triangles of {} cross; {}", crossings.size(), path(),
-                        describe(crossings.front(), law_.surfaces, [this](int vertex) { return nameOf(vertex); }));
-  } else if (outputs_.isTouched() && !(outputs_.smallestGap() > 0)) {
-    found = fmt::format("a gap of {} is {:.3g} m", path(), outputs_.smallestGap());
-  } else if (!(goal_ - law_.moved).isZero(0)) {
+  const std::string found = outputs_.overlap(path(), crossings, law_.surfaces, names());
+  if (found.empty() && !(goal_ - law_.moved).isZero(0))
     return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(),
                        (goal_ - law_.moved).norm());
-  }
   outputs_.crossings += !found.empty();
   outputs_.noteFriction();
   return found;

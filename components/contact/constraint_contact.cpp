@@ -1,26 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ConstraintContact: a surface that keeps a distance from obstacles, with friction, by forces of constraint at the end of each
-// step.
+// ConstraintContact: surfaces that keep a distance from each other and from obstacles, with friction, by forces of constraint at
+// the end of each step.
 //
-// Surfaces, planes, spheres and capsules are those of BarrierContact. With d the distance of a vertex and a plane, a sphere and a
-// triangle, or an axis and an edge, less radii and `thickness`, l_n the force between them, s the way along the surfaces in the
-// step and mu the friction:
+// Surfaces of `mstate` and `other`, obstacles and paths are those of BarrierContact: soft, rigid, mapped and condensed bodies.
+// With d the distance of a vertex and a triangle or of two edges, less radii and `thickness`, l_n the force between them, s the way
+// along the surfaces in the step and mu the friction:
 //
 //   d >= contactDistance,   l_n >= 0,   one of both with equality;   s = 0, or |l_t| = mu l_n against s
 //
 // What sticks does not move at all. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb):
 // condensed bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver and BDFOdeSolver solve for each
-// condition. Distances and normals are those of the end of the step, so that the distance is kept to round-off.
+// condition. Distances and normals are those of the end of the step, so that the distance is kept to round-off; that of edges over
+// flat faces to a hundredth (kept_gaps.h). Forces of a pair are equal and opposite.
 //
 // Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
-// in the last step, as its speed would take it, or as an eighth of the mean edge. Which side of each other they are on is that of
-// the start. Each step is proved besides: nothing has passed through a sphere or an axis where each pair may go straight from
-// where the step starts to where it ends (Li, Kaufman and Jiang 2021) and no vertex has moved farther than pairs were looked for.
-// A condition that is off by the rest refuses a step in which it is not, and BarrierContact is for such. contactDistance is above
-// zero for the sake of the side.
+// in the last step, as its speed would take it, or as an eighth of the mean edge. Each step is proved besides (kept_gaps.h): every
+// pair may go straight from where the step starts to where it ends without touching (Li, Kaufman and Jiang 2021), and nothing has
+// moved farther than pairs were looked for. What is not proved refuses the step; BarrierContact is for such.
 //
-// Of pairs whose closest points are the same one counts, and of nearly parallel edges the ends alone. Bodies do not meet each
-// other, nor themselves: BarrierContact has that, and boxes and cylinders.
+// A body meets itself with `selfContact`, but for places that are nearer than contactDistance at rest.
 //
 // Source: Signorini 1933; Duriez, Dubois, Kheddar and Andriot 2006 (forces by compliance).
 //
@@ -38,7 +36,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "components/contact/contact_bodies.h"
@@ -78,28 +75,27 @@ class ConstraintContact final : public Component, public LagrangianConstraint {
   void refuseNear() const;
   void checkMoves() const;
   void measureTravel();
-  double proof() const;
-  double fastest() const;
-  void addContact(const KeptGap& contact, double reach);
-  Vec3 slide(const KeptGap& contact) const;
+  void expectWays(double dt);
+  std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
   Link<State> mstate_{"mechanical state"};
+  LinkList<State> other_{"mechanical state"};
   TopologyLink topology_;
   Obstacles obstacles_;
   BarrierLaw law_;  ///< surfaces, obstacles and candidates; no barrier acts
   double friction_ = 0;
+  bool self_ = false;
   int contacts_ = 0;
   double smallest_gap_ = 0;
   std::vector<double> forces_;
-  std::vector<Vec3> contact_forces_, wrenches_;
+  std::vector<Vec3> contact_forces_, friction_forces_, wrenches_;
 
   std::vector<State*> bodies_;
   bool is_built_ = false;
-  std::vector<Vec3> start_, end_;   ///< of all vertices, where the step starts, and where the last one ended
-  mutable std::vector<Vec3> x_;     ///< where conditions were last looked at
-  mutable std::vector<KeptGap> found_;
-  mutable std::vector<GapKey> keys_;  ///< of ignoreDoubles()
-  std::vector<KeptGap> watched_;      ///< that no condition is of: nearly parallel edges
+  std::vector<Vec3> start_, end_;  ///< of all vertices, where the step starts, and where the last one ended
+  mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
+  mutable KeptGaps gaps_;
+  ExpectedWays ways_;
   Vec3 moved_at_start_ = Vec3::Zero();
   double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
   double way_ = 0;     ///< up to which pairs were looked for in it [m]
@@ -107,10 +103,12 @@ class ConstraintContact final : public Component, public LagrangianConstraint {
 
 void ConstraintContact::declare(DataTable& table) {
   table.addLink("mstate", mstate_).help("state of the body; of this node or the nearest above when not given");
+  table.addLink("other", other_).help("states of other bodies; without any, mstate meets obstacles, and itself with selfContact");
   topology_.declare(table, "mesh whose surface mstate has");
   table.add("contactDistance", law_.range).help("gap that is kept; 0: a hundredth of the mean edge").unit("m").min(0);
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   table.add("friction", friction_).help("Coulomb's coefficient mu").unit("-").min(0);
+  table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
   obstacles_.declare(table);
   table.add("contacts", contacts_).help("pairs that push after the last step").unit("-").output();
   table.add("smallestGap", smallest_gap_)
@@ -119,11 +117,12 @@ void ConstraintContact::declare(DataTable& table) {
       .output();
   table.add("forces", forces_).help("forces of constraint of the last step").unit("N").output();
   table.add("contactForces", contact_forces_)
-      .help("contact force, with friction, on each node of mstate in the last step")
+      .help("normal contact force on each node of mstate in the last step")
       .unit("N")
       .output();
+  table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output();
   table.add("wrenches", wrenches_)
-      .help("the sum of the contact forces with friction on the body [N], and their moment about the origin [N m]")
+      .help("on each body, mstate first: the sum of its contact forces with friction [N], and their moment about the origin [N m]")
       .output();
 }
 
@@ -133,34 +132,36 @@ void ConstraintContact::init() {
     throw ComponentError("no mechanical state has a surface for this contact",
                          "a " + usualComponent(Part::state) + " in the same node or above, or mstate=\"@path\"");
   bodies_ = {first};
-  if (!first->row_kinds.empty())
-    throw ComponentError(fmt::format("{} has rows that are no points", first->path()), "a state of points",
-                         first->hasFrames() ? "points below it that a RigidMapping carries" : "");
-  obstacles_.init(false, "planes, spheres or capsules");
+  for (State* body : other_.all())
+    if (std::find(bodies_.begin(), bodies_.end(), body) == bodies_.end()) bodies_.push_back(body);
+  for (const State* body : bodies_)
+    if (!body->row_kinds.empty())
+      throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
+                           body->hasFrames() ? "points below it that a RigidMapping carries" : "");
+  obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
   build();
   is_built_ = false;
   checkStart();
 }
 
 void ConstraintContact::build() {
-  law_.surfaces.clear();
-  const State& body = *bodies_.front();
-  const Topology* topology = topology_.find(*this, body);
-  if (!topology && !(topology = topologyOf(body)))
-    throw ComponentError(fmt::format("{} has no mesh, so no surface", body.path()), "a topology beside it");
-  law_.surfaces.addState(body, topology->mesh());
-  if (law_.surfaces.faces.empty())
-    throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body.path()), "a surface");
+  law_.surfaces.clear(), gaps_.clear();
+  for (const State* body : bodies_) {
+    const Topology* topology = body == bodies_.front() ? topology_.find(*this, *body) : nullptr;
+    if (!topology && !(topology = topologyOf(*body)))
+      throw ComponentError(fmt::format("{} has no mesh, so no surface", body->path()), "a topology beside it");
+    const std::size_t before = law_.surfaces.faces.size();
+    law_.surfaces.addState(*body, topology->mesh());
+    if (law_.surfaces.faces.size() == before)
+      throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body->path()), "a surface");
+  }
   obstacles_.addTo(law_);
   law_.surfaces.finish();
-  for (std::size_t f = 0; f < law_.surfaces.faces.size(); ++f)
-    if (!law_.surfaces.moves(law_.surfaces.faces[f][0]) && law_.surfaces.radius[f] == 0)
-      throw ComponentError("boxes and cylinders are not among what it keeps a distance from", "planes, spheres and capsules",
-                           "BarrierContact");
   constexpr double small = 0.01;
   if (law_.range == 0) law_.range = small * law_.surfaces.meanEdge();
-  law_.candidates.self_contact = false;
+  law_.candidates.self_contact = self_;
   law_.compile();
+  gaps_.compile(law_);
 }
 
 /// With the rows of the system; refuses a start in which surfaces are in one another.
@@ -170,46 +171,58 @@ void ConstraintContact::buildForRun(ConstRows x) {
   if (start_.size() == law_.surfaces.rows.size()) return;  // goes on
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
-  refuseOverlaps();
-  refuseNear();
+  try {
+    refuseOverlaps();
+    refuseNear();
+  } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
+    throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
+  }
 }
 
 void ConstraintContact::refuseOverlaps() const {
-  refuseInside(path(), law_.surfaces, x_);
-  refuseOverlap(path(), law_, x_, [this](int vertex) { return nameOfVertex(law_.surfaces, bodies_, vertex); });
+  refuseOverlap(path(), law_, x_, [this](int vertex) { return nameOf(vertex); });
+  refuseInside(path(), law_.surfaces, x_, [this](int vertex) { return nameOf(vertex); });
 }
 
 /// What starts nearer than the gap that is kept would be thrown out to it.
 void ConstraintContact::refuseNear() const {
   constexpr double rounding = 1e-6;
+  const Surfaces& s = law_.surfaces;
   double nearest = (1 - rounding) * law_.range;
-  int at = -1;
-  const auto look = [&](double gap, int vertex) {
-    if (gap < nearest) nearest = gap, at = vertex;
+  int at = -1, from = -1;
+  const auto look = [&](double gap, int vertex, int other) {
+    if (gap < nearest) nearest = gap, at = vertex, from = other;
   };
   for (const Candidate& pair : law_.candidates.pairs()) {
+    if (!pair.pushes) continue;
     const double apart = closestPoints(pair.kind, law_.candidates.pointsOf(pair, x_)).distance();
-    look(apart - pair.radius - law_.thickness, law_.surfaces.moves(pair.v[0]) ? pair.v[0] : pair.v[3]);
+    const bool is_first = s.moves(pair.v[0]);
+    look(apart - pair.radius - law_.thickness, is_first ? pair.v[0] : pair.v[3], is_first ? pair.v[3] : pair.v[0]);
   }
   for (std::size_t p = 0; p < law_.planes.size(); ++p)
     for (int v = 0; v < int(x_.size()); ++v)
-      if (law_.surfaces.moves(v)) look(law_.gapToPlane(p, x_[std::size_t(v)]), v);
+      if (s.moves(v)) look(law_.gapToPlane(p, x_[std::size_t(v)]), v, -1);
   if (at >= 0)
-    throw ComponentError(fmt::format("{} starts with a gap of {:.4g} m, and contactDistance is {:.4g} m",
-                                     nameOfVertex(law_.surfaces, bodies_, at), nearest, law_.range),
+    throw ComponentError(fmt::format("{} starts with a gap of {:.4g} m{}, and contactDistance is {:.4g} m", nameOf(at), nearest,
+                                     from >= 0 && s.moves(from) ? " from the surface at " + nameOf(from) : "", law_.range),
                          "gaps that are not smaller than contactDistance");
 }
 
 /// Before a run; where mapped nodes are is known when it begins.
 void ConstraintContact::checkStart() {
-  const State& body = *bodies_.front();
   std::vector<Mapping*> mappings;
   node().root().collect(mappings);
-  if (body.isBound() || std::any_of(mappings.begin(), mappings.end(), [&](Mapping* m) { return &m->output() == &body; })) return;
+  for (Mapping* mapping : mappings) mapping->ensureReady();  // then it knows what it places
+  for (const State* body : bodies_)
+    if (body->isBound() || std::any_of(mappings.begin(), mappings.end(), [&](Mapping* m) { return &m->output() == body; })) return;
   moved_at_start_ = law_.moved = obstacles_.displacement(node().root().root_time);
-  Vector x(body.size());
-  for (Index i = 0; i < body.size(); ++i) x[i] = body.position[std::size_t(i)];
-  law_.surfaces.gather(x, law_.moved, x_);
+  const Surfaces& s = law_.surfaces;
+  x_.resize(s.rows.size());
+  for (std::size_t v = 0; v < x_.size(); ++v) {
+    const bool moves = s.moves(int(v));
+    const State* body = moves ? bodies_[std::size_t(s.bodyOf(int(v)))] : nullptr;
+    x_[v] = moves ? body->position[std::size_t(s.rows[v] - body->firstRow())] : Vec3(s.rest[v] + law_.moved);
+  }
   refuseOverlaps();
   refuseNear();
 }
@@ -218,8 +231,8 @@ void ConstraintContact::checkStart() {
 void ConstraintContact::checkMoves() const {
   bool is_elsewhere = travel_ > 2 * way_;
   constexpr double rounding = 1e-6;
-  for (std::size_t i = 0; i < found_.size() && end_.size() == x_.size(); ++i)
-    for (const int v : found_[i].v)
+  for (std::size_t i = 0; i < gaps_.all().size() && end_.size() == x_.size(); ++i)
+    for (const int v : gaps_.all()[i].v)
       if (v >= 0 && law_.surfaces.moves(v) && (x_[std::size_t(v)] - end_[std::size_t(v)]).norm() > rounding * law_.range)
         is_elsewhere = true;
   if (is_elsewhere) refuseOverlaps();
@@ -227,23 +240,16 @@ void ConstraintContact::checkMoves() const {
 
 void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   if (!is_built_) buildForRun(x);
-  const Vec3 goal = obstacles_.displacement(t_end);
+  const Vec3 goal = obstacles_.displacement(t_end), way = goal - moved_at_start_;
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
   measureTravel();
   checkMoves();
+  expectWays(node().root().dt());
   start_ = x_;
-  constexpr double of_edge = 0.125;
-  way_ = std::max({2 * travel_, 2 * fastest() * node().root().dt(), of_edge * law_.surfaces.meanEdge()}) +
-         (goal - moved_at_start_).norm();
-  law_.candidates.find(x_, way_);
-  found_.clear(), watched_.clear();
-  const double reach = law_.range + 2 * way_;
-  for (const Candidate& pair : law_.candidates.pairs())
-    if (pair.pushes) addContact({.pair = &pair, .v = pair.v}, reach);
-  for (std::size_t p = 0; p < law_.planes.size(); ++p)
-    for (int v = 0; v < int(x_.size()); ++v)
-      if (law_.surfaces.moves(v)) addContact({.plane = p, .v = {v, -1, -1, -1}}, reach);
+  for (std::size_t v = 0; v < x_.size(); ++v)
+    if (!law_.surfaces.moves(int(v))) ways_.last[v] = ways_.straight[v] = way;
+  gaps_.begin(law_, x_, ways_, way_ + way.norm());
   law_.moved = goal;
 }
 
@@ -255,84 +261,47 @@ void ConstraintContact::measureTravel() {
     if (law_.surfaces.moves(int(v))) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
 }
 
-double ConstraintContact::fastest() const {
-  double square = 0;
-  const Rows v = bodies_.front()->v();
-  for (Index i = 0; i < v.count; ++i) square = std::max(square, Vec3(v[i]).squaredNorm());
-  return std::sqrt(square);
-}
-
-/// What is left of the proof that nothing has passed through anything since the step has started [m]; below zero: it is none.
-double ConstraintContact::proof() const {
+/// What the next step may move, from the way and the speed of the last one.
+void ConstraintContact::expectWays(double dt) {
   const Surfaces& s = law_.surfaces;
-  const Vec3 way = law_.moved - moved_at_start_;
-  const auto gone = [&](int v) { return (x_[std::size_t(v)] - start_[std::size_t(v)] - way).norm(); };
-  double left = 2 * way_;  // what is farther away is in no pair
-  if (start_.size() != x_.size()) return left;
-  for (int v = 0; v < int(x_.size()); ++v)
-    if (s.moves(v)) left = std::min(left, 2 * way_ - gone(v));
-  const auto look = [&](const KeptGap& contact) {
-    if (!contact.pair) return;  // a plane has no other side to pass to unseen
-    double nearest = contact.distance;
-    FourPoints start, ways;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t v = std::size_t(contact.v[k]);
-      start[k] = start_[v], ways[k] = x_[v] - start_[v];
-      if (s.moves(contact.v[k])) nearest = std::min(nearest, contact.distance - gone(contact.v[k]));
-    }
-    if (nearest < 0 && longestStep(contact.pair->kind, start, ways) < 1) left = std::min(left, nearest);
-  };
-  for (const KeptGap& contact : found_) look(contact);
-  for (const KeptGap& contact : watched_) look(contact);
-  return left;
-}
-
-void ConstraintContact::addContact(const KeptGap& contact, double reach) {
-  KeptGap added = contact;
-  added.look(law_, x_);
-  if (added.gap + law_.range > reach) return;
-  added.side = added.n, added.side_c = added.c;
-  if (contact.pair) added.distance = added.gap + law_.range + law_.thickness + contact.pair->radius;
-  added.across = added.n.unitOrthogonal();
-  (added.isOfParallelEdges(law_, x_) ? watched_ : found_).push_back(added);
-}
-
-/// The way of the two places past each other in the step.
-Vec3 ConstraintContact::slide(const KeptGap& contact) const {
-  if (!contact.pair) {
-    const std::size_t v = std::size_t(contact.v[0]);
-    return (x_[v] - law_.moved) - (start_[v] - moved_at_start_);
+  ways_.last.assign(x_.size(), Vec3::Zero()), ways_.straight = ways_.last;
+  double fastest = 0;
+  for (std::size_t v = 0; v < x_.size(); ++v) {
+    if (!s.moves(int(v))) continue;
+    const State& body = *bodies_[std::size_t(s.bodyOf(int(v)))];
+    ways_.straight[v] = dt * Vec3(body.v()[s.rows[v] - body.firstRow()]);
+    if (start_.size() == x_.size()) ways_.last[v] = x_[v] - start_[v];
+    fastest = std::max(fastest, ways_.straight[v].norm());
   }
-  Vec3 way = Vec3::Zero();
-  for (std::size_t k = 0; k < 4; ++k) {
-    const std::size_t v = std::size_t(contact.v[k]);
-    way += contact.c[k] * (x_[v] - start_[v]);
-  }
-  return way;
+  constexpr double of_edge = 0.125;
+  way_ = std::max({2 * travel_, 2 * fastest, of_edge * s.meanEdge()});
+  ways_.other = 2 * of_edge * s.meanEdge();
 }
 
 // Nodes with a weight of zero have a gradient too: the conditions read where they are.
 void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {
   law_.surfaces.gather(x, law_.moved, x_);
-  for (KeptGap& contact : found_) contact.counts = true, contact.look(law_, x_);
-  ignoreDoubles(found_, keys_);
-  const auto add = [&](const KeptGap& contact, const Vec3& along) {
+  gaps_.look(law_, x_);
+  const auto add = [&](const KeptGap& gap, const Vec3& along) {
     for (std::size_t k = 0; k < 4; ++k)
-      if (contact.v[k] >= 0 && law_.surfaces.moves(contact.v[k]))
-        rows.add(law_.surfaces.rows[std::size_t(contact.v[k])], contact.c[k] * along);
+      if (gap.v[k] >= 0 && law_.surfaces.moves(gap.v[k])) rows.add(law_.surfaces.rows[std::size_t(gap.v[k])], gap.c[k] * along);
   };
-  for (const KeptGap& contact : found_) {
-    const auto kindOf = [&contact](LagrangianRows::Kind kind) { return contact.counts ? kind : LagrangianRows::Kind::given; };
-    rows.begin(kindOf(LagrangianRows::Kind::push), contact.gap);
-    add(contact, contact.n);
+  for (const KeptGap& gap : gaps_.all()) {
+    const auto kindOf = [&gap](LagrangianRows::Kind kind) { return gap.counts ? kind : LagrangianRows::Kind::given; };
+    rows.begin(kindOf(LagrangianRows::Kind::push), gap.gap);
+    add(gap, gap.n);
     if (friction_ == 0) continue;
-    const Vec3 slid = slide(contact);
-    for (const Vec3& tangent : {contact.tangent, Vec3(contact.n.cross(contact.tangent))}) {
-      rows.begin(kindOf(LagrangianRows::Kind::rub), tangent.dot(slid), contact.counts ? friction_ : 0);
-      add(contact, tangent);
+    const Vec3 slid = gaps_.slide(gap, law_, x_);
+    for (const Vec3& tangent : {gap.tangent, Vec3(gap.n.cross(gap.tangent))}) {
+      rows.begin(kindOf(LagrangianRows::Kind::rub), tangent.dot(slid), gap.counts ? friction_ : 0);
+      add(gap, tangent);
     }
   }
-  rows.begin(LagrangianRows::Kind::push, std::min(proof(), 0.0));  // no force helps where it is below zero
+  rows.begin(LagrangianRows::Kind::given, 0);  // a condensed body then knows where all of them are
+  for (const KeptGap& gap : gaps_.watched())
+    for (const int v : gap.v)
+      if (law_.surfaces.moves(v)) rows.add(law_.surfaces.rows[std::size_t(v)], Vec3::Zero());
+  rows.begin(LagrangianRows::Kind::push, -gaps_.unproved());  // no force helps where it is below zero
 }
 
 void ConstraintContact::takeForces(std::span<const double> forces) {
@@ -341,33 +310,34 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
   end_ = x_;
   contacts_ = 0;
   smallest_gap_ = std::numeric_limits<double>::infinity();
-  contact_forces_.assign(std::size_t(bodies_.front()->size()), Vec3::Zero());
-  wrenches_.assign(2, Vec3::Zero());
+  contact_forces_.assign(std::size_t(bodies_.front()->size()), Vec3::Zero()), friction_forces_ = contact_forces_;
+  wrenches_.assign(2 * bodies_.size(), Vec3::Zero());
   const std::size_t each = friction_ > 0 ? 3 : 1;
-  for (std::size_t i = 0; i < found_.size(); ++i) {
-    const KeptGap& contact = found_[i];
-    smallest_gap_ = std::min(smallest_gap_, contact.gap + law_.range);
+  for (std::size_t i = 0; i < gaps_.all().size(); ++i) {
+    const KeptGap& gap = gaps_.all()[i];
+    smallest_gap_ = std::min(smallest_gap_, gap.gap + law_.range);
     const double* l = forces.data() + each * i;
     if (!(l[0] > 0)) continue;
     ++contacts_;
-    Vec3 whole = l[0] * contact.n;
-    if (each == 3) whole += l[1] * contact.tangent + l[2] * contact.n.cross(contact.tangent);
+    const Vec3 normal = l[0] * gap.n;
+    const Vec3 rubbing = each == 3 ? Vec3(l[1] * gap.tangent + l[2] * gap.n.cross(gap.tangent)) : Vec3::Zero();
     for (std::size_t k = 0; k < 4; ++k) {
-      if (contact.v[k] < 0 || !law_.surfaces.moves(contact.v[k])) continue;
-      const std::size_t v = std::size_t(contact.v[k]);
-      const Vec3 force = contact.c[k] * whole;
-      contact_forces_[std::size_t(law_.surfaces.rows[v] - bodies_.front()->firstRow())] += force;
-      wrenches_[0] += force;
-      wrenches_[1] += x_[v].cross(force);
+      if (gap.v[k] < 0 || !law_.surfaces.moves(gap.v[k])) continue;
+      const std::size_t v = std::size_t(gap.v[k]), body = std::size_t(law_.surfaces.bodyOf(gap.v[k]));
+      const Vec3 force = gap.c[k] * (normal + rubbing);
+      const std::size_t node = std::size_t(law_.surfaces.rows[v] - bodies_[body]->firstRow());
+      if (body == 0) contact_forces_[node] += gap.c[k] * normal, friction_forces_[node] += gap.c[k] * rubbing;
+      wrenches_[2 * body] += force;
+      wrenches_[2 * body + 1] += x_[v].cross(force);
     }
   }
-  if (found_.empty()) smallest_gap_ = 0;
+  if (gaps_.all().empty()) smallest_gap_ = 0;
 }
 
 void ConstraintContact::reset() {
   moved_at_start_ = law_.moved = obstacles_.displacement(node().root().root_time);
-  start_.clear(), end_.clear(), found_.clear(), watched_.clear();
-  forces_.clear(), contact_forces_.clear(), wrenches_.clear();
+  start_.clear(), end_.clear(), gaps_.clear();
+  forces_.clear(), contact_forces_.clear(), friction_forces_.clear(), wrenches_.clear();
   travel_ = way_ = smallest_gap_ = 0;
   contacts_ = 0;
 }
@@ -381,6 +351,7 @@ void ConstraintContact::serialize(Archive& archive) {
   archive.value("smallest_gap", smallest_gap_);
   archive.list("forces", forces_);
   archive.list("contact_forces", contact_forces_);
+  archive.list("friction_forces", friction_forces_);
   archive.list("wrenches", wrenches_);
   if (archive.isReading()) end_.clear();
 }

@@ -11,15 +11,6 @@
 
 namespace stroma::contact {
 
-namespace {
-/// Of the state that has a row, and the node that it is there.
-std::pair<const State*, Index> nodeOf(const std::vector<State*>& bodies, Index row) {
-  for (const State* body : bodies)
-    if (row >= body->firstRow() && row < body->firstRow() + body->size()) return {body, row - body->firstRow()};
-  return {nullptr, -1};
-}
-}  // namespace
-
 double largestYoungModulus(const std::vector<State*>& bodies) {
   double largest = 0;
   for (const State* body : bodies) {
@@ -39,8 +30,9 @@ double largestYoungModulus(const std::vector<State*>& bodies) {
 }
 
 std::string nameOfVertex(const Surfaces& surfaces, const std::vector<State*>& bodies, int vertex) {
-  const auto [body, node] = nodeOf(bodies, surfaces.rows[std::size_t(vertex)]);
-  return body ? fmt::format("node {} of {}", node, body->path()) : "an obstacle";
+  if (!surfaces.moves(vertex)) return "an obstacle";
+  const State& body = *bodies[std::size_t(surfaces.bodyOf(vertex))];
+  return fmt::format("node {} of {}", surfaces.rows[std::size_t(vertex)] - body.firstRow(), body.path());
 }
 
 }  // namespace stroma::contact

@@ -11,7 +11,7 @@ namespace stroma::contact {
 /// one below; 0: none has [Pa].
 double largestYoungModulus(const std::vector<State*>& bodies);
 
-/// "node 3 of /body/dofs", or "an obstacle".
+/// "node 3 of /body/dofs", or "an obstacle". `bodies`: the states of the surfaces, in their order.
 std::string nameOfVertex(const Surfaces& surfaces, const std::vector<State*>& bodies, int vertex);
 
 }  // namespace stroma::contact

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "framework/collision/exact_intersection.h"
 
@@ -33,6 +34,7 @@ void Candidates::compile(const Surfaces& surfaces) {
   for (int a = 0; a < int(parts_.size()); ++a)
     for (int b = a; b < int(parts_.size()); ++b)
       if (mayMeet(parts_[std::size_t(a)].body, parts_[std::size_t(b)].body)) meetings_.push_back({.a = a, .b = b});
+  group();
   ways_.assign(meetings_.size(), 0);
   looks_.assign(meetings_.size(), false), searched_ = looks_;
   face_pairs_.assign(meetings_.size(), {});
@@ -42,8 +44,9 @@ void Candidates::compile(const Surfaces& surfaces) {
 }
 
 void Candidates::forget() {
-  found_at_.clear(), pairs_.clear(), is_followed_ = false;
+  found_at_.clear(), pairs_.clear(), pattern_.clear(), is_followed_ = false;
   for (Meeting& meeting : meetings_) meeting = {.a = meeting.a, .b = meeting.b};
+  for (MeetingGroup& each : groups_) each.is_counted = each.is_fine = false;
   ++revision_, step_ = 0, may_push_ = true, work_ = {};
 }
 
@@ -176,7 +179,7 @@ void Candidates::search(int number, const std::vector<Vec3>& x, double margin) {
   });
 }
 
-/// Pairs that have been found take the place of those of the same parts. True: others push.
+/// Pairs that have been found take the place of those of the same parts. True: see needsPattern().
 bool Candidates::takeFound() {
   const auto isSearched = [&](const Candidate& pair) { return bool(searched_[std::size_t(pair.meeting)]); };
   if (found_.empty() && std::none_of(pairs_.begin(), pairs_.end(), isSearched)) return false;
@@ -195,18 +198,27 @@ bool Candidates::takeFound() {
   }
   pairs_.insert(pairs_.end(), next, found_.end());
   ++revision_;
-  return doOthersPush();
+  return needsPattern();
 }
 
-/// Than before the last find().
-bool Candidates::doOthersPush() const {
-  const auto next = [](auto at, const std::vector<Candidate>& in) {
-    return std::find_if(at, in.end(), [](const Candidate& pair) { return pair.pushes; });
-  };
-  auto now = next(pairs_.begin(), pairs_), before = next(old_pairs_.begin(), old_pairs_);
-  for (; now != pairs_.end() && before != old_pairs_.end(); now = next(now + 1, pairs_), before = next(before + 1, old_pairs_))
-    if (*now < *before || *before < *now) return true;
-  return now != pairs_.end() || before != old_pairs_.end();
+/// Some push that have no place in the pattern, or it has far too many. Those that had one keep it while it does not become twice as
+/// large as what pushes now.
+bool Candidates::needsPattern() {
+  constexpr std::size_t most = 2;
+  pushing_.clear();
+  for (const Candidate& pair : pairs_)
+    if (pair.pushes) pushing_.push_back({pair.kind, pair.first, pair.second});
+  const std::size_t enough = most * pushing_.size();
+  if (pattern_.size() <= enough && std::includes(pattern_.begin(), pattern_.end(), pushing_.begin(), pushing_.end())) return false;
+  std::vector<PairName> both;
+  std::set_union(pushing_.begin(), pushing_.end(), pattern_.begin(), pattern_.end(), std::back_inserter(both));
+  pattern_ = both.size() <= enough ? both : pushing_;
+  return true;
+}
+
+std::array<int, 4> Candidates::verticesOf(const PairName& pair) const {
+  const Candidate whole = pair.kind == PairKind::edge_edge ? twoEdges(pair.first, pair.second, 0) : vertexAndFace(pair.first, pair.second);
+  return whole.v;
 }
 
 /// Makes `step` as short as the pair lets it be.
@@ -241,15 +253,19 @@ double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec
   };
   const bool knows_any = found_at_.size() == x.size();
   follow(x);
-  for (std::size_t p = 0; p < parts_.size(); ++p) goes_[p] = displacementsOf(parts_[p], dx, nullptr, bend);
+  goes_way_.set(dx, nullptr);
+  for (std::size_t p = 0; p < parts_.size(); ++p) goes_[p] = displacementsOf(parts_[p], goes_way_, bend);
+  restGroups(x);
   std::fill(does_turn_.begin(), does_turn_.end(), false);
   double step = 1;
   bool looks = false;
   fitNone();
   for (std::size_t m = 0; m < meetings_.size(); ++m) {
+    looks_[m] = false;
+    if (groups_[std::size_t(group_of_[m])].rests) continue;
     const Meeting& meeting = meetings_[m];
     const Displacements &a = goes_[std::size_t(meeting.a)], &b = goes_[std::size_t(meeting.b)];
-    ways_[m] = a.longest + b.longest, looks_[m] = false;
+    ways_[m] = a.longest + b.longest;
     if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear))) continue;
     ways_[m] = mostApart(a, b);
     if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear))) continue;
@@ -301,12 +317,12 @@ std::vector<Candidates::Crossing> Candidates::crossings(const std::vector<Vec3>&
   fitNone();
   for (std::size_t m = 0; m < meetings_.size(); ++m) {
     Meeting& meeting = meetings_[m];
-    const bool is_near_known = knows_any && meeting.motion < meeting.clear;
+    const bool is_fine = knows_any && isFine(int(m)), is_near_known = is_fine || (knows_any && meeting.motion < meeting.clear);
     if (is_near_known && meeting.is_free) continue;
     ++work_.tests;
     const std::size_t before = found.size();
     const auto both = [&](int f, int g) { testFaces(f, g, x, found), testFaces(g, f, x, found); };
-    if (knows_any && meeting.has_faces && meeting.motion <= budgetOf(meeting)) {
+    if (knows_any && meeting.has_faces && (is_fine || meeting.motion <= budgetOf(meeting))) {
       for (const auto& [f, g] : face_pairs_[m]) both(f, g);
     } else {
       fitBoth(meeting, x, nullptr, {});

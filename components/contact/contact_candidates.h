@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <compare>
 #include <limits>
 #include <string>
 #include <utility>
@@ -29,6 +30,13 @@ struct Candidate {
   }
 };
 
+/// A pair without what is known of it.
+struct PairName {
+  PairKind kind;
+  int first, second;
+  auto operator<=>(const PairName&) const = default;
+};
+
 /// A plane that pushes what is below it: bodies are where n.x > offset.
 struct Plane {
   Vec3 normal;
@@ -47,23 +55,28 @@ class Candidates {
   /// Another step begins: margins follow what things move in one.
   void stepBegins() { ++step_; }
   /// All pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x; nothing is
-  /// known of them. False: none pushes.
+  /// known of them. False: none that pushes is new in patternPairs().
   bool find(const std::vector<Vec3>& x, double margin);
   /// The same where motion up to x has used up what was known, with margins that last for some steps. What was known of a pair
-  /// stays with it. False: those that push are the same as before.
+  /// stays with it. False: as above.
   bool findAgain(const std::vector<Vec3>& x, double least_margin, double most_margin);
   void forget();
   /// Grows when there are others.
   long revision() const { return revision_; }
   /// All pairs that are nearer than `reach` at x are known.
   bool covers(const std::vector<Vec3>& x) { return follow(x); }
+  /// Nothing has been looked for yet.
+  bool isNew() const { return found_at_.empty(); }
+  /// What a matrix has places for: pairs that push, and others that have, so that it seldom needs another pattern.
+  const std::vector<PairName>& patternPairs() const { return pattern_; }
+  std::array<int, 4> verticesOf(const PairName& pair) const;
   std::vector<Candidate>& pairs() { return pairs_; }
   const std::vector<Candidate>& pairs() const { return pairs_; }
   // ---- at the x of the last covers() ----
   /// False: nothing that pushes is nearer than `reach`.
   bool mayPush() const { return may_push_; }
   bool mayPush(const Candidate& pair) const {
-    return pair.pushes && pair.distance - meetings_[std::size_t(pair.meeting)].motion < reach;
+    return pair.pushes && !isFine(pair.meeting) && pair.distance - meetings_[std::size_t(pair.meeting)].motion < reach;
   }
   /// The largest s <= 1 up to which the vertices may move from x to x + s dx. `bend`: how far each may be off that line on
   /// its way [m]; empty: not at all.
@@ -89,9 +102,13 @@ class Candidates {
 
  private:
   bool mayMeet(int body_a, int body_b) const;
-  bool doOthersPush() const;
+  bool needsPattern();
   bool isNearAtRest(const Candidate& pair) const;
+  void group();
+  bool isFine(int meeting) const { return groups_[std::size_t(group_of_[std::size_t(meeting)])].is_fine; }
   bool follow(const std::vector<Vec3>& x);
+  void follow(MeetingGroup& group, const std::vector<Vec3>& x);
+  void restGroups(const std::vector<Vec3>& x);
   double roundOff(double motion) const { return 4e-12 * (size_ + motion); }
   double goneOf(const Meeting& meeting) const {
     return gone_[std::size_t(meeting.a)].longest + gone_[std::size_t(meeting.b)].longest;
@@ -118,6 +135,7 @@ class Candidates {
                double& step);
   void testFaces(int from, int to, const std::vector<Vec3>& x, std::vector<Crossing>& found) const;
   void readPairs(const std::vector<int>& numbers, const std::vector<double>& distances);
+  void readPattern(const std::vector<int>& numbers);
 
   const Surfaces* surfaces_ = nullptr;
   std::vector<SurfacePart> parts_;
@@ -129,10 +147,15 @@ class Candidates {
   std::vector<char> is_turned_, does_turn_;   ///< they are made
   double radii_ = 0;                          ///< the largest of two triangles [m]
   std::vector<Meeting> meetings_;
+  std::vector<PartGroup> part_groups_;
+  std::vector<MeetingGroup> groups_;
+  std::vector<int> group_of_;  ///< of each meeting
+  AllDisplacements gone_way_, goes_way_;    ///< of all vertices; work space
   std::vector<double> ways_;  ///< of each meeting: motion that a step wants
   std::vector<char> looks_, searched_;  ///< of each meeting: at its pairs; they are found anew
   std::vector<std::vector<std::array<int, 2>>> face_pairs_;
   std::vector<Candidate> pairs_, old_pairs_, found_;
+  std::vector<PairName> pattern_, pushing_;  ///< in order; work space
   std::vector<Vec3> found_at_;  ///< motion is measured from there
   std::vector<Vec3> followed_;  ///< where motion was asked for last
   bool is_followed_ = false, is_all_known_ = false;  ///< it is of now; it is within all budgets

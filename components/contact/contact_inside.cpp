@@ -10,11 +10,12 @@
 namespace stroma::contact {
 namespace {
 
-/// How often the surfaces that have an inside go around a place: the sum of solid angles (Van Oosterom and Strackee 1983).
-double turnsAround(const Vec3& place, const Surfaces& surfaces, const std::vector<Vec3>& x) {
+/// How often the surfaces that have an inside, but for one body, go around a place: the sum of solid angles (Van Oosterom and
+/// Strackee 1983).
+double turnsAround(const Vec3& place, const Surfaces& surfaces, const std::vector<Vec3>& x, int but) {
   double angles = 0;
   for (const auto& face : surfaces.faces) {
-    if (!surfaces.moves(face[0]) || !surfaces.isOneSided(face[0])) continue;
+    if (!surfaces.moves(face[0]) || !surfaces.isOneSided(face[0]) || surfaces.bodyOf(face[0]) == but) continue;
     const Vec3 a = x[std::size_t(face[0])] - place, b = x[std::size_t(face[1])] - place, c = x[std::size_t(face[2])] - place;
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
     angles += 2 * std::atan2(a.cross(b).dot(c), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
@@ -24,14 +25,19 @@ double turnsAround(const Vec3& place, const Surfaces& surfaces, const std::vecto
 
 }  // namespace
 
-void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x) {
+void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x,
+                  const std::function<std::string(int)>& name) {
   std::vector<char> is_known(x.size(), false);  // pieces
-  for (std::size_t v = 0; v < x.size(); ++v)
-    if (!surfaces.moves(int(v)) && !std::exchange(is_known[std::size_t(surfaces.pieceOf(int(v)))], true) &&
-        turnsAround(x[v], surfaces, x) > 0.5)
-      throw ComponentError(fmt::format("an obstacle of {} is inside of a body, at {:.4g} {:.4g} {:.4g}", path, x[v].x(), x[v].y(),
-                                       x[v].z()),
-                           "a start with gaps everywhere");
+  for (int v = 0; v < int(x.size()); ++v) {
+    const Vec3& place = x[std::size_t(v)];
+    if ((surfaces.moves(v) && !name) || std::exchange(is_known[std::size_t(surfaces.pieceOf(v))], true) ||
+        !(turnsAround(place, surfaces, x, surfaces.bodyOf(v)) > 0.5))
+      continue;
+    const bool moves = surfaces.moves(v);
+    throw ComponentError(fmt::format("{} of {} is inside of {}, at {:.4g} {:.4g} {:.4g}", moves ? name(v) : "an obstacle", path,
+                                     moves ? "another body" : "a body", place.x(), place.y(), place.z()),
+                         "a start with gaps everywhere");
+  }
 }
 
 }  // namespace stroma::contact

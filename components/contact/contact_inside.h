@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,9 @@
 namespace stroma::contact {
 
 /// Throws ComponentError where an obstacle lies inside of a body of the component at `path`, which distances do not show. One vertex
-/// of each piece tells: what crosses a surface is found otherwise (refuseOverlap()). x: of all vertices.
-void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x);
+/// of each piece tells: what crosses a surface is found otherwise (refuseOverlap()). x: of all vertices. With `name`, which says
+/// what a vertex is, bodies inside of others are refused too.
+void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x,
+                  const std::function<std::string(int)>& name = {});
 
 }  // namespace stroma::contact

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stroma::contact {
 
@@ -17,16 +18,18 @@ void Obstacles::declare(DataTable& table) {
       .help("cylinders with flat ends, as prisms of 64 sides: two centres and a radius, seven numbers each")
       .unit("m");
   table.add("boxes", boxes_).help("boxes along the axes: two corners, six numbers each").unit("m");
+  table.addLink("meshes", meshes_).help("topologies: the boundary of their volume cells, or their triangles and quads");
   table.add("keyTimes", times_).help("times of movements, ascending").unit("s");
   table.add("movements", movements_).help("displacement of all obstacles at keyTimes, linear between them").unit("m");
 }
 
 void Obstacles::init(bool bodies_meet, const std::string& expected) {
-  const bool none = planes_.empty() && spheres_.empty() && capsules_.empty() && cylinders_.empty() && boxes_.empty();
+  const bool none = planes_.empty() && spheres_.empty() && capsules_.empty() && cylinders_.empty() && boxes_.empty() &&
+                    meshes_.all().empty();
   if (none && !bodies_meet)
     throw ComponentError("nothing meets: there is no obstacle and no other body", expected);
   if (none && !movements_.empty())
-    throw ComponentError("movements move obstacles, and there is none", "planes, spheres, capsules, cylinders or boxes");
+    throw ComponentError("movements move obstacles, and there is none", "planes, spheres, capsules, cylinders, boxes or meshes");
   path_.assign(times_, movements_, "keyTimes", "movements");
   if (!times_.empty() || !movements_.empty()) path_.check();
 }
@@ -94,6 +97,12 @@ void Obstacles::addTo(BarrierLaw& law) const {
                               {3, 7, 5}},
                              0);
   });
+  for (const Topology* mesh : meshes_.all()) {
+    const std::size_t before = law.surfaces.faces.size();
+    law.surfaces.addObstacle(mesh->mesh());
+    if (law.surfaces.faces.size() == before)
+      throw ComponentError(fmt::format("{} has no triangle, quad or volume cell", mesh->path()), "a surface");
+  }
 }
 
 void moveObstacles(BarrierLaw& law, const Vec3& goal, std::vector<Vec3>& x, std::vector<Vec3>& way) {
@@ -112,9 +121,21 @@ std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfa
                      crossing.depth, name(surfaces.faces[std::size_t(crossing.face)][0]));
 }
 
+std::string describeWorst(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& name) {
+  const Touch* worst = nullptr;
+  for (const Touch& touch : law.touches(x))
+    if ((!(touch.gap > 0) || !law.forceOf(touch).allFinite()) && !(worst && touch.gap >= worst->gap)) worst = &touch;
+  if (!worst) return {};
+  const auto at = [&](auto which) { return worst->v[std::size_t(which - worst->c.begin())]; };
+  int one = at(std::max_element(worst->c.begin(), worst->c.end())), other = at(std::min_element(worst->c.begin(), worst->c.end()));
+  if (!law.surfaces.moves(one)) std::swap(one, other);
+  return fmt::format("{} and {}: a gap of {:.4g} m", name(one), worst->v[1] < 0 ? "a plane" : name(other), worst->gap);
+}
+
 void refuseOverlap(const std::string& path, const BarrierLaw& law, const std::vector<Vec3>& x,
-                   const std::function<std::string(int)>& name) {
+                   const std::function<std::string(int)>& name, double margin) {
   std::string found;
+  law.candidates.find(x, margin > 0 ? margin : law.range);  // the exact test is then a proof for what has been found
   const auto crossings = law.candidates.crossings(x);
   for (std::size_t i = 0; i < std::min<std::size_t>(3, crossings.size()); ++i)
     found += (found.empty() ? "" : "; ") + describe(crossings[i], law.surfaces, name);
@@ -128,9 +149,8 @@ void refuseOverlap(const std::string& path, const BarrierLaw& law, const std::ve
     if (++pairs == 1 || gap < deepest)
       deepest = gap, found = fmt::format("{} is {:.3g} m inside {}", name(vertex), -gap, what);
   };
-  law.candidates.find(x, law.range);
   for (const Candidate& pair : law.candidates.pairs())
-    if (pair.pushes)
+    if (pair.pushes && pair.distance <= law.thickness)  // a lower bound
       look(closestPoints(pair.kind, law.candidates.pointsOf(pair, x)).distance() - pair.radius - law.thickness,
            law.surfaces.moves(pair.v[0]) ? pair.v[0] : pair.v[3],
            pair.radius > 0 ? "an obstacle" : "the thickness of another surface");

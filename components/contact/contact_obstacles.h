@@ -5,6 +5,7 @@
 
 #include "components/contact/contact_terms.h"
 #include "framework/mechanics/key_times.h"
+#include "framework/mesh/topology.h"
 
 namespace stroma::contact {
 
@@ -18,6 +19,7 @@ class Obstacles {
   Vec3 displacement(double t) const { return times_.empty() ? Vec3(Vec3::Zero()) : path_.at(t); }  ///< [m]
 
  private:
+  LinkList<Topology> meshes_{"topology"};
   std::vector<double> planes_, spheres_, capsules_, cylinders_, boxes_, times_;
   std::vector<Vec3> movements_;
   KeyTimes<Vec3> path_;
@@ -27,9 +29,13 @@ class Obstacles {
 void moveObstacles(BarrierLaw& law, const Vec3& goal, std::vector<Vec3>& x, std::vector<Vec3>& way);
 
 /// Throws ComponentError when surfaces of the component at `path` lie in one another, or nearer than their thickness, at x,
-/// with the worst places. `name` says what a vertex is.
+/// with the worst places. `name` says what a vertex is. Pairs are known then for motion up to `margin`; 0: contactDistance.
 void refuseOverlap(const std::string& path, const BarrierLaw& law, const std::vector<Vec3>& x,
-                   const std::function<std::string(int)>& name);
+                   const std::function<std::string(int)>& name, double margin = 0);
+
+/// What pushes and has no gap, or no finite force, at x: "node 3 of /dofs and node 4 of /dofs: a gap of -0.1 m", the worst of it; or
+/// empty. Leaves no trace in a `law` that is a copy.
+std::string describeWorst(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& name);
 
 /// "the edge from A to B goes 0.1 m through the triangle at C"
 std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfaces,

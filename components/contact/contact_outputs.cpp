@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "components/contact/contact_obstacles.h"
 #include "framework/scene/archive.h"
 
 namespace stroma::contact {
@@ -67,6 +68,14 @@ void Outputs::note(const BarrierLaw& law, const Friction& friction, const std::v
   }
   touched_ = std::isfinite(smallest);
   smallest_gap_ = touched_ ? smallest : 0;
+}
+
+std::string Outputs::overlap(const std::string& path, const std::vector<Candidates::Crossing>& crossings, const Surfaces& surfaces,
+                             const std::function<std::string(int)>& name) const {
+  if (!crossings.empty())
+    return fmt::format("{} edges and triangles of {} cross; {}", crossings.size(), path, describe(crossings.front(), surfaces, name));
+  if (touched_ && !(smallest_gap_ > 0)) return fmt::format("a gap of {} is {:.3g} m", path, smallest_gap_);
+  return {};
 }
 
 void Outputs::noteFriction() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <functional>
 #include <string>
 
 #include "components/contact/contact_friction.h"
@@ -19,8 +20,9 @@ class Outputs {
   std::string doubt() const;
   void reset() { crossings = unsettled_ = 0, worst_change_ = 0; }
   void serialize(Archive& archive);
-  double smallestGap() const { return smallest_gap_; }
-  bool isTouched() const { return touched_; }
+  /// What lies in one another after the step, as a sentence, or empty. `name` says what a vertex is.
+  std::string overlap(const std::string& path, const std::vector<Candidates::Crossing>& crossings, const Surfaces& surfaces,
+                      const std::function<std::string(int)>& name) const;
 
   int crossings = 0;           ///< steps after which surfaces crossed
   double friction_change = 0;  ///< of another solve, relative

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -58,16 +59,35 @@ std::vector<SurfacePart> partsOf(const Surfaces& surfaces) {
   return parts;
 }
 
-Displacements displacementsOf(const SurfacePart& part, const std::vector<Vec3>& x, const std::vector<Vec3>* from,
-                              const std::vector<double>& bend) {
-  Displacements all;
+void AllDisplacements::set(const std::vector<Vec3>& x, const std::vector<Vec3>* from) {
+  u.resize(x.size() + 1, Vec3::Zero()), squares.resize(x.size());
+  const std::size_t count = 3 * x.size();
+  if (count == 0) return;
+  double* __restrict to = u.front().data();
+  const double *at = x.front().data(), *start = from ? from->front().data() : nullptr;
+  if (start) {
+#pragma omp simd
+    for (std::size_t i = 0; i < count; ++i) to[i] = at[i] - start[i];
+  } else {
+    std::memcpy(to, at, count * sizeof(double));
+  }
+  double* __restrict square = squares.data();
+  for (std::size_t v = 0; v < x.size(); ++v)
+    square[v] = to[3 * v] * to[3 * v] + to[3 * v + 1] * to[3 * v + 1] + to[3 * v + 2] * to[3 * v + 2];
+}
+
+Displacements displacementsOf(const SurfacePart& part, const AllDisplacements& way, const std::vector<double>& bend) {
+  using Four = Eigen::Array4d;  // the last of which is another vertex'
+  Four low = Four::Constant(std::numeric_limits<double>::infinity()), high = -low;
   double longest = 0, sum = 0, off = 0;
   for (const int v : part.vertices) {
-    const Vec3 u = from ? Vec3(x[std::size_t(v)] - (*from)[std::size_t(v)]) : x[std::size_t(v)];
-    all.box.add(u);
-    const double square = u.squaredNorm();
+    const Four u = Eigen::Map<const Four>(way.u[std::size_t(v)].data());
+    low = low.min(u), high = high.max(u);
+    const double square = way.squares[std::size_t(v)];
     longest = std::max(longest, square), sum += square;
   }
+  Displacements all;
+  all.box = {low.head<3>(), high.head<3>()};
   if (!bend.empty())
     for (const int v : part.vertices) off = std::max(off, bend[std::size_t(v)]), sum += bend[std::size_t(v)];
   all.box = all.box.grownBy(off);
@@ -79,6 +99,29 @@ double mostApart(const Displacements& a, const Displacements& b) {
   const double sum = a.longest + b.longest;
   if (!std::isfinite(sum)) return sum;
   return std::min(sum, (a.box.high - b.box.low).cwiseMax(b.box.high - a.box.low).norm());
+}
+
+bool areSame(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
+}
+
+void PartGroup::join(const std::vector<Displacements>& of_parts, Displacements& out) const {
+  out = of_parts[std::size_t(first)];
+  for (std::size_t p = std::size_t(first) + 1; p < std::size_t(end); ++p)
+    out.box.add(of_parts[p].box), out.longest = std::max(out.longest, of_parts[p].longest);
+}
+
+void MeetingGroup::count(const std::vector<Meeting>& all, double reach) {
+  if (std::exchange(is_counted, true)) return;
+  room = clear = std::numeric_limits<double>::infinity();
+  for (const int m : meetings) {
+    const Meeting& meeting = all[std::size_t(m)];
+    const double until_push = meeting.pushing - reach;
+    clear = std::min(clear, meeting.clear - meeting.used);
+    // what pushes already has its motion known
+    room = until_push > 0 ? std::min({room, clear, std::min(meeting.near - reach, until_push) - meeting.used}) : -1;
+    if (room < 0) break;
+  }
 }
 
 namespace {

@@ -27,11 +27,26 @@ struct Displacements {
   Box box;
   double longest = 0;  ///< [m]; infinite where one is no number
 };
-/// From `from` to x; without `from`, x are displacements. Each is up to its `bend` [m] off besides, if there is any.
-Displacements displacementsOf(const SurfacePart& part, const std::vector<Vec3>& x, const std::vector<Vec3>* from,
-                              const std::vector<double>& bend);
+/// Displacements of all vertices, in a shape that is read fast.
+struct AllDisplacements {
+  std::vector<Vec3> u;          ///< one more than there are vertices [m]
+  std::vector<double> squares;  ///< of their lengths [m^2]
+  /// From `from` to x; without `from`, x are displacements.
+  void set(const std::vector<Vec3>& x, const std::vector<Vec3>* from);
+};
+/// Each is up to its `bend` [m] off besides, if there is any.
+Displacements displacementsOf(const SurfacePart& part, const AllDisplacements& way, const std::vector<double>& bend);
+/// The same where few parts are asked for.
+inline Displacements displacementsOf(const SurfacePart& part, const std::vector<Vec3>& x, const std::vector<Vec3>* from,
+                                     const std::vector<double>& bend) {
+  AllDisplacements way;
+  way.set(x, from);
+  return displacementsOf(part, way, bend);
+}
 /// No displacement of a differs by more from one of b [m].
 double mostApart(const Displacements& a, const Displacements& b);
+/// The same bits: what followed from one follows from the other.
+bool areSame(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
 
 /// The motion of a part as a whole, t + G (p - c), and what it leaves of its displacements. Any t and G will do; these are fitted.
 struct CommonMotion {
@@ -71,6 +86,24 @@ struct Meeting {
   long step = 0;        ///< in which was looked
   bool is_free = false;    ///< nothing crosses as long as the motion is less than `clear`
   bool has_faces = false;  ///< near pairs of triangles are listed
+};
+
+/// Parts of one body that follow each other, so that most of what is known of their meetings is proved at once.
+struct PartGroup {
+  int first = 0, end = 0;  ///< parts
+  Displacements gone{}, goes{};
+  void join(const std::vector<Displacements>& of_parts, Displacements& out) const;
+};
+struct MeetingGroup {
+  int a = 0, b = 0;  ///< groups of parts
+  std::vector<int> meetings{};
+  bool is_counted = false;  ///< the following two are those of its meetings
+  double room = 0;          ///< motion that none of them has to be looked at for [m]
+  double clear = 0;         ///< motion until something may touch [m]
+  double motion = 0;        ///< at the positions asked last, of each of them [m]
+  bool is_fine = false;     ///< that is less than `room`: `motion` of its meetings is not known
+  bool rests = false;       ///< nor has any of them to be looked at for the way of a step
+  void count(const std::vector<Meeting>& all, double reach);
 };
 
 }  // namespace stroma::contact

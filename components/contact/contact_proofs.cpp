@@ -15,22 +15,63 @@ namespace {
   throw std::runtime_error("the checkpoint has pairs of surfaces that are not there: it was written by another scene");
 }
 
+bool isOf(int number, std::size_t count) { return number >= 0 && std::size_t(number) < count; }
+
 /// Of two parts, by the common motion of either, for distances up to `far`.
 double leftOver(const CommonMotion& a, const CommonMotion& b, double far) {
   return std::min(mostApart(a, b) + a.shrink * far, mostApart(b, a) + b.shrink * far);
 }
 }  // namespace
 
-/// Motion of each meeting at x. True: it is less than what the pairs of each were found for.
+/// As many parts in a group as there are groups.
+void Candidates::group() {
+  const int most = std::max(1, int(std::sqrt(double(parts_.size()))));
+  std::vector<int> of_part;
+  part_groups_.clear(), groups_.clear(), group_of_.clear();
+  for (int p = 0; p < int(parts_.size()); ++p) {
+    const bool goes_on = !part_groups_.empty() && p - part_groups_.back().first < most &&
+                         parts_[std::size_t(p)].body == parts_[std::size_t(p) - 1].body;
+    if (!goes_on) part_groups_.push_back({.first = p});
+    part_groups_.back().end = p + 1, of_part.push_back(int(part_groups_.size()) - 1);
+  }
+  std::vector<int> number(part_groups_.size() * part_groups_.size(), -1);
+  for (const Meeting& meeting : meetings_) {
+    const int a = of_part[std::size_t(meeting.a)], b = of_part[std::size_t(meeting.b)];
+    int& group = number[std::size_t(a) * part_groups_.size() + std::size_t(b)];
+    if (group < 0) group = int(groups_.size()), groups_.push_back({.a = a, .b = b});
+    groups_[std::size_t(group)].meetings.push_back(int(group_of_.size()));
+    group_of_.push_back(group);
+  }
+}
+
+/// Motion of each meeting at x, or of its group where that is enough. True: it is less than what the pairs of each were found for.
 bool Candidates::follow(const std::vector<Vec3>& x) {
-  if (is_followed_ && x == followed_) return is_all_known_;
+  if (is_followed_ && areSame(x, followed_)) return is_all_known_;
   may_push_ = true, is_followed_ = false;
   if (found_at_.size() != x.size()) return false;
   const std::vector<double> straight;
-  for (std::size_t p = 0; p < parts_.size(); ++p) gone_[p] = displacementsOf(parts_[p], x, &found_at_, straight);
+  gone_way_.set(x, &found_at_);
+  for (std::size_t p = 0; p < parts_.size(); ++p) gone_[p] = displacementsOf(parts_[p], gone_way_, straight);
+  for (PartGroup& parts : part_groups_) parts.join(gone_, parts.gone);
   std::fill(is_turned_.begin(), is_turned_.end(), false);
   is_all_known_ = true, may_push_ = false;
-  for (Meeting& meeting : meetings_) {
+  for (MeetingGroup& each : groups_) {
+    const Displacements &a = part_groups_[std::size_t(each.a)].gone, &b = part_groups_[std::size_t(each.b)].gone;
+    const double longest = a.longest + b.longest;
+    each.count(meetings_, reach);
+    each.motion = mostApart(a, b) + (longest > 0 ? roundOff(longest) : 0);
+    each.is_fine = each.motion < each.room;
+    if (!each.is_fine) follow(each, x);
+  }
+  followed_ = x, is_followed_ = true;
+  return is_all_known_;
+}
+
+/// Motion of each meeting of a group.
+void Candidates::follow(MeetingGroup& group, const std::vector<Vec3>& x) {
+  group.is_fine = false;
+  for (const int m : group.meetings) {
+    Meeting& meeting = meetings_[std::size_t(m)];
     // most parts are so far apart that the least known of their motion is enough
     meeting.motion = meeting.used + goneOf(meeting) + roundOffOf(meeting);
     const double budget = budgetOf(meeting), until_push = meeting.pushing - reach;
@@ -40,8 +81,18 @@ bool Candidates::follow(const std::vector<Vec3>& x) {
     is_all_known_ = is_all_known_ && meeting.motion <= budget;
     may_push_ = may_push_ || !(meeting.pushing - meeting.motion >= reach);
   }
-  followed_ = x, is_followed_ = true;
-  return is_all_known_;
+}
+
+/// Groups that have room for the ways of their parts from x, and a tenth of it besides; of others motion is found.
+void Candidates::restGroups(const std::vector<Vec3>& x) {
+  const StepOptions options;
+  for (PartGroup& parts : part_groups_) parts.join(goes_, parts.goes);
+  for (MeetingGroup& each : groups_) {
+    const Displacements &a = part_groups_[std::size_t(each.a)].goes, &b = part_groups_[std::size_t(each.b)].goes;
+    const double way = mostApart(a, b), room = each.clear - each.motion - roundOff(a.longest + b.longest);
+    each.rests = way == 0 || (each.is_fine && way <= (1 - options.left) * room);
+    if (!each.rests && each.is_fine) follow(each, x);
+  }
 }
 
 /// Motion of a meeting at the x of the last follow(), less what its parts go along together. That is rounded all the same.
@@ -79,6 +130,7 @@ void Candidates::startFrom(const std::vector<Vec3>& x) {
     if (meeting.near >= 0) takeOffShift(meeting), takeOffTurns(meeting, x);
     meeting.used = meeting.motion;
   }
+  for (MeetingGroup& each : groups_) each.is_counted = each.is_fine = false;
   is_followed_ = false;
   found_at_ = x;
   size_ = 0;
@@ -90,7 +142,7 @@ void Candidates::startFrom(const std::vector<Vec3>& x) {
 
 /// Pairs are written and not found again: which of them are kept depends on where they were looked for.
 void Candidates::serialize(Archive& archive) {
-  std::vector<int> pairs;
+  std::vector<int> pairs, pattern;
   std::vector<double> known, distances;
   for (const Meeting& m : meetings_)
     known.insert(known.end(), {m.near, m.clear, m.pushing, m.used, double(step_ - m.step), double(m.is_free)});
@@ -99,7 +151,8 @@ void Candidates::serialize(Archive& archive) {
     distances.push_back(pair.distance);
   }
   archive.list("found_at", found_at_), archive.list("meetings", known);
-  archive.list("pairs", pairs), archive.list("distances", distances);
+  for (const PairName& pair : pattern_) pattern.insert(pattern.end(), {int(pair.kind), pair.first, pair.second});
+  archive.list("pairs", pairs), archive.list("distances", distances), archive.list("pattern", pattern);
   const std::vector<Vec3> at = found_at_;
   if (archive.isReading()) forget();
   archive.value("searches", work_.searches), archive.value("ways", work_.ways), archive.value("tests", work_.tests);
@@ -113,13 +166,24 @@ void Candidates::serialize(Archive& archive) {
     meeting.near = k[0], meeting.clear = k[1], meeting.pushing = k[2], meeting.used = meeting.motion = k[3];
     meeting.step = step_ - long(k[4]), meeting.is_free = k[5] != 0;
   }
-  readPairs(pairs, distances);
+  readPairs(pairs, distances), readPattern(pattern);
+}
+
+void Candidates::readPattern(const std::vector<int>& numbers) {
+  const Surfaces& s = *surfaces_;
+  for (std::size_t i = 0; i + 2 < numbers.size(); i += 3) {
+    const bool edges = numbers[i] == int(PairKind::edge_edge);
+    const PairName pair{edges ? PairKind::edge_edge : PairKind::point_triangle, numbers[i + 1], numbers[i + 2]};
+    if (!isOf(pair.first, edges ? s.edges.size() : s.rows.size()) || !isOf(pair.second, edges ? s.edges.size() : s.faces.size()) ||
+        (!pattern_.empty() && !(pattern_.back() < pair)))
+      refuseStored();
+    pattern_.push_back(pair);
+  }
 }
 
 void Candidates::readPairs(const std::vector<int>& numbers, const std::vector<double>& distances) {
   const Surfaces& s = *surfaces_;
   if (numbers.size() != 4 * distances.size()) refuseStored();
-  const auto isOf = [](int number, std::size_t count) { return number >= 0 && std::size_t(number) < count; };
   for (std::size_t i = 0; i < distances.size(); ++i) {
     const int* n = numbers.data() + 4 * i;
     const bool edges = n[0] == int(PairKind::edge_edge);

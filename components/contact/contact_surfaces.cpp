@@ -18,12 +18,17 @@ int Surfaces::addVertex(Index row, const Vec3& x) {
   return int(rows.size()) - 1;
 }
 
-void Surfaces::addState(const State& state, const Mesh& mesh) {
-  bodies_.push_back({.moves = true, .first_vertex = int(rows.size()), .first_face = int(faces.size())});
+void Surfaces::addState(const State& state, const Mesh& mesh) { addFaces(mesh, &state); }
+void Surfaces::addObstacle(const Mesh& mesh) { addFaces(mesh, nullptr); }
+
+/// Without a state they are an obstacle's.
+void Surfaces::addFaces(const Mesh& mesh, const State* state) {
+  bodies_.push_back({.moves = state != nullptr, .first_vertex = int(rows.size()), .first_face = int(faces.size())});
   std::map<Index, int> vertex_of;
   const auto vertex = [&](Index node) {
     const auto [at, is_new] = vertex_of.try_emplace(node, -1);
-    if (is_new) at->second = addVertex(state.firstRow() + node, state.rest_position[std::size_t(node)]);
+    const Vec3& place = (state ? state->rest_position : mesh.position)[std::size_t(node)];
+    if (is_new) at->second = addVertex(state ? state->firstRow() + node : -1, place);
     return at->second;
   };
   const auto add = [&](Index a, Index b, Index c) {
@@ -162,8 +167,14 @@ void Surfaces::gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) co
 
 bool Surfaces::areBodiesAt(const std::vector<Vec3>& x, const std::vector<Vec3>& other) const {
   if (x.size() != other.size()) return false;
-  for (std::size_t v = 0; v < rows.size(); ++v)
-    if (rows[v] >= 0 && x[v] != other[v]) return false;
+  for (const Body& body : bodies_) {
+    if (!body.moves || body.vertices == 0) continue;
+    const double *p = x[std::size_t(body.first_vertex)].data(), *q = other[std::size_t(body.first_vertex)].data();
+    long differ = 0;
+#pragma omp simd reduction(+ : differ)
+    for (int i = 0; i < 3 * body.vertices; ++i) differ += p[i] != q[i];
+    if (differ > 0) return false;
+  }
   return true;
 }
 

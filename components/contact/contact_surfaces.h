@@ -25,6 +25,8 @@ class Surfaces {
   void addState(const State& state, const Mesh& mesh);
   /// An obstacle; `radius`: of its rounded points and edges.
   void addObstacle(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& faces, double radius);
+  /// The same surface of a mesh as addState() takes, as an obstacle.
+  void addObstacle(const Mesh& mesh);
   /// When all have been added.
   void finish();
   /// Positions of all vertices: rows of x, and obstacles moved by `moved`.
@@ -66,6 +68,7 @@ class Surfaces {
 
  private:
   int addVertex(Index row, const Vec3& x);
+  void addFaces(const Mesh& mesh, const State* state);
   void findEdges();
   void findOwners();
   void findPieces();

@@ -63,7 +63,7 @@ void BarrierLaw::compile() {
 }
 
 void BarrierLaw::look(const std::vector<Vec3>& x) const {
-  if (looked_revision_ == candidates.revision() && x == looked_at_) return;
+  if (looked_revision_ == candidates.revision() && areSame(x, looked_at_)) return;
   looked_revision_ = candidates.revision(), looked_at_ = x;
   in_reach_.clear();
   candidates.covers(x);
@@ -312,11 +312,10 @@ void BarrierLaw::sumForces(const std::vector<Vec3>& x, std::vector<Vec3>& out) c
 }
 
 void BarrierLaw::addPattern(BlockPattern& pattern) const {
-  for (const Candidate& pair : std::as_const(candidates).pairs()) {
-    if (!pair.pushes) continue;
+  for (const PairName& pair : candidates.patternPairs()) {
     std::array<Index, 4> rows;
     int count = 0;
-    for (const int v : pair.v)
+    for (const int v : candidates.verticesOf(pair))
       if (const Index row = surfaces.rows[std::size_t(v)]; row >= 0) rows[std::size_t(count++)] = row;
     pattern.addClique(rows.data(), count);
   }

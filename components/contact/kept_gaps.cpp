@@ -3,55 +3,226 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace stroma::contact {
 
-bool KeptGap::isOfParallelEdges(const BarrierLaw& law, const std::vector<Vec3>& x) const {
+namespace {
+
+/// How far the sides of a pair move against each other at most.
+double mostAgainst(PairKind kind, const FourPoints& ways) {
+  const std::size_t first_side = kind == PairKind::point_triangle ? 1 : 2;
+  double square = 0;
+  for (std::size_t i = 0; i < first_side; ++i)
+    for (std::size_t j = first_side; j < 4; ++j) square = std::max(square, (ways[i] - ways[j]).squaredNorm());
+  return std::sqrt(square);
+}
+
+bool isOfParallelEdges(const Candidate& pair, const FourPoints& p) {
   constexpr double least = 1e-3;
-  if (!pair || pair->kind != PairKind::edge_edge) return false;
-  const FourPoints p = law.candidates.pointsOf(*pair, x);
+  if (pair.kind != PairKind::edge_edge) return false;
   const Vec3 a = p[1] - p[0], b = p[3] - p[2];
   return a.cross(b).squaredNorm() <= least * a.squaredNorm() * b.squaredNorm();
 }
 
-void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
+/// Its triangles do not lie in one plane, or it has not got two. In one plane are those whose bend takes less than a hundredth of
+/// the gap to keep.
+bool isRidge(const Surfaces& s, int edge, const std::vector<Vec3>& x, double range) {
+  constexpr double most = 1e-3, part = 0.04;  // rad; a bend a over a length h is up to a h/4 high
+  const auto& [p, q] = s.edges[std::size_t(edge)];
+  const auto& [first, second] = s.edge_tips[std::size_t(edge)];
+  if (first < 0 || second < 0 || s.edge_surplus[std::size_t(edge)] > 1) return true;
+  const Vec3 along = x[std::size_t(q)] - x[std::size_t(p)];
+  const double length = along.norm(), least = length > 0 ? std::min(most, part * range / length) : most;
+  const Vec3 a = along.cross(x[std::size_t(first)] - x[std::size_t(p)]);
+  const Vec3 b = (x[std::size_t(second)] - x[std::size_t(p)]).cross(along);
+  return !(a.dot(b) > 0) || a.cross(b).norm() > least * a.norm() * b.norm();
+}
+
+bool pushes(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) {
+  return gap.passing() < 4 || (isRidge(law.surfaces, gap.pair->first, x, law.range) &&
+                               isRidge(law.surfaces, gap.pair->second, x, law.range));
+}
+
+}  // namespace
+
+void KeptGap::findFreeWay(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x) {
+  constexpr double part = 0.02, most = 0.1;
+  free = 1;
+  if (!pair) return;
+  const FourPoints places = law.candidates.pointsOf(*pair, from);
+  FourPoints ways = law.candidates.pointsOf(*pair, x);
+  for (std::size_t k = 0; k < 4; ++k) ways[k] -= places[k];
+  const double way = mostAgainst(pair->kind, ways);
+  if (start > 0 && way < 0.7 * start) return;
+  const double left = start > 0 ? std::min(most, part * law.range / start) : most;
+  const double touching = pair->radius + (pair->pushes ? law.thickness : 0);
+  free = longestStep(pair->kind, places, ways, {.thickness = touching, .left = left});
+}
+
+void KeptGap::place(const BarrierLaw& law, const std::vector<Vec3>& x) {
   if (!pair) {
     c[0] = 1;
     n = law.planes[plane].normal;
-    gap = law.gapToPlane(plane, x[std::size_t(v[0])]) - law.range;
+    start = law.gapToPlane(plane, x[std::size_t(v[0])]);
   } else {
     const ClosestPoints closest = closestPoints(pair->kind, law.candidates.pointsOf(*pair, x));
     const double apart = closest.distance();
     c = closest.weights;
-    n = apart > 0 ? Vec3(closest.difference / apart) : side;
-    gap = apart - pair->radius - law.thickness - law.range;
-    // passed through, or so deep that its direction tells nothing: back to the plane that was between them
-    const bool is_deep = apart < 0.5 * (pair->radius + law.thickness + law.range);
-    if (n.dot(side) < 0 || (is_deep && !side.isZero(0))) {
-      c = side_c, n = side;
-      double height = 0;
-      for (std::size_t k = 0; k < 4; ++k) height += c[k] * n.dot(x[std::size_t(v[k])]);
-      gap += height - apart;
-    }
+    if (apart > 0) n = closest.difference / apart;
+    start = apart - pair->radius - (pair->pushes ? law.thickness : 0);
   }
-  tangent = across - n * n.dot(across);
-  if (const double length = tangent.norm(); length > 0) tangent /= length;
+  gap = start - law.range;
+  across = tangent = n.unitOrthogonal();
 }
 
-void ignoreDoubles(std::vector<KeptGap>& gaps, std::vector<GapKey>& keys) {
-  keys.clear();
-  for (std::size_t i = 0; i < gaps.size(); ++i) {
-    const KeptGap& gap = gaps[i];
-    if (!gap.pair) continue;
+void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x, bool anew) {
+  if (!pair) {
+    gap = law.gapToPlane(plane, x[std::size_t(v[0])]) - law.range;
+  } else {
+    FourPoints points = law.candidates.pointsOf(*pair, x);
+    double apart = 0;
+    if (anew) {
+      for (std::size_t k = 0; k < 4 && free < 1; ++k) {
+        const Vec3& place = from[std::size_t(v[k])];
+        points[k] = place + free * (points[k] - place);
+      }
+      const ClosestPoints closest = closestPoints(pair->kind, points);
+      apart = closest.distance();
+      if (apart > 0) c = closest.weights, n = closest.difference / apart;
+    }
+    if (!anew || free < 1) {
+      apart = 0;
+      for (std::size_t k = 1; k < 4; ++k) apart += c[k] * n.dot(x[std::size_t(v[k])] - x[std::size_t(v[0])]);
+    }
+    gap = apart - pair->radius - law.thickness - law.range;
+  }
+  tangent = across - n * n.dot(across);
+  const double length = tangent.norm();
+  tangent = length > 0 ? Vec3(tangent / length) : n.unitOrthogonal();
+}
+
+void KeptGaps::compile(const BarrierLaw& law) {
+  bodies_.clear();
+  for (const Surfaces::Body& body : law.surfaces.bodies()) {
+    bodies_.emplace_back();
+    bodies_.back().vertices.resize(std::size_t(body.vertices));
+    std::iota(bodies_.back().vertices.begin(), bodies_.back().vertices.end(), body.first_vertex);
+  }
+  moved_.resize(bodies_.size());
+}
+
+void KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, const ExpectedWays& ways, double way) {
+  start_ = x, moved_at_start_ = law.moved, way_ = way, unproved_ = 0;
+  law.candidates.find(x, way);
+  all_.clear(), watched_.clear();
+  for (const Candidate& pair : law.candidates.pairs()) add({.pair = &pair, .v = pair.v}, law, ways);
+  for (std::size_t p = 0; p < law.planes.size(); ++p)
+    for (int v = 0; v < int(x.size()); ++v)
+      if (law.surfaces.moves(v) && law.gapToPlane(p, x[std::size_t(v)]) < law.range + 2 * way)
+        add({.plane = p, .v = {v, -1, -1, -1}}, law, ways);
+}
+
+void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways) {
+  constexpr double rounding = 1e-3;  // what is nearer has been in contact, and will hardly be anywhere else
+  gap.place(law, start_);
+  gap.acts = gap.gap < rounding * law.range;
+  if (!gap.pair) return all_.push_back(gap);
+  const auto against = [&gap, &law](const std::vector<Vec3>& all) {
+    return mostAgainst(gap.pair->kind, law.candidates.pointsOf(*gap.pair, all));
+  };
+  const double most = 2 * std::max(against(ways.last), against(ways.straight)) + ways.other;
+  const bool has_condition =
+      gap.pair->pushes && gap.gap <= most && !isOfParallelEdges(*gap.pair, law.candidates.pointsOf(*gap.pair, start_));
+  gap.acts = has_condition && gap.gap < rounding * law.range && pushes(gap, law, start_);
+  (has_condition ? all_ : watched_).push_back(gap);
+}
+
+void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
+  if (start_.size() != x.size()) return;  // between a restored state and its first step
+  unproved_ = beyond(law, x);
+  findFirstTouches(law, x);
+  for (KeptGap& gap : all_) {
+    const bool anew = tells(gap, law, x);
+    gap.look(law, start_, x, anew);
+    gap.counts = gap.acts = gap.acts || (anew && gap.gap < 0 && pushes(gap, law, x));
+  }
+  ignoreDoubles();
+}
+
+void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x) {
+  constexpr double none = 2;
+  first_.assign(x.size(), none);
+  for (std::vector<KeptGap>* gaps : {&all_, &watched_})
+    for (KeptGap& gap : *gaps) {
+      gap.findFreeWay(law, start_, x);
+      if (gap.free == 1) continue;
+      unproved_ = std::max(unproved_, law.range);
+      for (int k = 0; k < gap.passing(); ++k) {
+        double& first = first_[std::size_t(gap.v[std::size_t(k)])];
+        first = std::min(first, gap.free);
+      }
+    }
+}
+
+/// It is the first that its vertices touch, or they touch nothing.
+bool KeptGaps::tells(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const {
+  constexpr double together = 0.05;  // of the gap to keep, on the way from one to the other
+  double first = 1;
+  for (int k = 0; k < gap.passing(); ++k) first = std::min(first, first_[std::size_t(gap.v[std::size_t(k)])]);
+  if (gap.free == first) return true;
+  FourPoints ways;
+  for (std::size_t k = 0; k < 4; ++k) ways[k] = x[std::size_t(gap.v[k])] - start_[std::size_t(gap.v[k])];
+  return gap.passing() == 0 || (gap.free - first) * mostAgainst(gap.pair->kind, ways) <= together * law.range;
+}
+
+/// By how much something has moved farther than pairs were looked for.
+double KeptGaps::beyond(const BarrierLaw& law, const std::vector<Vec3>& x) {
+  const auto& bodies = law.surfaces.bodies();
+  all_moved_.set(x, &start_);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) moved_[b] = displacementsOf(bodies_[b], all_moved_, {});
+  Displacements of_planes;
+  of_planes.box.add(Vec3(law.moved - moved_at_start_));
+  of_planes.longest = (law.moved - moved_at_start_).norm();
+  double most = 0;
+  for (std::size_t a = 0; a < bodies_.size(); ++a) {
+    if (bodies[a].moves && !law.planes.empty()) most = std::max(most, mostApart(moved_[a], of_planes));
+    for (std::size_t b = law.candidates.self_contact && bodies[a].moves ? a : a + 1; b < bodies_.size(); ++b)
+      if (bodies[a].moves || bodies[b].moves) most = std::max(most, mostApart(moved_[a], moved_[b]));
+  }
+  return std::max(0.0, most - 2 * way_);
+}
+
+void KeptGaps::ignoreDoubles() {
+  constexpr double none = 1e-9;  // a weight
+  keys_.clear();
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const KeptGap& gap = all_[i];
+    if (!gap.pair || !gap.counts) continue;
     std::array<int, 4> key{-1, -1, -1, -1};
     for (std::size_t k = 0; k < 4; ++k)
-      if (gap.c[k] != 0) key[k] = gap.v[k];
+      if (std::abs(gap.c[k]) > none) key[k] = gap.v[k];
     std::sort(key.begin(), key.end());
-    keys.push_back({key, i});
+    keys_.push_back({key, i});
   }
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t k = 1; k < keys.size(); ++k)
-    if (keys[k].vertices == keys[k - 1].vertices) gaps[keys[k].gap].counts = false;
+  std::sort(keys_.begin(), keys_.end());
+  for (std::size_t k = 1; k < keys_.size(); ++k)
+    if (keys_[k].vertices == keys_[k - 1].vertices) all_[keys_[k].gap].counts = false;
+}
+
+/// The way of the two places past each other in the step.
+Vec3 KeptGaps::slide(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const {
+  if (!gap.pair) {
+    const std::size_t v = std::size_t(gap.v[0]);
+    return (x[v] - law.moved) - (start_[v] - moved_at_start_);
+  }
+  Vec3 way = Vec3::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t v = std::size_t(gap.v[k]);
+    way += gap.c[k] * (x[v] - start_[v]);
+  }
+  return way;
 }
 
 }  // namespace stroma::contact

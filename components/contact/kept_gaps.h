@@ -1,4 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Gaps that forces of constraint keep, and the proof of a step. Which side of each other two places are on is settled by their
+// straight way from where the step starts, not by a sign: what slides past a rim turns by more than a right angle and passes
+// through nothing.
+//   free way:  d and n are those of the closest points where the pair has come to;
+//   else:      n and the weights c are those just before the pair would touch, and d = n . sum c_i x_i.
+// Only the first touch of a vertex or an edge tells: from then on it is on a side where it may not be, and other pairs of it are
+// what they were when last looked at. The step is proved where at its end the way of every pair is free and nothing has moved
+// farther than pairs were looked for.
+//
+// Two edges have a condition where both are ridges: over a flat surface their distance is that of the vertices around. Nearly
+// parallel edges have none, because their distance has no one direction; the ways of all of them are looked at.
+// A condition is made when its pair first comes nearer than the gap that is kept, and lasts for the step. Of pairs with the same
+// closest points one counts.
 #pragma once
 #include <compare>
 
@@ -6,35 +19,76 @@
 
 namespace stroma::contact {
 
-/// Two places that are kept apart: of a body and a sphere or capsule, or of a vertex and a plane.
+/// Two places that are kept apart: of a pair, or of a vertex and a plane.
 struct KeptGap {
   const Candidate* pair = nullptr;  ///< null: a plane
   std::size_t plane = 0;
   std::array<int, 4> v{-1, -1, -1, -1};
-  /// unit: the direction from the other side where the step starts, and one along the surface
-  Vec3 side = Vec3::Zero(), across = Vec3::Zero();
-  std::array<double, 4> side_c{};  ///< c there
-  double distance = 0;   ///< of the closest points there [m]
+  Vec3 across = Vec3::Zero();  ///< unit, along the surface where the step starts
+  double start = 0;            ///< gap there, without contactDistance [m]
   // where conditions were last looked at
   std::array<double, 4> c{};
   Vec3 n = Vec3::Zero(), tangent = Vec3::Zero();
-  double gap = 0;  ///< less contactDistance [m]
-  bool counts = true;
+  double gap = 0;        ///< less contactDistance [m]
+  double free = 1;       ///< the part of the straight way to there that touches nothing
+  bool acts = false;     ///< the gap has been below zero in this step
+  bool counts = false;   ///< it acts, and no other one stands for it
 
-  /// Where the two places are at x.
+  /// Where a step starts.
+  void place(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// `free` on the way to x, to a fiftieth of the gap to keep.
+  void findFreeWay(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x);
+  /// Where it has come to at x from where it was. Without `anew`, by the directions that there are.
+  void look(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x, bool anew);
+  /// The vertices that are beyond the other side where it has touched: of a triangle it is the vertex, of edges all.
+  int passing() const { return !pair || pair->radius > 0 ? 0 : pair->kind == PairKind::point_triangle ? 1 : 4; }
+};
+
+/// The motion that a step is expected to make, of all vertices.
+struct ExpectedWays {
+  std::vector<Vec3> last, straight;  ///< that of the step before, and with the velocities of its end [m]
+  double other = 0;                  ///< what it may be besides [m]
+};
+
+class KeptGaps {
+ public:
+  /// After `surfaces` of the law have been finished.
+  void compile(const BarrierLaw& law);
+  /// A step starts at x. Pairs are looked for up to twice `way`; conditions are those that may come near.
+  void begin(const BarrierLaw& law, const std::vector<Vec3>& x, const ExpectedWays& ways, double way);
+  /// All of them at x, while obstacles are where they will be at the end of the step.
   void look(const BarrierLaw& law, const std::vector<Vec3>& x);
-  /// Edges whose distance has no one direction: their ends meet the triangles beside them instead.
-  bool isOfParallelEdges(const BarrierLaw& law, const std::vector<Vec3>& x) const;
-};
+  /// How far the step to the last x is from being proved [m]; 0: it is.
+  double unproved() const { return unproved_; }
+  const std::vector<KeptGap>& all() const { return all_; }
+  /// The ways of these are looked at as well.
+  const std::vector<KeptGap>& watched() const { return watched_; }
+  const std::vector<Vec3>& start() const { return start_; }
+  Vec3 slide(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const;
+  void clear() { all_.clear(), watched_.clear(), start_.clear(); }
 
-/// The vertices of the closest points of a gap.
-struct GapKey {
-  std::array<int, 4> vertices;
-  std::size_t gap;
-  auto operator<=>(const GapKey&) const = default;
-};
+ private:
+  void add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways);
+  void ignoreDoubles();
+  double beyond(const BarrierLaw& law, const std::vector<Vec3>& x);
+  void findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x);
+  bool tells(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const;
 
-/// Of those with the same closest points all but one no longer count. `keys`: work space.
-void ignoreDoubles(std::vector<KeptGap>& gaps, std::vector<GapKey>& keys);
+  /// The vertices of the closest points of a gap.
+  struct Key {
+    std::array<int, 4> vertices;
+    std::size_t gap;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::vector<KeptGap> all_, watched_;  ///< with a condition and without
+  std::vector<SurfacePart> bodies_;     ///< all vertices of each
+  AllDisplacements all_moved_;          ///< work space, as is
+  std::vector<Displacements> moved_;    ///< of bodies_
+  std::vector<Vec3> start_;  ///< of all vertices
+  Vec3 moved_at_start_ = Vec3::Zero();
+  std::vector<double> first_;  ///< of each vertex, the part of its way to its first touch; above 1: none
+  std::vector<Key> keys_;
+  double way_ = 0, unproved_ = 0;
+};
 
 }  // namespace stroma::contact

@@ -184,6 +184,13 @@ class EdgeMapping : public PairMapping {
 
  protected:
   const std::vector<Edge>& edges(Index nodes) const { return cellsOfMesh(*this, topology_, &Mesh::edges, "edges", nodes); }
+  /// Of points of the one input.
+  std::vector<Pair> edgePairs() const {
+    std::vector<Pair> pairs;
+    const Index rows = input().rows_per_node;
+    for (const Edge& edge : edges(input().nodes())) pairs.push_back({0, 0, edge[0] * rows, edge[1] * rows});
+    return pairs;
+  }
   Link<Topology> topology_{"topology"};
 };
 
@@ -197,10 +204,7 @@ class DistanceMapping : public EdgeMapping {
   }
   void init() override {
     EdgeMapping::init();
-    std::vector<Pair> pairs;
-    const Index rows = input().rows_per_node;
-    for (const Edge& edge : edges(input().nodes())) pairs.push_back({0, 0, edge[0] * rows, edge[1] * rows});
-    setPairs(std::move(pairs), lengths_, whole_);
+    setPairs(edgePairs(), lengths_, whole_);
   }
 
  protected:
@@ -212,10 +216,7 @@ class SquareDistanceMapping final : public EdgeMapping {
  public:
   void init() override {
     EdgeMapping::init();
-    std::vector<Pair> pairs;
-    const Index rows = input().rows_per_node;
-    for (const Edge& edge : edges(input().nodes())) pairs.push_back({0, 0, edge[0] * rows, edge[1] * rows});
-    setPairs(std::move(pairs), {}, false);
+    setPairs(edgePairs(), {}, false);
   }
 
  protected:

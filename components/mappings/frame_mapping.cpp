@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/mappings/frame_mapping.h"
 
+#include <algorithm>
+
 namespace stroma {
 
 void FrameMapping::declare(DataTable& table) {
@@ -12,7 +14,7 @@ void FrameMapping::start() {
   if (!input().hasFrames())
     throw ComponentError(input().path() + " has no frames that could carry anything", "a state of template Rigid3");
   start_ = {0};
-  carried_.clear(), turns_.clear();
+  carried_.clear(), turns_.clear(), turned_.clear();
 }
 
 void FrameMapping::addPoint(const std::vector<Carried>& by) {
@@ -51,9 +53,25 @@ void FrameMapping::placeChild(bool at_rest) {
   }
 }
 
+/// Arms stay as long as no frame turns: a tool that is held or moved along is asked for many times in a step.
+void FrameMapping::placeArms(ConstRows x) const {
+  const std::size_t frames = std::size_t(input().size()) / 2;
+  bool stay = turned_.size() == frames * row_doubles && arms_.size() == carried_.size();
+  turned_.resize(frames * row_doubles), arms_.resize(carried_.size());
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const double* row = x.data + std::size_t(parentRow(Index(frame)) + 1) * row_doubles;
+    double* known = turned_.data() + frame * row_doubles;
+    stay = stay && std::equal(row, row + row_doubles, known);
+    std::copy(row, row + row_doubles, known);
+  }
+  if (stay) return;
+  for (std::size_t k = 0; k < carried_.size(); ++k)
+    arms_[k] = orientationIn(x, parentRow(carried_[k].frame) + 1) * carried_[k].local;
+}
+
 void FrameMapping::apply(Rows x) const {
   const Index first = output().firstRow();
-  arms_.resize(carried_.size());
+  placeArms(x);
   std::size_t turn = 0;
   for (std::size_t i = 0; i + 1 < start_.size(); ++i) {
     const Index row = first + Index(i);
@@ -65,7 +83,6 @@ void FrameMapping::apply(Rows x) const {
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
       const Carried& by = carried_[k];
-      arms_[k] = orientationIn(x, parentRow(by.frame) + 1) * by.local;
       sum += by.weight * (x[parentRow(by.frame)] + arms_[k]);
     }
     x[row] = sum;

@@ -46,11 +46,13 @@ class FrameMapping : public CurvedMapping {
     return at_rest ? input().rest_position : input().position;
   }
   Index parentRow(Index frame) const { return input().firstRow() + 2 * frame; }
+  void placeArms(ConstRows x) const;
 
   std::vector<std::size_t> start_;  ///< of each child row's terms in carried_; of an orientation there are none
   std::vector<Carried> carried_;
   std::vector<std::pair<Index, Quaternion>> turns_;  ///< of each child row that is an orientation: frame and l
   mutable std::vector<Vec3> arms_;                   ///< r of carried_ at the last apply()
+  mutable std::vector<double> turned_;               ///< rows of orientations there, which arms_ follow from
   GeometricStiffness geometric_ = GeometricStiffness::exact;
 };
 

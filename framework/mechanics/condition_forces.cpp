@@ -13,6 +13,9 @@ void ConditionForces::solve(const std::vector<Row>& rows) {
   constexpr int most_rounds = 100, newton_steps = 12, sweeps = 20, most_idle = 10;
   // where a step or a round no longer helps, round-off of forces that are large for their conditions is left
   constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, idle = 0.99;
+  live_.clear();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].kind != Kind::given || rows[i].factor != 0) live_.push_back(i);
   scaleRows(rows);
   findGroups(rows);
   double size = 0;  // of those that forces have to mend; gaps far from contact have no say
@@ -39,43 +42,46 @@ void ConditionForces::solve(const std::vector<Row>& rows) {
     idle_rounds = unsettled_ > idle * before ? idle_rounds + 1 : 0;
     restart(best_);
   }
-  l = scale_.cwiseProduct(least_);
-  if (!std::isfinite(unsettled_)) l.setConstant(unsettled_);
+  l.setZero();
+  for (std::size_t k = 0; k < live_.size(); ++k)
+    l[Eigen::Index(live_[k])] = std::isfinite(unsettled_) ? scale_[Eigen::Index(k)] * least_[Eigen::Index(k)] : unsettled_;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].kind == Kind::given) l[Eigen::Index(i)] = rows[i].factor;
 }
 
 /// Zero for rows that nothing moves; what rubs goes with what pushes. What is given goes to the offset.
 void ConditionForces::scaleRows(const std::vector<Row>& rows) {
-  const Eigen::Index count = g.size();
+  const auto count = Eigen::Index(live_.size());
   double most = 0;
-  for (Eigen::Index i = 0; i < count; ++i)
-    if (const double size = sizes[std::size_t(i)]; size > 0) most = std::max(most, std::abs(w(i, i)) / (size * size));
+  for (Eigen::Index k = 0; k < count; ++k)
+    if (const double size = sizes[live_[std::size_t(k)]]; size > 0) most = std::max(most, std::abs(w(k, k)) / (size * size));
   scale_.resize(count), across_.resize(count), step_.resize(count), q_.setZero(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Row& row = rows[std::size_t(i)];
-    const double own = std::abs(w(i, i)), size = sizes[std::size_t(i)];
-    if (row.kind == Kind::rub && i > 0)
-      scale_[i] = scale_[i - 1];
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const std::size_t row = live_[std::size_t(k)];
+    const double own = std::abs(w(k, k)), size = sizes[row];
+    if (rows[row].kind == Kind::rub && k > 0)
+      scale_[k] = scale_[k - 1];
     else
-      scale_[i] = own > 1e-14 * most * size * size ? 1 / std::sqrt(own) : 0;
-    if (row.kind == Kind::given)
-      g += row.factor * w.col(i);
-    else if (scale_[i] > 0)
-      q_[i] = l[i] / scale_[i];
+      scale_[k] = own > 1e-14 * most * size * size ? 1 / std::sqrt(own) : 0;
+    if (rows[row].kind == Kind::given)
+      for (Eigen::Index j = 0; j < count; ++j) g[Eigen::Index(live_[std::size_t(j)])] += rows[row].factor * w(j, k);
+    else if (scale_[k] > 0)
+      q_[k] = l[Eigen::Index(row)] / scale_[k];
   }
   scaled_ = scale_.asDiagonal() * w * scale_.asDiagonal();
-  offset_ = scale_.cwiseProduct(g);
+  offset_ = scale_.cwiseProduct(g(live_));
 }
 
 void ConditionForces::findGroups(const std::vector<Row>& rows) {
   groups_.clear();
-  for (int i = 0, end = 1; i < int(rows.size()); i = end++) {
-    const Row& row = rows[std::size_t(i)];
+  const int count = int(live_.size());
+  const auto at = [&](int k) -> const Row& { return rows[live_[std::size_t(k)]]; };
+  for (int i = 0, end = 1; i < count; i = end++) {
+    const Row& row = at(i);
     Group group{.pushes = row.kind == Kind::push, .first = i, .end = i + 1};
-    while (group.pushes && end < int(rows.size()) && rows[std::size_t(end)].kind == Kind::rub) ++end;
-    if (const int tangents = end - i - 1; tangents > 0 && rows[std::size_t(i) + 1].factor > 0) {
-      group.mu = rows[std::size_t(i) + 1].factor;
+    while (group.pushes && end < count && at(end).kind == Kind::rub) ++end;
+    if (const int tangents = end - i - 1; tangents > 0 && at(i + 1).factor > 0) {
+      group.mu = at(i + 1).factor;
       group.rate = scaled_.block(i + 1, i + 1, tangents, tangents).cwiseAbs().rowwise().sum().maxCoeff();
       if (group.rate > 0) group.end = end;
     }
@@ -246,23 +252,27 @@ ConditionForces::Violation ConditionForces::worst(const std::vector<Row>& rows) 
     if (sizes[row] > 0) off /= sizes[row];
     if (!(off <= found.off) && !std::isnan(found.off)) found = {row, off, rubs};
   };
-  const bool is_solved = scale_.size() == Eigen::Index(rows.size());
   auto group_of = groups_.begin();
+  std::size_t next = 0;  // of live_
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double value = rows[i].value;
-    if (is_solved) r_[Eigen::Index(i)] = scale_[Eigen::Index(i)] * value;
-    const bool is_found = is_solved && group_of != groups_.end() && group_of->first == int(i);
+    const bool is_live = next < live_.size() && live_[next] == i;
+    if (is_live) r_[Eigen::Index(next)] = scale_[Eigen::Index(next)] * value;
+    const bool is_found = is_live && group_of != groups_.end() && group_of->first == int(next);
+    next += is_live;
     if (is_found)
       ++group_of;
     else if (rows[i].kind == Kind::equal || (rows[i].kind == Kind::push && !(value >= 0)))
       note(i, std::abs(value), false);  // nothing moves it
   }
+  const bool is_solved = next == live_.size();
   if (!is_solved) return found;
   q_ = least_;
   for (const Group& group : groups_) {
     const double scale = scale_[group.first];
-    note(std::size_t(group.first), offAt(group) / scale, false);
-    if (group.tangents() > 0) note(std::size_t(group.first) + 1, offAlong(group) / scale, true);
+    const std::size_t row = live_[std::size_t(group.first)];
+    note(row, offAt(group) / scale, false);
+    if (group.tangents() > 0) note(row + 1, offAlong(group) / scale, true);
   }
   return found;
 }

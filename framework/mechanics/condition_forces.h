@@ -10,7 +10,7 @@
 // c: at least the largest eigenvalue of the tangents' block of W. Newton's method solves for the zero, with the derivative of the
 // piece of the function where it is (Alart and Curnier 1991). Near the solution it takes as many iterations as contacts change
 // between open, sticking and slipping. Where it does not come nearer, sweeps of projected Gauss and Seidel go before it tries
-// again. Nothing is allocated while the number of rows stays, unless some say the same twice.
+// again. Nothing is allocated while the number of rows stays whose force is not given as zero, unless some say the same twice.
 #pragma once
 #include <Eigen/Dense>
 #include <limits>
@@ -31,7 +31,7 @@ class ConditionForces {
     bool rubs = false;  ///< it is a slide that does not follow Coulomb's law
   };
 
-  Eigen::MatrixXd w;          ///< W, shape (rows, rows)
+  Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
   Eigen::VectorXd g;          ///< the conditions without forces, shape (rows); solve() adds forces that are given
   Eigen::VectorXd l;          ///< forces [N], shape (rows); where the search begins
   std::vector<double> sizes;  ///< lengths of the gradients: what moves less than round-off of this is held
@@ -72,6 +72,7 @@ class ConditionForces {
   bool eliminate(Square a);
 
   std::vector<Group> groups_;
+  std::vector<std::size_t> live_;  ///< rows whose force is not given as zero; all below are of these alone
   Eigen::VectorXd scale_, offset_, q_, r_, best_, least_;  ///< scaled; q_: forces, r_ = offset_ + scaled_ q_
   Eigen::MatrixXd scaled_;
   Eigen::VectorXd wanted_, across_;  ///< friction that holds a slide; its directions where it cannot, shape (rows)

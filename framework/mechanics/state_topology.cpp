@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "framework/mesh/cell_lists.h"
+#include "framework/mesh/mesh_loader.h"
 
 namespace stroma {
 
@@ -24,15 +25,18 @@ struct Wanted {
 
 using Topologies = std::vector<const Topology*>;
 
-/// Those of a node that a search may answer, initialised.
+/// A topology that a search may answer, initialised; or null. Throws DependencyFailed for a mesh that could not be read.
+const Topology* answerOf(Component& component) {
+  if (component.hasFailed() && dynamic_cast<MeshLoader*>(&component)) component.ensureReady();
+  auto* topology = dynamic_cast<Topology*>(&component);
+  if (!topology || !topology->answersLookup()) return nullptr;
+  return topology->ensureReady(), topology;
+}
+
 Topologies topologiesIn(const Node& node) {
   Topologies found;
-  for (const auto& component : node.components()) {
-    auto* topology = dynamic_cast<Topology*>(component.get());
-    if (!topology || !topology->answersLookup()) continue;
-    topology->ensureReady();
-    found.push_back(topology);
-  }
+  for (const auto& component : node.components())
+    if (const Topology* topology = answerOf(*component)) found.push_back(topology);
   return found;
 }
 
@@ -116,12 +120,8 @@ std::vector<const Topology*> topologiesOf(const State& state) {
 
 const Topology* firstTopology(const Component& asker, bool upwards) {
   for (const Node* node = &asker.node(); node; node = upwards ? node->parent() : nullptr)
-    for (const auto& component : node->components()) {
-      auto* topology = dynamic_cast<Topology*>(component.get());
-      if (!topology || !topology->answersLookup()) continue;
-      topology->ensureReady();
-      return topology;
-    }
+    for (const auto& component : node->components())
+      if (const Topology* topology = answerOf(*component)) return topology;
   return nullptr;
 }
 

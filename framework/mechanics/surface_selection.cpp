@@ -12,11 +12,14 @@ namespace stroma {
 
 namespace {
 bool isSet(const Component& load, const char* attribute) { return load.data().find(attribute)->isSet(); }
+bool isTrue(const Component& load, const char* attribute) {
+  const Data* found = load.data().find(attribute);
+  return found && **std::get_if<bool*>(&found->pointer());
+}
 
 /// What helps when a mesh of volume cells lists no faces.
 std::string addsFaces() {
-  return "createSubelements=\"true\" on the mesh loader, which lists the faces of volume cells, or min and max here "
-         "instead of indices";
+  return "createSubelements=\"true\" on the mesh loader, which lists faces of volume cells, or min and max here, not indices";
 }
 
 template <class Cell>
@@ -28,7 +31,6 @@ Cell withSortedNodes(Cell cell) {
 template <class Cell>
 std::vector<Cell> sortedSets(const std::vector<Cell>& cells) {
   std::vector<Cell> sets;
-  sets.reserve(cells.size());
   for (const Cell& cell : cells) sets.push_back(withSortedNodes(cell));
   std::sort(sets.begin(), sets.end());
   return sets;
@@ -53,8 +55,7 @@ void SurfaceSelection::declare(DataTable& table) {
 }
 
 std::vector<Face> SurfaceSelection::faces(const Component& load, const Mesh& mesh, const State& state) const {
-  const bool lists =
-      isSet(load, "triangleIndices") || isSet(load, "quadIndices") || isSet(load, "quadraticTriangleIndices");
+  const bool lists = isSet(load, "triangleIndices") || isSet(load, "quadIndices") || isSet(load, "quadraticTriangleIndices");
   std::vector<Face> faces = lists ? listed(load, mesh) : inBox(load, mesh, state);
   if (faces.empty()) throw ComponentError("no face of the mesh is loaded", "a triangle or a quad");
   return faces;
@@ -88,29 +89,28 @@ std::vector<Face> SurfaceSelection::listed(const Component& load, const Mesh& me
 
 std::vector<Face> SurfaceSelection::inBox(const Component& load, const Mesh& mesh, const State& state) const {
   std::vector<Face> faces;
-  if (isSet(load, "min") != isSet(load, "max"))
-    throw ComponentError(
-        fmt::format("{} is given without {}", isSet(load, "min") ? "min" : "max", isSet(load, "min") ? "max" : "min"),
-        "both corners of the box, or none of them");
+  if (const bool low = isSet(load, "min"); low != isSet(load, "max"))
+    throw ComponentError(fmt::format("{} is given without {}", low ? "min" : "max", low ? "max" : "min"), "both, or none of them");
   const bool everywhere = !isSet(load, "min"),
              given = !mesh.triangles.empty() || !mesh.quads.empty() || !mesh.quadratic_triangles.empty();
   if (!everywhere && low_ == high_)
     throw ComponentError(fmt::format("min and max are the same point {:g} {:g} {:g}", low_.x(), low_.y(), low_.z()),
                          "two corners of a box, or none of them for the whole surface");
-  const Vec3 lower = low_.cwiseMin(high_), upper = low_.cwiseMax(high_);
+  Eigen::AlignedBox3d nodes;
+  for (const Vec3& p : state.rest_position) nodes.extend(p);
+  const double size = std::min((high_ - low_).cwiseAbs().maxCoeff(), nodes.sizes().maxCoeff());
+  const double border = isTrue(load, "exactBorder") ? 0 : 1e-9 * size;  // for round-off
+  const Vec3 lower = low_.cwiseMin(high_) - Vec3::Constant(border), upper = low_.cwiseMax(high_) + Vec3::Constant(border);
   const auto take = [&]<class Cell>(const std::vector<Cell>& cells, const std::vector<Cell>& inner) {
     for (const Cell& cell : cells) {
       const bool inside = everywhere || std::all_of(cell.begin(), cell.end(), [&](Index node) {
-                            const Vec3& p = state.rest_position[node];
-                            return p.cwiseMax(lower).cwiseMin(upper) == p;
+                            return (state.rest_position[node] - lower).cwiseMin(upper - state.rest_position[node]).minCoeff() >= 0;
                           });
       if (inside && !std::binary_search(inner.begin(), inner.end(), withSortedNodes(cell))) faces.push_back(cell);
     }
   };
   if (!given) {
-    take(mesh.boundaryTriangles(), {});
-    take(mesh.boundaryQuads(), {});
-    take(mesh.boundaryQuadraticTriangles(), {});
+    take(mesh.boundaryTriangles(), {}), take(mesh.boundaryQuads(), {}), take(mesh.boundaryQuadraticTriangles(), {});
     return faces;
   }
   take(mesh.triangles, mesh.tetrahedra.empty() ? std::vector<Triangle>()

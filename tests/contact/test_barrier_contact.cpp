@@ -250,5 +250,48 @@ TEST(BarrierContact, MovingObstaclesPush) {
   EXPECT_EQ(outputOf(simulation, "crossings"), 0);
 }
 
+/// A report of a run without result names what is behind a plane or inside of an obstacle, and by how much.
+TEST(BarrierContact, NamesWhatHasNoGap) {
+  Simulation simulation = simulationFromText(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 0.1), Vec3(1, 1, 1.1)), "") +
+      "<BarrierContact mstate=\"@a/dofs\" topology=\"@a/mesh\" contactDistance=\"0.02\" planes=\"0 0 1 0\" spheres=\"3 0.5 0.5 0.25\"/>"));
+  const System& system = *simulation.systems()[0];
+  const auto worstAt = [&](Index node, const Vec3& place) {
+    Vector x(system.allRows());
+    copy(system.x, x);
+    x[node] = place;
+    for (const ForceField* field : system.forceFields())
+      if (field->type() == "BarrierContact") return field->worstElement(x);
+    return std::string("no such field");
+  };
+  EXPECT_EQ(worstAt(0, Vec3(0, 0, 0.01)), "") << "near is not bad";
+  EXPECT_EQ(worstAt(0, Vec3(0, 0, -0.25)), "node 0 of /a/dofs and a plane: a gap of -0.25 m");
+  EXPECT_EQ(worstAt(5, Vec3(2.9, 0.5, 0.5)), "node 5 of /a/dofs and an obstacle: a gap of -0.15 m");
+  EXPECT_EQ(worstAt(0, Vec3(0, 0, 0.01)), "") << "it remembers nothing";
+}
+
+/// What the check of a start has found out is what a run that begins again finds out: the bits and the numbers of queries are the same.
+TEST(BarrierContact, BeginsAgainAsItBegan) {
+  Simulation simulation = simulationFromText(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2}), "<FixedProjectiveConstraint indices=\"0 1 2 3 4 5 6 7 8\"/>", "", 1e5) +
+          bodyNode("b", boxOf(Vec3(0.1, 0.2, 1.01), Vec3(0.9, 0.8, 1.6), {2, 3, 2}), "", "", 1e5) + contact("contactDistance=\"0.02\""),
+      0.01, Vec3(0, 0, -9.81)));
+  const auto run = [&] {
+    std::vector<double> all;
+    for (int i = 0; i < 8; ++i) {
+      expectCleanStep(simulation, i, false);
+      const System& system = *simulation.systems()[0];
+      for (Index row = 0; row < system.x.count(); ++row)
+        for (int k = 0; k < 3; ++k) all.push_back(system.x[row][k]);
+      all.push_back(outputOf(simulation, "queries")), all.push_back(outputOf(simulation, "smallestGap"));
+    }
+    EXPECT_GT(all.back(), 0) << "they have met";
+    return all;
+  };
+  const std::vector<double> first = run();
+  simulation.reset();
+  EXPECT_EQ(run(), first);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -293,9 +293,11 @@ TEST(Candidates, GoOnFromACheckpoint) {
     return keys;
   };
   EXPECT_FALSE(keysOf(ours).empty());
+  EXPECT_FALSE(ours.patternPairs().empty());
   for (int i = 7; i < 20; ++i) {
     ASSERT_EQ(keysOf(theirs), keysOf(ours)) << i;
     ASSERT_EQ(theirs.work().all(), ours.work().all()) << i;
+    ASSERT_EQ(theirs.patternPairs(), ours.patternPairs()) << i;
     ASSERT_EQ(step(theirs, i), step(ours, i)) << i;
   }
   auto entries = written.entries();
@@ -339,6 +341,39 @@ TEST(Candidates, AskingChangesNothing) {
     return all;
   };
   EXPECT_EQ(run(true), run(false));
+}
+
+/// A body that swings over another one: whatever pushes has a place in the pattern, others come to push far more often than the pattern
+/// changes, and it does not become more than twice as large as it has to be.
+TEST(Candidates, PatternsLast) {
+  int others = 0, renewed = 0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Scenery scene(seed);
+    Candidates candidates;
+    candidates.reach = 0.05;
+    candidates.compile(scene.surfaces);
+    std::set<Key> before, places;
+    for (int step = 0; step < 60; ++step) {
+      std::vector<Vec3> x = scene.x;
+      const double way = std::sin(0.5 * step);
+      for (std::size_t v = 0; v < x.size(); ++v)
+        if (scene.surfaces.bodyOf(int(v)) == 1) x[v] += Vec3(0.06 * way, 0.04 * way, 0.01 * scene.number());
+      candidates.stepBegins();
+      const bool is_new = candidates.findAgain(x, 0.01, 0.02);
+      std::set<Key> pushing, kept;
+      for (const Candidate& pair : candidates.pairs())
+        if (pair.pushes) pushing.insert({pair.kind, pair.first, pair.second});
+      for (const PairName& pair : candidates.patternPairs()) kept.insert({pair.kind, pair.first, pair.second});
+      ASSERT_TRUE(std::includes(kept.begin(), kept.end(), pushing.begin(), pushing.end())) << "seed " << seed << ", step " << step;
+      ASSERT_LE(kept.size(), 2 * pushing.size());
+      ASSERT_TRUE(is_new || kept == places) << "what has another pattern says so";
+      renewed += is_new, others += pushing != before;
+      before = pushing, places = kept;
+    }
+  }
+  RecordProperty("renewed", std::to_string(renewed) + " of " + std::to_string(others));
+  EXPECT_GT(others, 60);
+  EXPECT_LT(renewed, others / 2);
 }
 
 /// A matrix keeps its pattern as long as the same pairs may push, however often they are looked for.

@@ -174,12 +174,6 @@ TEST(ConstraintContact, WhatIsPutIntoAnObstacleIsRefused) {
   EXPECT_THROW(simulation.step(), ComponentError);
 }
 
-TEST(ConstraintContact, ObstaclesWithFlatSidesAreRefused) {
-  const std::string problems = problemsOf(contactScene(
-      bodyNode("a", boxOf(Vec3(0, 0, 1), Vec3(1, 1, 2)), "<ConstraintContact boxes=\"0 0 0 1 1 0.5\"/>"), 0.01, Vec3::Zero(), euler));
-  expectContains(problems, "planes, spheres and capsules");
-}
-
 /// Nearer than the gap that is kept: a plane below a cube, and a sphere below its bottom.
 TEST(ConstraintContact, AStartNearerThanTheGapIsRefused) {
   for (const char* obstacle : {"planes=\"0 0 1 -0.02\"", "spheres=\"0.6 0.5 -0.22 0.2\""}) {
