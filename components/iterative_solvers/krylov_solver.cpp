@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/iterative_solvers/krylov_solver.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "framework/scene/names.h"
@@ -33,6 +35,12 @@ void KrylovSolver::init() {
   is_capped_ = data().find("iterations")->isSet();
   tolerance_data_ = data().find("tolerance");
   if (is_capped_) expected_iterations_ = iterations_;
+  constexpr double loosest = 0.1;
+  if (tolerance_ > loosest)
+    warn(fmt::format("tolerance = {:g} leaves that share of the forces out of balance in every solve: what moves is no solution "
+                     "of the step's equations",
+                     tolerance_),
+         "tolerance=\"1e-5\" or less");
   const std::vector<std::string> assembled = {"CompressedRowSparseMatrix", "CompressedRowSparseMatrixd",
                                               "CompressedRowSparseMatrixMat3x3", "CompressedRowSparseMatrixMat3x3d"};
   if (template_ == "auto" || template_.empty()) {

@@ -12,9 +12,10 @@ class Grouping {
  public:
   explicit Grouping(const StrongGraph& graph) : graph_(graph), of_(std::size_t(graph.nodes()), nowhere) {}
 
-  void makeWholeNeighbourhoods() {
+  /// Those of nodes with `least` neighbours or more.
+  void makeWholeNeighbourhoods(Index least) {
     for (Index i = 0; i < graph_.nodes(); ++i) {
-      if (of(i) != nowhere || isAlone(i)) continue;
+      if (of(i) != nowhere || last(i) - first(i) < least) continue;
       if (std::any_of(first(i), last(i), [this](Index j) { return of(j) != nowhere; })) continue;
       of_[std::size_t(i)] = count_;
       for (const Index* j = first(i); j != last(i); ++j) of_[std::size_t(*j)] = count_;
@@ -35,6 +36,12 @@ class Grouping {
         if (of(*j) == nowhere) of_[std::size_t(*j)] = count_;
       ++count_;
     }
+  }
+  /// Of a node that has some, rounded up.
+  Index meanNeighbours() const {
+    Index linked = 0;
+    for (Index i = 0; i < graph_.nodes(); ++i) linked += !isAlone(i);
+    return (Index(graph_.neighbours.size()) + linked - 1) / std::max<Index>(linked, 1);
   }
   Aggregates result() && {
     Aggregates made;
@@ -77,7 +84,8 @@ class Grouping {
 
 Aggregates aggregate(const StrongGraph& graph) {
   Grouping grouping(graph);
-  grouping.makeWholeNeighbourhoods();
+  grouping.makeWholeNeighbourhoods(grouping.meanNeighbours());
+  grouping.makeWholeNeighbourhoods(1);
   grouping.joinNeighbours();
   grouping.makeGroupsOfTheRest();
   return std::move(grouping).result();

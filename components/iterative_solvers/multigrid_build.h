@@ -132,10 +132,12 @@ Index fillLevel(const BlockView<D>& a, double scale, Level<D>& level) {
   return first == bad.end() ? -1 : Index(first - bad.begin());
 }
 
-/// The largest eigenvalue of the smoother's M^-1 A from above: what Lanczos' method finds in a few steps, and a tenth.
+/// The largest eigenvalue of the smoother's M^-1 A from above: what Lanczos' method finds in 15 steps, and a twentieth. The
+/// smoother bears 1.13 times what was found. A single eigenvalue so far above the others grows by 12,000 in those steps: it is
+/// found beside 100 million others.
 template <int D>
 double largestEigenvalue(Level<D>& level) {
-  constexpr int steps = 10;
+  constexpr int steps = 15;
   const std::size_t numbers = level.x.size();
   Array<float> p(numbers), q(numbers);
   std::uint32_t bits = 12345;
@@ -179,7 +181,7 @@ double largestEigenvalue(Level<D>& level) {
   if (done == 0) return 0;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> values;
   values.computeFromTridiagonal(diagonal.head(done), side.head(std::max(done - 1, 0)), Eigen::EigenvaluesOnly);
-  return 1.1 * values.eigenvalues().maxCoeff();
+  return 1.05 * values.eigenvalues().maxCoeff();
 }
 
 }  // namespace stroma::amg

@@ -74,7 +74,7 @@ struct Level {
   };
   /// The upper end of the spectrum, from the largest eigenvalue down to a share of it. Patches reach further down.
   Interval smoothedPart() const {
-    const double low = largest / (patches.exist() ? 16 : 8);
+    const double low = largest / (patches.exist() ? 16 : 12);
     return {(largest + low) / 2, (largest - low) / 2};
   }
   /// x += d, d = keep d + move M^-1 (b - A x)

@@ -2,19 +2,20 @@
 // MultigridPreconditioner: B ~ A^-1 for PCGLinearSolver, one V-cycle of a smoothed aggregation (Vanek, Mandel, Brezina
 // 1996). Iterations hardly grow with the number of nodes, also for slender bodies and for stiff parts in soft ones.
 //
-// Nodes that hold each other strongly, |A_ij|^2 > 0.08^2 |A_ii| |A_jj| (halved from level to level), make a group, and
-// a group is a node of the next level with the six motions of a rigid body, taken from where the nodes are. With Q an
-// orthonormal basis of those motions in each group and D the diagonal blocks of A:
+// Nodes that hold each other strongly, |A_ij|^2 > 0.08^2 |A_ii| |A_jj| (halved from level to level), make a group, first
+// around nodes with no fewer such neighbours than the mean. A group is a node of the next level with the six motions of a
+// rigid body, taken from where the nodes are. With Q an orthonormal basis of those motions in each group and D the diagonal
+// blocks of A:
 //
 //   P = (I - w D^-1 A) Q,   w = 4 / (3 lambda),   A_coarse = P^T A P,   lambda the largest eigenvalue of D^-1 A
 //
-// Each level is smoothed by two steps of Chebyshev's polynomial in D^-1 A over [lambda / 8, lambda] before and after
+// Each level is smoothed by two steps of Chebyshev's polynomial in D^-1 A over [lambda / 12, lambda] before and after
 // the correction from the next one. The last is factored: the first level whose factor takes less than a fifth of the time of
 // the hierarchy, of 100 nodes or a few hundred. The next steps would be the worst of a slender body with stiff parts, because
 // groups of nodes that move like rigid bodies hardly bend (60 iterations instead of 34 for bone in a limb 20:1). Galerkin's
-// product and that factor are made in double precision and the levels are kept in single, 60 bytes for each block of A
-// altogether. Products of the conjugate gradients outside remain those of the force fields. Threads share the rows of a
-// level: no bit depends on their number.
+// product and that factor are made in double precision and the levels are kept in single, 110 bytes for each block of A of a
+// mesh of tetrahedra altogether. Products of the conjugate gradients outside remain those of the force fields. Threads share
+// the rows of a level: no bit depends on their number.
 //
 // Near incompressibility a node that moves alone changes volumes; motions that do not need several nodes, and the diagonal
 // blocks hardly see them. Where the least eigenvalue of D^-1 A in the neighbourhood of a node is usually below 0.03 (0.3 to

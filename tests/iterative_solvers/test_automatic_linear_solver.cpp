@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// AutomaticLinearSolver on blocks of hexahedra that no component made: what it chooses, when it changes its choice, what a
+// checkpoint has of it.
+#include <gtest/gtest.h>
+
+#include "components/iterative_solvers/solver_costs.h"
+#include "tests/iterative_solvers/block_problem.h"
+
+namespace stroma::test {
+namespace {
+
+TEST(SolverCosts, ShapesOfBodiesAreFound) {
+  const StoredMatrix beam = matrixOf(box(6, 6, 60));
+  const Extents extents = extentsOf(beam.rows(), beam.positions());
+  EXPECT_NEAR(extents.length, 61, 3);
+  EXPECT_NEAR(extents.width, 7, 1);
+  EXPECT_NEAR(extents.height, 7, 1);
+  const Extents unknown = extentsOf(1000, {});
+  EXPECT_NEAR(unknown.width, 10, 1e-9);
+}
+
+// What the choice rests on is what factors are: of a cube, a beam and a plate.
+TEST(SolverCosts, NumbersAreThoseOfFactors) {
+  for (const ElasticBlock& block : {box(12, 12, 12), box(6, 6, 60), box(36, 28, 4)}) {
+    StoredMatrix matrix = matrixOf(block);
+    SolverInScene factors("<SparseLDLSolver/>");
+    Vector x;
+    factors.solve(matrix, weight(block), x);
+    const double made = std::stod(factors.solver->data().find("factorEntries")->print());
+    const double law = solverCosts(matrix.values, extentsOf(matrix.rows(), matrix.positions())).factor_entries;
+    EXPECT_GT(law, 0.6 * made) << block.cells[0];
+    EXPECT_LT(law, 1.6 * made) << block.cells[0];
+  }
+}
+
+// A cube of 13,824 nodes is solved by multigrid where the scene is silent; where that takes too long, by factors, and the
+// solver says so.
+TEST(AutomaticLinearSolver, ChangesAChoiceThatProvesWrong) {
+  ElasticBlock block = box(16, 16, 16);
+  const auto solve = [&](double poisson) {
+    block.poisson = poisson;
+    StoredMatrix matrix = matrixOf(block);
+    const Vector b = weight(block);
+    SolverInScene solver("<AutomaticLinearSolver/>");
+    Vector x;
+    const SolveReport report = solver.solve(matrix, b, x);
+    EXPECT_EQ(report.stop, SolveStop::converged);
+    EXPECT_LE(report.relative_residual, 1.1e-8);
+    return solver.solver->data().find("choice")->print();
+  };
+  EXPECT_NE(solve(0.3).find("multigrid: 4913 nodes"), std::string::npos) << solve(0.3);
+  EXPECT_NE(solve(0.499999).find("factors, after"), std::string::npos) << solve(0.499999);
+}
+
+/// A residual that round-off leaves is no reason for factors, which leave as much: bones 1e8 times as stiff as the limb around
+/// them.
+TEST(AutomaticLinearSolver, WhatRoundOffLeavesIsNoWrongChoice) {
+  ElasticBlock limb = box(14, 14, 36);
+  limb.poisson = 0.45, limb.mean = true;
+  limb.stiffer = [](Vec3 at) { return std::hypot(at.x() - 7, at.y() - 7) < 4 && std::abs(at.z() - 18) > 3 ? 1e8 : 1.; };
+  StoredMatrix matrix = matrixOf(limb);
+  const Vector b = weight(limb);
+  SolverInScene automatic("<AutomaticLinearSolver/>"), factors("<SparseLDLSolver/>");
+  Vector x, y, r(b.count());
+  const auto left = [&](const Vector& solution) {
+    matrix.values.multiply(solution, r);
+    return distance(r, b) / norm(b);
+  };
+  automatic.solve(matrix, b, x);
+  factors.solve(matrix, b, y);
+  EXPECT_GT(left(y), 1e-6) << "round-off does not show";
+  EXPECT_LE(left(x), 2 * left(y));
+  EXPECT_EQ(automatic.solver->data().find("changes")->print(), "0") << automatic.solver->data().find("choice")->print();
+  EXPECT_LE(distance(x, y), 1e-3 * norm(y));
+}
+
+/// A hierarchy of the matrix as it was says nothing of what the matrix has become: one of its own is tried before factors are.
+TEST(AutomaticLinearSolver, AFormerHierarchyDoesNotDecideForFactors) {
+  ElasticBlock block = box(16, 16, 16), boned = block;
+  boned.stiffer = [](Vec3 at) { return std::abs(at.x() - 8) < 3 && std::abs(at.y() - 8) < 3 ? 1e4 : 1.; };
+  StoredMatrix matrix = matrixOf(block);
+  const Vector b = weight(block);
+  const int patience = solverCosts(matrix.values, extentsOf(matrix.rows(), matrix.positions())).patience();
+  SolverInScene solver("<AutomaticLinearSolver/>");
+  const auto told = [&](const char* name) { return solver.solver->data().find(name)->print(); };
+  Vector x;
+  ASSERT_LT(solver.solve(matrix, b, x).iterations, patience);
+  const int assemblies = matrix.assemblies;
+  matrix.values = matrixOf(boned).values;
+  ++matrix.revision_number;
+  x = Vector(b.count());
+  const SolveReport report = solver.solve(matrix, b, x);
+  EXPECT_EQ(report.stop, SolveStop::converged) << describe(report.stop);
+  EXPECT_GT(report.iterations, patience) << "the former hierarchy serves it as well";
+  EXPECT_LT(report.iterations, 2 * patience);
+  EXPECT_EQ(matrix.assemblies, assemblies + 1);
+  EXPECT_NE(told("choice").find("with multigrid"), std::string::npos) << told("choice");
+  EXPECT_EQ(told("changes"), "0");
+}
+
+/// Where no force depends on the state, a checkpoint has the places of the nodes instead of the hierarchy, which is made again
+/// from these and not from where the nodes are by then.
+TEST(AutomaticLinearSolver, WritesOnlyHierarchiesThatCannotBeMadeAgain) {
+  ElasticBlock block = box(16, 16, 16);
+  const std::string law = R"(<MechanicalObject position="0 0 0  1 0 0  0 1 0  0 0 1"/>
+    <MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>
+    <TetrahedronFEMForceField youngModulus="5000" poissonRatio="0.3" method=)";
+  for (const bool depends : {false, true}) {
+    const std::string scene = "<AutomaticLinearSolver/>" + law + (depends ? "\"svd\"/>" : "\"small\"/>");
+    SolverInScene first(scene), second(scene);
+    StoredMatrix matrix = matrixOf(block);
+    ASSERT_FALSE(matrix.nodes.empty());
+    Vector x, y;
+    first.solve(matrix, weight(block), x);
+    for (Vec3& node : matrix.nodes) node.x() += 0.1 * node.z() * node.z();
+    Archive written;
+    written.enter("solver");
+    first.solver->serializeFor(matrix, written);
+    std::size_t bytes = 0;
+    for (const auto& [name, entry] : written.entries()) bytes += entry.bytes.size();
+    EXPECT_EQ(bytes < 64 * std::size_t(matrix.rows()), !depends) << bytes;
+    Archive reading = written.readable();
+    reading.enter("solver");
+    second.solver->serializeFor(matrix, reading);
+    x = Vector(matrix.rows());
+    const int again = first.solve(matrix, weight(block), x).iterations;
+    EXPECT_EQ(second.solve(matrix, weight(block), y).iterations, again);
+    EXPECT_EQ(std::memcmp(x.rows().data, y.rows().data, x.rows().doubles() * sizeof(double)), 0);
+  }
+}
+
+/// What was given up and why is known to a run that is taken up again, and to a step that is taken back.
+TEST(AutomaticLinearSolver, TellsAChoiceOfTheRunBefore) {
+  ElasticBlock block = box(16, 16, 16);
+  block.poisson = 0.499999;
+  StoredMatrix matrix = matrixOf(block);
+  SolverInScene first("<AutomaticLinearSolver/>"), second("<AutomaticLinearSolver/>");
+  const auto told = [](const SolverInScene& solver, const char* name) { return solver.solver->data().find(name)->print(); };
+  Vector x;
+  first.solver->keepFor(matrix);
+  const std::string before = told(first, "choice");
+  EXPECT_NE(before.find("with multigrid"), std::string::npos) << before;
+  first.solve(matrix, weight(block), x);
+  handOver(first, second, matrix);
+  EXPECT_NE(told(second, "choice").find("factors, after"), std::string::npos) << told(second, "choice");
+  EXPECT_EQ(told(second, "choice"), told(first, "choice"));
+  EXPECT_EQ(told(second, "changes"), "1");
+  first.solver->takeBackFor(matrix);
+  EXPECT_EQ(told(first, "choice"), before);
+  EXPECT_EQ(told(first, "changes"), "0");
+}
+
+}  // namespace
+}  // namespace stroma::test
