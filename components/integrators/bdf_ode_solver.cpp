@@ -10,8 +10,9 @@
 //
 // For equal steps rho = 1/3, w = 2h/3: (3 x1 - 4 x0 + x_-1) / 2 = h v1. Order 2 is A-stable and damps fast motions away
 // (of slow ones it takes a share of order h^3 where backward Euler takes one of order h). Its first step is a
-// trapezoidal one, of order 2 as well. The differences of the last step are kept, not its state, so that nodes moved
-// from outside between steps keep a finite velocity.
+// trapezoidal one, of order 2 as well. Where a force field's K is not the exact derivative of its force, order 2 makes two
+// linear solves in a step, without which it would be of order 1: see TrapezoidalRuleSolver. The differences of the last step
+// are kept, not its state, so that nodes moved from outside between steps keep a finite velocity.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -40,7 +41,8 @@ class BDFOdeSolver final : public Integrator, public FindsMultipliers {
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext& context) override;
-  void sceneChanged() override { sleep_.wake(); }
+  void sceneChanged() override { sleep_.wake(), implicit_.sceneChanged(); }
+  std::string doubt() const override { return implicit_.doubt(path()); }
   bool toleratesLaggedForces() const override { return order_ == 1; }
   std::string describe() const override {
     return fmt::format("BDF step of order {}", order_) + implicit_.describe() + sleep_.describe();
@@ -79,6 +81,7 @@ void BDFOdeSolver::declare(DataTable& table) {
 }
 
 void BDFOdeSolver::compile(System& system) {
+  implicit_.second_order = order_ == 2;
   implicit_.compile(*this, system);
   sleep_.compile(system);
   if (order_ == 2)

@@ -18,6 +18,12 @@ inline long heldDirections(const ConstraintSet& constraints) {
                          long(constraints.relations().heldDirections()), count);
 }
 
+/// The vector, which a caller asks for rows of; most steps use few of the vectors that a solver may need.
+inline Vector& provided(Vector& vector, Index rows) {
+  if (vector.count() != rows) vector.resize(rows);
+  return vector;
+}
+
 /// Equilibrium of a part s of a step, f(x) - (1 - s) f0 = 0 in the free directions, with the iterate in System::x; f0 is
 /// what was out of balance where the step started.
 class Equilibrium final : public NonlinearProblem {
@@ -25,7 +31,7 @@ class Equilibrium final : public NonlinearProblem {
   void compile(System& system) {
     system_ = &system;
     limits_.compile(system);
-    for (Vector* vector : {&start_, &start_force_, &error_, &product_}) vector->resize(system.independentRows());
+    start_.resize(system.independentRows());
   }
   void begin() {
     copy(rows(), start_);
@@ -35,7 +41,7 @@ class Equilibrium final : public NonlinearProblem {
   /// From now on R is that of a part of the step which began at begin().
   void setShare(double share) { share_ = share; }
   /// The present R is what a part of the step leaves out of balance.
-  void keepStartForce() { residual(start_force_); }
+  void keepStartForce() { residual(provided(start_force_, start_.count())); }
   void residual(Rows out) override {
     system_->computeForce(system_->x, system_->v, system_->f);
     copy(system_->independent(system_->f), out);
@@ -52,7 +58,7 @@ class Equilibrium final : public NonlinearProblem {
   double energy() override {
     double sum = system_->potentialEnergy(system_->x);
     if (share_ == 1) return sum;
-    copy(start_, product_);
+    copy(start_, provided(product_, start_.count()));
     system_->motion().difference(rows(), product_);
     return sum + (1 - share_) * dot(start_force_, product_);
   }
@@ -64,7 +70,7 @@ class Equilibrium final : public NonlinearProblem {
   /// says so.
   bool isBlocked(ConstRows d, bool carries, ConstRows carried, StepReport& report) {
     if (limits_.empty()) return false;
-    copy(d, product_);
+    copy(d, provided(product_, start_.count()));
     bool is_free = limits_.longest(product_, 1, true) == 1;
     if (carries) axpy(1, carried, product_);
     is_free = is_free && (!carries || limits_.longest(product_, 1, true) == 1);
@@ -84,13 +90,17 @@ class Equilibrium final : public NonlinearProblem {
            std::any_of(fields.begin(), fields.end(),
                        [](const ForceField* field) { return !field->traits().has_stiffness; });
   }
-  RoundOff roundOff() override { return positionRoundOff(*system_, error_, product_); }
+  RoundOff roundOff() override {
+    const Index rows = start_.count();
+    return positionRoundOff(*system_, provided(error_, rows), provided(product_, rows));
+  }
 
  private:
   Rows rows() const { return system_->independent(system_->x); }
   System* system_ = nullptr;
   StepLimits limits_;
-  Vector start_, start_force_, error_, product_;
+  Vector start_;
+  Vector start_force_, error_, product_;  ///< see provided()
   double share_ = 1;
 };
 

@@ -11,7 +11,8 @@
 //
 //   [(1 + theta h rM) M - theta h C - theta h (theta h + rK) K] dv = h (f + (theta h + rK) K v0 - rM M v0)
 //
-// which is SOFA's scheme. dv is projected onto the directions that constraints leave free. With newtonIterations > 1
+// which is SOFA's scheme. Where a K is not the exact derivative of f, trapezoidalScheme makes a second solve: see
+// TrapezoidalRuleSolver. dv is projected onto the directions that constraints leave free. With newtonIterations > 1
 // the equations themselves are solved, starting from x0: the first Newton iteration is the linear solve above. K in the
 // damping rK K v is the one at x1 (and at x0 for the old part), because with that of x0 alone the trapezoidal rule
 // would be of first order; its derivative is left out of the tangent. The line search runs on the incremental potential
@@ -24,7 +25,11 @@
 // does not change. An iteration that gets on by small factors with the approximate tangent of a force field goes on with the
 // exact one, where that is symmetric, rK is 0 and the costs of products say so.
 //
-// firstOrder moves an overdamped body: (M - theta h K) v = f, x1 = x0 + h v; Rayleigh factors do not enter.
+// firstOrder moves an overdamped body: (M - theta h K) v = f + J^T l, x1 = x0 + h v; Rayleigh factors do not enter. J^T l are
+// the forces of Lagrangian constraints: those with which the conditions hold at x1.
+// With allowMassless nodes may have no mass: M has rows of zeros, and stiffness alone moves them, to where forces balance at
+// the end of a step of backward Euler: the trapezoidal rule would let them swing about there for ever. Where there is no stiffness
+// either the matrix is singular, and a direct solver says so.
 // vdamping multiplies v by exp(-h vdamping) after the positions have moved.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
@@ -59,7 +64,8 @@ class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, pub
   void stepTaken(const StepContext& context) override {
     if (!sleep_.stepTaken(context.dt)) implicit_.stepTaken();
   }
-  void sceneChanged() override { sleep_.wake(); }
+  void sceneChanged() override { sleep_.wake(), implicit_.sceneChanged(); }
+  std::string doubt() const override { return implicit_.doubt(path()); }
   void reset() override { implicit_.reset(), sleep_.reset(); }
   void serialize(Archive& archive) override { implicit_.serialize(archive), sleep_.serialize(archive); }
 
@@ -85,6 +91,8 @@ void EulerImplicitSolver::declare(DataTable& table) {
       .help("trapezoidal rule (second order, no damping) instead of backward Euler");
   table.add("moveByNewVelocity", by_new_velocity_)
       .help("with trapezoidalScheme: positions move by h times the new velocity, as in SOFA, which is of first order");
+  table.add("allowMassless", implicit_.allows_massless)
+      .help("nodes without mass are moved by stiffness alone, where they otherwise are refused; not with trapezoidalScheme");
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
@@ -94,12 +102,16 @@ void EulerImplicitSolver::declare(DataTable& table) {
 
 void EulerImplicitSolver::init() {
   theta_ = trapezoidal_ ? 0.5 : 1;
+  if (trapezoidal_ && implicit_.allows_massless)
+    throw ComponentError("nodes without mass have no motion by the trapezoidal rule: they would swing for ever",
+                         "trapezoidalScheme=\"false\", or no allowMassless");
   if (first_order_ && (implicit_.rayleigh_mass != 0 || implicit_.rayleigh_stiffness != 0 || velocity_damping_ != 0))
     warn("rayleighMass, rayleighStiffness and vdamping have no effect with firstOrder: there is no inertia to damp",
          "remove them");
 }
 
 void EulerImplicitSolver::compile(System& system) {
+  implicit_.second_order = trapezoidal_ && !first_order_ && !by_new_velocity_;
   implicit_.compile(*this, system);
   sleep_.compile(system);
   const bool has_conditions = !system.actors().lagrangian_constraints.empty();
@@ -108,8 +120,6 @@ void EulerImplicitSolver::compile(System& system) {
                          "method is asked for",
                          "newtonIterations=\"1\" or moveByNewVelocity=\"false\"");
   if (!first_order_) return;
-  if (has_conditions)
-    throw ComponentError("firstOrder does not find the forces of Lagrangian constraints", "firstOrder=\"false\"");
   if (implicit_.iterates())
     throw ComponentError("firstOrder is solved by one linear solve per step, and Newton's method is asked for",
                          "newtonIterations=\"1\" with firstOrder");
@@ -139,12 +149,15 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext
   copy(system.independent(system.f), right_side_);
   system.constraints().project(right_side_);
   StepReport report;
+  implicit_.beginConditions(h, 1);
   SystemMatrix& matrix = system.matrix().withFactors({.mass = 1, .stiffness = -theta_ * h});
   const Rows velocity = system.independent(system.v);
   if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, {.stop = context.stop}, report))
     return report;
   system.constraints().project(velocity);
   system.motion().advance(h, velocity, system.x);
+  copy(velocity, right_side_);
+  implicit_.meetConditions(matrix, right_side_, context.stop, report);
   return report;
 }
 

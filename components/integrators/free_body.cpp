@@ -166,6 +166,27 @@ std::vector<RigidPart> measure(const System& system, const std::vector<Index>& p
   return parts;
 }
 
+/// Whether every part has three fixed nodes that are not in a line: none can be shifted or turned.
+bool areAllFixed(const System& system, const std::vector<Index>& part_of_row) {
+  struct Fixed {
+    Index nodes = 0;
+    Vec3 first = Vec3::Zero(), line = Vec3::Zero();  ///< a node, and from there the longest way to another
+    double area = 0;                                  ///< twice the largest triangle on that line
+  };
+  std::vector<Fixed> parts;
+  for (const Index part : part_of_row) parts.resize(std::max(parts.size(), std::size_t(part) + 1));
+  for (const bool again : {false, true})
+    for (const NodeProjector& held : system.constraints().projectors()) {
+      if (!held.projector.isZero(0) || system.motion().kindOf(held.row) != RowKind::place) continue;
+      Fixed& part = parts[std::size_t(part_of_row[std::size_t(held.row)])];
+      if (part.nodes++ == 0) part.first = system.x[held.row];
+      const Vec3 way = system.x[held.row] - part.first;
+      if (!again && way.squaredNorm() > part.line.squaredNorm()) part.line = way;
+      if (again) part.area = std::max(part.area, way.cross(part.line).norm());
+    }
+  return std::ranges::all_of(parts, [](const Fixed& part) { return part.area > 1e-6 * part.line.squaredNorm(); });
+}
+
 /// T^T A T and T^T f of every cluster. Directions that constraints hold resist with what a row resists: a motion that the
 /// constraints allow is one that they leave as it is.
 std::vector<Cluster> feel(System& system, SystemMatrix& matrix, const Division& division, ConstRows force,
@@ -235,15 +256,20 @@ std::vector<Vec6> unresisted(const Cluster& cluster, const std::vector<RigidPart
   return of_part;
 }
 
+/// Without components that are round-off beside this size.
+Vec3 rounded(const Vec3& vector, double size) { return (vector.array().abs() < 1e-9 * size).select(0., vector); }
+Vec3 directionOf(const Vec3& vector) { return rounded(vector.normalized(), 1); }
+
 std::string shiftSentence(const std::string& name, const Vec3& shift) {
-  const Vec3 direction = shift.normalized();
+  const Vec3 direction = directionOf(shift);
   return fmt::format(
       "{} is not held in the direction ({:.3g} {:.3g} {:.3g}) and the forces on it there sum to {:.3g} N: "
       "it has no equilibrium. Hold some of its nodes (FixedProjectiveConstraint)",
       name, direction[0], direction[1], direction[2], shift.norm());
 }
 
-std::string turnSentence(const std::string& name, const Vec3& axis, const Vec3& point, double torque) {
+std::string turnSentence(const std::string& name, const Vec3& about, const Vec3& point, double torque) {
+  const Vec3 axis = directionOf(about);
   return fmt::format(
       "{} is not held against turning about the axis ({:.3g} {:.3g} {:.3g}) through ({:.3g} {:.3g} {:.3g}) and the "
       "forces on it have a torque of {:.3g} N m there: it has no equilibrium. Hold more of its nodes "
@@ -274,29 +300,31 @@ std::string sentence(const System& system, const std::vector<RigidPart>& parts, 
   const RigidPart& part = parts[cluster.parts[std::size_t(largest - loads.begin())]];
   const Vec3 push = largest->head<3>(), torque = largest->tail<3>() * part.radius;
   std::string name = nameOf(system, part);
-  if (cluster.parts.size() == 1)
+  const Vec3 shift = unresistedShift(cluster, parts);
+  const bool can_shift = shift.norm() > 1e-3 * most;
+  if (cluster.parts.size() == 1 && can_shift)
     return push.norm() >= largest->tail<3>().norm()
                ? shiftSentence(name, push)
-               : turnSentence(name, torque.normalized(), part.centre, torque.norm());
+               : turnSentence(name, torque, part.centre, torque.norm());
   const auto moving =
       std::count_if(loads.begin(), loads.end(), [most](const Vec6& load) { return load.norm() > 1e-6 * most; });
   if (moving > 1) name += " with what is tied to it";
-  const Vec3 shift = unresistedShift(cluster, parts);
-  if (shift.norm() > 1e-3 * most) return shiftSentence(name, shift);
+  if (can_shift) return shiftSentence(name, shift);
   if (largest->tail<3>().norm() < 1e-6 * most) return shiftSentence(name, push);
-  // it turns about where its motion is nothing: a point that ties leave it
+  // it turns about where its motion is nothing: a node that is held, or a point that ties leave it
   const Vec3 spin = largest->tail<3>() / part.radius, axis = spin.normalized();
   const Vec3 point = part.centre + spin.cross(push) / spin.squaredNorm();
-  return turnSentence(name, axis, point, axis.dot(torque + (part.centre - point).cross(push)));
+  return turnSentence(name, axis, rounded(point, part.radius), axis.dot(torque + (part.centre - point).cross(push)));
 }
 
 }  // namespace
 
 std::string freeBody(System& system, ConstRows force) {
+  const Division division = divide(system);
+  if (areAllFixed(system, division.part_of_row)) return {};
   SystemMatrix& matrix = system.matrix().withFactors({.stiffness = -1});
   std::vector<double> blocks;
   matrix.diagonalBlocks(blocks);
-  const Division division = divide(system);
   const std::vector<RigidPart> parts = measure(system, division.part_of_row, blocks, force);
   for (const Cluster& cluster : feel(system, matrix, division, force, parts)) {
     const std::vector<Vec6> loads = unresisted(cluster, parts);

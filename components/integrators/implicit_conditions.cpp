@@ -51,6 +51,7 @@ StepReport ImplicitStep::solveConditions(StopToken stop) {
     if (isBalanced(now, report)) break;
     report.stopped = stop.isStopAsked();
     if (report.stopped) return report;
+    if (newton_.settings.fixed_count && report.newton_iterations == most) break;
     if (report.newton_iterations - first == most) {
       report.newton_converged = false;
       report.reason = fmt::format("Newton's method with forces of constraint stopped at its limit of {} iterations with a "
@@ -102,7 +103,7 @@ bool ImplicitStep::iterateConditions(double& now, StopToken stop, StepReport& re
   moved_ = scheme_.displacement * norm(direction_);
   residual(r);
   const double before = std::exchange(now, norm(r));
-  if (isLittle(now)) return true;
+  if (isLittle(now) || newton_.settings.fixed_count) return true;
   if (longest_ == 0) longest_ = moved_;
   if (moved_ > longest_) {
     goShare(longest_ / moved_);

@@ -21,10 +21,11 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
     system_->constraints().projectAcceleration(velocity_predictor);
   }
   startBodies();
+  energy_.stepBegins();
   const double whole = scheme.weight + scheme.old_weight;
-  multipliers_.begin({scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole}, iterates());
-  if (iterates()) {
-    StepReport report = multipliers_.empty() ? solveIterating(stop) : solveConditions(stop);
+  multipliers_.begin({scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole}, !solvesOnce());
+  if (!solvesOnce()) {
+    StepReport report = !multipliers_.empty() ? solveConditions(stop) : iterates() ? solveIterating(stop) : solveAsNeeded(stop);
     bodies_.momenta(x(), v(), end_momenta_);
     return report;
   }
@@ -177,6 +178,15 @@ StepReport ImplicitStep::solveFromHere(StopToken stop) {
     exact_.end(), exact_.noteSlow(), newton_.keepScale();
     goOn();
   }
+  return report;
+}
+
+/// With a tangent that lacks a part of the derivative one solve leaves an error of h^2 in each step, a second one h^4.
+StepReport ImplicitStep::solveAsNeeded(StopToken stop) {
+  startIterating();
+  const StepReport report = newton_.solve(*this, *solver_, stop);
+  graph_.assign(newton_.history().begin(), newton_.history().end());
+  takeChange();
   return report;
 }
 
@@ -364,7 +374,10 @@ RoundOff ImplicitStep::roundOff() {
 double ImplicitStep::travelled() const { return distance(x(), x0_); }
 
 std::string ImplicitStep::describe() const {
-  if (!iterates()) return ", linearised once: 1 force evaluation with its product, 1 linear solve";
+  if (solvesOnce()) return ", linearised once: 1 force evaluation with its product, 1 linear solve";
+  if (!iterates())
+    return fmt::format(", {} linear solves: with one the rule would be of first order and might gain energy, because {}", enough_solves_,
+                       approximation_);
   const double forcing = newton_.settings.forcing;
   return fmt::format(", up to {} Newton iterations to a relative residual of {:g}, line search on {}{}",
                      newton_.settings.iterations, newton_.settings.relative_residual,

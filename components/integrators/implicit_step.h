@@ -4,6 +4,7 @@
 #pragma once
 #include <string>
 
+#include "components/integrators/energy_watch.h"
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/multipliers.h"
 #include "components/integrators/newton_solver.h"
@@ -32,7 +33,9 @@ class ImplicitStep final : public NonlinearProblem {
   // ---- what an integrator sets from its attributes, before compile() ----
   double rayleigh_mass = 0;        ///< rM [1/s], to which each mass's own is added
   double rayleigh_stiffness = 0;   ///< rK [s], to which each force field's own is added
-  NewtonSettings newton_settings;  ///< iterations = 1: one linear solve. A NewtonSolver of the scene stands for them
+  bool allows_massless = false;    ///< nodes without mass: rows of stiffness alone
+  NewtonSettings newton_settings;  ///< a NewtonSolver of the scene stands for them
+  bool second_order = false;       ///< the rule is, where its equations are solved well enough
   Vector position_predictor,
       velocity_predictor;  ///< [m], [m/s], shape (independentRows()); read with has_history; held directions do not count
 
@@ -44,7 +47,10 @@ class ImplicitStep final : public NonlinearProblem {
   const std::vector<Vec3>& startMomenta() const { return start_momenta_; }
   const std::vector<Vec3>& endMomenta() const { return end_momenta_; }
 
-  ImplicitStep() { newton_settings.iterations = 1; }
+  /// As many linear solves as the order of the rule needs: for a rule of second order two where a stiffness is an approximation
+  /// of the derivative, three where forces turn rigid bodies, else one.
+  static constexpr int needed_solves = 0;
+  ImplicitStep() { newton_settings.iterations = needed_solves; }
   void declareDamping(DataTable& table);       ///< rayleighMass, rayleighStiffness
   void declareNewton(DataTable& table);        ///< newtonIterations, newtonTolerance, newtonForcing
   void declareNewtonSolver(DataTable& table);  ///< newtonSolver, residualGraph
@@ -58,15 +64,24 @@ class ImplicitStep final : public NonlinearProblem {
   /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()).
   void wholeForce(double time, Rows out);
   LinearSolver& linearSolver() const { return *solver_; }
-  bool iterates() const { return newton_.settings.iterations > 1; }
+  // ---- for a rule that makes its own linear solve: forces of Lagrangian constraints, as in solve() ----
+  void beginConditions(double displacement, double weight) { multipliers_.begin({displacement, weight, 0}, false); }
+  /// x and v without these forces become those with them, and so does `change`, what v has become in the solve with `matrix`.
+  void meetConditions(SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report) {
+    if (!multipliers_.empty()) multipliers_.correct(*solver_, matrix, change, stop, report);
+  }
+  /// The scene asks for Newton's method.
+  bool iterates() const { return !solvesOnce() && !newton_.settings.fixed_count; }
   std::string describe() const;
   // ---- what an integrator passes on ----
-  void stepTaken() { exact_.stepTaken(), multipliers_.stepTaken(); }
+  void stepTaken() { exact_.stepTaken(), multipliers_.stepTaken(), energy_.stepTaken(); }
+  void sceneChanged() { energy_.forget(); }
+  std::string doubt(const std::string& path) const;  ///< energy came from nowhere
   void reset() {
-    exact_.reset(), multipliers_.reset();
+    exact_.reset(), multipliers_.reset(), energy_.forget();
     exact_tangent_steps_ = 0;
   }
-  void serialize(Archive& archive) { exact_.serialize(archive), multipliers_.serialize(archive); }
+  void serialize(Archive& archive) { exact_.serialize(archive), multipliers_.serialize(archive), energy_.serialize(archive); }
 
   // ---- as equations for Newton's method ----
   void residual(Rows out) override;
@@ -86,8 +101,11 @@ class ImplicitStep final : public NonlinearProblem {
  private:
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
+  bool solvesOnce() const { return newton_.settings.iterations == 1; }
+  void chooseSolves();
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
+  StepReport solveAsNeeded(StopToken stop);
   StepReport solveIterating(StopToken stop);
   StepReport solveFromHere(StopToken stop);
   bool mayTryExact() const;
@@ -110,9 +128,12 @@ class ImplicitStep final : public NonlinearProblem {
   LinearSolver* solver_ = nullptr;
   NewtonSolver* settings_component_ = nullptr;
   Newton newton_;
+  std::string approximation_;  ///< why one solve is too few
+  int enough_solves_ = 2;      ///< where it is
   StepLimits limits_;
   Multipliers multipliers_;
   ExactTangent exact_;
+  EnergyWatch energy_;
   int exact_tangent_steps_ = 0;
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;

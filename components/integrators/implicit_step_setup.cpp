@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Attributes of an implicit step, and what it needs before the first.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 
@@ -7,6 +9,17 @@
 #include "components/integrators/usual_forcing.h"
 
 namespace stroma {
+
+/// Nodes are moved beside a mass that ties them to others: System::constraints() then refuses them, with or without mass.
+static bool movesTiedNodes(System& system) {
+  const auto& constraints = system.constraints().all();
+  const auto moves = [](const ProjectiveConstraint* constraint) { return constraint->prescribesMotion(); };
+  const auto ties = [&system](const Mass* mass) {
+    return !mass->leavesMovedAlone() && !(mass->isDiagonal() && mass->state().firstRow() < system.independentRows());
+  };
+  return std::any_of(constraints.begin(), constraints.end(), moves) &&
+         std::any_of(system.masses().begin(), system.masses().end(), ties);
+}
 
 void ImplicitStep::declareDamping(DataTable& table) {
   table.add("rayleighStiffness", rayleigh_stiffness)
@@ -20,9 +33,13 @@ void ImplicitStep::declareDamping(DataTable& table) {
 void ImplicitStep::declareNewton(DataTable& table) {
   table.add("newtonIterations", newton_settings.iterations)
       .recompiled()
-      .help("1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method")
+      .help(
+          "1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method; 0: one linear solve, "
+          "and two for a rule of second order where a force field's stiffness is an approximation (the rotated methods with "
+          "tangent=\"warped\") or is damped, three where forces turn rigid bodies: with one the rule is of first order then, and "
+          "may gain energy until it explodes")
       .unit("-")
-      .min(1);
+      .min(0);
   table.add("newtonTolerance", newton_settings.relative_residual)
       .recompiled()
       .help("residual at which Newton's method ends, relative to the forces where the step starts")
@@ -39,11 +56,38 @@ void ImplicitStep::declareNewtonSolver(DataTable& table) {
       .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
 }
 
+/// What makes one linear solve less than a rule of second order needs, or empty.
+static std::string approximationIn(const System& system, double rayleigh_stiffness, bool turns) {
+  if (turns && !system.forceFields().empty()) return "rigid bodies and what follows them turn within a step";
+  for (const ForceField* field : system.forceFields()) {
+    const ForceTraits traits = field->traits();
+    if (traits.linear) continue;
+    if (!traits.exact_tangent) return "the stiffness of " + field->path() + " is not the exact derivative of its force";
+    const bool is_damped = field->rayleigh_stiffness != 0 || (rayleigh_stiffness != 0 && !traits.undamped);
+    if (is_damped && !traits.constant_stiffness) return "rayleighStiffness damps " + field->path() + ", whose stiffness changes";
+  }
+  return {};
+}
+
+void ImplicitStep::chooseSolves() {
+  NewtonSettings& settings = newton_.settings;
+  const bool turns = bodies_.count() > 0 || !system_->mappingChain().isLinear();
+  approximation_ = second_order ? approximationIn(*system_, rayleigh_stiffness, turns) : std::string();
+  enough_solves_ = turns ? 3 : 2;  // the first solve of several leaves an error of h^2 in turns, and the second still one of h^3
+  energy_.compile(*system_, settings.iterations == 1 && !approximation_.empty());
+  if (settings.iterations != needed_solves) return;
+  settings.fixed_count = !approximation_.empty();
+  settings.iterations = settings.fixed_count ? enough_solves_ : 1;
+  // moments of light bodies are little beside the weight of others
+  if (turns) settings.relative_residual = std::min(settings.relative_residual, 1e-13);
+  settings.line_search_iterations = 0;
+}
+
 void ImplicitStep::compile(Integrator& integrator, System& system) {
   system_ = &system;
   solver_ = system.linearSolver();
   assert(solver_ && "Integrator::missingPartner() sees to it");
-  system.constraints().requireMass();
+  if (!allows_massless || movesTiedNodes(system)) system.constraints().requireMass();
   has_rayleigh_mass_ = rayleigh_mass != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
   has_own_stiffness_damping_ = depends_on_time_ = false;
@@ -60,27 +104,36 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   settings_component_ = findNewtonSolver(integrator, newton_link_);
   newton_.settings = settings_component_ ? settings_component_->settings() : newton_settings;
   const Data* const forcing = integrator.data().find("newtonForcing");
-  newton_.settings.forcing = forcing && forcing->isSet() ? newton_settings.forcing : usualForcingOfSteps(system);
+  bodies_.compile(system);
+  chooseSolves();
+  if (!(forcing && forcing->isSet())) newton_.settings.forcing = iterates() ? usualForcingOfSteps(system) : 0;
   // an iteration costs as much as a digit of a solve; errors of steps add up
   newton_.settings.forcing_reach = 10, newton_.settings.forcing_margin = 0.05;
   // the turn that a velocity makes in a step is no gradient of it
   newton_.settings.use_energy = from_energy && !system.motion().turns() && !system.hasCurvedInertia();
-  bodies_.compile(system);
   for (std::vector<Vec3>* list : {&start_momenta_, &end_momenta_, &momentum_predictor})
     list->assign(bodies_.count(), Vec3::Zero());
   right_side_.resize(system.allRows());
   for (Vector* vector : {&change_, &constant_, &work_, &position_predictor, &velocity_predictor})
     vector->resize(system.independentRows());
   multipliers_.compile(system);
-  if (!iterates()) return;
+  if (solvesOnce()) return;
   newton_.compile(system.independentRows());
-  limits_.compile(system);
+  if (iterates()) limits_.compile(system);
   for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());
   if (!limits_.empty()) carried_.resize(system.independentRows());
   if (!multipliers_.empty())
     for (Vector* vector : {&direction_, &last_v_}) vector->resize(system.independentRows());
   graph_.reserve(std::size_t(newton_.settings.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
+}
+
+std::string ImplicitStep::doubt(const std::string& path) const {
+  const double gained = energy_.gained();
+  if (gained == 0) return {};
+  return fmt::format("{} has gained {:.3g} J with no work done on it: newtonIterations=\"1\" makes its rule one of first order, which "
+                     "gains energy until the run explodes, because {}. newtonIterations=\"{}\", or 0, makes the solves that it needs",
+                     path, gained, approximation_, enough_solves_);
 }
 
 }  // namespace stroma

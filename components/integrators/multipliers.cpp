@@ -59,9 +59,14 @@ void Multipliers::findConditions() {
   }
 }
 
+/// Its force is zero, so that nothing answers to it: the condition of what has not come near in this step.
+bool Multipliers::isIdle(std::size_t row) const {
+  return rows_.rows()[row].kind == LagrangianRows::Kind::given && rows_.rows()[row].factor == 0;
+}
+
 /// 1 or -1 when the gradient is that of the row before, or its opposite; else 0.
 double Multipliers::likeRowBefore(std::size_t row) const {
-  if (row == 0 || rule_.old_share != 0) return 0;
+  if (row == 0 || rule_.old_share != 0 || isIdle(row - 1)) return 0;
   const auto a = rows_.entriesOf(rows_.rows()[row - 1]), b = rows_.entriesOf(rows_.rows()[row]);
   for (const double sign : {1.0, -1.0})
     if (std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -107,6 +112,7 @@ void Multipliers::takeDirections() {
   directions_.resize(std::max(directions_.size(), count));
   like_.assign(count, 0);
   for (std::size_t i = 0; i < count; ++i) {
+    if (isIdle(i) && !carries_) continue;  // of one that carries the directions stay for what comes near later
     Vector& direction = directions_[i];
     if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
     like_[i] = likeRowBefore(i);
@@ -127,20 +133,23 @@ void Multipliers::aim() {
   takeDirections();
 }
 
-/// A^-1 J^T
+/// A^-1 J^T, of what is not known
 bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   const std::size_t count = rows_.rows().size();
   responses_.resize(std::max(responses_.size(), count));
+  is_answered_.resize(count, false);
   for (std::size_t i = 0; i < count; ++i) {
+    if (isIdle(i) || is_answered_[i]) continue;
     Vector& response = responses_[i];
-    if (like_[i] == 0) {
+    if (like_[i] == 0 || !is_answered_[i - 1]) {
       copy(directions_[i], right_side_);
       if (!answer(solver, matrix, response, stop, report)) return false;
-      continue;
+    } else {
+      if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
+      copy(responses_[i - 1], response);
+      scale(like_[i], response);
     }
-    if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
-    copy(responses_[i - 1], response);
-    scale(like_[i], response);
+    is_answered_[i] = true;
   }
   return true;
 }
@@ -148,13 +157,16 @@ bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken 
 /// W
 void Multipliers::couple() {
   const auto& rows = rows_.rows();
-  const auto count = Eigen::Index(rows.size());
+  live_.clear();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (!isIdle(i)) live_.push_back(i);
+  const auto count = Eigen::Index(live_.size());
   solve_.w.resize(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const ConstRows along = system_->mappingChain().direction(responses_[std::size_t(i)]);
+    const ConstRows along = system_->mappingChain().direction(responses_[live_[std::size_t(i)]]);
     for (Eigen::Index j = 0; j < count; ++j) {
       double sum = 0;
-      for (const auto& [at, gradient] : rows_.entriesOf(rows[std::size_t(j)])) sum += gradient.dot(along[at]);
+      for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
       solve_.w(j, i) = rule_.weight * rule_.displacement * sum;
     }
   }
@@ -209,7 +221,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     // what mapped points follow turns
     if (round == 0 || !s.mappingChain().isLinear() || !rows_.hasGradientsOf(old_rows_)) {
       if (!carries_) takeDirections();
-      if ((round == 0 || !carries_) && !respond(solver, matrix, stop, report)) return;
+      if (round == 0 || !carries_) is_answered_.clear();
+      if (!respond(solver, matrix, stop, report)) return;
       couple();
     }
     copy(whole_, before_);
@@ -262,6 +275,10 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
   if (!(worst.off <= exact * size + rounding + 1e-300)) {
     if (worst.rubs)
       return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m", nameOf(worst.row), worst.off));
+    if (rows_.entriesOf(rows_.rows()[worst.row]).empty())
+      return refuse(fmt::format("the Lagrangian constraint {} does not hold and no force mends it: the step goes farther than what "
+                                "it can prove to be free. A smaller dt helps, or larger gaps",
+                                nameOf(worst.row)));
     const double g = std::abs(solve_.g[Eigen::Index(worst.row)]);
     return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", nameOf(worst.row), g));
   }

@@ -61,6 +61,7 @@ class Multipliers {
  private:
   void findConditions();
   double likeRowBefore(std::size_t row) const;
+  bool isIdle(std::size_t row) const;
   void pullBack(std::size_t row, Rows out);
   void takeDirections();
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
@@ -81,6 +82,8 @@ class Multipliers {
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them
+  std::vector<char> is_answered_;          ///< of each row: they are known
+  std::vector<std::size_t> live_;          ///< rows of W
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried

@@ -12,7 +12,8 @@
 //
 // The first a0 is M^-1 F(x0, v0); later ones are the a1 of the step before, so that accelerations are continuous. Where
 // positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
-// vdamping multiplies v by exp(-h vdamping) after the step.
+// vdamping multiplies v by exp(-h vdamping) after the step. Where gamma = 1/2 and a force field's K is not the exact derivative
+// of its force, a step makes two linear solves, without which it would be of first order: see TrapezoidalRuleSolver.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -44,7 +45,8 @@ class NewmarkImplicitSolver final : public Integrator {
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext& context) override;
-  void sceneChanged() override { sleep_.wake(); }
+  void sceneChanged() override { sleep_.wake(), implicit_.sceneChanged(); }
+  std::string doubt() const override { return implicit_.doubt(path()); }
   bool keepsEnergy() const override { return gamma_ <= 0.5; }  // above it the rule damps
   std::string describe() const override {
     return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe() +
@@ -107,6 +109,7 @@ void NewmarkImplicitSolver::init() {
 }
 
 void NewmarkImplicitSolver::compile(System& system) {
+  implicit_.second_order = gamma_ == 0.5;
   implicit_.compile(*this, system);
   sleep_.compile(system);
   acceleration_.compile(system, "the first step of Newmark's method");

@@ -121,7 +121,7 @@ RoundOff positionRoundOff(const System& system, Rows work, Rows product) {
 }
 
 void Newton::compile(Index rows) {
-  for (Vector* vector : {&residual_, &direction_, &trial_, &base_, &best_}) vector->resize(rows);
+  for (Vector* vector : {&residual_, &direction_, &trial_, &base_}) vector->resize(rows);
   history_.reserve(std::size_t(std::min(settings.iterations, 100000)) + 2);
 }
 
@@ -183,18 +183,18 @@ bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& rep
 
 /// The relative residual that the next linear solve must reach; 0: what its solver is set to.
 double Newton::forcingTerm(double now) const {
-  if (settings.forcing <= 0) return 0;
+  const double end = std::max(settings.relative_residual * scale_, settings.absolute_residual) / now;
+  if (settings.forcing <= 0) return settings.is_linear && history_.size() > 1 ? settings.forcing_margin * end : 0;
   double term = settings.forcing;
   if (history_.size() > 1) term = went_on_ ? term * term : 0.9 * std::pow(now / history_[history_.size() - 2], 2);
-  const double end = std::max(settings.relative_residual * scale_, settings.absolute_residual) / now;
   if (term < settings.forcing_reach * end) term = settings.forcing_margin * end;
   return std::min(term, settings.forcing);
 }
 
 void Newton::keepIfBest(NonlinearProblem& problem, double now) {
   if (settings.use_energy || !(now < best_norm_)) return;
-  copy(problem.unknowns(), best_);
-  best_norm_ = now;
+  if (best_.count() != base_.count()) best_.resize(base_.count());
+  copy(problem.unknowns(), best_), best_norm_ = now;
 }
 
 void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report) {
@@ -245,7 +245,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
       return report;
     }
     report.stopped = stop_.isStopAsked();
-    if (report.stopped) return report;
+    if (report.stopped || (settings.fixed_count && done == settings.iterations)) return report;
     if (report.newton_iterations > 0) keepIfBest(problem, now);
     constexpr double few_iterations = 6;
     was_slow_ = settings.leaves_slow && iterationsLeft() > few_iterations;
@@ -287,8 +287,8 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   const double before = now;
   if (search(problem, now) == 0) {
     report.stopped = stop_.isStopAsked();
-    if (report.stopped) return false;
-    if (isAtRoundOff(problem, now, report)) return false;
+    if (report.stopped || isAtRoundOff(problem, now, report)) return false;
+    report.diverged = settings.fixed_count;
     leaveBest(problem, now, report);
     report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}{}",
                                 report.newton_iterations, report.newton_residual, report.reason);
@@ -304,7 +304,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   if (shifted || !(is_round_off || isCorrectionSmall(problem))) return true;
   history_.push_back(now);
   report.newton_residual = now / scale_;
-  if (!is_round_off || now <= most_of_loads * scale_) return false;
+  if (!is_round_off || now <= most_of_loads * scale_ || settings.fixed_count) return false;
   // a body on which nothing acts has a residual of round-off from the start
   const double attainable = problem.roundOff().residual;
   if (!problem.isLoaded() && scale_ <= 3 * attainable) return false;

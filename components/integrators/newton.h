@@ -67,11 +67,13 @@ struct NewtonSettings {
   /// Largest relative residual that a linear solve by products may leave, and leaves in the first iteration; then 0.9
   /// times the square of the last reduction of |R| (Eisenstat and Walker 1996, choice 2). 0: the solver's tolerance.
   double forcing = 0;
+  bool is_linear = false;  ///< without a forcing: what round-off left of a solve is solved to the end of the step, no further
   /// A solve that would leave less than `forcing_reach` times the residual that ends the iteration leaves `forcing_margin` times
   /// that: less is wasted, and a little more would cost an iteration.
   double forcing_reach = 0.5, forcing_margin = 0.5;
   bool stop_when_residual_grows = false;
   bool keep_unconverged = true;  ///< for callers: an iterate that has not converged becomes the state
+  bool fixed_count = false;      ///< where `iterations` end is the result, unless |R| is little before
 };
 
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it

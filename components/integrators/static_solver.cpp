@@ -113,8 +113,8 @@ class StaticSolver final : public Integrator, public HeedsStepLimits {
   ExactTangent exact_;
   int exact_tangent_steps_ = 0;
   double smallest_part_ = 1.0 / 1024;
-  Vector force_, mode_, good_;
-  Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
+  Vector force_, good_;
+  Vector mode_, moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
   bool is_checked_ = false;                ///< no body was free when something last changed
   long checked_revision_ = -1;             ///< of what held bodies then
   long held_ = 0;                          ///< directions of nodes, in the last step
@@ -160,7 +160,7 @@ void StaticSolver::compile(System& system) {
     settings_.stop_when_residual_grows = own.stop_when_residual_grows;
     settings_.forcing = own.forcing;
   }
-  if (!data().find("forcing_term")->isSet()) settings_.forcing = usualForcing(system);
+  if (!data().find("forcing_term")->isSet()) takeUsualForcing(system, settings_);
   settings_.use_energy = system.isConservative(), settings_.slow_factors = 1;
   // a limit that the scene writes is the only one
   settings_.patience = settings_component_ || data().find("newton_iterations")->isSet() ? 0 : 10;
@@ -168,8 +168,7 @@ void StaticSolver::compile(System& system) {
   newton_.compile(system.independentRows());
   problem_.compile(system);
   sleep_.compile(system);
-  for (Vector* vector : {&force_, &mode_, &good_}) vector->resize(system.independentRows());
-  for (Vector* vector : {&moved_, &moved_v_, &displacement_}) vector->resize(system.allRows());
+  for (Vector* vector : {&force_, &good_}) vector->resize(system.independentRows());
   graph_.reserve(std::size_t(settings_.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
 }
@@ -349,7 +348,8 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
 /// the elements behind it. Where that costs more energy than moving it alone, it is moved alone.
 bool StaticSolver::advancePrescribed(System& system, const StepContext& context, StepReport& report) {
   if (!system.constraints().hasPrescribed()) return false;
-  copy(system.x, moved_);
+  for (Vector* vector : {&moved_v_, &displacement_}) provided(*vector, system.allRows());
+  copy(system.x, provided(moved_, system.allRows()));
   system.constraints().placePrescribed(context, moved_, moved_v_);
   const Motion& motion = system.motion();
   const Rows x = system.independent(system.x), d = system.independent(displacement_);
@@ -363,7 +363,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   problem_.leaveOut(force_);
   system.constraints().project(force_);
   const SolveTerms terms{settings_.forcing, context.stop};
-  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, terms, report);
+  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, provided(mode_, x.count), terms, report);
   if (report.stopped || problem_.isBlocked(d, solved, mode_, report)) return true;
   motion.advance(1, d, x);
   const double alone = problem_.energy();

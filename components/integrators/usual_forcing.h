@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 
+#include "components/integrators/newton.h"
 #include "framework/algebra/solver_choice.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
@@ -16,11 +17,11 @@ inline bool hasLinearForces(const System& system) {
 
 /// The forcing term of statics whose scene writes none: with a linear solver that chooses its method, which does so here,
 /// early solves are loose, unless forces are affine in x. 0 with solvers that a scene names: their tolerance is theirs.
-inline double usualForcing(System& system) {
+inline void takeUsualForcing(System& system, NewtonSettings& settings) {
   auto* choosing = dynamic_cast<SolverChoice*>(system.linearSolver());
-  if (!choosing) return 0;
-  choosing->choose(system.matrix());
-  return hasLinearForces(system) ? 0 : 0.1;
+  if (choosing) choosing->choose(system.matrix());
+  settings.is_linear = choosing && hasLinearForces(system);
+  settings.forcing = choosing && !settings.is_linear ? 0.1 : 0;
 }
 
 /// That of steps in time by Newton's method: likewise, where the linear solver was made because the scene has none.

@@ -199,6 +199,28 @@ TEST(Oscillator, FirstOrderDecaysAsItsClosedForm) {
   }
 }
 
+/// A node without mass between two springs of 100 N/m and 1 m, the ends of which are 2.1 m apart: it is in the middle at once, and
+/// stays there. The node beside it has a mass and falls.
+TEST(Oscillator, NodesWithoutMassAreWhereForcesBalance) {
+  const auto scene = [](const std::string& integrator) {
+    return fmt::format(R"(<Node name="root" dt="0.01" gravity="0 -10 0"><EulerImplicitSolver {}/><SparseLDLSolver/>
+        <MechanicalObject position="0 0 0  1 0 0  2.1 0 0  5 0 0"/><UniformMass vertexMass="2" indices="0 2 3"/>
+        <SpringForceField spring="0 1 100 0 1  1 2 100 0 1"/><FixedProjectiveConstraint indices="0 2"/></Node>)",
+                       integrator);
+  };
+  for (const char* more : {"", " newtonIterations='20'"}) {
+    Simulation simulation = simulationFromText(scene(std::string("allowMassless='true'") + more));
+    for (int step = 1; step <= 3; ++step) {
+      ASSERT_FALSE(simulation.step().diverged);
+      EXPECT_NEAR((simulation.systems()[0]->x[1] - Vec3(1.05, 0, 0)).norm(), 0, 1e-12) << more << step;
+      EXPECT_NEAR(simulation.systems()[0]->v[1][0], step == 1 ? 5 : 0, 1e-10) << more << step;
+      EXPECT_NEAR(simulation.systems()[0]->x[3][1], -10 * 1e-4 * step * (step + 1) / 2, 1e-14);
+    }
+  }
+  expectContains(problemsOf(scene("")), "node 1 of /MechanicalObject has a mass of 0 kg");
+  expectContains(problemsOf(scene("allowMassless='true' trapezoidalScheme='true'")), "they would swing for ever");
+}
+
 TEST(CubicOscillator, NewtonSolvesTheStepsEquations) {
   const double dt = 0.1, cubic = 30;
   for (const bool trapezoidal : {false, true}) {

@@ -279,3 +279,25 @@ TEST(StaticSolver, LooseSolvesWithAFormerFactorFindTheEquilibriumOfPlainNewton) 
   EXPECT_LT(apart, 1e-6 * 0.0146);
   EXPECT_GT(apart, 0) << "the same arithmetic twice compares nothing";
 }
+
+/// A tetrahedron of which one or two nodes are held: the axis goes through what is held, and has no round-off in it.
+TEST(StaticSolver, ABodyHeldAtANodeOrALineTurnsAboutIt) {
+  const auto reason = [](const std::string& held) {
+    Simulation simulation = simulationFromText(
+        R"(<Node name="root" dt="1" gravity="0 -10 0"><StaticSolver/><SparseLDLSolver/>
+           <MechanicalObject name="dofs" position="0 0 0  1 0 0  0 1 0  0 0 1"/>
+           <MeshTopology position="@dofs.position" tetrahedra="0 1 2 3"/><UniformMass vertexMass="0.5"/>
+           <TetrahedronFEMForceField youngModulus="5e9" poissonRatio="0.3" method="small"/>
+           <FixedProjectiveConstraint indices=")" +
+        held + R"("/></Node>)");
+    return simulation.step().reason;
+  };
+  // about the line from (0 0 0) to (0 0 1) only the weight of node 1 has a torque, 0.5 kg x 10 m/s^2 x 1 m
+  const std::string line = reason("0 3");
+  for (const std::string word : {"not held against turning about the axis (0 0 -1)", "a torque of 5 N m"})
+    EXPECT_NE(line.find(word), std::string::npos) << line;
+  // about node 0 also that of node 3, about the x axis
+  const std::string node = reason("0");
+  for (const std::string word : {"not held against turning about the axis (0.707 0 -0.707) through (0 0 0)", "a torque of 7.07 N m"})
+    EXPECT_NE(node.find(word), std::string::npos) << node;
+}

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/integrators/energy_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace stroma {
+namespace {
+
+/// Steps from one look to the next: a look costs a product with the mass.
+constexpr long look_every = 8;
+
+bool isAlone(const System& system) {
+  if (system.inputs() || !system.actors().position_constraints.empty() || !system.actors().lagrangian_constraints.empty())
+    return false;
+  const auto& constraints = system.constraints().all();
+  if (std::any_of(constraints.begin(), constraints.end(), [](const auto* one) { return one->prescribesMotion(); })) return false;
+  const auto& fields = system.forceFields();
+  return std::all_of(fields.begin(), fields.end(), [](const ForceField* field) {
+    const ForceTraits traits = field->traits();
+    return (traits.conservative || traits.forces_balance) && !traits.time_dependent && !traits.lagged && !traits.decided_outside;
+  });
+}
+
+}  // namespace
+
+/// The kinetic energy [J] of a motion by round-off: a billionth of the system's extent per step.
+double EnergyWatch::noise() const {
+  Vector slow(system_->allRows());
+  clear(slow);
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  const auto isPlace = [this](Index row) { return system_->motion().kindOf(row) == RowKind::place; };
+  for (Index i = 0; i < system_->independentRows(); ++i)
+    if (isPlace(i)) low = low.cwiseMin(Vec3(system_->x[i])), high = high.cwiseMax(Vec3(system_->x[i]));
+  const double speed = 1e-9 * (high - low).norm() / system_->node().dt();
+  for (Index i = 0; i < system_->independentRows(); ++i)
+    if (isPlace(i)) slow[i] = Vec3(speed, 0, 0);
+  return system_->kineticEnergy(slow);
+}
+
+void EnergyWatch::compile(const System& system, bool wanted) { system_ = wanted && isAlone(system) ? &system : nullptr; }
+
+void EnergyWatch::stepBegins() {
+  if (system_ && taken_ == 0) begun_ = energy(), most_kinetic_ = system_->kineticEnergy();
+}
+
+void EnergyWatch::stepTaken() {
+  if (!system_) return;
+  if (taken_ == 0) start_ = begun_;
+  if (++taken_ % look_every == 0) most_kinetic_ = std::max(most_kinetic_, system_->kineticEnergy());
+}
+
+double EnergyWatch::gained() const {
+  if (!system_ || taken_ < 2 * look_every) return 0;
+  constexpr double usual = 0.05, round_off = 1e-9;
+  const double gained = energy() - start_, potential = std::abs(system_->potentialEnergy(system_->x));
+  return gained > usual * most_kinetic_ && gained > round_off * potential && gained > noise() ? gained : 0;
+}
+
+}  // namespace stroma
