@@ -40,6 +40,7 @@ class CollisionModel : public Component, public DrawnSolids {
   State& state() const { return *state_; }
   /// Something moves its state.
   bool isMoved() const;
+  bool isSimulated() const { return simulated_; }
   /// Whether the two may meet at all, wherever they are.
   static bool mayMeet(const CollisionModel& a, const CollisionModel& b);
 

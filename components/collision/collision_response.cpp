@@ -18,7 +18,8 @@
 //
 // Nothing hinders thin bodies that are fast from passing through each other: n then turns round. BarrierContact does not
 // let them. Bodies of several integrators that may meet move in one system, and penalties between them are implicit; SOFA
-// evaluates them once where the step starts.
+// evaluates them once where the step starts, but for those with models that are not `simulated`. With explicitBetween they are no
+// part of the matrix here either.
 //
 // It needs a CollisionPipeline, which is a watch where a response is asked for that is none of the two.
 //
@@ -47,6 +48,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <sstream>
 
 #include "components/collision/contact_report.h"
@@ -56,6 +58,7 @@
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/node.h"
+#include "framework/simulation/integrator.h"
 #include "framework/simulation/step_guard.h"
 
 namespace stroma::collision {
@@ -67,7 +70,8 @@ struct Push {
   std::array<double, 6> c{};
   Vec3 fixed = Vec3::Zero(), n;
   double d = 0, k = 0;
-  bool acts = false;  ///< at the last force
+  bool acts = false;    ///< at the last force
+  bool joined = false;  ///< a part of the matrix
 };
 
 class CollisionResponse final : public ForceField,
@@ -79,6 +83,8 @@ class CollisionResponse final : public ForceField,
     ForceField::declare(table);
     table.add("response", response_).help("how contacts are answered: PenalityContactForceField or FrictionContactConstraint");
     table.add("responseParams", parameters_).help("mu=... of friction; 0.8 when not given");
+    table.add("explicitBetween", explicit_between_)
+        .help("penalties between bodies of different integrators are no part of the matrix, as in SOFA");
     table.add("contacts", acting_).help("contacts that push").output();
     report_.declare(table);
   }
@@ -89,7 +95,8 @@ class CollisionResponse final : public ForceField,
   }
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.symmetric = traits.conservative = traits.exact_tangent = traits.lagged = true;
+    traits.symmetric = traits.lagged = true;
+    traits.conservative = traits.exact_tangent = !explicit_between_;
     traits.has_stiffness = !rubs();
     return traits;
   }
@@ -137,12 +144,15 @@ class CollisionResponse final : public ForceField,
   void readParameters();
   static Vec3 wayOf(const Push& push, ConstRows x);
   void find();
+  bool joins(const CollisionModel& a, const CollisionModel& b) const;
   static void addSide(const CollisionModel& model, const PartPoint& point, double sign, Push& push);
   static double depth(const Push& push, ConstRows x);
   static std::array<Vec3, 2> tangents(const Vec3& n);
 
   std::string response_ = "PenalityContactForceField", parameters_;
   int acting_ = 0;
+  bool explicit_between_ = false;
+  std::map<const CollisionModel*, const Integrator*> movers_;
 
   double mu_ = 0.8;
   const Method* method_ = nullptr;
@@ -176,6 +186,14 @@ void CollisionResponse::readParameters() {
   }
 }
 
+/// The integrator in the model's node or above; null: nothing moves it.
+static const Integrator* moverOf(const CollisionModel& model) {
+  for (const Node* node = &model.node(); node; node = node->parent())
+    for (const auto& component : node->components())
+      if (const auto* integrator = dynamic_cast<const Integrator*>(component.get())) return integrator;
+  return nullptr;
+}
+
 void CollisionResponse::init() {
   std::vector<State*> all;
   node().root().collect(all);
@@ -191,6 +209,8 @@ void CollisionResponse::init() {
       if (model->isMoved() && std::find(states_.begin(), states_.end(), &model->state()) == states_.end())
         states_.push_back(&model->state());
   if (states_.empty()) pairs_.clear();
+  movers_.clear();
+  for (const ModelPair& pair : pairs_) movers_[pair.a] = moverOf(*pair.a), movers_[pair.b] = moverOf(*pair.b);
   if (!mstate_.target() && !all.empty()) mstate_.set(states_.empty() ? all.front() : states_.front());
   ForceField::init();
 }
@@ -207,6 +227,10 @@ void CollisionResponse::addSide(const CollisionModel& model, const PartPoint& po
       push.fixed += sign * point.weight[i] * places[i];
 }
 
+bool CollisionResponse::joins(const CollisionModel& a, const CollisionModel& b) const {
+  return !explicit_between_ || !a.isSimulated() || !b.isSimulated() || movers_.at(&a) == movers_.at(&b);
+}
+
 void CollisionResponse::find() {
   search_.find(contacts_);
   pushes_.resize(contacts_.size());
@@ -219,6 +243,7 @@ void CollisionResponse::find() {
     push.k = contact.model_a->contactStiffness() * contact.model_b->contactStiffness() / (push.d > 0 ? push.d : 1);
     addSide(*contact.model_a, contact.a, -1, push);
     addSide(*contact.model_b, contact.b, 1, push);
+    push.joined = joins(*contact.model_a, *contact.model_b);
     has_new_ = has_new_ || pattern_[i] != push.rows;
     pattern_[i] = push.rows;
   }
@@ -299,7 +324,7 @@ void CollisionResponse::addForce(ConstRows x, ConstRows, Rows f) {
 
 void CollisionResponse::addStiffnessProduct(ConstRows dx, double factor, Rows df) const {
   for (const Push& push : pushes_) {
-    if (!push.acts) continue;
+    if (!push.acts || !push.joined) continue;
     double along = 0;
     for (std::size_t i = 0; i < 6; ++i)
       if (push.rows[i] >= 0) along += push.c[i] * push.n.dot(dx[push.rows[i]]);
@@ -311,6 +336,7 @@ void CollisionResponse::addStiffnessProduct(ConstRows dx, double factor, Rows df
 void CollisionResponse::addPattern(BlockPattern& pattern) const {
   for (const Push& push : pushes_) {
     if (rubs()) break;
+    if (!push.joined) continue;
     std::array<Index, 6> rows;
     int count = 0;
     for (const Index row : push.rows)
@@ -321,7 +347,7 @@ void CollisionResponse::addPattern(BlockPattern& pattern) const {
 
 void CollisionResponse::addStiffness(double factor, BlockMatrix& matrix) const {
   for (const Push& push : pushes_)
-    for (std::size_t i = 0; push.acts && i < 6; ++i)
+    for (std::size_t i = 0; push.acts && push.joined && i < 6; ++i)
       for (std::size_t j = 0; j < 6; ++j)
         if (push.rows[i] >= 0 && push.rows[j] >= 0 && push.c[i] * push.c[j] != 0)
           matrix.add(push.rows[i], push.rows[j],
@@ -330,7 +356,7 @@ void CollisionResponse::addStiffness(double factor, BlockMatrix& matrix) const {
 
 void CollisionResponse::addStiffnessDiagonal(double factor, std::vector<double>& blocks) const {
   for (const Push& push : pushes_)
-    for (std::size_t i = 0; push.acts && i < 6; ++i) {
+    for (std::size_t i = 0; push.acts && push.joined && i < 6; ++i) {
       if (push.rows[i] < 0) continue;
       double* block = blocks.data() + std::size_t(push.rows[i]) * 9;
       for (int k = 0; k < 9; ++k) block[k] -= factor * push.k * push.c[i] * push.c[i] * push.n[k / 3] * push.n[k % 3];

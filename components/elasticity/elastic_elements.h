@@ -13,6 +13,7 @@
 #include "components/elasticity/elastic_variant.h"
 #include "framework/fem/element_kernels.h"
 #include "framework/fem/isotropic.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/mesh/mesh.h"
 
 namespace stroma {
@@ -22,6 +23,7 @@ class ElasticElements {
  public:
   virtual ~ElasticElements() = default;
   virtual Index count(const Mesh& mesh) const = 0;
+  virtual const CellKind& kind() const = 0;
   virtual bool has(ElasticMethod method) const = 0;
   /// Does a method have ElasticVariant::mean_dilatation?
   virtual bool hasMeanDilatation(ElasticMethod method) const = 0;

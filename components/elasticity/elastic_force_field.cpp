@@ -112,6 +112,8 @@ void ElasticForceField::declare(DataTable& table) {
       .max(0.5, false)
       .physical()
       .help("Poisson's ratio: one value, or one per cell");
+  table.add("firstForOthers", first_for_others_)
+      .help("cells beyond the end of a list of youngModulus or poissonRatio take its first value, as in SOFA");
   table.add("localStiffnessFactor", stiffness_factor_)
       .recompiled()
       .unit("-")
@@ -308,10 +310,14 @@ void ElasticForceField::checkMeanDilatation() const {
 
 void ElasticForceField::readMaterial() {
   const std::size_t count = std::size_t(elements_->count(*mesh_));
-  const auto check = [&](const char* name, const std::vector<double>& values, bool may_be_empty) {
-    if ((may_be_empty && values.empty()) || values.size() == 1 || values.size() == count) return;
-    throw ComponentError(fmt::format("{} has {} values", name, values.size()),
-                         fmt::format("1, or {} (one per {})", count, kind_word_));
+  const auto check = [&](const char* name, std::vector<double>& values, bool is_factor) {
+    const std::size_t given = values.size();
+    if ((is_factor && given == 0) || given == 1 || given == count) return;
+    const std::string found = fmt::format("{} has {} values", name, given);
+    if (!first_for_others_ || is_factor || given == 0)
+      throw ComponentError(found, fmt::format("1, or {} (one per {})", count, kind_word_));
+    warn(fmt::format("{} for {} cells: {}", found, count, given < count ? "the others take the first" : "those beyond are left out"));
+    values.resize(count, double(values.front()));
   };
   check("youngModulus", young_modulus_, false);
   check("poissonRatio", poisson_ratio_, false);

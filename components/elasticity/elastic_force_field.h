@@ -49,6 +49,9 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   std::string doubt(ConstRows x) const override;
   std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
+  CellFieldShape cellFieldShape(const std::string& name) const override {
+    return {&elements_->kind(), std::size_t(name == "strain" ? 6 : 1)};
+  }
 
  private:
   enum class Tangent : int { warped, exact };
@@ -80,7 +83,7 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   TopologyLink topology_;
   std::string template_;
   std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, stiffness_factor_;
-  bool update_b_ = false, update_volume_ = false;
+  bool update_b_ = false, update_volume_ = false, first_for_others_ = false;
   Tangent tangent_ = Tangent::warped;
   Assembling assembling_ = Assembling::automatic;
   Dilatation dilatation_ = Dilatation::automatic;

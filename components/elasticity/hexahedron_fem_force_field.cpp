@@ -61,6 +61,7 @@ namespace {
 class Hexahedra final : public PointElements<Hexahedra> {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.hexahedra.size()); }
+  const CellKind& kind() const override { return cell_kinds::hexahedron; }
   double meanDilatationFrom() const override { return 0.4; }
   bool rotationHasPotential() const override { return false; }
 

@@ -74,6 +74,7 @@ class PlasticStrainForceField final : public ForceField, public History {
     table.addChoice("polarOf", polar_of_, {"gradient", "edges"}).help("of what polar and svd are the factor");
     table.add("youngModulus", young_modulus_).help("Young's modulus, one for all or one per cell").unit("Pa").min(0, false);
     table.add("poissonRatio", poisson_ratio_).help("Poisson's ratio, one for all or one per cell").unit("-").min(0).max(0.5, false);
+    table.add("firstForOthers", first_for_others_).help("cells beyond the end of a list take its first value, as in SOFA");
     table.add("plasticYieldThreshold", yield_).help("elastic strain beyond which a cell creeps").unit("-").min(0);
     table.add("plasticMaxThreshold", most_).help("largest plastic strain; 0: none, it stays at the start's").unit("-").min(0);
     table.add("plasticCreep", creep_).help("share of the elastic strain that becomes plastic per step").unit("-").min(0).max(1);
@@ -152,8 +153,8 @@ class PlasticStrainForceField final : public ForceField, public History {
     Mat3 frame, polar;  ///< at rest
   };
 
-  static void checkCount(std::size_t given, std::size_t cells, const char* name) {
-    if (given != 1 && given != cells)
+  void checkCount(std::size_t given, std::size_t cells, const char* name) const {
+    if (given != 1 && given != cells && (given == 0 || !first_for_others_))
       throw ComponentError(fmt::format("{} has {} values for {} tetrahedra", name, given, cells), "one, or one for each");
   }
   void addCell(const Tetrahedron& nodes, std::size_t c) {
@@ -167,7 +168,8 @@ class PlasticStrainForceField final : public ForceField, public History {
     for (int k = 0; k < 3; ++k) cell.gradients[std::size_t(k) + 1] = inverse.row(k).transpose();
     cell.gradients[0] = -cell.gradients[1] - cell.gradients[2] - cell.gradients[3];
     cell.volume = std::abs(edges.determinant()) / 6;
-    const double young = young_modulus_[young_modulus_.size() > 1 ? c : 0], nu = poisson_ratio_[poisson_ratio_.size() > 1 ? c : 0];
+    const double young = young_modulus_[c < young_modulus_.size() ? c : 0];
+    const double nu = poisson_ratio_[c < poisson_ratio_.size() ? c : 0];
     cell.lambda = young * nu / ((1 + nu) * (1 - 2 * nu)), cell.mu = young / (2 * (1 + nu));
     cell.frame = frameOf(rest(0), rest(1), rest(2));
     cell.polar = polarFactor(edges);
@@ -209,7 +211,7 @@ class PlasticStrainForceField final : public ForceField, public History {
   enum class PolarOf : int { gradient, edges } polar_of_ = PolarOf::gradient;
   std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, initial_;
   double yield_ = 1e-4, most_ = 0, creep_ = 0.9;
-  bool scaled_ = false;
+  bool scaled_ = false, first_for_others_ = false;
   std::vector<Cell> cells_;
   std::vector<double> plastic_;  ///< eps_p, six engineering strains of each cell
 };

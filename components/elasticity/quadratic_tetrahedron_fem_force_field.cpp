@@ -63,6 +63,7 @@ namespace {
 class QuadraticTetrahedra final : public PointElements<QuadraticTetrahedra> {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.quadratic_tetrahedra.size()); }
+  const CellKind& kind() const override { return cell_kinds::quadratic_tetrahedron; }
   double meanDilatationFrom() const override { return 0.45; }  // the table of errors is in docs/validation.md
   bool rotationHasPotential() const override { return true; }
   bool updatesStrainDisplacement() const override { return false; }

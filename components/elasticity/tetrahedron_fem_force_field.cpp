@@ -85,6 +85,7 @@ struct EdgePolar : ByStrain<EdgePolar> {
 class Tetrahedra final : public ElasticElements {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.tetrahedra.size()); }
+  const CellKind& kind() const override { return cell_kinds::tetrahedron; }
   bool has(ElasticMethod) const override { return true; }
   bool hasMeanDilatation(ElasticMethod method) const override {
     return method != ElasticMethod::green && method != ElasticMethod::nodal;

@@ -93,10 +93,12 @@ class TriangularFEMForceField final : public ElementKernelsField {
     return fmt::format("triangle {} (nodes {} {} {})", triangle, t[0], t[1], t[2]);
   }
 
+  void spreadValues(std::vector<double>& values, const char* attribute) const;
+
   TopologyLink topology_;
   std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45};
   double thickness_ = 1;
-  bool plane_strain_ = false;
+  bool plane_strain_ = false, first_for_others_ = false;
   Method method_word_ = Method::large;
   TangentWord tangent_ = TangentWord::warped;
   const std::vector<Triangle>* triangles_ = nullptr;
@@ -116,6 +118,8 @@ void TriangularFEMForceField::declare(DataTable& table) {
       .min(-1, false)
       .max(0.5)
       .physical();
+  table.add("firstForOthers", first_for_others_)
+      .help("triangles beyond the end of a list of youngModulus or poissonRatio take its first value, as in SOFA");
   table.add("thickness", thickness_).help("thickness of the membrane").unit("m").min(0, false).physical();
   table.add("planeStrain", plane_strain_).help("no strain across the plane, instead of no stress");
   table.addChoice("method", method_word_, {"small", "large"})
@@ -137,9 +141,18 @@ void TriangularFEMForceField::init() {
   if (!problem.empty()) throw ComponentError(problem);
   if (strain != StrainWord::energy && (method_word_ == Method::small || tangent_ == TangentWord::exact))
     throw ComponentError("strain rest and current are of method large and the warped tangent", "strain=\"energy\"");
-  spread(young_modulus_, triangles_->size(), "youngModulus", "triangles");
-  spread(poisson_ratio_, triangles_->size(), "poissonRatio", "triangles");
+  spreadValues(young_modulus_, "youngModulus"), spreadValues(poisson_ratio_, "poissonRatio");
   checkTriangles();
+}
+
+void TriangularFEMForceField::spreadValues(std::vector<double>& values, const char* attribute) const {
+  const std::size_t given = values.size(), count = triangles_->size();
+  if (first_for_others_ && given > 1 && given != count) {
+    warn(fmt::format("{} has {} values for {} triangles: {}", attribute, given, count,
+                     given < count ? "the others take the first" : "those beyond are left out"));
+    values.resize(count, double(values.front()));
+  }
+  spread(values, count, attribute, "triangles");
 }
 
 void TriangularFEMForceField::checkTriangles() const {

@@ -93,17 +93,24 @@ class DeadPressure : public ForceField, public LocalLoad {
       return d > dmin_ && d < dmax_;
     });
   }
-  void checkCells(const auto& cells, const char* name) const {
+  /// `name`: of the attribute; `thing`: what it lists. `has_any`: the mesh has such.
+  void checkCells(const auto& cells, const char* name, const char* thing, bool has_any) const {
     if (cells.empty() && !allow_empty_)
-      throw ComponentError(fmt::format("no {} is loaded", name), "at least one", "check the selection that is linked");
+      throw ComponentError(fmt::format("no {} is loaded{}", thing, has_any ? "" : ": the mesh has none"), "at least one",
+                           has_any ? "check the selection that is linked"
+                                   : "of the faces of volume cells a loader makes some with createSubelements=\"true\", a solid "
+                                     "RegularGridTopology with computeQuadList=\"true\" or computeEdgeList=\"true\"");
     if (cells.empty()) warn(fmt::format("{} chooses nothing: there is no load", name));
     for (const auto& cell : cells)
       for (const Index node : cell)
-        if (node < 0 || node >= state().nodes()) throw ComponentError(fmt::format("{} names node {} of {}", name, node, state().nodes()));
+        if (node < 0 || node >= state().nodes())
+          throw ComponentError(fmt::format("{} names node {} of {}", name, node, state().nodes()),
+                               fmt::format("nodes 0 to {}", state().nodes() - 1));
   }
   static const auto& chosen(const auto& cells, int index, const char* name) {
     if (index < 0 || std::size_t(index) >= cells.size())
-      throw ComponentError(fmt::format("{} names {}, and the mesh has {}", name, index, cells.size()));
+      throw ComponentError(fmt::format("{} names {}, and the mesh has {}", name, index, cells.size()),
+                           cells.empty() ? std::string("a mesh with such cells") : fmt::format("0 to {}", cells.size() - 1));
     return cells[std::size_t(index)];
   }
   Vec3 pressure_ = Vec3::Zero();
@@ -130,7 +137,7 @@ class QuadPressure final : public DeadPressure {
     for (const int index : list_) quads.push_back(chosen(found.quads, index, "quadList"));
     if (list_.empty() && choosesByPlanes())
       std::copy_if(found.quads.begin(), found.quads.end(), std::back_inserter(quads), [this](const Quad& q) { return isBetween(q); });
-    checkCells(quads, "quadList");
+    checkCells(quads, "quadList", "quad", !found.quads.empty());
     for (const Quad& q : quads) {
       const Vec3 diagonal = rest(q[2]) - rest(q[0]);
       const double area = ((rest(q[1]) - rest(q[0])).cross(diagonal).norm() + diagonal.cross(rest(q[3]) - rest(q[0])).norm()) / 2;
@@ -160,11 +167,17 @@ class EdgePressure final : public DeadPressure {
     for (const int index : list_) chosen_.push_back(chosen(all, index, "edgeIndices"));
     if (chosen_.empty() && choosesByPlanes())
       std::copy_if(all.begin(), all.end(), std::back_inserter(chosen_), [this](const Edge& e) { return isBetween(e); });
-    checkCells(chosen_, "edges");
+    checkCells(chosen_, "edges", "edge", !all.empty());
     sides_.assign(chosen_.size(), -1);
     for (const Edge& e : chosen_)
       for (const Index node : e) loads_.emplace_back(node, (rest(e[1]) - rest(e[0])).norm() / 2 * pressure_);
     follows_ = pressure_.isZero(0) && !intensity_.empty();
+    if (!follows_ && !intensity_.empty()) warn("p_intensity has no effect beside pressure", "one of the two");
+    const std::size_t count = chosen_.size(), values = intensity_.size();
+    if (follows_ && values != 1 && values != count)
+      warn(fmt::format("p_intensity has {} values for {} edges: {}", values, count,
+                       values < count ? "the others take the first" : "those beyond are left out"),
+           fmt::format("1 value or {}", count));
     if (!follows_ && pressure_.isZero(0)) warn("neither pressure nor p_intensity is given: there is no load");
     if (follows_ && !data().find("binormal")->isSet()) findSides(found);
   }

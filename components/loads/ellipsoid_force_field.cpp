@@ -12,7 +12,9 @@
 //
 // At the centre, where every way out is as near, there is no force.
 //
-// Source: the names and attributes are SOFA's; the force here has a potential.
+// Source: the names and attributes are SOFA's; the force here has a potential. That of SOFA's EllipsoidForceField, depth="ratio",
+// has the number s = sqrt(q) - 1 in place of the length, so that the stiffness is a force, along the unit normal n:
+// f = -k g n - c g v. Of its tangent, which is none of a potential, the symmetric part is taken.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -56,10 +58,12 @@ class Ellipsoid : public PenaltyField {
     const Vec3 y = x - centre_;
     const double sign = signed_stiffness_ > 0 ? -1 : 1;
     if (y.cwiseQuotient(radii_).squaredNorm() < 1e-24) return {};
-    Depth level = levelOf(y, radii_);
+    Depth level = by_ratio_ ? ratioOf(y, radii_) : levelOf(y, radii_);
     level.g *= sign, level.gradient *= sign, level.hessian *= sign;
     return level;
   }
+
+  bool by_ratio_ = false;
 
  private:
   Vec3 centre_ = Vec3::Zero(), radii_ = Vec3::Zero();
@@ -71,10 +75,21 @@ class EllipsoidForceField final : public Ellipsoid {
   void declare(DataTable& table) override {
     Ellipsoid::declare(table);
     table.add("vradius", given_radii_).help("half lengths of the axes").unit("m").required();
+    table.addChoice("depth", depth_of_, {"distance", "ratio"})
+        .help("what the stiffness multiplies: the distance to first order, or SOFA's ratio of lengths, less one");
   }
-  void init() override { initRadii(given_radii_, "vradius"); }
+  void init() override {
+    by_ratio_ = depth_of_ == DepthOf::ratio;
+    initRadii(given_radii_, "vradius");
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits = Ellipsoid::traits();
+    if (by_ratio_) traits.conservative = traits.exact_tangent = false;
+    return traits;
+  }
 
  private:
+  enum class DepthOf : int { distance, ratio } depth_of_ = DepthOf::distance;
   Vec3 given_radii_ = Vec3::Zero();
 };
 

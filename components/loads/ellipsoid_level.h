@@ -24,4 +24,19 @@ inline Depth levelOf(const Vec3& y, const Vec3& radii) {
   return level;
 }
 
+/// SOFA's: the number sqrt(q) - 1 along the unit normal a/|a|. What is no derivative of it makes up for the terms that a tangent
+/// k (n n^T + g H) has besides: of SOFA's, which is not symmetric, H has the symmetric part.
+inline Depth ratioOf(const Vec3& y, const Vec3& radii) {
+  const Vec3 inverse = radii.array().square().inverse();
+  const Vec3 a = y.cwiseProduct(inverse);
+  const double root_q = std::sqrt(y.dot(a)), length = a.norm();
+  Depth level;
+  level.g = root_q - 1;
+  level.gradient = a / length;
+  const Mat3 pair = a * a.cwiseProduct(inverse).transpose() / (length * length);
+  level.hessian = inverse.asDiagonal().toDenseMatrix() / length - (pair + pair.transpose()) / 2;
+  if (level.g != 0) level.hessian += (length / root_q - 1) / level.g * level.gradient * level.gradient.transpose();
+  return level;
+}
+
 }  // namespace stroma

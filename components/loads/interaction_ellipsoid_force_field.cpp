@@ -12,8 +12,9 @@
 // without the turning of r and of the damping. With object2_forces="false" the frame feels nothing, and what the points feel
 // as it moves is no part of the tangent.
 //
-// Source: names and attributes are SOFA's. There the frame gets the force at its centre and no torque, the damping is that of
-// the point's own velocity, and object2_invert is there too.
+// Source: names and attributes are SOFA's. There g is the number sqrt(q) - 1 (depth="ratio", as EllipsoidForceField has it), the
+// frame gets the force at its centre and no torque, the damping is that of the point's own velocity (onCentre), and the forces
+// between bodies without a common solver are those of the start of a step (explicitForce); object2_invert is there too.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -61,6 +62,10 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
     table.add("damping", damping_constant_).help("force over velocity and depth").unit("N s/m^2").min(0);
     table.add("object2_forces", answers_).help("the frame feels what it does to the points");
     table.add("explicitDamping", explicit_).help("damping has no part in derivatives, as in SOFA");
+    table.add("explicitForce", explicit_force_).help("the forces are no part of the matrix: not stable for stiff ones");
+    table.add("onCentre", on_centre_).help("the frame gets no torque, and points are damped as if it stood still, as in SOFA");
+    table.addChoice("depth", depth_of_, {"distance", "ratio"})
+        .help("what the stiffness multiplies: the distance to first order, or SOFA's ratio of lengths, less one");
     for (const char* name : {"color", "draw"}) table.addVisualOnly(name);
   }
 
@@ -81,9 +86,14 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.symmetric = true;
-    traits.conservative = answers_ && (damping_constant_ == 0 || !explicit_);  // damping that no C says is in no energy
+    traits.conservative = answers_ && (damping_constant_ == 0 || isDamped());  // damping that no C says is in no energy
     traits.velocity_dependent = isDamped();
     traits.exact_tangent = answers_ && damping_constant_ == 0;
+    if (on_centre_ || depth_of_ == DepthOf::ratio) traits.conservative = traits.exact_tangent = false;
+    if (explicit_force_) {
+      traits.conservative = traits.conservative && damping_constant_ == 0;
+      traits.has_stiffness = traits.velocity_dependent = traits.exact_tangent = false;
+    }
     return traits;
   }
   void compile() override {
@@ -115,7 +125,7 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
   bool takesAllRows() const override { return true; }
 
  private:
-  bool isDamped() const { return damping_constant_ > 0 && !explicit_; }
+  bool isDamped() const { return damping_constant_ > 0 && !explicit_ && !on_centre_; }
   /// In the axes of the frame.
   static Vec3 place(const Group& row, ConstRows x) {
     return orientationIn(x, row[2]).conjugate() * (Vec3(x[row[0]]) - Vec3(x[row[1]]));
@@ -126,7 +136,8 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
     for (std::size_t e = 1; e < radii_.size(); ++e)
       if (level(e) < level(best)) best = e;
     if (level(best) < 1e-24) return {};  // at the centre every way out is as near
-    Depth depth = levelOf(y - centres_[best], radii_[best]);
+    const bool by_ratio = depth_of_ == DepthOf::ratio;
+    Depth depth = by_ratio ? ratioOf(y - centres_[best], radii_[best]) : levelOf(y - centres_[best], radii_[best]);
     if (signed_stiffness_ > 0) depth.g *= -1, depth.gradient *= -1, depth.hessian *= -1;
     return depth;
   }
@@ -138,13 +149,19 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
     const Vec3 n = axes * depth.gradient, arm = Vec3(x[point]) - Vec3(x[centre]);
     const Vec3 elastic = -k * depth.g * n;
     Vec3 force = elastic;
-    if (damping_constant_ > 0) force -= c * (Vec3(v[point]) - Vec3(v[centre]) - Vec3(v[turn]).cross(arm));
+    const Vec3 carried = on_centre_ ? Vec3(Vec3::Zero()) : Vec3(Vec3(v[centre]) + Vec3(v[turn]).cross(arm));
+    if (damping_constant_ > 0) force -= c * (Vec3(v[point]) - carried);
     f[point] += force;
     const Mat3 of_place = -k * (n * n.transpose() + depth.g * axes * depth.hessian * axes.transpose());
     stiffness_[i].block(0, 0) = of_place;
     if (!damping_.empty()) damping_[i].block(0, 0) = -c * Mat3::Identity();
     if (!answers_) return;
     f[centre] -= force;
+    if (on_centre_) {
+      stiffness_[i].block(1, 1) = of_place;
+      stiffness_[i].block(0, 1) = stiffness_[i].block(1, 0) = -of_place;
+      return;
+    }
     f[turn] -= arm.cross(force);
     const Mat3 r = crossMatrix(arm), pull = crossMatrix(elastic);
     setFrameBlocks(stiffness_[i], of_place, of_place * r - pull);
@@ -165,8 +182,9 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
   Link<State> points_{"mechanical state"}, frames_{"mechanical state"};
   int frame_ = 0;
   std::vector<Vec3> centres_, radii_;
-  double signed_stiffness_ = 500, damping_constant_ = 5;
-  bool answers_ = true, explicit_ = false;
+  double signed_stiffness_ = 500, damping_constant_ = 0;
+  bool answers_ = true, explicit_ = false, explicit_force_ = false, on_centre_ = false;
+  enum class DepthOf : int { distance, ratio } depth_of_ = DepthOf::distance;
 };
 
 }  // namespace

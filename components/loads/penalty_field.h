@@ -38,7 +38,7 @@ class PenaltyField : public NodeGroupField<1> {
   virtual Depth depth(const Vec3& x) const = 0;
 
   double stiffness_constant_ = 500;  ///< k [N/m]
-  double damping_constant_ = 5;      ///< c [N s/m^2]
+  double damping_constant_ = 0;      ///< c [N s/m^2]
   double largest_force_ = 0;         ///< F [N]; 0: not limited
   bool explicit_damping_ = false;
 

@@ -87,7 +87,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
   SurfaceSelection selection_;
   Vec3 main_direction_ = Vec3::Zero();
   std::vector<double> key_times_, key_pressures_;
-  bool pulse_ = false, gas_ = false, use_tangent_ = true;
+  bool pulse_ = false, gas_ = false, use_tangent_ = true, exact_border_ = false;
   KeyTimes<double> keys_;
   double now_ = 0;  ///< p [Pa]
 };
@@ -96,6 +96,7 @@ void SurfacePressureForceField::declare(DataTable& table) {
   SurfaceLoad::declare(table);
   table.add("pressure", pressure_).recompiled().help("pressure along the normals").unit("Pa");
   selection_.declare(table);
+  table.add("exactBorder", exact_border_).help("the box from min to max is not widened by 1e-9 of its size, as in SOFA");
   table.add("mainDirection", main_direction_)
       .help("faces are loaded in proportion to the cosine of their normal with it; 0 0 0: all alike")
       .unit("-");

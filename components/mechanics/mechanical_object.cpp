@@ -71,8 +71,8 @@ class MechanicalObject final : public State {
   void init() override {
     const NodeType* type = typeOf(template_);
     if (!type)
-      throw ComponentError(fmt::format("nodes of type {} do not exist here", template_),
-                           "Vec3, Rigid3, Vec1, Vec2 or Vec6");
+      throw ComponentError(fmt::format("nodes of type {} do not exist here", template_), "Vec3, Rigid3, Vec1, Vec2 or Vec6",
+                           template_ == "Rigid2" ? "Rigid3 with PartialFixedProjectiveConstraint, fixedDirections=\"0 0 1 1 1 0\"" : "");
     kinds_ = type->kinds;
     readShorthands();
     if (!kinds_.empty()) readFlat();

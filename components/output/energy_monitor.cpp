@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // EnergyMonitor: the energies of the scene over time, in columns.
 //
-// Columns: time [s]; kinetic energy 1/2 v^T M v; elastic energy (the sum over the force fields); gravity energy
-// -sum m g.x; their total E; and the defect E(t) - E(0) of the energy balance, all in joule and summed over every
-// system of the scene. The defect is the work that damping, the integration scheme and prescribed motion took out
-// (negative) or put in (positive): it is zero for an exact scheme without damping, implicit Euler makes it negative,
-// and a defect that grows without bound announces a divergence. The second line of the file warns when a force field
-// has no potential, because the defect then contains its work. The first row is the start, then one every
-// `exportEveryNumberOfSteps` steps.
+// Columns: time; kinetic energy 1/2 v^T M v; elastic energy (the sum over the force fields); gravity energy -sum m g.x; their
+// total E; and the defect E(t) - E(0) of the energy balance, summed over every system of the scene. The first line has the units of
+// a scene that says which it has. The defect is the work that damping, the integration scheme and prescribed motion took out
+// (negative) or put in (positive): it is zero for an exact scheme without damping, implicit Euler makes it negative, and a defect
+// that grows without bound announces a divergence. The second line of the file warns when a force field has no potential, because
+// the defect then contains its work. The first row is the start, then one every `exportEveryNumberOfSteps` steps.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -22,6 +21,7 @@
 
 #include "components/output/table_file.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/written_units.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
 
@@ -38,8 +38,9 @@ class EnergyMonitor final : public Observer {
   void begin(const Simulation& simulation) override {
     const bool conservative =
         std::ranges::all_of(simulation.systems(), [](const auto& system) { return system->isConservative(); });
+    const auto unit = [&simulation](const char* si_unit) { return unitInBrackets(simulation.scene(), si_unit); };
     const std::string head =
-        fmt::format("# time [s], energies [J]: kinetic elastic gravity total defect\n{}",
+        fmt::format("# time{}, energies{}: kinetic elastic gravity total defect\n{}", unit("s"), unit("J"),
                     conservative ? "" : "# some force fields have no potential: the defect contains their work\n");
     if (file_.open(file_name_.found, simulation.steps() > 0, head))
       write(simulation, simulation.time(), simulation.steps() == 0);

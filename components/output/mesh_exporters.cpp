@@ -4,7 +4,8 @@
 // OBJExporter: the surface as Wavefront .obj. STLExporter: as .stl, binary unless binaryformat="false". The surface is the
 //   mesh's triangles and quads, else the faces of its volume cells that belong to one cell.
 // MeshExporter: the mesh in the format `format`: vtk (legacy, all cells), gmsh (.msh 2.2, all cells), obj, netgen (.mesh: nodes,
-//   tetrahedra and triangles), or ALL of them.
+//   tetrahedra and triangles), or ALL of them. A quadratic triangle of a surface is four flat ones; of quadratic tetrahedra netgen
+//   has the corners.
 //
 // Files are called filename, a number of five digits unless it is written once only, and the ending of the format. They are
 // written after every exportEveryNumberOfSteps steps (0: never), and with exportAtBegin and exportAtEnd before the first step
@@ -29,7 +30,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
@@ -43,12 +43,18 @@
 namespace stroma {
 namespace {
 
-/// The triangles of the surface: quads as two each.
-std::vector<Triangle> skinOf(const Mesh& mesh) {
-  const bool has_faces = !mesh.triangles.empty() || !mesh.quads.empty();
+/// The triangles of the surface: quads as two each, quadratic triangles as four, or with corners_only as one.
+std::vector<Triangle> skinOf(const Mesh& mesh, bool corners_only = false) {
+  const bool has_faces = !mesh.triangles.empty() || !mesh.quads.empty() || !mesh.quadratic_triangles.empty();
   std::vector<Triangle> skin = has_faces ? mesh.triangles : mesh.boundaryTriangles();
   for (const Quad& q : has_faces ? mesh.quads : mesh.boundaryQuads())
     skin.push_back({q[0], q[1], q[2]}), skin.push_back({q[0], q[2], q[3]});
+  for (const QuadraticTriangle& t : has_faces ? mesh.quadratic_triangles : mesh.boundaryQuadraticTriangles()) {
+    if (corners_only)
+      skin.push_back({t[0], t[1], t[2]});
+    else
+      skin.insert(skin.end(), {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}, {t[3], t[4], t[5]}});
+  }
   return skin;
 }
 
@@ -80,14 +86,19 @@ std::string stlOf(const Mesh& mesh, const std::vector<Vec3>& x, bool binary) {
   return binary ? text : text + "endsolid stroma\n";
 }
 
-/// "NUMBER a b c ..." for each cell that a format knows by a number, ascending in dimension.
+/// line(number, nodes) for each cell, with the number and in the order of a format; cells ascend in dimension.
 template <class Line>
-std::size_t forCells(const Mesh& mesh, Line&& line) {
+std::size_t forCells(const Mesh& mesh, CellFormat CellKind::*format, Line&& line) {
   std::size_t count = 0;
+  std::vector<Index> nodes;
   forEachCellList(
       [&](const CellKind& kind, const auto& cells) {
-        if (kind.order > 1) return;  // of higher order: nodes on edges, which have another order there
-        for (const auto& cell : cells) line(kind, cell), ++count;
+        const CellFormat& written = kind.*format;
+        nodes.resize(written.order.size());
+        for (const auto& cell : cells) {
+          for (std::size_t k = 0; k < nodes.size(); ++k) nodes[k] = cell[std::size_t(written.order[k])];
+          line(written.number, nodes), ++count;
+        }
       },
       mesh);
   return count;
@@ -99,10 +110,10 @@ std::string vtkOf(const Mesh& mesh, const std::vector<Vec3>& x) {
   for (const Vec3& p : x) text += fmt::format("{} {} {}\n", p[0], p[1], p[2]);
   std::string cells, kinds;
   std::size_t numbers = 0;
-  const std::size_t count = forCells(mesh, [&](const CellKind& kind, const auto& cell) {
-    cells += fmt::format("{} {}\n", cell.size(), fmt::join(cell, " "));
-    kinds += fmt::format("{}\n", kind.vtk.number);
-    numbers += cell.size() + 1;
+  const std::size_t count = forCells(mesh, &CellKind::vtk, [&](int kind, const std::vector<Index>& nodes) {
+    cells += fmt::format("{} {}\n", nodes.size(), fmt::join(nodes, " "));
+    kinds += fmt::format("{}\n", kind);
+    numbers += nodes.size() + 1;
   });
   return text + fmt::format("CELLS {} {}\n{}CELL_TYPES {}\n{}", count, numbers, cells, count, kinds);
 }
@@ -112,11 +123,9 @@ std::string gmshOf(const Mesh& mesh, const std::vector<Vec3>& x) {
   for (std::size_t i = 0; i < x.size(); ++i) text += fmt::format("{} {} {} {}\n", i + 1, x[i][0], x[i][1], x[i][2]);
   std::string cells;
   std::size_t number = 0;
-  const std::size_t count = forCells(mesh, [&](const CellKind& kind, const auto& cell) {
-    const CellKind* const types[] = {&cell_kinds::edge, &cell_kinds::triangle, &cell_kinds::quad, &cell_kinds::tetrahedron};
-    const auto type = std::find(std::begin(types), std::end(types), &kind) - std::begin(types) + 1;
+  const std::size_t count = forCells(mesh, &CellKind::gmsh, [&](int type, const std::vector<Index>& nodes) {
     cells += fmt::format("{} {} 0", ++number, type);
-    for (const Index node : cell) cells += fmt::format(" {}", node + 1);
+    for (const Index node : nodes) cells += fmt::format(" {}", node + 1);
     cells += '\n';
   });
   return text + fmt::format("$EndNodes\n$Elements\n{}\n{}$EndElements\n", count, cells);
@@ -125,9 +134,11 @@ std::string gmshOf(const Mesh& mesh, const std::vector<Vec3>& x) {
 std::string netgenOf(const Mesh& mesh, const std::vector<Vec3>& x) {
   std::string text = fmt::format("{}\n", x.size());
   for (const Vec3& p : x) text += fmt::format("{} {} {}\n", p[0], p[1], p[2]);
-  text += fmt::format("{}\n", mesh.tetrahedra.size());
-  for (const Tetrahedron& t : mesh.tetrahedra) text += fmt::format("1 {} {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1, t[3] + 1);
-  const std::vector<Triangle> skin = skinOf(mesh);
+  text += fmt::format("{}\n", mesh.tetrahedra.size() + mesh.quadratic_tetrahedra.size());
+  const auto add = [&text](const auto& t) { text += fmt::format("1 {} {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1, t[3] + 1); };
+  std::for_each(mesh.tetrahedra.begin(), mesh.tetrahedra.end(), add);
+  std::for_each(mesh.quadratic_tetrahedra.begin(), mesh.quadratic_tetrahedra.end(), add);
+  const std::vector<Triangle> skin = skinOf(mesh, true);
   text += fmt::format("{}\n", skin.size());
   for (const Triangle& t : skin) text += fmt::format("1 {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
   return text;

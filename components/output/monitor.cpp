@@ -2,11 +2,11 @@
 // Monitor: positions, velocities and forces of chosen nodes over time, in columns for gnuplot.
 //
 // One text file for each quantity asked for: <fileName>_x.txt (positions), <fileName>_v.txt (velocities),
-// <fileName>_f.txt (net force of the last evaluation). Their head names the units of the scene, where they are known
-// (docs/units.md). A line starts with the time; then follow the three
-// components of each node in the order of `indices`. The first line is the start, then one per step. Numbers have the
-// fewest digits that read back to the same bits. To plot the height of the first node:
-// `plot "tip_x.txt" using 1:3 with lines`.
+// <fileName>_f.txt (net force of all force fields and of gravity at that instant, which takes one evaluation more per
+// step; at a node that a constraint holds the reaction of the support has the opposite sign). Their head names the units
+// of the scene, where they are known (docs/units.md). A line starts with the time; then follow the three components of
+// each node in the order of `indices`. The first line is the start, then one per step. Numbers have the fewest digits
+// that read back to the same bits. To plot the height of the first node: `plot "tip_x.txt" using 1:3 with lines`.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "components/output/table_file.h"
+#include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/written_units.h"
 #include "framework/simulation/simulation.h"
@@ -44,11 +45,7 @@ class Monitor final : public Observer {
   void init() override {
     state_ = mstate_.get() ? mstate_.get() : find<State>();
     if (!state_) throw ComponentError("no state to watch", "a MechanicalObject in this node, or mstate=\"@path\"");
-    if (nodes_.empty()) throw ComponentError("indices is empty", "the nodes to watch");
-    for (const int node : nodes_)
-      if (node < 0 || node >= state_->nodes())
-        throw ComponentError(fmt::format("indices names node {}", node),
-                             fmt::format("nodes 0 to {} of {}", state_->nodes() - 1, state_->path()));
+    checkedNodesInOrder(nodes_, *state_, "indices");
     if (export_f_) state_->requestForce();
     if (!export_x_ && !export_v_ && !export_f_)
       warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true");

@@ -11,8 +11,8 @@
 // Instants: `time` lists times to write; after the last of them, or from the start when there are none, one instant
 // every `period`. With neither, every step. An instant is written by the first step that reaches it. Where SOFA acts
 // before a step, so that the result of the last one is missing, this component acts at the start and after each step.
-// F is the net force of the last evaluation: for a scheme that solves one linear system per step, the force at the
-// start of the step; at t = 0 it is evaluated for this file.
+// F is the net force of all force fields and of gravity at the instant, which takes one evaluation more per step. At a
+// node that a constraint holds it is what the body exerts there: the reaction of the support has the opposite sign.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -28,6 +28,7 @@
 #include <utility>
 
 #include "framework/mechanics/frames.h"
+#include "framework/mechanics/node_indices.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/simulation.h"
@@ -110,10 +111,7 @@ class WriteState final : public Observer {
 
  private:
   void checkNodes(const char* attribute, const std::vector<int>& nodes) const {
-    for (const int node : nodes)
-      if (node < 0 || node >= state_->nodes())
-        throw ComponentError(fmt::format("{} names node {}", attribute, node),
-                             fmt::format("nodes 0 to {} of {}", state_->nodes() - 1, state_->path()));
+    for (std::size_t i = 0; i < nodes.size(); ++i) checkNode(nodes[i], i, *state_, attribute);
   }
 
   bool isDue(double t, double dt) {

@@ -2,16 +2,15 @@
 // Selects the nodes and cells of a mesh that lie in a region: boxes (BoxROI), spheres (SphereROI), rectangles (PlaneROI),
 // one box without another (PairBoxROI) or a closed surface (MeshROI).
 //
-// The outputs are link sources: indices="@roi.indices". A node on the border is inside. A cell is inside when all its
-// nodes are (strict="true") or when the mean of its nodes is (strict="false"). The nodes tested are `position`, else
-// the rest positions of the state of the node, else those of its topology, else the nearest state or topology above.
-// The cells tested are those given, else the lists of the topology of the node or above; their indices count in these
-// lists.
+// The outputs are link sources: indices="@roi.indices". A node on the border is inside: borders are widened for round-off, by
+// 1e-9 of the region or of the mesh, whichever is smaller, unless exactBorder="true" (SOFA's way). A cell is inside when all its
+// nodes are (strict="true") or when their mean is (strict="false"). The nodes tested are `position`, else the rest positions of
+// the state of the node, else those of its topology, else the nearest state or topology above. The cells tested are those given,
+// else the lists of the topology of the node or above; their indices count in these lists.
 //
 // BoxROI: `box` lists axis-aligned boxes (x y z of one corner, x y z of the opposite one). `orientedBox` lists boxes of
 // ten numbers, three corners p0 p1 p2 of a parallelogram and a depth d: points p1 + a (p0 - p1) + b (p2 - p1) + c n
-// with 0 <= a, b <= 1, |c| <= d/2 and n the unit normal (borders widened by 1e-9 of the box, for round-off). SphereROI:
-// `centers` and `radii`, one radius for each centre or one for all.
+// with 0 <= a, b <= 1, |c| <= d/2 and n the unit normal. SphereROI: `centers` and `radii`, one radius for each or one for all.
 //
 // PlaneROI: `plane` lists rectangles of ten numbers, three corners p0 p1 p2 and a depth d: points p0 + a (p1 - p0) +
 // b (p2 - p0) + c n with 0 <= a, b <= 1 and |c| <= d/2. PairBoxROI: nodes in inclusiveBox that are not in includedBox. MeshROI:
@@ -19,7 +18,6 @@
 //
 // Unlike SOFA a region that is not given is an error (there: the unit cube), and so is an empty selection, unless
 // allowEmpty="true": a clamp that holds nothing is otherwise seen only in the result.
-//
 // Source: the attributes are SOFA's.
 //
 // Example:
@@ -58,6 +56,15 @@ class RegionOfInterest : public Component {
   virtual void prepare() = 0;  ///< checks the region; throws ComponentError
   virtual bool contains(const Vec3& p) const = 0;
   virtual std::string describeRegion() const = 0;
+  /// By how much [m] the border of a region of this size is moved outwards.
+  double widened(double size) const {
+    return exact_ ? 0 : widening * (around_.sizes().maxCoeff() > 0 ? std::min(size, around_.sizes().maxCoeff()) : size);
+  }
+  bool isIn(const Vec3& low, const Vec3& high, const Vec3& p) const {
+    const double border = widened((high - low).maxCoeff());
+    return (p.array() >= low.array() - border).all() && (p.array() <= high.array() + border).all();
+  }
+  static constexpr double widening = 1e-9;
 
  private:
   template <class Cell>
@@ -87,17 +94,16 @@ class RegionOfInterest : public Component {
   std::vector<int> indices_, outside_;
   int count_ = 0;
   Selections cells_;
-  bool strict_ = true, allow_empty_ = false, update_ = false;
-  std::vector<char> inside_;  ///< of each node
+  bool strict_ = true, allow_empty_ = false, update_ = false, exact_ = false;
+  std::vector<char> inside_;     ///< of each node
+  Eigen::AlignedBox3d around_;  ///< the nodes
 };
 
 void RegionOfInterest::declare(DataTable& table) {
-  table.add("position", position_)
-      .alias("rest_position")
-      .unit("m")
-      .help("nodes tested; default: those of the state or topology");
+  table.add("position", position_).alias("rest_position").unit("m").help("nodes tested; default: those of the state or topology");
   table.add("strict", strict_).help("a cell is inside when all its nodes are; false: when its centre is");
   table.add("allowEmpty", allow_empty_).help("an empty selection is no error");
+  table.add("exactBorder", exact_).help("borders are not widened for round-off, as in SOFA");
   forEachCellList(
       [&table](const CellKind& kind, auto& selection) {
         std::string word(kind.plural);
@@ -122,8 +128,7 @@ void RegionOfInterest::declare(DataTable& table) {
   table.add("pointsOutROI", points_outside_).unit("m").help("positions of the nodes outside").output();
   table.add("nbIndices", count_).help("number of nodes inside").output();
   for (const char* name : {"drawROI", "drawBoxes", "drawSphere", "drawPoints", "drawEdges", "drawTriangles",
-                           "drawQuads", "drawTetrahedra", "drawHexahedra", "drawSize"})
-    table.addVisualOnly(name);
+                           "drawQuads", "drawTetrahedra", "drawHexahedra", "drawSize"}) table.addVisualOnly(name);
 }
 
 void RegionOfInterest::init() {
@@ -132,6 +137,7 @@ void RegionOfInterest::init() {
   prepare();
   findPositions();
   takeCells();
+  for (const Vec3& p : position_) around_.extend(p);
   inside_.resize(position_.size());
   for (std::size_t n = 0; n < position_.size(); ++n) {
     inside_[n] = contains(position_[n]);
@@ -151,8 +157,7 @@ void RegionOfInterest::init() {
 
 /// A selection that is made again starts from nothing.
 void RegionOfInterest::forget() {
-  for (std::vector<int>* list : {&indices_, &outside_}) list->clear();
-  for (std::vector<Vec3>* list : {&points_inside_, &points_outside_}) list->clear();
+  indices_.clear(), outside_.clear(), points_inside_.clear(), points_outside_.clear(), around_.setEmpty();
   forEachCellList(
       [](const CellKind&, auto& selection) {
         selection.indices.clear(), selection.outside.clear(), selection.inside_cells.clear(), selection.outside_cells.clear();
@@ -161,10 +166,9 @@ void RegionOfInterest::forget() {
 }
 
 void RegionOfInterest::findPositions() {
-  if (data().find("position")->isSet()) {
-    if (position_.empty()) throw ComponentError("position is empty", "a list of nodes");
-    return;
-  }
+  const bool is_given = data().find("position")->isSet();
+  if (is_given && position_.empty()) throw ComponentError("position is empty", "a list of nodes");
+  if (is_given) return;
   for (const bool upwards : {false, true}) {
     if (const auto* state = find<State>(upwards)) return void(position_ = nodePlaces(*state, state->rest_position));
     if (const auto* topology = firstTopology(*this, upwards)) return void(position_ = topology->mesh().position);
@@ -202,8 +206,7 @@ void RegionOfInterest::select(Selection<Cell>& selection) const {
 }
 
 void RegionOfInterest::failEmpty() const {
-  Vec3 low = position_.front(), high = low;
-  for (const Vec3& p : position_) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Vec3 low = around_.min(), high = around_.max();
   throw ComponentError(
       fmt::format("the selection is empty: none of {} nodes is in {}; they lie in ({:.4g} {:.4g} {:.4g}) to ({:.4g} "
                   "{:.4g} {:.4g})",
@@ -267,13 +270,11 @@ void BoxROI::prepare() {
 
 bool BoxROI::contains(const Vec3& p) const {
   for (std::size_t b = 0; b < low_.size(); ++b)
-    if ((p.array() >= low_[b].array()).all() && (p.array() <= high_[b].array()).all()) return true;
-  constexpr double slack = 1e-9;
+    if (isIn(low_[b], high_[b], p)) return true;
   for (const Oriented& box : oriented_) {
     const Vec3 abc = box.to_unit * (p - box.corner);
-    if (abc[0] >= -slack && abc[0] <= 1 + slack && abc[1] >= -slack && abc[1] <= 1 + slack &&
-        std::abs(abc[2]) <= 0.5 + slack)
-      return true;
+    const bool in_face = abc.head<2>().minCoeff() >= -widening && abc.head<2>().maxCoeff() <= 1 + widening;
+    if (in_face && std::abs(abc[2]) <= 0.5 + widening) return true;
   }
   return false;
 }
@@ -295,7 +296,7 @@ class SphereROI : public RegionOfInterest {
   }
   bool contains(const Vec3& p) const override {
     for (std::size_t s = 0; s < centers_.size(); ++s)
-      if ((p - centers_[s]).norm() <= radii_[radii_.size() == 1 ? 0 : s]) return true;
+      if (const double r = radii_[radii_.size() == 1 ? 0 : s]; (p - centers_[s]).norm() <= r + widened(r)) return true;
     return false;
   }
   std::string describeRegion() const override {
@@ -341,14 +342,13 @@ class PairBoxROI : public RegionOfInterest {
     if (outer_.size() != 6 || inner_.size() != 6)
       throw ComponentError("inclusiveBox or includedBox has not six numbers", "x y z of two corners");
   }
-  bool contains(const Vec3& p) const override { return isIn(outer_, p) && !isIn(inner_, p); }
+  bool contains(const Vec3& p) const override { return isInBox(outer_, p) && !isInBox(inner_, p); }
   std::string describeRegion() const override { return "the space between the boxes"; }
 
  private:
-  static bool isIn(const std::vector<double>& box, const Vec3& p) {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (p[Index(c)] < std::min(box[c], box[c + 3]) || p[Index(c)] > std::max(box[c], box[c + 3])) return false;
-    return true;
+  bool isInBox(const std::vector<double>& box, const Vec3& p) const {
+    const Vec3 a(box.data()), b(box.data() + 3);
+    return isIn(a.cwiseMin(b), a.cwiseMax(b), p);
   }
   std::vector<double> outer_, inner_;
 };
@@ -379,7 +379,7 @@ class MeshROI : public RegionOfInterest {
       angle += 2 * std::atan2(a.dot(b.cross(c)), l * m * n + a.dot(b) * n + b.dot(c) * l + c.dot(a) * m);
     }
     constexpr double half = 6.283185307179586;
-    return std::abs(angle) >= half;
+    return std::abs(angle) >= half * (1 - widening);
   }
   std::string describeRegion() const override { return "the surface"; }
 

@@ -88,8 +88,12 @@ class TransformPosition final : public Engine {
     for (int i = 0; i < 16; ++i) affine(i / 4, i % 4) = matrix_[std::size_t(i)];
     output_ = input_;
     for (Vec3& p : output_) p = moved(p, turn, affine);
-    for (const int index : fixed_)
-      if (index >= 0 && std::size_t(index) < input_.size()) output_[std::size_t(index)] = input_[std::size_t(index)];
+    for (const int index : fixed_) {
+      if (index < 0 || std::size_t(index) >= input_.size())
+        throw ComponentError(fmt::format("fixedIndices names point {} of {}", index, input_.size()),
+                             fmt::format("indices in 0 ... {}", long(input_.size()) - 1));
+      output_[std::size_t(index)] = input_[std::size_t(index)];
+    }
   }
 
  private:

@@ -178,7 +178,7 @@ class MeshSpringForceField final : public MeshSprings {
 class RegularGridSpringForceField final : public MeshSprings {
  public:
   RegularGridSpringForceField() {
-    for (int kind : {lines, quads, cubes}) kinds_[kind].stiffness = 100, kinds_[kind].damping = 5;
+    for (int kind : {lines, quads, cubes}) kinds_[kind].stiffness = 100;
   }
   void declare(DataTable& table) override {
     MeshSprings::declare(table);

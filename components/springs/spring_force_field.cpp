@@ -136,7 +136,7 @@ class SpringForceField final : public SpringField {
   }
 
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
-  std::vector<double> all_in_one_, lengths_{0}, stiffness_{100}, damping_{5};
+  std::vector<double> all_in_one_, lengths_{0}, stiffness_{100}, damping_{0};
   std::vector<int> indices1_, indices2_;
   std::vector<bool> elongation_only_{false}, enabled_{true};
   bool explicit_force_ = false;

@@ -40,6 +40,8 @@ class VectorSpringForceField final : public NodeGroupField<2, PairTangent>, publ
     table.add("useTopology", on_edges_).help("a spring on each edge of the mesh; else on each pair of nodes of equal number");
     table.add("stiffness", stiffness_constant_).recompiled().help("force over the change of the vector").unit("N/m").min(0);
     table.add("viscosity", viscosity_).recompiled().help("force over the relative velocity").unit("N s/m").min(0);
+    table.add("explicitForce", explicit_force_)
+        .help("the springs are no part of the matrix, as in SOFA between bodies of different solvers: not stable for stiff ones");
     table.add("explicitDamping", explicit_damping_).help("viscosity is no part of the matrix, as in SOFA");
   }
 
@@ -76,6 +78,9 @@ class VectorSpringForceField final : public NodeGroupField<2, PairTangent>, publ
     traits.velocity_dependent = viscosity_ > 0 && !explicit_damping_;
     traits.conservative = traits.exact_tangent = viscosity_ == 0 || !explicit_damping_;
     traits.forces_balance = on_edges_ && second_ == &state();
+    if (!explicit_force_) return traits;
+    traits.conservative = viscosity_ == 0;
+    traits.has_stiffness = traits.velocity_dependent = traits.exact_tangent = false;
     return traits;
   }
 
@@ -120,7 +125,7 @@ class VectorSpringForceField final : public NodeGroupField<2, PairTangent>, publ
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   TopologyLink topology_;
   double stiffness_constant_ = 1, viscosity_ = 1;
-  bool on_edges_ = false, explicit_damping_ = false;
+  bool on_edges_ = false, explicit_damping_ = false, explicit_force_ = false;
   State* second_ = nullptr;
   std::vector<PairOfNodes> springs_;
 };

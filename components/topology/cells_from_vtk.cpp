@@ -56,6 +56,7 @@ VtkMesh::VtkMesh(const ValueLists& lists, std::string name)
   labels = arrayOf(lists, vtk_lists::labels, cells());
   cell_directions = arrayOf(lists, vtk_lists::cell_directions, cells());
   point_directions = arrayOf(lists, vtk_lists::point_directions, count);
+  cell_values = arrayOf(lists, vtk_lists::cell_values, cells());
 }
 
 VtkArray VtkMesh::arrayOf(const ValueLists& lists, const std::string& list, std::size_t entries) const {

@@ -25,7 +25,7 @@ class VtkMesh {
   VtkMesh(const ValueLists& lists, std::string name);
 
   std::vector<Vec3> position;
-  VtkArray labels, cell_directions, point_directions;
+  VtkArray labels, cell_directions, point_directions, cell_values;
   Texts cell_arrays, point_arrays;  ///< names of all arrays of the file
 
   std::size_t cells() const { return types_.size(); }

@@ -16,10 +16,12 @@ namespace {
 
 class GmshParser {
  public:
-  GmshParser(std::string_view bytes, const std::string& name) : in_(bytes, name) {}
+  GmshParser(std::string_view bytes, const std::string& name) : bytes_(bytes), in_(bytes, name) {}
 
   GmshFile parse() {
     out_.version = 1;
+    if (bytes_.starts_with("# vtk") || bytes_.substr(0, 1024).find("<VTKFile") != bytes_.npos)
+      in_.fail("this is a file of VTK", "MeshVTKLoader for it");
     while (true) {
       const std::string_view section = in_.word();
       if (section.empty()) break;
@@ -294,6 +296,7 @@ class GmshParser {
     if (!listed) ++out_.skipped[std::string(element.name)];
   }
 
+  std::string_view bytes_;
   GmshCursor in_;
   GmshFile out_;
   GmshTags tags_;

@@ -13,9 +13,10 @@ inline constexpr const char* kinds_linear = "kinds linear";  ///< 1 for those wh
 inline constexpr const char* kinds_names = "kinds names";    ///< what VTK calls them
 inline constexpr const char* cell_arrays = "cell arrays";    ///< names
 inline constexpr const char* point_arrays = "point arrays";  ///< names
-inline constexpr const char* labels = "labels";              ///< values, as those of the next two
+inline constexpr const char* labels = "labels";              ///< values, as those of the next three
 inline constexpr const char* cell_directions = "cell directions";
 inline constexpr const char* point_directions = "point directions";
-inline constexpr const char* width = " width";  ///< after the name of one of the last three: values of each entry
+inline constexpr const char* cell_values = "cell values";
+inline constexpr const char* width = " width";  ///< after the name of one of the last four: values of each entry
 
 }  // namespace stroma::vtk_lists

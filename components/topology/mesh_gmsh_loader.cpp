@@ -15,6 +15,9 @@
 // nine for a frame by rows; `tetrahedraDirections`, `hexahedraDirections` and `nodeDirections` hold them, turned with
 // the mesh, as AnisotropyDirections takes them.
 //
+// Values: valueArray="young" names a view ($ElementData) of one number each; `tetrahedraValues` and `hexahedraValues` hold
+// them, times `valueFactor`: youngModulus="@loader.tetrahedraValues" is a Young's modulus from computed tomography.
+//
 // Source: the chapter "File formats" of the Gmsh reference manual; the attributes are SOFA's.
 //
 // Example:
@@ -27,6 +30,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "components/topology/cell_values.h"
 #include "components/topology/gmsh_reader.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
@@ -53,15 +57,23 @@ class MeshGmshLoader : public MeshLoader {
         .output();
     declareGroups(table, "physical group");
     declareDirections(table);
+    values_.declare(table);
   }
 
  protected:
   void read(const std::string& file, Mesh& mesh) override {
     GmshFile content = readGmsh(file);
-    for (const auto& [what, count] : content.skipped)
-      inform(fmt::format("{} {} of the file are not used", count, what));
+    for (const auto& [what, count] : content.skipped) {
+      std::string number = fmt::format("{} {}", count, what);
+      if (count == 1 && number.ends_with('s')) number.pop_back();
+      if (what == "prisms" || what == "pyramids")
+        warn(number + " of the file without a counterpart here: the body has holes there", "tetrahedra and hexahedra alone");
+      else
+        inform(fmt::format("{} of the file {} not used", number, count == 1 ? "is" : "are"));
+    }
     if (!group_.empty()) selectGroup(content);
     if (!directions_.array.empty()) readDirections(content);
+    if (!values_.array.empty()) readValues(content);
     groups_ = std::move(content.groups);
     mesh = std::move(content.mesh);
   }
@@ -69,8 +81,11 @@ class MeshGmshLoader : public MeshLoader {
  private:
   void selectGroup(const GmshFile& content);
   void readDirections(const GmshFile& content);
+  void readValues(const GmshFile& content);
+  const GmshData& viewOf(const GmshFile& content, const std::string& view) const;
   int tagOf(const GmshFile& content, int dimension, bool& known) const;
 
+  CellValues values_;
   std::string group_;
   std::vector<int> group_indices_, group_triangles_, group_quads_, group_quadratic_triangles_;
 };
@@ -86,22 +101,40 @@ int MeshGmshLoader::tagOf(const GmshFile& content, int dimension, bool& known) c
   return -1;
 }
 
-void MeshGmshLoader::readDirections(const GmshFile& content) {
-  const auto found = content.data.find(directions_.array);
+const GmshData& MeshGmshLoader::viewOf(const GmshFile& content, const std::string& view) const {
+  const auto found = content.data.find(view);
   if (found == content.data.end()) {
     std::vector<std::string> names;
     names.reserve(content.data.size());
     for (const auto& [name, data] : content.data) names.push_back(name);
     throw ComponentError(
-        fmt::format("the mesh has no view '{}'", directions_.array),
+        fmt::format("the mesh has no view '{}'", view),
         names.empty() ? "a file with $ElementData or $NodeData after its elements" : "a view of the file",
-        nearest(directions_.array, names));
+        nearest(view, names));
   }
-  const GmshData& data = found->second;
+  if (found->second.repeated) warn(fmt::format("the view '{}' has several time steps: its first is taken", view));
+  return found->second;
+}
+
+void MeshGmshLoader::readValues(const GmshFile& content) {
+  const GmshData& data = viewOf(content, values_.array);
+  if (data.width != 1)
+    throw ComponentError(fmt::format("the view '{}' has {} components", values_.array, data.width), "one number per element");
+  std::size_t count = 0;
+  forEachCellList(
+      [&](const CellKind& kind, std::vector<double>& values) {
+        for (const double value : data.cells[std::size_t(kind.type)]) values_.add(values, value), ++count;
+      },
+      values_.lists);
+  if (count == 0)
+    throw ComponentError(fmt::format("the view '{}' has no values of volume elements", values_.array), "$ElementData of them");
+}
+
+void MeshGmshLoader::readDirections(const GmshFile& content) {
+  const GmshData& data = viewOf(content, directions_.array);
   if (data.width != 3 && data.width != 9)
     throw ComponentError(fmt::format("the view '{}' has {} components", directions_.array, data.width),
                          "3 (a direction) or 9 (a frame, by rows)");
-  if (data.repeated) warn(fmt::format("the view '{}' has several time steps: its first is taken", directions_.array));
   const auto vectors = [](const std::vector<double>& values) {
     std::vector<Vec3> out;
     for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.emplace_back(values[i], values[i + 1], values[i + 2]);

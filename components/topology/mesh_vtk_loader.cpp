@@ -14,6 +14,9 @@
 // or three vectors; `tetrahedraDirections`, `hexahedraDirections` and `nodeDirections` hold them, turned with the mesh,
 // as AnisotropyDirections takes them.
 //
+// Values: valueArray="young" names cell data of one real number; `tetrahedraValues` and `hexahedraValues` hold them, times
+// `valueFactor`: youngModulus="@loader.tetrahedraValues" is a Young's modulus from computed tomography.
+//
 // The file is read by a program of its own (read_vtk_mesh), which a damaged file may bring down; this one then says so.
 //
 // Source: VTK's readers (vtkGenericDataObjectReader, vtkXMLGenericDataObjectReader); the attributes are SOFA's.
@@ -27,6 +30,7 @@
 
 #include <cmath>
 
+#include "components/topology/cell_values.h"
 #include "components/topology/cells_from_vtk.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
@@ -46,22 +50,32 @@ class MeshVTKLoader : public MeshLoader {
     table.add("groupArray", group_array_).help("cell data of whole numbers that go to tetrahedraGroups and its like");
     declareGroups(table, "label");
     declareDirections(table);
+    values_.declare(table);
   }
 
  protected:
   void read(const std::string& file, Mesh& mesh) override {
     const std::string name = file.substr(file.rfind('/') + 1);
-    VtkMesh content(readInOwnProcess(program, file, {group_array_, directions_.array}), name);
+    VtkMesh content(readInOwnProcess(program, file, {group_array_, directions_.array, values_.array}), name);
     readDirections(content, name);
+    readValues(content, name);
     for (const auto& [what, count] : content.addCells(labelsOf(content, name), mesh, groups_))
-      inform(fmt::format("{} cells of kind {} are not used", count, what));
+      if (const std::string cells = fmt::format("{} cell{} of kind {}", count, count == 1 ? "" : "s", what); leavesNoHole(what))
+        inform(fmt::format("{} {} not used", cells, count == 1 ? "is" : "are"));
+      else
+        warn(cells + " without a counterpart here: the body has holes there", "tetrahedra and hexahedra alone");
     mesh.position = std::move(content.position);
   }
 
  private:
+  static bool leavesNoHole(std::string_view kind) {
+    return kind == "vtkVertex" || kind == "vtkPolyVertex" || kind == "vtkQuadraticEdge" || kind == "vtkEmptyCell";
+  }
   std::vector<int> labelsOf(const VtkMesh& content, const std::string& name) const;
   void readDirections(const VtkMesh& content, const std::string& name);
+  void readValues(const VtkMesh& content, const std::string& name);
 
+  CellValues values_;
   std::string group_array_ = "label";
 };
 
@@ -81,8 +95,10 @@ std::vector<int> MeshVTKLoader::labelsOf(const VtkMesh& content, const std::stri
   }
   if (whole) return labels;
   if (asked_for)
-    throw ComponentError(fmt::format("{}: the cell data '{}' are no labels", name, group_array_),
-                         "one whole number per cell");
+    throw ComponentError(
+        fmt::format("{}: the cell data '{}' are no labels: {}", name, group_array_,
+                    content.labels.width == 1 ? "real numbers" : fmt::format("{} components each", content.labels.width)),
+        "one whole number per cell");
   return {};
 }
 
@@ -116,6 +132,26 @@ void MeshVTKLoader::readDirections(const VtkMesh& content, const std::string& na
           if (&kind == of_cell && kind.dimension == 3) addVectors(of_cells, c, directions);
         },
         directions_.cells);
+  }
+}
+
+void MeshVTKLoader::readValues(const VtkMesh& content, const std::string& name) {
+  if (values_.array.empty()) return;
+  const VtkArray& array = content.cell_values;
+  if (!array.found)
+    throw ComponentError(fmt::format("{} has no cell data '{}'", name, values_.array),
+                         content.cell_arrays.empty() ? "a file with cell data" : "an array of the file",
+                         nearest(values_.array, content.cell_arrays));
+  if (array.width != 1)
+    throw ComponentError(fmt::format("{}: the cell data '{}' have {} components", name, values_.array, array.width),
+                         "one number per cell");
+  for (std::size_t c = 0; c < content.cells(); ++c) {
+    const CellKind* of_cell = content.kindOfCell(c);
+    forEachCellList(
+        [&](const CellKind& kind, std::vector<double>& values) {
+          if (&kind == of_cell && kind.dimension == 3) values_.add(values, array.values[c]);
+        },
+        values_.lists);
   }
 }
 

@@ -2,7 +2,7 @@
 // The program that reads a file in VTK's formats for MeshVTKLoader: VTK trusts what a file says of
 // itself in more places than can be checked beforehand.
 //
-// Arguments: the file, the array of labels, the array of directions. Lists handed over: points (three each), types,
+// Arguments: the file, the arrays of labels, of directions and of values. Lists handed over: points (three each), types,
 // offsets (one more than cells) and nodes of the cells; names and values of arrays of cells and of points; how VTK calls
 // the kinds of cells that occur, and which of these are linear.
 //
@@ -98,6 +98,8 @@ template <class Reader>
 vtkSmartPointer<vtkPointSet> readWith(const std::string& file) {
   const auto reader = vtkSmartPointer<Reader>::New();
   reader->SetFileName(file.c_str());
+  if constexpr (requires { reader->ReadAllScalarsOn(); })  // the first of each kind otherwise
+    reader->ReadAllScalarsOn(), reader->ReadAllVectorsOn(), reader->ReadAllTensorsOn(), reader->ReadAllFieldsOn();
   reader->Update();
   return vtkPointSet::SafeDownCast(reader->GetOutput());
 }
@@ -188,6 +190,7 @@ ValueLists readMesh(const std::string& file, const Texts& arguments) {
   addArray(*data->GetCellData(), arguments.at(0), vtk_lists::labels, lists);
   addArray(*data->GetCellData(), arguments.at(1), vtk_lists::cell_directions, lists);
   addArray(*data->GetPointData(), arguments.at(1), vtk_lists::point_directions, lists);
+  if (arguments.size() > 2) addArray(*data->GetCellData(), arguments[2], vtk_lists::cell_values, lists);
   return lists;
 }
 

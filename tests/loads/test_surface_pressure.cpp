@@ -282,6 +282,7 @@ TEST(SurfacePressure, SaysWhatIsWrong) {
   expectContains(problems("pressure='1' quadIndices=''"), "lists no face");
   expectContains(problems("pressure='1' quadIndices='0' min='0 0 0'"), "min, max is given too");
   expectContains(problems("pressure='1' min='8 8 8' max='9 9 9'"), "no face of the mesh is loaded");
+  expectContains(problems("pressure='1' min='-1e9 -1e9 0.4' max='1e9 1e9 0.5'"), "no face of the mesh is loaded");
   expectContains(problems("pressure='1' min='-1 -1 -1'"), "min is given without max");
   expectContains(problems("pressure='1' max='1 1 1'"), "max is given without min");
   expectContains(problems("pressure='1' min='1 1 1' max='1 1 1'"), "min and max are the same point 1 1 1");

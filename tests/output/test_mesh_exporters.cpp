@@ -25,6 +25,10 @@ class MeshExporters : public CommandTest {
     const Finished done = stroma("run check.xml --no-record -n 1");
     EXPECT_EQ(done.code, 0) << file << "\n" << done.err;
   }
+  void expectHas(const std::string& file, const std::string& part) const {
+    const std::string text = readText(folder_ / file);
+    EXPECT_NE(text.find(part), std::string::npos) << file << ":\n" << text;
+  }
   bool exists(const std::string& file) const { return std::filesystem::exists(folder_ / file); }
 };
 
@@ -46,6 +50,21 @@ TEST_F(MeshExporters, SolidsForGmshAndVtk) {
   expectMesh("MeshVTKLoader", "a.vtk", "HexahedronSetTopologyContainer", at_two_seconds);
   EXPECT_TRUE(exists("a.obj") && exists("a.mesh"));
   EXPECT_EQ(readText(folder_ / "a.mesh").substr(0, 2), "8\n");
+}
+
+TEST_F(MeshExporters, QuadraticCellsInTheOrderOfEachFormat) {
+  write("scene.xml", R"(<Node name="root" dt="1" gravity="0 0 0"><EulerExplicitSolver/>
+    <MeshTopology position="0 0 0  2 0 0  0 2 0  0 0 2  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  0 1 1"
+                  quadraticTetrahedra="0 1 2 3 4 5 6 7 8 9"/>
+    <MechanicalObject name="dofs"/><UniformMass totalMass="1"/><MeshExporter filename="q"/>
+    <STLExporter filename="q" exportAtEnd="true"/></Node>)");
+  const Finished done = stroma("run scene.xml --no-record -n 1");
+  ASSERT_EQ(done.code, 0) << done.err;
+  expectHas("q.vtk", "CELLS 1 11\n10 0 1 2 3 4 5 6 7 8 9\nCELL_TYPES 1\n24\n");
+  expectHas("q.msh", "$Elements\n1\n1 11 0 1 2 3 4 5 6 7 8 10 9\n");
+  expectHas("q.mesh", "\n1\n1 1 2 3 4\n4\n");
+  EXPECT_EQ(readText(folder_ / "q.stl").size(), 84u + 16 * 50);  // four faces of four triangles
+  expectMesh("MeshOBJLoader", "q.obj", "TriangleSetTopologyContainer", R"(<Expect of="/dofs.volume" is="1.3333333333333333"/>)");
 }
 
 TEST_F(MeshExporters, ASeriesIsNumbered) {

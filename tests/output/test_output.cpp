@@ -48,6 +48,31 @@ std::vector<std::vector<double>> columns(const std::string& file) {
   return rows;
 }
 
+/// A spring of 100 N/m between a held node and one that is moved by 0.1 m per step: force and positions are of one instant.
+TEST_F(Output, ForcesAreThoseOfTheEndOfTheStepWhateverTheIntegrator) {
+  for (const std::string integrator :
+       {"EulerImplicitSolver", "EulerImplicitSolver newtonIterations=\"10\"", "TrapezoidalRuleSolver", "NewmarkImplicitSolver",
+        "BDFOdeSolver", "VariationalSymplecticSolver", "StaticSolver", "EulerExplicitSolver", "CentralDifferenceSolver",
+        "RungeKutta4Solver"}) {
+    {
+      Simulation simulation = simulationFromText("<Node name=\"root\" gravity=\"0 0 0\" dt=\"0.1\"><" + integrator + R"(/>
+        <SparseLDLSolver/><MechanicalObject position="0 0 0  1 0 0"/><UniformMass totalMass="2"/>
+        <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1" stiffness="100" damping="0"/>
+        <FixedProjectiveConstraint indices="0"/>
+        <LinearMovementProjectiveConstraint indices="1" keyTimes="0 1" movements="0 0 0  1 0 0"/>
+        <Monitor name="pull" indices="0 1" ExportForces="true"/></Node>)");
+      for (int i = 0; i < 3; ++i) ASSERT_FALSE(simulation.step().failed()) << integrator;
+      simulation.end();
+    }
+    const auto f = columns("pull_f.txt");
+    ASSERT_EQ(f.size(), 4u) << integrator;
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(f[i].at(1), 10. * double(i), 1e-9) << integrator << ", at the held node at t = " << f[i].at(0);
+      EXPECT_NEAR(f[i].at(4), -10. * double(i), 1e-9) << integrator;
+    }
+  }
+}
+
 TEST_F(Output, WriteStateWritesEveryStepFromTheStartToTheLast) {
   run(R"(<WriteState filename="a.state.gz" writeV="true" writeX0="true"/>)", 4);
   const auto frames = readStateFile("a.state.gz");
@@ -120,6 +145,19 @@ TEST_F(Output, MonitorNamesTheUnitsOfTheScene) {
   EXPECT_EQ(headOf("tip_f.txt").substr(0, 13), "# forces [mN]");
 }
 
+TEST_F(Output, EnergyMonitorNamesTheUnitsOfTheScene) {
+  const auto head = [](const std::string& units) {
+    std::string text = scene(R"(<EnergyMonitor filename="energy.txt"/>)");
+    Simulation simulation = simulationFromText(text.insert(text.find(" dt="), units));
+    simulation.begin(), simulation.end();
+    std::string line;
+    std::ifstream file("energy.txt");
+    return std::getline(file, line), line;
+  };
+  expectContains(head(""), "# time, energies: kinetic");
+  expectContains(head(R"( units="mm t s")"), "# time [s], energies [mJ]:");
+}
+
 TEST_F(Output, EnergyMonitorWritesTheBalance) {
   run(R"(<EnergyMonitor filename="energy.txt" exportEveryNumberOfSteps="2"/>)", 5);
   const auto rows = columns("energy.txt");
@@ -142,10 +180,10 @@ TEST_F(Output, MistakesAreNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {R"(<WriteState/>)", "filename"},
       {R"(<WriteState filename="a" writeX="false"/>)", "nothing to write"},
-      {R"(<WriteState filename="a" DOFsX="3"/>)", "nodes 0 to 2"},
+      {R"(<WriteState filename="a" DOFsX="3"/>)", "indices in 0 ... 2"},
       {R"(<WriteState filename="a" time="1 0.5"/>)", "not ascending"},
       {R"(<WriteState filename="a" period="-1"/>)", "period"},
-      {R"(<Monitor indices="-1" ExportForces="true"/>)", "nodes 0 to 2"},
+      {R"(<Monitor indices="-1" ExportForces="true"/>)", "indices in 0 ... 2"},
       {R"(<Monitor ExportForces="true"/>)", "indices"},
       {R"(<EnergyMonitor filename="e" exportEveryNumberOfSteps="0"/>)", "exportEveryNumberOfSteps"},
   };

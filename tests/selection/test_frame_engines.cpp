@@ -67,6 +67,9 @@ TEST(FrameEngines, ASurfaceMovesOutwards) {
   const auto normals = made<std::vector<Vec3>>(inwards, "normals");
   for (std::size_t i = 0; i < 8; ++i) EXPECT_LT((normals[i] + start[i] / std::sqrt(3)).norm(), 1e-15);
   expectContains(problemsOf("<Node name='root'><DilateEngine input_position='0 0 0  1 0 0'/></Node>"), "there is no surface");
+  expectContains(problemsOf("<Node name='root'><TransformPosition method='translation' input_position='0 0 0  1 0 0' "
+                            "fixedIndices='1 2'/></Node>"),
+                 "fixedIndices names point 2 of 2");
   expectContains(engine("<DilateEngine name='e' input_position='0 0 0  1 0 0  0 1 0  5 5 5' triangles='0 1 2'/>").diagnostics.text(),
                  "1 of 4 nodes lie on no cell");
 }

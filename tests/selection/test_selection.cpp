@@ -42,6 +42,23 @@ TEST(BoxROI, SelectsNodesBordersIncludedCornersInAnyOrder) {
               [](const Vec3& p) { return p.x() <= 2 && p.y() <= 1 && p.z() <= 1; });
 }
 
+TEST(BoxROI, BordersHaveRoomForRoundOff) {
+  ASSERT_GT(0.1 * 3, 0.3);  // where a grid of ten cells puts its fourth layer
+  const auto selected = [](const std::string& roi) {
+    const std::string grid = R"(<RegularGridTopology n="11 1 1" min="0 0 0" max="1 0 0"/>)";
+    return value<int>(sceneFromText("<Node name=\"root\">" + grid + roi + "</Node>"), "nbIndices");
+  };
+  for (const auto& [count, border] : {std::pair(4, "0.3"), std::pair(7, "0.6"), std::pair(8, "0.7")})
+    EXPECT_EQ(selected(std::string("<BoxROI name=\"roi\" box=\"-1 -1 -1 ") + border + " 1 1\"/>"), count) << border;
+  EXPECT_EQ(selected(R"(<BoxROI name="roi" box="-1 -1 -1 0.3 1 1" exactBorder="true"/>)"), 3);
+  EXPECT_EQ(selected(R"(<BoxROI name="roi" box="-1 -1 -1 0.2999999 1 1"/>)"), 3);
+  EXPECT_EQ(selected(R"(<BoxROI name="roi" box="-1e9 -1e9 -1e9 0.2999999 1e9 1e9"/>)"), 3) << "a box without bounds";
+  EXPECT_EQ(selected(R"(<SphereROI name="roi" centers="-1e9 0 0" radii="1000000000.2999"/>)"), 3);
+  EXPECT_EQ(selected(R"(<PairBoxROI name="roi" inclusiveBox="-1 -1 -1 2 1 1" includedBox="-1 -1 -1 0.3 1 1"/>)"), 7);
+  EXPECT_EQ(selected(R"(<SphereROI name="roi" centers="0 0 0" radii="0.3"/>)"), 4);
+  EXPECT_EQ(selected(R"(<SphereROI name="roi" centers="0 0 0" radii="0.3" exactBorder="true"/>)"), 3);
+}
+
 TEST(BoxROI, StrictWantsAllNodesElseTheCentre) {
   const Scene strict = sceneFromText(sceneText(R"(<BoxROI name="roi" box="-0.1 -1 -1  1.6 3 3"/>)"));
   EXPECT_EQ(value<Ints>(strict, "hexahedronIndices"), (Ints{0, 4, 8, 12}));

@@ -605,14 +605,11 @@ FILES = {
 # What a refusal must name, where a part of SOFA is not there.
 MISSING = {
     **{folder + name: [name] for folder, names in (
-        ("AnimationLoop/", ["MultiTagAnimationLoop"]),
-        ("Collision/Geometry/", ["CylinderCollisionModel", "TetrahedronCollisionModel"]),
         ("Diffusion/", ["TetrahedronDiffusionFEMForceField"]),
         ("ODESolver/Forward/", ["DampVelocitySolver"]),
         ("SolidMechanics/FEM/", ["QuadBendingFEMForceField", "TriangularAnisotropicFEMForceField"]),
         ("Topology/Container/Grid/", ["SparseGridMultipleTopology"])) for name in names},
     "Engine/Transform/TransformPosition_random": ["random displacements are not available"],
-    "Mapping/NonLinear/RigidMapping2d": ["Rigid2d"],
     "SolidMechanics/FEM/HexahedronCompositeFEMForceFieldAndMass_large": ["HexahedronCompositeFEMForceFieldAndMass"],
     "SolidMechanics/FEM/NonUniformHexahedronFEMForceFieldAndMass_large": ["NonUniformHexahedronFEMForceFieldAndMass"],
 }

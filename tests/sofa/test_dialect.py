@@ -850,8 +850,10 @@ def stiffness_alone_moves_what_has_no_mass():
             'forces="5 0 0"/></Node>')
     for steps in (1, 3):
         run = Run(root(EXACT + body), steps)
-        agree(run.x("b.b"), [[1.05, 2, 3]], 1e-7)
-        run.says("SOFA moves it by stiffness alone")
+        agree(run.x("b.b"), [[1.05, 2, 3]], 1e-12)
+        run.says("has no mass: stiffness alone moves it")
+    soft = body.replace('stiffness="100"', 'stiffness="1e-9"').replace("5 0 0", "5e-11 0 0")  # next to no mass would be too much
+    agree(Run(root(EXACT + soft), 1).x("b.b"), [[1.05, 2, 3]], 1e-12)
     whole = '<MechanicalObject name="dofs" position="0 0 0  2 0 0"/><FixedConstraint indices="0"/><SpringForceField spring="0 1 100 0 1"/>'
     agree(Run(root(EXACT + whole), 1).x(), [[0, 0, 0], [1, 0, 0]], 1e-7)
     below = body.replace("</Node>", '<Node name="c"><MechanicalObject name="c" position="0 0 0"/><UniformMass totalMass="1"/></Node></Node>')
@@ -868,7 +870,34 @@ def stiffness_alone_moves_what_has_no_mass():
     agree(run.x("b.b"), [[1, 2, 3]])
     falls(run, "b.c.dofs", 3)
     both = body.replace('<MechanicalObject', '<UniformMass totalMass="1"/><MechanicalObject')
-    assert "by stiffness alone" not in Run(root(EXACT + both), 1).text
+    assert "stiffness alone" not in Run(root(EXACT + both), 1).text
+    Run(root(EXACT.replace("Solver/>", 'Solver trapezoidalScheme="1"/>', 1) + body), 1).fails(2, "has no mass")
+    # a node that no cell has, and nothing pulls: conjugate gradients leave it, factors do not exist
+    mesh = ('<MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1  5 5 5" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/>'
+            '<TetrahedronFEMForceField youngModulus="1000"/><DiagonalMass massDensity="6"/><FixedConstraint indices="0 1 2"/>')
+    iterated = '<EulerImplicitSolver/><CGLinearSolver iterations="100" tolerance="1e-12" threshold="1e-30"/>'
+    agree(Run(root(iterated + mesh), 3).x()[4], [5, 5, 5])
+    free = body.replace('<RestShapeSpringsForceField stiffness="100"/>', "")
+    Run(root(EXACT + free), 1).fails(3, "b")
+
+
+@case
+def one_solve_per_step_and_damping_that_nobody_wrote():
+    """SOFA's trapezoidal rule makes one linear solve, and its springs and penalties are damped by 5 N s/m."""
+    body = ('<RegularGridTopology name="grid" n="4 2 2" min="0 0 0" max="3 1 1"/><MechanicalObject name="dofs"/><UniformMass '
+            'totalMass="2"/><HexahedronFEMForceField method="polar" youngModulus="1000" poissonRatio="0.3"/>'
+            '<FixedConstraint indices="0 4 8 12"/>')
+    for rule in ('EulerImplicitSolver trapezoidalScheme="true"', "NewmarkImplicitSolver", 'BDFOdeSolver order="2"'):
+        solved = [Run(root(f"<{rule} {count}/><SparseLDLSolver/>" + body), 10).x()
+                  for count in ("", 'newtonIterations="1"', 'newtonIterations="2"')]
+        agree(solved[0], solved[1], 0)
+        differ(solved[0], solved[2], 1e-6)
+    held = BODY + '<FixedConstraint indices="0"/>'
+    for field in ('SpringForceField springsIndices1="0" springsIndices2="1" lengths="0.9" stiffness="100"',
+                  'PlaneForceField normal="0 1 0" d="0.5" stiffness="100"', 'SphereForceField center="1 0 0" radius="2" stiffness="100"'):
+        x = [Run(root(EXACT + held + f"<{field} {damping}/>"), 10).x() for damping in ("", 'damping="5"', 'damping="0"')]
+        agree(x[0], x[1], 0)
+        differ(x[0], x[2], 1e-6)
 
 
 @case
@@ -996,6 +1025,32 @@ def penalty_forces_are_those_of_the_formula():
         y += h * v
     assert y > 0.02, y
     agree(Run(falling_point(1), 150).x("ball.dofs"), [[0, y, 0]])
+
+
+@case
+def penalties_between_two_solvers_are_those_of_the_start():
+    """Of two simulated bodies; where something groups them, or one is no simulated one, they are a part of the matrix."""
+    h, d, k, m = 0.01, 0.2, 500, np.array([1.0, 3])
+    ball = ('<Node name="{0}">' + EXACT + '<MechanicalObject name="dofs" position="0 {1} 0" velocity="0 {2} 0"/><UniformMass '
+            'totalMass="{3}"/><SphereCollisionModel radius="0.05"/></Node>')
+    scene = WATCH.replace('contactDistance="0.2"', 'contactDistance="0.1"') + ball.format("a", 0, 0, 1) + ball.format("b", 0.25, -1, 3)
+
+    def meet(implicit):
+        y, v = np.array([0, 0.25]), np.array([0, -1.0])
+        for _ in range(40):
+            pen = d - (y[1] - y[0])
+            force = k * max(pen, 0) * np.array([-1, 1])
+            K = -k * (pen > 0) * implicit * np.array([[1, -1], [-1, 1]])
+            v = v + np.linalg.solve(np.diag(m) - h * h * K, h * (force + h * K @ v))
+            y = y + h * v
+        return y
+
+    run = Run(node(scene), 40)
+    agree([run.x("a.dofs")[0, 1], run.x("b.dofs")[0, 1]], meet(0))
+    for more, args in (("<CollisionGroupManager/>", []), ("", ["--without-quirk", "isolated-springs"])):
+        run = Run(node(scene + more), 40, args=args)
+        agree([run.x("a.dofs")[0, 1], run.x("b.dofs")[0, 1]], meet(1))
+    differ(meet(0), meet(1), 1e-3)
 
 
 @case
@@ -2151,6 +2206,173 @@ TWO = ('<Node name="{0}">{1}<MechanicalObject name="dofs" position="{2}" velocit
 
 
 @case
+def quirk_ellipsoid_ratio():
+    """SOFA's stiffness multiplies sqrt(q) - 1, a number, along the unit normal, with the tangent that it has of it."""
+    r, k, c, h = np.array([2.0, 1, 0.5]), 30.0, 4.0, 0.01
+
+    def push(x, v):
+        a = x / r**2
+        depth = np.sqrt(x @ a) - 1
+        if depth >= 0:
+            return np.zeros(3), np.zeros((3, 3))
+        n, size = a / np.linalg.norm(a), np.linalg.norm(a)
+        pair = np.outer(a, a / r**2) / size**2
+        tangent = k * (-np.outer(a, a) / (np.sqrt(x @ a) * size) + depth * (pair + pair.T) / 2 - depth * np.diag(1 / r**2) / size)
+        return -k * depth * n - c * abs(depth) * v, tangent
+
+    body = '<MechanicalObject name="dofs" position="0.9 0.4 0.1" velocity="-0.5 0 0"/><UniformMass totalMass="2"/>'
+    field = '<EllipsoidForceField center="0 0 0" vradius="2 1 0.5" stiffness="30" damping="4"/>'
+    x, v = np.array([0.9, 0.4, 0.1]), np.array([-0.5, 0, 0])
+    y, w = x.copy(), v.copy()
+    for _ in range(12):
+        v = v + h * push(x, v)[0] / 2
+        x = x + h * v
+        force, tangent = push(y, w)
+        w = w + np.linalg.solve(2 * np.eye(3) - h * h * tangent, h * (force + h * tangent @ w))
+        y = y + h * w
+    agree(Run(node('<EulerExplicitSolver/>' + body + field), 12).x(), [x])
+    scene = node(EXACT + body + field)
+    agree(Run(scene, 12).x(), [y])
+    differ(Run(scene, 12, args=["--without-quirk", "ellipsoid-ratio"]).x(), [y], 1e-3)
+
+
+@case
+def ellipsoids_of_a_frame_push_as_sofa_has_them():
+    """The frame feels the force at its centre; what no solver has in common is pushed by the force of the start."""
+    r, k, h = np.array([2.0, 1, 1]), 30.0, 0.01
+    frame = ('<Node name="f">' + EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass '
+             'totalMass="3"/></Node>')
+    point = TWO.format("p", EXACT, "0.9 0.4 0.1", "0 0 0", 2)
+    field = ('<InteractionEllipsoidForceField object1="@p/dofs" object2="@f/dofs" center="0 0 0" vradius="2 1 1" stiffness="30" '
+             'damping="0" object2_forces="{}"/>')
+    for answers in (1, 0):
+        x, v = np.array([[0.9, 0.4, 0.1], [0, 0, 0]]), np.zeros((2, 3))
+        for _ in range(10):
+            a = (x[0] - x[1]) / r**2
+            force = -k * (np.sqrt((x[0] - x[1]) @ a) - 1) * a / np.linalg.norm(a)
+            v = v + h * np.array([force / 2, -force * answers / 3])
+            x = x + h * v
+        run = Run(node(point + frame + field.format(answers)), 10)
+        agree(run.x("p.dofs"), [x[0]])
+        agree(run.x("f.dofs", 7), [[*x[1], 0, 0, 0, 1]])
+
+
+@case
+def bodies_in_a_plane():
+    """Rigid2: x, y and the angle, an inertia of one number; Vec2: points that a frame carries or springs tie."""
+    m, inertia, h = 2.0, 0.5, 0.01
+    frames = ('<MechanicalObject name="dofs" template="Rigid2" position="0 0 0.3  2 0 0" velocity="0 0 0  0.1 0 1"/>'
+              '<UniformMass template="Rigid2" vertexMass="2 1 [0.5]"/><FixedConstraint template="Rigid2" indices="0"/>'
+              '<ConstantForceField template="Rigid2" indices="1" forces="1 0 0.6"/>')
+    points = ('<Node name="c"><MechanicalObject name="p" template="Vec2d" position="1 0  0 1"/><RigidMapping '
+              'template="Rigid2,Vec2d" index="{}"/></Node>')
+    x, v, g = np.array([2.0, 0, 0]), np.array([0.1, 0, 1]), np.array([1 / m, -10, 0.6 / (m * inertia)])
+    for _ in range(10):
+        v = v + h * g
+        x = x + h * v
+    run = Run(root(EXACT + frames + points.format(1)), 10)
+    agree(run.x("dofs", 7), [[0, 0, 0, 0, 0, np.sin(0.15), np.cos(0.15)], [*x[:2], 0, 0, 0, np.sin(x[2] / 2), np.cos(x[2] / 2)]])
+    turn = np.array([[np.cos(x[2]), -np.sin(x[2])], [np.sin(x[2]), np.cos(x[2])]])
+    agree(run.x("c.p")[:, :2], x[:2] + np.array([[1, 0], [0, 1]]) @ turn.T)
+    agree(run.x("c.p")[:, 2], [0, 0])
+    # a force on what the frame carries turns it, and gravity across the plane does nothing
+    pulled = frames.replace("<ConstantForceField", "<NO").replace("velocity=", "novelocity=")
+    pulled = pulled[:pulled.index("<NO")] + points.format(1).replace(
+        "</Node>", '<ConstantForceField template="Vec2" indices="0" forces="0 3"/></Node>')
+    run = Run(root(EXACT + pulled, 'gravity="0 0 -10"'), 1)
+    w = h * 3 / (m * inertia)
+    agree(run.x("dofs", 7)[1], [2, h * h * 3 / m, 0, 0, 0, np.sin(w * h / 2), np.cos(w * h / 2)], 1e-5)
+    springs2 = ('<MechanicalObject name="dofs" template="Vec2" position="0 0  1.5 0" velocity="0 0  0 1"/><UniformMass totalMass="2"/>'
+                '<SpringForceField template="Vec2" spring="0 1 100 0 1"/><FixedConstraint indices="0"/>')
+    flat = springs2.replace('template="Vec2" ', "").replace("0 0  1.5 0", "0 0 0  1.5 0 0").replace("0 0  0 1", "0 0 0  0 1 0")
+    agree(Run(root(EXACT + springs2, 'gravity="0 -10 -7"'), 10).x(), Run(root(EXACT + flat), 10).x())
+    Run(root(EXACT + '<MechanicalObject template="Rigid2" position="0 0"/><UniformMass totalMass="1"/>'), 1).fails(
+        2, "2 numbers for nodes in a plane", "the angle of each")
+    # vectors of what acts in the plane have two numbers too
+    ball = '<MechanicalObject name="dofs" template="Vec2" position="0.3 0.2"/><UniformMass totalMass="1"/>'
+    for field, wrong in (('PlaneForceField normal="0.6 0.8" d="1" stiffness="90" damping="0"', 'normal="1"'),
+                         ('SphereForceField center="0.4 0" radius="1" stiffness="90" damping="0"', 'center="0.4 x"'),
+                         ('EllipsoidForceField center="0.4 0 7" vradius="1 2" stiffness="90" damping="0"', 'vradius="1"'),
+                         ('LineProjectiveConstraint indices="0" origin="0.3 0.2" direction="1 1"', 'direction="1 2 3 4"')):
+        in_space = re.sub(r'(normal|center|vradius|origin|direction)="(\S+) (\S+)( 7)?"',
+                          lambda m: f'{m[1]}="{m[2]} {m[3]} {int(m[1] == "vradius")}"', field)
+        there = Run(root(EXACT + ball.replace('template="Vec2" ', "").replace("0.3 0.2", "0.3 0.2 0") + f"<{in_space}/>"), 20).x()
+        agree(Run(root(EXACT + ball + f"<{field}/>"), 20).x()[:, :2], there[:, :2])
+        differ(there[:, :2], [[0.3, 0.2 + fallen(20)]], 1e-3)
+        name = wrong.split("=")[0]
+        Run(root(EXACT + ball + f"<{field}/>".replace(re.search(name + '="[^"]*"', field)[0], wrong)), 1).fails(2, "is no vector in a plane")
+
+
+@case
+def vectors_as_a_stream_reads_them():
+    """The numbers at the start count, a word is zero, and what is not there stays."""
+    for text, g in (("0 -3", [0, -3, 0]), ("0 0", [0, 0, 0]), ("5", [5, -9.81, 0]), ("0, -3, 0", [0, 0, 0]), ("1 down 2", [1, 0, 0]),
+                    ("", [0, -9.81, 0])):
+        run = Run(root(EXACT + BODY, f'gravity="{text}"'), 10)
+        agree(run.x()[0], np.array(g) * 0.01**2 * 55, 1e-12)
+        run.says("SOFA has")
+    moved = Run(root(EXACT + BODY.replace("<MechanicalObject", '<MechanicalObject translation="1 2"'), 'gravity="0 0 0"'), 1)
+    agree(moved.x()[0], [1, 2, 0])
+
+
+@case
+def lists_of_materials_that_are_too_short():
+    """Cells beyond the end take the first value."""
+    grid = ('<RegularGridTopology n="4 2 2" min="0 0 0" max="3 1 1"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>'
+            '<FixedConstraint indices="0 4 8 12"/>')
+    bar = lambda values, more="": grid + f'<HexahedronFEMForceField youngModulus="{values}" poissonRatio="0.3" {more}/>'
+    run = Run(root(EXACT + bar("500 900")), 10)
+    run.says("youngModulus has 2 values for 3 cells: the others take the first")
+    agree(run.x(), Run(root(EXACT + bar("500 900 500")), 10).x(), 1e-14)
+    differ(run.x(), Run(root(EXACT + bar("500 900 900")), 10).x(), 1e-4)
+    agree(Run(root(EXACT + bar("500 900 500 7 7")), 10).x(), run.x(), 1e-14)
+    Run(root(EXACT + bar("500 900")), 1, args=["--dialect", "native"]).fails(2, "youngModulus has 2 values")
+    sheet = ('<RegularGridTopology n="3 2 1" min="0 0 0" max="2 1 0"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>'
+             '<FixedConstraint indices="0 3"/><TriangularFEMForceField poissonRatio="0.3" youngModulus="{}"/>')
+    agree(Run(root(EXACT + sheet.format("50 90")), 5).x(), Run(root(EXACT + sheet.format("50 90 50 50")), 5).x(), 1e-14)
+
+
+@case
+def systems_of_which_a_solver_takes_one():
+    """Parts of a matrix may be in systems that no solver solves."""
+    body = BODY + '<MatrixLinearSystem name="all"/><MatrixLinearSystem name="part" assembleMass="false"/>'
+    both = '<CompositeLinearSystem name="both" linearSystems="@part @all" solverLinearSystem="@{}"/>'
+    falls(Run(root(EXACT.replace("<SparseLDLSolver/>", '<SparseLDLSolver linearSystem="@both"/>') + body + both.format("all")), 10))
+    Run(root(EXACT + body + both.format("part")), 1).fails(2, "a matrix without a part of it")
+
+
+@case
+def meshes_of_topologies_in_older_formats():
+    """A topology reads .xs3 and .trian itself; models that draw volumes are no parts."""
+    net = "Xsp 3.0\nnumm 2\nmass 1 v 0 0 0 0 0 0 1 1\nmass 2 v 1.5 0 0 0 0 0 1 1\nlnks 1\nlspg 1 1 2 100 0 1\n"
+    scene = root(EXACT + '<MeshTopology filename="net.xs3"/><MechanicalObject name="dofs"/><UniformMass totalMass="2"/>'
+                 '<OglVolumetricModel name="v"/><IdentityMapping output="@v"/><CollisionGroup/>')
+    run = Run(scene, 10, files={"net.xs3": net})
+    agree(run.x()[:, 0], [0, 1.5])
+    falls(run)
+
+
+@case
+def quirk_exact_borders():
+    """Of a grid whose third layer is at 0.1 * 3 a box to 0.3 has two layers in SOFA, and so has a sphere or a load's box."""
+    assert 0.1 * 3 > 0.3
+    grid = '<RegularGridTopology n="11 2 2" min="0 0 0" max="1 0.1 0.1"/><MechanicalObject name="dofs"/><UniformMass totalMass="44"/>'
+    native = ["--without-quirk", "exact-borders"]
+    for region in ('<BoxROI name="r" box="-1 -1 -1 0.3 1 1"/>', '<PairBoxROI name="r" inclusiveBox="-1 -1 -1 0.3 1 1" includedBox="7 7 7 8 8 8"/>'):
+        scene = node(EXACT + grid + region + '<ConstantForceField indices="@r.indices" forces="1 0 0"/>')
+        for args, layers in (([], 3), (native, 4)):
+            assert (Run(scene, 1, args=args).x()[:11, 0] - np.arange(11) / 10 > 1e-7).sum() == layers, (region, layers)
+    ball = node(EXACT + '<MechanicalObject name="dofs" position="0 0 0  0.3 0 0"/><UniformMass totalMass="2"/><SphereROI name="r" '
+                'centers="0 0 0" radii="0.29999999999999993"/><ConstantForceField indices="@r.indices" forces="0 1 0"/>')
+    for args, pulled in (([], 1), (native, 2)):
+        assert (Run(ball, 1, args=args).x()[:, 1] > 0).sum() == pulled
+    load = '<SurfacePressureForceField pressure="1" min="0 0 0.1" max="0.3 0.1 0.1" useTangentStiffness="0"/>'
+    for args, faces in (([], 2), (native, 3)):
+        moved = Run(node(EXACT + grid + load), 1, args=args).x()[:, 2] - np.repeat([0, 0.1], 22)
+        agree(moved.sum(), 1e-4 * faces * 0.01 * 2, 1e-6)  # of quads, and of the triangles of the grid
+
+
+@case
 def quirk_isolated_springs():
     """Bodies of solvers of their own: the spring above both pulls with the force of the start, its damping included."""
     pair = (TWO.format("a", EXACT, "0 0 0", "0 0 0", 1) + TWO.format("b", EXACT, "1.2 0 0", "0 0.5 0", 3)
@@ -2170,6 +2392,33 @@ def quirk_isolated_springs():
     above = node(EXACT + TWO.format("a", "", "0 0 0", "0 0 0", 1) + TWO.format("b", "", "1.2 0 0", "0 0.5 0", 3)
                  + '<StiffSpringForceField object1="@a/dofs" object2="@b/dofs" spring="0 0 200 1.5 1"/>')
     agree(Run(above, 30).x("b.dofs"), implicit.x("b.dofs"), 1e-9)
+
+
+@case
+def joints_and_vectors_between_two_solvers():
+    """As springs: the force of the start, equal and opposite, and no warning that the way is not SOFA's."""
+    h, m, k = 0.01, np.array([[1.0], [3]]), 200
+
+    def pulled(reach):
+        x, v = np.array([[0.0, 0, 0], [1.2, 0, 0]]), np.array([[0.0, 0, 0], [0, 0.5, 0]])
+        for _ in range(20):
+            force = k * (x[1] - x[0] - reach)
+            v = v + h * np.array([force, -force]) / m
+            x = x + h * v
+        return x
+
+    pair = TWO.format("a", EXACT, "0 0 0", "0 0 0", 1) + TWO.format("b", EXACT, "1.2 0 0", "0 0.5 0", 3)
+    run = Run(node(pair + '<VectorSpringForceField object1="@a/dofs" object2="@b/dofs" stiffness="200" viscosity="0" useTopology="0"/>'), 20)
+    agree([run.x("a.dofs")[0], run.x("b.dofs")[0]], pulled(0))
+    assert "isolated-springs': the result differs" not in run.text, run.text
+    frames = [TWO.format(name, EXACT, place + " 0 0 0 1", speed + " 0 0 0", mass).replace("<MechanicalObject", '<MechanicalObject template="Rigid3"')
+              for name, place, speed, mass in (("a", "0 0 0", "0 0 0", 1), ("b", "1.2 0 0", "0 0.5 0", 3))]
+    joint = ('<JointSpringForceField object1="@a/dofs" object2="@b/dofs" spring="BEGIN_SPRING 0 0 FREE_AXIS 0 0 0 0 0 0 KS_T 0 200 KS_R 0 0 '
+             'KS_B 0 REST_T 1 0 0 END_SPRING"/>')
+    run = Run(node(frames[0] + frames[1] + joint), 20)
+    assert "isolated-springs': the result differs" not in run.text, run.text
+    total = run.x("a.dofs", 7)[0, :3] + 3 * run.x("b.dofs", 7)[0, :3]
+    agree(total, [3.6, 3 * 0.5 * 0.2, 0], 1e-9)
 
 
 @case

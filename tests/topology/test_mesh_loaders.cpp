@@ -26,7 +26,7 @@ TEST_F(Loaders, GmshIntoAContainer) {
   EXPECT_EQ(held.triangles.size(), 7u);  // the one of the file, then the other faces
   EXPECT_EQ(held.triangles.front(), (Triangle{1, 2, 3}));
   EXPECT_EQ(held.edges.size(), 9u);
-  expectContains(scene.diagnostics.text(), "1 points of the file are not used");
+  expectContains(scene.diagnostics.text(), "1 point of the file is not used");
   EXPECT_EQ(mesh(sceneFromText(sceneText("MeshGmshLoader", path, "createSubelements=\"false\""))).triangles.size(), 1u);
 }
 
@@ -47,6 +47,23 @@ TEST_F(Loaders, GmshDirections) {
   expectContains(errors(sceneText("MeshGmshLoader", path, "directionArray=\"fibre\"")), "no view 'fibre'");
   expectContains(errors(sceneText("MeshGmshLoader", path, "directionArray=\"fibre\"")), "fibres");
   expectContains(errors(sceneText("MeshGmshLoader", path, "directionArray=\"heat\"")), "has 1 components");
+}
+
+TEST_F(Loaders, GmshValues) {
+  const std::string path = write("young.msh", std::string(two_tetrahedra) +
+                                                  "$ElementData\n1\n\"young\"\n1\n0\n3\n0\n1\n3\n4 25\n2 -7\n3 10\n$EndElementData\n");
+  const auto text = [&](const std::string& more) { return sceneText("MeshGmshLoader", path, "valueArray=\"" + more); };
+  const Scene scene = sceneFromText(text("young\" valueFactor=\"100\""));
+  EXPECT_EQ(findComponent(*scene.root, "/loader")->data().find("tetrahedraValues")->print(), "1000 2500");
+  expectContains(errors(text("yuong\"")), "no view 'yuong'");
+  const std::string nodes = write("nodes.msh", std::string(two_tetrahedra) +
+                                                   "$NodeData\n1\n\"heat\"\n1\n0\n3\n0\n1\n1\n10 3\n$EndNodeData\n");
+  expectContains(errors(sceneText("MeshGmshLoader", nodes, "valueArray=\"heat\"")), "no values of volume elements");
+}
+
+TEST_F(Loaders, AFileOfVtkIsNamedAsOne) {
+  const std::string path = write("mesh.msh", "# vtk DataFile Version 3.0\nmesh\nASCII\n");
+  expectContains(errors(sceneText("MeshGmshLoader", path, "")), "this is a file of VTK");
 }
 
 TEST_F(Loaders, GmshGroups) {
@@ -86,6 +103,40 @@ TEST_F(Loaders, TransformScalesThenTurnsThenMoves) {
   EXPECT_EQ(errors(sceneText("MeshGmshLoader", path, R"(scale3d="1e-9 1e-9 1")")), "") << "thin is not flat";
   expectContains(errors(sceneText("MeshGmshLoader", path, R"(transformation="1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1")")),
                  "last row");
+}
+
+TEST_F(Loaders, AMirroredMeshHasNoInvertedCells) {
+  const std::string path = write("two.msh", two_tetrahedra);
+  const Scene scene = sceneFromText(sceneText("MeshGmshLoader", path, R"(scale3d="-1 1 1")"));
+  expectContains(scene.diagnostics.text(), "the nodes of its 2 volume cells and of their faces are put in the order of the image");
+  const Scene as_it_is = sceneFromText(sceneText("MeshGmshLoader", path, ""));
+  ASSERT_FALSE(mesh(scene).triangles.empty());
+  for (std::size_t i = 0; i < mesh(scene).triangles.size(); ++i) {
+    const Triangle before = mesh(as_it_is).triangles[i];
+    Triangle now = mesh(scene).triangles[i];
+    std::rotate(now.begin(), std::find(now.begin(), now.end(), before[0]), now.end());
+    EXPECT_EQ(now, (Triangle{before[0], before[2], before[1]})) << "else it would look into the body";
+  }
+  EXPECT_EQ(mesh(scene).tetrahedra, (std::vector<Tetrahedron>{{0, 2, 1, 3}, {1, 3, 2, 4}}));
+  EXPECT_EQ(scene.diagnostics.text().find("inverted cells"), std::string::npos);
+  const Scene turned = sceneFromText(sceneText("MeshGmshLoader", path, R"(scale3d="-1 -1 1")"));
+  EXPECT_EQ(mesh(turned).tetrahedra.front(), (Tetrahedron{0, 1, 2, 3})) << "turned, not mirrored";
+  const Scene grid = sceneFromText(sceneText(
+      "MeshGmshLoader", write("cube.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n"
+                                          "6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n$Elements\n1\n1 5 0 1 2 3 4 5 6 7 8\n$EndElements\n"),
+      R"(scale3d="1 -1 1")"));
+  EXPECT_EQ(mesh(grid).hexahedra.front(), (Hexahedron{4, 5, 6, 7, 0, 1, 2, 3}));
+}
+
+TEST_F(Loaders, CellsThatLeaveHolesAreWarnedOf) {
+  std::string text = two_tetrahedra;
+  text.replace(text.find("$EndElements"), 0, "9 6 0 10 20 30 40 50 10\n");
+  const std::string elements = "$Elements\n";
+  const auto count = text.find(elements) + elements.size();
+  text.replace(count, text.find('\n', count) - count, std::to_string(std::stoi(text.substr(count)) + 1));
+  const std::string told = sceneFromText(sceneText("MeshGmshLoader", write("prism.msh", text))).diagnostics.text();
+  expectContains(told, "warning: ");
+  expectContains(told, "1 prism of the file without a counterpart here: the body has holes there");
 }
 
 TEST_F(Loaders, WarnOfFaultsAndRefuseAnEmptyMesh) {

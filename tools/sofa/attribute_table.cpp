@@ -63,13 +63,16 @@ bool isAcceptedType(std::string_view type) {
       "InputEventReader", "RecordedState", "WriteTopology", "ReadTopology", "CompareTopology", "CompareState",
       // what finds and answers contacts: CollisionPipeline and CollisionResponse do
       "BruteForceBroadPhase", "BVHNarrowPhase", "ParallelBruteForceBroadPhase", "ParallelBVHNarrowPhase", "BruteForceDetection",
-      "SubCollisionPipeline", "DirectSAP*", "IncrSAP*", "RayTrace*", "CollisionGroupManager", "TreeCollisionGroupManager",
-      "DefaultCollisionGroupManager", "*ConstraintSolver", "*ConstraintCorrection", "*LocalMinDistanceFilter",
-      "ContactListener", "CubeCollisionModel", "CubeModel", "RayCollisionModel", "RayModel", "CollisionMonitor", "ConstraintAnimationLoop",
+      "SubCollisionPipeline", "DirectSAP*", "IncrSAP*", "RayTrace*", "CollisionGroupManager", "CollisionGroup",
+      "TreeCollisionGroupManager", "DefaultCollisionGroupManager", "*ConstraintSolver", "*ConstraintCorrection", "*LocalMinDistanceFilter",
+      "ContactListener", "CylinderCollisionModel", "CylinderModel", "Cylinder", "TetrahedronCollisionModel", "TetrahedronModel",
+      "TetrahedronSet", "Tetrahedron", "CubeCollisionModel", "CubeModel", "RayCollisionModel", "RayModel", "CollisionMonitor",
+      "ConstraintAnimationLoop", "MultiTagAnimationLoop",
       // companions
       "*SetTopologyModifier", "*SetTopologyAlgorithms", "*SetGeometryAlgorithms", "MultithreadingPlugin",
       "DefaultPauseAnimationLoop", "NodeToggleController", "PythonScript*", "PythonMain*", "TopologyChecker", "TopologyBoundingTrasher",
-      "MessageHandlerComponent", "CudaVectorOperations", "MechanicalStateController", "SlicedVolumetricModel",
+      "MessageHandlerComponent", "CudaVectorOperations", "MechanicalStateController*", "ArticulatedHierarchyController",
+      "SlicedVolumetricModel",
       "NullForceFeedback*", "LCPForceFeedback", "EnslavementForceFeedback", "AttachBodyPerformer*", "TopologicalChangeManager",
       "TextureInterpolation", "VisualManagerPass", "VisualManagerSecondaryPass", "TransparencyManager*", "Distances",
       "ExtraMonitor", "TimeProfiler*", "CameraCalibration*", "SceneChecker*", "AssetLoader*", "AddPluginRepository",
@@ -77,9 +80,7 @@ bool isAcceptedType(std::string_view type) {
       // what a mouse does
       "*MouseInteractor", "RayPickInteractor", "RemovePrimitivePerformer*",
       "InciseAlongPathPerformer*"};
-  static const List with_effect = {"OglVolumetricModel"};
-  return !contains(with_effect, type) &&
-         std::any_of(accepted.begin(), accepted.end(), [&](std::string_view each) { return matches(each, type); });
+  return std::any_of(accepted.begin(), accepted.end(), [&](std::string_view each) { return matches(each, type); });
 }
 
 bool isEngineOfSofa(std::string_view type) {
@@ -123,7 +124,8 @@ std::string_view typeHere(std::string_view type) {
       {"MappedObject", "MechanicalObject"}, {"TriangleBendingSprings", "TriangularBendingSprings"},
       {"LULinearSolver", "SparseLUSolver"}, {"SparsePARDISOSolver", "SparseLDLSolver"}, {"SparseTAUCSSolver", "SparseLDLSolver"},
       {"SparseTAUCSLLtSolver", "SparseLDLSolver"}, {"CudaSparseLDLSolver", "SparseLDLSolver"},
-      {"LMDNewProximityIntersection", "LocalMinDistance"}, {"BeamLinearMapping_mt", "BeamLinearMapping"},
+      {"LMDNewProximityIntersection", "LocalMinDistance"}, {"CCDTightInclusionIntersection", "NewProximityIntersection"},
+      {"BeamLinearMapping_mt", "BeamLinearMapping"},
       {"CenterPointTopologicalMapping", "Mesh2PointTopologicalMapping"},
       {"CenterPointMechanicalMapping", "Mesh2PointMechanicalMapping"},
       {"DistanceFromTargetMapping", "DistanceFromTarget"}, {"EulerImplicitIntegrationScheme", "EulerImplicitSolver"},
@@ -172,7 +174,7 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
        {"computeVonMisesStress", "updateStiffness", "assembling", "computeGlobalMatrix", "numMaterials"}},
       {"TetrahedralCorotationalFEMForceField", {"computeVonMisesStress", "assembling", "computeGlobalMatrix"}},
       {"TriangularFEMForceField", {"computePrincipalStress", "triangleInfo", "vertexInfo", "edgeInfo", "hosfordExponant", "criteriaValue"}},
-      {"SparseLDLSolver", {"applyPermutation", "saveMatrixToFile"}},
+      {"SparseLDLSolver", {"applyPermutation", "saveMatrixToFile", "blockSize", "verification", "problem", "showProblem"}},
       {"EigenSimplicialLDLT", {"ordering"}}, {"EigenSimplicialLLT", {"ordering"}},
       {"EigenSparseLU", {"ordering"}}, {"EigenSparseQR", {"ordering"}},
       {"SparseLUSolver", {"tolerance"}},
@@ -200,7 +202,8 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"SkinningMapping", {"applyRestPosition"}}, {"BeamLinearMapping", {"applyRestPosition"}},
       {"RigidRigidMapping", {"axisLength"}},
       {"RestShapeSpringsForceField", {"topology"}}, {"SpringForceField", {"topology"}},
-      {"BilateralLagrangianConstraint", {"activateAtIteration", "numericalTolerance"}},
+      {"BilateralLagrangianConstraint", {"activateAtIteration", "numericalTolerance", "merge", "derivative"}},
+      {"SlidingLagrangianConstraint", {"force"}},
       {"BarycentricMapping", {"applyRestPosition"}}, {"IdentityMapping", {"applyRestPosition"}},
       {"SubsetMapping", {"applyRestPosition"}},
       {"BoxROI", {"doUpdate", "isVisible", "computeQuad"}},

@@ -64,6 +64,7 @@ const std::vector<AttributeChange>& attributeChanges() {
   static const std::vector<AttributeChange> table = {
       {"UniformMass", "totalmass", "totalMass"},
       {"UniformMass", "mass", "vertexMass"},
+      {"ConstantForceField", "points", "indices"},
   };
   return table;
 }

@@ -26,9 +26,11 @@ const std::vector<Quirk>& allQuirks() {
       {"fixed-inertia", "the inertia of rigid frames stays in fixed axes, without gyroscopic forces"},
       {"late-times", "movements and forces given at times are those of the start of a step"},
       {"impulse-values", "forces and pressures that cables and cavities are given are those of a whole step, divided by dt"},
-      {"isolated-springs", "springs between bodies that no solver has in common pull with the force of a step's start"},
+      {"ellipsoid-ratio", "ellipsoids push by a ratio of lengths, and frames with ellipsoids feel it at their centre alone"},
+      {"isolated-springs", "springs and penalties between bodies that no solver has in common have the force of a step's start"},
       {"one-sided-turns", "a spring between the orientations of two frames, or the teeth of wheels, turn one side alone"},
       {"torsion-tangent", "forces that turn nodes about an axis have a tangent that grows across it"},
+      {"exact-borders", "what lies on the border of a region or of a load's box is compared exactly, without room for round-off"},
       {"first-node", "constraints without indices hold node 0"},
   };
   return quirks;

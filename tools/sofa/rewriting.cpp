@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <set>
+#include <sstream>
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/common_attributes.h"
@@ -60,6 +61,7 @@ void Rewriting::run() {
   });
   tree_->forEachPlace([this](Place& place) { rewriteNode(place); });
   acceptTypes();
+  liftPlanes();
   divideSteps();
   dropVisualMappings();
   dropVoids();
@@ -142,13 +144,29 @@ void Rewriting::addFoldersOfTree() {
 
 // ---- nodes ----
 
+/// What SOFA has of a number of a node that it cannot read; empty: it can.
+static std::string readOfNode(const AttributeDescription& attribute) {
+  if (attribute.typed || (attribute.name != "gravity" && attribute.name != "dt")) return {};
+  const bool is_step = attribute.name == "dt";
+  std::istringstream numbers(attribute.value);
+  double number = 0;
+  for (int i = 0; i < (is_step ? 1 : 3); ++i)
+    if (!(numbers >> number)) return is_step ? "0.01" : readByStream(attribute.value, "0 -9.81 0");
+  return {};
+}
+
 /// SOFA says nothing of attributes that a node does not have, and gives each child the context of its parent.
 void Rewriting::rewriteNode(Place& place) {
   std::vector<AttributeDescription>& attributes = place.node->attributes;
   const std::vector<std::string>& known = nodeAttributes();
-  std::erase_if(attributes, [&](const AttributeDescription& attribute) {
+  std::erase_if(attributes, [&](AttributeDescription& attribute) {
     const bool is_known = std::find(known.begin(), known.end(), attribute.name) != known.end();
     if (!is_known) return noEffect("Node." + attribute.name), true;
+    if (const std::string read = readOfNode(attribute); !read.empty()) {
+      diagnostics_.warning(attribute.where, place.path() + "." + attribute.name,
+                           inQuotes(attribute.value) + " is no value: SOFA has " + read + " of it, and so has this scene");
+      attribute.value = read;
+    }
     if (!place.parent || (attribute.name != "gravity" && attribute.name != "dt")) return false;
     const std::string path = place.path() + "." + attribute.name;
     const bool drops = quirks_.use("child-gravity", path) || attribute.name == "dt";
@@ -170,6 +188,14 @@ void Rewriting::rewriteNode(Place& place) {
 
 // ---- what takes no part ----
 
+/// A system that a CompositeLinearSystem beside it fills, and that is not the one to be solved.
+static bool isOneOfSeveral(const Element& system) {
+  for (const auto& each : system.place->elements)
+    if (each->is("CompositeLinearSystem") && each->find("solverLinearSystem"))
+      return !each->text("solverLinearSystem").ends_with(system.name);
+  return false;
+}
+
 void Rewriting::acceptTypes() {
   const auto& accepted = acceptedWithoutEffect();
   tree_->forEach([&](Element& element) {
@@ -181,9 +207,10 @@ void Rewriting::acceptTypes() {
       if (element.probe) renameType(element);
       return;
     }
+    const bool is_part = element.is("MatrixLinearSystem") && isOneOfSeveral(element);
     for (const char* name : {"assembleStiffness", "assembleMass", "assembleDamping", "assembleGeometricStiffness",
                              "applyProjectiveConstraints", "applyMappedComponents"})
-      if (saysNo(element.text(name)))
+      if (saysNo(element.text(name)) && !is_part)
         diagnostics_.error(element.find(name)->where, element.path() + "." + name,
                            "a matrix without a part of it cannot be assembled here", "true");
     element.without_effect = element.dropped = true;

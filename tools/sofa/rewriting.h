@@ -53,6 +53,12 @@ class Rewriting {
   // ---- rewritten_bodies.cpp: what SOFA leaves to each body ----
   void joinBodies();
 
+  // ---- rewritten_planes.cpp: bodies in a plane ----
+  void liftPlanes();
+  void widen(Element& element, bool has_frames);
+  void widenVectors(Element& element, bool has_frames);
+  const Element* leaderOf(const Element& state) const;
+
   // ---- rewritten_links.cpp ----
   void rewriteLinks(Element& element);
   void rewriteLink(Element& element, AttributeDescription& attribute, std::vector<std::string>& broken);
@@ -81,6 +87,7 @@ class Rewriting {
   void meanSprings(Element& element);
   void meanLoads(Element& element);
   void includeLast(Element& element);
+  void checkOneBody(Element& field);
   void warnOfFrames(const Element& mapping);
   bool actsOnNothing(Element& element);
   bool holdsNothing(Element& element);
@@ -95,7 +102,6 @@ class Rewriting {
   bool hasOwnNodes(const Element& mesh) const;
   void takeNodesOfNeighbour(Element& container);
   void joinCorners(Element& mesh);
-  void checkOneBody(Element& field);
   void readMeshFiles(Element& element);
   void readMeshFile(Element& element, const std::string& attribute);
   // ---- rewritten_files.cpp ----
@@ -139,6 +145,12 @@ class Rewriting {
   std::vector<Element*> parts_;                                ///< regions whose cells count their own nodes
   std::unique_ptr<SceneTree> tree_;
 };
+
+/// The numbers of a list that is written out; of a link none.
+std::vector<double> writtenNumbers(const std::string& text);
+std::string printed(const std::vector<double>& numbers);
+/// Three numbers as SOFA's stream reads them: those at the start of the text, zero where a word is no number, and then the others.
+std::string readByStream(const std::string& text, const std::string& others);
 
 // ---- attribute_table.cpp: what SOFA declares ----
 

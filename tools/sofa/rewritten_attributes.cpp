@@ -165,6 +165,11 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
   }
   std::string range = data.rangeText();
   if (!range.empty() && problem->message.find("outside the range") != std::string::npos) return true;  // refused later
+  if (std::holds_alternative<Vec3*>(data.pointer())) {
+    attribute.value = readByStream(text, data.defaultText());
+    warn(attribute.where, element, attribute.name, problem->message + ": SOFA has " + attribute.value + " of it, and so has this scene");
+    return true;
+  }
   warn(attribute.where, element, attribute.name,
        problem->message + ": SOFA keeps the default, and so does this scene (" + data.defaultText() + ")");
   return false;

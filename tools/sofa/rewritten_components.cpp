@@ -72,6 +72,7 @@ void Rewriting::meanActuator(Element& element) {
 
 void Rewriting::meanSelection(Element& element) {
   setDefault(element, "allowEmpty", "true");
+  if (element.probe->data().find("exactBorder")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.is("BoxROI") && !element.find("box") && !element.find("orientedBox")) {
     warn(element.written->where, element, "box", "is not given: SOFA takes the unit cube");
     element.set("box", "0 0 0 1 1 1");
@@ -89,6 +90,8 @@ void Rewriting::meanField(Element& element) {
                                                       "LinearSmallStrainFEMForceField"});
   if (elastic && quirks_.use("local-dilatation", element.path())) setDefault(element, "dilatation", "local");
   const std::string method = element.text("method");
+  for (const char* name : {"youngModulus", "poissonRatio"})
+    if (element.text(name).find_first_of("@ \t\n") != std::string::npos) setDefault(element, "firstForOthers", "true");
   if (corotational && isOneOf(method, {"polar", "svd"})) setQuirk(element, "edge-polar", "polarOf", "edges");
   if (type == "TetrahedronFEMForceField") cutHexahedra(element);
   if (const auto plastic = plasticity_.find(&element); plastic != plasticity_.end()) {
@@ -121,6 +124,10 @@ void Rewriting::meanField(Element& element) {
     setDefault(element, "minDistValidity", "1e-06");
   }
   if (isOneOf(type, {"AngularSpringForceField", "GearSpringForceField"})) setQuirk(element, "one-sided-turns", "oneSided", "true");
+  if (isOneOf(type, {"EllipsoidForceField", "InteractionEllipsoidForceField"})) {
+    setQuirk(element, "ellipsoid-ratio", "depth", "ratio");
+    if (element.is("InteractionEllipsoidForceField")) setQuirk(element, "ellipsoid-ratio", "onCentre", "true");
+  }
   const bool is_pair = element.find("object1") || element.find("object2");
   if (is_pair && !element.place->nearest("integrator")) setQuirk(element, "isolated-springs", "explicitForce", "true");
   if (type == "TorsionForceField") setQuirk(element, "torsion-tangent", "tangent", "transverse");
@@ -191,15 +198,22 @@ void Rewriting::meanMesh(Element& element) {
   // one layer of nodes lies in the middle of x and y
   const Vec3 count = element.find("n") ? numbersOf(element.text("n"), Vec3(2, 2, 2)) : Vec3(2, 2, 2);
   const char* counts[3] = {"nx", "ny", "nz"};
+  int ones = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const std::string text = element.text(counts[axis]);
     const double n = text.empty() ? count[axis] : numbersOf(text + " 0 0", Vec3(2, 2, 2))[0];
     if (n != 1) continue;
+    ++ones;
     if (axis < 2 && !moves) low[axis] = (low[axis] + high[axis]) / 2;
     high[axis] = low[axis];
   }
   for (const auto& axis : names)
     for (const char* name : axis) element.remove(name);
+  if (ones == 3) {  // a point
+    std::erase_if(element.written->attributes, [](const AttributeDescription& attribute) { return attribute.name != "name"; });
+    tree_->retype(element, "PointSetTopologyContainer");
+    return element.set("position", print(low));
+  }
   element.set("min", print(low));
   element.set("max", print(high));
 }
@@ -299,16 +313,6 @@ void Rewriting::joinCorners(Element& element) {
   }
 }
 
-/// Springs of a mesh lie in one body: what SOFA's base class could link besides is that body.
-void Rewriting::checkOneBody(Element& field) {
-  for (const char* name : {"object1", "object2"}) {
-    if (!field.find(name)) continue;
-    const LinkTarget target = tree_->follow(field, field.text(name), false);
-    const Element* state = target.element ? target.element : target.place ? target.place->firstOf("mechanical state") : nullptr;
-    if (state && state == field.place->nearest("mechanical state")) field.remove(name);
-  }
-}
-
 /// Every topology of SOFA reads files; here loaders do.
 void Rewriting::readMeshFiles(Element& element) {
   const std::string& type = element.written->type;
@@ -323,7 +327,9 @@ void Rewriting::readMeshFile(Element& element, const std::string& attribute) {
   if (file.empty() || file.starts_with("@")) return;
   static const std::vector<std::pair<std::string_view, std::string_view>> loaders = {
       {".msh", "MeshGmshLoader"}, {".obj", "MeshOBJLoader"}, {".stl", "MeshSTLLoader"},
-      {".vtk", "MeshVTKLoader"},  {".vtu", "MeshVTKLoader"}, {".off", "MeshOffLoader"}};
+      {".vtk", "MeshVTKLoader"},  {".vtu", "MeshVTKLoader"}, {".off", "MeshOffLoader"},
+      {".xs3", "MeshXspLoader"},  {".xsp", "MeshXspLoader"}, {".trian", "MeshTrianLoader"},
+      {".gid", "GIDMeshLoader"}};
   for (const auto& [ending, type] : loaders) {
     if (!file.ends_with(ending)) continue;
     const std::string name = element.name + "_file";
@@ -337,7 +343,7 @@ void Rewriting::readMeshFile(Element& element, const std::string& attribute) {
     return;
   }
   diagnostics_.error(element.find(attribute)->where, element.path() + "." + attribute,
-                     "there is no loader for " + inQuotes(file), "a file of Gmsh, OBJ, STL, OFF or VTK");
+                     "there is no loader for " + inQuotes(file), "a file of Gmsh, OBJ, STL, OFF, VTK, GID, .xs3 or .trian");
 }
 
 void Rewriting::meanState(Element& element) {

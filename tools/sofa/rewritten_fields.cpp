@@ -2,6 +2,7 @@
 // Springs, loads and constraints that a scene gives twice, in part or not at all: what SOFA takes of them.
 #include <algorithm>
 #include <cstdlib>
+#include <sstream>
 
 #include "framework/scene/names.h"
 #include "framework/scene/text.h"
@@ -9,9 +10,6 @@
 
 namespace stroma::sofa {
 
-namespace {
-
-/// The numbers of a list that is written out; of a link none.
 std::vector<double> writtenNumbers(const std::string& text) {
   std::vector<double> numbers;
   Words words(text);
@@ -23,13 +21,25 @@ std::vector<double> writtenNumbers(const std::string& text) {
   return numbers;
 }
 
+std::string readByStream(const std::string& text, const std::string& others) {
+  std::vector<double> values = writtenNumbers(others);
+  values.resize(3);
+  std::istringstream numbers(text);
+  for (double& value : values) {
+    double number = 0;
+    if (!(numbers >> std::ws) || numbers.eof()) break;
+    const bool is_number = bool(numbers >> number);
+    value = is_number ? number : 0;
+    if (!is_number) break;
+  }
+  return printed(values);
+}
+
 std::string printed(const std::vector<double>& numbers) {
   std::string text;
   for (const double number : numbers) text += (text.empty() ? "" : " ") + printReal(number);
   return text;
 }
-
-}  // namespace
 
 /// What SOFA reads and the component here does not, as long as it can be said otherwise.
 void Rewriting::meanOfNames(Element& element) {
@@ -73,6 +83,7 @@ void Rewriting::meanSprings(Element& element) {
     springs.resize(springs.size() / 5 * 5);
     return element.set("spring", printed(springs));
   }
+  setDefault(element, "damping", "5");
   const std::string pairs = element.text(element.find("springsIndices1") ? "springsIndices1" : "indices1");
   const std::size_t count = writtenNumbers(pairs).size();
   for (const char* name : {"stiffness", "damping", "lengths", "length"}) {
@@ -82,6 +93,16 @@ void Rewriting::meanSprings(Element& element) {
          "has " + std::to_string(values.size()) + " values for " + std::to_string(count) + " springs: SOFA goes on with the last");
     values.resize(count, values.back());
     element.set(name, printed(values));
+  }
+}
+
+/// Springs of a mesh lie in one body: what SOFA's base class could link besides is that body.
+void Rewriting::checkOneBody(Element& field) {
+  for (const char* name : {"object1", "object2"}) {
+    if (!field.find(name)) continue;
+    const LinkTarget target = tree_->follow(field, field.text(name), false);
+    const Element* state = target.element ? target.element : target.place ? target.place->firstOf("mechanical state") : nullptr;
+    if (state && state == field.place->nearest("mechanical state")) field.remove(name);
   }
 }
 
@@ -97,17 +118,26 @@ void Rewriting::meanLoads(Element& element) {
     if (element.writes(name) && element.text(name).empty()) element.remove(name);
   if (type == "RestShapeSpringsForceField" || type == "ConstantForceField") setDefault(element, "emptyMeansAll", "true");
   if (type == "RestShapeSpringsForceField") setDefault(element, "firstForOthers", "true");
+  if (type == "ConstantForceField" && !element.find("forces") && !element.find("force") && !element.find("totalForce")) {
+    element.dropped = true;
+    return warn(element.written->where, element, "forces", "is not given: there is no load");
+  }
   if (isAnyOf(type, {"TrianglePressureForceField", "QuadPressureForceField", "EdgePressureForceField"})) {
     setDefault(element, "allowEmpty", "true");
     const bool chooses = type != "TrianglePressureForceField" || element.find("triangleList") || layers_.count(&element);
     element.dropped = !chooses;
     if (!chooses) return warn(element.written->where, element, "triangleList", "is not given: there is no load");
   }
-  if (isAnyOf(type, {"PlaneForceField", "SphereForceField", "EllipsoidForceField", "ConicalForceField"})) includeLast(element);
+  const bool is_penalty = isAnyOf(type, {"PlaneForceField", "SphereForceField", "EllipsoidForceField", "ConicalForceField"});
+  if (is_penalty) includeLast(element);
+  if (is_penalty || type == "InteractionEllipsoidForceField") setDefault(element, "damping", "5");
+  if (type == "RegularGridSpringForceField" && !element.find("damping"))
+    for (const char* kind : {"linesDamping", "quadsDamping", "cubesDamping"}) setDefault(element, kind, "5");
   if (type == "SphereForceField") setDefault(element, "radius", "1"), setDefault(element, "center", "0 0 0");
   if (type == "SurfacePressureForceField" && element.writes("min") && element.writes("max") &&
       writtenNumbers(element.text("min")) == writtenNumbers(element.text("max")))
     element.remove("min"), element.remove("max");
+  if (type == "SurfacePressureForceField" && element.find("min")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
   if (element.text("materialName") == "BoyceAndArruda") element.set("materialName", "ArrudaBoyce");  // its name before 2023
   const std::string law = element.text("materialName");  // of SOFA's laws one has directions
@@ -121,7 +151,8 @@ void Rewriting::meanLoads(Element& element) {
   const std::string name = element.name + "_layer";
   ComponentDescription box{"BoxROI", {}, where, element.written->folder};
   for (const auto& [attribute, value] : std::vector<std::pair<std::string, std::string>>{
-           {"name", name}, {"box", layer->second}, {"strict", "true"}, {"allowEmpty", "true"}})
+           {"name", name}, {"box", layer->second}, {"strict", "true"}, {"allowEmpty", "true"},
+           {"exactBorder", quirks_.use("exact-borders", element.path()) ? "true" : "false"}})
     box.attributes.push_back({attribute, value, where});
   element.place->added_components.push_back(std::move(box));
   SceneTree::linkTo(element);  // nodes above it have names from now on

@@ -39,7 +39,7 @@ bool Rewriting::movesNodes() const {
 }
 
 /// Below an integrator a state without mass, on which nothing acts, stays where it is: a target that a program moves. Here
-/// it gets a mass that nothing pulls; and where stiffness alone moves it, one that is next to none.
+/// it gets a mass that nothing pulls. Where stiffness alone moves it the integrator has to allow that.
 void Rewriting::holdMassless(Place& place, bool is_moved) {
   const bool moves = is_moved || place.has("integrator");
   Element* state = place.firstOf("mechanical state");
@@ -49,22 +49,22 @@ void Rewriting::holdMassless(Place& place, bool is_moved) {
       !isPulledThroughOthers(*state)) {
     const bool pulled = actsIn(place, {"force field", "position constraint"}) || isPulledFromElsewhere(*state, "");
     const Element* integrator = place.nearest("integrator");
-    const bool takes_it = integrator && integrator->is("EulerImplicitSolver");  // others begin with an acceleration
-    if (pulled ? takes_it : !actsIn(place, {"projective constraint"})) {
-      const SourceLocation& where = state->written->where;
+    // others begin with an acceleration, or swing
+    const bool takes_it = integrator && integrator->is("EulerImplicitSolver") && !saysYes(integrator->text("trapezoidalScheme"));
+    const SourceLocation& where = state->written->where;
+    if (pulled && takes_it) diagnostics_.note(where, state->path(), "has no mass: stiffness alone moves it");
+    if (!pulled && !actsIn(place, {"projective constraint"})) {
       NodeDescription weightless;  // a node of its own: gravity is that of what else is here
       weightless.where = where;
       weightless.folder = state->written->folder;
       weightless.attributes = {{"name", state->name + "_mass", where}, {"gravity", "0 0 0", where}};
       weightless.components.push_back(
           {"UniformMass",
-           {{"totalMass", pulled ? "1e-12" : "1", where}, {"mstate", SceneTree::linkTo(*state), where}},
+           {{"totalMass", "1", where}, {"mstate", SceneTree::linkTo(*state), where}},
            where,
            state->written->folder});
       place.added_children.push_back(std::move(weightless));
-      diagnostics_.note(where, state->path(),
-                        pulled ? "has no mass: SOFA moves it by stiffness alone, and here it has 1e-12 kg"
-                               : "has no mass, and nothing acts on it: it stays where it is");
+      diagnostics_.note(where, state->path(), "has no mass, and nothing acts on it: it stays where it is");
     }
   }
   for (const auto& child : place.children)

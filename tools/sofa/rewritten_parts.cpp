@@ -54,6 +54,10 @@ void Rewriting::renameType(Element& element) {
   meanOfNames(element);
   if (type == "CompositeCollisionPipeline")
     warn(element.written->where, element, {}, "has pipelines for groups of models in SOFA: here all models may meet each other");
+  if (type == "CCDTightInclusionIntersection")
+    warn(element.written->where, element, {}, "looks for contacts on the ways of a step in SOFA: here they are found where it starts");
+  if (Element* state = type == "AverageCoord" && !element.find("vertices") ? element.place->nearest("mechanical state") : nullptr)
+    element.set("vertices", SceneTree::linkTo(*state) + ".position");
   if (type == "AsyncSparseLDLSolver")
     warn(element.written->where, element, {},
          "SOFA factors in another thread and solves with older factors: this solver has those of the step");
@@ -86,7 +90,7 @@ void Rewriting::splitPlasticity(Element& field) {
   plastic.attributes.push_back({"name", field.name + "_plastic", where});
   for (const char* copied : {"method", "youngModulus", "poissonRatio", "plasticMaxThreshold", "plasticYieldThreshold", "plasticCreep"})
     if (const AttributeDescription* found = field.find(copied)) plastic.attributes.push_back(*found);
-  plastic.attributes.push_back({"scaledByVolume", "true", where});
+  for (const char* always : {"scaledByVolume", "firstForOthers"}) plastic.attributes.push_back({always, "true", where});
   const std::string method = field.text("method");
   if ((method == "polar" || method == "svd") && quirks_.isOn("edge-polar")) plastic.attributes.push_back({"polarOf", "edges", where});
   for (const char* moved : {"plasticMaxThreshold", "plasticYieldThreshold", "plasticCreep"}) field.remove(moved);

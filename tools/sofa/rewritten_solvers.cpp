@@ -19,6 +19,9 @@ void Rewriting::meanSolver(Element& element) {
     setDefault(element, "preconditioner", "none");
     setQuirk(element, "cg-threshold", "absoluteThreshold", threshold);
   }
+  if (type == "EulerImplicitSolver" && !saysYes(element.text("trapezoidalScheme"))) setDefault(element, "allowMassless", "true");
+  for (const char* implicit : {"EulerImplicitSolver", "TrapezoidalRuleSolver", "NewmarkImplicitSolver", "BDFOdeSolver"})
+    if (type == implicit) setDefault(element, "newtonIterations", "1");
   if (type == "EulerImplicitSolver" && saysYes(element.text("trapezoidalScheme")))
     setQuirk(element, "trapezoidal-positions", "moveByNewVelocity", "true");
   if (type == "VariationalSymplecticSolver") {
@@ -79,10 +82,15 @@ void Rewriting::takeFriction(Element& response) {
     if (!response.find("responseParams")) response.set("responseParams", answer.substr(mark + 1));
   }
   const Element* solver = nullptr;
-  tree_->forEachPlace([&solver](Place& place) {  // accepted, and no part any more
-    for (const auto& each : place.elements)
+  bool groups = false;  // bodies that touch have one solver then
+  tree_->forEachPlace([&](Place& place) {  // accepted, and no part any more
+    for (const auto& each : place.elements) {
       if (each->is("LCPConstraintSolver")) solver = each.get();
+      groups = groups || each->is("CollisionGroup") || each->written->type.ends_with("GroupManager");
+    }
   });
+  const bool pushes = isAnyOf(response.text("response"), {"", "default", "PenalityContactForceField"});
+  if (pushes && !groups && !response.place->nearest("integrator")) setQuirk(response, "isolated-springs", "explicitBetween", "true");
   if (!solver || response.text("response").find("Friction") == std::string::npos) return;
   const std::string given = response.text("responseParams"), mu = solver->find("mu") ? solver->text("mu") : "0.6";
   const auto at = given.find("mu=");
@@ -100,6 +108,12 @@ void Rewriting::warnOfAccepted(const Element& element) {
     return warn(element.written->where, element, {}, "is a script that SOFA runs: what it does to the scene is not done here");
   if (element.written->type.ends_with("ConstraintSolver") && std::atof(element.text("regularizationTerm").c_str()) != 0)
     return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
+  if (element.is("MultiTagAnimationLoop"))
+    return warn(element.written->where, element, {},
+                "animates what has one tag after what has another, and nothing that has none: here all move together");
+  if (isAnyOf(element.written->type, {"CylinderCollisionModel", "CylinderModel", "Cylinder", "TetrahedronCollisionModel",
+                                      "TetrahedronModel", "TetrahedronSet", "Tetrahedron"}))
+    return warn(element.written->where, element, {}, "is no part of contacts here: where something touches it, SOFA's result is another");
   const bool is_precomputed = element.is("PrecomputedConstraintCorrection");
   if (!is_precomputed && !element.is("UncoupledConstraintCorrection")) return;
   bool pulls = element.find("compliance") || element.find("defaultCompliance"), holds = false;

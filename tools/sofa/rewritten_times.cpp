@@ -15,29 +15,12 @@ namespace {
 
 constexpr double grace = 1e-9;  ///< of a step
 
-std::vector<double> numbersIn(const std::string& text) {
-  std::vector<double> numbers;
-  Words words(text);
-  for (std::string word(words.next()); !word.empty(); word = words.next()) {
-    char* end = nullptr;
-    numbers.push_back(std::strtod(word.c_str(), &end));
-    if (*end != '\0') return {};  // a link
-  }
-  return numbers;
-}
-
-std::string print(const std::vector<double>& numbers) {
-  std::string text;
-  for (const double number : numbers) text += (text.empty() ? "" : " ") + printReal(number);
-  return text;
-}
-
 /// Values, each of several numbers, at times.
 struct Table {
   std::vector<double> times, values;
   std::size_t width = 0;
 
-  Table(const std::string& at, const std::string& given) : times(numbersIn(at)), values(numbersIn(given)) {
+  Table(const std::string& at, const std::string& given) : times(writtenNumbers(at)), values(writtenNumbers(given)) {
     if (times.size() >= 2 && !values.empty() && values.size() % times.size() == 0 && std::is_sorted(times.begin(), times.end()))
       width = values.size() / times.size();
   }
@@ -137,9 +120,9 @@ void Rewriting::meanTimes(Element& element) {
   if (swings) {
     const Element* state = element.place->nearest("mechanical state");
     const std::size_t width = state && state->text("template").starts_with("Rigid3") ? 16 : 9;
-    std::vector<double> numbers = numbersIn(element.text("oscillators"));
+    std::vector<double> numbers = writtenNumbers(element.text("oscillators"));
     for (std::size_t i = width; i <= numbers.size(); i += width) numbers[i - 1] -= numbers[i - 2] * h;
-    if (!numbers.empty()) element.set("oscillators", print(numbers));
+    if (!numbers.empty()) element.set("oscillators", printed(numbers));
     return;
   }
   const char* at = element.find("times") ? "times" : "keyTimes";
@@ -155,8 +138,8 @@ void Rewriting::meanTimes(Element& element) {
     if (!is_explicit) table.delay(h);
     if (first > 0) table.putFirst(table.times.front() - 1e-6 * h, std::vector<double>(table.width, 0.));  // nothing before it
   }
-  element.set(at, print(table.times));
-  element.set(values, print(table.values));
+  element.set(at, printed(table.times));
+  element.set(values, printed(table.values));
 }
 
 }  // namespace stroma::sofa
