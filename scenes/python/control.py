@@ -7,7 +7,7 @@ import stroma
 WANTED = -0.03  # [m], the tip's y
 
 simulation = stroma.load(stroma.from_xml_text("""<Node name="root" dt="0.02" gravity="0 -9.81 0">
-  <EulerImplicitSolver rayleighStiffness="0.1" rayleighMass="2"/> <CGLinearSolver iterations="60" tolerance="1e-8"/>
+  <EulerImplicitSolver rayleighStiffness="0.1" rayleighMass="2"/> <CGLinearSolver iterations="300" tolerance="1e-8"/>
   <RegularGridTopology n="9 3 3" min="0 0 0" max="0.16 0.04 0.04"/> <MechanicalObject name="dofs"/> <UniformMass totalMass="0.3"/>
   <HexahedronFEMForceField name="fem" youngModulus="200000" poissonRatio="0.3" method="polar"/>
   <BoxROI name="end" box="-0.001 -1 -1 0.001 1 1"/> <FixedProjectiveConstraint indices="@end.indices"/> </Node>"""))

@@ -5,7 +5,7 @@ import stroma
 
 root = stroma.Node("root", dt=0.01, gravity=(0, -9.81, 0))
 root.add("EulerImplicitSolver", rayleighStiffness=0.02)
-root.add("CGLinearSolver", iterations=100, tolerance=1e-8)
+root.add("CGLinearSolver", iterations=500, tolerance=1e-8)
 
 beam = root.add_child("beam")
 beam.add("RegularGridTopology", n=(13, 4, 4), min=(0, 0, 0), max=(0.24, 0.06, 0.06))

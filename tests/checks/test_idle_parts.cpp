@@ -27,8 +27,12 @@ TEST(IdleParts, ABodyOfWhichEveryNodeIsHeldIsSaid) {
   for (const char* free :
        {"", "<FixedProjectiveConstraint indices='0-6'/>",
         "<PartialFixedProjectiveConstraint indices='0-7' fixedDirections='1 1 0'/>",
-        "<LinearMovementProjectiveConstraint indices='0-7' keyTimes='0 1' movements='0 0 0 1 0 0'/>"})
+        "<LinearMovementProjectiveConstraint indices='0-7' keyTimes='0 1' movements='0 0 0 1 0 0'/>",
+        "<FixedProjectiveConstraint name='held_by_the_scene_FixedProjectiveConstraint' fixAll='true'/>"})
     EXPECT_EQ(told(heldAt(free)).find(sentence), std::string::npos) << free;
+  EXPECT_EQ(told(R"(<Node name="root" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject name="dofs"
+    position="0 0 0"/><UniformMass totalMass="1"/><FixedProjectiveConstraint indices="0"/></Node>)").find(sentence), std::string::npos)
+      << "a post, which nobody holds by mistake";
 }
 
 TEST(IdleParts, WhatContradictsOrDoublesIsSaid) {
@@ -77,6 +81,23 @@ TEST(IdleParts, CellsWithoutALawInAMixedMeshAreSaid) {
   expectContains(told(mixed(tetrahedra)), "/mesh: 1 of 1 hexahedra have no law");
   expectContains(told(mixed(hexahedra)), "/mesh: 2 of 2 tetrahedra have no law");
   EXPECT_EQ(told(mixed(tetrahedra + hexahedra)).find("no law"), std::string::npos);
+}
+
+TEST(IdleParts, AWeightThatNobodyWroteAndAFallForEverAreNoted) {
+  const auto scene = [](const std::string& gravity, const std::string& more) {
+    return "<Node name='root' " + gravity + R"(><EulerImplicitSolver/><CGLinearSolver/>
+      <RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>
+      <HexahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>)" +
+           more + "</Node>";
+  };
+  const std::string held = "<FixedProjectiveConstraint indices='0'/>", floor = "<PlaneForceField normal='0 1 0' d='-1'/>";
+  const std::string weight = "/dofs: gravity is not given: (0 -9.81 0) m/s^2 acts", fall = "/dofs: nothing holds it";
+  expectContains(told(scene("", held)), weight);
+  expectContains(told(scene("gravity='0 0 -1'", "")), fall);
+  for (const std::string& text : {scene("gravity='0 -9.81 0'", held), scene("gravity='0 -9.81 0'", floor), scene("gravity='0 0 0'", "")}) {
+    EXPECT_EQ(told(text).find(weight), std::string::npos) << text;
+    EXPECT_EQ(told(text).find(fall), std::string::npos) << text;
+  }
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -63,5 +63,17 @@ TEST(RuleDamping, IsNotSaidWhereThereIsNone) {
   EXPECT_TRUE(dampedSwings(falling).empty()) << "a fall is no swing";
 }
 
+/// From the shape of rest under a constant push: the way is the shape of the only swing, whose period is 1 s.
+TEST(RuleDamping, StepsThatSkipTheSlowestSwingAreNamed) {
+  const auto pushed = [](double dt, const std::string& integrator) {
+    std::string text = oscillator(integrator, dt, "0 0 0");
+    text.replace(text.rfind("</Node>"), 7, "<ConstantForceField indices='0' forces='1 0 0'/></Node>");
+    return swing(text, 20).said;
+  };
+  expectContains(pushed(10, "<EulerImplicitSolver/>"), "is 10 periods of the slowest swing, of 1");
+  EXPECT_EQ(pushed(0.5, "<EulerImplicitSolver/>").find("periods"), std::string::npos);
+  EXPECT_EQ(pushed(10, "<StaticSolver/>"), "");
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

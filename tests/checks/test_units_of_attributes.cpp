@@ -49,6 +49,8 @@ const std::set<std::string> of_no_one_unit = {"ParameterSet", "c2",     "c4",   
                                               "PolynomialRestShapeSpringsForceField.smoothShift",
                                               "PolynomialRestShapeSpringsForceField.smoothScale",
                                               "table",        "values", "defaultValue", "transformation", "planes",
+                                              // a file does not say what its numbers are
+                                              "tetrahedraValues", "hexahedraValues", "quadraticTetrahedraValues",
                                               // lists of engines have the unit of what is linked to them
                                               "in", "out", "global", "inputValues", "value", "outputValues", "input", "output",
                                               "substractor", "indices", "input1", "input2", "input3", "input4", "input5", "input6",

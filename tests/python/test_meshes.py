@@ -41,6 +41,25 @@ def test_fields_of_cells():
     with pytest.raises(stroma.SceneError, match="did you mean '?vonMises"):
         mesh.cell_data(["vonMeses"])
     assert mesh.cell_data([]) == {}
+    assert data["strain"].shape == (count, 6)
+
+
+def test_fields_of_cells_of_two_kinds(tmp_path):
+    """A hexahedron is pulled to a stress of 100 Pa, the stiff tetrahedron on it goes along: each has its own numbers."""
+    (tmp_path / "mixed.xml").write_text("""<Node name="root" gravity="0 0 0" dt="1"><StaticSolver/><SparseLDLSolver/>
+      <MeshTopology position="0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1  0.5 0.5 2"
+                    hexahedra="0 1 2 3 4 5 6 7" tetrahedra="4 5 6 8"/><MechanicalObject name="state"/>
+      <HexahedronFEMForceField name="hexa" method="small" youngModulus="1000" poissonRatio="0"/>
+      <TetrahedronFEMForceField name="tetra" method="small" youngModulus="1e6" poissonRatio="0"/>
+      <FixedProjectiveConstraint indices="0 1 2 3"/><ConstantForceField indices="4 5 6 7" totalForce="0 0 100"/></Node>""")
+    simulation = stroma.load(tmp_path / "mixed.xml", observers=False)
+    simulation.step()
+    assert simulation["/hexa"].field("vonMises") == pytest.approx([100])
+    mesh = simulation.state("/").mesh()
+    stress, strain = mesh.cell_data()["vonMises"], mesh.cell_data()["strain"]
+    assert [kind for kind, _ in mesh.blocks()] == ["tetra", "hexahedron"] and stress.shape == (2,) and strain.shape == (2, 6)
+    assert numpy.isnan(stress[0]) and stress[1] == pytest.approx(100), "the first force field with the name is that of hexahedra"
+    assert numpy.isnan(strain[0]).all() and strain[1] == pytest.approx([0, 0, 0.1, 0, 0, 0], abs=1e-12)
 
 
 @pytest.mark.parametrize("package, convert", [("meshio", "to_meshio"), ("pyvista", "to_pyvista"), ("vtk", "to_vtk")])

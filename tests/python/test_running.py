@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Simulations: steps, attributes that change, functions that are called, memory, threads."""
 import copy
+import http.client
+import json
 import os
+import re
 import signal
 import sys
 import threading
 import time
 import traceback
 import types
+import urllib.parse
+import warnings
 
 import numpy
 import pytest
@@ -334,20 +339,162 @@ def test_a_view_runs_until_it_is_interrupted(simulation, capsys):
     assert simulation.steps == before + 2
 
 
-def test_a_view_is_linked_below_its_cell(simulation, monkeypatch):
-    """In a notebook: as IPython's display() is given it; a plain interpreter has no IPython."""
-    shown = []
-    shell = types.SimpleNamespace(kernel=object())
-    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))
-    monkeypatch.setitem(sys.modules, "IPython.display", types.SimpleNamespace(HTML=str, display=shown.append))
-    simulation.on_step_end(lambda sim: os.kill(os.getpid(), signal.SIGINT))
+def warned(call):
+    """Of a scene or a run, with the file that it blames."""
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        call()
+    assert all(each.category is stroma.SceneWarning and each.filename == __file__ for each in found)
+    return [str(each.message) for each in found]
+
+
+def test_warnings_of_a_scene_and_of_its_runs_are_those_of_python():
+    made = []
+    root = block()
+    del root["body/mass"].attributes["totalMass"]
+    told, = warned(lambda: made.append(stroma.load(root, set={"/linear.iterations": 1})))
+    assert "conftest.py:" in told and "/body/mass" in told and "totalMass" in told and "warning:" not in told
+    simulation, = made
+    told, = warned(lambda: simulation.run(3))
+    assert told in simulation.run(3).warnings[0] or "3 of 3" in told
+    assert not warned(lambda: simulation.run(7)), "the same, with other numbers"
+    report = simulation.run(3)
+    assert repr(report).startswith("<run of 3 steps: done, ") and repr(report).endswith(", 1 warning>")
+    assert not warned(lambda: stroma.load(block())) and not warned(lambda: stroma.load(block()).run(30))
+
+    def silent():
+        quiet = stroma.load(root, set={"/linear.iterations": 1}, quiet=True)
+        quiet.run(30)
+        quiet.copy().run(1)
+    assert not warned(silent)
+
+
+def test_doubts_about_a_result_are_told(simulation):
+    assert simulation.doubts() == []
+    state = simulation.state()
+    state.set(x=state.x * (1, 1, -1))
+    doubt, = simulation.doubts()
+    assert doubt.startswith("/body/fem at t = 0 s: 48 of 48 elements are inverted or flat")
+    assert not warned(lambda: simulation.run(19)), "an episode of a few steps is not looked at"
+    told, = warned(lambda: simulation.run(20))
+    assert "elements are strained beyond 50 %" in told and told.splitlines() == simulation.doubts()
+    assert not warned(lambda: simulation.run(20)), "the same, with other numbers"
+
+
+def test_bodies_whose_names_have_numbers_are_told_apart():
+    root = block()
+    root.children[0].name = "body1"
+    other = block().children[0]
+    other.name = "body2"
+    root.add_child(other)
+    simulation = stroma.load(root)
+    for state in simulation.states():
+        state.set(x=state.x * (1, 1, -1))
+    told, = warned(lambda: simulation.run(20))
+    assert told.count("/body1/fem at t") == 1 and told.count("/body2/fem at t") == 1
+    assert not warned(lambda: simulation.run(20))
+    simulation.reset()
+    for state in simulation.states():
+        state.set(x=state.x * (1, 1, -1))
+    assert not warned(lambda: simulation.run(20)), "episodes by the thousand are not told one by one"
+
+
+def viewed(simulation, **how):
+    """Until a function of the program interrupts it."""
     try:
-        simulation.view(at_once=True, browser=False)
+        simulation.view(at_once=True, browser=False, **how)
     except stroma.StromaError as error:
-        if "view" in str(error):
+        if "tools/setup view" in str(error):
             pytest.skip("the live view is not built")
         raise
-    assert len(shown) == 1 and shown[0].startswith('<a href="http://127.0.0.1:')
+
+
+def interrupt(*_):
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+@pytest.fixture(name="shown")
+def cell(monkeypatch):
+    """A notebook: what IPython's display() is given; a plain interpreter has no IPython."""
+    shown = []
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: types.SimpleNamespace(kernel=object())))
+    monkeypatch.setitem(sys.modules, "IPython.display", types.SimpleNamespace(HTML=str, display=shown.append))
+    return shown
+
+
+def jupyter(monkeypatch, folder, **described):
+    """The server that has started this kernel, as it describes itself."""
+    (folder / "jpserver-4711.json").write_text(json.dumps(described))
+    monkeypatch.setenv("JPY_PARENT_PID", "4711")
+    monkeypatch.setitem(sys.modules, "jupyter_core", types.ModuleType("jupyter_core"))
+    monkeypatch.setitem(sys.modules, "jupyter_core.paths", types.SimpleNamespace(jupyter_runtime_dir=lambda: str(folder)))
+
+
+@pytest.mark.parametrize("described", [{}, {"port": 8888, "secure": True}, {"port": "8888; evil", "secure": False}, {"port": 0}])
+def test_a_view_is_linked_below_its_cell(simulation, shown, monkeypatch, tmp_path, described):
+    jupyter(monkeypatch, tmp_path, **described)
+    simulation.on_step_end(interrupt)
+    viewed(simulation)
+    assert len(shown) == 1 and shown[0].startswith('<a href="http://127.0.0.1:') and "iframe" not in shown[0]
+
+
+def headers_of(address, **sent):
+    """Status and headers of an answer, without following it."""
+    at = urllib.parse.urlsplit(address)
+    connection = http.client.HTTPConnection(at.hostname, at.port, timeout=60)
+    connection.request("GET", at.path + ("?" + at.query if at.query else ""), headers=sent)
+    answer = connection.getresponse()
+    answer.read()
+    connection.close()
+    return answer.status, answer.headers
+
+
+@pytest.mark.parametrize("given", [None, ["http://localhost:8888", "http://127.0.0.1:8888"]])
+def test_a_view_is_shown_in_its_cell_to_this_notebook_alone(simulation, shown, monkeypatch, tmp_path, given):
+    jupyter(monkeypatch, tmp_path, port=8888, secure=False, url="http://localhost:8888/")
+    told = []
+
+    def look(_):
+        if told or not shown:  # the first steps may come before the address
+            return
+        try:
+            address = re.search(r'href="([^"]+)"', shown[0])[1]
+            for with_token in (address, address.split("?")[0], address[:-1]):
+                told.append(headers_of(with_token))
+            told.append(headers_of(address.split("?")[0], Cookie=told[0][1]["Set-Cookie"].split(";")[0]))
+            told.append(headers_of(address, Origin="http://localhost:8888"))
+        finally:
+            interrupt()
+    simulation.on_step_end(look)
+    viewed(simulation, framed_by=given)
+    assert 'createElement("iframe")' in shown[0] and '["http://localhost:8888", "http://127.0.0.1:8888"]' in shown[0]
+    (first, redirect), (no_token, refused), (wrong_token, _), (page, served), (foreign, _) = told[:5]
+    assert (first, no_token, wrong_token, page, foreign) == (303, 403, 403, 200, 403)
+    for headers in (redirect, served):
+        assert "frame-ancestors http://localhost:8888 http://127.0.0.1:8888;" in headers["Content-Security-Policy"]
+        assert "X-Frame-Options" not in headers
+    assert "frame-ancestors 'none';" in refused["Content-Security-Policy"] and refused["X-Frame-Options"] == "DENY"
+    assert "SameSite=Strict" in redirect["Set-Cookie"] and "HttpOnly" in redirect["Set-Cookie"]
+
+
+def test_no_page_may_show_a_view_where_none_is_named(simulation, shown, monkeypatch, tmp_path):
+    jupyter(monkeypatch, tmp_path, port=8888, secure=False)
+    told = []
+
+    def look(_):
+        if told or not shown:  # the first steps may come before the address
+            return
+        try:
+            address = re.search(r'href="([^"]+)"', shown[0])[1]
+            told.append(headers_of(address))
+        finally:
+            interrupt()
+    simulation.on_step_end(look)
+    viewed(simulation, framed_by=[])
+    assert "iframe" not in shown[0]
+    assert "frame-ancestors 'none';" in told[0][1]["Content-Security-Policy"] and told[0][1]["X-Frame-Options"] == "DENY"
+    with pytest.raises(stroma.StromaError, match="'http://a;script-src .' is no origin of a page: expected one as http://localhost"):
+        simulation.view(browser=False, framed_by=["http://a;script-src *"])
 
 
 @pytest.mark.parametrize("when", ["on_step_begin", "on_step_end"])

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a run is warned of at its end though every step succeeded: strains beyond a linear law, energy from nowhere,
-// velocities that ring, meshes that have folded, forces that are a step late.
+// velocities that ring, meshes that have folded, shapes of rest with too much energy, forces that are a step late.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
 
 #include "tests/support/scene_fixture.h"
 #include "tools/checks/result_doubts.h"
@@ -162,6 +165,91 @@ TEST(Doubts, MeshesThatSpringsLetFoldAreNamed) {
   for (Index i = 0; i < x.count(); ++i) x[i].y() *= -1;
   EXPECT_TRUE(says(doubtsText(block), "/grid at t = 0: 8 of 8 hexahedra are inside out at a corner"))
       << doubtsText(block);
+}
+
+/// A truss of two bars, 2 m wide and 0.3 m high, that starts below its supports, under a gravity that points up: through once,
+/// and at rest there in E(z) = k (sqrt(1 + z^2) - L)^2 - m g z.
+struct Truss {
+  double gravity, stiffness = 1e4, mass = 0.3, length = std::sqrt(1.09);
+  double energy(double z) const {
+    const double stretch = std::sqrt(1 + z * z) - length;
+    return stiffness * stretch * stretch - mass * gravity * z;
+  }
+  double force(double z) const {
+    const double now = std::sqrt(1 + z * z);
+    return -2 * stiffness * (now - length) * z / now + mass * gravity;
+  }
+  /// Where forces balance between two heights, by bisection.
+  double rest(double low, double high) const {
+    for (int i = 0; i < 200; ++i) (force(low) * force((low + high) / 2) > 0 ? low : high) = (low + high) / 2;
+    return low;
+  }
+  std::string doubts(const std::string& integrator, double start, int steps) const {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="0.01" gravity="0 0 {}"><{}/><SparseLDLSolver/><MechanicalObject
+  position="-1 0 0  0 0 {}  1 0 0" rest_position="-1 0 0  0 0 0.3  1 0 0"/><UniformMass vertexMass="{}"/>
+  <FixedProjectiveConstraint indices="0 2"/><SpringForceField name="bars" springsIndices1="0 1" springsIndices2="1 2"
+  lengths="{} {}" stiffness="{}" damping="0"/></Node>)",
+        gravity, integrator, start, mass, length, length, stiffness));
+    for (int step = 0; step < steps; ++step) EXPECT_FALSE(simulation.step().diverged);
+    return doubtsText(simulation);
+  }
+};
+
+TEST(Doubts, AShapeWithMoreEnergyThanThatOfRestIsNamed) {
+  const Truss up{10};
+  const double excess = up.energy(up.rest(-0.5, -0.1)) - up.energy(0.3);
+  EXPECT_NEAR(excess, 2 * 0.3 * 10 * 0.3, 0.01);  // m g times twice the height
+  for (const std::string integrator : {"StaticSolver", "EulerImplicitSolver rayleighMass=\"20\""}) {
+    const std::string text = up.doubts(integrator, -0.3, 300);
+    EXPECT_TRUE(says(text, fmt::format("at rest with {:.3g} more than the rest shape has under the same loads", excess)))
+        << text;
+    EXPECT_TRUE(says(text, "several equilibria. Most of it is the energy of gravity")) << text;
+    // the same shape is where gravity pulls it, and the shape of rest where nothing does
+    EXPECT_EQ(Truss{-10}.doubts(integrator, -0.3, 300), "") << integrator;
+    EXPECT_EQ(up.doubts(integrator, 0.3, 300), "") << integrator;
+  }
+  // on its way, and where it turns around
+  for (int steps = 1; steps < 60; ++steps)
+    EXPECT_FALSE(says(up.doubts("TrapezoidalRuleSolver", -0.35, steps), "at rest")) << steps;
+}
+
+/// Three nodes in line whose springs, and soft ones to their places, balance in another order.
+TEST(Doubts, ARopeThatHasFoldedAgainstItsSupportIsNamed) {
+  Simulation rope = simulationFromText(
+      R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver rayleighMass="20"/><SparseLDLSolver/><MechanicalObject
+  position="2 0 0  1 0 0  0 0 0" rest_position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="1"/><SpringForceField
+  name="rope" springsIndices1="0 1" springsIndices2="1 2" lengths="1 1" stiffness="100" damping="0"/>
+  <RestShapeSpringsForceField name="support" stiffness="10"/></Node>)");
+  for (int step = 0; step < 500; ++step) EXPECT_FALSE(rope.step().diverged);
+  // turned round: the ends pull by 10 (2 - u) against 100 u of their springs
+  const double u = 20. / 110, excess = 10 * (2 - u) * (2 - u) + 100 * u * u;
+  const std::string text = doubtsText(rope);
+  EXPECT_TRUE(says(text, fmt::format("at rest with {:.3g} more than the rest shape has", excess))) << text;
+  EXPECT_TRUE(says(text, "Most of it is in /support")) << text;
+}
+
+/// Cloth of 6 x 6 nodes that is held by an edge, and falls from the plane of the edge: it hangs in its shape, folded in two or
+/// crumpled, with less energy than it has in the plane.
+TEST(Doubts, ClothThatFoldsRightlyIsNotInDoubt) {
+  const auto cloth = [](const std::function<Vec3(int, int)>& place) {
+    Simulation simulation = simulationFromText(
+        R"(<Node name="root" dt="0.02" gravity="0 0 -9.81"><RegularGridTopology name="grid" n="6 6 1" min="0 0 0"
+  max="0.5 0.5 0"/><EulerImplicitSolver newtonIterations="10" rayleighMass="5"/><SparseLDLSolver/><MechanicalObject/>
+  <UniformMass totalMass="0.2"/><MeshSpringForceField linesStiffness="500" linesDamping="1"/>
+  <FixedProjectiveConstraint indices="0 1 2 3 4 5"/></Node>)");
+    Vector& x = simulation.systems()[0]->x;
+    for (Index n = 0; n < 36; ++n) x[n] = place(n % 6, n / 6);
+    for (int step = 0; step < 3000; ++step) EXPECT_FALSE(simulation.step().diverged);
+    EXPECT_LT(Vec3(x[33]).z(), -0.05);
+    return doubtsText(simulation);
+  };
+  const auto flat = [](int i, int j) { return Vec3(0.1 * i, 0.1 * j, 0); };
+  const auto folded = [](int i, int j) { return Vec3(0.1 * i, 0.02 * (j % 2), j < 3 ? -0.1 * j : -0.1 * (5 - j)); };
+  const auto crumpled = [](int i, int j) {
+    return Vec3(0.1 * i, j == 0 ? 0 : 0.02 * std::sin(7. * i * j), j == 0 ? 0 : -0.05 * std::abs(j % 4 - 2));
+  };
+  for (const auto& start : std::vector<std::function<Vec3(int, int)>>{flat, folded, crumpled}) EXPECT_EQ(cloth(start), "");
 }
 
 TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {

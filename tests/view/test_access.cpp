@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "tools/view/access.h"
 
 namespace stroma::view {
@@ -35,6 +37,19 @@ TEST(Access, AnAddressThatTheConnectionCameToIsAName) {
     EXPECT_FALSE(access.isOurHost(bad, "192.168.1.5")) << bad;
   EXPECT_FALSE(access.isOurHost("fd00::2:8123", "fd00::2"));
   EXPECT_FALSE(access.isOurHost(":8123", ""));
+}
+
+TEST(Access, OnlyOriginsThatWereNamedMayShowThePage) {
+  EXPECT_EQ(Access("127.0.0.1", 8123).framedBy(), "'none'");
+  EXPECT_FALSE(Access("127.0.0.1", 8123).isFramed());
+  const Access access("127.0.0.1", 8123, {"http://localhost:8888", "https://[::1]:443"});
+  EXPECT_EQ(access.framedBy(), "http://localhost:8888 https://[::1]:443");
+  EXPECT_TRUE(access.isFramed());
+  // it stays another origin: what it asks for itself it does not get
+  EXPECT_FALSE(access.isOurOrigin("http://localhost:8888"));
+  for (const char* bad : {"", "*", "localhost:8888", "http://", "http://*", "http://*.example", "http://a b", "http://a;script-src *",
+                          "http://a\r\nSet-Cookie: b", "http://localhost:8888/", "file:///", "null", "'self'", "http://a,b"})
+    EXPECT_THROW(Access("127.0.0.1", 8123, {"http://localhost:8888", bad}), std::runtime_error) << bad;
 }
 
 TEST(Access, AddressesOfTheSixthVersionStandInBrackets) {

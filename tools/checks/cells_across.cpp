@@ -10,6 +10,7 @@
 
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_faces.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/mesh/cell_tables.h"
 
 namespace stroma {
@@ -220,18 +221,21 @@ static Vec3 heldAxis(const System& system, const State& state) {
   return Vec3::Zero();
 }
 
-/// Its cells: of the kind that its name has, in a mesh of its state.
-static std::string coarsenessOf(const ForceField& field, const Vec3& held) {
-  const std::string type = field.type();
-  const bool not_tetrahedra = type.find("Hexahedron") != std::string::npos;
-  const bool not_hexahedra = type.find("Tetrahedr") != std::string::npos;
+const CellKind* kindOfLaw(const ForceField& field) {
+  constexpr const char* stress = "vonMises";
+  const std::vector<std::string> known = field.cellFields();
+  return std::find(known.begin(), known.end(), stress) == known.end() ? nullptr : field.cellFieldShape(stress).kind;
+}
+
+/// Cells of the kind of its law, in a mesh of its state.
+static std::string coarsenessOf(const ForceField& field, const CellKind& kind, const Vec3& held) {
   const std::vector<Vec3>& rest = field.state().rest_position;
   for (const Topology* topology : topologiesOf(field.state())) {
     const Mesh& mesh = topology->mesh();
     if (mesh.overlap != 1 || std::size_t(mesh.nodes()) > rest.size()) continue;
-    if (!not_tetrahedra && !mesh.tetrahedra.empty())
+    if (kind.type == CellType::tetrahedron && !mesh.tetrahedra.empty())
       return tooCoarseForBending(slenderness(mesh.tetrahedra, rest, held), false);
-    if (!not_hexahedra && !mesh.hexahedra.empty())
+    if (kind.type == CellType::hexahedron && !mesh.hexahedra.empty())
       return tooCoarseForBending(slenderness(mesh.hexahedra, rest, held), true);
   }
   return {};
@@ -240,9 +244,9 @@ static std::string coarsenessOf(const ForceField& field, const Vec3& held) {
 void noteCoarseCells(const Simulation& simulation, Diagnostics& diagnostics) {
   for (const auto& system : simulation.systems())
     for (const ForceField* field : system->forceFields()) {
-      const std::vector<std::string> known = field->cellFields();
-      if (std::find(known.begin(), known.end(), "vonMises") == known.end()) continue;
-      if (const std::string coarse = coarsenessOf(*field, heldAxis(*system, field->state())); !coarse.empty())
+      const CellKind* kind = kindOfLaw(*field);
+      if (!kind) continue;
+      if (const std::string coarse = coarsenessOf(*field, *kind, heldAxis(*system, field->state())); !coarse.empty())
         diagnostics.note(field->where(), field->path(), coarse);
     }
 }

@@ -27,6 +27,9 @@ Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector
 /// bending, or empty. Straight edges add a shear to bending: the error is about share / n^2 with n cells.
 std::string tooCoarseForBending(const Slenderness& body, bool hexahedra);
 
+/// The kind of cells that a force field has a law for, with a stress in each; null: it has none.
+const CellKind* kindOfLaw(const ForceField& field);
+
 /// A note with that sentence for each elastic force field of such a body.
 void noteCoarseCells(const Simulation& simulation, Diagnostics& diagnostics);
 

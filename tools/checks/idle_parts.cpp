@@ -12,6 +12,7 @@
 #include "framework/mesh/cell_lists.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/simulation/integrator.h"
+#include "tools/checks/cells_across.h"
 
 namespace stroma {
 namespace {
@@ -76,7 +77,10 @@ void warnOfHeldBodies(const System& system, Diagnostics& diagnostics) {
     if (rows == 0 || first + rows > system.independentRows()) continue;
     Index held = 0;
     while (held < rows && isHeld(first + held)) ++held;
-    if (held == rows)
+    const bool by_dialect = std::ranges::any_of(constraints.all(), [state](const ProjectiveConstraint* constraint) {
+      return &constraint->state() == state && constraint->name().starts_with("held_by_the_scene_");  // of which a note tells
+    });
+    if (held == rows && state->nodes() > 1 && !by_dialect)
       diagnostics.warning(state->where(), state->path(),
                           "every node is held by constraints: nothing of this body can move",
                           "check what the constraints hold: a box that is too large holds all");
@@ -148,12 +152,30 @@ void warnOfGravityWithoutMass(const System& system, Diagnostics& diagnostics) {
                       "a mass, as MeshMatrixMass massDensity, or gravity=\"0 0 0\"");
 }
 
+/// A weight that nobody wrote, and the fall of a body that nothing holds or meets.
+void noteWhatGravityDoes(const System& system, Diagnostics& diagnostics) {
+  if (system.masses().empty() || system.states().empty() || !system.integrator().movesInTime()) return;
+  const State& state = *system.states().front();
+  const Node* writer = &state.node();
+  while (writer && !writer->own_gravity) writer = writer->parent();
+  const Vec3 g = state.node().gravity();
+  if (g.isZero(0)) return;
+  if (!writer)
+    diagnostics.note(state.where(), state.path(),
+                     fmt::format("gravity is not given: ({:g} {:g} {:g}) m/s^2 acts; gravity=\"0 0 0\" on the root is none", g.x(),
+                                 g.y(), g.z()));
+  const auto isInternal = [](const ForceField* field) { return field->traits().forces_balance; };
+  const Actors& actors = system.actors();
+  const bool meets_nothing = actors.constraints.empty() && actors.position_constraints.empty() &&
+                             actors.lagrangian_constraints.empty() && !system.inputs() && !system.forceFields().empty() &&
+                             std::ranges::all_of(system.forceFields(), isInternal);
+  if (meets_nothing)
+    diagnostics.note(state.where(), state.path(), "nothing holds it and nothing is in its way: it falls for ever");
+}
+
 /// Fields with a law of their own for the same cells.
 void noteLawsThatAddUp(const System& system, Diagnostics& diagnostics) {
-  const auto hasLaw = [](const ForceField& field) {
-    const std::vector<std::string> known = field.cellFields();
-    return std::ranges::find(known, "vonMises") != known.end();
-  };
+  const auto hasLaw = [](const ForceField& field) { return kindOfLaw(field) != nullptr; };
   constexpr Index most_rows = 100000;  // the patterns of larger bodies take time
   if (system.forceFields().size() < 2 || system.allRows() > most_rows) return;
   struct Law {
@@ -211,6 +233,7 @@ void warnOfIdleParts(const Simulation& simulation, Diagnostics& diagnostics) {
     warnOfContradictions(*system, simulation.time(), simulation.dt(), diagnostics);
     warnOfLoadsOnHeldNodes(*system, diagnostics);
     warnOfGravityWithoutMass(*system, diagnostics);
+    noteWhatGravityDoes(*system, diagnostics);
     noteLawsThatAddUp(*system, diagnostics);
     warnOfCellsWithoutLaw(*system, simulation.root(), diagnostics);
   }

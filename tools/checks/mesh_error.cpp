@@ -15,6 +15,7 @@
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
+#include "tools/checks/cells_across.h"
 #include "tools/units/unit_system.h"
 
 namespace stroma {
@@ -246,19 +247,19 @@ double bulkOf(const ForceField& field) {
   return (1 + nu) / (3 * (1 - 2 * nu));
 }
 
-/// Which cells of a mesh a field is made of, by its name: coarsenessOf() in cells_across.cpp.
+/// The cells of a mesh that a field is made of.
 template <class Visit>
 void visitCells(const ForceField& field, Visit&& visit) {
-  const std::string type = field.type();
-  const bool not_tetrahedra = type.find("Hexahedron") != std::string::npos;
-  const bool not_hexahedra = type.find("Tetrahedr") != std::string::npos, is_membrane = isMembrane(field);
+  const CellKind* kind = kindOfLaw(field);
+  const bool is_membrane = isMembrane(field);
   for (const Topology* topology : topologiesOf(field.state())) {
     const Mesh& mesh = topology->mesh();
     if (mesh.overlap != 1 || std::size_t(mesh.nodes()) > field.state().rest_position.size()) continue;
     if (is_membrane && !mesh.triangles.empty()) return visit(mesh.triangles);
     if (is_membrane) continue;
-    if (!not_tetrahedra && !mesh.tetrahedra.empty()) return visit(mesh.tetrahedra);
-    if (!not_hexahedra && !mesh.hexahedra.empty()) return visit(mesh.hexahedra);
+    if (!kind) continue;
+    if (kind->type == CellType::tetrahedron && !mesh.tetrahedra.empty()) return visit(mesh.tetrahedra);
+    if (kind->type == CellType::hexahedron && !mesh.hexahedra.empty()) return visit(mesh.hexahedra);
   }
 }
 
@@ -279,8 +280,7 @@ StrainError strainError(const std::vector<Triangle>& cells, const std::vector<Ve
 }
 
 std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
-  const std::vector<std::string> known = field.cellFields();
-  if (!isMembrane(field) && std::find(known.begin(), known.end(), "vonMises") == known.end()) return {};
+  if (!isMembrane(field) && !kindOfLaw(field)) return {};
   const std::vector<Vec3>& rest = field.state().rest_position;
   const std::vector<Vec3> now = positionsOf(field.state(), x);
   if (now == rest) return {};

@@ -11,6 +11,7 @@
 #include "framework/mechanics/state_topology.h"
 #include "framework/simulation/step_guard.h"
 #include "tools/checks/folds.h"
+#include "tools/checks/other_rest.h"
 #include "tools/units/unit_system.h"
 
 namespace stroma {
@@ -150,6 +151,7 @@ std::vector<std::string> doubtsOf(const Simulation& simulation) {
         say(sentence);
     say(system.integrator().doubt());
     say(gainedEnergy(simulation, i));
+    say(otherRest(simulation, i));
     say(reversals(simulation, i));
   }
   return sentences;

@@ -11,8 +11,9 @@ namespace stroma {
 /// Why the present shapes may be no result: a sentence for each force field with elements that are flat or inverted
 /// (a body may come to rest so) or strained beyond its law, for each elastic body far larger than at rest, for an
 /// energy that came from nowhere, for velocities that change sign from step to step (from the 17th step on), for a
-/// mesh that has folded over itself where no force field looks at its volumes, for what follows by a constraint and pulls
-/// without being felt, and for what an integrator reports.
+/// mesh that has folded over itself where no force field looks at its volumes, for a body that lies still with more energy
+/// than its rest shape has, for what follows by a constraint and pulls without being felt, and for what an integrator
+/// reports.
 std::vector<std::string> doubtsOf(const Simulation& simulation);
 
 /// Why the next step would be refused, of a run that ends before it: bodies that have come to touch in the last one, where

@@ -25,6 +25,12 @@ bool isBackwardEuler(const Integrator& integrator) {
   return integrator.type() == "EulerImplicitSolver" && !integrator.keepsEnergy() && first_order && first_order->print() == "false";
 }
 
+/// By the scene's word.
+bool solvesOnce(const Integrator& integrator) {
+  const Data* iterations = integrator.data().find("newtonIterations");
+  return iterations && iterations->print() == "1";
+}
+
 /// 0 where nothing moves, or what moves meets no stiffness.
 double frequency(const System& system) {
   Vector product(system.independentRows());
@@ -49,8 +55,34 @@ std::string dampedSwing(const System& system, double dt, double time, long steps
   if (loss < worth_saying || dt < small_share * asked_for) return {};
   return fmt::format(
       "{} at t = {:.6g} s: the rule itself damps. A swing as the present one, of {:.3g} s, loses {:.0f} % of its height in "
-      "each period with dt = {:.4g} s. Less with a smaller dt; NewmarkImplicitSolver or trapezoidalScheme=\"true\" keep it",
-      integrator.path(), time, 2 * std::numbers::pi / w, 100 * loss, dt);
+      "each period with dt = {:.4g} s. Less with a smaller dt; NewmarkImplicitSolver or trapezoidalScheme=\"true\" keep it{}",
+      integrator.path(), time, 2 * std::numbers::pi / w, 100 * loss, dt,
+      solvesOnce(integrator) ? ", with newtonIterations=\"2\"" : "");
+}
+
+/// Rayleigh's quotient of the way u that a body has gone to where it rests is that of its slowest swing, where a weight has
+/// bent it: w^2 = u K u / u M u, and u K u is twice the potential energy that is lost.
+double frequencyOfWay(const System& system, ConstRows start) {
+  const ConstRows x = system.independent(system.x);
+  Vector way(x.count), product(x.count);
+  copy(system.independent(start), way);
+  system.motion().difference(x, way);
+  clear(product);
+  system.addMassProduct(way, 1, product);
+  const double lost = system.potentialEnergy(start) - system.potentialEnergy(system.x), moved = dot(way, product);
+  return lost > 0 && moved > 0 ? std::sqrt(2 * lost / moved) : 0;
+}
+
+/// The sentence on steps that no swing is seen in, or empty.
+std::string skippedSwings(const System& system, ConstRows start, double dt) {
+  constexpr double few = 3;  // periods in a step
+  if (!isBackwardEuler(system.integrator()) || system.counts.forces == 0 || system.constraints().hasPrescribed()) return {};
+  const double periods = frequencyOfWay(system, start) * dt / (2 * std::numbers::pi);
+  if (!(periods > few)) return {};
+  return fmt::format(
+      "{}: a step of {:.4g} s is {:.2g} periods of the slowest swing, of {:.3g} s: what comes out is where the body comes to rest, "
+      "and nothing of how it moves. StaticSolver finds that at once; a motion needs dt = {:.1g} s or less",
+      system.integrator().path(), dt, periods, dt / periods, dt / periods / 20);
 }
 
 }  // namespace
@@ -60,10 +92,14 @@ std::vector<std::string> dampedSwings(const Simulation& simulation) {
   if (simulation.steps() == 0) return sentences;
   simulation.complete();
   const UnitSystem units = unitsOf(simulation.scene());
-  for (const auto& system : simulation.systems())
-    if (const std::string sentence = dampedSwing(*system, simulation.dt(), simulation.time(), simulation.steps());
-        !sentence.empty())
-      sentences.push_back(units.sentence(sentence));
+  for (std::size_t i = 0; i < simulation.systems().size(); ++i) {
+    const System& system = *simulation.systems()[i];
+    const auto say = [&](const std::string& sentence) {
+      if (!sentence.empty()) sentences.push_back(units.sentence(sentence));
+    };
+    say(dampedSwing(system, simulation.dt(), simulation.time(), simulation.steps()));
+    say(skippedSwings(system, simulation.snapshots().start(i).x, simulation.dt()));
+  }
   return sentences;
 }
 

@@ -4,6 +4,8 @@
 #include <pybind11/stl.h>
 
 #include "framework/mechanics/force_field.h"
+#include "framework/mesh/cell_kind.h"
+#include "tools/checks/result_doubts.h"
 #include "tools/plan/plan.h"
 #include "tools/python/engine.h"
 #include "tools/session/action_file.h"
@@ -104,7 +106,9 @@ py::array cellField(Ref engine, const std::string& path, const std::string& name
     const auto& own = system->forceFields();
     if (std::find(own.begin(), own.end(), field) != own.end()) field->cellField(name, system->x, values);
   }
-  return py::array_t<double>(py::ssize_t(values.size()), values.data());
+  const auto width = py::ssize_t(field->cellFieldShape(name).width), count = py::ssize_t(values.size()) / width;
+  if (width == 1) return py::array_t<double>(count, values.data());
+  return py::array_t<double>({count, width}, values.data());
 }
 
 void bindReports(py::module_& module) {
@@ -137,7 +141,13 @@ void bindReports(py::module_& module) {
       .def_property_readonly("linear_iterations", [](const RunReport& r) { return r.statistics.linear_iterations; })
       .def_property_readonly("newton_iterations", [](const RunReport& r) { return r.statistics.newton_iterations; })
       .def_property_readonly("factorisations", [](const RunReport& r) { return r.statistics.factorisations; })
-      .def_property_readonly("warnings", [](const RunReport& r) { return r.statistics.unconverged.warnings(); });
+      .def_property_readonly("warnings", [](const RunReport& r) { return r.statistics.unconverged.warnings(); })
+      .def("__repr__", [](const RunReport& r) {
+        const std::size_t steps = r.statistics.step_ms.size(), warnings = r.statistics.unconverged.warnings().size();
+        return fmt::format("<run of {} {}: {}{}, {:.3g} s{}>", steps, steps == 1 ? "step" : "steps", wordFor(r.end),
+                           r.reason.empty() ? "" : " (" + r.reason + ")", r.seconds,
+                           warnings == 0 ? "" : fmt::format(", {} {}", warnings, warnings == 1 ? "warning" : "warnings"));
+      });
 }
 
 }  // namespace
@@ -176,6 +186,7 @@ static void bindRuns(EngineClass& engine) {
              return self->restore(Checkpoint::fromBytes(bytes, "the checkpoint"));
            })
       .def("problems", [](Ref self) { return problemsOf(self->simulation().scene().diagnostics); })
+      .def_property_readonly("doubts", [](Ref self) { return doubtsOf(self->use()); })
       .def("no_effect", [](Ref self) { return self->simulation().scene().no_effect; })
       .def("plan", [](Ref self) { return planOf(self->use()).lines(); })
       .def("actions",
@@ -224,6 +235,12 @@ static void bindParts(EngineClass& engine) {
              return field ? field->cellFields() : std::vector<std::string>();
            })
       .def("cell_field", &cellField)
+      .def("cell_field_kind",
+           [](Ref self, const std::string& path, const std::string& name) {
+             const auto* field = dynamic_cast<const ForceField*>(&self->component(path));
+             const CellKind* kind = field ? field->cellFieldShape(name).kind : nullptr;
+             return std::string(kind ? kind->singular : "");
+           })
       .def("add_input",
            [](Ref self, const std::string& state, const std::vector<Index>& nodes, const std::array<double, 3>& force,
               const std::vector<std::array<double, 3>>& targets, double stiffness, double damping) {

@@ -29,7 +29,8 @@ Integer = Union[int, str]
 Array = Union[numpy.ndarray[Any, Any], Sequence[Any], float, str]
 Link = Union[Component, Node, str]
 '''
-EXPORTED = {"code": "to_python", "errors": "OutputError Problem SceneError StepError StromaError", "formula": "FormulaLaw", "laws": "Law",
+EXPORTED = {"code": "to_python", "errors": "OutputError Problem SceneError SceneWarning StepError StromaError",
+            "formula": "FormulaLaw", "laws": "Law",
             "played": "Constraint ForceField",
             "simulation": "Force LiveComponent LiveNode Observer RunReport Simulation State StepReport load",
             "studies": "Recording Run Table jacobian read_monitor read_recording sweep",

@@ -24,7 +24,7 @@ struct StateRef {
   bool hasPoints() const { return state->hasPointsOnly(); }
   ConstRows rows(What what) const {
     if (what == What::force && !state->forceRequested())
-      throw ComponentError("the force on " + state->path() + " was not asked for: an implicit step has it only together with other terms",
+      throw ComponentError("the force on " + state->path() + " was not asked for: it takes an evaluation of its own",
                            "request_forces() before the step that is to compute it");
     return what == What::position ? ConstRows(state->x()) : what == What::velocity ? ConstRows(state->v()) : state->f();
   }
@@ -165,7 +165,7 @@ std::vector<StateRef> statesOf(const std::shared_ptr<Engine>& engine) {
   return out;
 }
 
-/// Implicit steps compute the force alone from now on, for these states and all that move with them.
+/// Steps end with an evaluation of the force from now on, for these states and all that move with them.
 void requestForces(const std::shared_ptr<Engine>& engine) {
   for (const auto& system : engine->between().systems())
     if (system->integrator().stateOwner())

@@ -23,32 +23,47 @@ class KeptSignals {
   struct sigaction interrupt_, terminate_;
 };
 
+/// Calls functions of a program with the simulation `owner`, from whatever thread steps; nothing where there are none.
+std::function<void()> calls(const std::shared_ptr<Engine>& engine, const py::list& functions, const py::object& owner) {
+  if (functions.size() == 0) return {};
+  return [&engine, &functions, &owner] {
+    const py::gil_scoped_acquire lock;
+    const InUse used(*engine);  // the thread of the view, until its functions have returned
+    for (std::size_t i = 0; i < functions.size(); ++i) functions[i](owner);
+  };
+}
+
+/// The same where nobody could catch what they throw as it is: a thread of the view.
+std::function<void()> watchedCalls(const std::shared_ptr<Engine>& engine, const py::list& functions,
+                                   const py::object& owner) {
+  auto called = calls(engine, functions, owner);
+  if (!called) return {};
+  return [called = std::move(called)] {
+    const py::gil_scoped_acquire lock;
+    try {
+      called();
+    } catch (const py::error_already_set& error) {
+      throw std::runtime_error(error.what());
+    }
+  };
+}
+
 /// Serves pages until Ctrl-C; `opened` is called with the address. Returns why the run ended by itself, or nothing.
 std::string serve(const std::shared_ptr<Engine>& engine, const std::string& host, int port, double fps, bool at_once,
-                  bool paused, const py::function& opened, const py::list& before, const py::list& after, const py::object& owner) {
+                  bool paused, const std::vector<std::string>& framed_by, const py::function& opened, const py::list& before,
+                  const py::list& after, const py::object& owner) {
   engine->between();
   const auto viewer = service<view::Viewer>();
   std::string reason;
   view::ViewRequest request;
+  request.framed_by = framed_by;
   request.host = host, request.port = port, request.fps = fps, request.at_once = at_once, request.paused = paused;
   request.build = buildIdentity();
   request.opened = [&](const std::string& address) {
     const py::gil_scoped_acquire lock;
     opened(address);
   };
-  const auto calls = [&](const py::list& functions) -> std::function<void()> {
-    if (functions.size() == 0) return {};
-    return [&engine, &functions, &owner] {
-      const py::gil_scoped_acquire lock;
-      const InUse used(*engine);  // the thread of the view, until its functions have returned
-      try {
-        for (std::size_t i = 0; i < functions.size(); ++i) functions[i](owner);
-      } catch (const py::error_already_set& error) {  // in a thread of the view: there is nobody to catch it
-        throw std::runtime_error(error.what());
-      }
-    };
-  };
-  request.before_step = calls(before), request.after_step = calls(after);
+  request.before_step = watchedCalls(engine, before, owner), request.after_step = watchedCalls(engine, after, owner);
   request.output_failed = request.ended = [&](const std::string& sentence) { reason = sentence; };
   {
     const KeptSignals kept;
@@ -66,14 +81,7 @@ RunReport writePage(const std::shared_ptr<Engine>& engine, const std::string& fi
   engine->between();
   view::ExportRequest request;
   request.file = file, request.steps = steps, request.every = every, request.fields = fields, request.inside = inside;
-  const auto calls = [&](const py::list& functions) -> std::function<void()> {
-    if (functions.size() == 0) return {};
-    return [&functions, &owner] {
-      const py::gil_scoped_acquire lock;
-      for (std::size_t i = 0; i < functions.size(); ++i) functions[i](owner);
-    };
-  };
-  request.before_step = calls(before), request.after_step = calls(after);
+  request.before_step = calls(engine, before, owner), request.after_step = calls(engine, after, owner);
   const auto viewer = service<view::Viewer>();
   const InUse used(*engine);
   const py::gil_scoped_release unlocked;

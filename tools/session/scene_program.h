@@ -19,6 +19,12 @@ class ProgramError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What a pointer does in a picture of the scene. States are those of SOFA: 0 moves, 1 and 2 left pressed and released, 3 and
+/// 4 right, 5 wheel, 6 and 7 middle.
+struct Mouse {
+  long state, x, y, wheel;  ///< [pixels] from the upper left corner; a notch of a wheel is 120
+};
+
 class SceneProgram {
  public:
   virtual ~SceneProgram() = default;
@@ -31,6 +37,8 @@ class SceneProgram {
   virtual void afterStep(Simulation& simulation) = 0;
   /// A key of a page that shows the run, by its name there: "a", "ArrowUp". By the thread that steps, between steps.
   virtual void key(const std::string& name, bool pressed) = 0;
+  /// The pointer of such a page, likewise.
+  virtual void mouse(const Mouse&) {}
 };
 
 /// Whether a scene file is a program, by its name.

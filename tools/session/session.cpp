@@ -179,6 +179,10 @@ void Session::key(const std::string& name, bool pressed) {
   if (program_) program_->key(name, pressed);
 }
 
+void Session::mouse(const Mouse& mouse) {
+  if (program_) program_->mouse(mouse);
+}
+
 RunReport Session::run(const RunLimits& limits) {
   Simulation& running = simulation();
   const auto start = Clock::now();

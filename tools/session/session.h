@@ -15,6 +15,7 @@
 namespace stroma {
 
 class SceneProgram;
+struct Mouse;
 
 /// When a run ends; whichever comes first.
 struct RunLimits {
@@ -93,8 +94,10 @@ class Session {
   StepReport step(StopToken stop = {});
   /// Whether the scene is a program, which hears keys.
   bool isProgram() const { return program_ != nullptr; }
-  /// A key of who shows the run, between steps; without effect on a scene that is no program. Throws ProgramError.
+  /// A key or the pointer of who shows the run, between steps; without effect on a scene that is no program. Both throw
+  /// ProgramError.
   void key(const std::string& name, bool pressed);
+  void mouse(const Mouse& mouse);
   /// How many steps it takes to `t` [s] with the present dt. Throws std::invalid_argument when that lies before the
   /// present, or too far.
   long stepsUntil(double t) const;

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
+#include <cctype>
 #include <random>
+#include <stdexcept>
 
 namespace stroma::view {
 namespace {
@@ -30,15 +32,30 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// Scheme, name or address, and port: no path, no wildcard, and nothing that could end a header or a part of it.
+bool isOrigin(std::string_view text) {
+  const bool is_safe = text.starts_with("https://");
+  if (!is_safe && !text.starts_with("http://")) return false;
+  text.remove_prefix(is_safe ? 8 : 7);
+  const auto isPart = [](unsigned char c) { return std::isalnum(c) || c == '.' || c == '-' || c == ':' || c == '[' || c == ']'; };
+  return !text.empty() && std::all_of(text.begin(), text.end(), isPart);
+}
+
 }  // namespace
 
-Access::Access(const std::string& host, int port)
+Access::Access(const std::string& host, int port, const std::vector<std::string>& framed_by)
     : port_(fmt::format(":{}", port)), token_(randomToken()), name_(fmt::format("stroma_{}", port)) {
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(host, error);
   const bool is_any = !error && address.is_unspecified();  // no machine is called so
   host_ = inUrl(!is_any ? host : address.is_v6() ? "::1" : "127.0.0.1");
   names_ = {"127.0.0.1", "localhost", host_};
+  if (!framed_by.empty()) framed_by_.clear();
+  for (const std::string& origin : framed_by) {
+    if (!isOrigin(origin))
+      throw std::runtime_error(fmt::format("'{}' is no origin of a page: expected one as http://localhost:8888", origin));
+    framed_by_ += (framed_by_.empty() ? "" : " ") + origin;
+  }
 }
 
 std::string Access::address() const {

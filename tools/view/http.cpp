@@ -16,6 +16,13 @@ constexpr auto longest_wait = std::chrono::seconds(20);
 
 std::string_view viewOf(beast::string_view text) { return {text.data(), text.size()}; }
 
+/// What a page may load, and who may show it in a frame.
+std::string policy(const std::string& framed_by) {
+  return "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data: blob:; "
+         "media-src blob:; frame-ancestors " +
+         framed_by + "; base-uri 'none'; form-action 'none'";
+}
+
 HttpConnection::Response respond(const HttpConnection::Request& request, http::status status, std::string body,
                                  std::string_view type = "text/plain; charset=utf-8") {
   HttpConnection::Response response(status, request.version());
@@ -25,13 +32,18 @@ HttpConnection::Response respond(const HttpConnection::Request& request, http::s
   response.set("X-Frame-Options", "DENY");
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
-  response.set(
-      "Content-Security-Policy",
-      "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-      "img-src 'self' data: blob:; media-src blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
+  response.set("Content-Security-Policy", policy("'none'"));
   response.keep_alive(request.keep_alive());
   response.body() = std::move(body);
   response.prepare_payload();
+  return response;
+}
+
+/// An answer for who has the token: the pages named may show it.
+HttpConnection::Response framed(HttpConnection::Response response, const Access& access) {
+  if (!access.isFramed()) return response;
+  response.erase("X-Frame-Options");  // knows no names
+  response.set("Content-Security-Policy", policy(access.framedBy()));
   return response;
 }
 
@@ -127,14 +139,14 @@ HttpConnection::Response HttpConnection::page(const Request& request) const {
     Response response = respond(request, http::status::see_other, "");
     response.set(http::field::location, "/");
     response.set(http::field::set_cookie, access.cookie());
-    return response;
+    return framed(std::move(response), access);
   }
   if (!access.hasCookie(viewOf(request[http::field::cookie])))
     return respond(request, http::status::forbidden,
                    "Open the address that `stroma view` has printed: it holds a token that this request lacks.\n");
   const PageFile* file = pageFile(target);
   if (!file) return respond(request, http::status::not_found, "There is no such page.\n");
-  return respond(request, http::status::ok, std::string(file->content), file->type);
+  return framed(respond(request, http::status::ok, std::string(file->content), file->type), access);
 }
 
 void HttpConnection::write(Response response) {

@@ -13,6 +13,7 @@
 #include "tools/plan/plan.h"
 #include "tools/scene_writer/changed_scene.h"
 #include "tools/session/action_file.h"
+#include "tools/session/scene_program.h"
 #include "tools/view/component_tree.h"
 #include "tools/view/live_run.h"
 #include "tools/view/orders.h"
@@ -74,6 +75,15 @@ void LiveRun::answer(const Order& order) {
     audience_.send(order.client, {{"is", "messages"}, {"lines", {{{"severity", "error"}, {"text", message}}}}});
 }
 
+/// Of the pointer.
+void LiveRun::tellProgram(const json& message) {
+  constexpr long far = 1'000'000;  // [pixels]
+  const Mouse mouse{integer(member(message, "state"), "state", 0, 7), integer(member(message, "x"), "x", -far, far),
+                    integer(member(message, "y"), "y", -far, far), integer(member(message, "wheel"), "wheel", -far, far)};
+  session_.mouse(mouse);
+  dirty_ = true;
+}
+
 /// Returns what the reply says.
 std::string LiveRun::carryOut(const Order& order) {
   const json& message = order.message;
@@ -91,6 +101,8 @@ std::string LiveRun::carryOut(const Order& order) {
   } else if (verb == "key") {
     session_.key(text(member(message, "key"), "key", 20), message.value("pressed", true));
     dirty_ = true;
+  } else if (verb == "mouse") {
+    tellProgram(message);
   } else if (verb == "set") {
     setAttribute(message);
   } else if (verb == "show") {

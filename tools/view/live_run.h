@@ -46,6 +46,7 @@ class LiveRun {
   void doOrders(bool of_server_only = false);
   void answer(const Order& order);
   std::string carryOut(const Order& order);
+  void tellProgram(const nlohmann::json& message);
   bool carryOutOfRun(const std::string& verb, const nlohmann::json& message);
   /// Nothing runs that the stop of post() would still have to end.
   void stopIsDone();

@@ -31,6 +31,7 @@ const std::map<std::string, std::vector<std::string>>& verbs() {
       {"push", {"hand", "body", "centre", "radius", "stiffness"}},
       {"release", {"hand"}},
       {"key", {"key", "pressed"}},
+      {"mouse", {"state", "x", "y", "wheel"}},
       {"set", {"path", "attribute", "value"}},
       {"components", {}},
       {"explain", {}},

@@ -44,7 +44,7 @@ Tcp::acceptor listenOn(asio::io_context& context, const std::string& host, int p
 Server::Server(const ViewRequest& request)
     : request_(request),
       acceptor_(listenOn(context_, request.host, request.port)),
-      access_(request.host, acceptor_.local_endpoint().port()),
+      access_(request.host, acceptor_.local_endpoint().port(), request.framed_by),
       signals_(context_, SIGINT, SIGTERM) {}
 
 Server::~Server() = default;

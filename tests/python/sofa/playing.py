@@ -2,6 +2,7 @@
 """Scenes of SOFA in Python: loaded by Sofa.Simulation, or by the command."""
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -39,3 +40,23 @@ def run(*words, folder=None, **environment):
     path = os.pathsep.join([str(HERE / "library"), os.environ.get("PYTHONPATH", "")])
     return subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, timeout=PATIENCE, cwd=folder,
                           env={**os.environ, "PYTHONPATH": path, **environment})
+
+
+# ---- what any scene must do by the command ----
+
+def runs_ten_steps(name, folder):
+    """What the command says of it."""
+    done = run("run", SCENES / f"{name}.py", "-n", 10, "--no-record", folder=folder)
+    assert done.returncode == 0, done.stderr
+    assert "10 steps" in done.stdout and "Traceback" not in done.stderr
+    assert not re.search("warning: .*: warning: ", done.stderr), "each warning is one"
+    return done.stderr
+
+
+def tells_all_that_is_missing(name, words, folder):
+    """In one message, each with its line, and nothing runs."""
+    done = run("run", SCENES / f"{name}.py", "-n", 10, "--no-record", folder=folder)
+    assert done.returncode == 2 and "Traceback" not in done.stderr, done.stderr
+    for word in words:
+        assert re.search(rf"{name}.py:\d+: error: .*{word}", done.stderr), f"{word}\n{done.stderr}"
+    assert f"{len(words)} errors: nothing was run" in done.stderr, done.stderr

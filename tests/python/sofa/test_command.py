@@ -224,3 +224,26 @@ def test_the_view_hands_keys_to_controllers():
         page.picture(0)
         page.do("step", count=1)
         assert page.status["ended"] == ""
+
+
+def test_the_view_hands_the_pointer_to_controllers():
+    from server import Server
+
+    with Server(COMMAND, str(SCENES / "by_mouse.py"), "--paused") as server:
+        page = server.page()
+        page.do("control")
+        page.do("mouse", state=0, x=50, y=50, wheel=0)
+        page.do("mouse", state=1, x=100, y=200, wheel=0)
+        page.do("mouse", state=0, x=103, y=195, wheel=0)
+        page.do("step", count=1)
+        page.picture(1)
+        assert page.positions()[0] == pytest.approx([3e-4, 5e-4, 0], rel=1e-5), "x = h^2 f / m, 3 N to the right and 5 N up"
+        page.do("mouse", state=2, x=103, y=195, wheel=0)
+        page.do("mouse", state=0, x=900, y=0, wheel=0)
+        page.do("mouse", state=5, x=0, y=0, wheel=-120)
+        page.do("step", count=1)
+        page.picture(2)
+        assert page.positions()[0] == pytest.approx([6e-4, 10e-4, -120e-4], rel=1e-5), "v stays in the plane"
+        for wrong in ({"state": 8, "x": 0, "y": 0, "wheel": 0}, {"state": 1, "x": 0.5, "y": 0, "wheel": 0}, {"state": 1, "x": 0, "y": 0}):
+            assert not page.ask("mouse", **wrong)["ok"], wrong
+        assert page.status["ended"] == ""

@@ -50,6 +50,9 @@ class Played : public SceneProgram {
   void key(const std::string& name, bool pressed) override {
     inPython([&] { program_.attr("key")(name, pressed); });
   }
+  void mouse(const Mouse& mouse) override {
+    inPython([&] { program_.attr("mouse")(mouse.state, mouse.x, mouse.y, mouse.wheel); });
+  }
 
  private:
   static py::capsule capsuleOf(Session& session) { return py::capsule(&session, "stroma::Session"); }

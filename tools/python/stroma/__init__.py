@@ -8,7 +8,7 @@
 """
 from . import _stroma
 from .code import to_python
-from .errors import OutputError, Problem, SceneError, StepError, StromaError
+from .errors import OutputError, Problem, SceneError, SceneWarning, StepError, StromaError
 from .formula import FormulaLaw
 from .laws import Law
 from .played import Constraint, ForceField

@@ -46,6 +46,10 @@ class StepError(StromaError):
         super().__init__(reason)
 
 
+class SceneWarning(UserWarning):
+    """A scene or a run that may not be what was meant: what the command prints as "warning"."""
+
+
 class OutputError(StromaError):
     """A file could not be written."""
 

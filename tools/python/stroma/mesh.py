@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Meshes as arrays, and for other programs."""
 import importlib
-from typing import Any, Dict, Iterable, List, Tuple, Union
+from typing import Any, Dict, Iterable, List, Optional, Tuple, Union
 
 import numpy
 
@@ -11,6 +11,8 @@ from .types import nearest
 #: Names of cells as meshio has them, and their numbers in VTK.
 VTK_TYPES = {"line": 3, "triangle": 5, "quad": 9, "triangle6": 22, "tetra": 10, "hexahedron": 12, "tetra10": 24}
 _VOLUMES = ("tetra", "hexahedron", "tetra10")
+#: What meshio calls the cells that fields are on.
+_KINDS = {"tetrahedron": "tetra", "hexahedron": "hexahedron", "quadraticTetrahedron": "tetra10"}
 
 
 def _package(name: str) -> Any:
@@ -60,20 +62,31 @@ class Mesh:
         return {"displacement": points - self.state.start[:, :3], "velocity": numpy.array(self.state.v[:, :3])}
 
     def cell_data(self, fields: Union[str, Iterable[str]] = "all") -> Dict[str, numpy.ndarray]:
-        """Numbers of the volume's cells in the order of blocks(); `fields`: their names, or "all"."""
-        known, count = self._fields(), sum(len(nodes) for nodes in self.volume_cells().values())
+        """Numbers of the volume's cells in the order of blocks(), (n,) or of tensors (n, 6) in the order xx yy zz xy yz zx;
+        NaN where the force field of the name has no such cells. `fields`: their names, or "all"."""
+        known = self._fields()
         wanted = list(known) if fields == "all" else [fields] if isinstance(fields, str) else list(fields)
         data = {}
         for name in wanted:
             if name not in known:
                 raise refusal(f"no force field beside {self.state.path} has a field '{name}' of cells",
                               ", ".join(known) or "none has one", nearest(name, known))
-            values = known[name].field(name)
-            if len(values) == count:
+            values = self._of_cells(known[name], name)
+            if values is not None:
                 data[name] = values
             elif fields != "all":
-                raise refusal(f"'{name}' has {len(values)} values, and the mesh {count} cells")
+                raise refusal(f"the cells of '{name}' are not those of the mesh {self.topology}")
         return data
+
+    def _of_cells(self, component: Any, name: str) -> Optional[numpy.ndarray]:
+        """The field with its cells in their place among those of blocks(), None where the mesh has other cells."""
+        values = component.field(name)
+        kind = _KINDS.get(self.state.simulation._engine.cell_field_kind(component.path, name))
+        volumes = self.volume_cells()
+        if kind not in volumes or len(volumes[kind]) != len(values):
+            return None
+        return numpy.concatenate([values if of == kind else numpy.full((len(cells),) + values.shape[1:], numpy.nan)
+                                  for of, cells in volumes.items()])
 
     # ---- for other programs ----
     def to_meshio(self, fields: Union[str, Iterable[str]] = "all") -> Any:

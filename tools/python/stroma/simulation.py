@@ -3,15 +3,16 @@
 import contextlib
 import operator
 import os
-import sys
+import re
 import threading
+import warnings
 import weakref
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
 import numpy
 
 from . import _stroma
-from .errors import OutputError, Problem, SceneError, StepError, StromaError, refusal
+from .errors import OutputError, Problem, SceneError, SceneWarning, StepError, StromaError, refusal
 from .tree import Node, caller
 from .types import Attribute, TypeInfo, nearest, type_info
 
@@ -20,13 +21,14 @@ if TYPE_CHECKING:
 
 StepReport = _stroma.StepReport
 RunReport = _stroma.RunReport
+_STEPS_TO_JUDGE = 20  # what a look at the shapes costs is then little beside them
 
 
 def load(scene: Union[str, os.PathLike, Node], set: Optional[Dict[str, Any]] = None, dialect: Optional[str] = None,
-         observers: bool = True) -> "Simulation":
+         observers: bool = True, quiet: bool = False) -> "Simulation":
     """Loads a scene: a file (.xml, .scn) or a tree. `set` has attributes that are to be others, {"/liver/fem.youngModulus": "12 kPa",
     "dt": 0.005}. `dialect`: "sofa" or "native". `observers=False`: nothing writes files.
-    Throws SceneError with every problem found."""
+    Warnings about it, and later about its runs, are those of Python (SceneWarning), unless it is `quiet`. Throws SceneError with every problem found."""
     overrides = [_override(key, value) for key, value in (set or {}).items()]
     if dialect is not None:
         overrides.append(("/", "dialect", dialect))
@@ -39,7 +41,9 @@ def load(scene: Union[str, os.PathLike, Node], set: Optional[Dict[str, Any]] = N
         engine = _stroma.Engine.of_tree(scene._tuple(), scene.where[0] or "scene.py", overrides, observers)
     else:
         engine = _stroma.Engine.of_file(os.fspath(scene), overrides, observers)
-    return Simulation(engine)
+    simulation = Simulation(engine, quiet)
+    simulation._warn([problem.text.replace(": warning: ", ": ", 1) for problem in simulation.problems if problem.severity == "warning"])
+    return simulation
 
 
 def _override(key: str, value: Any) -> tuple:
@@ -97,8 +101,10 @@ class Observer:
 class Simulation:
     """A scene that runs. One thread at a time uses it; several simulations run in several threads."""
 
-    def __init__(self, engine: Any):
+    def __init__(self, engine: Any, quiet: bool = False):
         self._engine = engine
+        self.quiet = quiet  #: nothing is warned of
+        self._told: set = set()  # of runs, but for the numbers
         self._begin: List[Callable] = []
         self._end: List[Callable] = []
         self._finish: List[Callable] = []
@@ -126,7 +132,22 @@ class Simulation:
             raise ValueError(f"run() makes {steps} steps: expected 0 or more")
         if until is not None and not float(until) >= self.time:
             raise ValueError(f"run() until {until}: expected a time from {self.time:g} s on")
-        return self._run(steps, until, check)
+        report = self._run(steps, until, check)
+        if not self.quiet:
+            self._warn_of_run(report)
+        return report
+
+    def _warn_of_run(self, report: RunReport) -> None:
+        """Once of each kind: runs of a few steps, as of an episode, follow each other by the thousand, and do not look for doubts."""
+        found = report.warnings + (self._engine.doubts if report.steps >= _STEPS_TO_JUDGE else [])
+        # numbers of figures, not of names as /liver2/fem
+        news = {re.sub(r"(?<![\w/.])[-+]?\d[\d.]*(e[-+]?\d+)?", "#", text): text for text in found}
+        self._warn([text for kind, text in news.items() if kind not in self._told], 4)
+        self._told.update(news)
+
+    def _warn(self, texts: List[str], level: int = 3) -> None:
+        if texts and not self.quiet:
+            warnings.warn("\n".join(texts), SceneWarning, stacklevel=level)
 
     def _run(self, steps, until, check):
         is_main = threading.current_thread() is threading.main_thread()
@@ -155,6 +176,11 @@ class Simulation:
         """`function(simulation)` is called after each step. What it throws ends the run; the step stands."""
         self._end.append(function)
         return Token(self._end, function)
+
+    def doubts(self) -> List[str]:
+        """Why the present shapes may be no result, as `stroma run` says it at its end: elements inside out, strains beyond a law,
+        energy from nowhere, a mesh that has folded. run() warns of it."""
+        return self._engine.doubts
 
     def reset(self) -> None:
         """Back to the start, to the bit. Attributes that were set stay."""
@@ -331,17 +357,20 @@ class Simulation:
 
     # ---- looking at it ----
     def view(self, host: str = "127.0.0.1", port: int = 0, fps: float = 60, at_once: bool = False, paused: bool = False,
-             browser: bool = True) -> str:
+             browser: bool = True, framed_by: Optional[Sequence[str]] = None) -> str:
         """Shows it live in the browser, as `stroma view`, until Ctrl-C: it runs, is stopped, pulled at and changed there. It begins
-        when a page is there to see it, or `at_once`. Functions of on_step_begin() and on_step_end() are called. Returns why the run
-        has ended by itself, or nothing."""
+        when a page is there to see it, or `at_once`. Functions of on_step_begin() and on_step_end() are called. A notebook of Jupyter
+        on this machine shows it below the cell, in a frame; `framed_by` names other pages that may, as http://localhost:8888, or none
+        of them. Returns why the run has ended by itself, or nothing."""
+        from . import notebook
+        origins = list(notebook.origins(host) if framed_by is None else framed_by)
+
         def opened(address: str) -> None:
             print(address, flush=True)
-            _link_in_notebook(address)
-            if browser:
+            if not notebook.show(address, origins) and browser:
                 import webbrowser
                 webbrowser.open(address)
-        return _stroma.serve(self._engine, host, port, fps, at_once, paused, opened, self._begin, self._end, self)
+        return _stroma.serve(self._engine, host, port, fps, at_once, paused, origins, opened, self._begin, self._end, self)
 
     def page(self, file: Union[str, os.PathLike], steps: int = 100, every: int = 1, fields: Sequence[str] = (),
              inside: bool = False) -> "Page":
@@ -363,7 +392,7 @@ class Simulation:
 
     def copy(self) -> "Simulation":
         """The same scene at the same moment, on its own from then on. Functions are not called by it, and it writes no files."""
-        return Simulation(self._engine.copy())
+        return Simulation(self._engine.copy(), self.quiet)
 
     __copy__ = copy
 
@@ -421,16 +450,6 @@ class Simulation:
         return f"<simulation of {self.scene_file} at {self.time:g} s, step {self.steps}>"
 
 
-def _link_in_notebook(address: str) -> None:
-    """Below the cell of Jupyter that is running: its browser may be on another machine than the one of this program."""
-    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-    if hasattr(shell, "kernel"):
-        import html
-
-        from IPython.display import HTML, display
-        display(HTML(f'<a href="{html.escape(address)}" target="_blank">The live view</a>, until the kernel is interrupted'))
-
-
 class Page:
     """An HTML file that plays a run; Jupyter shows it."""
 
@@ -486,7 +505,7 @@ class LiveComponent:
         return self.simulation._engine.cell_fields(self.path)
 
     def field(self, name: str) -> numpy.ndarray:
-        """A number for each cell, at the present positions."""
+        """A number for each cell, (n,), or six of a symmetric tensor, (n, 6): xx yy zz xy yz zx; at the present positions."""
         return self.simulation._engine.cell_field(self.path, name)
 
     def __getattr__(self, attribute: str) -> Any:
@@ -501,7 +520,8 @@ class LiveComponent:
     def __setattr__(self, attribute: str, value: Any) -> None:
         if attribute in self._fixed or isinstance(getattr(type(self), attribute, None), property):
             raise AttributeError(f"{attribute} cannot be set")
-        self.set(attribute, value)
+        told = self.set(attribute, value)
+        self.simulation._warn([problem.text.replace("warning: ", "", 1) for problem in told if problem.severity == "warning"])
 
     def __dir__(self) -> List[str]:
         return sorted(set(super().__dir__()) | set(self.attributes))
@@ -594,7 +614,8 @@ class State:
 
     @property
     def f(self) -> numpy.ndarray:
-        """The net force of the last evaluation [N]; simulation.request_forces() comes before."""
+        """The net force at the end of the last step [N]; simulation.request_forces() comes before that step. Zero after reset()
+        and restore(), until a step is made."""
         return self._state.f
 
     @property

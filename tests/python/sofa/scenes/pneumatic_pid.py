@@ -45,7 +45,7 @@ def createScene(rootNode):
     rootNode.addObject('FreeMotionAnimationLoop')
     rootNode.addObject('GenericConstraintSolver', name='GCS', tolerance=1e-9, maxIterations=500, printLog=False)
     body = rootNode.addChild('body')
-    body.addObject('EulerImplicitSolver', firstOrder=False, rayleighStiffness=0.1, rayleighMass=0.1)
+    body.addObject('EulerImplicitSolver', firstOrder=True, rayleighStiffness=0.1, rayleighMass=0.1)
     body.addObject('SparseLDLSolver')
     body.addObject('MeshVTKLoader', name='loader', filename='mesh/finger.vtk')
     body.addObject('MeshTopology', src='@loader', name='topo')

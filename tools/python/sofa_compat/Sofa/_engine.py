@@ -391,7 +391,7 @@ def check(root):
 def load(root, mirror, time=None):
     """At a time other than that of the scene. Throws SceneError with every problem of the scene."""
     check(root)
-    return stroma.load(mirror.root, dialect="sofa", set={} if time is None else {"time": time})
+    return stroma.load(mirror.root, dialect="sofa", set={} if time is None else {"time": time}, quiet=True)
 
 
 # ---- what Sofa.Simulation does ----

@@ -59,7 +59,7 @@ def end_step(root, dt):
     send(root, "AnimateEndEvent", {"dt": dt})
 
 
-_SENT = {"Event", "AnimateBeginEvent", "AnimateEndEvent", "KeypressedEvent", "KeyreleasedEvent", "PythonScriptEvent",
+_SENT = {"Event", "AnimateBeginEvent", "AnimateEndEvent", "KeypressedEvent", "KeyreleasedEvent", "MouseEvent", "PythonScriptEvent",
          "SimulationInitDoneEvent", *AT_BEGIN, *AT_END}
 
 
@@ -77,6 +77,10 @@ def user_event(sender, name, value):
 
 def key(root, character, pressed=True):
     send(root, "KeypressedEvent" if pressed else "KeyreleasedEvent", {"key": character})
+
+
+def mouse(root, state, x, y, wheel):
+    send(root, "MouseEvent", {"State": state, "mouseX": x, "mouseY": y, "wheelDelta": wheel})
 
 
 def call(root, method, *arguments):

@@ -7,6 +7,9 @@ from ._data import Data
 from ._objects import Controller, DataEngine, take
 
 
+_BUTTONS = {1: ("Left", True), 2: ("Left", False), 3: ("Right", True), 4: ("Right", False), 6: ("Middle", True), 7: ("Middle", False)}
+
+
 class PythonScriptController(Controller):
     """onBeginAnimationStep(dt), onEndAnimationStep(dt), onKeyPressed(key), initGraph(node), createGraph(node), ..."""
 
@@ -47,6 +50,16 @@ class PythonScriptController(Controller):
 
     def onKeyreleasedEvent(self, event):
         self._s_old("onKeyReleased", event["key"])
+
+    def onMouseEvent(self, event):
+        state, place = event["State"], (event["mouseX"], event["mouseY"])
+        if state == 0:
+            self._s_old("onMouseMove", *place)
+        elif state == 5:
+            self._s_old("onMouseWheel", *place, event["wheelDelta"])
+        else:
+            button, pressed = _BUTTONS[state]
+            self._s_old("onMouseButton" + button, *place, pressed)
 
     def onPythonScriptEvent(self, event):
         self._s_old("onScriptEvent", event["sender"], event["event_name"], event["userData"])

@@ -191,7 +191,7 @@ def _lacking_in(root):
     from ._mirror import Mirror
 
     try:
-        stroma.load(Mirror(root, keep_loaders=True).root, dialect="sofa", observers=False)
+        stroma.load(Mirror(root, keep_loaders=True).root, dialect="sofa", observers=False, quiet=True)
     except stroma.SceneError as error:
         kinds = {each.getPathName(): each._s_type for each in root._s_all_objects()}
         for each in error.problems:

@@ -86,6 +86,10 @@ class Program:
         if character:
             _events.key(self._root, character, pressed)
 
+    @traced
+    def mouse(self, state, x, y, wheel):
+        _events.mouse(self._root, state, x, y, wheel)
+
     # ---- errors ----
     @staticmethod
     def problems(error):

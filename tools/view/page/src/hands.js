@@ -15,6 +15,8 @@ const MOST_NODES = 500; // of a patch: a message of one has to stay below 64 kB
 /** @typedef {'look' | 'pull' | 'hold' | 'push'} Mode */
 
 const MOST_WAITING = 2000;
+// Of a mouse, as SOFA counts them; buttons are left, middle, right.
+const MOVED = 0, WHEEL = 5, PRESSED = [1, 6, 3], RELEASED = [2, 7, 4];
 
 export class Hands {
   /** @param {import('./stage.js').Stage} stage @param {import('./store.js').Store} store @param {import('./commands.js').Commands} commands */
@@ -34,6 +36,7 @@ export class Hands {
     this.drag = null;
     /** @type {Map<number, number>} when the event of a sequence number happened */
     this.sent = new Map();
+    this.given = false; // a button was pressed for the scene
     this.lastDelay = NaN;
     /** @type {number[]} */
     this.delays = [];
@@ -60,6 +63,20 @@ export class Hands {
     canvas.addEventListener('wheel', (event) => this.wheel(event), { capture: true, passive: false });
   }
 
+  /**
+   * Ctrl and the pointer go to the controllers of a scene in Python; so does the way until a button is let go.
+   * @param {PointerEvent | WheelEvent} event @param {number | undefined} state
+   */
+  toScene(event, state) {
+    if (!(event.ctrlKey || this.given) || this.drag || !this.store.scene?.keys || !this.store.following || state === undefined) return false;
+    event.stopImmediatePropagation();
+    event.preventDefault();
+    const { left, top } = this.stage.canvas.getBoundingClientRect();
+    const wheel = event instanceof WheelEvent ? -120 * Math.sign(event.deltaY) : 0;
+    this.commands.send({ do: 'mouse', state, x: Math.round(event.clientX - left), y: Math.round(event.clientY - top), wheel });
+    return true;
+  }
+
   /** @param {Mode} mode */
   setMode(mode) {
     this.mode = mode;
@@ -74,6 +91,11 @@ export class Hands {
 
   /** @param {PointerEvent} event */
   down(event) {
+    if (this.toScene(event, PRESSED[event.button])) {
+      this.stage.canvas.setPointerCapture(event.pointerId);
+      this.given = true;
+      return;
+    }
     if (this.mode === 'look' || this.drag || event.button !== 0 || !this.store.following || !this.commands.connection) return;
     const axis = this.mode === 'push' ? null : pickAxis(this.stage, event.clientX, event.clientY);
     const picked = axis ?? pick(this.stage, event.clientX, event.clientY);
@@ -218,6 +240,7 @@ export class Hands {
 
   /** @param {PointerEvent} event */
   move(event) {
+    if (this.toScene(event, MOVED)) return;
     if (!this.drag || event.pointerId !== this.drag.pointer) return;
     event.stopImmediatePropagation();
     const place = this.onPlane(event.clientX, event.clientY);
@@ -228,6 +251,7 @@ export class Hands {
 
   /** While a ball is dragged, the wheel moves it along the view. @param {WheelEvent} event */
   wheel(event) {
+    if (this.toScene(event, WHEEL)) return;
     if (this.drag?.kind !== 'push') return;
     event.preventDefault();
     event.stopImmediatePropagation();
@@ -243,6 +267,9 @@ export class Hands {
 
   /** @param {PointerEvent} event */
   up(event) {
+    const given = this.given && this.toScene(event, RELEASED[event.button]);
+    this.given = false;
+    if (given) return;
     if (!this.drag || event.pointerId !== this.drag.pointer) return;
     event.stopImmediatePropagation();
     this.end(event.type === 'pointercancel');
