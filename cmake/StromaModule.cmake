@@ -86,12 +86,12 @@ function(stroma_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# stroma_precompiled(NAME OPTIONS option... [HEADERS header...] [HIDDEN] [PROGRAMS])
+# stroma_precompiled(NAME OPTIONS option... [HEADERS header...] [HIDDEN])
 #   Precompiled headers for all targets with these compiler options: a target takes them with
 #   target_precompile_headers(TARGET REUSE_FROM NAME). GCC takes -O from the headers too, whatever the target says: give it
-#   those of the same -O. With PROGRAMS for the code of programs, else for that of libraries.
+#   those of the same -O, and compile programs with -fPIC too.
 function(stroma_precompiled name)
-  cmake_parse_arguments(arg "HIDDEN;PROGRAMS" "" "OPTIONS;HEADERS" ${ARGN})
+  cmake_parse_arguments(arg "HIDDEN" "" "OPTIONS;HEADERS" ${ARGN})
   set(source ${CMAKE_BINARY_DIR}/generated/${name}.cpp)
   file(CONFIGURE OUTPUT ${source} CONTENT "// generated: a target needs a source\n" @ONLY)
   add_library(${name} OBJECT ${source})
@@ -99,10 +99,6 @@ function(stroma_precompiled name)
   target_compile_options(${name} PRIVATE ${arg_OPTIONS})
   if(arg_HIDDEN)
     set_target_properties(${name} PROPERTIES CXX_VISIBILITY_PRESET hidden)
-  endif()
-  if(arg_PROGRAMS)
-    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-    target_compile_options(${name} PRIVATE -fPIE)
   endif()
   target_precompile_headers(${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/precompiled.h ${arg_HEADERS})
 endfunction()

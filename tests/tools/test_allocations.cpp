@@ -31,6 +31,7 @@ constexpr bool can_count = false;  // a sanitizer has its own malloc
 constexpr bool can_count = true;
 
 // operator new calls malloc, so counting in these sees everything
+#pragma GCC visibility push(default)
 extern "C" void* __libc_malloc(std::size_t);
 extern "C" void* __libc_calloc(std::size_t, std::size_t);
 extern "C" void* __libc_realloc(void*, std::size_t);
@@ -60,6 +61,7 @@ extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) {
   note();
   return __libc_memalign(alignment, size);
 }
+#pragma GCC visibility pop
 #endif
 
 namespace stroma {
