@@ -137,6 +137,8 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
     table.addLink("object1", object1_).help("state of the first frames; the one of this node when not given");
     table.addLink("object2", object2_).help("state of the second frames; the one of the first when not given");
     table.add("spring", text_).help("the joints, in the words above").required();
+    table.add("explicitForce", explicit_force_)
+        .help("the joints are no part of the matrix, as in SOFA between bodies of different solvers: not stable for stiff ones");
     for (const char* name :
          {"outfile", "infile", "period", "reinit", "drawLawfulTorsion", "drawTorsion", "showFactorSize"})
       table.addVisualOnly(name);
@@ -168,6 +170,9 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
   ForceTraits traits() const override {
     ForceTraits traits = FramePairField::traits();
     traits.exact_tangent = !traits.velocity_dependent;
+    if (!explicit_force_) return traits;
+    traits.conservative = !traits.velocity_dependent;  // damping that no C says is in no energy
+    traits.has_stiffness = traits.velocity_dependent = traits.exact_tangent = false;
     return traits;
   }
 
@@ -200,6 +205,7 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
 
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   std::string text_;
+  bool explicit_force_ = false;
   std::vector<Joint> joints_;
 };
 

@@ -40,6 +40,9 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   std::string worstElement(ConstRows x) const override;
   std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
+  CellFieldShape cellFieldShape(const std::string& name) const override {
+    return {kind, std::size_t(name == "strain" ? 6 : 1)};
+  }
 
   const hyperelastic::HyperelasticLaw& law() const { return law_; }
   const Mesh& mesh() const { return *mesh_; }

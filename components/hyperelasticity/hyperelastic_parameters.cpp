@@ -20,6 +20,30 @@ namespace {
 
 constexpr double not_given = std::numeric_limits<double>::quiet_NaN();
 
+struct Doubt {
+  std::string sentence, expected;
+};
+
+/// Parameters that a law takes and a tissue hardly has: most come from another order, or from another book.
+std::vector<Doubt> doubtsAbout(const HyperelasticLaw& law, const std::vector<double>& values) {
+  std::vector<Doubt> doubts;
+  const auto [shear, bulk] = law.moduliAtRest(values);
+  const double poisson = (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear));
+  if (poisson < -1e-9)
+    doubts.push_back({fmt::format("these parameters of {} mean a shear modulus of {:.3g} Pa and a bulk modulus of {:.3g} Pa, which "
+                                  "is a Poisson's ratio of {:.2g}",
+                                  law.name, shear, bulk, poisson),
+                      law.expectation() + ", in this order"});
+  for (std::size_t i = 0; i + 1 < values.size(); i += 2)  // the pairs of Ogden's laws
+    if (law.parameters[i].name.starts_with("mu") && law.parameters[i + 1].name.starts_with("alpha") && values[i] < 0)
+      doubts.push_back({fmt::format("{} = {:g} of {} is negative: its term pulls away from the rest shape, and the body may be "
+                                    "unstable. The energy here has {}/{}^2; of a law with {}/{} the product of both is meant",
+                                    law.parameters[i].name, values[i], law.name, law.parameters[i].name,
+                                    law.parameters[i + 1].name, law.parameters[i].name, law.parameters[i + 1].name),
+                        "mu_k above 0, whatever the sign of alpha_k"});
+  return doubts;
+}
+
 double at(const std::vector<double>& values, std::size_t cell) { return values.size() == 1 ? values[0] : values[cell]; }
 
 }  // namespace
@@ -146,6 +170,8 @@ void HyperelasticForceField::readParameters() {
                              "a value above 0");
     const std::string problem = law_.check ? law_.check(values) : "";
     if (!problem.empty()) throw ComponentError(problem, law_.expectation());
+    if (set == 0)
+      for (const Doubt& doubt : doubtsAbout(law_, values)) warn(doubt.sentence, doubt.expected);
     values_.insert(values_.end(), values.begin(), values.end());
   }
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Ogden: W = sum_k mu_k/alpha_k^2 (l1^alpha_k + l2^alpha_k + l3^alpha_k - 3) + k0/2 (ln J)^2, l_i = J^-1/3 lambda_i the
 // isochoric principal stretches, any number of terms: ParameterSet = mu1 alpha1 (mu2 alpha2 ...) k0. At small strains
-// the shear modulus is the sum of mu_k/2, the bulk modulus k0. Infinite at J = 0.
+// the shear modulus is the sum of mu_k/2, the bulk modulus k0. Infinite at J = 0. These are FEBio's mu_k (its c_k). Books that
+// write mu_k/alpha_k (Ogden, Holzapfel) have other ones: theirs times alpha_k, whose signs agree, are the mu_k of here.
 #include "components/hyperelasticity/ogden_terms.h"
 
 using namespace stroma;

@@ -111,7 +111,10 @@ inline HyperelasticLaw withOgdenTerms(HyperelasticLaw law, std::size_t terms, co
       if (p[k + 1] == 0) return exponent + std::to_string(k / 2 + 1) + " of " + name + " is 0";
       sum += p[k] / 2;
     }
-    return sum > 0 ? "" : "the moduli of " + name + " have a sum that is not above 0: the shear modulus is half of it";
+    return sum > 0 ? ""
+                   : "the moduli of " + name +
+                         " have a sum that is not above 0: the shear modulus is half of it. The energy here has mu_k/alpha_k^2: "
+                         "of a law with mu_k/alpha_k the mu_k of here are the products mu_k alpha_k";
   };
   return law;
 }

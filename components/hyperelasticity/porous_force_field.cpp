@@ -32,13 +32,16 @@ void PorousForceField::declare(DataTable& table) {
   table.add("bulkModulus", sponge_.bulk)
       .unit("Pa")
       .min(0, false)
-      .physical()
-      .help("K_0 of the drained tissue, added to the elastic law's");
+      .required()
+      .help("K_0, that the drained tissue has besides the elastic law's; little against the tissue's where that has all of it");
   table.add("limitModulus", sponge_.limit)
       .unit("Pa")
       .min(0, false)
-      .physical()
-      .help("K_lim: of the fluid, and bound of the tissue's when it is compressed; at least bulkModulus/fluidFraction");
+      .required()
+      .help(
+          "K_lim: of the fluid, and bound of the tissue's when it is compressed; at least bulkModulus/fluidFraction. Below the "
+          "tissue's modulus the fluid carries next to nothing; 1000 times that, with coupling=\"implicit\", is as good as a fluid "
+          "that is incompressible (water: 2.2e9)");
   declareModuli(table);
   table.add("permeability", permeability_)
       .unit("m^4/(N s)")

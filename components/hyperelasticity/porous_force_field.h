@@ -37,6 +37,7 @@ class PorousForceField : public ForceField, public History {
   Cost cost() const override;
   std::vector<std::string> cellFields() const override { return {"pressure"}; }
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
+  CellFieldShape cellFieldShape(const std::string&) const override { return {&kind(), 1}; }
 
  protected:
   virtual const CellKind& kind() const = 0;

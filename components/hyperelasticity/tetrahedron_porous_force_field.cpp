@@ -27,6 +27,11 @@
 // A load p on it raises the pressure at once to p alpha M/(K_u + 4G/3), and it settles by the coefficient of
 // consolidation c = kappa M (K + 4G/3)/(K_u + 4G/3). K and G are those of all laws of the tissue, K_0 included.
 //
+// bulkModulus and limitModulus have no default, because none fits two tissues: the figures of the paper, 400 and 2200 Pa, are of
+// a soft liver, and a fluid of 2200 Pa in cartilage of 0.5 MPa carries nothing. A biphasic material (FEBio's), whose fluid is
+// incompressible, is limitModulus of 1000 times the tissue's modulus or more, bulkModulus of a thousandth of it or less
+// (the elastic law has the drained modulus), coupling="implicit", and fluidFraction one less the solid's share.
+//
 // coupling = semi_implicit, as published: forces see the pressure from before the step, and the pressure then follows
 // the step's change of volume; time steps must be small where the fluid is stiff against the tissue, and the integrator
 // one of first order, because a pressure that is a step late feeds oscillations. Statics have no mass to hold them: where

@@ -85,7 +85,7 @@ std::optional<Problem> Data::checkRange() const {
       pointer_);
   if (good || rangeText().empty()) return std::nullopt;
   Problem problem;
-  problem.message = printReal(bad) + (count > 1 ? " (number " + std::to_string(count) + " of the value)" : "") +
+  problem.message = printReal(bad) + (count > 1 ? " (number " + std::to_string(count) + " of the value: commas part them)" : "") +
                     " is outside the range of " + name_;
   const std::string range = rangeText();
   problem.expected = std::string(range[0] == '[' || range[0] == '(' ? "a value in " : "a value ") + range +

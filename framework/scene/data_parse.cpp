@@ -103,9 +103,7 @@ bool readValue(std::string_view text, bool& out, Failure& why) { return readScal
 bool readValue(std::string_view text, int& out, Failure& why) { return readScalar(text, out, why); }
 bool readValue(std::string_view text, double& out, Failure& why) { return readScalar(text, out, why); }
 bool readValue(std::string_view text, std::string& out, Failure&) { return out = text, true; }
-bool readValue(std::string_view text, FileName& out, Failure&) {
-  return out.given = trimmed(text), out.found.clear(), true;
-}
+bool readValue(std::string_view text, FileName& out, Failure&) { return out.given = trimmed(text), out.found.clear(), true; }
 bool readValue(std::string_view text, Vec3& out, Failure& why) { return readFixed(text, out.data(), 3, why); }
 template <class T, std::size_t n>
 bool readValue(std::string_view text, std::array<T, n>& out, Failure& why) {
@@ -268,7 +266,8 @@ std::optional<Problem> Data::parse(std::string_view text, DataOrigin origin) {
       pointer_);
   if (good) return origin_ = origin, std::nullopt;
   problem.message = std::move(why.message);
-  problem.suggestion = std::move(why.suggestion);
+  const bool is_path = text.find_first_of("+-.0123456789") != 0 && text.find('.') < text.find_first_of(" \t\n,");
+  problem.suggestion = why.suggestion.empty() && is_path ? "@" + std::string(text) : std::move(why.suggestion);
   return problem;
 }
 

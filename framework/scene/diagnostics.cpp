@@ -120,7 +120,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
                       shorter = std::min(word.size(), candidate.size());
     if ((longer - shorter) * 10 > longer * 4) continue;  // also keeps the cost of a huge word at nothing
     const int distance = editDistance(word, candidate);
-    if (std::size_t(distance) * 10 > longer * 4) continue;
+    if (std::size_t(distance) * 10 > longer * (startsWithIgnoringCase(candidate, word.substr(0, 3)) ? 5 : 4)) continue;
     if (!best || distance < best_distance) best = &candidate, best_distance = distance;
   }
   if (best || word.size() < 4) return best ? *best : std::string();

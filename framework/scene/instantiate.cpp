@@ -226,7 +226,8 @@ std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescripti
   std::vector<std::string> names{"Node", "include"};
   for (const Modules::IndexEntry& entry : modules_.index()) names.push_back(entry.type);
   for (const ComponentEntry* entry : factory_.entries()) names.push_back(entry->type);
-  const std::string guess = nearest(description.type, names);
+  for (const TypeChange& change : typeChanges()) names.emplace_back(change.old_type);
+  const std::string guess(presentType(nearest(description.type, names)));
   diagnostics_.error(description.where, path, nothing, "a name from 'stroma list'", guess);
   if (!guess.empty() && guess != "Node" && guess != "include" && modules_.provide(guess)) return factory_.make(guess);
   return std::make_unique<UnknownComponent>();
@@ -246,8 +247,7 @@ void Instantiation::initialise(const Node& node) {
   for (const auto& component : node.components()) {
     try {
       component->ensureReady();
-    } catch (const DependencyFailed&) {
-      // reported where it happened
+    } catch (const DependencyFailed&) {  // reported where it happened
     }
   }
   for (const auto& child : node.children()) initialise(*child);

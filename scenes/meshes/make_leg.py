@@ -20,7 +20,12 @@ import os
 import struct
 import sys
 
-import numpy as np
+try:
+    import numpy as np
+except ImportError:
+    print(f"{os.path.basename(__file__)}: error: the Python of {sys.executable} has no numpy: take another one, such as /usr/bin/python3 "
+          "with Debian's python3-numpy, or install numpy for it", file=sys.stderr)
+    sys.exit(2)
 
 LENGTH = 0.36  # [m] from the ankle's end to the knee's
 SOFT, TIBIA, FIBULA = 1, 2, 3

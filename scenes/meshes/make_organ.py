@@ -19,7 +19,12 @@ import argparse
 import itertools
 import sys
 
-import numpy as np
+try:
+    import numpy as np
+except ImportError:
+    print(f"{os.path.basename(__file__)}: error: the Python of {sys.executable} has no numpy: take another one, such as /usr/bin/python3 "
+          "with Debian's python3-numpy, or install numpy for it", file=sys.stderr)
+    sys.exit(2)
 
 # A cut point nearer to a lattice point than this share of the edge moves the point onto the surface; the two values
 # (axis-aligned "long" edges, diagonal "short" ones) are those for which the paper proves its bound on the angles.

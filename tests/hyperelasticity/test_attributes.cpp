@@ -203,5 +203,20 @@ INSTANTIATE_TEST_SUITE_P(
                     "materialName=\"TransverselyIsotropicMooneyRivlin\" ParameterSet=\"300 200 150 12 2500 1.06 5000\"",
                     "materialName=\"TransverselyIsotropicMooneyRivlin\" ParameterSet=\"300 200 150 12 2500 1 5000\""));
 
+TEST(HyperelasticAttributes, ParametersOfAnotherOrderOrAnotherBookAreWarnedOf) {
+  const auto said = [](const std::string& law) {
+    return simulationFromText(oneCell("materialName=\"" + law)).scene().diagnostics.text();
+  };
+  // c1 + c2 = 1.00001e9: G = 2.00002e9, K = 1e5: nu = (3 K - 2 G)/(2 (3 K + G)) = -0.9998
+  expectContains(said("MooneyRivlin\" ParameterSet=\"1e9 1e4 1e5\""), "is a Poisson's ratio of -1");
+  EXPECT_EQ(said("MooneyRivlin\" ParameterSet=\"1e4 1e5 1e9\"").find("is a Poisson's ratio of"), std::string::npos);
+  EXPECT_EQ(said("NeoHookean\" ParameterSet=\"1000 0\"").find("is a Poisson's ratio of"), std::string::npos) << "nu = 0";
+  const std::string negative = said("Ogden\" ParameterSet=\"1.2e4 2.5 -2e3 -3 1e5\"");
+  expectContains(negative, "mu2 = -2000 of Ogden is negative");
+  expectContains(negative, "The energy here has mu2/alpha2^2");
+  EXPECT_EQ(said("Ogden\" ParameterSet=\"1.2e4 2.5 2e3 -3 1e5\"").find("negative"), std::string::npos);
+  expectRefused("materialName=\"Ogden\" ParameterSet=\"1e5 2 -3e5 -2 1e7\"", {"the products mu_k alpha_k"});
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -321,5 +321,13 @@ TEST(Porous, SaysWhatIsWrong) {
   expectCell("0 1 1\" hexa", "0 1 1 5 5 5\" hexa", "no hexahedron has node 8");
 }
 
+/// No default fits two tissues: a fluid of 2200 Pa, which one of them has, carries nothing in another.
+TEST(Porous, TheModuliOfTheFluidMustBeWritten) {
+  for (const PorousKind& kind : porousKinds())
+    for (const std::string name : {"bulkModulus", "limitModulus"})
+      expectContains(problemsOf(std::regex_replace(kind.oneCell("permeability=\"1e-6\""), std::regex(name + "=\"[^\"]*\""), "")),
+                     name);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -66,11 +66,20 @@ TEST_F(MeshCommand, OptionsWithoutEffectAndNamesThatMeanTwoThingsAreRefused) {
            {"two.mha -o n.msh --name 1=a --name 1=b", "label 1 has a name"},
            {"two.mha -o n.msh --name 1=label_2", "would have one name"},
            {"two.mha -o n.msh --name 1=outside", "around the body"},
+           {"two.mha", "-o MESH"},
+           {"two.mha -o n.msh --distance 30", "the longest side of the body is 8"},
+           {"two.mha -o n.msh --distance '1 mm'", "without a unit"},
+           {"two.mha -o n.msh --unit mm --distance '1 mn'", "--distance mn: expected a length"},
            {"two.mha -o n.msh --name 1=a.b", "'.'"}}) {
     const Finished finished = stroma("mesh " + line);
     EXPECT_EQ(finished.code, 2) << line;
     EXPECT_NE(finished.err.find(sentence), std::string::npos) << line << ": " << finished.err;
   }
+  const auto in_millimetres = report("two.mha -o n.msh --unit mm --cell-size '2 mm' --distance 0.3mm");
+  const auto in_metres = report("two.mha -o n.msh --unit mm --cell-size 0.002 --distance 0.0003");
+  ASSERT_FALSE(in_millimetres.is_null() || in_metres.is_null());
+  EXPECT_EQ(in_millimetres["tetrahedra"], in_metres["tetrahedra"]);
+  EXPECT_EQ(in_millimetres["distance"], in_metres["distance"]);
 }
 
 TEST_F(MeshCommand, SmallPartsKeepTheVolumeOfTheirVoxelsWithCellsSmallerThanVoxels) {

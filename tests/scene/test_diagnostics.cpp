@@ -14,6 +14,7 @@ TEST(Nearest, FindsTheNameMeant) {
   EXPECT_EQ(nearest("UnifromMass", names), "UniformMass");
   EXPECT_EQ(nearest("TetrahedronFEM", names), "TetrahedronFEMForceField");
   EXPECT_EQ(nearest("Sphere", names), "");
+  EXPECT_EQ(nearest("index", {"box", "indices", "strict"}), "indices");
   EXPECT_EQ(nearest("", names), "");
   EXPECT_EQ(nearest("x", {}), "");
 }

@@ -94,6 +94,8 @@ TEST_F(Links, BrokenOnesNameTheNearest) {
   EXPECT_EQ(problemOf(around("@mehs.position")).suggestion, "@mesh.position");
   EXPECT_EQ(problemOf(around("@../otehr/mesh.position")).suggestion, "@../other/mesh.position");
   EXPECT_EQ(problemOf(around("@mesh.postion")).suggestion, "@mesh.position");
+  EXPECT_EQ(problemOf(around("mesh.position")).suggestion, "@mesh.position") << "without its sign";
+  EXPECT_EQ(problemOf(around("1.5 2")).suggestion, "");
   EXPECT_NE(problemOf(around("@../../../mesh.position")).message.find("above the root"), std::string::npos);
   EXPECT_NE(problemOf(around("@[-5].position")).message.find("no component at that place"), std::string::npos);
   EXPECT_NE(problemOf(around("@[x].position")).message.find("number in brackets"), std::string::npos);

@@ -149,6 +149,7 @@ TEST_F(Load, AnInactiveNodeTakesNoPartAndIsSaidSo) {
 
 TEST_F(Load, RenamedAndRemovedComponents) {
   EXPECT_NE(problemOf("<Node><BoxConstraint/></Node>").suggestion.find("BoxROI"), std::string::npos);
+  EXPECT_EQ(problemOf("<Node><FixConstraint/></Node>").suggestion, "FixedProjectiveConstraint") << "by an older name";
   EXPECT_NE(problemOf("<Node><SparseGrid/></Node>").message.find("now called SparseGridTopology"), std::string::npos);
   factory.add<TestMesh>("MeshTopology", "stands for the real one");
   const Scene scene = load("<Node><Mesh position='1 2 3'/></Node>");
@@ -223,7 +224,7 @@ TEST_F(Load, FilesAreSearchedInOrder) {
     EXPECT_NE(problem.suggestion.find(searched->path()), std::string::npos) << problem.text();
   unsetenv("STROMA_DATA_PATH");
   unsetenv("SOFA_DATA_PATH");
-  problemOf("<Node><TestLoader name='l' filename='.'/></Node>");
+  EXPECT_NE(problemOf("<Node><TestLoader name='l' filename='.'/></Node>").suggestion.find("where it is a folder"), std::string::npos);
   TemporaryFolder third;
   third.write("far.txt", "12345");
   EXPECT_EQ(get<TestLoader>(load("<Node><TestLoader name='l' filename='far.txt'/><AddResourceRepository path='" +

@@ -115,6 +115,25 @@ TEST(Modules, ABadIndexIsASentence) {
   EXPECT_THROW(Modules(factory, {folder.path()}), std::runtime_error);
 }
 
+TEST(Modules, FoldersOfTheVariableHoldModules) {
+  const char* const before = std::getenv("STROMA_MODULE_PATH");
+  const std::string kept = before ? before : "";
+  TemporaryFolder folder;
+  const auto problem = [](const std::string& list) -> std::string {
+    setenv("STROMA_MODULE_PATH", list.c_str(), 1);
+    Factory factory;
+    Modules modules(factory);
+    ::testing::internal::CaptureStderr();
+    for (int i = 0; i < 2; ++i) EXPECT_FALSE(modules.provide("NobodyKnowsThis"));
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_NE(problem(folder.path()).find("where no module lies"), std::string::npos);
+  EXPECT_NE(problem(folder.path() + "/nowhere").find("nowhere', which is no folder"), std::string::npos);
+  folder.write("a.index", "Z\ta\tlast\n");
+  EXPECT_EQ(problem(":" + folder.path() + ":"), "");
+  before ? setenv("STROMA_MODULE_PATH", kept.c_str(), 1) : unsetenv("STROMA_MODULE_PATH");
+}
+
 TEST(Modules, TheLevelCanOnlyBeLowered) {
   unsetenv("STROMA_LEVEL");
   const std::string machine = instructionLevel();

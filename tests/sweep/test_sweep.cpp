@@ -131,6 +131,34 @@ TEST_F(Sweep, ValuesThatOscillateFollowNoOrder) {
       << "faster than an order of 2";
 }
 
+TEST_F(Sweep, ANumberThatOrdersNothingIsTold) {
+  write("oscillator.xml", oscillator);
+  const std::string line = "oscillator.xml --until 0.08 --repeat 1 -q --error /dofs.displacement --vary ";
+  const auto notes = [&](const std::string& vary) { return tableOf(line + vary)["notes"].dump(); };
+  EXPECT_NE(notes("/spring.stiffness=50,100").find("spring.stiffness orders nothing: what is called error is the "
+                                                   "difference to its last value, 100"),
+            std::string::npos);
+  EXPECT_NE(notes("'/spring.stiffness=50 N/m,100N/m'").find("spring.stiffness orders nothing"), std::string::npos);
+  for (const char* vary : {"dt=0.04,0.02", "threads=2,4", "/linear.iterations=10,20"})
+    EXPECT_EQ(notes(vary).find("orders nothing"), std::string::npos) << vary;
+}
+
+/// Backward Euler from v = 1 under -k x: two steps of h have v1 = 1 / (1 + k h^2), x1 = h v1 and so on.
+TEST_F(Sweep, AStudyOfAStiffnessHasItsValues) {
+  write("oscillator.xml", oscillator);
+  const auto json = tableOf("oscillator.xml -n 2 --repeat 1 -q --error /dofs.displacement --vary /spring.stiffness=50,100");
+  for (const auto& row : json["configurations"]) {
+    const double k = std::stod(row["settings"]["/spring.stiffness"].get<std::string>()), h = 0.01;
+    double x = 0, v = 1;
+    for (int step = 0; step < 2; ++step) v = (v - h * k * x) / (1 + k * h * h), x += h * v;
+    EXPECT_NEAR(row["value"][0].get<double>(), x, 1e-9 * x);
+    EXPECT_EQ(row["value"].size(), 3u);
+  }
+  EXPECT_EQ(stroma("sweep oscillator.xml -n 1 --repeat 1 -q --error energy --vary /spring.stiffness=50,100 -o kept").code, 0);
+  EXPECT_NE(readText(folder_ / "kept" / "table.csv").find(",value,"), std::string::npos);
+  EXPECT_TRUE(table("kept")["configurations"][0]["value"].is_number());
+}
+
 TEST_F(Sweep, TwoValuesAreUncertainByTheirRatio) {
   write("oscillator.xml", oscillator);
   const auto json = tableOf(

@@ -61,7 +61,9 @@ void printOverview(std::FILE* stream) {
       "\n`stroma SUBCOMMAND --help` prints its options and examples, `stroma doc scene` the file format.\n"
       "Exit codes: 0 done, 1 a comparison failed, 2 bad input (nothing was run), 3 no result (the last state is\n"
       "written and named), 4 an output could not be written any more, 129 ended by SIGHUP, 130 interrupted with\n"
-      "Ctrl-C, 143 ended by SIGTERM.\n");
+      "Ctrl-C, 143 ended by SIGTERM.\n"
+      "Environment: STROMA_MODULE_PATH folders of modules of your own, STROMA_DATA_PATH folders of files that scenes name\n"
+      "(several with colons between), STROMA_LEVEL a lower instruction set than this machine's best.\n");
 }
 
 void printVersion() {

@@ -26,6 +26,10 @@ namespace {
 /// Sizes that were not given, from the longest side of the body.
 void completeSizes(MeshCriteria& criteria, double longest_side, const std::vector<int>& labels) {
   if (!(criteria.cell_size > 0)) criteria.cell_size = longest_side / 20;
+  if (criteria.distance >= longest_side)
+    throw UsageError(fmt::format("--distance {:g}: the longest side of the body is {:.3g}, so that nothing of its shape would be left "
+                                 "(expected less than a cell's size; lengths are in metres with --unit, else as --scale makes them)",
+                                 criteria.distance, longest_side));
   if (criteria.distance > 0) return;
   double smallest = std::numeric_limits<double>::infinity();
   for (const int label : labels) smallest = std::min(smallest, criteria.sizeOf(label));

@@ -51,8 +51,9 @@ void print(const MeshRequest& request, const Meshed& meshed, const MeshQuality& 
   for (const Vec3& p : meshed.mesh.position) low = low.cwiseMin(p), high = high.cwiseMax(p);
   fmt::print("{}: {} nodes, {} tetrahedra, read {:.2f} s, meshed {:.2f} s\n", request.output,
              meshed.mesh.position.size(), meshed.mesh.tetrahedra.size(), meshed.read_seconds, meshed.mesh_seconds);
-  fmt::print("box ({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g}); cell size {:.4g}, distance {:.4g}\n", low.x(),
-             low.y(), low.z(), high.x(), high.y(), high.z(), request.criteria.cell_size, request.criteria.distance);
+  const char* unit = request.has_metres ? " m" : "";
+  fmt::print("box ({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g}){}; cell size {:.4g}{}, distance {:.4g}{}\n", low.x(), low.y(), low.z(),
+             high.x(), high.y(), high.z(), unit, request.criteria.cell_size, unit, request.criteria.distance, unit);
   const Tetrahedron& worst = meshed.mesh.tetrahedra[quality.worst];
   fmt::print("dihedral angles {:.2f} to {:.2f} degrees; the worst is tetrahedron {} (nodes {})\n",
              quality.smallest_angle, quality.largest_angle, quality.worst, fmt::join(worst, " "));

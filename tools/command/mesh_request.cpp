@@ -90,13 +90,23 @@ OptionList optionList() {
 }
 
 /// The length of a unit [m].
-double metresOf(const std::string& name) {
+double metresOf(const std::string& option, const std::string& name) {
   try {
     return inSI(1, readLengthUnit(name));
   } catch (const ComponentError& error) {
     const std::string nearest = error.suggestion.empty() ? "" : fmt::format("; did you mean '{}'?", error.suggestion);
-    throw UsageError(fmt::format("--unit {}: expected {}{}", name, error.expected, nearest));
+    throw UsageError(fmt::format("{} {}: expected {}{}", option, name, error.expected, nearest));
   }
+}
+
+/// A number above zero, with a unit where positions become metres: "3 mm".
+double length(const Values& values, const std::string& option, const std::string& text) {
+  const std::size_t end = text.find_last_not_of("abcdefghijklmnopqrstuvwxyz ");
+  if (end == std::string::npos || end + 1 == text.size()) return positive(option, text);
+  const double number = positive(option, text.substr(0, end + 1));
+  if (!values.count("unit"))
+    throw UsageError(fmt::format("{} {}: expected a number without a unit: that of INPUT is not known without --unit", option, text));
+  return number * metresOf(option, text.substr(text.find_first_not_of(' ', end + 1)));
 }
 
 void readCriteria(const Values& values, MeshRequest& request) {
@@ -104,12 +114,16 @@ void readCriteria(const Values& values, MeshRequest& request) {
   const auto take = [&values](const char* name, double& to) {
     if (values.count(name)) to = positive(fmt::format("--{}", name), values[name].as<std::string>());
   };
-  take("facet-size", criteria.facet_size), take("facet-angle", criteria.facet_angle);
-  take("distance", criteria.distance), take("dihedral-angle", criteria.dihedral_angle);
+  const auto takeLength = [&values](const char* name, double& to) {
+    if (values.count(name)) to = length(values, fmt::format("--{}", name), values[name].as<std::string>());
+  };
+  takeLength("facet-size", criteria.facet_size), take("facet-angle", criteria.facet_angle);
+  takeLength("distance", criteria.distance), take("dihedral-angle", criteria.dihedral_angle);
   take("feature-angle", criteria.feature_angle), take("scale", request.scale);
   if (values.count("unit") && values.count("scale")) throw UsageError("--unit and --scale: expected one of them");
-  if (values.count("unit")) request.scale = metresOf(values["unit"].as<std::string>());
-  take("voxels", request.voxels), take("most-cells", request.most_cells), take("progress", request.progress);
+  if (values.count("unit")) request.scale = metresOf("--unit", values["unit"].as<std::string>());
+  request.has_metres = values.count("unit") > 0;
+  takeLength("voxels", request.voxels), take("most-cells", request.most_cells), take("progress", request.progress);
   if (criteria.facet_angle > 30)
     throw UsageError(fmt::format("--facet-angle {}: expected at most 30, beyond which refinement may not end",
                                  criteria.facet_angle));
@@ -123,7 +137,7 @@ void readCriteria(const Values& values, MeshRequest& request) {
       const auto [label, size] = labelled("--cell-size", text);
       double& to = label ? criteria.label_size[label] : criteria.cell_size;
       if (to > 0) throw UsageError(fmt::format("--cell-size {}: there is another one before it", text));
-      to = positive("--cell-size", size);
+      to = length(values, "--cell-size", size);
     }
 }
 
@@ -158,7 +172,9 @@ void refuseIdle(const Values& values, const MeshRequest& request) {
 MeshRequest readRequest(const Values& values) {
   MeshRequest request;
   request.input = required(values, "INPUT", mesh_manual);
-  request.output = required(values, "out", mesh_manual);
+  if (!values.count("out"))
+    throw UsageError(fmt::format("the mesh to write is missing (expected -o MESH, as -o leg.msh); usage: {}", mesh_manual.usage));
+  request.output = values["out"].as<std::string>();
   if (!request.toVtu() && !request.output.ends_with(".msh"))
     throw UsageError(fmt::format("-o {}: expected a name that ends with .msh or .vtu", request.output));
   const fs::path folder = fs::absolute(request.output).parent_path();

@@ -12,6 +12,7 @@ namespace stroma::command {
 struct MeshRequest {
   std::string input, output;
   double scale = 1;
+  bool has_metres = false;  ///< positions of the mesh are in metres for certain
   double voxels = 0;  ///< of surfaces: the size of those to fill first; 0: none, the surface itself is kept
   MeshCriteria criteria;
   LabelNames names;

@@ -26,7 +26,10 @@ namespace {
 std::string unknownOption(const std::string& given, const OptionList& options, const Manual& manual) {
   std::vector<std::string> names{"--help"};
   for (const auto& option : options.options()) names.push_back("--" + option->long_name());
-  const std::string near = nearest(given, names);
+  std::string near = nearest(given, names);
+  if (near.empty() && given.starts_with("--no-"))  // what else can be left out
+    for (const std::string& name : names)
+      if (near.empty() && name.starts_with("--no-")) near = name;
   return fmt::format("there is no option {} ({}); usage: {}", given,
                      near.empty() ? fmt::format("options: {}", fmt::join(names, " ")) : "did you mean " + near + "?",
                      manual.usage);

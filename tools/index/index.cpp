@@ -47,6 +47,7 @@ std::string leadingComment(const std::string& source) {
       break;
     }
     line.erase(0, line.starts_with("// ") ? 3 : 2);
+    if (page.empty() && line.empty()) continue;
     // A line of the text must not look like the start of a page.
     page += (line.starts_with("=== ") ? " " + line : line) + "\n";
   }

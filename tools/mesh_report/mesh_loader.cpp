@@ -32,6 +32,33 @@ void appendMissing(std::vector<Cell>& cells, const std::vector<Cell>& candidates
     if (!std::binary_search(present.begin(), present.end(), sorted(cell))) cells.push_back(cell);
 }
 
+/// The same volume cell with its nodes in the order of the mirror image.
+template <class Cell>
+void mirror(Cell& cell) {
+  if constexpr (std::tuple_size_v<Cell> == 8) {
+    std::swap_ranges(cell.begin(), cell.begin() + 4, cell.begin() + 4);
+  } else if constexpr (std::tuple_size_v<Cell> >= 4) {
+    std::swap(cell[1], cell[2]);
+    if constexpr (std::tuple_size_v<Cell> == 10) std::swap(cell[4], cell[6]), std::swap(cell[8], cell[9]);
+  }
+}
+
+/// Volume cells that a mirrored mesh has inside out; their number.
+std::size_t turnInvertedCells(Mesh& mesh) {
+  std::size_t count = 0;
+  forEachCellList(
+      [&](const CellKind& kind, auto& cells) {
+        if (kind.dimension < 3) return;
+        std::vector<Vec3> x(std::size_t(kind.nodes));
+        for (auto& cell : cells) {
+          for (std::size_t k = 0; k < cell.size(); ++k) x[k] = mesh.position[std::size_t(cell[k])];
+          if (kind.size(x.data()) < 0) mirror(cell), ++count;
+        }
+      },
+      mesh);
+  return count;
+}
+
 }  // namespace
 
 void MeshLoader::declare(DataTable& table) {
@@ -159,6 +186,12 @@ void MeshLoader::transform() {
         "the mesh is flattened: its volume cells have none left",
         table.find("transformation")->isSet() ? "a transformation that can be undone" : "scales other than 0");
   for (Vec3& p : mesh_.position) p = linear * p + shift;
+  const std::size_t turned = linear.determinant() < 0 ? turnInvertedCells(mesh_) : 0;
+  if (turned > 0) {
+    flipFaces();  // they would look into the body
+    inform(fmt::format("the mesh is mirrored, and the nodes of its {} volume cells and of their faces are put in the order of the image",
+                       turned));
+  }
   const auto turn = [&linear](std::vector<Vec3>& list) {
     for (Vec3& v : list) v = linear * v;
   };

@@ -26,17 +26,19 @@ std::vector<std::string> environmentDataPaths() {
 std::string findFileIn(const std::string& given, const std::string& folder, const std::vector<std::string>& data_paths,
                        std::vector<std::string>* searched) {
   std::error_code none;
+  const auto aFolder = [&](const fs::path& path) { return fs::is_directory(path, none) ? ", where it is a folder" : ""; };
   const auto isFile = [&](const fs::path& path) { return fs::exists(path, none) && !fs::is_directory(path, none); };
   if (given.empty()) return {};
   if (fs::path(given).is_absolute()) {
-    if (searched) searched->push_back(fs::path(given).parent_path().string());
+    if (searched) searched->push_back(fs::path(given).parent_path().string() + aFolder(given));
     return isFile(given) ? given : std::string();
   }
   std::vector<std::string> folders{folder.empty() ? "." : folder};
   folders.insert(folders.end(), data_paths.begin(), data_paths.end());
   for (const std::string& candidate : folders) {
-    if (searched && std::find(searched->begin(), searched->end(), candidate) == searched->end()) searched->push_back(candidate);
     const fs::path path = fs::path(candidate) / given;
+    const std::string place = candidate + aFolder(path);
+    if (searched && std::find(searched->begin(), searched->end(), place) == searched->end()) searched->push_back(place);
     if (isFile(path)) return fs::absolute(path).lexically_normal().string();
   }
   return {};

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <map>
 #include <mutex>
 #include <sstream>
@@ -48,6 +49,15 @@ std::vector<std::string> defaultFolders() {
   return folders;
 }
 
+/// Files of this ending; none where the folder cannot be read, which `error` says.
+std::vector<fs::path> indexesIn(const std::string& folder, std::error_code& error) {
+  std::vector<fs::path> files;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+    if (at->path().extension() == ".index") files.push_back(at->path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 }  // namespace
 
 namespace {
@@ -85,12 +95,13 @@ struct Modules::Impl {
   std::vector<std::string> opened;
   std::vector<std::string> manual_files;
   std::map<std::string, std::string> pages;
-  bool pages_read = false;
+  bool pages_read = false, told_of_folders = false;
 
   void readIndex(const fs::path& file, std::vector<IndexEntry>& index);
   void readManual(const std::string& file);
   std::string libraryOf(const std::string& module) const;
   void refuseUnbuilt(const std::string& type) const;
+  void warnOfEmptyFolders();
 };
 
 void Modules::Impl::readIndex(const fs::path& file, std::vector<IndexEntry>& index) {
@@ -160,6 +171,19 @@ void Modules::Impl::refuseUnbuilt(const std::string& type) const {
   }
 }
 
+/// Once, where a type is not found: it may have been looked for in the wrong place.
+void Modules::Impl::warnOfEmptyFolders() {
+  if (told_of_folders) return;
+  told_of_folders = true;
+  for (const std::string& folder : folders) {
+    std::error_code error;
+    if (folder == moduleFolder() || !indexesIn(folder, error).empty()) continue;
+    std::cerr << "stroma: warning: STROMA_MODULE_PATH names " << inQuotes(folder)
+              << (error ? ", which is no folder that can be read\n"
+                        : ", where no module lies: stroma_module() puts NAME.so and NAME.index there\n");
+  }
+}
+
 Modules::Modules(Factory& factory) : Modules(factory, defaultFolders()) {}
 
 Modules::Modules(Factory& factory, const std::vector<std::string>& index_folders)
@@ -167,11 +191,7 @@ Modules::Modules(Factory& factory, const std::vector<std::string>& index_folders
   impl_->folders = index_folders;
   for (const std::string& folder : index_folders) {
     std::error_code none;
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(folder, none))
-      if (entry.path().extension() == ".index") files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    for (const fs::path& file : files) impl_->readIndex(file, index_);
+    for (const fs::path& file : indexesIn(folder, none)) impl_->readIndex(file, index_);
   }
   std::stable_sort(index_.begin(), index_.end(),
                    [](const IndexEntry& a, const IndexEntry& b) { return a.type < b.type; });
@@ -189,12 +209,14 @@ bool Modules::provide(const std::string& type) {
     return factory_.find(type) || factory_.find(present);
   }
   impl_->refuseUnbuilt(present);
+  impl_->warnOfEmptyFolders();
   return false;
 }
 
 void Modules::open(const std::string& path) {
   const Span span("open a module");
-  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  std::error_code none;  // without a slash the linker would look in its own folders only
+  void* library = dlopen((fs::exists(path, none) ? fs::absolute(path) : fs::path(path)).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw std::runtime_error("the module " + path + " cannot be opened: " + dlerror());
   using Entry = const ModuleInfo* (*)();
   const auto entry = reinterpret_cast<Entry>(dlsym(library, "stroma_module"));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -31,6 +32,20 @@ Values sum(const Values& a, const Values& b) {
 
 /// A direction that is refined less than this bounds nothing.
 constexpr double least_bounding_refinement = 1.1;
+
+/// Numbers that nothing orders, as Young's moduli: switches and threads are none.
+bool isQuantity(const Axis& axis) {
+  if (axis.isOrdered() || axis.attributes.front() == "threads") return false;
+  const auto isNumber = [](const std::vector<std::string>& values) {
+    const std::string& text = values.front();
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    // a unit may follow, with a blank or without; a file's name begins otherwise, or has a point after its number
+    const bool is_file = text.find('.', std::size_t(end - text.data())) != std::string::npos;
+    return text != "0" && text != "1" && error == std::errc() && !is_file;
+  };
+  return std::ranges::all_of(axis.values, isNumber);
+}
 
 void leaveOut(Entry& entry, const std::exception& problem) {
   entry.runs.outcome = "not comparable", entry.runs.failure = problem.what();
@@ -86,6 +101,7 @@ const Assessor::Sample& Assessor::sampleOf(const Entry& entry) {
     sample.own_error = measure_.distance(sample.values, wanted, own) / (size > 0 ? size : 1);
     sample.values.clear();
   }
+  sample.components = end.quantity.size() == 1 || measure_.kind == ErrorMeasure::Kind::energy ? 1 : 3;
   sample.nodes = end.nodes(), sample.cells = end.cells(), sample.spacing = end.spacing();
   sample.spacings = spacingTensor(end);
   sample.dt = end.dt, sample.time = end.time;
@@ -250,6 +266,12 @@ void Assessor::settleReference(std::vector<Entry>& entries, Entry& run, Assessme
         axis.isOrdered())
       assessment.notes.push_back(
           fmt::format("the finest value of {} has no result: the reference is the next finest", axis.label()));
+  for (const Axis& axis : axes_)
+    if (isQuantity(axis))
+      assessment.notes.push_back(fmt::format(
+          "{} orders nothing: what is called error is the difference to its last value, {}. Where it is of the physics each "
+          "value has a solution of its own: a sweep of each with --set, or --reference",
+          axis.label(), axis.valueText(axis.size() - 1)));
   if (assessment.axes.empty()) {
     assessment.knowledge = Knowledge::none;
     assessment.notes.push_back("nothing that varies tells how well the reference is known: its uncertainty is unknown");
@@ -289,6 +311,8 @@ void Assessor::distances(std::vector<Entry>& entries, Assessment& assessment) {
       const Sample& sample = sampleOf(entry);
       entry.nodes = sample.nodes, entry.cells = sample.cells, entry.spacing = sample.spacing, entry.dt = sample.dt;
       entry.outside = sample.outside, entry.farthest = sample.farthest;
+      if (!measure_.isField() && !sample.values.empty())
+        entry.value.assign(sample.values[0].data(), sample.values[0].data() + sample.components);
       entry.error = errorOf(sample, scale);
       if (entry.is_reference) entry.error = assessment.expected;
     } catch (const std::exception& problem) {

@@ -2,6 +2,7 @@
 #include "tools/sweep/table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -89,6 +90,7 @@ Json rowOf(const Findings& findings, const Entry& entry) {
   if (!entry.runs.failure.empty()) row["sentence"] = entry.runs.failure;
   row["error"] = entry.error ? Json(*entry.error) : Json();
   row["error_uncertainty"] = entry.error ? uncertaintyOf(findings.assessment) : Json();
+  if (!entry.value.empty()) row["value"] = entry.value.size() == 1 ? Json(entry.value[0]) : Json(entry.value);
   row["is_reference"] = entry.is_reference;
   row["on_front"] = entry.on_front;
   row.update(figuresOf(entry, findings.request.timed));
@@ -108,6 +110,7 @@ std::string csvField(const std::string& text) {
 
 std::string csvField(const Json& value) {
   if (value.is_null()) return "";
+  if (value.is_array()) return fmt::format("{}", fmt::join(value.get<std::vector<double>>(), " "));
   return csvField(value.is_string() ? value.get<std::string>() : value.dump());
 }
 
@@ -155,6 +158,7 @@ std::string csvOf(const Findings& findings) {
   for (const std::string& attribute : attributes) text += csvField(attribute) + ",";
   const std::vector<std::string> columns{"error",
                                          "error_uncertainty",
+                                         "value",
                                          "seconds",
                                          "seconds_spread",
                                          "ms_per_step",

@@ -54,7 +54,7 @@ conclusions are in [stability.md](../stability.md).
 |---|---|
 | R | recovered: within 1e-6 of the size of the rest shape, for five steps |
 | S | stopped with a sentence that names step, integrator, force field, element and reason. The states are the last good ones. Statics: not converged, with the same words |
-| k | kept, in doubt: at rest in another shape, within three sizes. A sentence names the force field or the mesh, how many elements are inverted, flat, folded or strained beyond a linear law, and the worst. Or a force was a step late, or Newton's method did not converge |
+| k | kept, in doubt: at rest in another shape, within three sizes. A sentence names the force field or the mesh, how many elements are inverted, flat, folded or strained beyond a linear law, and the worst. Or the body lies still with more energy than its rest shape has, a force was a step late, or Newton's method did not converge |
 | r | rings, in doubt: bounded. The sentence says that velocities change sign from step to step, because a rule without damping is far above the fast motions |
 | a | astray, in doubt: moving, growing or far away. A sentence as for k, or on energy that came from nowhere, or on a body many times its size |
 | u | under way: the steps made are too few to tell; the energy has not grown |
@@ -62,8 +62,8 @@ conclusions are in [stability.md](../stability.md).
 | M | moving: neither at rest nor any of the above, in silence |
 | B | broken: a number that is not finite, or a stop without a sentence |
 
-With `stroma run --strict` a run that ends with k, r or a has exit code 3, as S has. The test fails on B. It fails on E, on M
-and, where the integrator damps, on a, unless the list in `tests/stability/test_matrix.cpp` names the cell. The reason is below.
+With `stroma run --strict` a run that ends with k, r or a has exit code 3, as S has. The test fails on B, E and M. Where the
+integrator damps it fails on a too, unless the list in `tests/stability/test_matrix.cpp` names the cell and the reason.
 
 In a cell of a table: how many runs end so, and in brackets the largest number of steps to recovery."""
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-//
 // RadialSpringForceField: every chosen node hangs on a spring from one common centre.
 //
 // With d = x_i - c, r = |d|, n = d / r, spring constant k and rest length r0, node i has
@@ -40,6 +39,7 @@ class RadialSpringForceField final : public ForceField {
     ForceField::init();
     const Index size = state().size();
     if (!data().find("indices")->isSet()) {
+      indices_.clear();
       for (Index i = 0; i < size; ++i) indices_.push_back(int(i));
     }
     for (int index : indices_) {
@@ -56,7 +56,7 @@ class RadialSpringForceField final : public ForceField {
   }
 
   void compile() override {
-    stiffness_blocks_.resize(indices_.size(), Mat3(-stiffness_ * Mat3::Identity()));
+    stiffness_blocks_.assign(indices_.size(), Mat3(-stiffness_ * Mat3::Identity()));
     rows_.clear();
     for (int index : indices_) rows_.push_back(state().firstRow() + Index(index));
   }
