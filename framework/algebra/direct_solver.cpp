@@ -54,8 +54,7 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report,
   kept.factored = false;
   report.factored = true;
   ++factorisations_;
-  const auto bad =
-      std::find_if(a.values().begin(), a.values().end(), [](double value) { return !std::isfinite(value); });
+  const auto bad = std::find_if(a.values().begin(), a.values().end(), [](double value) { return !std::isfinite(value); });
   if (bad != a.values().end()) {
     const Index slot = Index((bad - a.values().begin()) / 9);
     report.row = Index(std::upper_bound(a.rowStart().begin(), a.rowStart().end(), slot) - a.rowStart().begin()) - 1;

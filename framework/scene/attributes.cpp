@@ -25,8 +25,7 @@ bool contains(const std::vector<std::string>& list, std::string_view word) {
 
 bool isVisualAttribute(std::string_view name) {
   const auto& list = visualAttributes();
-  return std::find(list.begin(), list.end(), name) != list.end() || name.starts_with("show") ||
-         name.starts_with("draw");
+  return std::find(list.begin(), list.end(), name) != list.end() || name.starts_with("show") || name.starts_with("draw");
 }
 
 void refuse(const AttributeDescription& attribute, const std::string& path, Problem problem, Diagnostics& diagnostics) {
@@ -135,8 +134,7 @@ void Instantiation::readAttributes(const ComponentDescription& description, Comp
     if (data && !data->link()) {
       const auto [first, is_new] = given.emplace(data, &attribute);
       if (!is_new && isOverride(attribute.where)) {
-        std::erase_if(pending_,
-                      [&](const PendingLink& link) { return link.component == &component && link.data == data; });
+        std::erase_if(pending_, [&](const PendingLink& link) { return link.component == &component && link.data == data; });
       } else if (!is_new) {
         fail(component, {Severity::error,
                          attribute.where,

@@ -88,8 +88,7 @@ void Diagnostics::add(Problem problem) {
 
 void Diagnostics::error(SourceLocation where, std::string path, std::string message, std::string expected,
                         std::string suggestion) {
-  add({Severity::error, std::move(where), std::move(path), std::move(message), std::move(expected),
-       std::move(suggestion)});
+  add({Severity::error, std::move(where), std::move(path), std::move(message), std::move(expected), std::move(suggestion)});
 }
 
 void Diagnostics::warning(SourceLocation where, std::string path, std::string message, std::string suggestion) {
@@ -116,8 +115,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
   const std::string* best = nullptr;
   int best_distance = 0;
   for (const std::string& candidate : candidates) {
-    const std::size_t longer = std::max(word.size(), candidate.size()),
-                      shorter = std::min(word.size(), candidate.size());
+    const std::size_t longer = std::max(word.size(), candidate.size()), shorter = std::min(word.size(), candidate.size());
     if ((longer - shorter) * 10 > longer * 4) continue;  // also keeps the cost of a huge word at nothing
     const int distance = editDistance(word, candidate);
     if (std::size_t(distance) * 10 > longer * (startsWithIgnoringCase(candidate, word.substr(0, 3)) ? 5 : 4)) continue;

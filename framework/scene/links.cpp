@@ -83,8 +83,7 @@ Target walk(Node& start, const LinkPath& path, std::size_t first) {
       if (target.component) return target;
     }
     if (!next) {
-      target.reason =
-          step == ".." ? "it climbs above the root" : "there is no " + inQuotes(step) + " in " + node->path();
+      target.reason = step == ".." ? "it climbs above the root" : "there is no " + inQuotes(step) + " in " + node->path();
       if (step != "..") target.suggestion = suggest(path, step, namesIn(*node));
       return target;
     }
@@ -100,8 +99,7 @@ Target countFrom(const Component& self, const std::string& step) {
   int offset = 0;
   const auto [end, code] = std::from_chars(step.data() + 1, step.data() + step.size(), offset);
   const auto& list = self.node().components();
-  const auto here =
-      std::find_if(list.begin(), list.end(), [&](const auto& component) { return component.get() == &self; });
+  const auto here = std::find_if(list.begin(), list.end(), [&](const auto& component) { return component.get() == &self; });
   const long index = (here - list.begin()) + offset;
   if (code != std::errc() || *end != ']') {
     target.reason = inQuotes(step) + " is not a number in brackets, such as [-1]";

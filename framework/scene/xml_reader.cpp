@@ -166,8 +166,7 @@ NodeDescription readXml(const std::string& text, const std::string& file, const 
   const SourceLocation where{file, positions.tags[0].where.line, positions.tags[0].where.column};
   const bool is_group = tag == "Group" || tag == "_Group_" || tag == "_Merge_";
   if (tag != "Node" && !is_group) {
-    diagnostics.error(where, {}, "the outermost element is <" + std::string(tag) + ">", "<Node>",
-                      nearest(tag, {"Node"}));
+    diagnostics.error(where, {}, "the outermost element is <" + std::string(tag) + ">", "<Node>", nearest(tag, {"Node"}));
     return root;
   }
   if (top->NextSiblingElement()) {

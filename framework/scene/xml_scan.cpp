@@ -168,8 +168,7 @@ class Scanner {
                       std::to_string(limits_.attribute_bytes) + " bytes",
                   "a mesh loader and a file for data of this size");
     if (end == std::string_view::npos)
-      return fail(where, "the file ends inside the value of attribute " + inQuotes(attribute_name),
-                  std::string(1, quote));
+      return fail(where, "the file ends inside the value of attribute " + inQuotes(attribute_name), std::string(1, quote));
     at_ = end + 1;
     positions_.attributes.push_back(where);
     names_.emplace_back(attribute_name, positions_.attributes.size() - 1);

@@ -52,8 +52,7 @@ std::string differenceOf(const Component& a, const Component& b, int depth = 0) 
         const std::string text = data.print();
         return text.size() > 40 ? text.substr(0, 40) + "..." : text;
       };
-      return fmt::format("{} has {}=\"{}\" and {} \"{}\"", a.path(), first.name(), shown(first), b.path(),
-                         shown(second));
+      return fmt::format("{} has {}=\"{}\" and {} \"{}\"", a.path(), first.name(), shown(first), b.path(), shown(second));
     }
   }
   return {};
@@ -161,8 +160,7 @@ class SystemSearch {
       if (ownerOf(state) != nobody) continue;
       const auto actor = unmoved_.find(state);
       if (actor == unmoved_.end())
-        diagnostics_.note(state->where(), state->path(),
-                          "no integrator in this node or above: the state does not move");
+        diagnostics_.note(state->where(), state->path(), "no integrator in this node or above: the state does not move");
       else
         diagnostics_.error(
             state->where(), state->path(),

@@ -205,9 +205,8 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"BilateralLagrangianConstraint", {"activateAtIteration", "numericalTolerance", "merge", "derivative"}},
       {"SlidingLagrangianConstraint", {"force"}},
       {"BarycentricMapping", {"applyRestPosition"}}, {"IdentityMapping", {"applyRestPosition"}},
-      {"SubsetMapping", {"applyRestPosition"}},
+      {"SubsetMapping", {"applyRestPosition"}}, {"SphereROI", {"doUpdate"}},
       {"BoxROI", {"doUpdate", "isVisible", "computeQuad"}},
-      {"SphereROI", {"doUpdate"}},
       {"EulerImplicitSolver", {"solveConstraint", "computeResidual"}},
       {"EulerExplicitSolver", {"optimizedForDiagonalMatrix"}},
   };
