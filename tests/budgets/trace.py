@@ -24,7 +24,7 @@ TREE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 EXAMPLES = os.path.join(TREE, "scenes", "examples")
 # They hold others, and say nothing of what is done.
 HOLDERS = ("command", "run", "load", "whole step")
-ALL_HEARD = 100  # steps, however short they are
+ALL_HEARD = 20  # steps, however short they are
 # What stands in the trace of any run, each the only one of its kind under the one before it.
 ONCE = (("command",), ("command", "load"), ("command", "load", "read the scene"), ("command", "load", "make components"),
         ("command", "load", "compile"), ("command", "load", "check the scene"), ("command", "run"), ("command", "end"),

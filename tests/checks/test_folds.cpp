@@ -46,6 +46,21 @@ TEST(Folds, CellsInsideOutAreCounted) {
   }
 }
 
+/// Of a surface: a triangle that lies folded on its neighbour is cloth, one without a height is none.
+TEST(Folds, FacesThatAreCrushedToALineAreCounted) {
+  Mesh mesh;
+  mesh.position = {{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}};
+  mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
+  std::vector<Vec3> now = mesh.position;
+  now[3] = now[2];
+  EXPECT_EQ(foldsOf(mesh, mesh.position, now), "");
+  now[3] = Vec3(0.5, -0.03, 0);
+  EXPECT_EQ(foldsOf(mesh, mesh.position, now), "");
+  now[3] = Vec3(0.5, -0.01, 0);
+  EXPECT_TRUE(says(foldsOf(mesh, mesh.position, now),
+                   "1 of 2 triangles are crushed to less than 2 % of their area at rest; the first is triangle 1 (nodes 1 0 3)"));
+}
+
 /// The corner has gone a little beyond the plane of its neighbours: the volume of the cell is positive still.
 TEST(Folds, AHexahedronIsLookedAtByCorners) {
   const Mesh mesh = gridMesh(1, 1, 1);

@@ -50,6 +50,18 @@ std::string insideOut(const CellKind& kind, const std::vector<Cell>& cells, cons
                      kind.affine ? "" : " at a corner", kind.singular, first, fmt::join(cells[first], " "));
 }
 
+/// Faces that have been crushed to a line or a point: no fold of cloth does that to them.
+template <class Cell>
+std::string crushed(const CellKind& kind, const std::vector<Cell>& cells, const Positions& rest, const Positions& now) {
+  constexpr double least = 0.02;
+  std::size_t count = 0, first = 0;
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    if (kind.size(cornersOf(cells[c], now).data()) < least * kind.size(cornersOf(cells[c], rest).data()) && count++ == 0) first = c;
+  if (count == 0) return {};
+  return fmt::format("{} of {} {} are crushed to less than {:g} % of their area at rest; the first is {} {} (nodes {})", count,
+                     cells.size(), kind.plural, 100 * least, kind.singular, first, fmt::join(cells[first], " "));
+}
+
 template <class Cell>
 void addSolidAngles(const CellKind& kind, const std::vector<Cell>& cells, const Positions& now,
                     std::vector<double>& sum) {
@@ -83,6 +95,12 @@ std::string foldsOf(const Mesh& mesh, const Positions& rest, const Positions& no
         if (kind.dimension == 3 && text.empty()) text = insideOut(kind, cells, rest, now);
       },
       mesh);
+  if (text.empty() && highestDimension(mesh) == 2)
+    forEachCellList(
+        [&](const CellKind& kind, const auto& cells) {
+          if (kind.dimension == 2 && text.empty()) text = crushed(kind, cells, rest, now);
+        },
+        mesh);
   return text.empty() ? overlapping(mesh, now) : text;
 }
 

@@ -24,7 +24,7 @@ namespace stroma::profile {
 namespace {
 
 constexpr std::size_t most_events = 400'000;  ///< of a thread; about 50 MB of text
-constexpr long all_heard_steps = 100;             ///< at least
+constexpr long all_heard_steps = 20;              ///< at least
 constexpr double span_seconds = 750e-9;           ///< that hearing and writing a span takes
 constexpr double most_share = 0.01;               ///< of the time of steps that this may be
 constexpr const char* preload = "LD_PRELOAD";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Where the time of a run goes: hears the spans of the engine, of all threads. Of short steps it hears some, so that listening
-// takes less than a hundredth of their time: the first hundred, and then one at random of each so many in a row. Figures of what
+// takes less than a hundredth of their time: the first twenty, and then one at random of each so many in a row. Figures of what
 // is in steps are then estimates from these. How many steps there are, and how long all of them take, is always exact.
 #pragma once
 #include <atomic>
