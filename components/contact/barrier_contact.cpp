@@ -167,14 +167,8 @@ void BarrierContact::declare(DataTable& table) {
 
 void BarrierContact::init() {
   ForceField::init();
-  bodies_ = {&state()};
-  for (State* body : other_.all())
-    if (std::find(bodies_.begin(), bodies_.end(), body) == bodies_.end()) bodies_.push_back(body);
-  for (const State* body : bodies_)
-    if (!body->row_kinds.empty())
-      throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
-                           body->hasFrames() ? "points below it that a RigidMapping carries" : "");
-  obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes or selfContact");
+  bodies_ = bodiesInContact(state(), other_.all());
+  obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
   law_.stiffness = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(states());
   if (!(law_.stiffness > 0))
     throw ComponentError("stiffness is not given, and no body here has a youngModulus from which it would follow",
@@ -183,16 +177,7 @@ void BarrierContact::init() {
 
 void BarrierContact::compile() {
   law_.surfaces.clear();
-  for (const State* body : states()) {
-    const Topology* topology = body == &state() ? topology_.find(*this, *body) : nullptr;
-    if (!topology && !(topology = topologyOf(*body)))
-      throw ComponentError(fmt::format("{} has no mesh, so no surface", body->path()), "a topology beside it");
-    const std::size_t before = law_.surfaces.faces.size();
-    law_.surfaces.addState(*body, topology->mesh());
-    if (law_.surfaces.faces.size() == before)
-      throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body->path()),
-                           "a surface");
-  }
+  addSurfaces(law_.surfaces, states(), topology_, *this);
   obstacles_.addTo(law_);
   law_.surfaces.finish();
   mean_edge_ = law_.surfaces.meanEdge();

@@ -131,13 +131,7 @@ void ConstraintContact::init() {
   if (!first)
     throw ComponentError("no mechanical state has a surface for this contact",
                          "a " + usualComponent(Part::state) + " in the same node or above, or mstate=\"@path\"");
-  bodies_ = {first};
-  for (State* body : other_.all())
-    if (std::find(bodies_.begin(), bodies_.end(), body) == bodies_.end()) bodies_.push_back(body);
-  for (const State* body : bodies_)
-    if (!body->row_kinds.empty())
-      throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
-                           body->hasFrames() ? "points below it that a RigidMapping carries" : "");
+  bodies_ = bodiesInContact(*first, other_.all());
   obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
   build();
   is_built_ = false;
@@ -146,15 +140,7 @@ void ConstraintContact::init() {
 
 void ConstraintContact::build() {
   law_.surfaces.clear(), gaps_.clear();
-  for (const State* body : bodies_) {
-    const Topology* topology = body == bodies_.front() ? topology_.find(*this, *body) : nullptr;
-    if (!topology && !(topology = topologyOf(*body)))
-      throw ComponentError(fmt::format("{} has no mesh, so no surface", body->path()), "a topology beside it");
-    const std::size_t before = law_.surfaces.faces.size();
-    law_.surfaces.addState(*body, topology->mesh());
-    if (law_.surfaces.faces.size() == before)
-      throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body->path()), "a surface");
-  }
+  addSurfaces(law_.surfaces, bodies_, topology_, *this);
   obstacles_.addTo(law_);
   law_.surfaces.finish();
   constexpr double small = 0.01;

@@ -11,6 +11,29 @@
 
 namespace stroma::contact {
 
+std::vector<State*> bodiesInContact(State& first, const std::vector<State*>& others) {
+  std::vector<State*> bodies{&first};
+  for (State* body : others)
+    if (std::find(bodies.begin(), bodies.end(), body) == bodies.end()) bodies.push_back(body);
+  for (const State* body : bodies)
+    if (!body->row_kinds.empty())
+      throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
+                           body->hasFrames() ? "points below it that a RigidMapping carries" : "");
+  return bodies;
+}
+
+void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const TopologyLink& topology, const Component& asker) {
+  for (const State* body : bodies) {
+    const Topology* found = body == bodies.front() ? topology.find(asker, *body) : nullptr;
+    if (!found && !(found = topologyOf(*body)))
+      throw ComponentError(fmt::format("{} has no mesh, so no surface", body->path()), "a topology beside it");
+    const std::size_t before = surfaces.faces.size();
+    surfaces.addState(*body, found->mesh());
+    if (surfaces.faces.size() == before)
+      throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body->path()), "a surface");
+  }
+}
+
 double largestYoungModulus(const std::vector<State*>& bodies) {
   double largest = 0;
   for (const State* body : bodies) {

@@ -4,8 +4,16 @@
 #include <vector>
 
 #include "components/contact/contact_surfaces.h"
+#include "framework/mechanics/state_topology.h"
 
 namespace stroma::contact {
+
+/// `first` and those of `others` that are not there yet. Throws ComponentError for a state whose rows are no points.
+std::vector<State*> bodiesInContact(State& first, const std::vector<State*>& others);
+
+/// Adds the surfaces of `bodies`: of the first that of the mesh which `topology` finds for `asker`, of the others that of the mesh
+/// beside their state. Throws ComponentError where there is no mesh, or no surface of it.
+void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const TopologyLink& topology, const Component& asker);
 
 /// The largest youngModulus of the force fields below the nodes of these states, or of the nearest nodes above that have
 /// one below; 0: none has [Pa].

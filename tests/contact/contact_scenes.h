@@ -107,6 +107,19 @@ inline void expectCleanStep(Simulation& simulation, int step, bool must_converge
     ASSERT_TRUE(std::isfinite(dot(system->x, system->x))) << "step " << step;
 }
 
+/// Of an output of all ConstraintContacts.
+inline std::vector<double> constraintOutput(const Simulation& simulation, const char* name) {
+  std::vector<Component*> all;
+  simulation.root().collect(all);
+  std::vector<double> values;
+  for (const Component* component : all)
+    if (component->type() == "ConstraintContact") {
+      std::istringstream text(component->data().find(name)->print());
+      for (double value = 0; text >> value;) values.push_back(value);
+    }
+  return values;
+}
+
 /// Of an output of all BarrierContacts.
 inline std::vector<double> numbersOf(Simulation& simulation, const char* name) {
   std::vector<double> values;

@@ -22,18 +22,6 @@ std::string velocityOf(const Body& body, const Vec3& v) {
   return text + "\"";
 }
 
-std::vector<double> read(const Simulation& simulation, const char* name) {
-  std::vector<Component*> all;
-  simulation.root().collect(all);
-  std::vector<double> values;
-  for (const Component* component : all)
-    if (component->type() == "ConstraintContact") {
-      std::istringstream text(component->data().find(name)->print());
-      for (double value = 0; text >> value;) values.push_back(value);
-    }
-  return values;
-}
-
 /// Of all pairs of vertices and triangles and of edges, asked one by one.
 double apart(const State& a, const State& b) {
   double least = 1e300;
@@ -79,8 +67,8 @@ TEST(ConstraintBodies, ABlockRestsOnABlock) {
       // edges along each other have no condition, nor those whose triangles are flat to 1e-3: a quarter of that of an edge
       ASSERT_GE(apart(*simulation.states()[0], *simulation.states()[1]), gap - 0.25e-3 * 0.5) << "step " << i;
     }
-    const std::vector<double> wrench = read(simulation, "wrenches"), forces = read(simulation, "contactForces"),
-                              rubs = read(simulation, "frictionForces");
+    const std::vector<double> wrench = constraintOutput(simulation, "wrenches"), forces = constraintOutput(simulation, "contactForces"),
+                              rubs = constraintOutput(simulation, "frictionForces");
     ASSERT_EQ(forces.size(), rubs.size());
     ASSERT_EQ(wrench.size(), 12u);
     const double weight = 1000 * 0.7 * 0.75 * 0.49 * 9.81;
@@ -94,7 +82,7 @@ TEST(ConstraintBodies, ABlockRestsOnABlock) {
     }
     const Vec3 middle(0.45, 0.525, 0);  // the moment of the weight
     EXPECT_LT((moment - middle.cross(Vec3(0, 0, weight))).norm(), 2e-3 * weight);
-    EXPECT_NEAR(read(simulation, "smallestGap").at(0), gap, 0.25e-3 * 0.5);
+    EXPECT_NEAR(constraintOutput(simulation, "smallestGap").at(0), gap, 0.25e-3 * 0.5);
   }
 }
 
@@ -125,7 +113,7 @@ TEST(ConstraintBodies, FreeBodiesThatHitKeepTheirMomentum) {
     for (int i = 0; i < 60; ++i) {
       expectCleanStep(simulation, i);
       if (HasFatalFailure()) return;
-      pushed = std::max(pushed, -read(simulation, "wrenches").at(2));
+      pushed = std::max(pushed, -constraintOutput(simulation, "wrenches").at(2));
       ASSERT_LT((momentumOf(simulation) - start).norm(), 1e-11 * size) << "step " << i;
       if (i % 4 != 0) continue;
       ASSERT_GE(apart(*simulation.states()[0], *simulation.states()[1]), 0.01 - 1e-5) << "step " << i;
@@ -246,7 +234,7 @@ TEST(ConstraintBodies, ARigidToolMeetsASoftBlock) {
       if (HasFatalFailure()) return;
       ASSERT_GE(apart(*block, *tool), 0.01 - 0.25e-3 * 0.35) << "step " << i;  // flat edges, as above
     }
-    const std::vector<double> wrench = read(simulation, "wrenches");
+    const std::vector<double> wrench = constraintOutput(simulation, "wrenches");
     EXPECT_GT(wrench[8], 10) << "the tool is pushed up";
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(wrench[k], -wrench[6 + k], 1e-10 * wrench[8]);
   }
@@ -308,7 +296,7 @@ TEST(ConstraintBodies, ARunRepeatsBitForBitAlsoFromACheckpoint) {
   restored.restore(whole.checkpoint());
   for (int i = 0; i < 10; ++i) expectCleanStep(whole, i), expectCleanStep(restored, i);
   EXPECT_EQ(placesOf(whole), placesOf(restored));
-  EXPECT_GT(read(whole, "contacts").at(0), 0);
+  EXPECT_GT(constraintOutput(whole, "contacts").at(0), 0);
   setThreads(2);
   Simulation on_two = simulationFromText(text);
   for (int i = 0; i < 25; ++i) on_two.step();

@@ -9,18 +9,6 @@ namespace STROMA_TEST_FILE {
 
 const std::string euler = "<EulerImplicitSolver/>";
 
-std::vector<double> outputOf(const Simulation& simulation, const char* name) {
-  std::vector<Component*> all;
-  simulation.root().collect(all);
-  std::vector<double> values;
-  for (const Component* component : all)
-    if (component->type() == "ConstraintContact") {
-      std::istringstream text(component->data().find(name)->print());
-      for (double value = 0; text >> value;) values.push_back(value);
-    }
-  return values;
-}
-
 /// A cube on a slope of 1 in 2, which is a plane with gravity that leans.
 Simulation cubeOnSlope(double friction, const std::string& integrator = euler) {
   const double down = 9.81 / std::sqrt(1.25);
@@ -77,7 +65,7 @@ TEST(ConstraintContact, NothingIsInWhatIsMoved) {
           nearest, closestPoints(PairKind::point_triangle, {centre, state.x()[f[0]], state.x()[f[1]], state.x()[f[2]]}).distance());
   }
   EXPECT_NEAR(nearest, 0.31, 1e-8);
-  EXPECT_GT(-outputOf(simulation, "wrenches").at(2), 0) << "the cube is pressed down";
+  EXPECT_GT(-constraintOutput(simulation, "wrenches").at(2), 0) << "the cube is pressed down";
 }
 
 /// Three times as far in a step as it is away from what it meets.
@@ -141,7 +129,7 @@ TEST(ConstraintContact, ANodeIsStoppedByASphereAtAnySpeed) {
       const Vec3 before = momentum();
       expectCleanStep(simulation, i);
       if (HasFatalFailure()) return;
-      const std::vector<double> push = outputOf(simulation, "wrenches");
+      const std::vector<double> push = constraintOutput(simulation, "wrenches");
       ASSERT_EQ(push.size(), 6u);
       EXPECT_LT((momentum() - before - dt * Vec3(push[0], push[1], push[2])).norm(), 1e-9 * whole) << "step " << i;
       const double away = system.x[4].norm();
