@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Headers of other libraries that most files include: the compiler reads them once for each set of flags. Files include
 // what they use all the same, and compile without this one.
+//
+// The compiler knows these files again by their content, comments too: see what ccache is told in CMakeLists.txt.
 #pragma once
 #include <fmt/format.h>
 

@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A comment that changes in a precompiled header makes ccache compile the header again. A cached one from before the change
+would hold the old content, and the compiler would read the new file a second time: what it defines would be defined twice.
+Usage: test_compiler_cache.py SOURCE_FOLDER"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+PROJECT = """cmake_minimum_required(VERSION 3.25)
+project(cached CXX)
+{launcher}
+add_library(cached OBJECT use.cpp)
+target_precompile_headers(cached PRIVATE precompiled.h)
+target_compile_options(cached PRIVATE -fpch-preprocess)
+"""
+HEADER = "// {comment}\n#pragma once\nenum class Kind {{ one, other }};\n"
+
+
+def write(folder, name, text):
+    with open(os.path.join(folder, name), "w", encoding="ascii") as file:
+        file.write(text)
+
+
+def build(folder, comment):
+    """Builds the small project in a new build folder and returns how often the cache was hit."""
+    write(folder, "kind.h", HEADER.format(comment=comment))
+    shutil.rmtree(os.path.join(folder, "build"), ignore_errors=True)
+    environment = {**os.environ, "CCACHE_DIR": os.path.join(folder, "cache")}
+    for command in [["ccache", "-z"], ["cmake", "-S", ".", "-B", "build", "-G", "Ninja"], ["cmake", "--build", "build"]]:
+        result = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+        assert result.returncode == 0, f"{' '.join(command)}:\n{result.stdout}{result.stderr}"
+    counts = subprocess.run(["ccache", "--print-stats"], env=environment, capture_output=True, text=True, check=True).stdout
+    return sum(int(line.split()[1]) for line in counts.splitlines() if line.split()[0] in ("direct_cache_hit", "preprocessed_cache_hit"))
+
+
+def main():
+    if not shutil.which("ccache"):
+        print("skipped: ccache is not installed, and is not used then")
+        return 77
+    with open(os.path.join(sys.argv[1], "CMakeLists.txt"), encoding="utf-8") as file:
+        launcher = re.search(r"find_program\(CCACHE.*?\nendif\(\)\n", file.read(), re.DOTALL).group(0)
+    with tempfile.TemporaryDirectory() as folder:
+        write(folder, "CMakeLists.txt", PROJECT.format(launcher=launcher))
+        write(folder, "use.cpp", '#include "kind.h"\nint use(Kind kind) { return static_cast<int>(kind); }\n')
+        write(folder, "precompiled.h", '#include "kind.h"\n')
+        assert build(folder, "One of two.") == 0
+        assert build(folder, "One of two kinds.") == 0
+        assert build(folder, "One of two.") == 2, "the cache does not know again what it has compiled"
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
