@@ -9,10 +9,6 @@
 namespace stroma {
 namespace {
 
-/// In iterations of block Jacobi.
-constexpr double multigrid_iteration = 10, multigrid_hierarchy = 150;
-/// Iterations of multigrid for a decade.
-constexpr double usual_rate = 2;
 /// Bodies of fewer nodes are solved before it matters.
 constexpr Index few_nodes = 2500;
 /// Back and forth, and then it stays.
@@ -21,8 +17,9 @@ constexpr int most_changes = 2;
 }  // namespace
 
 bool AutomaticInverse::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
+  costs_ = multigridCosts(matrix.rows(), product_);
   if (matrix.rows() < few_nodes || !may_change_) now_.lost = 0;
-  const bool wrong = now_.lost > multigrid_hierarchy && now_.changes < most_changes;
+  const bool wrong = now_.lost > costs_.hierarchy && now_.changes < most_changes;
   if (wrong) change();
   if (!now_.has_multigrid) return blocks_.follow(matrix, report, stop);
   SolveReport refused;
@@ -50,10 +47,10 @@ void AutomaticInverse::solved(const SolveReport& report) {
   if (now_.has_multigrid) {
     multigrid_.solved(report);
     now_.multigrid_rate = rate;
-    now_.lost += multigrid_iteration * report.iterations - now_.rate * decades;
+    now_.lost += costs_.iteration * report.iterations - now_.rate * decades;
   } else {
-    now_.rate = rate;
-    now_.lost += report.iterations - multigrid_iteration * usual_rate * decades;
+    now_.rate = now_.rate == 0 ? rate : now_.rate + (rate - now_.rate) / 4;
+    now_.lost += report.iterations - costs_.iteration * costs_.usual_rate * decades;
   }
   now_.lost = std::max(0.0, now_.lost);
 }
@@ -78,7 +75,7 @@ std::string AutomaticInverse::choice() const {
     return fmt::format("preconditioned by multigrid: block Jacobi took {:.0f} iterations for a digit", now_.rate);
   if (now_.changes == most_changes && now_.multigrid_rate > 0)
     return fmt::format("preconditioned by block Jacobi: multigrid took {:.0f} iterations for a digit, at {:.0f} times the cost",
-                       now_.multigrid_rate, multigrid_iteration);
+                       now_.multigrid_rate, costs_.iteration);
   return may_change_ ? "preconditioned by block Jacobi, or by multigrid once that costs less"
                      : "preconditioned by block Jacobi, because the scene caps iterations or wants no matrix";
 }

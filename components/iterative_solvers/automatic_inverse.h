@@ -3,13 +3,14 @@
 #include <string>
 
 #include "components/iterative_solvers/multigrid.h"
+#include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/sweeps.h"
 
 namespace stroma {
 
 /// Block Jacobi until its iterations say that multigrid costs less, and back when that proves wrong. What iterations cost is
-/// counted in those of block Jacobi: one with multigrid is 10, a hierarchy with its matrix 150 (9,261 nodes of tetrahedra,
-/// measured), and multigrid takes 2 for a decade of the residual. No clock is read: each run does the same.
+/// counted in those of block Jacobi (MultigridCosts): the dearer a product of the elements is, the less is one with multigrid.
+/// No clock is read: each run does the same.
 class AutomaticInverse final : public ApproximateInverse {
  public:
   /// `may_change`: false for a scene that caps iterations or wants no matrix.
@@ -23,6 +24,8 @@ class AutomaticInverse final : public ApproximateInverse {
   void keep(const SystemMatrix& matrix) override { kept_ = now_, multigrid_.keep(matrix); }
   void takeBack(const SystemMatrix& matrix) override { now_ = kept_, multigrid_.takeBack(matrix); }
 
+  /// Nanoseconds of a product in the solves that follow, 0: not known.
+  void setProductCost(double nanoseconds) { product_ = nanoseconds; }
   /// What preconditions now, and why.
   std::string choice() const;
   int changes() const { return now_.changes; }
@@ -35,12 +38,14 @@ class AutomaticInverse final : public ApproximateInverse {
     bool has_multigrid = false;
     int changes = 0;
     double lost = 0;            ///< iterations of block Jacobi more than the other choice would have cost
-    double rate = 0;            ///< iterations for a decade of the residual in the last solve by block Jacobi
-    double multigrid_rate = 0;  ///< the same by multigrid
+    double rate = 0;            ///< iterations for a decade of the residual in the last solves by block Jacobi, a moving mean
+    double multigrid_rate = 0;  ///< the same in the last solve by multigrid
   };
   void change();
 
   bool may_change_;
+  double product_ = 0;
+  MultigridCosts costs_;  ///< of the matrix that was followed last
   BlockJacobiInverse blocks_;
   Multigrid multigrid_;
   Memory now_, kept_;

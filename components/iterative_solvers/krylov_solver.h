@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/iterative_solvers/solver_costs.h"
 #include "framework/algebra/per_matrix.h"
 
 namespace stroma {
@@ -44,6 +45,10 @@ class KrylovSolver : public LinearSolver {
   /// out = A p
   void product(const SystemMatrix& matrix, ConstRows p, Rows out) const {
     assembled_ ? assembled_->multiply(p, out) : matrix.multiply(p, out);
+  }
+  /// Nanoseconds of that, estimated; 0: not known.
+  double productCost(const SystemMatrix& matrix) const {
+    return assembled_ ? assembledProductCost(*assembled_) : matrix.productCost();
   }
   /// r = b - A x; returns r.r. `work` has the shape of r.
   double residual(const SystemMatrix& matrix, ConstRows b, ConstRows x, Rows r, Rows work) const {

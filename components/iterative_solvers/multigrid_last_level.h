@@ -183,4 +183,12 @@ void LastLevel::solve(const float* b, float* x) {
   }
 }
 
+// In multigrid_factors.cpp.
+extern template double LastLevel::layOut(const BlockView<3>&);
+extern template double LastLevel::layOut(const BlockView<modes>&);
+extern template bool LastLevel::factorShifted(const BlockView<3>&, double, double);
+extern template bool LastLevel::factorShifted(const BlockView<modes>&, double, double);
+extern template void LastLevel::solve<3>(const float*, float*);
+extern template void LastLevel::solve<modes>(const float*, float*);
+
 }  // namespace stroma::amg

@@ -136,4 +136,8 @@ bool addPatches(const BlockView<D>& a, double scale, bool wanted, Level<D>& leve
   return level.patches.exist();
 }
 
+// In multigrid_factors.cpp.
+extern template bool addPatches(const BlockView<3>&, double, bool, Level<3>&);
+extern template bool addPatches(const BlockView<modes>&, double, bool, Level<modes>&);
+
 }  // namespace stroma::amg

@@ -157,6 +157,7 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   if (automatic && may_change_) expected_iterations_ = automatic->expectedIterations();
   if (!begin(matrix, b, x, terms, report)) return report;
   work.resize(b.count);
+  if (automatic) automatic->setProductCost(productCost(matrix));
   SolveReport prepared;
   if (inverse && !inverse->follow(matrix, prepared, terms.stop)) {
     prepared.relative_residual = 1;

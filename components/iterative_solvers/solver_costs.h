@@ -28,4 +28,14 @@ Extents extentsOf(Index nodes, ConstRows positions);
 
 SolverCosts solverCosts(const BlockMatrix& pattern, const Extents& extents);
 
+/// What multigrid costs in iterations of block Jacobi on the same matrix, and iterations of it for a decade of the residual.
+struct MultigridCosts {
+  double iteration = 10, hierarchy = 150;
+  static constexpr double usual_rate = 2;
+};
+/// `product`: nanoseconds of one, 0 where they are not known.
+MultigridCosts multigridCosts(Index rows, double product);
+/// Nanoseconds of a product with an assembled matrix, out of cache.
+inline double assembledProductCost(const BlockMatrix& matrix) { return 2.9 * matrix.blocks(); }
+
 }  // namespace stroma

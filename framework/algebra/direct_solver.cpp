@@ -9,12 +9,8 @@
 namespace stroma {
 
 void DirectSolver::declare(DataTable& table) {
-  table.add("template", template_)
-      .help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
-  table.add("factorisations", factorisations_)
-      .help("how often numbers were factored so far, of all matrices")
-      .unit("-")
-      .output();
+  table.add("template", template_).help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
+  table.add("factorisations", factorisations_).help("how often numbers were factored so far, of all matrices").unit("-").output();
 }
 
 bool DirectSolver::answersLookup() const {

@@ -38,24 +38,23 @@ class SystemMatrix {
   virtual Index rows() const = 0;
   /// out = A p, without building the matrix; fixed directions of p must be zero and stay zero.
   virtual void multiply(ConstRows p, Rows out) const = 0;
-  /// The assembled matrix (the same object at each call; eliminated directions carry 1 on the diagonal). Assembled at
+  /// The assembled matrix (the same object at each call; eliminated directions carry a number like the others there). Assembled at
   /// most once for each key().
   virtual const BlockMatrix& assemble() = 0;
   /// The same object where its pattern alone is wanted: its values may be older than key() says.
   virtual const BlockMatrix& pattern() { return assemble(); }
   /// The 3x3 diagonal blocks, shape (rows, 9), row-major: for preconditioners, without assembling the rest.
   virtual void diagonalBlocks(std::vector<double>& blocks) const = 0;
-  /// False when some term is not symmetric.
-  virtual bool symmetric() const = 0;
+  virtual bool symmetric() const = 0;  ///< false when some term is not
   /// True when every term of the matrix is already kept assembled or is cheaper assembled than as a product.
   virtual bool prefersAssembled(int expected_products) const = 0;
+  virtual double productCost() const { return 0; }  ///< of multiply() [ns], estimated, for ratios; 0: not known
   /// Where the nodes of the rows are, near enough to tell how the matrix has turned since another one; nothing (count
   /// 0) when rows are not nodes in space.
   virtual ConstRows positions() const { return {}; }
   /// Every row is a place that nothing ties to others: what belongs to one may turn alone.
   virtual bool isOfLooseNodes() const { return positions().count > 0; }
-  /// Name (path) of the component to blame for row `row`, for messages.
-  virtual std::string describeRow(Index row) const = 0;
+  virtual std::string describeRow(Index row) const = 0;  ///< path of the component to blame for it, for messages
 
  protected:
   /// A view of another matrix.

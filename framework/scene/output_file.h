@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -34,8 +35,7 @@ class OutputFile {
   /// All of `bytes`, or none: a piece that a full disk cuts short is taken back. Throws OutputError, also when somebody
   /// has removed the file.
   void append(std::string_view bytes);
-  /// An append has failed: nothing more can follow.
-  bool hasFailed() const { return failed_; }
+  bool hasFailed() const { return failed_; }  ///< in an append: nothing more can follow
   /// Throws OutputError. A file that nothing was appended to, and that was not there before, is removed.
   void close();
 
@@ -63,7 +63,7 @@ void checkWritable(const std::string& path, bool is_replaced = false);
 
 /// Writes a file without a name and then gives it this one, so that nobody ever sees half a file, two programs that do it
 /// at once leave one of the two, and a killed one leaves nothing (where the file system knows files without names; else it
-/// may leave a ".part"). Throws OutputError; a file that was there before is then still there.
-void writeWholeFile(const std::string& path, std::string_view bytes);
+/// may leave a ".part"). `rest` follows `bytes`. Throws OutputError; a file that was there before is then still there.
+void writeWholeFile(const std::string& path, std::string_view bytes, std::span<const std::string_view> rest = {});
 
 }  // namespace stroma

@@ -50,6 +50,17 @@ TEST_F(WholeFiles, AreSeenWholeWhenTwoProgramsWriteThemAtOnce) {
   EXPECT_EQ(entries(), 1u) << "no draft is left";
 }
 
+TEST_F(WholeFiles, HaveTheirPiecesOneAfterTheOther) {
+  const std::string_view pieces[] = {"the middle, ", "", "and the end"};
+  writeWholeFile(file("a"), "what was there before, and longer than what comes");
+  writeWholeFile(file("a"), "the start, ", pieces);
+  EXPECT_EQ(textOf(file("a")), "the start, the middle, and the end");
+  ::testing::internal::CaptureStdout();
+  writeWholeFile("/dev/stdout", "the start, ", pieces);  // whose place nothing takes
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "the start, the middle, and the end");
+  EXPECT_EQ(entries(), 1u);
+}
+
 TEST_F(WholeFiles, TakeNoNameThatSomebodyMayHave) {
   std::ofstream(file("a.part")) << "mine";
   checkWritable(file("a"), true);

@@ -145,6 +145,32 @@ TEST(Modules, TheLevelCanOnlyBeLowered) {
   unsetenv("STROMA_LEVEL");
 }
 
+/// OpenBLAS reads the variable when the first module that needs it is opened.
+TEST(Modules, KernelsOfTheBlasFollowTheLevel) {
+  const char* const before = std::getenv("OPENBLAS_CORETYPE");
+  const std::string kept = before ? before : "";
+  const auto kernels = [](const char* level, const char* preset) -> std::string {
+    preset ? setenv("OPENBLAS_CORETYPE", preset, 1) : unsetenv("OPENBLAS_CORETYPE");
+    setenv("STROMA_LEVEL", level, 1);
+    Factory factory;
+    Modules modules(factory, {});
+    EXPECT_THROW(modules.open("/nowhere/none.so"), std::runtime_error);
+    const char* const chosen = std::getenv("OPENBLAS_CORETYPE");
+    return chosen ? chosen : "";
+  };
+  unsetenv("STROMA_LEVEL");
+  const std::string machine = instructionLevel();
+  EXPECT_EQ(kernels("x86-64-v2", nullptr), "");
+  const std::pair<const char*, const char*> named[] = {{"x86-64-v3", "Haswell"}, {"x86-64-v4", "SkylakeX"}};
+  for (const auto& [level, core] : named) {
+    if (level > machine) continue;
+    EXPECT_EQ(kernels(level, nullptr), core);
+    EXPECT_EQ(kernels(level, "Zen"), "Zen") << "what a person set stays";
+  }
+  unsetenv("STROMA_LEVEL");
+  before ? setenv("OPENBLAS_CORETYPE", kept.c_str(), 1) : unsetenv("OPENBLAS_CORETYPE");
+}
+
 TEST(Modules, TheBestBuildOfTheMachineIsOpened) {
   TemporaryFolder folder;
   std::filesystem::create_directory(folder.path("x86-64-v2"));

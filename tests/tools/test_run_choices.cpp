@@ -26,7 +26,7 @@ TEST_F(RunChoices, AChangedPreconditionerIsInThePlanAndInTheSummary) {
   write("scene.xml", beam(""));
   const Finished plan = stroma("explain scene.xml");
   EXPECT_TRUE(says(plan.out, "preconditioned by block Jacobi, or by multigrid once that costs less")) << plan.out;
-  const Finished run = stroma("run scene.xml -n 3 --no-record");
+  const Finished run = stroma("run scene.xml -n 10 --no-record");
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_TRUE(says(run.out, "changed its choice in the run: preconditioned by multigrid: block Jacobi took")) << run.out;
 }
@@ -34,7 +34,7 @@ TEST_F(RunChoices, AChangedPreconditionerIsInThePlanAndInTheSummary) {
 TEST_F(RunChoices, WhatASceneNamesStays) {
   write("scene.xml", beam("<PCGLinearSolver preconditioner=\"block_jacobi\"/>"));
   EXPECT_FALSE(says(stroma("explain scene.xml").out, "preconditioned by"));
-  const Finished run = stroma("run scene.xml -n 3 --no-record");
+  const Finished run = stroma("run scene.xml -n 10 --no-record");
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_FALSE(says(run.out, "changed its choice")) << run.out;
 }

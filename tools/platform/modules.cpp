@@ -76,6 +76,13 @@ std::string highestLevel() {
   return *found;
 }
 
+/// OpenBLAS knows processors by their numbers, takes one that is newer than itself for the oldest there is, and then multiplies
+/// matrices at a quarter of the speed. It reads this when the first module that needs it is opened; what a person set stays.
+void nameBlasKernels() {
+  const std::string level = highestLevel();
+  if (level != levels.back()) setenv("OPENBLAS_CORETYPE", level == levels.front() ? "SkylakeX" : "Haswell", 0);
+}
+
 }  // namespace
 
 std::string instructionLevel() {
@@ -215,6 +222,7 @@ bool Modules::provide(const std::string& type) {
 
 void Modules::open(const std::string& path) {
   const Span span("open a module");
+  nameBlasKernels();
   std::error_code none;  // without a slash the linker would look in its own folders only
   void* library = dlopen((fs::exists(path, none) ? fs::absolute(path) : fs::path(path)).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw std::runtime_error("the module " + path + " cannot be opened: " + dlerror());

@@ -64,8 +64,10 @@ class Draft {
     if (!name_.empty()) ::unlink(name_.c_str());
   }
 
+  /// Behind what was written before.
   void write(std::string_view bytes) {
-    if (const int reason = writeAll(descriptor_, bytes, true, 0)) throw OutputError(path_, "cannot write", reason);
+    if (const int reason = writeAll(descriptor_, bytes, true, size_)) throw OutputError(path_, "cannot write", reason);
+    size_ += bytes.size();
   }
   void rename() {
     if (name_.empty()) {  // a link cannot take the place of a file: a name of its own comes between
@@ -95,6 +97,7 @@ class Draft {
 
   std::string path_, name_;
   int descriptor_ = -1;
+  std::uint64_t size_ = 0;
 };
 
 /// Writes beside `path`: a full disk may take a new file, but no bytes. Of a file that is there and grows, only the space
@@ -226,7 +229,7 @@ void checkWritable(const std::string& path, bool is_replaced) {
   if (!is_there || kind == fs::file_type::regular) tryBeside(path, needsFolder(path, is_replaced));
 }
 
-void writeWholeFile(const std::string& path, std::string_view bytes) {
+void writeWholeFile(const std::string& path, std::string_view bytes, std::span<const std::string_view> rest) {
   refuseLink(path);
   std::error_code error;
   // a device or a pipe has no other name, and what a link points to stays behind it
@@ -235,10 +238,12 @@ void writeWholeFile(const std::string& path, std::string_view bytes) {
     OutputFile file;
     file.open(path);
     file.append(bytes);
+    for (const std::string_view piece : rest) file.append(piece);
     return file.close();
   }
   Draft draft(path);
   draft.write(bytes);
+  for (const std::string_view piece : rest) draft.write(piece);
   draft.rename();
 }
 

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
 #include "framework/scene/abi.h"
 #include "framework/scene/output_file.h"
@@ -80,16 +81,20 @@ Stored parseValue(std::string_view line, const Head& head) {
 
 std::string buildIdentity() { return STROMA_ABI; }
 
-std::string Checkpoint::bytes() const {
+std::string Checkpoint::head() const {
   std::string text = fmt::format("{}\nscene {}\nbuild {}\n", first_line, scene, build);
-  std::size_t size = 0;
   for (const auto& [name, entry] : values.entries()) {
     const std::size_t each = entry.kind == Archive::Kind::text ? 1 : 8;
     text += fmt::format("value {} {} {:08x} {}\n", char(entry.kind), entry.bytes.size() / each, checkSum(entry.bytes),
                         name);
-    size += entry.bytes.size();
   }
-  text += fmt::format("end {:08x}\n", checkSum(text));
+  return text + fmt::format("end {:08x}\n", checkSum(text));
+}
+
+std::string Checkpoint::bytes() const {
+  std::string text = head();
+  std::size_t size = 0;
+  for (const auto& [name, entry] : values.entries()) size += entry.bytes.size();
   text.reserve(text.size() + size);
   for (const auto& [name, entry] : values.entries()) text += entry.bytes;
   return text;
@@ -123,7 +128,9 @@ Checkpoint Checkpoint::fromBytes(const std::string& bytes, const std::string& na
 
 void Checkpoint::write(const std::string& path) const {
   makeFolderOf(path);
-  writeWholeFile(path, bytes());
+  std::vector<std::string_view> data;  // as it lies: a large body's is not copied
+  for (const auto& [name, entry] : values.entries()) data.push_back(entry.bytes);
+  writeWholeFile(path, head(), data);
 }
 
 Checkpoint Checkpoint::read(const std::string& path) {

@@ -29,6 +29,10 @@ struct Checkpoint {
   /// Under a temporary name first, so that a file under `path` is always whole. Makes the folder. Throws OutputError.
   void write(const std::string& path) const;
   static Checkpoint read(const std::string& path);
+
+ private:
+  /// The lines before the data.
+  std::string head() const;
 };
 
 /// Version, compiler and headers of this build: another one may compute other bits.

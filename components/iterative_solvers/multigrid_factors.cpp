@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a hierarchy factors, the last level and patches, for nodes and for groups of them: half of what the compiler would
+// take for multigrid_hierarchy.cpp.
+#include "components/iterative_solvers/multigrid_last_level.h"
+#include "components/iterative_solvers/multigrid_patch_build.h"
+
+namespace stroma::amg {
+
+template double LastLevel::layOut(const BlockView<3>&);
+template double LastLevel::layOut(const BlockView<modes>&);
+template bool LastLevel::factorShifted(const BlockView<3>&, double, double);
+template bool LastLevel::factorShifted(const BlockView<modes>&, double, double);
+template void LastLevel::solve<3>(const float*, float*);
+template void LastLevel::solve<modes>(const float*, float*);
+template bool addPatches(const BlockView<3>&, double, bool, Level<3>&);
+template bool addPatches(const BlockView<modes>&, double, bool, Level<modes>&);
+
+}  // namespace stroma::amg
