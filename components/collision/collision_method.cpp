@@ -14,12 +14,21 @@ void Method::declare(DataTable& table) {
   table.add("alarmDistance", alarm_distance_).help("pairs that are nearer where a step starts are looked at").unit("m").min(0);
   table.add("usePointPoint", point_point_).help("points meet points");
   table.add("useLinePoint", line_point_).help("lines meet points");
-  table.add("useLineLine", line_line_).help("lines meet lines");
+  const bool has_edges = rule == Rule::proximity_and_triangles;
+  line_line_ = !has_edges;
+  table.add("useLineLine", line_line_)
+      .help(has_edges ? "edges of triangles meet lines and each other; lines meet lines always" : "lines meet lines");
   table.add("useSphereTriangle", sphere_triangle_).help("spheres meet triangles");
   table.add("useSurfaceNormals", normals_).help("SOFA's; without effect");
-  for (const char* name : {"angleCone", "coneFactor", "useLMDFilters", "filterIntersection", "maxIterations", "tolerance",
-                           "continuousCollisionType"})
-    table.addVisualOnly(name);
+  if (rule == Rule::local_minimum) {
+    table.add("filterIntersection", filters_).help("contacts lie within the cones of normals of both surfaces");
+    table.add("angleCone", angle_cone_).help("added to the sine of the angle by which a cone is wider than its normals").unit("-");
+    table.add("coneFactor", cone_factor_).help("how much of the angle between neighbouring faces a cone takes").unit("-");
+    table.add("useLMDFilters", filtered_elsewhere_).help("true: as filterIntersection false; SOFA's filters beside the models");
+  } else {
+    for (const char* name : {"angleCone", "coneFactor", "useLMDFilters", "filterIntersection"}) table.addVisualOnly(name);
+  }
+  for (const char* name : {"maxIterations", "tolerance", "continuousCollisionType"}) table.addVisualOnly(name);
 }
 
 bool Method::meet(CollisionModel::Kind a, CollisionModel::Kind b) const {
@@ -30,7 +39,7 @@ bool Method::meet(CollisionModel::Kind a, CollisionModel::Kind b) const {
   if (b == Kind::sphere) return a != Kind::triangle || sphere_triangle_;
   if (a == Kind::triangle) return rule == Rule::proximity_and_triangles;
   if (b == Kind::triangle) return a == Kind::point || rule == Rule::proximity_and_triangles;
-  if (a == Kind::line) return line_line_;
+  if (a == Kind::line) return line_line_ || rule == Rule::proximity_and_triangles;
   return b == Kind::line ? line_point_ : point_point_;
 }
 

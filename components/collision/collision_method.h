@@ -7,13 +7,19 @@ namespace stroma::collision {
 /// What of two surfaces meets, and from which distance on.
 class Method : public Component {
  public:
-  enum class Rule { proximity, proximity_and_triangles, discrete };
+  enum class Rule { proximity, local_minimum, proximity_and_triangles, discrete };
   std::string roleText() const override { return "intersection method"; }
   void declare(DataTable& table) override;
   /// Whether parts of these kinds meet.
   bool meet(CollisionModel::Kind a, CollisionModel::Kind b) const;
+  /// Whether edges of triangles meet lines and the edges of others.
+  bool edgesOfTrianglesMeet() const { return rule == Rule::proximity_and_triangles && line_line_; }
   double contactDistance() const { return rule == Rule::discrete ? 0 : contact_distance_; }
   double alarmDistance() const { return rule == Rule::discrete ? 0 : alarm_distance_; }
+  /// Whether parts refuse contacts outside their cones of normals (normal_cones.h), and what makes the cones wider.
+  bool hasCones() const { return rule == Rule::local_minimum && filters_ && !filtered_elsewhere_; }
+  double angleCone() const { return angle_cone_; }
+  double coneFactor() const { return cone_factor_; }
   /// The one of the scene; null when it has none. Throws ComponentError where there are several.
   static const Method* of(const Node& root);
 
@@ -22,6 +28,8 @@ class Method : public Component {
  private:
   double contact_distance_ = 0.5, alarm_distance_ = 1;
   bool point_point_ = true, line_point_ = true, line_line_ = true, sphere_triangle_ = true, normals_ = false;
+  double angle_cone_ = 0, cone_factor_ = 0.5;
+  bool filters_ = true, filtered_elsewhere_ = false;
 };
 
 /// Two models that may meet; of one with itself where a == b.

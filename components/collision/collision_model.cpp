@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "components/collision/distances.h"
 #include "framework/scene/node.h"
@@ -20,7 +21,7 @@ void CollisionModel::declare(DataTable& table) {
   table.add("selfCollision", self_collision_).help("it may meet the other models of its node");
   table.add("contactDistance", contact_distance_).alias("proximity").help("added to that of the method").unit("m").min(0);
   table.add("group", groups_).help("models with a number in common do not meet");
-  table.add("bothSide", both_sides_).help("SOFA's; surfaces here have two sides");
+  table.add("bothSide", both_sides_).help("a LocalMinDistance keeps the contacts of its back; other methods know no sides");
   table.add("contactStiffness", stiffness_)
       .help("the stiffness of a contact is the product of both models' over its contact distance")
       .min(0);
@@ -42,12 +43,18 @@ void CollisionModel::init() {
         throw ComponentError(fmt::format("the mesh names node {}, and {} has {}", part.node[std::size_t(i)],
                                          state_->path(), state_->nodes()),
                              "a mesh of the nodes of the state");
+  shareOut();
+}
+
+void CollisionModel::shareOut() {
   std::vector<bool> has(std::size_t(state_->nodes()), false);
+  std::set<Edge> edges;
   for (Part& part : parts_)
     for (int i = 0; i < part.corners; ++i) {
-      const std::size_t node = std::size_t(part.node[std::size_t(i)]);
-      if (!has[node]) part.owned |= 1u << i;
-      has[node] = true;
+      const Index node = part.node[std::size_t(i)], next = part.node[std::size_t((i + 1) % part.corners)];
+      if (!has[std::size_t(node)]) part.owned |= 1u << i;
+      has[std::size_t(node)] = true;
+      if (part.corners == 3 && edges.insert({std::min(node, next), std::max(node, next)}).second) part.owned_edges |= 1u << i;
     }
 }
 
@@ -80,11 +87,31 @@ const Mesh* CollisionModel::mesh() const {
   return topology ? &topology->mesh() : nullptr;
 }
 
-std::span<const Vec3> CollisionModel::corners(const Part& part, std::array<Vec3, 3>& out) const {
-  for (int i = 0; i < part.corners; ++i) {
-    const Index node = part.node[std::size_t(i)] * state_->rows_per_node;  // of a frame its centre
-    out[std::size_t(i)] = state_->isBound() ? Vec3(state_->x()[node]) : state_->position[std::size_t(node)];
+std::vector<Triangle> CollisionModel::faces() const {
+  const Mesh* found = mesh();
+  if (!found) return {};
+  const bool has_faces = !found->triangles.empty() || !found->quads.empty();
+  std::vector<Triangle> faces = has_faces ? found->triangles : found->boundaryTriangles();
+  for (const Quad& q : has_faces ? found->quads : found->boundaryQuads()) {
+    faces.push_back({q[0], q[1], q[2]});
+    faces.push_back({q[0], q[2], q[3]});
   }
+  return faces;
+}
+
+std::vector<Edge> CollisionModel::edges() const {
+  const Mesh* found = mesh();
+  if (!found) return {};
+  return found->edges.empty() ? found->allEdges() : found->edges;
+}
+
+Vec3 CollisionModel::place(Index node) const {
+  const Index row = node * state_->rows_per_node;
+  return state_->isBound() ? Vec3(state_->x()[row]) : state_->position[std::size_t(row)];
+}
+
+std::span<const Vec3> CollisionModel::corners(const Part& part, std::array<Vec3, 3>& out) const {
+  for (int i = 0; i < part.corners; ++i) out[std::size_t(i)] = place(part.node[std::size_t(i)]);
   return {out.data(), std::size_t(part.corners)};
 }
 

@@ -17,7 +17,8 @@ struct Part {
   std::array<Index, 3> node{-1, -1, -1};
   int corners = 0;
   double radius = 0;
-  unsigned owned = 0;  ///< bits: each node belongs to a corner of one part
+  unsigned owned = 0;        ///< bits: each node belongs to a corner of one part
+  unsigned owned_edges = 0;  ///< the same of edges, from a corner to the next
 };
 
 /// What the surface of a body is for whoever looks whether bodies touch: its parts, and with what they may meet.
@@ -33,6 +34,10 @@ class CollisionModel : public Component, public DrawnSolids {
   const std::vector<Part>& parts() const { return parts_; }
   /// The places of the corners of a part now, in `out`; returns as many as it has.
   std::span<const Vec3> corners(const Part& part, std::array<Vec3, 3>& out) const;
+  Vec3 place(Index node) const;          ///< [m], of a node now; of a frame its centre
+  std::vector<Triangle> faces() const;   ///< of its mesh: triangles, and quads as two; else the boundary of volume cells
+  std::vector<Edge> edges() const;       ///< of its mesh
+  bool hasTwoSides() const { return both_sides_; }
   double restDistance(const Part& p, const Part& q) const;  ///< [m], radii taken off
   double contactDistance() const { return contact_distance_; }
   double contactStiffness() const { return stiffness_; }
@@ -50,6 +55,8 @@ class CollisionModel : public Component, public DrawnSolids {
   const Mesh* mesh() const;
 
  private:
+  void shareOut();
+
   Link<State> mstate_{"mechanical state"};
   TopologyLink topology_;
   State* state_ = nullptr;

@@ -54,9 +54,7 @@ class Lines final : public CollisionModel {
  public:
   Kind kind() const override { return Kind::line; }
   void makeParts(std::vector<Part>& parts) override {
-    if (const Mesh* found = mesh())
-      for (const Edge& edge : found->edges.empty() ? found->allEdges() : found->edges)
-        parts.push_back({{edge[0], edge[1], -1}, 2, 0});
+    for (const Edge& edge : edges()) parts.push_back({{edge[0], edge[1], -1}, 2, 0});
   }
 };
 
@@ -64,14 +62,7 @@ class Triangles final : public CollisionModel {
  public:
   Kind kind() const override { return Kind::triangle; }
   void makeParts(std::vector<Part>& parts) override {
-    const Mesh* found = mesh();
-    if (!found) return;
-    const bool has_faces = !found->triangles.empty() || !found->quads.empty();
-    for (const Triangle& t : has_faces ? found->triangles : found->boundaryTriangles()) parts.push_back({t, 3, 0});
-    for (const Quad& q : has_faces ? found->quads : found->boundaryQuads()) {
-      parts.push_back({{q[0], q[1], q[2]}, 3, 0});
-      parts.push_back({{q[0], q[2], q[3]}, 3, 0});
-    }
+    for (const Triangle& face : faces()) parts.push_back({face, 3, 0});
   }
 };
 

@@ -5,9 +5,11 @@
 //
 // The distance is the contactDistance of the method, plus that of both models, plus the radii of spheres. The method says
 // what meets what:
-//   MinProximityIntersection, LocalMinDistance: points, lines and triangles as pairs of point and triangle or line and
-//     line (unless useLineLine is off), point and point, line and point where their switches are on; spheres with all;
-//   NewProximityIntersection: the same, and triangles with triangles;
+//   MinProximityIntersection: points, lines and triangles as pairs of point and triangle or line and line (unless
+//     useLineLine is off), point and point, line and point where their switches are on; spheres with all;
+//   LocalMinDistance: the same, within the cones of normals of both surfaces (normal_cones.h), for which the sides of
+//     triangles count: normals point outward;
+//   NewProximityIntersection: the first, and triangles with triangles and lines, by corners; their edges with useLineLine;
 //   DiscreteIntersection: spheres that overlap, lines that cross triangles; no distance of its own.
 // Without a method the watch is that of DiscreteIntersection.
 //
@@ -150,7 +152,7 @@ STROMA_COMPONENT(collision_pipeline) {
     factory.add<Method>(type, "what of two surfaces meets, and from which distance on", [rule](Method& m) { m.rule = rule; });
   };
   add("MinProximityIntersection", Method::Rule::proximity);
-  add("LocalMinDistance", Method::Rule::proximity);
+  add("LocalMinDistance", Method::Rule::local_minimum);
   add("NewProximityIntersection", Method::Rule::proximity_and_triangles);
   add("DiscreteIntersection", Method::Rule::discrete);
 }

@@ -16,6 +16,8 @@
 //
 //   (q - p).n >= d,   l_n >= 0,   one of both zero;   s = 0, or |l_t| = mu l_n against s
 //
+// A step that ends with conditions that do not hold is refused, unless they are off by toleratedError at most.
+//
 // Nothing hinders thin bodies that are fast from passing through each other: n then turns round. BarrierContact does not
 // let them. Bodies of several integrators that may meet move in one system, and penalties between them are implicit; SOFA
 // evaluates them once where the step starts, but for those with models that are not `simulated`. With explicitBetween they are no
@@ -85,6 +87,10 @@ class CollisionResponse final : public ForceField,
     table.add("responseParams", parameters_).help("mu=... of friction; 0.8 when not given");
     table.add("explicitBetween", explicit_between_)
         .help("penalties between bodies of different integrators are no part of the matrix, as in SOFA");
+    table.add("toleratedError", tolerated_error_)
+        .help("with friction: conditions that are off by no more keep the step, which counts as one that did not converge")
+        .unit("m")
+        .min(0);
     table.add("contacts", acting_).help("contacts that push").output();
     report_.declare(table);
   }
@@ -152,6 +158,7 @@ class CollisionResponse final : public ForceField,
   std::string response_ = "PenalityContactForceField", parameters_;
   int acting_ = 0;
   bool explicit_between_ = false;
+  double tolerated_error_ = 0;
   std::map<const CollisionModel*, const Integrator*> movers_;
 
   double mu_ = 0.8;

@@ -13,6 +13,17 @@ namespace {
 
 bool isInside(double weight) { return weight > 1e-6 && weight < 1 - 1e-6; }
 
+/// The same of the edges of two parts that begin at corners i and j.
+bool closestOfEdges(std::span<const Vec3> x, std::size_t i, std::span<const Vec3> y, std::size_t j, Contact& contact,
+                    Vec3& difference) {
+  const std::size_t k = (i + 1) % x.size(), l = (j + 1) % y.size();
+  const ClosestPoints found = closestPoints(PairKind::edge_edge, {x[i], x[k], y[j], y[l]});
+  difference = -found.difference;
+  contact.a.weight[i] = found.weights[0], contact.a.weight[k] = found.weights[1];
+  contact.b.weight[j] = -found.weights[2], contact.b.weight[l] = -found.weights[3];
+  return isInside(contact.a.weight[i]) && isInside(contact.b.weight[j]);
+}
+
 bool shareCorner(const Part& p, const Part& q) {
   for (int i = 0; i < p.corners; ++i)
     for (int j = 0; j < q.corners; ++j)
@@ -53,7 +64,8 @@ bool closest(std::span<const Vec3> x, int k, std::span<const Vec3> y, std::array
 std::size_t ContactSearch::surfaceOf(const CollisionModel& model) {
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     if (surfaces_[i].model == &model) return i;
-  surfaces_.push_back({&model, std::vector<Box>(model.parts().size()), {}});
+  surfaces_.push_back({&model, std::vector<Box>(model.parts().size()), {}, {}});
+  if (method_->hasCones()) surfaces_.back().cones.compile(model, method_->angleCone(), method_->coneFactor());
   fit(surfaces_.back());
   surfaces_.back().tree.build(surfaces_.back().boxes);
   return surfaces_.size() - 1;
@@ -78,21 +90,24 @@ void ContactSearch::fit(Surface& surface) const {
   }
 }
 
-void ContactSearch::meet(const CollisionModel& a, const Part& p, const CollisionModel& b, const Part& q, double alarm,
-                         double contact, std::vector<Contact>& out) const {
+void ContactSearch::meet(const Surface& a, const Part& p, const Surface& b, const Part& q, double alarm, double contact,
+                         std::vector<Contact>& out) const {
   if (p.corners > q.corners) return meet(b, q, a, p, alarm, contact, out);
   std::array<Vec3, 3> places, others;
-  const std::span<const Vec3> x = a.corners(p, places), y = b.corners(q, others);
+  const std::span<const Vec3> x = a.model->corners(p, places), y = b.model->corners(q, others);
   const double radii = p.radius + q.radius;
-  const auto add = [&](const CollisionModel& m, const Part& mine, std::span<const Vec3> from, int k,
-                       const CollisionModel& o, const Part& other, std::span<const Vec3> to) {
-    Contact found{&m, &o, {&mine, {}}, {&other, {}}, Vec3::UnitX(), contact + radii};
-    Vec3 difference;
-    if (!closest(from, k, to, found.a.weight, found.b.weight, difference)) return;
+  const auto keep = [&](const Surface& m, const Surface& o, Contact& found, const Vec3& difference) {
     const double distance = difference.norm();
     if (!(distance < alarm + radii)) return;
+    if (!m.cones.hold(*found.a.part, difference) || !o.cones.hold(*found.b.part, -difference)) return;
     if (distance > 1e-10) found.normal = difference / distance;  // else any, as SOFA does
     out.push_back(found);
+  };
+  const auto add = [&](const Surface& m, const Part& mine, std::span<const Vec3> from, int k, const Surface& o,
+                       const Part& other, std::span<const Vec3> to) {
+    Contact found{m.model, o.model, {&mine, {}}, {&other, {}}, Vec3::UnitX(), contact + radii};
+    Vec3 difference;
+    if (closest(from, k, to, found.a.weight, found.b.weight, difference)) keep(m, o, found, difference);
   };
   if (q.corners < 3 || p.corners == 1) {
     add(a, p, x, p.corners == 1 ? 0 : -1, b, q, y);
@@ -100,9 +115,15 @@ void ContactSearch::meet(const CollisionModel& a, const Part& p, const Collision
   }
   for (int k = 0; k < p.corners; ++k)
     if (p.owned >> k & 1) add(a, p, x, k, b, q, y);
-  if (p.corners < 3) return;
-  for (int k = 0; k < 3; ++k)
+  for (int k = 0; p.corners == 3 && k < 3; ++k)
     if (q.owned >> k & 1) add(b, q, y, k, a, p, x);
+  if (!method_->edgesOfTrianglesMeet()) return;
+  for (std::size_t i = 0; i < (p.corners == 3 ? 3 : 1); ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      if ((p.corners == 3 && !(p.owned_edges >> i & 1)) || !(q.owned_edges >> j & 1)) continue;
+      Contact found{a.model, b.model, {&p, {}}, {&q, {}}, Vec3::UnitX(), contact + radii};
+      if (Vec3 difference; closestOfEdges(x, i, y, j, found, difference)) keep(a, b, found, difference);
+    }
 }
 
 void ContactSearch::find(std::vector<Contact>& out) {
@@ -119,7 +140,7 @@ void ContactSearch::find(std::vector<Contact>& out) {
     s.tree.forEachPair(t.tree, alarm, [&](Index i, Index j) {
       const Part &p = a.parts()[std::size_t(i)], &q = b.parts()[std::size_t(j)];
       if (&a.state() == &b.state() && (shareCorner(p, q) || a.restDistance(p, q) < contact)) return;
-      meet(a, p, b, q, alarm, contact, out);
+      meet(s, p, t, q, alarm, contact, out);
     });
   }
 }

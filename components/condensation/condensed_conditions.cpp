@@ -220,7 +220,7 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepR
     return false;
   }
   giveForces();
-  judgeConditions(step, size, report);
+  judgeConditions(system, step, size, report);
   addForces(u);
   return true;
 }
@@ -276,8 +276,18 @@ std::string CondensedIntegrator::nameOfCondition(std::size_t row) const {
   return dynamic_cast<const Component&>(*conditions_.constraints[std::size_t(end - conditions_.ends.begin())]).path();
 }
 
+/// " (node 3 of /a/dofs, node 4 of /b/dofs)"
+std::string CondensedIntegrator::nodesOfCondition(const System& system, std::size_t row) const {
+  constexpr std::size_t most = 4;
+  std::string nodes;
+  const auto entries = conditions_.rows.entriesOf(conditions_.rows.rows()[row]);
+  for (std::size_t i = 0; i < std::min(most, entries.size()); ++i)
+    nodes += (i == 0 ? " (" : ", ") + system.actors().describeRow(entries[i].row);
+  return nodes.empty() ? nodes : nodes + (entries.size() > most ? " and others)" : ")");
+}
+
 /// What has not come to rest and what does not hold, at the end of the step.
-void CondensedIntegrator::judgeConditions(double step, double size, StepReport& report) {
+void CondensedIntegrator::judgeConditions(const System& system, double step, double size, StepReport& report) {
   // of the body: conditions and, less, what directions of forces still move it by; of the place
   constexpr double exact = 1e-9, still = 1e-6, rounding = 1e-13;
   CondensedConditions& c = conditions_;
@@ -288,14 +298,16 @@ void CondensedIntegrator::judgeConditions(double step, double size, StepReport& 
   if (c.rows.rows().empty()) return;
   const ConditionForces::Violation worst = c.solve.worst(c.rows.rows());
   if (!(worst.off <= exact * c.extent + rounding * size)) {
-    const std::string name = nameOfCondition(worst.row);
-    if (worst.rubs) return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m", name, worst.off));
-    if (c.rows.entriesOf(c.rows.rows()[worst.row]).empty())
+    const std::string name = nameOfCondition(worst.row), nodes = nodesOfCondition(system, worst.row);
+    if (worst.rubs)
+      return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m{}", name, worst.off, nodes));
+    const auto entries = c.rows.entriesOf(c.rows.rows()[worst.row]);
+    if (std::all_of(entries.begin(), entries.end(), [](const auto& entry) { return entry.gradient.isZero(0); }))
       return refuse(fmt::format("the Lagrangian constraint {} does not hold and no force mends it: the step goes farther than what "
-                                "it can prove to be free. A smaller dt helps, or larger gaps",
-                                name));
-    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", name,
-                              std::abs(c.rows.rows()[worst.row].value)));
+                                "it can prove to be free{}. A smaller dt helps, or larger gaps",
+                                name, nodes));
+    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}{}", name,
+                              std::abs(c.rows.rows()[worst.row].value), nodes));
   }
   if (!(step <= still * c.extent + rounding * size))
     refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their "

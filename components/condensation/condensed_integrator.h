@@ -189,7 +189,8 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   void giveForces();
   void addForces(Array<double>& u);
   std::string nameOfCondition(std::size_t row) const;
-  void judgeConditions(double step, double size, StepReport& report);
+  std::string nodesOfCondition(const System& system, std::size_t row) const;
+  void judgeConditions(const System& system, double step, double size, StepReport& report);
   std::string cacheFolder() const;
   [[noreturn]] void refuseFree(System& system, Index node) const;
 

@@ -45,6 +45,7 @@
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/node.h"
@@ -55,12 +56,16 @@ namespace {
 
 using namespace contact;
 
-class ConstraintContact final : public Component, public LagrangianConstraint {
+class ConstraintContact final : public Component, public LagrangianConstraint, public HearsSteps {
  public:
   std::string roleText() const override { return "contact"; }
   void declare(DataTable& table) override;
   void init() override;
   std::vector<State*> constrainedStates() const override { return bodies_; }
+  /// Before the first step, when mapped surfaces are where they belong: bad starts are refused.
+  void stepBegins(ConstRows x, double, double) override {
+    if (!is_built_) buildForRun(x);
+  }
   void constrainedStepBegins(ConstRows x, double t_end) override;
   void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
   void takeForces(std::span<const double> forces) override;
@@ -71,6 +76,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint {
   void build();
   void buildForRun(ConstRows x);
   void checkStart();
+  void checkFirstStep(ConstRows x);
   void refuseOverlaps() const;
   void refuseNear() const;
   void checkMoves() const;
@@ -157,12 +163,8 @@ void ConstraintContact::buildForRun(ConstRows x) {
   if (start_.size() == law_.surfaces.rows.size()) return;  // goes on
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
-  try {
-    refuseOverlaps();
-    refuseNear();
-  } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
-    throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
-  }
+  refuseOverlaps();
+  refuseNear();
 }
 
 void ConstraintContact::refuseOverlaps() const {
@@ -194,14 +196,15 @@ void ConstraintContact::refuseNear() const {
                          "gaps that are not smaller than contactDistance");
 }
 
-/// Before a run; where mapped nodes are is known when it begins.
+/// As it is written; where mapped nodes are is known when a system has been compiled (stepBegins()).
 void ConstraintContact::checkStart() {
   std::vector<Mapping*> mappings;
   node().root().collect(mappings);
   for (Mapping* mapping : mappings) mapping->ensureReady();  // then it knows what it places
-  for (const State* body : bodies_)
-    if (body->isBound() || std::any_of(mappings.begin(), mappings.end(), [&](Mapping* m) { return &m->output() == body; })) return;
+  if (std::any_of(bodies_.begin(), bodies_.end(), [](const State* body) { return body->isBound(); })) return;
   moved_at_start_ = law_.moved = obstacles_.displacement(node().root().root_time);
+  for (const State* body : bodies_)
+    if (std::any_of(mappings.begin(), mappings.end(), [&](Mapping* m) { return &m->output() == body; })) return;
   const Surfaces& s = law_.surfaces;
   x_.resize(s.rows.size());
   for (std::size_t v = 0; v < x_.size(); ++v) {
@@ -224,8 +227,23 @@ void ConstraintContact::checkMoves() const {
   if (is_elsewhere) refuseOverlaps();
 }
 
+/// What somebody has put elsewhere since the start was found to be free.
+void ConstraintContact::checkFirstStep(ConstRows x) {
+  const std::vector<Vec3> found_free = x_;
+  law_.moved = moved_at_start_;
+  law_.surfaces.gather(x, law_.moved, x_);
+  if (found_free.size() == x_.size() && law_.surfaces.areBodiesAt(x_, found_free)) return;
+  refuseOverlaps();
+  refuseNear();
+}
+
 void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
-  if (!is_built_) buildForRun(x);
+  try {
+    stepBegins(x, t_end, t_end);
+    if (start_.size() != x_.size()) checkFirstStep(x);
+  } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
+    throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
+  }
   const Vec3 goal = obstacles_.displacement(t_end), way = goal - moved_at_start_;
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
@@ -287,7 +305,10 @@ void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& ro
   for (const KeptGap& gap : gaps_.watched())
     for (const int v : gap.v)
       if (law_.surfaces.moves(v)) rows.add(law_.surfaces.rows[std::size_t(v)], Vec3::Zero());
-  rows.begin(LagrangianRows::Kind::push, -gaps_.unproved());  // no force helps where it is below zero
+  rows.begin(LagrangianRows::Kind::push, -gaps_.unproved());  // no force helps where it is below zero; its nodes are for messages
+  if (const Candidate* pair = gaps_.notFree())
+    for (const int v : pair->v)
+      if (law_.surfaces.moves(v)) rows.add(law_.surfaces.rows[std::size_t(v)], Vec3::Zero());
 }
 
 void ConstraintContact::takeForces(std::span<const double> forces) {

@@ -13,11 +13,19 @@
 
 namespace stroma::contact {
 
+/// Of the barrier, over kappa: 2 (r - 1) ln r + (r - 1)^2 / r.
+static double pressureAt(double r) { return 2 * (r - 1) * std::log(r) + (r - 1) * (r - 1) / r; }
+
 void Outputs::declare(DataTable& table) {
   table.add("crossings", crossings).help("steps after which an edge and a triangle had a point in common").output();
   table.add("smallestGap", smallest_gap_)
       .help("smallest gap after the last step; 0: nothing is in reach")
       .unit("m")
+      .output();
+  table.add("openStiffness", open_stiffness_)
+      .help("stiffness that would have kept the gaps of the run so far at half of contactDistance; 0: none closed to a tenth of it. The "
+            "smaller a gap, the more iterations steps need")
+      .unit("Pa")
       .output();
   table.add("queries", queries_)
       .help("searches for near pairs, their ways and exact tests that parts of the surfaces have needed so far")
@@ -68,6 +76,10 @@ void Outputs::note(const BarrierLaw& law, const Friction& friction, const std::v
   }
   touched_ = std::isfinite(smallest);
   smallest_gap_ = touched_ ? smallest : 0;
+  constexpr double closed = 0.1, half = 0.5;
+  const double r = smallest_gap_ / law.range;
+  if (r > 0 && r < closed)
+    open_stiffness_ = std::max(open_stiffness_, law.stiffness * pressureAt(r) / pressureAt(half));
 }
 
 std::string Outputs::overlap(const std::string& path, const std::vector<Candidates::Crossing>& crossings, const Surfaces& surfaces,
@@ -96,6 +108,7 @@ void Outputs::serialize(Archive& archive) {
   archive.value("crossings", crossings);
   archive.value("unsettled", unsettled_);
   archive.value("worst_change", worst_change_);
+  archive.value("open_stiffness", open_stiffness_);
   archive.value("friction_change", friction_change), archive.value("smallest_gap", smallest_gap_);
   archive.value("queries", queries_), archive.value("touched", touched_);
   archive.list("contact_forces", contact_forces_), archive.list("wrenches", wrenches_);

@@ -18,7 +18,7 @@ class Outputs {
   void noteFriction();
   /// A sentence when that was not so in some steps, or empty.
   std::string doubt() const;
-  void reset() { crossings = unsettled_ = 0, worst_change_ = 0; }
+  void reset() { crossings = unsettled_ = 0, worst_change_ = open_stiffness_ = 0; }
   void serialize(Archive& archive);
   /// What lies in one another after the step, as a sentence, or empty. `name` says what a vertex is.
   std::string overlap(const std::string& path, const std::vector<Candidates::Crossing>& crossings, const Surfaces& surfaces,
@@ -29,6 +29,7 @@ class Outputs {
 
  private:
   double smallest_gap_ = 0, queries_ = 0;
+  double open_stiffness_ = 0;  ///< [Pa]
   int unsettled_ = 0;        ///< steps
   double worst_change_ = 0;  ///< of friction_change
   bool touched_ = false;  ///< something is in reach

@@ -114,7 +114,7 @@ void KeptGaps::compile(const BarrierLaw& law) {
 }
 
 void KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, const ExpectedWays& ways, double way) {
-  start_ = x, moved_at_start_ = law.moved, way_ = way, unproved_ = 0;
+  start_ = x, moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr;
   law.candidates.find(x, way);
   all_.clear(), watched_.clear();
   for (const Candidate& pair : law.candidates.pairs()) add({.pair = &pair, .v = pair.v}, law, ways);
@@ -153,12 +153,14 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
 
 void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x) {
   constexpr double none = 2;
-  first_.assign(x.size(), none);
+  double least = none;
+  first_.assign(x.size(), none), not_free_ = nullptr;
   for (std::vector<KeptGap>* gaps : {&all_, &watched_})
     for (KeptGap& gap : *gaps) {
       gap.findFreeWay(law, start_, x);
       if (gap.free == 1) continue;
       unproved_ = std::max(unproved_, law.range);
+      if (gap.free < least) least = gap.free, not_free_ = gap.pair;
       for (int k = 0; k < gap.passing(); ++k) {
         double& first = first_[std::size_t(gap.v[std::size_t(k)])];
         first = std::min(first, gap.free);

@@ -60,12 +60,14 @@ class KeptGaps {
   void look(const BarrierLaw& law, const std::vector<Vec3>& x);
   /// How far the step to the last x is from being proved [m]; 0: it is.
   double unproved() const { return unproved_; }
+  /// Of the pairs whose way is not free the first that touches; null: none.
+  const Candidate* notFree() const { return not_free_; }
   const std::vector<KeptGap>& all() const { return all_; }
   /// The ways of these are looked at as well.
   const std::vector<KeptGap>& watched() const { return watched_; }
   const std::vector<Vec3>& start() const { return start_; }
   Vec3 slide(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const;
-  void clear() { all_.clear(), watched_.clear(), start_.clear(); }
+  void clear() { all_.clear(), watched_.clear(), start_.clear(), not_free_ = nullptr; }
 
  private:
   void add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways);
@@ -89,6 +91,7 @@ class KeptGaps {
   std::vector<double> first_;  ///< of each vertex, the part of its way to its first touch; above 1: none
   std::vector<Key> keys_;
   double way_ = 0, unproved_ = 0;
+  const Candidate* not_free_ = nullptr;
 };
 
 }  // namespace stroma::contact

@@ -15,7 +15,7 @@ void Actuator::declareValue(DataTable& table, const char* way, const char* force
   force_is_ = way_first ? Imposed::second : Imposed::first;
   table.add("value", values_).atOnce().help(help + "; of several the one of valueIndex");
   table.add("valueIndex", index_).help("which of value").min(0);
-  table.add("impulses", impulses_).help(fmt::format("a written {} and its bounds are those of a whole step: divided by dt", force));
+  table.add("impulses", impulses_).help(fmt::format("the {} and its bounds are those of a whole step, times dt, as in SoftRobots", force));
   std::vector<std::string> words{way, force};
   if (!way_first) std::swap(words[0], words[1]);
   table.addChoice("valueType", imposed_, words).help("what value is");
@@ -50,7 +50,7 @@ double Actuator::value() const {
 }
 
 void Actuator::constrainedStepBegins(ConstRows x, double) {
-  if (!is_measured_) startAt(measure(x));
+  if (!is_measured_) startAt(measureAtStart(x));
   plan();
 }
 
@@ -90,13 +90,14 @@ void Actuator::takeForces(std::span<const double> forces) {
   force_ = 0;
   for (std::size_t i = 0; i < std::min(forces.size(), plan_.size()); ++i) force_ += plan_[i].sign * forces[i];
   way_ = now_ - start_;
+  told_force_ = impulses_ ? force_ * node().root().dt() : force_;
   PairConstraint::takeForces({&force_, 1});
 }
 
 void Actuator::reset() {
   PairConstraint::reset();
   is_measured_ = false;
-  way_ = force_ = 0;
+  way_ = force_ = told_force_ = 0;
 }
 
 void Actuator::serialize(Archive& archive) {
@@ -105,6 +106,7 @@ void Actuator::serialize(Archive& archive) {
   archive.value("is_measured", is_measured_);
   archive.value("way", way_);
   archive.value("force", force_);
+  archive.value("told_force", told_force_);
 }
 
 }  // namespace stroma::lagrangian

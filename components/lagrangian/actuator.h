@@ -7,7 +7,7 @@
 //   the force:  f = value,  s_least <= s <= s_most;   at s_least f >= value, at s_most f <= value
 //
 // The imposed value is first kept within its own bounds, and within a largest change from what was there a step ago. In SOFA's
-// plug-in SoftRobots what is written for a force is an impulse, f dt: with `impulses` it is divided by dt.
+// plug-in SoftRobots what is written for a force is an impulse, f dt: with `impulses` it is divided by dt, and what is told is f dt.
 #pragma once
 #include <limits>
 
@@ -33,6 +33,7 @@ class Actuator : public PairConstraint {
     Bounds times(double factor) const { return {factor * least, factor * most, factor * change}; }
   };
   virtual double measure(ConstRows x) const = 0;  ///< s and a constant
+  virtual double measureAtStart(ConstRows x) const { return measure(x); }
   /// Adds sign * ds/dx to the last row.
   virtual void addGradient(ConstRows x, double sign, LagrangianRows& rows) const = 0;
   /// value, valueIndex, valueType: `way` or `force`, the words of a scene. The first of them is that of a scene that gives none.
@@ -45,6 +46,7 @@ class Actuator : public PairConstraint {
   void startAt(double measured) { start_ = measured, is_measured_ = true; }
 
   double way_ = 0, force_ = 0, start_ = 0;  ///< s and f after the last step; measure() where the scene starts
+  double told_force_ = 0;                   ///< f, or with impulses f dt
 
  private:
   /// One condition sign * (s - at).

@@ -2,7 +2,8 @@
 // CableConstraint: a cable through points of a body, which is pulled at pullPoint. It slides through the points without
 // friction, so that one tension T acts along all of it.
 //
-//   L(x) = |x_1 - pullPoint| + sum |x_i+1 - x_i|
+//   L(x) = |x_1 - pullPoint| + sum |x_i+1 - x_i|,   L_0 = L(rest positions) unless cableInitialLength is given;
+//   of mapped nodes where they start
 //   valueType displacement: L = L_0 - value, and T is what that takes, between minForce and maxForce where they are given
 //   valueType force:        T = value, while -maxNegativeDisp <= L_0 - L <= maxPositiveDisp where they are given
 //
@@ -26,9 +27,13 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "components/lagrangian/actuator.h"
+#include "framework/mechanics/mapping.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/node.h"
 
 namespace stroma::lagrangian {
 namespace {
@@ -50,9 +55,9 @@ class Cable final : public Actuator {
         .help("largest change of the imposed displacement in a step; without it, none")
         .unit("m")
         .min(0);
-    table.add("force", force_).help("tension of the last step").unit("N").output();
+    table.add("force", told_force_).help("tension of the last step").unit("N").output();
     table.add("displacement", way_).help("what has been pulled out after the last step").unit("m").output();
-    table.add("cableInitialLength", start_length_).help("L_0; that of the start when not given").unit("m").min(0);
+    table.add("cableInitialLength", start_length_).help("L_0; that of the rest positions when not given").unit("m").min(0);
     table.add("cableLength", length_).help("length after the last step").unit("m").output();
     for (const char* name : {"drawPullPoint", "drawPoints", "drawPulledAreas", "color"}) table.addVisualOnly(name);
   }
@@ -92,10 +97,14 @@ class Cable final : public Actuator {
 
  protected:
   double measure(ConstRows x) const override {
-    double sum = has_pull_ ? (Vec3(x[rowOf(first(), nodes_.front())]) - pull_).norm() : 0;
-    for (std::size_t i = 1; i < nodes_.size(); ++i)
-      sum += (Vec3(x[rowOf(first(), nodes_[i])]) - Vec3(x[rowOf(first(), nodes_[i - 1])])).norm();
-    return -sum;
+    return -lengthOf([&](Index node) { return Vec3(x[rowOf(first(), node)]); });
+  }
+  /// Mapped nodes are measured where they start: what is written for them may be in the axes of a frame.
+  double measureAtStart(ConstRows x) const override {
+    std::vector<Mapping*> mappings;
+    node().root().collect(mappings);
+    if (std::any_of(mappings.begin(), mappings.end(), [this](Mapping* m) { return &m->output() == &first(); })) return measure(x);
+    return -lengthOf([this](Index node) { return first().rest_position[std::size_t(node * first().rows_per_node)]; });
   }
   void addGradient(ConstRows x, double sign, LagrangianRows& rows) const override {
     Vec3 before = has_pull_ ? pull_ : Vec3(x[rowOf(first(), nodes_.front())]);
@@ -113,6 +122,12 @@ class Cable final : public Actuator {
 
  private:
   bool hasLength() const { return data().find("cableInitialLength")->isSet(); }
+  template <class Place>
+  double lengthOf(const Place& place) const {
+    double sum = has_pull_ ? (place(nodes_.front()) - pull_).norm() : 0;
+    for (std::size_t i = 1; i < nodes_.size(); ++i) sum += (place(nodes_[i]) - place(nodes_[i - 1])).norm();
+    return sum;
+  }
 
   std::vector<Index> nodes_;
   Vec3 pull_ = Vec3::Zero();

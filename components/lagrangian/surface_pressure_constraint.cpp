@@ -56,7 +56,7 @@ class SurfacePressure final : public Actuator {
         .help("largest change of the imposed growth in a step; without it, none")
         .unit("m^3")
         .min(0);
-    table.add("pressure", force_).help("of the last step").unit("Pa").output();
+    table.add("pressure", told_force_).help("of the last step").unit("Pa").output();
     table.add("initialCavityVolume", start_).help("volume at the start").unit("m^3").output();
     table.add("cavityVolume", volume_).help("volume after the last step").unit("m^3").output();
     table.add("volumeGrowth", way_).help("growth of the volume since the start").unit("m^3").output();

@@ -9,8 +9,9 @@
 //   equal r,   push l - max(0, l - r),   rub l_t - (l_t - r_t/c cut to the length mu l_n)
 // c: at least the largest eigenvalue of the tangents' block of W. Newton's method solves for the zero, with the derivative of the
 // piece of the function where it is (Alart and Curnier 1991). Near the solution it takes as many iterations as contacts change
-// between open, sticking and slipping. Where it does not come nearer, sweeps of projected Gauss and Seidel go before it tries
-// again. Nothing is allocated while the number of rows stays whose force is not given as zero, unless some say the same twice.
+// between open, sticking and slipping. Of rows that say nearly the same it finds no forces: these are then drawn to where they
+// were (settle()). Where that does not help it begins from the end of an interior-point method (interior_forces.cpp).
+// Nothing is allocated while the number of rows stays whose force is not given as zero, where Newton's method alone does.
 #pragma once
 #include <Eigen/Dense>
 #include <limits>
@@ -39,8 +40,9 @@ class ConditionForces {
   void solve(const std::vector<Row>& rows);
   /// By how much the functions above are off, of the largest condition that does not hold without forces.
   double unsettled() const { return unsettled_; }
-  /// The functions above, where the rows of the last solve() have come to (Row::value).
-  Violation worst(const std::vector<Row>& rows);
+  /// The functions above, where the rows of the last solve() have come to (Row::value). `allowed`: by how much each row may be
+  /// off without being looked at; empty: nothing.
+  Violation worst(const std::vector<Row>& rows, const std::vector<double>& allowed = {});
 
  private:
   /// Rows [first, end): one that is equal, or a push and what rubs there.
@@ -65,7 +67,10 @@ class ConditionForces {
   double offAt(const Group& group) const;
   double offAlong(const Group& group);
   double residual();
-  void sweep();
+  void note();
+  void newton();
+  void settle();
+  void searchInside();
   bool newtonStep();
   void findActive();
   Square linearise();
@@ -80,7 +85,7 @@ class ConditionForces {
   std::vector<int> active_;          ///< unknowns of a Newton step
   std::vector<double> derivative_;   ///< on them, row by row
   Eigen::VectorXd step_;             ///< its first numbers are those of active_
-  double unsettled_ = 0;
+  double size_ = 0, unsettled_ = 0;
 };
 
 }  // namespace stroma

@@ -13,8 +13,7 @@ namespace stroma {
 namespace {
 
 void declareState(DataTable& table, Link<State>& link) {
-  table.addLink("mstate", link)
-      .help("mechanical state to act on; the one of this node or the nearest above when not given");
+  table.addLink("mstate", link).help("mechanical state to act on; the one of this node or the nearest above when not given");
 }
 
 void declareRayleigh(DataTable& table, const char* name, double& factor, const std::string& help, const char* unit) {
@@ -42,8 +41,7 @@ void refuseOtherRows(const Component& component, const State& state, bool takes_
 
 void ForceField::declare(DataTable& table) {
   declareState(table, mstate_);
-  declareRayleigh(table, "rayleighStiffness", rayleigh_stiffness, "stiffness-proportional damping of this force field",
-                  "s");
+  declareRayleigh(table, "rayleighStiffness", rayleigh_stiffness, "stiffness-proportional damping of this force field", "s");
 }
 
 void ForceField::init() {
@@ -60,9 +58,7 @@ void ForceField::addDampingDiagonal(double, std::vector<double>&) const { addDam
 
 void ProjectiveConstraint::declare(DataTable& table) {
   declareState(table, mstate_);
-  table.add("endTime", end_time_)
-      .help("the constraint holds in steps that start up to this time; negative: always")
-      .unit("s");
+  table.add("endTime", end_time_).help("the constraint holds in steps that start up to this time; negative: always").unit("s");
   for (const char* name : {"showObject", "drawSize"}) table.addVisualOnly(name);
 }
 

@@ -266,5 +266,37 @@ TEST(CollisionResponse, OtherResponsesLeaveAWatch) {
   expectContains(report.reason, "no response StickContactForceField");
 }
 
+/// A point between two plates that are nearer to each other than two contact distances, and another one whose two ends are held
+/// apart.
+StepReport squeezed(const std::string& tolerated, const std::string& more) {
+  const auto wall = [](const std::string& name, double y) {
+    return fmt::format("<Node name='{0}'><MeshTopology position='-1 {1} -2  2 {1} -1  0 {1} 2' triangles='{2}'/><MechanicalObject/>"
+                       "<TriangleCollisionModel moving='false' simulated='false'/></Node>",
+                       name, y, y < 0 ? "0 2 1" : "0 1 2");
+  };
+  Simulation simulation = simulationFromText(fmt::format(
+      "<Node name='root' dt='0.01' gravity='0 0 0'><CollisionPipeline/><CollisionResponse response='FrictionContactConstraint' {}/>"
+      "<MinProximityIntersection alarmDistance='0.02' contactDistance='0.01'/>{}{}<Node name='bodies'><EulerImplicitSolver/>"
+      "<SparseLDLSolver/><Node name='a'><MechanicalObject name='dofs' position='0 0 0  5 0 0'/><UniformMass totalMass='1'/>"
+      "<PointCollisionModel/></Node>{}</Node></Node>",
+      tolerated, wall("floor", -0.006), wall("ceiling", 0.006), more));
+  return simulation.step();
+}
+
+TEST(CollisionResponse, ToleratesErrorsOfItsOwnContactsAlone) {
+  const StepReport refused = squeezed("", "");
+  EXPECT_FALSE(refused.constraints_converged);
+  const StepReport kept = squeezed("toleratedError='0.01'", "");
+  EXPECT_TRUE(kept.constraints_converged) << kept.constraint_reason;
+  EXPECT_EQ(kept.constraint_reason, refused.constraint_reason) << "what is kept is told";
+  const std::string held =
+      "<Node name='p'><MechanicalObject name='dofs' position='5 0.002 0  5 -0.002 0'/><UniformMass totalMass='1'/>"
+      "<FixedProjectiveConstraint fixAll='true'/></Node><BilateralLagrangianConstraint name='ends' object1='@a/dofs' "
+      "object2='@p/dofs' first_point='1 1' second_point='0 1'/>";
+  const StepReport other = squeezed("toleratedError='0.01'", held);
+  EXPECT_FALSE(other.constraints_converged) << "a tie is off by less than what contacts may be";
+  EXPECT_NE(other.constraint_reason.find("/ends"), std::string::npos) << other.constraint_reason;
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -46,6 +46,23 @@ TEST(BarrierContact, BlocksRestAtTheGapOfTheirPressure) {
   }
 }
 
+/// A block that is held at a gap of r above a plane: with openStiffness, times ln 2 + 1/2, its pressure would be the same at half of
+/// the range.
+TEST(BarrierContact, SaysWhichStiffnessKeepsAGapOpen) {
+  for (const double r : {0.04, 0.3}) {
+    std::string all;
+    for (int i = 0; i < 27; ++i) all += fmt::format("{} ", i);
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/><RegularGridTopology n="3 3 3" min="0 0 0" max="1 1 1"/>
+        <MechanicalObject/><HexahedronFEMForceField youngModulus="1e6" poissonRatio="0.3"/><FixedProjectiveConstraint indices="{}"/>
+        <BarrierContact contactDistance="0.1" stiffness="1e4" planes="0 0 1 {}"/></Node>)", all, -0.1 * r));
+    simulation.step();
+    EXPECT_NEAR(outputOf(simulation, "smallestGap"), 0.1 * r, 1e-12);
+    const double pressure = 1e4 * (2 * (r - 1) * std::log(r) + (r - 1) * (r - 1) / r);
+    EXPECT_NEAR(outputOf(simulation, "openStiffness") * (std::log(2.) + 0.5), r < 0.1 ? pressure : 0, 1e-9 * pressure);
+  }
+}
+
 /// Force, energy, derivative and products belong together, in reach of faces, edges, vertices, a plane, a sphere and a capsule;
 /// and the derivative that is asked to be definite is.
 TEST(BarrierContact, ForceIsTheSlopeOfTheEnergy) {

@@ -187,6 +187,68 @@ TEST(ConstraintBodies, WhatSlidesOnABodyHasCoulombsForce) {
   }
 }
 
+/// A soft cube dents the soft block that it begins to slide on by several gaps: many contacts, of which hardly any says something
+/// that others do not. What pushes and rubs it with its weight is what changes its momentum.
+TEST(ConstraintBodies, WhatDentsASoftBodySlidesOnIt) {
+  constexpr double dt = 0.01, mass_of_cube = 216;
+  const Vec3 gravity(2, 1, -9.81);
+  Simulation simulation = simulationFromText(contactScene(
+      bodyNode("a", boxOf(Vec3(0.1, 0.1, 0.52), Vec3(0.7, 0.7, 1.12), {2, 2, 2}), "", "", 1e5) +
+          bodyNode("b", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 0.5), {3, 3, 1}), floor_is_held, "", 1e5) +
+          keeps("contactDistance=\"0.01\" friction=\"0.3\""),
+      dt, gravity, euler));
+  const State &high = *simulation.states()[0], &low = *simulation.states()[1];
+  const auto momentum = [&] {
+    Vec3 sum = Vec3::Zero();
+    for (const Mass* mass : simulation.systems().front()->masses())
+      for (Index i = 0; i < high.size() && &mass->state() == &high; ++i) sum += mass->lumped()[std::size_t(i)] * Vec3(high.v()[i]);
+    return sum;
+  };
+  double deepest = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 before = momentum();
+    expectCleanStep(simulation, i);
+    if (HasFatalFailure()) return;
+    const std::vector<double> wrench = constraintOutput(simulation, "wrenches");
+    const Vec3 expected = before + dt * (mass_of_cube * gravity + Vec3(wrench[0], wrench[1], wrench[2]));
+    ASSERT_LT((momentum() - expected).norm(), 1e-8 * mass_of_cube) << "step " << i;
+    for (Index node = 0; node < low.size(); ++node)
+      deepest = std::max(deepest, low.rest_position[std::size_t(node)].z() - low.x()[node].z());
+  }
+  EXPECT_GT(deepest, 0.03) << "three gaps";
+  EXPECT_GT(high.x()[0].x() - high.rest_position[0].x(), 0.01);
+}
+
+/// A soft ball whose top is pressed down and dragged, on a soft block.
+TEST(ConstraintBodies, ASoftBallIsDraggedOverASoftBlock) {
+  constexpr double gap = 0.0025, mu = 0.3, radius = 0.2;
+  Body ball = boxOf(Vec3(-1, -1, -1), Vec3(1, 1, 1), {4, 4, 4});
+  for (Vec3& p : ball.points)
+    if (const double length = p.norm(); length > 0) p *= radius * p.cwiseAbs().maxCoeff() / length;
+  ball.turn(Mat3::Identity(), Vec3(0.4, 0.5, 0.4 + radius + 1.2 * gap));
+  const std::string hand =
+      "<BoxROI name=\"top\" box=\"-9 -9 0.74 9 9 9\"/><LinearMovementProjectiveConstraint indices=\"@top.indices\" "
+      "keyTimes=\"0 0.2 0.5\" outside=\"hold\" movements=\"0 0 0  0 0 -0.05  0.1 0 -0.05\"/>";
+  Simulation simulation = simulationFromText(contactScene(
+      bodyNode("a", ball, hand, "", 2e4) + bodyNode("b", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 0.4), {6, 6, 2}), floor_is_held, "", 2e4) +
+          keeps(fmt::format("contactDistance=\"{}\" friction=\"{}\"", gap, mu)),
+      0.02, Vec3::Zero(), euler));
+  const State &top = *simulation.states()[0], &low = *simulation.states()[1];
+  double deepest = 0;
+  for (int i = 0; i < 25; ++i) {
+    expectCleanStep(simulation, i);
+    if (HasFatalFailure()) return;
+    for (Index node = 0; node < low.size(); ++node)
+      deepest = std::max(deepest, low.rest_position[std::size_t(node)].z() - low.x()[node].z());
+    if (i % 6 != 0) continue;
+    ASSERT_GE(apart(top, low), gap - 0.01 * gap) << "step " << i;
+  }
+  EXPECT_GT(deepest, 5 * gap);
+  const std::vector<double> wrench = constraintOutput(simulation, "wrenches");
+  EXPECT_NEAR(-wrench[0] / wrench[2], mu, 0.1) << "it slides";
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(wrench[k], -wrench[6 + k], 1e-10 * wrench[2]);
+}
+
 /// At 20 mm per step over cells of 0.4 m, without friction: nothing that it passes holds it up.
 TEST(ConstraintBodies, WhatSlidesFastOverAFlatBodyIsNotHeldUp) {
   const Body top = boxOf(Vec3(-0.6, -0.1, 0.101), Vec3(-0.4, 0.1, 0.301), {2, 2, 2});
@@ -352,6 +414,27 @@ TEST(ConstraintBodies, FlatObstaclesCarryAsAPlaneDoes) {
   }
 }
 
+/// Nothing can mend what moves on a path into what is held.
+TEST(ConstraintBodies, WhatDoesNotHoldIsNamedWithItsNodes) {
+  for (const double way : {-0.3, -3.0}) {
+    Simulation simulation = simulationFromText(contactScene(
+        bodyNode("a", boxOf(Vec3(0.3, 0.3, 1.02), Vec3(0.6, 0.6, 1.32)),
+                 fmt::format("<LinearMovementProjectiveConstraint indices=\"0 1 2 3 4 5 6 7\" keyTimes=\"0 1\" "
+                             "movements=\"0 0 0  0 0 {}\"/>",
+                             way)) +
+            bodyNode("b", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<FixedProjectiveConstraint fixAll=\"true\"/>") +
+            keeps("contactDistance=\"0.01\""),
+        0.05, Vec3::Zero(), euler));
+    StepReport report;
+    for (int i = 0; i < 5 && report.constraints_converged; ++i) report = simulation.step();
+    ASSERT_FALSE(report.constraints_converged);
+    expectContains(report.constraint_reason, "the Lagrangian constraint /contact does not hold");
+    expectContains(report.constraint_reason, "(node ");
+    expectContains(report.constraint_reason, " of /a/dofs, node ");
+    expectContains(report.constraint_reason, " of /b/dofs");
+  }
+}
+
 TEST(ConstraintBodies, BadStartsAreRefusedWithTheirPlaces) {
   const auto problems = [](const Vec3& shift, double size, double distance) {
     Body high = boxOf(Vec3(0, 0, 0), Vec3(size, size, size));
@@ -369,6 +452,32 @@ TEST(ConstraintBodies, BadStartsAreRefusedWithTheirPlaces) {
   expectContains(near, "starts with a gap of 0.02 m from the surface at node");
   expectContains(near, "contactDistance is 0.05 m");
   EXPECT_EQ(problems(Vec3(0.5, 0.4, 1.02), 0.3, 0.02), "");
+  const auto mapped = [](double height, double distance) {  // of a tool that a frame carries
+    return problemsOf(contactScene(
+        fmt::format("<Node name=\"tool\"><MechanicalObject template=\"Rigid3\" position=\"0.5 0.5 {} 0 0 0 1\"/>"
+                    "<UniformMass totalMass=\"4\" inertia=\"0.03 0.03 0.03\"/><Node name=\"skin\">{}<MechanicalObject name=\"dofs\"/>"
+                    "<RigidMapping/></Node></Node>",
+                    height, boxOf(Vec3(-.1, -.1, -.1), Vec3(.1, .1, .1)).mesh()) +
+            bodyNode("b", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "") +
+            fmt::format("<ConstraintContact name=\"contact\" mstate=\"@b/dofs\" topology=\"@b/mesh\" other=\"@tool/skin/dofs\" "
+                        "contactDistance=\"{}\"/>",
+                        distance),
+        0.01, Vec3::Zero(), euler));
+  };
+  expectContains(mapped(1.05, 0.01), "error: /contact: bodies of /contact start in one another");
+  expectContains(mapped(0.5, 0.01), "of /contact is inside of another body");
+  expectContains(mapped(1.12, 0.03), "starts with a gap of 0.02 m from the surface at node");
+  EXPECT_EQ(mapped(1.12, 0.01), "");
+  const auto above = [](double height) {  // a plane that begins half a metre below where it is written
+    return problemsOf(contactScene(
+        fmt::format("<MechanicalObject template=\"Rigid3\" position=\"0 0 {} 0 0 0 1\"/><UniformMass totalMass=\"4\" "
+                    "inertia=\"0.03 0.03 0.03\"/><Node name=\"skin\">{}<MechanicalObject/><RigidMapping/><ConstraintContact "
+                    "planes=\"0 0 1 0\" contactDistance=\"0.01\" keyTimes=\"0 1\" movements=\"0 0 -0.5  0 0 -0.4\"/></Node>",
+                    height, boxOf(Vec3(-.1, -.1, -.1), Vec3(.1, .1, .1)).mesh()),
+        0.01, Vec3::Zero(), euler));
+  };
+  EXPECT_EQ(above(-0.3), "");
+  expectContains(above(-0.395), "starts with a gap of 0.005 m");
   const Body cube = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1));
   expectContains(problemsOf(contactScene(bodyNode("a", cube, "<ConstraintContact/>"), 0.01, Vec3::Zero(), euler)), "nothing meets");
 }

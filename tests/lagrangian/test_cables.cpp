@@ -40,6 +40,24 @@ TEST(Cables, ACableDoesNotPushWhereItMayNot) {
   EXPECT_EQ(numbersOf(simulation, "CableConstraint", "force").at(0), 0);
 }
 
+/// L_0 = 2 m by rest positions: a body that starts at 1 m hangs loose. A mapped point, written as (0.5 0 0) in the axes of its
+/// frame, is measured where it is.
+TEST(Cables, TheFirstLengthIsThatOfTheRestShape) {
+  Simulation loose = simulationFromText(
+      sceneOf("<MechanicalObject position='1 0 0' rest_position='2 0 0' velocity='-1 0 0'/><UniformMass totalMass='1'/>"
+              "<CableConstraint indices='0' pullPoint='0 0 0' value='0'/>",
+              0.01, "0 0 0"));
+  run(loose, 1);
+  EXPECT_NEAR(at(loose, 0).x(), 2, 1e-10);
+  Simulation mapped = simulationFromText(
+      sceneOf("<MechanicalObject template='Rigid3' position='10 0 0 0 0 0 1'/><UniformMass totalMass='1' inertia='1 1 1'/>"
+              "<Node name='m'><MechanicalObject name='tip' position='0.5 0 0'/><RigidMapping/>"
+              "<CableConstraint name='cable' indices='0' pullPoint='0 0 0' value='0'/></Node>",
+              0.01, "0 0 0"));
+  run(mapped, 2);
+  EXPECT_NEAR(at(mapped, 0).x(), 10, 1e-10);
+}
+
 /// A bar of nu = 0 along x under four cables at the corners of its end: E A u / L, a quarter each, with any step.
 TEST(Cables, CablesShortenABar) {
   constexpr double young = 1000, length = 3, shortening = 0.05, tension = young * shortening / length / 4;
@@ -196,7 +214,8 @@ TEST(Cables, ACableStaysWithinItsBounds) {
                             limit.attributes),
                 0.02, "0 0 0", "<EulerImplicitSolver rayleighMass=\"10\"/>"));
     run(simulation, 300);
-    EXPECT_NEAR(numberOf(simulation, "CableConstraint", "force"), limit.force, 1e-6);
+    const bool are_impulses = std::string(limit.attributes).find("impulses") != std::string::npos;
+    EXPECT_NEAR(numberOf(simulation, "CableConstraint", "force"), limit.force * (are_impulses ? 0.02 : 1), 1e-6);
     EXPECT_NEAR(numberOf(simulation, "CableConstraint", "displacement"), limit.way, 1e-8);
     EXPECT_NEAR(1 - at(simulation, 0).x(), limit.force / 100, 1e-8);
   }

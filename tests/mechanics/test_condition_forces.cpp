@@ -57,6 +57,62 @@ TEST(ConditionForces, AreThoseOfSignoriniAndCoulomb) {
     }
 }
 
+/// What is off of the laws of Signorini and Coulomb, of the largest condition without forces: groups of `per` rows.
+double offTheLaws(const ConditionForces& forces, const Eigen::VectorXd& g, const Eigen::MatrixXd& w, double mu, Eigen::Index per) {
+  const Eigen::VectorXd at = g + w * forces.l;
+  double off = 0, size = 0;
+  for (Eigen::Index i = 0; i < g.size(); i += per) {
+    const double l = forces.l[i] * w(i, i);  // a length
+    size = std::max(size, -g[i]);
+    off = std::max({off, -at[i], -l, std::min(at[i], l)});
+    if (per == 1) continue;
+    const Eigen::Vector2d along = forces.l.segment<2>(i + 1), way = at.segment<2>(i + 1);
+    const double bound = mu * forces.l[i], turned = along.dot(way) + bound * way.norm();  // 0: against the way with all it can
+    const double can = bound * w(i + 1, i + 1);  // the length that friction can move; round-off of it may have any direction
+    off = std::max({off, along.norm() * w(i + 1, i + 1) - can, bound > 0 ? std::min(turned / bound, can) : 0});
+  }
+  return size > 0 ? off / size : off;
+}
+
+/// Fewer ways to move than conditions; some say what others say, or nearly: forces are many, and where things come to is one.
+TEST(ConditionForces, OfRowsThatSayNearlyTheSame) {
+  constexpr double mu = 0.3;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  double pushed = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    SCOPED_TRACE(trial);
+    const Eigen::Index per = trial % 2 == 0 ? 1 : 3, contacts = 2 + Eigen::Index(random() % 14), n = per * contacts;
+    const Eigen::Index rank = std::max<Eigen::Index>(2, Eigen::Index(double(n) * between(0.2, 0.9)));
+    const auto noise = [&](Eigen::Index rows, Eigen::Index columns) {
+      return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }).eval();
+    };
+    Eigen::MatrixXd roots = noise(n, rank);
+    for (Eigen::Index i = per; i < n; i += per)
+      if (random() % 4 == 0) {
+        const Eigen::Index other = per * Eigen::Index(random() % std::uint64_t(i / per));
+        const double apart = random() % 2 == 0 ? 0 : std::pow(10, between(-6, -4));
+        roots.middleRows(i, per) = roots.middleRows(other, per) + apart * noise(per, rank);
+      }
+    ConditionForces forces;
+    LagrangianRows rows;
+    forces.w = roots * roots.transpose(), forces.g = roots * noise(rank, 1), forces.l.setZero(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (i % per == 0 && random() % 3 == 0) forces.g[i] += std::abs(normal(random));
+      forces.sizes.push_back(roots.row(i).norm());
+      rows.begin(i % per == 0 ? Kind::push : Kind::rub, forces.g[i], i % per == 0 ? 0 : mu);
+    }
+    const Eigen::VectorXd g = forces.g;
+    const Eigen::MatrixXd w = forces.w;
+    forces.solve(rows.rows());
+    EXPECT_LT(forces.unsettled(), 1e-9);
+    EXPECT_LT(offTheLaws(forces, g, w, mu, per), 1e-8);
+    pushed += forces.l.cwiseAbs().maxCoeff() > 0;
+  }
+  EXPECT_GT(pushed, 400);
+}
+
 TEST(ConditionForces, TellNumbersThatAreNone) {
   LagrangianRows rows;
   for (int i = 0; i < 2; ++i) rows.begin(Kind::push, -1);
