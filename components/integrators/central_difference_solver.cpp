@@ -6,7 +6,8 @@
 //   so  v+ = ((1 - H rM/2) v- + H M^-1 f) / (1 + H rM/2)
 //
 // v- and v+ are the velocities at the middle of the last and of this step, H = (h_last + h) / 2 the time between them.
-// The first step starts from the velocity at its beginning, with H = h/2: positions are then of second order. What the
+// The first step starts from the velocity at its beginning, with H = h/2: positions are then of second order. With
+// firstStep = whole, as in SOFA, it has H = h, as if that velocity were half a step older: first order. What the
 // scene shows as velocity after a step belongs to its middle, as in SOFA; NewtonCotesSolver (degree 1) has the same
 // positions without damping and velocities at the end of steps. Stable while h w < 2, w the highest angular frequency
 // of the body, whatever rM is. A scene above the estimated limit is warned of.
@@ -23,6 +24,7 @@
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/sleep.h"
 #include "components/integrators/stable_step.h"
+#include "components/integrators/velocity_damping.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -53,10 +55,13 @@ class CentralDifferenceSolver final : public Integrator {
   }
 
  private:
+  enum class FirstStep : int { half, whole };
   double rayleigh_mass_ = 0;
-  void turnBodies(System& system, double h);
+  FirstStep first_step_ = FirstStep::half;
+  void turnBodies(System& system, double h, double before);
 
   Acceleration acceleration_;
+  VelocityDamping velocity_damping_;
   Sleep sleep_;
   Vector middle_;  ///< x, with the bodies as they are at the middle of a step
   Vector a_;
@@ -67,7 +72,10 @@ class CentralDifferenceSolver final : public Integrator {
 
 void CentralDifferenceSolver::declare(DataTable& table) {
   table.add("rayleighMass", rayleigh_mass_).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
+  table.addChoice("firstStep", first_step_, {"half", "whole"})
+      .help("half: the first velocity is that at the start of the step; whole: that half a step before, as in SOFA");
   declareLinearSolver(table, false);
+  velocity_damping_.declare(table);
   sleep_.declare(table);
   table.addVisualOnly("threadSafeVisitor");
 }
@@ -97,16 +105,16 @@ void CentralDifferenceSolver::compile(System& system) {
   warnAboveStableStep(*this, system, acceleration_, name, {.largest_angle = 2, .grows = false});
 }
 
-/// Of bodies whose inertia turns, a step changes the momentum, which is J w at the middle of steps:
+/// Of bodies whose inertia turns, a step changes the momentum, which is J w at the middle of steps; h- is the last one:
 ///   J(q+) w+ = J(q-) w- + J(q) a,   q- = exp(-h- w- / 2) q,   q+ = exp(h w+ / 2) q
-void CentralDifferenceSolver::turnBodies(System& system, double h) {
+void CentralDifferenceSolver::turnBodies(System& system, double h, double before) {
   const TurningBodies& bodies = acceleration_.bodies();
   if (bodies.empty()) return;
   copy(system.x, middle_);
   for (std::size_t b = 0; b < bodies.count(); ++b) {
     const Index row = bodies.row(b);
     const Vec3 w = system.v[row];
-    Motion::turnBy(-last_step_ / 2 * w, middle_.rows().data + std::size_t(row) * row_doubles);
+    Motion::turnBy(-before / 2 * w, middle_.rows().data + std::size_t(row) * row_doubles);
     const Vec3 momentum = bodies.times(b, middle_, w) + bodies.times(b, system.x, a_[row]);
     bodies.put(b, bodies.solve(b, system.x, h / 2 * w, h / 2, w, momentum, w + a_[row]) - w, a_);
   }
@@ -119,7 +127,8 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   system.computeForce(system.x, system.v, system.f);
   if (!acceleration_.solveForMomenta(system.x, system.independent(system.f), a_, context.stop, report)) return report;
   if (depends_on_time_) system.setTime(context.t_end);
-  const double h = context.dt, between = (last_step_ + h) / 2;
+  const double h = context.dt, before = last_step_ == 0 && first_step_ == FirstStep::whole ? h : last_step_;
+  const double between = (before + h) / 2;
   // a becomes v+ - v-, of which constraints let through what they leave free
   for (Index row = 0; row < system.independentRows(); ++row) {
     const double damping = damping_[row];
@@ -127,9 +136,10 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   }
   system.constraints().projectAcceleration(a_);
   const Rows v = system.independent(system.v);
-  turnBodies(system, h);
+  turnBodies(system, h, before);
   axpy(1, a_, v);
   system.motion().advance(h, v, system.x);
+  velocity_damping_.apply(system, h);
   return sleep_.judged(report);
 }
 

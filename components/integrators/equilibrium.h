@@ -84,11 +84,14 @@ class Equilibrium final : public NonlinearProblem {
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return rows(); }
   double travelled() const override { return distance(rows(), start_); }
-  bool isLoaded() const override {
-    const auto& fields = system_->forceFields();
-    return system_->hasGravity() || system_->constraints().hasPrescribed() ||
-           std::any_of(fields.begin(), fields.end(),
-                       [](const ForceField* field) { return !field->traits().has_stiffness; });
+  bool restsWithoutForces() const override { return true; }
+  /// Gravity or fields without stiffness give forces now.
+  bool isLoaded() override {
+    if (system_->hasGravity()) return true;
+    Vector loads(system_->allRows());
+    for (ForceField* field : system_->forceFields())
+      if (!field->traits().has_stiffness) field->addForce(system_->x, system_->v, loads);
+    return largest(loads) > 0;
   }
   RoundOff roundOff() override {
     const Index rows = start_.count();

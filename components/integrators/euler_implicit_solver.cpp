@@ -30,7 +30,7 @@
 // With allowMassless nodes may have no mass: M has rows of zeros, and stiffness alone moves them, to where forces balance at
 // the end of a step of backward Euler: the trapezoidal rule would let them swing about there for ever. Where there is no stiffness
 // either the matrix is singular, and a direct solver says so.
-// vdamping multiplies v by exp(-h vdamping) after the positions have moved.
+// vdamping multiplies v by exp(-h vdamping) after the positions have moved; velocityThreshold then stops slow nodes.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -46,6 +46,7 @@
 
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/sleep.h"
+#include "components/integrators/velocity_damping.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -72,7 +73,7 @@ class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, pub
  private:
   StepReport firstOrderStep(System& system, const StepContext& context);
 
-  double velocity_damping_ = 0;
+  VelocityDamping velocity_damping_;
   bool first_order_ = false, trapezoidal_ = false, by_new_velocity_ = false;
   double theta_ = 1;
   ImplicitStep implicit_;
@@ -82,10 +83,7 @@ class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, pub
 
 void EulerImplicitSolver::declare(DataTable& table) {
   implicit_.declareDamping(table);
-  table.add("vdamping", velocity_damping_)
-      .help("decay rate of the velocity, applied after the step")
-      .unit("1/s")
-      .min(0);
+  velocity_damping_.declare(table);
   table.add("firstOrder", first_order_).help("overdamped motion: solve for the velocity, not for its change");
   table.add("trapezoidalScheme", trapezoidal_)
       .help("trapezoidal rule (second order, no damping) instead of backward Euler");
@@ -105,7 +103,7 @@ void EulerImplicitSolver::init() {
   if (trapezoidal_ && implicit_.allows_massless)
     throw ComponentError("nodes without mass have no motion by the trapezoidal rule: they would swing for ever",
                          "trapezoidalScheme=\"false\", or no allowMassless");
-  if (first_order_ && (implicit_.rayleigh_mass != 0 || implicit_.rayleigh_stiffness != 0 || velocity_damping_ != 0))
+  if (first_order_ && (implicit_.rayleigh_mass != 0 || implicit_.rayleigh_stiffness != 0 || velocity_damping_.rate != 0))
     warn("rayleighMass, rayleighStiffness and vdamping have no effect with firstOrder: there is no inertia to damp",
          "remove them");
 }
@@ -139,7 +137,7 @@ StepReport EulerImplicitSolver::step(System& system, const StepContext& context)
   if (by_new_velocity_ && trapezoidal_) scheme.moved_after = (1 - theta_) * h;
   StepReport report = first_order_ ? firstOrderStep(system, context) : implicit_.solve(scheme, context.stop);
   if (report.failed()) return report;
-  if (velocity_damping_ != 0 && !first_order_) scale(std::exp(-h * velocity_damping_), system.v);
+  if (!first_order_) velocity_damping_.apply(system, h);
   return sleep_.judged(report);
 }
 

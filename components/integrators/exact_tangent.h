@@ -146,6 +146,10 @@ inline void addCounts(const StepReport& from, StepReport& to) {
 
 /// A hint, or nothing: Newton's method converges slowly, or not at all, with a tangent that is an approximation.
 inline std::string exactTangentHint(const System& system) {
+  constexpr double never = 1e30;  // as a field says of an assembly that has not all of its stiffness
+  for (const ForceField* field : system.forceFields())
+    if (field->traits().has_stiffness && field->cost().assembly >= never)
+      return "; an assembled matrix has not the whole stiffness of " + field->path() + ": CGLinearSolver takes products, which have";
   for (const ForceField* field : system.forceFields())
     if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent"))
       return "; the tangent of " + field->path() +

@@ -244,7 +244,15 @@ std::string ExplicitStep::describe() const {
 
 void ExplicitIntegrator::declare(DataTable& table) {
   declareLinearSolver(table, false);
+  velocity_damping_.declare(table);
   sleep_.declare(table);
+}
+
+StepReport ExplicitIntegrator::step(System& system, const StepContext& context) {
+  if (sleep_.passesOver(context)) return {};
+  StepReport report = explicit_.step(system, context);
+  velocity_damping_.apply(system, context.dt);
+  return sleep_.judged(std::move(report));
 }
 
 void ExplicitIntegrator::compile(System& system) {

@@ -7,6 +7,7 @@
 #include "components/integrators/orientations.h"
 #include "components/integrators/sleep.h"
 #include "components/integrators/turning_bodies.h"
+#include "components/integrators/velocity_damping.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
@@ -93,11 +94,9 @@ class ExplicitStep {
 /// An integrator that is a scheme; a component supplies the scheme and its own attributes. Bodies at rest may sleep (sleep.h).
 class ExplicitIntegrator : public Integrator {
  public:
-  void declare(DataTable& table) override;  ///< linearSolver, and those of Sleep
+  void declare(DataTable& table) override;  ///< linearSolver, and those of VelocityDamping and Sleep
   void compile(System& system) final;
-  StepReport step(System& system, const StepContext& context) final {
-    return sleep_.passesOver(context) ? StepReport{} : sleep_.judged(explicit_.step(system, context));
-  }
+  StepReport step(System& system, const StepContext& context) final;
   void stepTaken(const StepContext& context) final { sleep_.stepTaken(context.dt); }
   void sceneChanged() final { sleep_.wake(); }
   void reset() final { sleep_.reset(); }
@@ -110,6 +109,7 @@ class ExplicitIntegrator : public Integrator {
 
  private:
   ExplicitStep explicit_;
+  VelocityDamping velocity_damping_;
   Sleep sleep_;
 };
 

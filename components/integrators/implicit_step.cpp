@@ -36,23 +36,6 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   return report;
 }
 
-void ImplicitStep::startBodies() {
-  bodies_.momenta(x(), v(), start_momenta_);
-  if (!scheme_.has_history) std::fill(momentum_predictor.begin(), momentum_predictor.end(), Vec3::Zero());
-}
-
-/// The linear solve has found the change of momentum J dv of each body; what change of velocity that is follows from
-/// where the body has turned to.
-void ImplicitStep::turnBodies() {
-  for (std::size_t b = 0; b < bodies_.count(); ++b) {
-    const Index row = bodies_.row(b);
-    const Vec3 w0 = v()[row], momentum = start_momenta_[b] + bodies_.times(b, x(), change_[row]);
-    Vec3 turn = scheme_.drift * w0;
-    if (scheme_.has_history) turn += position_predictor[row];
-    bodies_.put(b, bodies_.solve(b, x(), turn, scheme_.displacement, w0, momentum, w0 + change_[row]) - w0, change_);
-  }
-}
-
 void ImplicitStep::setTime(double time) {
   if (depends_on_time_) system_->setTime(time);
 }
@@ -291,7 +274,7 @@ double ImplicitStep::longestStep(ConstRows d) {
   copy(v(), work_);
   return limits_.longest(d, scheme_.displacement, false, [&](double s) {
     copy(work_, v());
-    axpy(s, d, v());
+    addTo(v(), s, d);
     unknownsChanged();
   });
 }

@@ -90,6 +90,8 @@ class ImplicitStep final : public NonlinearProblem {
   double energy() override;
   Rows unknowns() override { return v(); }
   void unknownsChanged() override;
+  void addTo(Rows u, double s, ConstRows d) const override;
+  double residualOfParts(ConstRows residual) const override;
   double longestStep(ConstRows d) override;
   bool movesOn() override;
   double displacementPerUnknown() const override { return scheme_.displacement; }
@@ -122,6 +124,7 @@ class ImplicitStep final : public NonlinearProblem {
   void addDamping(double factor, Rows out);
   void advance();
   void startBodies();
+  Vec3 predictedTurn(std::size_t body, const Vec3& w0) const;
   void turnBodies();
 
   System* system_ = nullptr;
@@ -158,6 +161,7 @@ class ImplicitStep final : public NonlinearProblem {
   Orientations orientations_;
   TurningBodies bodies_;
   std::vector<Vec3> start_momenta_, end_momenta_;
+  mutable std::vector<Vec3> velocities_;  ///< work space of addTo()
 
   std::vector<double> graph_;
   Link<NewtonSolver> newton_link_{"Newton solver"};

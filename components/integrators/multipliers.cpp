@@ -215,6 +215,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   // what forces of constraint take back of the free motion leaves its last digits, also where a body stands at the origin
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * size;
   for (int round = 0; round < most_rounds; ++round) {
+    report.stopped = report.stopped || stop.isStopAsked();
+    if (report.stopped) return;
     findConditions();
     if (rows_.rows().empty() && !carries_) break;
     if (round == 0) solve_.l.setZero(solve_.g.size());
@@ -259,33 +261,67 @@ std::string Multipliers::nameOf(std::size_t row) const {
   return dynamic_cast<const Component&>(*constraint).path();
 }
 
+/// " (node 3 of /a/dofs, node 4 of /b/dofs)"
+std::string Multipliers::nodesOf(std::size_t row) const {
+  constexpr std::size_t most = 4;
+  std::string nodes;
+  const auto entries = rows_.entriesOf(rows_.rows()[row]);
+  for (std::size_t i = 0; i < std::min(most, entries.size()); ++i)
+    nodes += (i == 0 ? " (" : ", ") + system_->actors().describeRow(entries[i].row);
+  return nodes.empty() ? nodes : nodes + (entries.size() > most ? " and others)" : ")");
+}
+
+/// By how much each row may be off in a step that is kept and told: toleratedError of its constraint [m]. Empty: nothing.
+std::vector<double> Multipliers::tolerated() const {
+  const auto of = [this](std::size_t i) {
+    const auto& constraint = dynamic_cast<const Component&>(*system_->actors().lagrangian_constraints[i]);
+    const Data* data = constraint.data().find("toleratedError");
+    return data ? *std::get<double*>(data->pointer()) : 0;
+  };
+  std::vector<double> allowed;
+  for (std::size_t i = 0; i < ends_.size(); ++i)
+    if (of(i) > 0 || !allowed.empty()) allowed.resize(i > 0 ? ends_[i - 1] : 0, 0), allowed.resize(ends_[i], of(i));
+  return allowed;
+}
+
 /// What has not come to rest and what does not hold.
 void Multipliers::judge(double step, double size, double rounding, StepReport& report) {
-  const auto refuse = [&report](std::string reason) {
-    report.constraints_converged = false;
-    report.constraint_reason = std::move(reason);
-  };
   if (!std::isfinite(step)) {
     report.diverged = true;
     report.reason = "the forces of Lagrangian constraints are not finite";
     return;
   }
   constexpr double still = 1e-6;  // of the place: what directions of forces still turn bodies by
-  const ConditionForces::Violation worst = solve_.worst(rows_.rows());
-  if (!(worst.off <= exact * size + rounding + 1e-300)) {
+  const double held = exact * size + rounding + 1e-300;
+  const std::vector<double> allowed = tolerated();
+  ConditionForces::Violation worst = solve_.worst(rows_.rows(), allowed);
+  bool is_kept = worst.off <= held;
+  if (is_kept) worst = solve_.worst(rows_.rows());
+  const auto refuse = [&](std::string reason) {
+    report.constraints_converged = is_kept;
+    report.constraint_reason = std::move(reason);
+  };
+  if (!(worst.off <= held)) {
+    const std::string name = nameOf(worst.row), nodes = nodesOf(worst.row);
     if (worst.rubs)
-      return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m", nameOf(worst.row), worst.off));
-    if (rows_.entriesOf(rows_.rows()[worst.row]).empty())
+      return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m{}", name, worst.off, nodes));
+    const auto entries = rows_.entriesOf(rows_.rows()[worst.row]);
+    if (std::all_of(entries.begin(), entries.end(), [](const auto& entry) { return entry.gradient.isZero(0); })) {
+      is_kept = false;
       return refuse(fmt::format("the Lagrangian constraint {} does not hold and no force mends it: the step goes farther than what "
-                                "it can prove to be free. A smaller dt helps, or larger gaps",
-                                nameOf(worst.row)));
+                                "it can prove to be free{}. A smaller dt helps, or larger gaps",
+                                name, nodes));
+    }
     const double g = std::abs(solve_.g[Eigen::Index(worst.row)]);
-    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", nameOf(worst.row), g));
+    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}{}", name, g, nodes));
   }
-  if (!(step <= still * size + rounding + 1e-300))
+  if (!(step <= still * size + rounding + 1e-300)) {
+    // no row says whose forces these are
+    is_kept = !allowed.empty() && step <= *std::min_element(allowed.begin(), allowed.end());
     refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their largest coordinate "
                        "when their rounds end",
                        system_->integrator().path(), step / size));
+  }
 }
 
 // ---- for Newton's method ----

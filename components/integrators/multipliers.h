@@ -71,6 +71,8 @@ class Multipliers {
   void apply(Rows change);
   void give();
   std::string nameOf(std::size_t row) const;
+  std::string nodesOf(std::size_t row) const;
+  std::vector<double> tolerated() const;
   void judge(double step, double size, double rounding, StepReport& report);
 
   System* system_ = nullptr;

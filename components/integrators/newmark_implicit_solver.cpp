@@ -12,8 +12,9 @@
 //
 // The first a0 is M^-1 F(x0, v0); later ones are the a1 of the step before, so that accelerations are continuous. Where
 // positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
-// vdamping multiplies v by exp(-h vdamping) after the step. Where gamma = 1/2 and a force field's K is not the exact derivative
-// of its force, a step makes two linear solves, without which it would be of first order: see TrapezoidalRuleSolver.
+// vdamping multiplies v by exp(-h vdamping) after the step, and velocityThreshold stops slow nodes. Where gamma = 1/2
+// and a force field's K is not the exact derivative of its force, a step makes two linear solves, without which it would be
+// of first order: see TrapezoidalRuleSolver.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -32,6 +33,7 @@
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/sleep.h"
+#include "components/integrators/velocity_damping.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -64,7 +66,8 @@ class NewmarkImplicitSolver final : public Integrator {
   }
 
  private:
-  double gamma_ = 0.5, beta_ = 0.25, velocity_damping_ = 0;
+  double gamma_ = 0.5, beta_ = 0.25;
+  VelocityDamping velocity_damping_;
   ImplicitStep implicit_;
   Acceleration acceleration_;
   Sleep sleep_;
@@ -88,11 +91,7 @@ void NewmarkImplicitSolver::declare(DataTable& table) {
       .min(0, false)
       .max(0.5);
   implicit_.declareDamping(table);
-  table.add("vdamping", velocity_damping_)
-      .atOnce()
-      .help("decay rate of the velocity, applied after the step")
-      .unit("1/s")
-      .min(0);
+  velocity_damping_.declare(table);
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
@@ -145,7 +144,7 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   copy(a_, new_a_);
   xpay(implicit_.change(), -(1 - gamma_) * h, new_a_);
   scale(1 / (gamma_ * h), new_a_);
-  if (velocity_damping_ != 0) scale(std::exp(-h * velocity_damping_), system.v);
+  velocity_damping_.apply(system, h);
   return sleep_.judged(report);
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -98,28 +97,6 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
   return false;
 }
 
-RoundOff positionRoundOff(const System& system, Rows work, Rows product) {
-  constexpr double half_unit = std::numeric_limits<double>::epsilon() / 2;
-  const ConstRows x = system.independent(system.x);
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (Index i = 0; i < x.count; ++i) low = low.cwiseMin(x[i]), high = high.cwiseMax(x[i]);
-  // an element works with differences over its size, also where a node's own coordinates are small
-  const double cell = x.count > 0 ? (high - low).norm() / std::cbrt(double(x.count)) : 0;
-  std::uint64_t bits = 0x9e3779b97f4a7c15u;
-  clear(work);
-  for (Index i = 0; i < x.count; ++i)
-    for (int l = 0; l < 3; ++l) {
-      bits ^= bits << 13, bits ^= bits >> 7, bits ^= bits << 17;  // xorshift (Marsaglia 2003)
-      work[i][l] = (bits & 1 ? half_unit : -half_unit) * (std::abs(x[i][l]) + cell);
-    }
-  system.constraints().project(work);
-  clear(product);
-  system.addStiffnessProduct(work, {.stiffness = 1}, product);
-  system.constraints().project(product);
-  const double sums = 4 * std::numeric_limits<double>::epsilon() * norm(system.independent(system.f));
-  return {norm(product) + sums, 0.5 * std::abs(dot(work, product))};
-}
-
 void Newton::compile(Index rows) {
   for (Vector* vector : {&residual_, &direction_, &trial_, &base_}) vector->resize(rows);
   history_.reserve(std::size_t(std::min(settings.iterations, 100000)) + 2);
@@ -128,6 +105,24 @@ void Newton::compile(Index rows) {
 bool Newton::converged(double now) const {
   return now <= settings.relative_residual * scale_ || now <= settings.absolute_residual ||
          (history_.size() > 1 && now <= settings.successive_residual * history_[history_.size() - 2]);
+}
+
+/// True when |R| is small by its relative tolerance alone, and parts of it are not by theirs: then an iteration more is made.
+bool Newton::isForParts(const NonlinearProblem& problem, double now) {
+  const bool is_relative = settings.absolute_residual == 0 && settings.successive_residual == 0;
+  if (!is_relative || now == 0 || int(history_.size()) > settings.iterations) return false;
+  const double of_parts = problem.residualOfParts(residual_);
+  if (of_parts <= settings.relative_residual || !(of_parts < 0.5 * parts_)) return false;
+  parts_ = of_parts;
+  return true;
+}
+
+/// An iteration for parts that fails leaves a solve that has converged before.
+bool Newton::isLeftAsItWas(double now, StepReport& report) const {
+  if (std::isinf(parts_) || !converged(now)) return false;
+  report.diverged = false, report.linear_converged = true, report.linear_at_limit = false;
+  report.reason.clear();
+  return true;
 }
 
 /// The relative residual at which a solve ends.
@@ -169,16 +164,25 @@ double Newton::iterationsLeft() const {
   return std::max(0.0, std::log(goal() * scale_ / history_[last]) / each);
 }
 
-/// True when round-off explains the whole residual, and that is little beside the loads: nothing better exists. Where
-/// round-off is not little, `report.reason` becomes the clause that says so.
-bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& report) const {
+/// True when round-off explains the whole residual, and that is little beside the loads, or there are none: nothing better exists.
+/// Where round-off is not little, `report.reason` becomes the clause that says so.
+bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& report) {
   report.reason.clear();
   const double attainable = problem.roundOff().residual;
   if (!(now <= 3 * attainable)) return false;
   report.newton_residual = now / scale_;
-  if (now <= most_of_loads * scale_) return true;
+  if (now <= most_of_loads * scale_ || !problem.isLoaded()) return true;
   report.reason = tooSmallLoads(attainable / scale_);
   return false;
+}
+
+/// True where nothing acts, the first correction is nearly none and the forces are what round-off makes of them: that they
+/// balance no better is no lack of balance.
+bool Newton::isAtRest(NonlinearProblem& problem) {
+  constexpr double nearly_none = 1e-9;
+  if (!problem.restsWithoutForces() || history_.size() > 1) return false;
+  if (problem.displacementPerUnknown() * largest(direction_) > nearly_none * largest(problem.positions())) return false;
+  return scale_ <= 3 * problem.roundOff().residual && !problem.isLoaded();
 }
 
 /// The relative residual that the next linear solve must reach; 0: what its solver is set to.
@@ -227,6 +231,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
     history_.pop_back();
   } else {
     history_.clear();
+    parts_ = std::numeric_limits<double>::infinity();
     best_norm_ = std::numeric_limits<double>::infinity();
     if (!std::exchange(keeps_scale_, false)) scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
   }
@@ -240,7 +245,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
       report.reason = "the force is not finite where the step starts";
       return report;
     }
-    if (converged(now)) {
+    if (converged(now) && !isForParts(problem, now)) {
       report.linear_converged = true, report.linear_at_limit = false;  // its solves were means only, to this residual
       return report;
     }
@@ -282,12 +287,13 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.
 bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
   ++report.newton_iterations;
-  if (!findDirection(problem, solver, now, report)) return false;
+  if (!findDirection(problem, solver, now, report)) return isLeftAsItWas(now, report), false;
+  if (isAtRest(problem)) return false;
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
   const double before = now;
   if (search(problem, now) == 0) {
     report.stopped = stop_.isStopAsked();
-    if (report.stopped || isAtRoundOff(problem, now, report)) return false;
+    if (report.stopped || isLeftAsItWas(now, report) || isAtRoundOff(problem, now, report)) return false;
     report.diverged = settings.fixed_count;
     leaveBest(problem, now, report);
     report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}{}",
@@ -307,94 +313,11 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   if (!is_round_off || now <= most_of_loads * scale_ || settings.fixed_count) return false;
   // a body on which nothing acts has a residual of round-off from the start
   const double attainable = problem.roundOff().residual;
-  if (!problem.isLoaded() && scale_ <= 3 * attainable) return false;
+  if (std::min(scale_, now) <= 3 * attainable && !problem.isLoaded()) return false;
   report.newton_converged = false;
   report.reason = fmt::format("Newton's corrections are below the round-off of positions at a relative residual of {:.2g}{}",
                               report.newton_residual, tooSmallLoads(attainable / scale_));
   return false;
-}
-
-void Newton::move(NonlinearProblem& problem, double step) {
-  const Rows u = problem.unknowns();
-  copy(base_, u);
-  problem.addTo(u, step, direction_);
-  problem.unknownsChanged();
-}
-
-/// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted, or
-/// stopped; the iterate is unchanged.
-double Newton::search(NonlinearProblem& problem, double& now) {
-  const double slope = dot(residual_, direction_);
-  if (!std::isfinite(slope)) return 0;
-  copy(problem.unknowns(), base_);
-  double step = problem.longestStep(direction_);
-  if (settings.line_search_iterations > 0) {
-    step = settings.use_energy && slope > 0 ? searchEnergy(problem, step, slope, now) : searchWork(problem, step, now);
-  } else {
-    move(problem, step);
-    problem.residual(trial_);
-    const double candidate = norm(trial_);
-    if (std::isfinite(candidate))
-      now = candidate;
-    else
-      step = 0;
-  }
-  if (step == 0) {
-    move(problem, 0);
-  } else {
-    std::swap(residual_, trial_);
-  }
-  return step;
-}
-
-/// Armijo: E(u + s d) <= E(u) - 1e-4 s R.d. Where the difference drowns in the round-off of E, |R| decides.
-double Newton::searchEnergy(NonlinearProblem& problem, double longest, double slope, double& now) {
-  const double before = problem.energy();
-  double step = longest, noise_of_positions = 0;
-  for (int trial = 0; trial < settings.line_search_iterations && !stop_.isStopAsked(); ++trial) {
-    move(problem, step);
-    const double after = problem.energy();
-    // the whole correction is refused: how far can rounded positions be to blame?
-    if (trial == 1) noise_of_positions = problem.roundOff().energy;
-    const double noise = 1e-13 * std::max(std::abs(before), std::abs(after)) + noise_of_positions;
-    const bool enough = after <= before - 1e-4 * step * slope;
-    const bool drowned = step * slope <= noise;
-    if (enough || drowned) {
-      problem.residual(trial_);
-      const double candidate = norm(trial_);
-      if (std::isfinite(candidate) && (candidate < now || (enough && !drowned))) {
-        now = candidate;
-        return step;
-      }
-      if (drowned) return 0;
-    }
-    // the parabola through E(0), its slope and E(step)
-    const double parabola = slope * step * step / (2 * (after - before + slope * step));
-    const double longest = settings.line_search_coefficient * step;
-    step = std::isfinite(parabola) ? std::clamp(parabola, std::min(0.1 * step, longest), longest) : 0.5 * longest;
-  }
-  return 0;
-}
-
-/// Without an energy: |R(u + s d).d| <= 0.9 |R(u).d|, the criterion of Matthies and Strang 1979, or a smaller |R|. The
-/// work along d plays the part of the energy's slope; |R| alone would reject good steps of a body that turns, whose
-/// stiff directions are out of balance by the square of the rotation until the next iteration.
-double Newton::searchWork(NonlinearProblem& problem, double longest, double& now) {
-  const double before = std::abs(dot(residual_, direction_));
-  double step = longest;
-  const int trials = std::min(20, settings.line_search_iterations);
-  for (int trial = 0; trial < trials && !stop_.isStopAsked(); ++trial, step *= settings.line_search_coefficient) {
-    move(problem, step);
-    problem.residual(trial_);
-    const double candidate = norm(trial_);
-    if (!std::isfinite(candidate)) continue;
-    if (candidate <= (1 - 1e-4 * step) * now ||
-        std::abs(dot(trial_, direction_)) <= (longest < 1 ? 1 - 0.1 * step : 0.9) * before) {
-      now = candidate;
-      return step;
-    }
-  }
-  return 0;
 }
 
 }  // namespace stroma

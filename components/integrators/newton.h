@@ -34,20 +34,25 @@ class NonlinearProblem {
   virtual bool movesOn() { return false; }
   /// u moves by s d.
   virtual void addTo(Rows u, double s, ConstRows d) const { axpy(s, d, u); }
+  /// The largest residual of parts that have a scale of their own, relative to that. A solve whose |R| is small goes on while this
+  /// is not and halves.
+  virtual double residualOfParts(ConstRows /*residual*/) const { return 0; }
   virtual void unknownsChanged() = 0;                 ///< called after u was written
   virtual double displacementPerUnknown() const = 0;  ///< dx/du: 1, or seconds when u is a velocity
   virtual ConstRows positions() const = 0;            ///< x(u) [m]
   virtual double travelled() const = 0;               ///< |x(u) - x at the start| [m]
   /// The size of what R balances at the u of the last residual(), in R's unit: forces with the reactions of held nodes.
   virtual double loadScale() const = 0;
-  /// True when something besides the body's own forces acts on it: R is then not round-off alone from the start.
-  virtual bool isLoaded() const { return false; }
+  /// True for equations of forces alone: where these are round-off there is nothing to do.
+  virtual bool restsWithoutForces() const { return false; }
+  /// True when something besides the body's own forces acts on it now.
+  virtual bool isLoaded() { return true; }
   /// At the u of the last residual(). Costs a product with the tangent; asked for only where a solve gets no further.
   virtual RoundOff roundOff() = 0;
 };
 
-/// That of a system at its x, where positions cannot be told apart: |K p| and p K p / 2 for a p of one rounding error of
-/// each coordinate, with signs that follow no pattern of the mesh. `work`, `product`: shape (independentRows()).
+/// That of a system at its x, where positions cannot be told apart: |K p|, and p K p / 2 with that times the size of a cell, for a p of
+/// one rounding error of each coordinate, with signs that follow no pattern of the mesh. `work`, `product`: shape (independentRows()).
 RoundOff positionRoundOff(const System& system, Rows work, Rows product);
 
 struct NewtonSettings {
@@ -106,12 +111,15 @@ class Newton {
  private:
   StepReport solveFixed(NonlinearProblem& problem, LinearSolver& solver);
   bool converged(double norm) const;
+  bool isForParts(const NonlinearProblem& problem, double norm);
+  bool isLeftAsItWas(double norm, StepReport& report) const;
   double goal() const;
   double forcingTerm(double norm) const;
   bool isCorrectionSmall(const NonlinearProblem& problem) const;
   bool isCorrectionRoundOff(const NonlinearProblem& problem) const;
   bool isPointless() const;
-  bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report) const;
+  bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report);
+  bool isAtRest(NonlinearProblem& problem);
   bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double norm, StepReport& report);
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
   void keepIfBest(NonlinearProblem& problem, double norm);
@@ -127,6 +135,7 @@ class Newton {
   StopToken stop_;        ///< of the last solve()
   double scale_ = 0;      ///< the larger of |R| and loadScale() where the solve starts
   double best_norm_ = 0;  ///< |R| of best_
+  double parts_ = 0;      ///< residualOfParts() at the last iteration that was made for these; infinity: none was
   bool was_slow_ = false, went_on_ = false;  ///< went on: with another tangent, whose first direction is to be found
   bool keeps_scale_ = false;  ///< see keepScale()
 };

@@ -51,6 +51,7 @@ class ShiftedMatrix final : public SystemMatrix {
   }
   bool symmetric() const override { return base_.symmetric(); }
   bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
+  double productCost() const override { return base_.productCost(); }
   ConstRows positions() const override { return base_.positions(); }
   bool isOfLooseNodes() const override { return base_.isOfLooseNodes(); }
   std::string describeRow(Index row) const override { return base_.describeRow(row); }

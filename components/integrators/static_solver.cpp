@@ -3,41 +3,41 @@
 //
 //   -K(x) dx = f(x),   x += s dx,   K = df/dx
 //
-// with the free directions of the constraints only. s comes from a line search: Armijo backtracking on the potential
-// energy when every force has one, else the norm of the residual must fall. Masses matter through gravity alone;
-// velocities are zero after a step but for nodes with a prescribed motion. A tangent that is not positive definite
-// (buckling, an inverted element) gets a multiple of its own diagonal until it can be solved; the report says so.
+// with the free directions of the constraints only. s comes from a line search: Armijo backtracking on the potential energy when
+// every force has one, else the norm of the residual must fall. Masses matter through gravity alone; after a step velocities are
+// zero but for moved nodes. A tangent that is not positive definite gets a multiple of its own diagonal; the report says so.
 //
 // With forcing_term above 0 a solver by products solves early iterations loosely, and as well as Newton converges later
-// (Eisenstat and Walker 1996). With PCGLinearSolver preconditioner="warped" one factorisation then serves many
-// iterations, with preconditioner="multigrid" no factors are needed. What ends a step does not change. A scene that names
-// no linear solver has AutomaticLinearSolver, and with it a forcing term of 0.1 unless all its forces are linear.
+// (Eisenstat and Walker 1996). With PCGLinearSolver preconditioner="warped" one factorisation then serves many iterations, with
+// preconditioner="multigrid" no factors are needed. What ends a step does not change. A scene that names no linear solver has
+// AutomaticLinearSolver, and with it a forcing term of 0.1 unless all its forces are linear.
 //
 // A step whose loads or whose prescribed motion are too much for one go is divided. With f0 = f(x0) the forces out of
 // balance where the step starts and s the share of the step, a part solves
 //
 //   f(x) - (1 - s) f0 = 0,   prescribed nodes where they are at t + s dt
 //
-// and s grows to 1 by parts that become smaller by 4 where one fails and larger by 2 after each that does not: at
-// s = 0 the start is in balance whatever acts on it. Parts end at a relative residual of 1e-4, the last one at the
-// step's own. The run tells how many steps were divided. No part is smaller than `smallest_part`: then the step says
-// under how much of its loads the last equilibrium is, and leaves that, or with moved nodes is taken back.
+// and s grows to 1 by parts that become smaller by 4 where one fails and larger by 2 after each that does not: at s = 0 the
+// start is in balance whatever acts on it. Parts end at a relative residual of 1e-4, the last one at the step's own. The run
+// tells how many steps were divided. No part is smaller than `smallest_part`: then the step says under how much of its loads
+// the last equilibrium is, and leaves that, or with moved nodes is taken back.
 //
 // Before that, a solve that fails or gets no further with the approximate tangent of a force field (tangent="warped") is tried
-// with the exact one, from the best iterate and then from where it began, and the rest of the step with it. One that gets
-// on by a factor above 0.1, with more than six such still to go, takes the exact one too, where that is symmetric (method svd).
-// Where that helped, later steps begin with it. The run tells how many steps needed that. The linear solver must take what the
-// exact tangent is: CGLinearSolver takes symmetric ones only. With fewer than five Newton iterations it is not tried.
+// with the exact one, from the best iterate and then from where it began, and the rest of the step with it. One that gets on by
+// a factor above 0.1, with more than six such still to go, takes the exact one too, where that is symmetric (method svd). Where
+// that helped, later steps begin with it. The run tells how many steps needed that. The linear solver must take what the exact
+// tangent is: CGLinearSolver takes symmetric ones only. With fewer than five Newton iterations it is not tried.
 //
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held nodes
-// included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead of the balance of
-// forces) is met, or when dx no longer changes x in double precision. After newton_iterations without that, the step says that it
-// has not converged and leaves the best iterate; a run that ends with such a step has no result, and its exit code is 3. SOFA's
-// defaults are 1 iteration and 1e-5 for all four. A NewtonRaphsonSolver in the node, or linked, holds the settings instead.
+// included), or when these forces are round-off of those within a body on which nothing acts, or when one of the other
+// thresholds (off by default: they are absolute, or of the step instead of the balance of forces) is met, or when dx no longer
+// changes x in double precision. After newton_iterations without that, it has not converged, says so, and leaves the best
+// iterate; a run that ends so has no result (exit code 3). SOFA: 1 iteration, four times 1e-5. A NewtonRaphsonSolver of the
+// node, or linked, has the settings.
 //
-// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with a sentence
-// naming the body and the direction or axis. A body is what forces tie together: a state can hold several. With sleepDistance one
-// that keeps its place is not computed, exactly until something changes; sleep.h has the rule.
+// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with a
+// sentence naming the body and the direction or axis. A body is what forces tie together: a state can hold several. With
+// sleepDistance one that keeps its place is not computed, exactly until something changes; sleep.h has the rule.
 //
 // Example:
 // <Node name="root" dt="1" gravity="0 -9.81 0">

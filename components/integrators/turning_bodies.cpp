@@ -160,6 +160,13 @@ void TurningBodies::setVelocities(ConstRows x, const std::vector<Vec3>& momenta,
   for (std::size_t b = 0; b < count(); ++b) put(b, velocityOf(b, x, momenta[b], v[row(b)]), v);
 }
 
+Vec3 TurningBodies::corrected(std::size_t body, ConstRows x, const Vec3& turn, double displacement, const Vec3& w0,
+                              const Vec3& u, const Vec3& change) const {
+  if (!bodies_[body].turns) return u + change;
+  const Mat3 inertia = bodies_[body].inertiaAt(turnedBy(turn + displacement * (u - w0)) * orientationIn(x, row(body)));
+  return solve(body, x, turn, displacement, w0, inertia * (u + change), u + change);
+}
+
 // Newton's method; the turn by u is taken as additive in its derivative, which costs iterations only. Whatever is left,
 // the momentum is L at the orientation that the step ends with.
 Vec3 TurningBodies::solve(std::size_t body, ConstRows x, const Vec3& turn, double displacement, const Vec3& w0,

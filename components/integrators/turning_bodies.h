@@ -43,6 +43,9 @@ class TurningBodies {
   /// `x` has q0.
   Vec3 solve(std::size_t body, ConstRows x, const Vec3& turn, double displacement, const Vec3& w0, const Vec3& momentum,
              Vec3 u) const;
+  /// What a correction makes of u whose change of momentum is J(exp(r + c (u - w0)) q0) change.
+  Vec3 corrected(std::size_t body, ConstRows x, const Vec3& turn, double displacement, const Vec3& w0, const Vec3& u,
+                 const Vec3& change) const;
 
  private:
   struct Body {

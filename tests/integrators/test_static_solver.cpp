@@ -69,6 +69,38 @@ TEST(StaticSolver, AThresholdAboveTheForcesIsADoubt) {
   expectContains(problem(""), "2 is outside the range of tolerance (expected a value in [0, 1))");
 }
 
+/// A block that is loaded, unloaded and held: where nothing acts its forces are round-off, and it is at rest. A load below that
+/// has no answer.
+TEST(StaticSolver, StepsWithoutLoadAreAtRest) {
+  for (const char* law : {"NeoHookean", "Hencky", "Yeoh", "StVenantKirchhoff"}) {
+    const auto block = [&](const char* force) {
+      return simulationFromText(fmt::format(R"(<Node dt="0.1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>
+        <RegularGridTopology n="5 3 3" min="0 0 0" max="0.1 0.02 0.02"/><MechanicalObject name="dofs"/>
+        <HexahedronHyperelasticityFEMForceField materialName="{}" youngModulus="1e6" poissonRatio="0.3"/>
+        <FixedProjectiveConstraint indices="0 5 10 15 20 25 30 35 40"/>
+        <LinearForceField points="4" keyTimes="0 0.3 0.6 0.9 2" forces="0 0 0  0 0 0  0 0 {}  0 0 0  0 0 0"/></Node>)", law, force));
+    };
+    Simulation simulation = block("0.01");
+    for (int step = 1; step <= 12; ++step) {
+      const StepReport report = simulation.step();
+      EXPECT_TRUE(report.newton_converged && !report.unsolved) << law << ", step " << step << ": " << report.reason;
+      EXPECT_LE(report.load_parts, 1);
+      const double z = simulation.states()[0]->x()[4].z();
+      if (step > 3 && step < 9) {
+        EXPECT_GT(z, 1e-6) << step;
+      } else {
+        EXPECT_LT(std::abs(z), 1e-12) << step;
+      }
+    }
+    EXPECT_EQ(simulation.systems()[0]->integrator().doubt(), "");
+    Simulation tiny = block("1e-17");
+    for (int step = 1; step <= 3; ++step) EXPECT_TRUE(tiny.step().newton_converged) << law << ", step " << step;
+    const StepReport loaded = tiny.step();
+    EXPECT_TRUE(loaded.newton_converged || loaded.unsolved) << "a load is not taken for none";
+    if (loaded.unsolved) expectContains(loaded.reason, "the loads are too small for this stiffness");
+  }
+}
+
 TEST(StaticSolver, AHardeningSpringConvergesQuadratically) {
   Simulation simulation = statics("", "stiffness='1' cubic='100'", "");
   const StepReport report = simulation.step();

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Of an implicit step: bodies whose inertia turns with them.
+#include <algorithm>
+
+#include "components/integrators/implicit_step.h"
+
+namespace stroma {
+
+void ImplicitStep::startBodies() {
+  bodies_.momenta(x(), v(), start_momenta_);
+  if (!scheme_.has_history) std::fill(momentum_predictor.begin(), momentum_predictor.end(), Vec3::Zero());
+}
+
+/// That of a body in the step if its velocity stays w0.
+Vec3 ImplicitStep::predictedTurn(std::size_t body, const Vec3& w0) const {
+  const Vec3 turn = scheme_.drift * w0;
+  return scheme_.has_history ? turn + position_predictor[bodies_.row(body)] : turn;
+}
+
+/// The linear solve has found the change of momentum J dv of each body; what change of velocity that is follows from
+/// where the body has turned to.
+void ImplicitStep::turnBodies() {
+  for (std::size_t b = 0; b < bodies_.count(); ++b) {
+    const Index row = bodies_.row(b);
+    const Vec3 w0 = v()[row], momentum = start_momenta_[b] + bodies_.times(b, x(), change_[row]);
+    const Vec3 w = bodies_.solve(b, x(), predictedTurn(b, w0), scheme_.displacement, w0, momentum, w0 + change_[row]);
+    bodies_.put(b, w - w0, change_);
+  }
+}
+
+/// As in turnBodies(): a correction d of a body is the change J d of its momentum. Whatever torques it leaves out of balance,
+/// without any the momentum is kept after each iteration.
+void ImplicitStep::addTo(Rows u, double s, ConstRows d) const {
+  if (s == 0) return;
+  std::vector<Vec3>& velocities = velocities_;
+  velocities.resize(bodies_.count());
+  for (std::size_t b = 0; b < velocities.size(); ++b) {
+    const Index row = bodies_.row(b);
+    const Vec3 w0 = v0_[row];
+    velocities[b] = bodies_.corrected(b, x0_, predictedTurn(b, w0), scheme_.displacement, w0, u[row], s * d[row]);
+  }
+  axpy(s, d, u);
+  for (std::size_t b = 0; b < velocities.size(); ++b) bodies_.put(b, velocities[b], u);
+}
+
+/// The momentum of each body, beside its own or what its torque makes of it in the step: those of light ones are little
+/// beside the forces on others.
+double ImplicitStep::residualOfParts(ConstRows residual) const {
+  constexpr double round_off = 1e-15;  // of a turn [rad]
+  double largest = 0;
+  for (std::size_t b = 0; b < bodies_.count(); ++b) {
+    const double torque = scheme_.weight * bodies_.sum(b, system_->independent(system_->f)).norm();
+    const Vec3 left = bodies_.sum(b, residual);
+    // a body at rest has a momentum and a torque of round-off, and nothing is large beside them
+    if (!(scheme_.displacement * bodies_.inverse(b, system_->independent(system_->x), left).norm() > round_off)) continue;
+    largest = std::max(largest, left.norm() / std::max(start_momenta_[b].norm(), torque));
+  }
+  return largest;
+}
+
+}  // namespace stroma

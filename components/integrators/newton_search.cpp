@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The line searches of Newton's method.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "components/integrators/newton.h"
+
+namespace stroma {
+
+void Newton::move(NonlinearProblem& problem, double step) {
+  const Rows u = problem.unknowns();
+  copy(base_, u);
+  problem.addTo(u, step, direction_);
+  problem.unknownsChanged();
+}
+
+/// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted, or
+/// stopped; the iterate is unchanged.
+double Newton::search(NonlinearProblem& problem, double& now) {
+  const double slope = dot(residual_, direction_);
+  if (!std::isfinite(slope)) return 0;
+  copy(problem.unknowns(), base_);
+  double step = problem.longestStep(direction_);
+  if (settings.line_search_iterations > 0) {
+    step = settings.use_energy && slope > 0 ? searchEnergy(problem, step, slope, now) : searchWork(problem, step, now);
+  } else {
+    move(problem, step);
+    problem.residual(trial_);
+    const double candidate = norm(trial_);
+    if (std::isfinite(candidate))
+      now = candidate;
+    else
+      step = 0;
+  }
+  if (step == 0) {
+    move(problem, 0);
+  } else {
+    std::swap(residual_, trial_);
+  }
+  return step;
+}
+
+/// Armijo: E(u + s d) <= E(u) - 1e-4 s R.d. Where the difference drowns in the round-off of E, |R| decides.
+double Newton::searchEnergy(NonlinearProblem& problem, double longest, double slope, double& now) {
+  const double before = problem.energy();
+  double step = longest, noise_of_positions = 0;
+  for (int trial = 0; trial < settings.line_search_iterations && !stop_.isStopAsked(); ++trial) {
+    move(problem, step);
+    const double after = problem.energy();
+    // the whole correction is refused: how far can rounded positions be to blame?
+    if (trial == 1) noise_of_positions = problem.roundOff().energy;
+    const double noise = 1e-13 * std::max(std::abs(before), std::abs(after)) + noise_of_positions;
+    const bool enough = after <= before - 1e-4 * step * slope;
+    const bool drowned = step * slope <= noise;
+    if (enough || drowned) {
+      problem.residual(trial_);
+      const double candidate = norm(trial_);
+      if (std::isfinite(candidate) && (candidate < now || (enough && !drowned))) {
+        now = candidate;
+        return step;
+      }
+      if (drowned) return 0;
+    }
+    // the parabola through E(0), its slope and E(step)
+    const double parabola = slope * step * step / (2 * (after - before + slope * step));
+    const double longest = settings.line_search_coefficient * step;
+    step = std::isfinite(parabola) ? std::clamp(parabola, std::min(0.1 * step, longest), longest) : 0.5 * longest;
+  }
+  return 0;
+}
+
+/// Without an energy: |R(u + s d).d| <= 0.9 |R(u).d|, the criterion of Matthies and Strang 1979, or a smaller |R|. The
+/// work along d plays the part of the energy's slope; |R| alone would reject good steps of a body that turns, whose
+/// stiff directions are out of balance by the square of the rotation until the next iteration.
+double Newton::searchWork(NonlinearProblem& problem, double longest, double& now) {
+  const double before = std::abs(dot(residual_, direction_));
+  double step = longest;
+  const int trials = std::min(20, settings.line_search_iterations);
+  for (int trial = 0; trial < trials && !stop_.isStopAsked(); ++trial, step *= settings.line_search_coefficient) {
+    move(problem, step);
+    problem.residual(trial_);
+    const double candidate = norm(trial_);
+    if (!std::isfinite(candidate)) continue;
+    if (candidate <= (1 - 1e-4 * step) * now ||
+        std::abs(dot(trial_, direction_)) <= (longest < 1 ? 1 - 0.1 * step : 0.9) * before) {
+      now = candidate;
+      return step;
+    }
+  }
+  return 0;
+}
+
+}  // namespace stroma
