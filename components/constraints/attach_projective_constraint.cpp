@@ -3,7 +3,8 @@
 //
 // Both ends of a pair have one velocity, and their masses and forces add up, exactly: with P the mean over the pair, the
 // step solves P (m M + k K + c C) P. Two bodies attached at matching nodes are the merged body. Ends that lie apart at the
-// start are brought together at their mass-weighted mean, and so are their velocities.
+// start are brought together at their mass-weighted mean, and so are their velocities; in directions in which another constraint
+// holds one end, where that end is.
 //
 // twoWay="false" (the default of SOFA): the nodes of indices2 follow those of indices1, which feel nothing. Positions and
 // velocities coincide at the end of every step; inside a step the follower moves with the velocity that the other had at

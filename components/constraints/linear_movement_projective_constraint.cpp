@@ -14,7 +14,8 @@
 // step the nodes move with constant velocity. A step that reaches past the last key ends at its movement.
 //
 // Before the first key and after the last the nodes are free, as in SOFA; with outside="hold" they stay where the first
-// and the last movement put them.
+// and the last movement put them. Where another constraint holds a node in a direction of its movement the node moves, and a
+// warning says so.
 //
 // Source: the names and attributes are SOFA's, but for `outside`.
 //

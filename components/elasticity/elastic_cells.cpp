@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "components/elasticity/elastic_force_field.h"
 
@@ -44,22 +45,85 @@ std::string ElasticForceField::doubt(ConstRows x) const {
       beyond, count, 100 * limit, elements_->describe(at), 100 * worst);
 }
 
-void ElasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
+// ---- fields ----
+
+std::vector<std::string> ElasticForceField::cellFields() const {
+  return {"vonMises", "J", "strain", "stress", "principalStress", "principalStrain"};
+}
+
+ForceField::CellFieldShape ElasticForceField::cellFieldShape(const std::string& name) const {
+  const bool tensor = name == "strain" || name == "stress", principal = name.starts_with("principal");
+  return {&elements_->kind(), std::size_t(tensor ? 6 : principal ? 3 : 1)};
+}
+
+std::vector<double> ElasticForceField::meanChanges(ConstRows x) const {
+  if (!variant_.mean_dilatation) return {};
   const std::size_t count = std::size_t(elements_->count(*mesh_));
-  const ConstRows own = ownRows(x);
-  out.resize(name == "strain" ? 6 * count : count);
+  std::vector<double> changes(count), volumes(count);
+  for (std::size_t cell = 0; cell < count; ++cell)
+    elements_->forEachPoint(cell, x, [&](const Mat3& strain, const Mat3&, double volume) {
+      changes[cell] += volume * strain.trace();
+      volumes[cell] += volume;
+    });
+  if (elements_->kind().type != CellType::tetrahedron) {  // the mean over the cell
+    for (std::size_t cell = 0; cell < count; ++cell) changes[cell] /= volumes[cell];
+    return changes;
+  }
+  // theta_a of nodal_dilatation.h: of each node, for each bulk modulus around it
+  std::map<std::pair<Index, double>, std::pair<double, double>> nodes;
+  const auto sums = [&](std::size_t cell, Index node) -> auto& { return nodes[{node, lame(cell).bulk()}]; };
+  for (std::size_t cell = 0; cell < count; ++cell)
+    for (const Index node : mesh_->tetrahedra[cell]) {
+      sums(cell, node).first += changes[cell];
+      sums(cell, node).second += volumes[cell];
+    }
   for (std::size_t cell = 0; cell < count; ++cell) {
+    changes[cell] = 0;
+    for (const Index node : mesh_->tetrahedra[cell])
+      changes[cell] += sums(cell, node).first / sums(cell, node).second / 4;
+  }
+  return changes;
+}
+
+Mat3 ElasticForceField::stress(std::size_t cell, ConstRows x, double change) const {
+  const Lame law = lame(cell);
+  Mat3 sum = Mat3::Zero();
+  double whole = 0;
+  elements_->forEachPoint(cell, x, [&](const Mat3& strain, const Mat3& carrier, double volume) {
+    Mat3 own = 2 * law.mu * strain;
+    const double trace = strain.trace();
+    own.diagonal().array() += std::isnan(change) ? law.lambda * trace : law.bulk() * change - 2. / 3 * law.mu * trace;
+    const double j = carrier.determinant();  // a flat cell has no area for its force: that of a cell of a millionth
+    sum += volume / (std::abs(j) < 1e-6 ? 1e-6 : j) * carrier * own * carrier.transpose();
+    whole += volume;
+  });
+  return sum / whole;
+}
+
+void ElasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
+  const std::size_t count = std::size_t(elements_->count(*mesh_)), width = cellFieldShape(name).width;
+  const ConstRows own = ownRows(x);
+  const bool of_strain = name == "strain" || name == "principalStrain";
+  // a pressure that is carried by a rotation has no part in von Mises' stress
+  const bool of_shear = name == "vonMises" && variant_.method != ElasticMethod::green;
+  std::vector<double> changes = of_strain || of_shear || name == "J" ? std::vector<double>() : meanChanges(own);
+  if (changes.empty()) changes.assign(count, std::numeric_limits<double>::quiet_NaN());
+  out.resize(width * count);
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    double* to = out.data() + width * cell;
     if (name == "J") {
-      out[cell] = elements_->jacobian(cell, own);
+      *to = elements_->jacobian(cell, own);
       continue;
     }
-    const Mat3 strain = elements_->strain(cell, own);
-    if (name == "strain") {
-      const double v[6] = {strain(0, 0), strain(1, 1), strain(2, 2), strain(0, 1), strain(1, 2), strain(2, 0)};
-      std::copy(v, v + 6, out.begin() + std::ptrdiff_t(6 * cell));
+    const Mat3 tensor = of_strain ? elements_->strain(cell, own) : stress(cell, own, changes[cell]);
+    if (width == 6) {
+      const double v[6] = {tensor(0, 0), tensor(1, 1), tensor(2, 2), tensor(0, 1), tensor(1, 2), tensor(2, 0)};
+      std::copy(v, v + 6, to);
+    } else if (width == 3) {
+      const Vec3 values = tensor.selfadjointView<Eigen::Lower>().eigenvalues();
+      std::reverse_copy(values.data(), values.data() + 3, to);
     } else {
-      const Mat3 deviator = 2 * lame(cell).mu * (strain - strain.trace() / 3 * Mat3::Identity());
-      out[cell] = std::sqrt(1.5) * deviator.norm();
+      *to = std::sqrt(1.5) * (tensor - tensor.trace() / 3 * Mat3::Identity()).norm();
     }
   }
 }

@@ -47,11 +47,9 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   Cost cost() const override;
   std::string worstElement(ConstRows x) const override;
   std::string doubt(ConstRows x) const override;
-  std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
+  std::vector<std::string> cellFields() const override;
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
-  CellFieldShape cellFieldShape(const std::string& name) const override {
-    return {&elements_->kind(), std::size_t(name == "strain" ? 6 : 1)};
-  }
+  CellFieldShape cellFieldShape(const std::string& name) const override;
 
  private:
   enum class Tangent : int { warped, exact };
@@ -78,6 +76,11 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   std::unique_ptr<ElementKernels> makeMethod(const ElasticElements& elements) const;
   /// The rows of this state out of the system's.
   ConstRows ownRows(ConstRows x) const;
+  // ---- of cells; x starts at node 0 ----
+  /// Cauchy's stress, the mean over the cell [Pa]; `change` is the volume change of its pressure, or NaN: that of each point.
+  Mat3 stress(std::size_t cell, ConstRows x, double change) const;
+  /// The volume change that each cell's pressure comes from where dilatation is mean, else empty.
+  std::vector<double> meanChanges(ConstRows x) const;
   bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
 
   TopologyLink topology_;

@@ -33,7 +33,8 @@
 // acts on how the gradients turn, which a warped tangent leaves out, and Newton's method stalls.
 //
 // Cell fields for exporters: vonMises [Pa], J (the smallest of the eight Gauss points), strain (6 per cell: xx yy zz xy
-// yz zx, the mean of sym(R^T F) - I for every variant, of E for green, in the axes of the rest shape).
+// yz zx, the mean of sym(R^T F) - I for every variant, of E for green, in the axes of the rest shape), stress (Cauchy's
+// [Pa], six numbers too, in the axes of the world), principalStress and principalStrain (three of a cell, the largest first).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -96,9 +97,10 @@ class Hexahedra final : public PointElements<Hexahedra> {
       const Mat3 j0 = toEigen(Columns<double>(rest, p).matrix());
       const Mat3 f = toEigen(Columns<double>(now, p).matrix()) * j0.inverse() * frame.transpose();
       const Mat3 turned = frame * r.transpose() * f;
-      use(variant_.method == ElasticMethod::green ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
-                                                  : Mat3((turned + turned.transpose()) / 2 - Mat3::Identity()),
-          std::abs(j0.determinant()));
+      const bool green = variant_.method == ElasticMethod::green;
+      use(green ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
+                : Mat3((turned + turned.transpose()) / 2 - Mat3::Identity()),
+          green ? f : Mat3(r * frame.transpose()), std::abs(j0.determinant()));
     }
   }
 

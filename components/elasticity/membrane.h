@@ -4,7 +4,7 @@
 // Vertices 0, 1, 2; edges e_i = x_i - x_0. The rest shape is stored in its own frame (first edge on its first axis), so
 // that D_m is upper triangular, and F = [e_1 e_2] D_m^-1 has two columns. With orthonormal axes r_0, r_1 in space, m_ab
 // = r_a . F_b. Large: r_0 along F_0, r_1 in the plane of the triangle (QR), so that m_10 = 0. Small: the axes of the
-// rest shape. Strain eps = sym(m) - I, stress sigma = lambda tr(eps) I + 2 mu eps, energy W = V/2 sigma : eps.
+// rest shape. Strain eps = sym(m) - I, stress sigma = D eps, energy W = V/2 sigma : eps.
 //
 // The force of the large variant is exactly -dW/dx, so that it has no resultant and no moment. With the spin w = m_10 /
 // m_00 of the frame, dW = V P : dm with
@@ -28,13 +28,37 @@ struct Plane {
   T xx, yy, xy;
 };
 
-/// What a product reads: the axes at the last force evaluation (until then those of the rest shape), D_m^-1, Lame's
-/// constants in the plane times V_0 [J], and the tension there, the positive part of the stress times V_0 [J].
+/// sigma = lambda tr(eps) I + 2 mu eps [Pa], or [J] where the constants hold a volume.
 template <class T>
-struct Tangent {
+struct Isotropic {
+  T lambda, mu;
+  Isotropic scaled(T factor) const { return {factor * lambda, factor * mu}; }
+  Plane<T> stress(const Plane<T>& strain) const {
+    const T pressure = lambda * (strain.xx + strain.yy), two_mu = mu + mu;
+    return {fma(two_mu, strain.xx, pressure), fma(two_mu, strain.yy, pressure), mu * strain.xy};
+  }
+};
+
+/// sigma = D eps of a sheet with fibres, in the axes of the rest shape; D is symmetric.
+template <class T>
+struct Fibred {
+  T d00, d01, d02, d11, d12, d22;
+  Fibred scaled(T factor) const {
+    return {factor * d00, factor * d01, factor * d02, factor * d11, factor * d12, factor * d22};
+  }
+  Plane<T> stress(const Plane<T>& strain) const {
+    return {fma(d00, strain.xx, fma(d01, strain.yy, d02 * strain.xy)), fma(d01, strain.xx, fma(d11, strain.yy, d12 * strain.xy)),
+            fma(d02, strain.xx, fma(d12, strain.yy, d22 * strain.xy))};
+  }
+};
+
+/// What a product reads: the axes at the last force evaluation (until then those of the rest shape), D_m^-1, the law in
+/// the plane times V_0 [J], and the tension there, the positive part of the stress times V_0 [J].
+template <class T, class LawOfT>
+struct TangentOf {
   V3<T> axis0, axis1;
   T inverse[3];
-  T lambda, mu;
+  LawOfT law;
   Plane<T> tension;
 };
 
@@ -57,16 +81,10 @@ void nodalForces(const T (&inverse)[3], const V3<T>& q0, const V3<T>& q1, V3<T> 
   f[2] = q1 * inverse[2];
   f[0] = -(f[1] + f[2]);
 }
-/// sigma = lambda tr(eps) I + 2 mu eps [Pa], or [J] where the constants hold a volume.
-template <class T>
-Plane<T> stressOf(const Plane<T>& strain, T lambda, T mu) {
-  const T pressure = lambda * (strain.xx + strain.yy), two_mu = mu + mu;
-  return {fma(two_mu, strain.xx, pressure), fma(two_mu, strain.yy, pressure), mu * strain.xy};
-}
 /// 1/2 sigma : eps
-template <class T>
-T energyOf(const Plane<T>& strain, T lambda, T mu) {
-  const Plane<T> s = stressOf(strain, lambda, mu);
+template <class T, class LawOfT>
+T energyOf(const Plane<T>& strain, const LawOfT& law) {
+  const Plane<T> s = law.stress(strain);
   return T(0.5) * fma(s.xx, strain.xx, fma(s.yy, strain.yy, s.xy * strain.xy));
 }
 
@@ -100,13 +118,14 @@ struct Qr {
 };
 
 /// What all methods share; products read the axes of the tangent.
+template <template <class> class Law>
 struct Model {
   static constexpr int nodes = 3;
   static constexpr bool reads_position = false;
   template <class T>
   using Rest = membrane::Rest<T>;
   template <class T>
-  using Tangent = membrane::Tangent<T>;
+  using Tangent = TangentOf<T, Law<T>>;
 
   /// -V r (sigma of sym(r^T dF)) with the axes r held: the whole of a linear triangle.
   template <class T>
@@ -125,51 +144,60 @@ struct Model {
   /// Forces of factor * sigma(strain), along the axes of the tangent.
   template <class T>
   static void linearForces(const Tangent<T>& t, const Plane<T>& strain, T factor, V3<T> (&f)[3]) {
-    const Plane<T> s = stressOf(strain, factor * t.lambda, factor * t.mu);
+    const Plane<T> s = t.law.scaled(factor).stress(strain);
     nodalForces(t.inverse, fma(s.xx, t.axis0, t.axis1 * s.xy), fma(s.xy, t.axis0, t.axis1 * s.yy), f);
   }
 };
 
-using Storage = StorageOf<Model>;
+template <template <class> class Law>
+using Storage = StorageOf<Model<Law>>;
 
 /// method = small.
-struct Linear : Model {
+template <template <class> class Law>
+struct Linear : Model<Law> {
+  using Base = Model<Law>;
+  template <class T>
+  using Tangent = TangentOf<T, Law<T>>;
   template <class T>
   static void force(const Rest<T>&, Tangent<T>& t, const V3<T> (&x)[3], V3<T> (&f)[3]) {
-    linearForces(t, strain(t, x), T(-1.), f);
+    Base::linearForces(t, strain(t, x), T(-1.), f);
   }
   template <class T>
   static T energy(const Rest<T>&, const Tangent<T>& t, const V3<T> (&x)[3]) {
-    return energyOf(strain(t, x), t.lambda, t.mu);
+    return energyOf(strain(t, x), t.law);
   }
 
  private:
   template <class T>
   static Plane<T> strain(const Tangent<T>& t, const V3<T> (&x)[3]) {
-    const Plane<T> m = strainOf(t, x);
+    const Plane<T> m = Base::strainOf(t, x);
     return {m.xx - T(1.), m.yy - T(1.), m.xy};
   }
 };
 
 /// method = large with the warped tangent: the axes held, and across the plane the stiffness that tension gives, which
 /// leaves it definite.
-struct Large : Model {
+template <template <class> class Law>
+struct Large : Model<Law> {
+  using Base = Model<Law>;
+  template <class T>
+  using Tangent = TangentOf<T, Law<T>>;
   template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[3], V3<T> (&f)[3]) {
     const Qr<T> qr(gradientOf(rest.inverse, x));
     t.axis0 = qr.r.c0, t.axis1 = qr.r.c1;
-    t.tension = tensionOf(stressOf(qr.strain(), t.lambda, t.mu));
-    const Plane<T> s = stressOf(qr.strain(), -t.lambda, -t.mu);
+    t.tension = tensionOf(t.law.stress(qr.strain()));
+    const Plane<T> s = t.law.scaled(T(-1.)).stress(qr.strain());
     nodalForces(t.inverse, fma(s.xx, qr.r.c0, qr.r.c1 * qr.p10(s)), fma(s.xy, qr.r.c0, qr.r.c1 * s.yy), f);
   }
   template <class T>
   static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[3]) {
-    return energyOf(Qr<T>(gradientOf(rest.inverse, x)).strain(), t.lambda, t.mu);
+    return energyOf(Qr<T>(gradientOf(rest.inverse, x)).strain(), t.law);
   }
   template <class T>
   static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[3], const V3<T> (&dx)[3],
                       V3<T> (&df)[3]) {
-    Model::product(rest, t, factor, x, dx, df);
+    Base::product(rest, t, factor, x, dx, df);
     const Columns<T> d = gradientOf(t.inverse, dx);
     const V3<T> normal = cross(t.axis0, t.axis1), pull = normal * -factor;
     const T a = dot(normal, d.c0), b = dot(normal, d.c1);
@@ -182,8 +210,11 @@ struct Large : Model {
 
 /// The strain of the displacement u in the triangle's own frame, sym(grad u), and forces R A0 B^T D B u along it, as in
 /// SOFA. B is that of the rest shape or (current) that of the shape of the moment. No energy has these forces.
-template <bool current>
-struct Displaced : Large {
+template <template <class> class Law, bool current>
+struct Displaced : Large<Law> {
+  using Base = Model<Law>;
+  template <class T>
+  using Tangent = TangentOf<T, Law<T>>;
   template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[3], V3<T> (&f)[3]) {
     const Qr<T> qr(gradientOf(rest.inverse, x));
@@ -198,19 +229,22 @@ struct Displaced : Large {
       t.inverse[2] = rest.inverse[2] * i11;
       strain = {T(1.) - i00, T(1.) - i11, -i01};
     }
-    linearForces(t, strain, T(-1.), f);
+    Base::linearForces(t, strain, T(-1.), f);
   }
   /// As long as B is that of the rest shape: the axes held.
   template <class T>
   static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[3], const V3<T> (&dx)[3],
                       V3<T> (&df)[3]) {
-    Model::product(rest, t, factor, x, dx, df);
+    Base::product(rest, t, factor, x, dx, df);
   }
 };
 
 /// The same with the exact tangent: the turning of the frame included, and with it the stiffness across the plane that
 /// tension gives (and compression takes).
-struct ExactLarge : Large {
+template <template <class> class Law>
+struct ExactLarge : Large<Law> {
+  template <class T>
+  using Tangent = TangentOf<T, Law<T>>;
   static constexpr bool reads_position = true;
   template <class T>
   static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[3], const V3<T> (&dx)[3],
@@ -223,8 +257,8 @@ struct ExactLarge : Large {
     const T w = dot(r.c1, d.c0) * i00, a = dot(r.c2, d.c0) * i00, b = (dot(r.c2, d.c1) - u01 * a) * i11;
     const V3<T> dr0 = fma(w, r.c1, r.c2 * a), dr1 = fma(-w, r.c0, r.c2 * b);
     const T du00 = dot(r.c0, d.c0), du01 = fma(w, u11, dot(r.c0, d.c1)), du11 = dot(r.c1, d.c1) - w * u01;
-    const T lambda = -factor * t.lambda, mu = -factor * t.mu;
-    const Plane<T> s = stressOf(qr.strain(), lambda, mu), ds = stressOf(Plane<T>{du00, du11, du01}, lambda, mu);
+    const auto law = t.law.scaled(-factor);
+    const Plane<T> s = law.stress(qr.strain()), ds = law.stress(Plane<T>{du00, du11, du01});
     const T p10 = qr.p10(s), dp10 = (ds.xy * u11 + s.xy * du11 - ds.yy * u01 - s.yy * du01 - p10 * du00) * i00;
     const V3<T> q0 = fma(ds.xx, r.c0, fma(dp10, r.c1, fma(s.xx, dr0, dr1 * p10)));
     const V3<T> q1 = fma(ds.xy, r.c0, fma(ds.yy, r.c1, fma(s.xy, dr0, dr1 * s.yy)));

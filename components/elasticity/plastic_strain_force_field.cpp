@@ -72,7 +72,7 @@ class PlasticStrainForceField final : public ForceField, public History {
     topology_.declare(table, "mesh of tetrahedra");
     table.addChoice("method", method_, {"small", "large", "polar", "svd"}).help("rotation of a cell, as that of its elastic forces");
     table.addChoice("polarOf", polar_of_, {"gradient", "edges"}).help("of what polar and svd are the factor");
-    table.add("youngModulus", young_modulus_).help("Young's modulus, one for all or one per cell").unit("Pa").min(0, false);
+    table.add("youngModulus", young_modulus_).help("Young's modulus, one for all or one per cell").unit("Pa").min(0, false).physical();
     table.add("poissonRatio", poisson_ratio_).help("Poisson's ratio, one for all or one per cell").unit("-").min(0).max(0.5, false);
     table.add("firstForOthers", first_for_others_).help("cells beyond the end of a list take its first value, as in SOFA");
     table.add("plasticYieldThreshold", yield_).help("elastic strain beyond which a cell creeps").unit("-").min(0);

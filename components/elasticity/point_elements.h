@@ -8,7 +8,7 @@
 namespace stroma {
 
 /// Cells with several integration points. `Own` has, for a cell and positions that start at node 0,
-///   forEachStrain(cell, x, use(strain, volume))   the strain at each point and the point's volume, but for a factor
+///   forEachStrain(cell, x, use(strain, carrier, volume))   as ElasticElements::forEachPoint()
 ///   forEachJacobian(cell, x, use(J))
 template <class Own>
 class PointElements : public ElasticElements {
@@ -30,15 +30,18 @@ class PointElements : public ElasticElements {
   Mat3 strain(std::size_t cell, ConstRows x) const override {
     Mat3 sum = Mat3::Zero();
     double volume = 0;
-    own().forEachStrain(cell, x, [&](const Mat3& here, double weight) {
+    own().forEachStrain(cell, x, [&](const Mat3& here, const Mat3&, double weight) {
       sum += weight * here;
       volume += weight;
     });
     return sum / volume;
   }
+  void forEachPoint(std::size_t cell, ConstRows x, const UseOfPoint& use) const override {
+    own().forEachStrain(cell, x, use);
+  }
   double strainBeyond(double limit, std::size_t cell, ConstRows x) const override {
     double worst = 0;
-    own().forEachStrain(cell, x, [&](const Mat3& here, double) {
+    own().forEachStrain(cell, x, [&](const Mat3& here, const Mat3&, double) {
       worst = std::max(worst, principalBeyond(limit, here, variant_.method == ElasticMethod::green));
     });
     return worst;

@@ -31,7 +31,8 @@
 // diagonal entry has (Hinton, Rock and Zienkiewicz 1976), because row sums are negative at the corners.
 //
 // Cell fields for exporters: vonMises [Pa], J (the smallest of the four points), strain (6 per cell: xx yy zz xy yz zx,
-// the mean of sym(R^T F) - I, of E for green, in the axes of the rest shape).
+// the mean of sym(R^T F) - I, of E for green, in the axes of the rest shape), stress (Cauchy's [Pa], six numbers too, in the
+// axes of the world), principalStress and principalStrain (three of a cell, the largest first).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -91,25 +92,28 @@ class QuadraticTetrahedra final : public PointElements<QuadraticTetrahedra> {
     const PointValues<double> now = shapes_->now(e, x), rest = shapes_->atRest(e);
     for (int p = 0; p < points; ++p) {
       const Mat3 f = toEigen(now.matrix(p)) * toEigen(rest.matrix(p)).inverse();
-      use(strainOf(f), Shapes::weight(rest, p));
+      const M3<double> r = rotationOf(fromEigen(f));
+      use(strainOf(f, r), variant_.method == ElasticMethod::green ? f : toEigen(r), Shapes::weight(rest, p));
     }
   }
 
  private:
-  Mat3 strainOf(const Mat3& f) const {
-    const M3<double> local = fromEigen(f);
+  M3<double> rotationOf(const M3<double>& f) const {
     switch (variant_.method) {
-      case ElasticMethod::small:
-        return (f + f.transpose()) / 2 - Mat3::Identity();
-      case ElasticMethod::green:
-        return (f.transpose() * f - Mat3::Identity()) / 2;
-      default: {
-        const M3<double> r = variant_.method == ElasticMethod::large   ? rotation::Qr::of(local)
-                             : variant_.method == ElasticMethod::polar ? rotation::Polar::of(local)
-                                                                       : rotation::Svd::of(local);
-        return toEigen(rotation::stretch(r, local)) - Mat3::Identity();
-      }
+      case ElasticMethod::large:
+        return rotation::Qr::of(f);
+      case ElasticMethod::polar:
+        return rotation::Polar::of(f);
+      case ElasticMethod::svd:
+        return rotation::Svd::of(f);
+      default:
+        return fromEigen(Mat3::Identity());
     }
+  }
+  Mat3 strainOf(const Mat3& f, const M3<double>& r) const {
+    if (variant_.method == ElasticMethod::small) return (f + f.transpose()) / 2 - Mat3::Identity();
+    if (variant_.method == ElasticMethod::green) return (f.transpose() * f - Mat3::Identity()) / 2;
+    return toEigen(rotation::stretch(r, fromEigen(f))) - Mat3::Identity();
   }
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
     if (variant_.method == ElasticMethod::green) return kernelsOf<GreenModel<GreenShape, true>>(elements);

@@ -37,7 +37,8 @@
 // with it: the pressures act on how the gradients turn, which a warped tangent leaves out, and Newton's method stalls.
 //
 // Cell fields for exporters: vonMises [Pa], J, strain (6 per cell: xx yy zz xy yz zx, sym(R^T F) - I for every variant,
-// E for green, in the axes of the rest shape).
+// E for green, in the axes of the rest shape), stress (Cauchy's [Pa], six numbers too, in the axes of the world; its pressure
+// is p_e where dilatation is mean), principalStress and principalStrain (three of a cell, the largest first).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -111,16 +112,10 @@ class Tetrahedra final : public ElasticElements {
   double jacobian(std::size_t e, ConstRows x) const override {
     return shapes_->deformationGradient(e, x).determinant();
   }
-  Mat3 strain(std::size_t e, ConstRows x) const override {
-    const Mat3 f = shapes_->deformationGradient(e, x);
-    if (variant_.method == ElasticMethod::small) return (f + f.transpose()) / 2 - Mat3::Identity();
-    if (variant_.method == ElasticMethod::green) return (f.transpose() * f - Mat3::Identity()) / 2;
-    const Mat3 frame = shapes_->restFrame(e);
-    const M3<double> local = fromEigen(f * frame);
-    const M3<double> r = variant_.method == ElasticMethod::large   ? rotation::Qr::of(local)
-                         : variant_.method == ElasticMethod::polar ? rotation::Polar::of(local)
-                                                                   : rotation::Svd::of(local);
-    return frame * (toEigen(rotation::stretch(r, local)) - Mat3::Identity()) * frame.transpose();
+  Mat3 strain(std::size_t e, ConstRows x) const override { return strainOf(e, x).first; }
+  void forEachPoint(std::size_t e, ConstRows x, const UseOfPoint& use) const override {
+    const auto [strain, carrier] = strainOf(e, x);
+    use(strain, carrier, shapes_->weight(shapes_->restEdges(shapes_->mesh().tetrahedra[e])));
   }
   double strainBeyond(double limit, std::size_t e, ConstRows x) const override {
     return principalBeyond(limit, strain(e, x), variant_.method == ElasticMethod::green);
@@ -133,6 +128,19 @@ class Tetrahedra final : public ElasticElements {
   }
 
  private:
+  /// With its carrier, see forEachPoint().
+  std::pair<Mat3, Mat3> strainOf(std::size_t e, ConstRows x) const {
+    const Mat3 f = shapes_->deformationGradient(e, x);
+    if (variant_.method == ElasticMethod::small) return {(f + f.transpose()) / 2 - Mat3::Identity(), Mat3::Identity()};
+    if (variant_.method == ElasticMethod::green) return {(f.transpose() * f - Mat3::Identity()) / 2, f};
+    const Mat3 frame = shapes_->restFrame(e);
+    const M3<double> local = fromEigen(f * frame);
+    const M3<double> r = variant_.method == ElasticMethod::large   ? rotation::Qr::of(local)
+                         : variant_.method == ElasticMethod::polar ? rotation::Polar::of(local)
+                                                                   : rotation::Svd::of(local);
+    return {frame * (toEigen(rotation::stretch(r, local)) - Mat3::Identity()) * frame.transpose(),
+            toEigen(r) * frame.transpose()};
+  }
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
     if (variant_.method == ElasticMethod::nodal)
       return std::make_unique<NodalWarping>(oneByOne<StorageOf<NodalModel>>(elements));

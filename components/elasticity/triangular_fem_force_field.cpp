@@ -19,6 +19,13 @@
 // with the B of the rest shape or of the shape of the moment. They are no gradient, turn a free triangle a little, and
 // differ from the others in second order of the strain. TriangularFEMForceFieldOptim has the first of them.
 //
+// TriangularAnisotropicFEMForceField is a sheet with fibres: sigma = T^T Q T eps, T turning to the fibre's axes, with
+//
+//   Q_11 = E/(1 - nu nu_t),  Q_12 = nu E_t/(1 - nu nu_t),  Q_22 = E_t/(1 - nu nu_t),  Q_66 = E/(2 (1 + nu)),  nu_t = nu E_t/E
+//
+// E along the fibres, E_t across them in the sheet. Fibres lie along (cos a, sin a, 0), a = fiberAngle, projected on each
+// triangle at rest, or run about the point fiberCenter.
+//
 // Source: the name, method, moduli and drawing attributes are SOFA's; thickness (1 there), planeStrain of its
 // TriangleFEMForceField, which is the same here, and tangent.
 //
@@ -36,6 +43,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include "components/elasticity/membrane.h"
 #include "framework/fem/element_kernels_field.h"
@@ -74,13 +82,24 @@ class TriangularFEMForceField final : public ElementKernelsField {
   /// Set by the registration of a name.
   enum class StrainWord : int { energy, rest, current };
   StrainWord strain = StrainWord::energy;
+  bool has_fibres = false;
 
  private:
   enum class Method : int { small, large };
   enum class TangentWord : int { warped, exact };
 
   void checkTriangles() const;
+  void declareFibres(DataTable& table);
+  void checkFibres() const;
   Lame inPlane(std::size_t triangle) const;
+  /// The axes of a triangle at rest: its first edge, and across it in the plane.
+  std::array<Vec3, 2> axesOf(std::size_t triangle) const;
+  Vec3 fibreOf(std::size_t triangle) const;
+  Mat3 fibredStiffness(std::size_t triangle) const;
+  membrane::Isotropic<double> lawOf(std::size_t triangle, double volume, membrane::Isotropic<double>) const;
+  membrane::Fibred<double> lawOf(std::size_t triangle, double volume, membrane::Fibred<double>) const;
+  template <template <class> class Law>
+  std::unique_ptr<ElementKernels> makeMethod() const;
   template <class Position>
   Vec3 areaVector(std::size_t triangle, Position&& position) const {
     const Triangle& t = (*triangles_)[triangle];
@@ -96,8 +115,9 @@ class TriangularFEMForceField final : public ElementKernelsField {
   void spreadValues(std::vector<double>& values, const char* attribute) const;
 
   TopologyLink topology_;
-  std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45};
-  double thickness_ = 1;
+  std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, transverse_modulus_{1000};
+  double thickness_ = 1, fibre_angle_ = 0;
+  std::vector<Vec3> fibre_centre_;
   bool plane_strain_ = false, first_for_others_ = false;
   Method method_word_ = Method::large;
   TangentWord tangent_ = TangentWord::warped;
@@ -121,7 +141,10 @@ void TriangularFEMForceField::declare(DataTable& table) {
   table.add("firstForOthers", first_for_others_)
       .help("triangles beyond the end of a list of youngModulus or poissonRatio take its first value, as in SOFA");
   table.add("thickness", thickness_).help("thickness of the membrane").unit("m").min(0, false).physical();
-  table.add("planeStrain", plane_strain_).help("no strain across the plane, instead of no stress");
+  if (has_fibres)
+    declareFibres(table);
+  else
+    table.add("planeStrain", plane_strain_).help("no strain across the plane, instead of no stress");
   table.addChoice("method", method_word_, {"small", "large"})
       .help("large: the strain in the frame of the triangle (QR); small: in its frame at rest, linear");
   table.addChoice("tangent", tangent_, {"warped", "exact"})
@@ -131,6 +154,17 @@ void TriangularFEMForceField::declare(DataTable& table) {
   for (const char* name : {"hosfordExponant", "criteriaValue", "showStressValue", "showStressVector",
                            "showFracturableTriangles", "computePrincipalStress"})
     table.addVisualOnly(name);
+}
+
+void TriangularFEMForceField::declareFibres(DataTable& table) {
+  table.add("transverseYoungModulus", transverse_modulus_)
+      .help("Young's modulus across the fibres: one value, or one per triangle")
+      .unit("Pa")
+      .min(0, false)
+      .physical();
+  table.add("fiberAngle", fibre_angle_).help("angle between the fibres and the x axis, about z").unit("deg");
+  table.add("fiberCenter", fibre_centre_).help("a point about which the fibres run instead").unit("m");
+  table.addVisualOnly("showFiber");
 }
 
 void TriangularFEMForceField::init() {
@@ -143,6 +177,7 @@ void TriangularFEMForceField::init() {
     throw ComponentError("strain rest and current are of method large and the warped tangent", "strain=\"energy\"");
   spreadValues(young_modulus_, "youngModulus"), spreadValues(poisson_ratio_, "poissonRatio");
   checkTriangles();
+  if (has_fibres) spreadValues(transverse_modulus_, "transverseYoungModulus"), checkFibres();
 }
 
 void TriangularFEMForceField::spreadValues(std::vector<double>& values, const char* attribute) const {
@@ -174,10 +209,69 @@ Lame TriangularFEMForceField::inPlane(std::size_t triangle) const {
   return {e * nu / (1 - nu * nu), e / (2 * (1 + nu))};
 }
 
+void TriangularFEMForceField::checkFibres() const {
+  if (fibre_centre_.size() > 1) throw ComponentError(fmt::format("fiberCenter has {} points", fibre_centre_.size()), "one point");
+  for (std::size_t i = 0; i < triangles_->size(); ++i) {
+    const double nu = poisson_ratio_[i], ratio = transverse_modulus_[i] / young_modulus_[i];
+    if (!(nu * nu * ratio < 1))
+      throw ComponentError(fmt::format("poissonRatio {:g} is too large where transverseYoungModulus is {:g} times youngModulus", nu,
+                                       ratio),
+                           fmt::format("below {:.3g}", 1 / std::sqrt(ratio)));
+    const double length = fibre_centre_.empty() ? 1 : fibreOf(i).norm();
+    const auto [axis0, axis1] = axesOf(i);
+    const Vec3 fibre = fibreOf(i);
+    if (!(std::hypot(fibre.dot(axis0), fibre.dot(axis1)) > 1e-9 * length))
+      throw ComponentError("the fibres of " + describe(i) + " lie across it", "fibres in the sheet");
+  }
+}
+
+std::array<Vec3, 2> TriangularFEMForceField::axesOf(std::size_t triangle) const {
+  const Triangle& t = (*triangles_)[triangle];
+  const Vec3 axis = (restPosition(t[1]) - restPosition(t[0])).normalized();
+  return {axis, areaVector(triangle, [&](Index n) { return restPosition(n); }).normalized().cross(axis)};
+}
+
+Vec3 TriangularFEMForceField::fibreOf(std::size_t triangle) const {
+  const double angle = fibre_angle_ * std::numbers::pi / 180;
+  if (fibre_centre_.empty()) return {std::cos(angle), std::sin(angle), 0};
+  const Triangle& t = (*triangles_)[triangle];
+  const Vec3 middle = (restPosition(t[0]) + restPosition(t[1]) + restPosition(t[2])) / 3;
+  return areaVector(triangle, [&](Index n) { return restPosition(n); }).normalized().cross(fibre_centre_[0] - middle);
+}
+
+/// T^T Q T of the top of the file [Pa], of the strains (eps_00, eps_11, 2 eps_01) in axesOf().
+Mat3 TriangularFEMForceField::fibredStiffness(std::size_t triangle) const {
+  const double along = young_modulus_[triangle], across = transverse_modulus_[triangle], nu = poisson_ratio_[triangle];
+  const double part = 1 - nu * nu * across / along;
+  Mat3 q = Mat3::Zero(), turn;
+  q(0, 0) = along / part, q(1, 1) = across / part, q(0, 1) = q(1, 0) = nu * across / part, q(2, 2) = along / (2 * (1 + nu));
+  const auto [axis0, axis1] = axesOf(triangle);
+  const Vec3 fibre = fibreOf(triangle);
+  const double x = fibre.dot(axis0), y = fibre.dot(axis1), length = std::hypot(x, y), c = x / length, s = y / length;
+  turn << c * c, s * s, c * s, s * s, c * c, -c * s, -2 * c * s, 2 * c * s, c * c - s * s;
+  return turn.transpose() * q * turn;
+}
+
+membrane::Isotropic<double> TriangularFEMForceField::lawOf(std::size_t triangle, double volume, membrane::Isotropic<double>) const {
+  const Lame lame = inPlane(triangle);
+  return {lame.lambda * volume, lame.mu * volume};
+}
+
+membrane::Fibred<double> TriangularFEMForceField::lawOf(std::size_t triangle, double volume, membrane::Fibred<double>) const {
+  const Mat3 d = fibredStiffness(triangle) * volume;
+  return {d(0, 0), d(0, 1), d(0, 2), d(1, 1), d(1, 2), d(2, 2)};
+}
+
 void TriangularFEMForceField::compile() {
-  membrane::Storage storage;
+  method_ = has_fibres ? makeMethod<membrane::Fibred>() : makeMethod<membrane::Isotropic>();
+}
+
+template <template <class> class Law>
+std::unique_ptr<ElementKernels> TriangularFEMForceField::makeMethod() const {
+  using Tangent = membrane::TangentOf<double, Law<double>>;
+  membrane::Storage<Law> storage;
   storage.build(*triangles_, state().rest_position, state().firstRow(),
-                [&](std::size_t i, bool padding, membrane::Rest<double>& rest, membrane::Tangent<double>& tangent) {
+                [&](std::size_t i, bool padding, membrane::Rest<double>& rest, Tangent& tangent) {
                   const Triangle& t = (*triangles_)[i];
                   const Vec3 e1 = restPosition(t[1]) - restPosition(t[0]), e2 = restPosition(t[2]) - restPosition(t[0]);
                   const Vec3 axis0 = e1.normalized(), normal = e1.cross(e2), axis1 = normal.normalized().cross(axis0);
@@ -187,19 +281,16 @@ void TriangularFEMForceField::compile() {
                   tangent.axis1 = {axis1.x(), axis1.y(), axis1.z()};
                   for (int k = 0; k < 3; ++k) tangent.inverse[k] = rest.inverse[k];
                   const double volume = padding ? 0 : normal.norm() / 2 * thickness_;  // a padding lane resists nothing
-                  const Lame lame = inPlane(i);
-                  tangent.lambda = lame.lambda * volume, tangent.mu = lame.mu * volume;
+                  tangent.law = lawOf(i, volume, Law<double>{});
                 });
-  if (method_word_ == Method::small)
-    method_ = std::make_unique<ModelKernels<membrane::Linear>>(std::move(storage));
-  else if (strain == StrainWord::rest)
-    method_ = std::make_unique<ModelKernels<membrane::Displaced<false>>>(std::move(storage));
-  else if (strain == StrainWord::current)
-    method_ = std::make_unique<ModelKernels<membrane::Displaced<true>>>(std::move(storage));
-  else if (tangent_ == TangentWord::exact)
-    method_ = std::make_unique<ModelKernels<membrane::ExactLarge>>(std::move(storage));
-  else
-    method_ = std::make_unique<ModelKernels<membrane::Large>>(std::move(storage));
+  const auto made = [&]<class Chosen>(std::type_identity<Chosen>) -> std::unique_ptr<ElementKernels> {
+    return std::make_unique<ModelKernels<Chosen>>(std::move(storage));
+  };
+  if (method_word_ == Method::small) return made(std::type_identity<membrane::Linear<Law>>());
+  if (strain == StrainWord::rest) return made(std::type_identity<membrane::Displaced<Law, false>>());
+  if (strain == StrainWord::current) return made(std::type_identity<membrane::Displaced<Law, true>>());
+  if (tangent_ == TangentWord::exact) return made(std::type_identity<membrane::ExactLarge<Law>>());
+  return made(std::type_identity<membrane::Large<Law>>());
 }
 
 std::string TriangularFEMForceField::worstElement(ConstRows x) const {
@@ -225,4 +316,6 @@ STROMA_COMPONENT(triangular_fem_force_field) {
   factory.add<TriangularFEMForceField>("TriangularFEMForceFieldOptim", help + ", with the strain of displacements", [](auto& f) {
     f.strain = TriangularFEMForceField::StrainWord::rest;
   });
+  factory.add<TriangularFEMForceField>("TriangularAnisotropicFEMForceField", "an elastic membrane of triangles with fibres",
+                                       [](auto& f) { f.has_fibres = true; });
 }

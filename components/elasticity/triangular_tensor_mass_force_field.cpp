@@ -40,7 +40,7 @@ class TriangularTensorMass final : public NodeGroupField<3> {
     topology_.declare(table, "surface");
     table.add("youngModulus", young_).recompiled().help("Young's modulus").unit("Pa").min(0).physical();
     table.add("poissonRatio", poisson_).recompiled().help("Poisson's ratio").unit("-").min(-1, false).max(0.5).physical();
-    table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false);
+    table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false).physical();
   }
 
   void init() override {

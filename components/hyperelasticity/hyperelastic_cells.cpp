@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -84,7 +85,9 @@ void HyperelasticForceField::checkShapes() const {
   }
 }
 
+/// Poisson's ratio comes back from the moduli of the law with round-off: one that was written as the limit is not below it.
 void HyperelasticForceField::chooseDilatation() {
+  constexpr double round_off = 1e-9;
   mean_dilatation_ = dilatation_ == Dilatation::mean;
   if (mean_dilatation_) checkMeanDilatation();
   if (dilatation_ != Dilatation::automatic) return;
@@ -95,15 +98,17 @@ void HyperelasticForceField::chooseDilatation() {
     const hyperelastic::HyperelasticLaw::Moduli moduli = law_.moduliAtRest(parametersIn(values_, set));
     largest = std::max(largest, (3 * moduli.bulk - 2 * moduli.shear) / (6 * moduli.bulk + 2 * moduli.shear));
   }
-  if (largest < from) return;
+  if (largest < from - round_off) return;
   try {
     checkMeanDilatation();
     mean_dilatation_ = true;
   } catch (const ComponentError& error) {
-    if (largest > nearly_incompressible)
+    if (largest > nearly_incompressible + round_off)
       warn(fmt::format("{}, so that the cells lock at Poisson's ratio {:.4g}: a body is far too stiff in bending",
                        error.what(), largest),
-           kernels().mean_volume ? "a law with a part in J alone" : "hexahedra");
+           !error.suggestion.empty()  ? error.suggestion
+           : kernels().mean_volume ? "a law with a part in J alone"
+                                   : "hexahedra");
   }
 }
 
@@ -210,28 +215,77 @@ Mat3 HyperelasticForceField::stress(std::size_t cell, std::size_t point, const M
   return relaxed + law_.stress(parameters(cell), f) - law_.stress(parametersIn(local_values_, cell), f);
 }
 
+/// E, the mean of the points.
+Mat3 HyperelasticForceField::meanStrain(std::size_t cell, ConstRows x) const {
+  const std::vector<Mat3> points = deformations(cell, x);
+  Mat3 sum = Mat3::Zero();
+  for (const Mat3& f : points) sum += (f.transpose() * f - Mat3::Identity()) / 2;
+  return sum / double(points.size());
+}
+
+/// Cauchy's stress P F^T / J, the mean of the points. Where dilatation is mean, k U'(J) is that of the mean J.
+Mat3 HyperelasticForceField::meanStress(std::size_t cell, ConstRows x) const {
+  const std::vector<Mat3> points = deformations(cell, x);
+  // a flat cell has no area for its force: that of a cell of a millionth
+  const auto ofSome = [](double j) { return std::abs(j) < 1e-6 ? 1e-6 : j; };
+  const auto withoutVolume = [&](std::size_t p, const Mat3& f) {
+    return viscous_ ? Mat3(f * viscous_->stress(cell, p, f)) : law_.stress(parametersIn(local_values_, cell), f);
+  };
+  Mat3 sum = Mat3::Zero();
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Mat3 f = points[p] * axes(cell);
+    sum += (mean_dilatation_ ? withoutVolume(p, f) : stress(cell, p, f)) * f.transpose() / ofSome(points[p].determinant());
+  }
+  sum /= double(points.size());
+  if (!mean_dilatation_) return sum;
+  const double j = ofSome(volumeRatio(cell, points));
+  const Mat3 dilation = std::cbrt(j) * Mat3::Identity();
+  const Mat3 whole = law_.stress(parameters(cell), dilation), local = law_.stress(parametersIn(local_values_, cell), dilation);
+  return sum + (whole - local) * dilation / j;
+}
+
+/// The volume of a cell over that at rest.
+double HyperelasticForceField::volumeRatio(std::size_t cell, const std::vector<Mat3>& points) const {
+  const std::vector<Vec3> corner = restCorners(cell);
+  const std::vector<Gradients> local = localGradients(*kind);
+  double now = 0, at_rest = 0;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const double volume = edgesOf(corner, local[p]).determinant();
+    now += volume * points[p].determinant();
+    at_rest += volume;
+  }
+  return now / at_rest;
+}
+
+std::vector<std::string> HyperelasticForceField::cellFields() const {
+  return {"vonMises", "J", "strain", "stress", "principalStress", "principalStrain"};
+}
+
+ForceField::CellFieldShape HyperelasticForceField::cellFieldShape(const std::string& name) const {
+  const bool tensor = name == "strain" || name == "stress", principal = name.starts_with("principal");
+  return {kind, std::size_t(tensor ? 6 : principal ? 3 : 1)};
+}
+
 void HyperelasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
   const ConstRows own = ownRows(x);
-  out.assign(name == "strain" ? 6 * cellCount() : cellCount(), 0.);
+  const std::size_t width = cellFieldShape(name).width;
+  const bool of_strain = name == "strain" || name == "principalStrain";
+  out.assign(width * cellCount(), 0.);
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    double* to = out.data() + width * cell;
     if (name == "J") {
-      out[cell] = smallestJacobian(cell, own);
+      *to = smallestJacobian(cell, own);
       continue;
     }
-    const std::vector<Mat3> points = deformations(cell, own);
-    Mat3 mean = Mat3::Zero();  // of E or of Cauchy's stress P F^T / J
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      const Mat3 &f = points[p], local = f * axes(cell);
-      const double j = f.determinant();  // a flat cell has no area for its force: that of a cell of a millionth
-      mean += name == "strain" ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
-                               : Mat3(stress(cell, p, local) * local.transpose() / (std::abs(j) < 1e-6 ? 1e-6 : j));
-    }
-    mean /= double(points.size());
-    if (name == "strain") {
+    const Mat3 mean = of_strain ? meanStrain(cell, own) : meanStress(cell, own);
+    if (width == 6) {
       const double v[6] = {mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(1, 2), mean(2, 0)};
-      std::copy(v, v + 6, out.begin() + std::ptrdiff_t(6 * cell));
+      std::copy(v, v + 6, to);
+    } else if (width == 3) {
+      const Vec3 values = mean.selfadjointView<Eigen::Lower>().eigenvalues();
+      std::reverse_copy(values.data(), values.data() + 3, to);
     } else {
-      out[cell] = std::sqrt(1.5) * (mean - mean.trace() / 3 * Mat3::Identity()).norm();
+      *to = std::sqrt(1.5) * (mean - mean.trace() / 3 * Mat3::Identity()).norm();
     }
   }
 }

@@ -38,11 +38,9 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
 
   Cost cost() const override;
   std::string worstElement(ConstRows x) const override;
-  std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
+  std::vector<std::string> cellFields() const override;
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
-  CellFieldShape cellFieldShape(const std::string& name) const override {
-    return {kind, std::size_t(name == "strain" ? 6 : 1)};
-  }
+  CellFieldShape cellFieldShape(const std::string& name) const override;
 
   const hyperelastic::HyperelasticLaw& law() const { return law_; }
   const Mesh& mesh() const { return *mesh_; }
@@ -85,6 +83,9 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   /// Columns of F at the cell's integration points; x starts at node 0.
   std::vector<Mat3> deformations(std::size_t cell, ConstRows x) const;
   Mat3 stress(std::size_t cell, std::size_t point, const Mat3& f) const;
+  Mat3 meanStrain(std::size_t cell, ConstRows x) const;
+  Mat3 meanStress(std::size_t cell, ConstRows x) const;
+  double volumeRatio(std::size_t cell, const std::vector<Mat3>& points) const;
   double smallestJacobian(std::size_t cell, ConstRows x) const;
   ConstRows ownRows(ConstRows x) const;
   std::size_t worstCell(ConstRows x, double& jacobian) const;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/algebra/linear_solver.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/spans.h"
@@ -16,6 +17,16 @@ namespace {
 
 /// A dense matrix of more nodes takes longer than the iterations that it saves, and gigabytes.
 constexpr std::size_t most_dense_nodes = 500;
+constexpr std::size_t few_dense_nodes = 60;
+
+/// The nearest solver takes the system as a matrix and nothing else.
+bool isFactored(const Node& body) {
+  for (const Node* node = &body; node; node = node->parent())
+    for (const auto& component : node->components())
+      if (const auto* solver = dynamic_cast<const LinearSolver*>(component.get()))
+        return !solver->data().find("iterations") && !solver->data().find("choice");
+  return false;
+}
 
 }  // namespace
 
@@ -162,14 +173,28 @@ void PorousForceField::compile() {
   dense_.reset();
   if (isCoupled() && rest.size() <= most_dense_nodes)
     dense_ = std::make_unique<porous::DenseCoupling>(*cells_, sponge_, state().firstRow());
-  else if (isCoupled())
+  if (dense_ && rest.size() > few_dense_nodes && isFactored(node()))
+    inform(fmt::format("in an assembled matrix the pressure couples all {} nodes with each other: CGLinearSolver takes products, "
+                       "which are faster", rest.size()));
+  if (isCoupled() && !dense_)
     inform(
         fmt::format("with more than {} nodes an assembled matrix keeps the fluid in each element, and Newton's method "
                     "may take many iterations with it: CGLinearSolver takes products, which have the whole coupling",
                     most_dense_nodes));
+  warnOfNoElasticity();
   now_.resize(rows), change_.resize(rows);
   theta_.resize(rest.size());
   start(initial_);
+}
+
+/// Fluid and its sponge resist changes of volume alone.
+void PorousForceField::warnOfNoElasticity() const {
+  std::vector<ForceField*> fields;
+  node().root().collect(fields);
+  const auto isOther = [this](const ForceField* field) { return field != this && field->traits().has_stiffness; };
+  if (std::none_of(fields.begin(), fields.end(), isOther))
+    warn("nothing here resists a change of shape: porous fields resist changes of volume alone",
+         "an elastic or hyperelastic force field of the same cells");
 }
 
 void PorousForceField::start(const std::vector<double>& values) {

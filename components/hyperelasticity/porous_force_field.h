@@ -54,6 +54,7 @@ class PorousForceField : public ForceField, public History {
   void declareModuli(DataTable& table);
   void chooseStorage();
   void checkCells() const;
+  void warnOfNoElasticity() const;
   void start(const std::vector<double>& values);
   /// out = P at the end of a step with volumes theta of nodes in `out`.
   void follow(Rows out) const;

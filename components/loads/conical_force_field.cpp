@@ -34,7 +34,7 @@ class ConicalForceField final : public PenaltyField {
     table.add("coneCenter", tip_).atOnce().help("the tip").unit("m");
     table.add("coneHeight", height_).help("from the tip along the axis to the cap").unit("m").required();
     table.add("coneAngle", angle_).help("between the axis and the side").unit("degree").min(0, false).max(90);
-    table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0);
+    table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0).physical();
   }
   void init() override {
     PenaltyField::init();

@@ -43,7 +43,8 @@ class Ellipsoid : public PenaltyField {
     table.add("center", centre_).help("centre").unit("m");
     table.add("stiffness", signed_stiffness_)
         .help("force over depth; positive: nodes are pushed out, negative: kept inside")
-        .unit("N/m");
+        .unit("N/m")
+        .physical();
   }
 
  protected:

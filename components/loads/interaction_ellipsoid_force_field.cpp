@@ -58,7 +58,8 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
     table.add("stiffness", signed_stiffness_)
         .atOnce()
         .help("force over depth; positive: points are pushed out, negative: kept inside")
-        .unit("N/m");
+        .unit("N/m")
+        .physical();
     table.add("damping", damping_constant_).help("force over velocity and depth").unit("N s/m^2").min(0);
     table.add("object2_forces", answers_).help("the frame feels what it does to the points");
     table.add("explicitDamping", explicit_).help("damping has no part in derivatives, as in SOFA");

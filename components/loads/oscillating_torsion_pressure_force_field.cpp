@@ -51,7 +51,7 @@ class OscillatingTorsion final : public NodeGroupField<1> {
     table.add("moment", moment_).atOnce().help("largest moment about the axis").unit("N m").required();
     table.add("frequency", frequency_).atOnce().help("turns to and fro in a second").unit("1/s").min(0);
     table.add("phase", phase_).atOnce().help("of the moment at t = 0").unit("rad");
-    table.add("penalty", penalty_).atOnce().help("force over the distance from the turned shape").unit("N/m").min(0);
+    table.add("penalty", penalty_).atOnce().help("force over the distance from the turned shape").unit("N/m").physical().min(0);
     table.add("axis", axis_).help("axis of the turn").unit("-");
     table.add("center", centre_).help("a point of the axis").unit("m");
     table.add("triangleList", listed_).help("triangles of the part");

@@ -60,11 +60,19 @@ void PenaltyField::addForce(ConstRows x, ConstRows v, Rows f) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Index row = rows_[i][0];
     const Depth depth_here = depth(x[row]);
-    const auto& [g, n, hessian] = depth_here;
+    const auto& [g, n, hessian, in_front] = depth_here;
     Mat3& stiffness = stiffness_[i].blocks[0];
     if (!damping_.empty()) damping_[i].setZero();
     if (!(g > 0)) {
       stiffness.setZero();
+      continue;
+    }
+    if (explicit_damping_) {
+      const double damping = in_front ? -damping_constant_ : damping_constant_;
+      Vec3 force = -stiffness_constant_ * g * n - damping * g * v[row];
+      if (const double size = force.norm(); largest_force_ > 0 && size > largest_force_) force *= largest_force_ / size;
+      f[row] += force;
+      stiffness = -stiffness_constant_ * (g * hessian + n * n.transpose());
       continue;
     }
     const bool limited = largest_force_ > 0 && stiffness_constant_ * g > largest_force_;

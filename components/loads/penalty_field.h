@@ -6,9 +6,11 @@
 //   df/dx = -k (grad g grad g^T + g H) - c (v.grad g) grad g grad g^T,   df/dv = -c g I,   H the second derivative of g
 //
 // The damping grows with the depth, so that the force has no jump at the contact. Of its derivative with respect to x
-// only the normal part is kept: the rest is not symmetric. With explicitDamping, which is SOFA's, none of it is kept, and
-// df/dv = 0. A force that is limited to F has E = F g - F^2/(2k) beyond
+// only the normal part is kept: the rest is not symmetric. A force that is limited to F has E = F g - F^2/(2k) beyond
 // the depth F/k.
+//
+// With explicitDamping, which is SOFA's, nothing of the damping is in the derivatives and df/dv = 0; the limit is that of force and
+// damping together, and df/dx is that of the force without a limit; in front of a surface that pulls too, c is negative.
 #pragma once
 #include <vector>
 
@@ -21,6 +23,7 @@ struct Depth {
   double g = 0;                  ///< [m]
   Vec3 gradient = Vec3::Zero();  ///< [-]
   Mat3 hessian = Mat3::Zero();   ///< [1/m]
+  bool in_front = false;         ///< of a surface that pulls too
 };
 
 class PenaltyField : public NodeGroupField<1> {

@@ -30,7 +30,7 @@ class PlaneForceField final : public PenaltyField {
     PenaltyField::declare(table);
     table.add("normal", normal_).help("normal of the plane, to the side that is left free").unit("-");
     table.add("d", offset_).atOnce().help("distance of the plane from the origin along the normal").unit("m");
-    table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0);
+    table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0).physical();
     table.add("maxForce", largest_force_).atOnce().help("largest force on a node; 0: not limited").unit("N").min(0);
     table.add("bilateral", bilateral_).help("pull nodes in front of the plane back to it as well");
     for (const char* name : {"showPlane", "planeColor", "showPlaneSize"}) table.addVisualOnly(name);
@@ -47,7 +47,7 @@ class PlaneForceField final : public PenaltyField {
   bool takesAllRows() const override { return true; }  // the centres of frames
   Depth depth(const Vec3& x) const override {
     const double g = offset_ - unit_normal_.dot(x);
-    if (bilateral_ && g < 0) return {-g, unit_normal_, Mat3::Zero()};
+    if (bilateral_ && g < 0) return {-g, unit_normal_, Mat3::Zero(), true};
     return {g, -unit_normal_, Mat3::Zero()};
   }
 

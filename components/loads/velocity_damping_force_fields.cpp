@@ -70,7 +70,7 @@ class UniformVelocityDampingForceField final : public VelocityDamping {
  public:
   void declare(DataTable& table) override {
     VelocityDamping::declare(table);
-    table.add("dampingCoefficient", coefficient_).recompiled().help("force over velocity").unit("N s/m").min(0);
+    table.add("dampingCoefficient", coefficient_).recompiled().help("force over velocity").unit("N s/m").min(0).physical();
     table.add("explicitDamping", explicit_).help("damping has no part in derivatives, as in SOFA without implicit");
     table.addVisualOnly("implicit");
   }

@@ -9,7 +9,8 @@
 //   m_i = m M_ii / sum_j M_jj
 // (E. Hinton, T. Rock, O. C. Zienkiewicz 1976), in a straight quadratic tetrahedron m/36 at a corner and 4 m/27 at the
 // middle of an edge: positive, and of the right sum. The weight m g acts at the nodes as these masses do. On a mesh without volumes
-// rho is a mass per area (triangles and quads) or per length (edges). Where cells overlap, as when a body is cut into
+// rho is a mass per area (triangles and quads; of a sheet its density times its thickness) or per length (edges; of a beam its
+// density times its cross-section), and a unit that is written must be one of these. Where cells overlap, as when a body is cut into
 // tetrahedra twice, each counts for its part.
 //
 // Of totalMass, massDensity and vertexMass the first that is given is used. Volumes are those of the rest shape unless
@@ -54,6 +55,8 @@ class DiagonalMass final : public MeshMass {
     const std::vector<double> nodal = masses_;
     std::vector<Mat3> tensors;
     if (state().hasFrames()) tensors = frames_.tensors(*this, state(), nodal, Mat3::Identity());
+    if (state().hasFrames() && !data().find("inertia")->isSet())
+      inform("no inertia is given: that of a frame is its mass times 1 m^2 about each axis, as in SOFA");
     masses_ = FrameInertia::ofRows(state(), nodal, tensors, turning);
     setTurningInertias(std::move(turning));
   }

@@ -40,7 +40,7 @@ class NodalMassDensity final : public Component {
  public:
   std::string roleText() const override { return "density of nodes"; }
   void declare(DataTable& table) override {
-    table.add("property", density_).help("density of each node; the last one for those beyond the list").unit("kg/m^3").min(0);
+    table.add("property", density_).help("density of each node; the last one for those beyond the list").unit("kg/m^3").min(0).physical();
     table.add("template", template_).help("Vec3; without effect");
   }
   void init() override {

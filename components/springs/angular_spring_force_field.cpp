@@ -45,7 +45,8 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
         .recompiled()
         .help("torque over the angle, one per frame or one for all")
         .unit("N m")
-        .min(0);
+        .min(0)
+        .physical();
     table.add("limit", limits_)
         .help("the least and the largest angle at which a spring acts, for each or for all")
         .unit("rad")

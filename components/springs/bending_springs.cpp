@@ -80,8 +80,8 @@ class BendingSprings final : public SpringField {
     ForceField::declare(table);
     declareDamping(table);
     topology_.declare(table, "surface");
-    table.add("stiffness", stiffness_).help("spring constant").unit("N/m").min(0);
-    table.add("damping", damping_).help("force along a spring over its speed of elongation").unit("N s/m").min(0);
+    table.add("stiffness", stiffness_).help("spring constant").unit("N/m").min(0).physical();
+    table.add("damping", damping_).help("force along a spring over its speed of elongation").unit("N s/m").min(0).physical();
     table.add("localRange", range_).help("first and last node that springs may join; -1 -1: all nodes");
     for (const char* name : {"showSprings", "drawMode", "showArrowSize"}) table.addVisualOnly(name);
   }

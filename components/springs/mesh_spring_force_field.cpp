@@ -127,6 +127,12 @@ class MeshSprings : public SpringField {
     }
   }
 
+  void warnOfDefault(const Kind& kind) const {
+    const Data* own = data().find(std::string(kind.name) + "Stiffness");
+    if (!own->isSet() && !data().find("stiffness")->isSet())
+      warn(fmt::format("{} is not given: the default {:g} N/m is used", own->name(), kind.stiffness), "stiffness, of all kinds of cells");
+  }
+
   Kind kinds_[5] = {
       {"lines", nullptr}, {"triangles", nullptr}, {"quads", nullptr}, {"tetrahedra", "tetras"}, {"cubes", "hexas"}};
 
@@ -190,6 +196,8 @@ class RegularGridSpringForceField final : public MeshSprings {
     spreadToKinds();
     if (mesh.hexahedra.empty() && mesh.quads.empty() && mesh.edges.empty())
       throw ComponentError("the mesh has no cells of a grid", "a RegularGridTopology");
+    for (const int kind : {lines, quads, cubes})
+      if (kind != cubes || !mesh.hexahedra.empty()) warnOfDefault(kinds_[kind]);
     if (kinds_[lines].isSet())
       for (const Edge& edge : mesh.allEdges()) addPair(edge[0], edge[1], lines);
     if (kinds_[quads].isSet())

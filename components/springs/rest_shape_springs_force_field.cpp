@@ -49,7 +49,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
         .recompiled()
         .help("spring constant, one per point or one for all")
         .unit("N/m")
-        .min(0);
+        .min(0)
+        .physical();
     table.addLink("external_rest_shape", external_).help("state whose nodes are the targets");
     table.add("external_points", external_points_).help("its nodes, one for each point");
     table.add("pivot_points", pivot_points_)
@@ -84,6 +85,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
           fmt::format("pivot_points are of rigid bodies, and the nodes of {} are points", state().path()),
           "points, or external_points of another state");
     spreadValues(stiffness_constants_, "stiffness");
+    if (state().hasFrames() && !data().find("angularStiffness")->isSet())
+      warn(fmt::format("angularStiffness is not given: the default {:g} N m is used", angular_stiffness_[0]));
     spreadValues(angular_stiffness_, "angularStiffness");
     if (directions_.size() == 7 && state().hasFrames()) directions_.pop_back();  // SOFA's have one for each number of a frame
     const std::size_t count = directions_.size();

@@ -67,6 +67,8 @@ class SpringForceField final : public SpringField {
     if (object2_.target() && !object1_.target())
       inform("no object1: the first ends of the springs are nodes of the state of this node");
     ForceField::init();
+    if (!data().find("spring")->isSet() && !data().find("stiffness")->isSet())
+      warn("stiffness is not given: the default 100 N/m is used");
     State* second = object2_.get() ? object2_.get() : &state();
     setSprings(data().find("spring")->isSet() ? fromOneList(*second) : fromLists(*second), second);
   }

@@ -88,7 +88,7 @@ class TriangularSprings final : public NodeGroupField<3> {
     topology_.declare(table, "surface");
     table.add("youngModulus", young_).recompiled().help("Young's modulus").unit("Pa").min(0).physical();
     table.add("poissonRatio", poisson_).recompiled().help("Poisson's ratio").unit("-").min(-1, false).max(0.5).physical();
-    table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false);
+    table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false).physical();
     table.add("dampingRatio", damping_ratio_).recompiled().help("damping over stiffness").unit("s").min(0);
     table.add("useAngularSprings", angular_).help("false: the sides resist by themselves alone");
     table.add("explicitDamping", explicit_).help("damping adds to the tension and to no df/dv, as in SOFA");

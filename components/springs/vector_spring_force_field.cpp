@@ -38,8 +38,8 @@ class VectorSpringForceField final : public NodeGroupField<2, PairTangent>, publ
     table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
     topology_.declare(table, "mesh whose edges are the springs");
     table.add("useTopology", on_edges_).help("a spring on each edge of the mesh; else on each pair of nodes of equal number");
-    table.add("stiffness", stiffness_constant_).recompiled().help("force over the change of the vector").unit("N/m").min(0);
-    table.add("viscosity", viscosity_).recompiled().help("force over the relative velocity").unit("N s/m").min(0);
+    table.add("stiffness", stiffness_constant_).recompiled().help("force over the change of the vector").unit("N/m").min(0).physical();
+    table.add("viscosity", viscosity_).recompiled().help("force over the relative velocity").unit("N s/m").min(0).physical();
     table.add("explicitForce", explicit_force_)
         .help("the springs are no part of the matrix, as in SOFA between bodies of different solvers: not stable for stiff ones");
     table.add("explicitDamping", explicit_damping_).help("viscosity is no part of the matrix, as in SOFA");

@@ -61,16 +61,14 @@ Slabs geometricOrder(const Index* nodes, int per_element, Index count, const std
   const double extent = std::max((high - low).maxCoeff(&axis), 1e-300);
 
   Slabs slabs = fileOrder(count, per_element);
-  std::stable_sort(slabs.order.begin(), slabs.order.end(),
-                   [&](Index a, Index b) { return centre[a][axis] < centre[b][axis]; });
+  std::stable_sort(slabs.order.begin(), slabs.order.end(), [&](Index a, Index b) { return centre[a][axis] < centre[b][axis]; });
   std::vector<std::uint64_t> code(static_cast<std::size_t>(count));
   for (Index e = 0; e < count; ++e) {
     const Vec3 p = (centre[e] - low) / extent * double((1 << 21) - 1);
     code[e] = spread(std::uint64_t(p.x())) | spread(std::uint64_t(p.y())) << 1 | spread(std::uint64_t(p.z())) << 2;
   }
   for (std::size_t b = 0; b + 1 < slabs.start.size(); ++b)
-    std::stable_sort(slabs.order.begin() + std::ptrdiff_t(slabs.start[b]),
-                     slabs.order.begin() + std::ptrdiff_t(slabs.start[b + 1]),
+    std::stable_sort(slabs.order.begin() + std::ptrdiff_t(slabs.start[b]), slabs.order.begin() + std::ptrdiff_t(slabs.start[b + 1]),
                      [&](Index x, Index y) { return code[x] < code[y]; });
   return slabs;
 }
@@ -100,8 +98,7 @@ std::vector<int> colourBlocks(const Slabs& slabs, const Index* nodes, int per_el
 
 }  // namespace
 
-Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index count, const std::vector<Vec3>& position,
-                            int lanes) {
+Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index count, const std::vector<Vec3>& position, int lanes) {
   Arrangement result;
   result.elements = count;
   result.block_start.push_back(0);

@@ -37,8 +37,7 @@ double determinantAt(const CellKind& kind, const LocalPoint& xi, const Vec3* x) 
 
 double integralOfDeterminant(const CellKind& kind, int degree, const Vec3* x) {
   double volume = 0;
-  for (const QuadraturePoint& point : kind.rule(degree).points)
-    volume += point.weight * determinantAt(kind, point.xi, x);
+  for (const QuadraturePoint& point : kind.rule(degree).points) volume += point.weight * determinantAt(kind, point.xi, x);
   return volume;
 }
 
@@ -55,9 +54,7 @@ double hexahedronSize(const Vec3* x) {
   // det J of the trilinear map is quadratic in each coordinate.
   return integralOfDeterminant(cell_kinds::hexahedron, 2, x);
 }
-double quadraticTetrahedronSize(const Vec3* x) {
-  return integralOfDeterminant(cell_kinds::quadratic_tetrahedron, 3, x);
-}
+double quadraticTetrahedronSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::quadratic_tetrahedron, 3, x); }
 
 double tetrahedronShape(const Vec3* x) {
   const double volume = tetrahedronSize(x);

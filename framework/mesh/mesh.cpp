@@ -29,17 +29,14 @@ std::string firstCellError(const std::vector<Cell>& cells, std::string_view word
 
 }  // namespace
 
-double tetrahedronVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  return (b - a).cross(c - a).dot(d - a) / 6;
-}
+double tetrahedronVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a) / 6; }
 
 std::string Mesh::firstError() const {
   if (position.size() > std::size_t(std::numeric_limits<Index>::max()))
     return fmt::format("{} nodes are more than a 32-bit index can name", position.size());
   for (std::size_t n = 0; n < position.size(); ++n)
     if (!position[n].allFinite())
-      return fmt::format("the position of node {} is not finite: {} {} {}", n, position[n].x(), position[n].y(),
-                         position[n].z());
+      return fmt::format("the position of node {} is not finite: {} {} {}", n, position[n].x(), position[n].y(), position[n].z());
   std::string error;
   forEachCellList(
       [&](const CellKind& kind, const auto& cells) {

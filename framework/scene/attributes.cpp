@@ -52,9 +52,8 @@ void setDefaultGravity(const NodeDescription& description, Node& node, Diagnosti
     const DefaultGravity gravity = defaultGravity(units->value);
     if (gravity.unit.empty()) return;
     node.own_gravity = Vec3(0, -gravity.value, 0);
-    diagnostics.note(
-        node.where(), node.path(),
-        "no gravity is written: the earth's acts along -y, " + printReal(gravity.value) + " " + gravity.unit);
+    diagnostics.note(node.where(), node.path(),
+                     "no gravity is written: the earth's acts along -y, " + printReal(gravity.value) + " " + gravity.unit);
   } catch (const ComponentError&) {  // that of `units` is an error already
   }
 }
@@ -64,8 +63,7 @@ void setDefaultGravity(const NodeDescription& description, Node& node, Diagnosti
 bool Instantiation::isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
                                           const Component* component) {
   if (attribute.name.starts_with("_") || attribute.name.starts_with("NO")) return true;
-  if (!isVisualAttribute(attribute.name) && !(component && component->data().isVisualOnly(attribute.name)))
-    return false;
+  if (!isVisualAttribute(attribute.name) && !(component && component->data().isVisualOnly(attribute.name))) return false;
   noEffect(owner + "." + attribute.name);
   return true;
 }
@@ -78,9 +76,8 @@ void Instantiation::readNodeAttributes(const NodeDescription& description, Node&
     if (contains(nodeAttributes(), attribute.name)) {
       readNodeAttribute(attribute, node);
     } else {
-      diagnostics_.error(attribute.where, node.path() + "." + attribute.name,
-                         "a Node has no attribute " + inQuotes(attribute.name), "gravity, dt, time, name or activated",
-                         nearest(attribute.name, nodeAttributes()));
+      diagnostics_.error(attribute.where, node.path() + "." + attribute.name, "a Node has no attribute " + inQuotes(attribute.name),
+                         "gravity, dt, time, name or activated", nearest(attribute.name, nodeAttributes()));
     }
   }
   if (!node.parent() && !node.own_gravity) setDefaultGravity(description, node, diagnostics_);
@@ -101,10 +98,9 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
     if (!(dt > 0)) {
       diagnostics_.error(attribute.where, path + ".dt", "the time step is " + printReal(dt), "a value > 0 s");
     } else if (dt < shortest_time_step || dt > longest_time_step) {
-      diagnostics_.error(
-          attribute.where, path + ".dt",
-          "the time step is " + printReal(dt) + ": its square is no number that can be computed with",
-          "a value from " + printReal(shortest_time_step) + " to " + printReal(longest_time_step) + " s");
+      diagnostics_.error(attribute.where, path + ".dt",
+                         "the time step is " + printReal(dt) + ": its square is no number that can be computed with",
+                         "a value from " + printReal(shortest_time_step) + " to " + printReal(longest_time_step) + " s");
     } else if (!node.parent()) {
       node.root_dt = dt;
     } else if (dt != node.dt()) {
@@ -154,9 +150,9 @@ void Instantiation::checkWord(const AttributeDescription& attribute, const LinkB
   if (std::find(link.words.begin(), link.words.end(), link.path) != link.words.end()) return;
   std::string expected = "one of:";
   for (const std::string& word : link.words) expected += (word == link.words[0] ? " " : ", ") + word;
-  fail(component, {Severity::error, attribute.where, component.path() + "." + attribute.name,
-                   inQuotes(link.path) + " is not a " + link.roleText(), expected + ", or a link (@name)",
-                   nearest(link.path, link.words)});
+  fail(component,
+       {Severity::error, attribute.where, component.path() + "." + attribute.name,
+        inQuotes(link.path) + " is not a " + link.roleText(), expected + ", or a link (@name)", nearest(link.path, link.words)});
 }
 
 void Instantiation::readAttribute(const AttributeDescription& attribute, Component& component) {
@@ -173,14 +169,13 @@ void Instantiation::readAttribute(const AttributeDescription& attribute, Compone
     return;
   }
   const DataOrigin origin = isOverride(attribute.where) ? DataOrigin::by_override : DataOrigin::written;
-  if (std::optional<Problem> problem = attribute.typed && !data->isOutput() ? data->copyFrom(*attribute.typed)
-                                                                            : data->parse(attribute.value, origin)) {
+  if (std::optional<Problem> problem =
+          attribute.typed && !data->isOutput() ? data->copyFrom(*attribute.typed) : data->parse(attribute.value, origin)) {
     problem->where = attribute.where;
     problem->path = component.path() + "." + attribute.name;
     return fail(component, std::move(*problem));
   }
-  if (data->link() && !data->link()->words.empty() && !text.starts_with("@"))
-    return checkWord(attribute, *data->link(), component);
+  if (data->link() && !data->link()->words.empty() && !text.starts_with("@")) return checkWord(attribute, *data->link(), component);
   if (data->link()) pending_.push_back({&component, data, std::string(text), attribute.where});
   if (std::holds_alternative<FileName*>(data->pointer())) findInputFile(attribute, *data, component);
 }
@@ -189,8 +184,7 @@ void Instantiation::readAttribute(const AttributeDescription& attribute, Compone
 Data* Instantiation::findAttribute(const std::string& name, Component& component) {
   if (Data* data = component.data().find(name)) return data;
   for (const AttributeChange& change : attributeChanges())
-    if (change.type == component.type() && change.old_attribute == name)
-      return component.data().find(change.new_attribute);
+    if (change.type == component.type() && change.old_attribute == name) return component.data().find(change.new_attribute);
   return nullptr;
 }
 
@@ -204,8 +198,7 @@ void Instantiation::unknownAttribute(const AttributeDescription& attribute, Comp
   fail(component,
        {Severity::error, attribute.where, component.path() + "." + attribute.name,
         component.type() + " has no attribute " + inQuotes(attribute.name),
-        !advice.empty() || !guess.empty() ? advice : "one of those that 'stroma doc " + component.type() + "' lists",
-        guess});
+        !advice.empty() || !guess.empty() ? advice : "one of those that 'stroma doc " + component.type() + "' lists", guess});
 }
 
 bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, Component& component) {
@@ -246,8 +239,7 @@ void Instantiation::findInputFile(const AttributeDescription& attribute, Data& d
   std::vector<std::string> searched;
   // Who types a file name in a command means the folder they are in.
   if (isOverride(attribute.where)) file.found = findFileIn(file.given, ".", {}, &searched);
-  if (file.found.empty())
-    file.found = findFileIn(file.given, component.folder_, scene_.description.data_paths, &searched);
+  if (file.found.empty()) file.found = findFileIn(file.given, component.folder_, scene_.description.data_paths, &searched);
   if (file.found.empty())
     fail(component, {Severity::error,
                      attribute.where,

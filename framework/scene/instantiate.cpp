@@ -55,9 +55,7 @@ bool isOff(const NodeDescription& node) {
 
 void adviseOnMissingTypes(MissingTypeAdvice advice) { missingTypeAdvice() = std::move(advice); }
 
-std::string adviceOnMissingType(const std::string& type) {
-  return missingTypeAdvice() ? missingTypeAdvice()(type) : std::string();
-}
+std::string adviceOnMissingType(const std::string& type) { return missingTypeAdvice() ? missingTypeAdvice()(type) : std::string(); }
 
 Instantiation::Instantiation(Scene& scene, Factory& factory, Modules& modules)
     : scene_(scene), factory_(factory), modules_(modules), diagnostics_(scene.diagnostics) {}
@@ -97,8 +95,7 @@ void Instantiation::openPlugins(const ComponentDescription& component) {
       std::vector<std::string> searched;
       const std::string file = findFileIn(word, component.folder, scene_.description.data_paths, &searched);
       if (file.empty()) {
-        diagnostics_.error(attribute->where, {}, "the plugin " + inQuotes(word) + " is not found", {},
-                           searchedText(searched));
+        diagnostics_.error(attribute->where, {}, "the plugin " + inQuotes(word) + " is not found", {}, searchedText(searched));
         continue;
       }
       try {
@@ -138,10 +135,9 @@ void Instantiation::reportDuplicates(const NodeDescription& description, const N
       if (name.empty()) continue;
       const auto [first, is_new] = seen.emplace(name, &item.where);
       if (is_new) continue;
-      diagnostics_.error(
-          item.find("name")->where, joinPath(node.path(), name),
-          std::string("another ") + what + " of this node has the same name, at " + first->second->text(),
-          "a name of its own");
+      diagnostics_.error(item.find("name")->where, joinPath(node.path(), name),
+                         std::string("another ") + what + " of this node has the same name, at " + first->second->text(),
+                         "a name of its own");
     }
   };
   check(description.components, "component");
@@ -181,8 +177,7 @@ void Instantiation::addMissingPartners(Node& node) {
   }
 }
 
-std::unique_ptr<Component> Instantiation::create(const ComponentDescription& description, const std::string& path,
-                                                 bool& misspelt) {
+std::unique_ptr<Component> Instantiation::create(const ComponentDescription& description, const std::string& path, bool& misspelt) {
   const std::string present(presentType(description.type));
   try {
     if (modules_.provide(description.type)) {
@@ -204,8 +199,7 @@ std::unique_ptr<Component> Instantiation::create(const ComponentDescription& des
 
 /// Reports the type. The component most likely meant is made in its place, to be marked as failed: what looks for that
 /// role finds it and stays silent.
-std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescription& description,
-                                                        const std::string& path) {
+std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescription& description, const std::string& path) {
   const std::string present(presentType(description.type));
   if (present != description.type) {
     diagnostics_.error(description.where, path, description.type + ", now called " + present + ", is not available", {},
@@ -214,8 +208,7 @@ std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescripti
   }
   for (const TypeRemoval& removal : typeRemovals()) {
     if (removal.type != description.type) continue;
-    diagnostics_.error(description.where, path, description.type + " does not exist any more", {},
-                       std::string(removal.advice));
+    diagnostics_.error(description.where, path, description.type + " does not exist any more", {}, std::string(removal.advice));
     return std::make_unique<UnknownComponent>();
   }
   const std::string nothing = "there is no component " + inQuotes(description.type);
@@ -234,8 +227,7 @@ std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescripti
 }
 
 void Instantiation::noEffect(const std::string& what) {
-  if (std::find(scene_.no_effect.begin(), scene_.no_effect.end(), what) == scene_.no_effect.end())
-    scene_.no_effect.push_back(what);
+  if (std::find(scene_.no_effect.begin(), scene_.no_effect.end(), what) == scene_.no_effect.end()) scene_.no_effect.push_back(what);
 }
 
 void Instantiation::fail(Component& component, Problem problem) {

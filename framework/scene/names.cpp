@@ -34,16 +34,13 @@ std::vector<std::string> namesOf(const List& list, TypeOf typeOf) {
 }  // namespace
 
 std::vector<std::string> componentNames(const NodeDescription& node) {
-  return namesOf(node.components,
-                 [](const ComponentDescription& component) { return std::string(presentType(component.type)); });
+  return namesOf(node.components, [](const ComponentDescription& component) { return std::string(presentType(component.type)); });
 }
 
 std::vector<std::string> childNames(const NodeDescription& node) {
   return namesOf(node.children, [](const NodeDescription&) { return std::string("Node"); });
 }
 
-std::string joinPath(const std::string& parent, const std::string& name) {
-  return (parent == "/" ? parent : parent + "/") + name;
-}
+std::string joinPath(const std::string& parent, const std::string& name) { return (parent == "/" ? parent : parent + "/") + name; }
 
 }  // namespace stroma

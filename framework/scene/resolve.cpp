@@ -21,8 +21,8 @@ namespace {
 
 class Resolver {
  public:
-  Resolver(const ReadLimits& limits, const KnownType& is_known, const std::vector<Override>& overrides,
-           SceneDescription& scene, Diagnostics& diagnostics)
+  Resolver(const ReadLimits& limits, const KnownType& is_known, const std::vector<Override>& overrides, SceneDescription& scene,
+           Diagnostics& diagnostics)
       : limits_(limits),
         is_known_(is_known),
         overrides_(overrides),
@@ -32,14 +32,12 @@ class Resolver {
 
   /// Reads `file` and everything that it includes. False when it cannot be used; the reason has been reported at
   /// `where`.
-  bool read(const std::string& file, const SourceLocation& where, int depth, NodeDescription& root,
-            bool is_prefab = false) {
+  bool read(const std::string& file, const SourceLocation& where, int depth, NodeDescription& root, bool is_prefab = false) {
     std::error_code none;
     const std::string canonical = fs::canonical(file, none).string();
     if (std::find(chain_.begin(), chain_.end(), canonical) != chain_.end()) return reportCircle(canonical, where);
     if (int(chain_.size()) >= limits_.include_depth)
-      return diagnostics_.error(
-                 where, {}, "files include each other more than " + std::to_string(limits_.include_depth) + " deep"),
+      return diagnostics_.error(where, {}, "files include each other more than " + std::to_string(limits_.include_depth) + " deep"),
              false;
     std::string text;
     return readText(file, where, text) && take({file, std::move(text), true, is_prefab}, depth, root);
@@ -81,9 +79,9 @@ class Resolver {
     constexpr std::size_t cost_of_a_file = 4096;
     const std::size_t cost = std::max(text.size(), cost_of_a_file);
     if (!chain_.empty() && cost > bytes_left_)
-      return diagnostics_.error(where, {},
-                                "the scene and the files it includes are larger than " +
-                                    std::to_string(limits_.file_bytes) + " bytes together"),
+      return diagnostics_.error(
+                 where, {},
+                 "the scene and the files it includes are larger than " + std::to_string(limits_.file_bytes) + " bytes together"),
              false;
     bytes_left_ -= std::min(cost, bytes_left_);
     return true;
@@ -91,8 +89,7 @@ class Resolver {
 
   bool reportCircle(const std::string& canonical, const SourceLocation& where) {
     std::string circle;
-    for (auto file = std::find(chain_.begin(), chain_.end(), canonical); file != chain_.end(); ++file)
-      circle += *file + " -> ";
+    for (auto file = std::find(chain_.begin(), chain_.end(), canonical); file != chain_.end(); ++file) circle += *file + " -> ";
     diagnostics_.error(where, {}, "a file includes itself: " + circle + canonical);
     return false;
   }
@@ -173,8 +170,8 @@ class Resolver {
                       nearest(name, known)});
   }
 
-  static int replaceIn(NodeDescription& node, const std::string& only, const std::string& name,
-                       const AttributeDescription& by, std::vector<std::string>& known) {
+  static int replaceIn(NodeDescription& node, const std::string& only, const std::string& name, const AttributeDescription& by,
+                       std::vector<std::string>& known) {
     int count = 0;
     const auto apply = [&](auto& element) {
       if (!only.empty() && element.name() != only) return;
@@ -215,8 +212,8 @@ class Resolver {
       }
     }
     for (NodeDescription& child : from.children) {
-      const auto same = std::find_if(into.children.begin(), into.children.end(),
-                                     [&](const auto& other) { return other.name() == child.name(); });
+      const auto same =
+          std::find_if(into.children.begin(), into.children.end(), [&](const auto& other) { return other.name() == child.name(); });
       if (same == into.children.end()) {
         into.children.push_back(std::move(child));
       } else {
@@ -232,7 +229,7 @@ class Resolver {
   SceneDescription& scene_;
   Diagnostics& diagnostics_;
   std::size_t bytes_left_;
-  bool is_foreign_ = false;  ///< the scene is in the dialect of another program
+  bool is_foreign_ = false;         ///< the scene is in the dialect of another program
   std::vector<std::string> chain_;  ///< files being read, outermost first
 };
 
@@ -253,9 +250,8 @@ SceneDescription readScene(const std::string& file, const std::vector<Override>&
   return readSceneWithPrefabs(file, overrides, limits, {}, diagnostics);
 }
 
-SceneDescription readSceneWithPrefabs(const std::string& file, const std::vector<Override>& overrides,
-                                      const ReadLimits& limits, const KnownType& is_known, Diagnostics& diagnostics,
-                                      const std::string* text) {
+SceneDescription readSceneWithPrefabs(const std::string& file, const std::vector<Override>& overrides, const ReadLimits& limits,
+                                      const KnownType& is_known, Diagnostics& diagnostics, const std::string* text) {
   SceneDescription scene;
   scene.file = file;
   scene.data_paths = environmentDataPaths();

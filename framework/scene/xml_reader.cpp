@@ -15,10 +15,7 @@ namespace {
 class Reader {
  public:
   Reader(const std::string& file, const XmlPositions& positions, Diagnostics& diagnostics)
-      : file_(file),
-        folder_(std::filesystem::path(file).parent_path().string()),
-        positions_(positions),
-        diagnostics_(diagnostics) {
+      : file_(file), folder_(std::filesystem::path(file).parent_path().string()), positions_(positions), diagnostics_(diagnostics) {
     if (folder_.empty()) folder_ = ".";
   }
 
@@ -133,8 +130,7 @@ std::string withoutInstructions(std::string text, const XmlPositions& positions)
 
 }  // namespace
 
-NodeDescription readXml(const std::string& text, const std::string& file, const ReadLimits& limits,
-                        Diagnostics& diagnostics) {
+NodeDescription readXml(const std::string& text, const std::string& file, const ReadLimits& limits, Diagnostics& diagnostics) {
   NodeDescription root;
   XmlPositions positions;
   const auto megabytes = [](std::size_t bytes) { return std::to_string(bytes >> 20) + " MB"; };
@@ -157,8 +153,7 @@ NodeDescription readXml(const std::string& text, const std::string& file, const 
   const std::string changed = positions.instructions.empty() ? std::string() : withoutInstructions(text, positions);
   const std::string& plain = positions.instructions.empty() ? text : changed;
   if (document.Parse(plain.data(), plain.size()) != tinyxml2::XML_SUCCESS) {
-    diagnostics.error({file, document.ErrorLineNum(), 0}, {},
-                      std::string("this is not well-formed XML: ") + document.ErrorName());
+    diagnostics.error({file, document.ErrorLineNum(), 0}, {}, std::string("this is not well-formed XML: ") + document.ErrorName());
     return root;
   }
   const tinyxml2::XMLElement* top = document.RootElement();

@@ -23,18 +23,18 @@ void requireOneMassPerState(const std::vector<Mass*>& masses) {
   for (std::size_t i = 0; i < masses.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (&masses[i]->state() == &masses[j]->state())
-        throw ComponentError(fmt::format("{} has two masses: {} and {}", masses[i]->state().path(), masses[j]->path(),
-                                         masses[i]->path()),
-                             "one mass per state", "remove one of them");
+        throw ComponentError(
+            fmt::format("{} has two masses: {} and {}", masses[i]->state().path(), masses[j]->path(), masses[i]->path()),
+            "one mass per state", "remove one of them");
 }
 
 void checkMapping(const Actors& actors, std::size_t index) {
   const Mapping& mapping = *actors.mappings[index];
   for (std::size_t j = 0; j < index; ++j)
     if (&mapping.output() == &actors.mappings[j]->output())
-      throw ComponentError(fmt::format("two mappings place {}: {} and {}", mapping.output().path(),
-                                       actors.mappings[j]->path(), mapping.path()),
-                           "one mapping per state");
+      throw ComponentError(
+          fmt::format("two mappings place {}: {} and {}", mapping.output().path(), actors.mappings[j]->path(), mapping.path()),
+          "one mapping per state");
   for (const ProjectiveConstraint* constraint : actors.constraints)
     if (contains(constraint->states(), &mapping.output()))
       throw ComponentError(fmt::format("{} holds nodes of {}, whose positions follow from {} by {}", constraint->path(),
@@ -54,8 +54,7 @@ void orderMappings(std::vector<Mapping*>& mappings) {
     });
     if (ready == waiting.end())
       throw ComponentError(
-          fmt::format("the mappings go in a circle: {} needs the output of another one that waits for it",
-                      waiting.front()->path()),
+          fmt::format("the mappings go in a circle: {} needs the output of another one that waits for it", waiting.front()->path()),
           "mappings from parents to children");
     mappings.push_back(*ready);
     waiting.erase(ready);
@@ -90,8 +89,7 @@ void findPassiveMappings(Actors& actors) {
   const std::vector<const Component*> read = readInSteps(actors.mappings.front()->node().root());
   for (auto mapping = actors.mappings.rbegin(); mapping != actors.mappings.rend(); ++mapping) {
     const State* child = &(*mapping)->output();
-    const bool feeds =
-        std::any_of(acting.begin(), acting.end(), [&](const Mapping* m) { return contains(m->inputs(), child); });
+    const bool feeds = std::any_of(acting.begin(), acting.end(), [&](const Mapping* m) { return contains(m->inputs(), child); });
     const bool is_read = std::find(read.begin(), read.end(), child) != read.end();
     (feeds || is_read || somethingActsOn(actors, child) ? acting : passive).push_back(*mapping);
   }
@@ -128,9 +126,9 @@ Actors collectActors(const SystemMembers& members) {
   pick(actors.position_constraints), pick(actors.lagrangian_constraints), pick(actors.mappings);
   std::erase_if(actors.lagrangian_constraints, [](const auto* each) { return each->constrainedStates().empty(); });
   if (actors.states.empty())
-    throw ComponentError(fmt::format("there is no mechanical state in {} or below, so there is nothing to move",
-                                     members.integrator->node().path()),
-                         "a " + usualComponent(Part::state) + " in the integrator's node or below");
+    throw ComponentError(
+        fmt::format("there is no mechanical state in {} or below, so there is nothing to move", members.integrator->node().path()),
+        "a " + usualComponent(Part::state) + " in the integrator's node or below");
   requireOneMassPerState(actors.masses);
   for (std::size_t i = 0; i < actors.mappings.size(); ++i) checkMapping(actors, i);
   orderMappings(actors.mappings);
@@ -156,8 +154,7 @@ void sortByTraits(Actors& actors) {
     if (traits.velocity_dependent) actors.damped_fields.push_back(field);
     if (traits.time_dependent) actors.timed_fields.push_back(field);
     if (traits.has_stiffness) actors.stiff_fields.push_back(field);
-    if (traits.velocity_dependent || (traits.has_stiffness && !traits.constant_stiffness))
-      actors.derivatives_vary = true;
+    if (traits.velocity_dependent || (traits.has_stiffness && !traits.constant_stiffness)) actors.derivatives_vary = true;
   }
   for (const Mapping* mapping : actors.mappings)
     if (!mapping->isLinear()) actors.derivatives_vary = true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "framework/scene/spans.h"
+#include "framework/simulation/held_size.h"
 
 namespace stroma {
 
@@ -16,8 +17,7 @@ void AssembledMatrix::makePattern() {
   BlockPattern pattern(mappings_.empty() ? actors_.independent_rows : actors_.all_rows);
   for (const Mass* mass : actors_.masses) mass->addPattern(pattern);
   for (const ForceField* field : actors_.force_fields)
-    if (const ForceTraits traits = field->traits(); traits.has_stiffness || traits.velocity_dependent)
-      field->addPattern(pattern);
+    if (const ForceTraits traits = field->traits(); traits.has_stiffness || traits.velocity_dependent) field->addPattern(pattern);
   for (const Mapping* mapping : actors_.mappings)
     if (!mapping->isLinear()) mapping->addGeometricPattern(pattern);
   if (mappings_.empty()) {
@@ -88,9 +88,8 @@ void AssembledMatrix::addChangingParts(const MatrixFactors& factors, BlockMatrix
     if (!mapping->isLinear()) mapping->addGeometricStiffness(mappings_.lastForce(), factors.stiffness, matrix);
 }
 
-// Block (i, j) becomes P_i A_ij P_j, and I - P_i is added on the diagonal.
+// Block (i, j) becomes P_i A_ij P_j, and on the diagonal I - P_i is added, in the size of the block.
 void AssembledMatrix::eliminateProjectors() {
-  using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
   const std::vector<NodeProjector>& projectors = constraints_.projectors();
   if (projectors.empty()) return;
   const auto& start = matrix_.rowStart();
@@ -100,13 +99,13 @@ void AssembledMatrix::eliminateProjectors() {
     for (Index slot = start[std::size_t(row)]; slot < start[std::size_t(row) + 1]; ++slot) {
       const Index right = constraints_.projectorOf(columns[std::size_t(slot)]);
       if (left < 0 && right < 0) continue;
-      Block block(matrix_.values().data() + std::size_t(slot) * 9);
+      auto block = blockAt(matrix_.values(), slot);
+      const double size = heldSize(diagonalSize(block));
       if (left >= 0) block = (projectors[std::size_t(left)].projector * block).eval();
       if (right >= 0) block = (block * projectors[std::size_t(right)].projector).eval();
+      if (columns[std::size_t(slot)] == row) block += size * (Mat3::Identity() - projectors[std::size_t(left)].projector);
     }
   }
-  for (const NodeProjector& held : projectors)
-    matrix_.add(matrix_.diagonal()[std::size_t(held.row)], Mat3::Identity() - held.projector);
 }
 
 }  // namespace stroma

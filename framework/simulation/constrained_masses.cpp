@@ -47,19 +47,17 @@ void requireDiagonalUnderMotion(const Actors& actors) {
         "a diagonal mass", "use " + usualComponent(Part::diagonal_mass) + ", or lumping=\"true\"");
 }
 
-void requireMassOf(const State& state, const Actors& actors, const std::vector<char>& held,
-                   const std::vector<double>& mass) {
-  const bool has_mass = std::any_of(actors.masses.begin(), actors.masses.end(),
-                                    [&state](const Mass* m) { return &m->state() == &state; });
+void requireMassOf(const State& state, const Actors& actors, const std::vector<char>& held, const std::vector<double>& mass) {
+  const bool has_mass =
+      std::any_of(actors.masses.begin(), actors.masses.end(), [&state](const Mass* m) { return &m->state() == &state; });
   for (Index i = 0; i < state.size(); ++i) {
     const std::size_t row = std::size_t(state.firstRow() + i);
     if (held[row] || mass[row] > 0) continue;
     if (!has_mass)
-      throw ComponentError(fmt::format("{} has no mass, so its motion is not defined", state.path()),
-                           "a mass in the state's node", "add <" + usualComponent(Part::mass) + " totalMass=\"1\"/>");
-    throw ComponentError(
-        fmt::format("node {} of {} has a mass of {} kg, so its motion is not defined", i, state.path(), mass[row]),
-        "a positive mass at every node that is not held");
+      throw ComponentError(fmt::format("{} has no mass, so its motion is not defined", state.path()), "a mass in the state's node",
+                           "add <" + usualComponent(Part::mass) + " totalMass=\"1\"/>");
+    throw ComponentError(fmt::format("node {} of {} has a mass of {} kg, so its motion is not defined", i, state.path(), mass[row]),
+                         "a positive mass at every node that is not held");
   }
 }
 
@@ -73,11 +71,10 @@ void ConstraintSet::requireMass() const {
   const std::vector<double> mass = lumpedMass(actors_);
   for (const State* state : actors_.states) {
     if (state->firstRow() >= actors_.independent_rows) continue;
-    const bool feeds_mapping = std::any_of(actors_.mappings.begin(), actors_.mappings.end(),
-                                           [state](const Mapping* mapping) {
-                                             const std::vector<State*> inputs = mapping->inputs();
-                                             return std::find(inputs.begin(), inputs.end(), state) != inputs.end();
-                                           });
+    const bool feeds_mapping = std::any_of(actors_.mappings.begin(), actors_.mappings.end(), [state](const Mapping* mapping) {
+      const std::vector<State*> inputs = mapping->inputs();
+      return std::find(inputs.begin(), inputs.end(), state) != inputs.end();
+    });
     if (!feeds_mapping) requireMassOf(*state, actors_, held, mass);
   }
 }
@@ -98,9 +95,8 @@ void ConstraintSet::updateInverseMass() {
   groups_.average(inverse_mass_);
   for (std::size_t row = 0; row < inverse_mass_.size(); ++row) {
     if (!held[row] && !(inverse_mass_[row] > 0))
-      throw ComponentError(
-          "masses on mapped states (" + actors_.describeRow(Index(row)) + " has no other) have no lumped inverse",
-          "an implicit integrator, or a mass on the state that is mapped from");
+      throw ComponentError("masses on mapped states (" + actors_.describeRow(Index(row)) + " has no other) have no lumped inverse",
+                           "an implicit integrator, or a mass on the state that is mapped from");
     inverse_mass_[row] = held[row] ? 0 : 1 / inverse_mass_[row];
   }
 }
@@ -113,17 +109,19 @@ std::vector<double> ConstraintSet::relationWeights() const {
   return weights;
 }
 
-// The nodes of a group start together: where one of them is held, else at their centre of mass and with its velocity.
+// The nodes of a group start together: where one of them is held, in the directions that hold it, else at their centre of mass.
 void ConstraintSet::meetGroups(double start, Rows x, Rows v) const {
   if (groups_.empty()) return;
   const std::vector<double> mass = lumpedMass(actors_);
   std::vector<NodeProjector> own;
   for (const ProjectiveConstraint* constraint : all()) constraint->addProjectors(start, own);
-  std::vector<char> is_held(std::size_t(actors_.independent_rows), 0);
-  for (const NodeProjector& held : own) is_held[std::size_t(held.row)] |= held.projector.isZero(0);
+  mergeByRow(own);
+  std::vector<const NodeProjector*> holds(std::size_t(actors_.independent_rows), nullptr);
+  for (const NodeProjector& each : own) holds[std::size_t(each.row)] = &each;
+  const auto isHeld = [&](Index row) { return holds[std::size_t(row)] && holds[std::size_t(row)]->projector.isZero(0); };
   for (Index g = 0; g < groups_.count(); ++g) {
     const Index *begin = groups_.begin(g), *end = groups_.end(g);
-    const Index* held = std::find_if(begin, end, [&](Index row) { return is_held[std::size_t(row)]; });
+    const Index* held = std::find_if(begin, end, isHeld);
     double whole = 0;
     for (const Index* row = begin; row != end; ++row) whole += mass[std::size_t(*row)];
     const auto share = [&](Index row) { return whole > 0 ? mass[std::size_t(row)] / whole : 1 / double(groups_.size(g)); };
@@ -131,6 +129,8 @@ void ConstraintSet::meetGroups(double start, Rows x, Rows v) const {
       if (vector.data == x.data && actors_.motion.kindOf(*begin) == RowKind::turn) continue;
       Vec3 meeting = Vec3::Zero();
       for (const Index* row = begin; row != end; ++row) meeting += share(*row) * vector[*row];
+      for (const Index* row = begin; row != end; ++row)
+        if (const NodeProjector* at = holds[*row]) meeting += (Mat3::Identity() - at->projector) * (vector[*row] - meeting);
       if (held != end) meeting = vector[*held];
       for (const Index* row = begin; row != end; ++row) vector[*row] = meeting;
     }
@@ -142,7 +142,8 @@ void ConstraintSet::meetGroups(double start, Rows x, Rows v) const {
       turn += share(*row) * actors_.motion.increment(x, x, first, *row);
     actors_.motion.advanceRow(turn, x, first);
     for (const Index* row = begin; row != end; ++row)
-      if (*row != first) std::copy_n(x.data + std::size_t(first) * row_doubles, row_doubles, x.data + std::size_t(*row) * row_doubles);
+      if (*row != first)
+        std::copy_n(x.data + std::size_t(first) * row_doubles, row_doubles, x.data + std::size_t(*row) * row_doubles);
   }
 }
 

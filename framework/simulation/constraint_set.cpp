@@ -10,9 +10,8 @@ namespace stroma {
 namespace {
 
 bool same(const std::vector<NodeProjector>& a, const std::vector<NodeProjector>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const NodeProjector& p, const NodeProjector& q) {
-    return p.row == q.row && p.projector == q.projector;
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const NodeProjector& p, const NodeProjector& q) { return p.row == q.row && p.projector == q.projector; });
 }
 
 /// Its component and its first nodes.
@@ -39,8 +38,7 @@ void applyProjectors(const std::vector<NodeProjector>& projectors, Rows vector) 
 
 void ConstraintSet::compile(double start, Rows x, Rows v) {
   projector_of_row_.assign(std::size_t(actors_.independent_rows), -1);
-  for (const ProjectiveConstraint* constraint : all())
-    change_ = change_ || !constraint->isConstant() || constraint->endTime() >= 0;
+  for (const ProjectiveConstraint* constraint : all()) change_ = change_ || !constraint->isConstant() || constraint->endTime() >= 0;
   reserve(start);
   for (const ProjectiveConstraint* constraint : all()) constraint->placeStart(start, x, v);
   gather(start, start);
@@ -71,8 +69,7 @@ void ConstraintSet::reserve(double start) {
 void ConstraintSet::holdUnusedDirections(std::vector<NodeProjector>& out) const {
   for (const State* state : actors_.states)
     for (Index i = 0; state->firstRow() < actors_.independent_rows && i < Index(state->row_kinds.size()); ++i)
-      if (state->row_kinds[std::size_t(i)] == RowKind::value)
-        out.push_back({state->firstRow() + i, Vec3::UnitX().asDiagonal()});
+      if (state->row_kinds[std::size_t(i)] == RowKind::value) out.push_back({state->firstRow() + i, Vec3::UnitX().asDiagonal()});
 }
 
 // A constraint holds in a step that starts at or before its endTime (as in SOFA); its projectors are those of the
@@ -128,9 +125,9 @@ void ConstraintSet::refuseTurningRows() const {
     constraint->addRelations(relations);
     for (const LinearRelations::Term& term : relations.terms)
       if (kindOf(term.row) == RowKind::turn)
-        throw ComponentError(fmt::format("{} relates displacements, and {} is an orientation", constraint->path(),
-                                         actors_.describeRow(term.row)),
-                             "relations of points, centres of frames or numbers");
+        throw ComponentError(
+            fmt::format("{} relates displacements, and {} is an orientation", constraint->path(), actors_.describeRow(term.row)),
+            "relations of points, centres of frames or numbers");
     for (const Tie& tie : ties) {
       if (kindOf(tie.a) != kindOf(tie.b))
         throw ComponentError(fmt::format("{} ties {} and {}, which are of different types", constraint->path(),

@@ -8,6 +8,7 @@
 
 #include "framework/scene/archive.h"
 #include "framework/scene/spans.h"
+#include "framework/simulation/held_size.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
 
@@ -18,7 +19,26 @@ namespace {
 /// Nanoseconds per block of an assembled product out of cache: 76 bytes at the read bandwidth of one core.
 constexpr double block_product_nanoseconds = 2.9;
 
-using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+/// What acts on mapped states is left out: it reaches other rows than its own.
+void sumDiagonals(const Actors& actors, const MatrixFactors& factors, std::vector<double>& blocks) {
+  blocks.assign(std::size_t(actors.all_rows) * 9, 0.0);
+  for (const Mass* mass : actors.masses)
+    if (const double factor = factors.of(*mass); factor != 0) mass->addDiagonal(factor, blocks);
+  for (const ForceField* field : actors.stiff_fields)
+    if (const double factor = factors.of(*field); factor != 0) field->addStiffnessDiagonal(factor, blocks);
+  if (factors.damping != 0)
+    for (const ForceField* field : actors.damped_fields) field->addDampingDiagonal(factors.damping, blocks);
+}
+
+/// See held_size.h; beside what the rows of relations have on the diagonal without constraints: the same number whether
+/// something has been assembled or not.
+double heldBeside(const Actors& actors, const MatrixFactors& factors, const LinearRelations& relations) {
+  std::vector<double> blocks;
+  sumDiagonals(actors, factors, blocks);
+  double sum = 0;
+  for (const LinearRelations::Term& term : relations.terms) sum += diagonalSize(blockAt(blocks, term.row));
+  return heldSize(sum / double(relations.terms.size()));
+}
 
 }  // namespace
 
@@ -78,15 +98,19 @@ bool MechanicalMatrix::symmetric() const {
 }
 
 // Preconditioners by blocks of the diagonal keep to held nodes and groups but not to relations: with them the product
-// is P A P p + (I - P) p.
+// is P A P p + s (I - P) p, with the size s of the numbers in A.
 void MechanicalMatrix::multiply(ConstRows p, Rows out) const {
   if (constraints_.relations().empty()) return multiplyFree(p, out);
-  if (free_part_.count() != rows()) free_part_.resize(rows());
-  copy(p, free_part_);
-  constraints_.project(free_part_);
-  multiplyFree(free_part_, out);
-  axpy(1, p, out);
-  axpy(-1, free_part_, out);
+  if (free_part_.count() != rows() + 1) free_part_.resize(rows() + 1);
+  const auto size = free_part_[rows()];  // the last row keeps s, and for which values it holds
+  if (const double values = double(valuesRevision() + 1); size[1] != values)
+    free_part_[rows()] = Vec3(heldBeside(actors_, factors_, constraints_.relations().relations()), values, 0);
+  const Rows free = free_part_.head(rows());
+  copy(p, free);
+  constraints_.project(free);
+  multiplyFree(free, out);
+  axpy(size[0], p, out);
+  axpy(-size[0], free, out);
 }
 
 void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
@@ -100,11 +124,9 @@ void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
   for (const Mass* mass : actors_.masses)
     if (const double factor = factors_.of(*mass); factor != 0) heard("product", mass)->addProduct(p_all, factor, all);
   for (const ForceField* field : actors_.stiff_fields)
-    if (const double factor = factors_.of(*field); factor != 0)
-      heard("product", field)->addStiffnessProduct(p_all, factor, all);
+    if (const double factor = factors_.of(*field); factor != 0) heard("product", field)->addStiffnessProduct(p_all, factor, all);
   if (factors_.damping != 0)
-    for (const ForceField* field : actors_.damped_fields)
-      heard("product", field)->addDampingProduct(p_all, factors_.damping, all);
+    for (const ForceField* field : actors_.damped_fields) heard("product", field)->addDampingProduct(p_all, factors_.damping, all);
   if (maps) mappings_.finishProduct(p_all, factors_.stiffness, all, out);
   constraints_.project(out);
 }
@@ -118,18 +140,12 @@ void MechanicalMatrix::diagonalBlocks(std::vector<double>& blocks) const {
       std::copy_n(matrix.values().data() + std::size_t(matrix.diagonal()[row]) * 9, 9, blocks.data() + 9 * row);
     return;
   }
-  // what acts on mapped states is left out: it reaches other rows than its own
-  blocks.assign(std::size_t(actors_.all_rows) * 9, 0.0);
-  for (const Mass* mass : actors_.masses)
-    if (const double factor = factors_.of(*mass); factor != 0) mass->addDiagonal(factor, blocks);
-  for (const ForceField* field : actors_.stiff_fields)
-    if (const double factor = factors_.of(*field); factor != 0) field->addStiffnessDiagonal(factor, blocks);
-  if (factors_.damping != 0)
-    for (const ForceField* field : actors_.damped_fields) field->addDampingDiagonal(factors_.damping, blocks);
+  sumDiagonals(actors_, factors_, blocks);
   blocks.resize(count * 9);
   for (const NodeProjector& held : constraints_.projectors()) {
-    Block block(blocks.data() + std::size_t(held.row) * 9);
-    block = (held.projector * block * held.projector + Mat3::Identity() - held.projector).eval();
+    auto block = blockAt(blocks, held.row);
+    const double size = heldSize(diagonalSize(block));
+    block = (held.projector * block * held.projector + size * (Mat3::Identity() - held.projector)).eval();
   }
   constraints_.groups().completeDiagonal(constraints_.projectors(), blocks);
   constraints_.relations().eliminateDiagonal(blocks);
@@ -145,25 +161,33 @@ const BlockMatrix& MechanicalMatrix::assemble() {
   return assembled_.assemble(factors_);
 }
 
+double MechanicalMatrix::productCost() const {
+  double sum = 0;
+  for (const ForceField* field : actors_.stiff_fields) {
+    const double product = field->cost().product;
+    if (product <= 0) return 0;
+    sum += product;
+  }
+  return sum;
+}
+
 // Matrix-free: products x (sum of the fields' products). Assembled: the assemblies plus the block products. An
 // assembly of stiffnesses that never change is shared by all steps and counts as nothing.
 bool MechanicalMatrix::prefersAssembled(int expected_products) const {
   if (!mappings_.empty() || actors_.stiff_fields.empty()) return false;
-  double product = 0, assembly = 0;
+  const double product = productCost();
+  double assembly = 0;
   for (const ForceField* field : actors_.stiff_fields) {
     const ForceField::Cost cost = field->cost();
     if (cost.product <= 0) return false;  // nothing is known about its costs
-    product += cost.product;
     if (!field->traits().constant_stiffness) assembly += cost.assembly;
   }
   if (expected_products * product <= assembly) return false;
-  const auto pays = [&] {
-    return expected_products * product > assembly + expected_products * block_product_nanoseconds * assembled_.blocks();
-  };
-  if (assembled_.blocks() >= 0) return pays();
-  assembled_.pattern();
-  if (!pays()) assembled_.dropPattern();  // its memory is not needed after all
-  return pays();
+  const bool is_new = assembled_.blocks() < 0;
+  if (is_new) assembled_.pattern();
+  const bool pays = expected_products * (product - block_product_nanoseconds * assembled_.blocks()) > assembly;
+  if (is_new && !pays) assembled_.dropPattern();  // its memory is not needed after all
+  return pays;
 }
 
 }  // namespace stroma

@@ -20,10 +20,8 @@ class MechanicalMatrix final : public SystemMatrix {
   explicit MechanicalMatrix(const System& system);
   /// This matrix with these factors; they stay until others are set.
   MechanicalMatrix& withFactors(const MatrixFactors& factors);
-  /// Terms that count as constant have other values, in the same pattern.
-  void valuesChanged();
-  /// Something has changed in what the terms are made of: nothing that was kept holds.
-  void termsChanged();
+  void valuesChanged();  ///< of terms that count as constant, in the same pattern
+  void termsChanged();   ///< in what they are made of: nothing that was kept holds
   void serialize(Archive& archive);  ///< see Component::serialize()
 
   Index rows() const override;
@@ -34,6 +32,7 @@ class MechanicalMatrix final : public SystemMatrix {
   MatrixKey key() const override { return {identity().get(), assembled_.patternRevision(), valuesRevision()}; }
   bool symmetric() const override;
   bool prefersAssembled(int expected_products) const override;
+  double productCost() const override;
   ConstRows positions() const override;
   bool isOfLooseNodes() const override;
   std::string describeRow(Index row) const override;
@@ -51,8 +50,7 @@ class MechanicalMatrix final : public SystemMatrix {
   const ConstraintSet& constraints_;
   MatrixFactors factors_;
   long factors_revision_ = 0;
-  /// Made on demand, also by a question about its size.
-  mutable AssembledMatrix assembled_;
+  mutable AssembledMatrix assembled_;  ///< made on demand, also by a question about its size
   long assembled_revision_ = -1;
   mutable Vector free_part_;  ///< work space, only with relations
 };

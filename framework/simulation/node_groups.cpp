@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "framework/simulation/held_size.h"
+
 namespace stroma {
 
 namespace {
@@ -28,8 +30,7 @@ Mat3 intersection(const Mat3& a, const Mat3& b) {
   eigen.computeDirect(2 * Mat3::Identity() - a - b);
   Mat3 result = Mat3::Zero();
   for (int i = 0; i < 3; ++i)
-    if (std::abs(eigen.eigenvalues()[i]) < 1e-7)
-      result += eigen.eigenvectors().col(i) * eigen.eigenvectors().col(i).transpose();
+    if (std::abs(eigen.eigenvalues()[i]) < 1e-7) result += eigen.eigenvectors().col(i) * eigen.eigenvectors().col(i).transpose();
   return result;
 }
 
@@ -159,8 +160,7 @@ void NodeGroups::average(BlockMatrix& matrix) const {
       Mat3 mean = Mat3::Zero();
       for (const Index* row = begin(g); row != end(g); ++row)
         mean += blockAt(values, matrix.rowStart()[std::size_t(*row)] + k) / double(size(g));
-      for (const Index* row = begin(g); row != end(g); ++row)
-        blockAt(values, matrix.rowStart()[std::size_t(*row)] + k) = mean;
+      for (const Index* row = begin(g); row != end(g); ++row) blockAt(values, matrix.rowStart()[std::size_t(*row)] + k) = mean;
     }
   }
   for (Index g = 0; g < count(); ++g) {  // columns: the pattern is symmetric
@@ -170,8 +170,7 @@ void NodeGroups::average(BlockMatrix& matrix) const {
       Mat3 mean = Mat3::Zero();
       for (const Index* column = begin(g); column != end(g); ++column)
         mean += blockAt(values, matrix.slot(row, *column)) / double(size(g));
-      for (const Index* column = begin(g); column != end(g); ++column)
-        blockAt(values, matrix.slot(row, *column)) = mean;
+      for (const Index* column = begin(g); column != end(g); ++column) blockAt(values, matrix.slot(row, *column)) = mean;
     }
   }
 }
@@ -183,10 +182,11 @@ Mat3 NodeGroups::sharedProjector(Index group, const std::vector<NodeProjector>& 
 
 void NodeGroups::complete(const std::vector<NodeProjector>& projectors, BlockMatrix& matrix) const {
   for (Index g = 0; g < count(); ++g) {
-    const Mat3 shared = sharedProjector(g, projectors);
+    const Index own = matrix.diagonal()[std::size_t(*begin(g))];
+    const double held = heldSize(double(size(g)) * diagonalSize(blockAt(matrix.values(), own)));
+    const Mat3 shared = held * sharedProjector(g, projectors);
     for (const Index* i = begin(g); i != end(g); ++i)
-      for (const Index* j = begin(g); j != end(g); ++j)
-        matrix.add(*i, *j, ((i == j ? 1. : 0.) - 1. / double(size(g))) * shared);
+      for (const Index* j = begin(g); j != end(g); ++j) matrix.add(*i, *j, ((i == j ? 1. : 0.) - 1. / double(size(g))) * shared);
   }
 }
 
@@ -196,7 +196,7 @@ void NodeGroups::completeDiagonal(const std::vector<NodeProjector>& projectors, 
     Mat3 sum = Mat3::Zero();
     for (const Index* row = begin(g); row != end(g); ++row) sum += blockAt(blocks, *row);
     const Mat3 shared = sharedProjector(g, projectors);
-    const Mat3 block = shared * sum * shared / (n * n) + Mat3::Identity() - shared / n;
+    const Mat3 block = shared * sum * shared / (n * n) + heldSize(diagonalSize(sum) / n) * (Mat3::Identity() - shared / n);
     for (const Index* row = begin(g); row != end(g); ++row) blockAt(blocks, *row) = block;
   }
 }

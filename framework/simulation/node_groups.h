@@ -39,12 +39,12 @@ class NodeGroups {
 
   /// `matrix` (empty) with all blocks that average() can fill.
   BlockMatrix withFill(const BlockMatrix& matrix) const;
-  /// A becomes P A P + I - P for groups without held directions; withFill() made the pattern of `matrix`. To be called
-  /// before projectors are eliminated.
+  /// A becomes P A P + s (I - P), s of held_size.h, for groups without held directions; withFill() made the pattern of
+  /// `matrix`. To be called before projectors are eliminated.
   void average(BlockMatrix& matrix) const;
-  /// Adds I - P of the groups to a matrix whose projectors have been eliminated, I - Q on the diagonals included.
+  /// Adds s (I - P) of the groups to a matrix whose projectors have been eliminated, s (I - Q) on the diagonals included.
   void complete(const std::vector<NodeProjector>& projectors, BlockMatrix& matrix) const;
-  /// The diagonal blocks of P A P + I - P from those of A, shape (rows, 9): the blocks between rows of one group are
+  /// The diagonal blocks of P A P + s (I - P) from those of A, shape (rows, 9): the blocks between rows of one group are
   /// taken for zero, as they are unless an element has both.
   void completeDiagonal(const std::vector<NodeProjector>& projectors, std::vector<double>& blocks) const;
 

@@ -67,11 +67,10 @@ void PrescribedMotion::placeGroups(Rows x, Rows v) const {
 
 std::string PrescribedMotion::describeConflict(const SharedPlacements::Conflict& conflict) const {
   if (conflict.row < 0) return {};
-  return fmt::format(
-      "{} cannot be where {} and {} put it: at the place between it is {:.3g} {} from where the first does",
-      actors_.describeRow(conflict.row), actors_.constraints[std::size_t(conflict.a)]->path(),
-      actors_.constraints[std::size_t(conflict.b)]->path(), conflict.distance,
-      actors_.motion.kindOf(conflict.row) == RowKind::turn ? "rad" : "m");
+  return fmt::format("{} cannot be where {} and {} put it: at the place between it is {:.3g} {} from where the first does",
+                     actors_.describeRow(conflict.row), actors_.constraints[std::size_t(conflict.a)]->path(),
+                     actors_.constraints[std::size_t(conflict.b)]->path(), conflict.distance,
+                     actors_.motion.kindOf(conflict.row) == RowKind::turn ? "rad" : "m");
 }
 
 // What never moves can be judged before the first step.
@@ -88,15 +87,13 @@ void PrescribedMotion::check(double start, ConstRows x, ConstRows v) {
   copy(x, target_x_);
   copy(v, target_v_);
   place(context, start, target_x_, target_v_);
-  if (!misplaced_.empty())
-    throw ComponentError(misplaced_, "constraints whose points, lines and planes have a point in common");
+  if (!misplaced_.empty()) throw ComponentError(misplaced_, "constraints whose points, lines and planes have a point in common");
 }
 
 void PrescribedMotion::aim(const StepContext& context, ConstRows x, Rows v) {
   if (moving_.empty()) return;
   for (ProjectiveConstraint* constraint : actors_.constraints)
-    if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
-      constraint->beginMotion(context.t, x);
+    if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end)) constraint->beginMotion(context.t, x);
   copy(x, target_x_);
   copy(v, target_v_);
   actors_.motion.advance(context.dt, v, target_x_);

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "framework/simulation/held_size.h"
+
 namespace stroma {
 
 namespace {
@@ -27,20 +29,28 @@ void subtract(const Eigen::Ref<const Eigen::VectorXd>& change, const std::vector
 
 /// vector -= along N vector, in the rows of a cluster; `of_rows` and `of_basis` are work space.
 template <class Along>
-void takeAway(const Eigen::MatrixXd& basis, const Along& along, const std::vector<Index>& rows,
-              Eigen::Ref<Eigen::VectorXd> of_rows, Eigen::Ref<Eigen::VectorXd> of_basis, Rows vector) {
+void takeAway(const Eigen::MatrixXd& basis, const Along& along, const std::vector<Index>& rows, Eigen::Ref<Eigen::VectorXd> of_rows,
+              Eigen::Ref<Eigen::VectorXd> of_basis, Rows vector) {
   gather(vector, rows, of_rows);
   of_basis.noalias() = basis * of_rows;
   of_rows.noalias() = along * of_basis;
   subtract(of_rows, rows, vector);
 }
 
+/// See held_size.h; beside the diagonal blocks of these rows.
+template <class SlotOf>
+double heldBeside(std::vector<double>& blocks, const std::vector<Index>& rows, const SlotOf& slotOf) {
+  double sum = 0;
+  for (const Index row : rows) sum += diagonalSize(blockAt(blocks, slotOf(row)));
+  return heldSize(sum / double(rows.size()));
+}
+
 Vec3 displacement(const LinearRelations::Term& term, ConstRows x) { return x[term.row] - term.rest; }
 
 }  // namespace
 
-void RelationClusters::set(const LinearRelations& relations, const std::vector<NodeProjector>& projectors,
-                           const NodeGroups& groups, const std::vector<double>& inverse_mass) {
+void RelationClusters::set(const LinearRelations& relations, const std::vector<NodeProjector>& projectors, const NodeGroups& groups,
+                           const std::vector<double>& inverse_mass) {
   relations_ = relations;
   clusters_.clear();
   if (empty()) return;
@@ -108,8 +118,7 @@ void RelationClusters::makeClusters(const std::vector<FreeTerm>& terms, Index ro
     if (number < 0) number = Index(clusters_.size()), clusters_.emplace_back();
     Cluster& cluster = clusters_[std::size_t(number)];
     cluster.rows.push_back(term.row);
-    if (cluster.relations.empty() || cluster.relations.back() != term.relation)
-      cluster.relations.push_back(term.relation);
+    if (cluster.relations.empty() || cluster.relations.back() != term.relation) cluster.relations.push_back(term.relation);
   }
   for (Cluster& cluster : clusters_) {
     std::sort(cluster.rows.begin(), cluster.rows.end());
@@ -140,8 +149,7 @@ void RelationClusters::factorise(Cluster& cluster, const std::vector<FreeTerm>& 
 
   Eigen::VectorXd weights = Eigen::VectorXd::Zero(directions);
   if (!inverse_mass.empty())
-    for (Eigen::Index i = 0; i < directions; ++i)
-      weights[i] = inverse_mass[std::size_t(cluster.rows[std::size_t(i / 3)])];
+    for (Eigen::Index i = 0; i < directions; ++i) weights[i] = inverse_mass[std::size_t(cluster.rows[std::size_t(i / 3)])];
   if (!(weights.minCoeff() > 0)) weights.setOnes();
   const Eigen::MatrixXd weighted = weights.asDiagonal() * columns;
   cluster.along = weighted * (cluster.basis * weighted).llt().solve(Eigen::MatrixXd::Identity(rank, rank));
@@ -169,8 +177,8 @@ void RelationClusters::project(Rows vector) const {
 
 void RelationClusters::projectAcceleration(Rows a) const {
   for (const Cluster& cluster : clusters_)
-    takeAway(cluster.basis, cluster.along, cluster.rows, gathered_.head(cluster.basis.cols()),
-             reduced_.head(cluster.basis.rows()), a);
+    takeAway(cluster.basis, cluster.along, cluster.rows, gathered_.head(cluster.basis.cols()), reduced_.head(cluster.basis.rows()),
+             a);
 }
 
 template <class Value>
@@ -222,6 +230,7 @@ void RelationClusters::eliminate(BlockMatrix& matrix) const {
   Eigen::MatrixXd stacked, reduced;
   for (const Cluster& cluster : clusters_) {
     const Eigen::Index count = Eigen::Index(cluster.rows.size());
+    const double held = heldBeside(values, cluster.rows, [&matrix](Index row) { return matrix.diagonal()[std::size_t(row)]; });
     const auto startOf = [&](Eigen::Index i) { return matrix.rowStart()[std::size_t(cluster.rows[std::size_t(i)])]; };
     const Eigen::Index blocks = matrix.rowStart()[std::size_t(cluster.rows[0]) + 1] - startOf(0);
     stacked.resize(3 * count, 3);
@@ -231,8 +240,7 @@ void RelationClusters::eliminate(BlockMatrix& matrix) const {
       stacked.noalias() -= cluster.basis.transpose() * reduced;
       for (Eigen::Index i = 0; i < count; ++i) blockAt(values, startOf(i) + Index(k)) = stacked.middleRows<3>(3 * i);
     }
-    const std::vector<Index> neighbours(matrix.columns().begin() + startOf(0),
-                                        matrix.columns().begin() + startOf(0) + blocks);
+    const std::vector<Index> neighbours(matrix.columns().begin() + startOf(0), matrix.columns().begin() + startOf(0) + blocks);
     for (const Index row : neighbours) {  // from the right, as the transpose from the left
       for (Eigen::Index i = 0; i < count; ++i)
         stacked.middleRows<3>(3 * i) = blockAt(values, matrix.slot(row, cluster.rows[std::size_t(i)])).transpose();
@@ -244,20 +252,22 @@ void RelationClusters::eliminate(BlockMatrix& matrix) const {
     for (Eigen::Index i = 0; i < count; ++i)
       for (Eigen::Index j = 0; j < count; ++j)
         matrix.add(cluster.rows[std::size_t(i)], cluster.rows[std::size_t(j)],
-                   cluster.basis.middleCols<3>(3 * i).transpose() * cluster.basis.middleCols<3>(3 * j));
+                   held * cluster.basis.middleCols<3>(3 * i).transpose() * cluster.basis.middleCols<3>(3 * j));
   }
 }
 
 // Of P A P for a block diagonal A only what a row has of its own: enough for a preconditioner.
 void RelationClusters::eliminateDiagonal(std::vector<double>& blocks) const {
-  for (const Cluster& cluster : clusters_)
+  for (const Cluster& cluster : clusters_) {
+    const double held = heldBeside(blocks, cluster.rows, [](Index row) { return row; });
     for (std::size_t i = 0; i < cluster.rows.size(); ++i) {
-      const Mat3 taken = cluster.basis.middleCols<3>(3 * Eigen::Index(i)).transpose() *
-                         cluster.basis.middleCols<3>(3 * Eigen::Index(i));
+      const Mat3 taken =
+          cluster.basis.middleCols<3>(3 * Eigen::Index(i)).transpose() * cluster.basis.middleCols<3>(3 * Eigen::Index(i));
       const Mat3 free = Mat3::Identity() - taken;
       auto block = blockAt(blocks, cluster.rows[i]);
-      block = (free * block * free + taken).eval();
+      block = (free * block * free + held * taken).eval();
     }
+  }
 }
 
 }  // namespace stroma

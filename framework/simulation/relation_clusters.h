@@ -40,7 +40,7 @@ class RelationClusters {
 
   /// Appends ties that hang the free rows of each cluster together: NodeGroups makes the matrix's pattern from them.
   void addTies(std::vector<Tie>& ties) const;
-  /// A becomes P A P + I - P, from Q A Q + I - Q.
+  /// A becomes P A P + s (I - P), from Q A Q + s (I - Q); s of held_size.h.
   void eliminate(BlockMatrix& matrix) const;
   /// The same for diagonal blocks, shape (rows, 9), with the blocks between different rows taken for zero.
   void eliminateDiagonal(std::vector<double>& blocks) const;

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "framework/mechanics/lagrangian_constraint.h"
+#include "framework/mechanics/step_limiter.h"
 #include "framework/scene/spans.h"
 #include "framework/simulation/expectation.h"
 #include "framework/simulation/step_guard.h"
@@ -15,6 +17,22 @@
 
 namespace stroma {
 namespace {
+
+/// Tells constraints where a run starts, as a step that takes no time. False: one of them refuses it.
+bool startIsGood(const System& system, Diagnostics& diagnostics) {
+  bool is_good = true;
+  for (LagrangianConstraint* constraint : system.actors().lagrangian_constraints) {
+    auto* hears = dynamic_cast<HearsSteps*>(constraint);
+    try {
+      if (hears) hears->stepBegins(system.mappingChain().positions(system.x), 0, 0);
+    } catch (const ComponentError& error) {
+      const auto& component = dynamic_cast<const Component&>(*constraint);
+      diagnostics.error(component.where(), component.path(), error.what(), error.expected, error.suggestion);
+      is_good = false;
+    }
+  }
+  return is_good;
+}
 
 /// Null when the integrator, or what it found below itself, cannot work as written: the reason is in `diagnostics`.
 std::unique_ptr<System> compileSystem(const SystemMembers& members, Diagnostics& diagnostics) {
@@ -24,7 +42,7 @@ std::unique_ptr<System> compileSystem(const SystemMembers& members, Diagnostics&
     auto system = std::make_unique<System>(members);
     integrator.compile(*system);
     checkStepLimits(*system);
-    return system;
+    if (startIsGood(*system, diagnostics)) return system;
   } catch (const ComponentError& error) {
     diagnostics.error(integrator.where(), integrator.path(), error.what(), error.expected, error.suggestion);
   } catch (const DependencyFailed&) {

@@ -62,7 +62,7 @@ std::string differenceOf(const Component& a, const Component& b, int depth = 0) 
 std::string whyApart(const Integrator& a, const Integrator& b) {
   if (a.movesInTime() != b.movesInTime() || a.stateOwner() || b.stateOwner()) return ". They have no step in common";
   const auto text = [](const Data* data) { return !data || data->print() == "false" ? std::string("0") : data->print(); };
-  for (const char* damping : {"rayleighStiffness", "rayleighMass", "vdamping", "firstOrder"})
+  for (const char* damping : {"rayleighStiffness", "rayleighMass", "vdamping", "velocityThreshold", "firstOrder"})
     if (text(a.data().find(damping)) != text(b.data().find(damping)))
       return fmt::format(". {} makes two motions of it: damping of one body belongs to its fields and masses", damping);
   return {};

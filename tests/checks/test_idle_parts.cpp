@@ -53,6 +53,45 @@ TEST(IdleParts, WhatContradictsOrDoublesIsSaid) {
   EXPECT_EQ(told(heldAt("")).find("adds up"), std::string::npos);
 }
 
+/// What is held and what moves count by directions, and through attachments.
+TEST(IdleParts, MotionsAlongHeldDirectionsAreSaid) {
+  const std::string words = "too: they move";
+  const auto moved = [](const std::string& type, const std::string& more) {
+    return "<" + type + " name='moved' indices='2 3' keyTimes='0 1' " + more + "/>";
+  };
+  const std::string plane = "<FixedPlaneProjectiveConstraint name='plane' indices='3 4' direction='0 0 1'/>";
+  const std::string along = "<DirectionProjectiveConstraint name='along' indices='2 3' direction='1 0 0'/>";
+  const std::string partly = "<PartialFixedProjectiveConstraint name='partly' indices='2 3' fixedDirections='0 0 1'/>";
+  const std::string up = moved("PartialLinearMovementProjectiveConstraint", "movedDirections='0 0 1' movements='0 0 0 0 0 0.01'");
+  expectContains(told(heldAt(plane + up)), "/moved: 1 of its nodes are held by /plane too: they move");
+  expectContains(told(heldAt(along + up)), "/moved: 2 of its nodes are held by /along too: they move");
+  expectContains(told(heldAt(partly + up)), "/moved: 2 of its nodes are held by /partly too: they move");
+  const std::string fixed = "<FixedProjectiveConstraint name='fixed' indices='3'/>";
+  expectContains(told(heldAt(fixed + up)), "/moved: 1 of its nodes are held by /fixed too: they move");
+  expectContains(told(heldAt(plane + moved("LinearVelocityProjectiveConstraint", "velocities='0 0 0 1 0 1'"))), words);
+  expectContains(told(heldAt(plane + "<OscillatorProjectiveConstraint indices='3' translation='0 0 1' pulsation='1'/>")), words);
+  const std::string tied = "<AttachProjectiveConstraint object1='@dofs' object2='@dofs' indices1='3' indices2='0' twoWay='true'/>";
+  expectContains(told(heldAt("<FixedProjectiveConstraint name='fixed' indices='0'/>" + tied + up)), "held by /fixed " + words);
+  for (const std::string& apart :
+       {moved("PartialLinearMovementProjectiveConstraint", "movedDirections='1 1 0' movements='0 0 0 1 1 1'"),
+        moved("LinearMovementProjectiveConstraint", "movements='0 0 0 1 1 0'")})
+    EXPECT_EQ(told(heldAt(plane + apart)).find(words), std::string::npos) << apart;
+}
+
+/// Node 3 is at 1 1 0 and node 0 at the origin, node 2 at 0 1 0.
+TEST(IdleParts, WhatAnAttachmentBringsAwayFromItsPlaceIsSaid) {
+  const std::string words = "/part: 1 of its nodes are attached to nodes that are held elsewhere";
+  const auto attached = [](const std::string& part, const std::string& to) {
+    return told(heldAt("<FixedProjectiveConstraint name='fixed' indices='0 2'/>"
+                       "<PartialFixedProjectiveConstraint name='part' indices='3' fixedDirections='" + part + "'/>"
+                       "<AttachProjectiveConstraint object1='@dofs' object2='@dofs' indices1='3' indices2='" + to + "' twoWay='true'/>"));
+  };
+  expectContains(attached("0 1 0", "0"), words);
+  expectContains(attached("1 0 0", "2"), words);
+  for (const std::string& told_nothing : {attached("0 0 1", "0"), attached("0 1 0", "2"), attached("0 1 0", "1")})
+    EXPECT_EQ(told_nothing.find("held elsewhere"), std::string::npos) << told_nothing;
+}
+
 TEST(IdleParts, AGravityThatFindsNoMassInStaticsIsSaid) {
   const auto scene = [](const std::string& gravity, const std::string& mass) {
     return "<Node name='root' " + gravity + R"(><StaticSolver/><SparseLDLSolver/>

@@ -33,7 +33,7 @@ void forEachAttribute(Visit&& visit) {
 TEST(UnitsOfAttributes, EachDeclaredTextIsAUnit) {
   std::set<std::string> texts;
   forEachAttribute([&texts](const std::string& type, const Data& data) {
-    if (data.unitText().empty() || data.unitText() == "N or N s") return;
+    if (data.unitText().empty() || data.unitText().find(" or ") != std::string::npos) return;
     texts.insert(data.unitText());
     ASSERT_TRUE(findUnit(data.unitText())) << type << "." << data.name() << " [" << data.unitText() << "]";
     const Dimension dimension = readUnit(data.unitText()).dimension;
@@ -79,7 +79,7 @@ TEST(UnitsOfAttributes, EachIsReadInAnotherUnitOfItsDimension) {
   long read = 0;
   forEachAttribute([&read](const std::string& type, Data& data) {
     if (data.unitText().empty() || data.isOutput() || !holdsReals(data)) return;
-    if (data.unitText() == "N or N s") return;
+    if (data.unitText().find(" or ") != std::string::npos) return;
     const Dimension dimension = readUnit(data.unitText()).dimension;
     if (dimension == Dimension{}) return;
     const std::string numbers = std::holds_alternative<double*>(data.pointer()) ? "4000" : "4000 4000 4000";

@@ -70,6 +70,24 @@ TEST(Attach, EndsThatLieApartMeetAtTheirCentreOfMass) {
   }
 }
 
+TEST(Attach, EndsMeetWhereOneIsHeldAlongWhatHoldsIt) {
+  Simulation simulation = simulationFromText(
+      points("0 0 0 4 0 8", "0 0 0 4 0 4", "1 3",
+             "<PartialFixedProjectiveConstraint indices='0' fixedDirections='0 0 1'/>"
+             "<AttachProjectiveConstraint indices1='0' indices2='1' twoWay='1'/>"));
+  System& system = *simulation.systems().at(0);
+  const Vec3 n = Vec3(1, 2, 2) / 3;
+  Simulation oblique = simulationFromText(
+      points("0 0 0 3 0 0", "0 0 0 0 0 0", "1 2",
+             "<FixedPlaneProjectiveConstraint indices='1' direction='1 2 2'/>"
+             "<AttachProjectiveConstraint indices1='0' indices2='1' twoWay='1'/>"));
+  const System& other = *oblique.systems().at(0);
+  for (Index i = 0; i < 2; ++i) {
+    EXPECT_LT((system.x[i] - Vec3(3, 0, 0)).norm(), 1e-15) << "the centre of mass, but for z";
+    EXPECT_LT((other.x[i] - (Vec3(2, 0, 0) + n / 3)).norm(), 1e-14) << "n . x is that of the held end, 1";
+  }
+}
+
 TEST(Attach, WhatIsHeldOrMovedTakesTheOthersAlong) {
   for (const char* integrator : {"<EulerExplicitSolver/>", "<EulerImplicitSolver/>"}) {
     Simulation simulation = simulationFromText(
@@ -133,8 +151,10 @@ TEST(Attach, MatrixIsTheProjectedOne) {
   });
   const BlockMatrix& assembled = matrix.assemble();
   const Eigen::MatrixXd full = dense([&](Vector& in, Vector& out) { assembled.multiply(in, out); });
-  const Eigen::MatrixXd expected = projected + Eigen::MatrixXd::Identity(3 * rows, 3 * rows) - p;
-  EXPECT_LT((full - expected).norm(), 1e-12 * full.norm());
+  const Eigen::MatrixXd rest = full - projected;  // acts on what is held alone, in the size of the other numbers
+  EXPECT_LT((rest * p).norm() + (p * rest).norm(), 1e-12 * full.norm());
+  const Eigen::VectorXd sizes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(rest + 1e-3 * full.norm() * p).eigenvalues();
+  EXPECT_GT(sizes.minCoeff(), 1e-3 * full.diagonal().maxCoeff());
   EXPECT_LT((full - full.transpose()).norm(), 1e-12 * full.norm());
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <sstream>
 
 #include "tests/support/field_under_test.h"
@@ -46,6 +47,56 @@ TEST(Membrane, HomogeneousStrain) {
       const Vector f = t.force();
       EXPECT_LT((turn.transpose() * Vec3(f[1] + f[2]) - Vec3(-3 * h * sx, 0, 0)).norm(), 1e-12);
     }
+}
+
+/// A plane patch stretched along its fibres or across them, and sheared between: stresses of a plane orthotropic sheet.
+TEST(Membrane, FibresAreStifferThanWhatLiesAcross) {
+  const double along = 3000, across = 500, nu = 0.4, nu_across = nu * across / along, h = 0.01, angle = 0.7;
+  const Vec3 fibre(std::cos(angle), std::sin(angle), 0), other(-std::sin(angle), std::cos(angle), 0);
+  for (const std::string method : {"small", "large"}) {
+    FieldUnderTest t(
+        fmt::format("<Node name='root' gravity='0 0 0'><EulerImplicitSolver/><CGLinearSolver/><MeshTopology position='0 0 2  2 0 2  "
+                    "2 3 2  0 3 2' triangles='0 1 2  3 0 2'/><MechanicalObject/><UniformMass totalMass='1'/>"
+                    "<TriangularAnisotropicFEMForceField youngModulus='{}' transverseYoungModulus='{}' poissonRatio='{}' thickness='{}' "
+                    "fiberAngle='{:.17g}' method='{}'/></Node>",
+                    along, across, nu, h, angle * 180 / std::numbers::pi, method),
+        "TriangularAnisotropicFEMForceField");
+    const double a = 1e-6, b = 2e-6, shear = 3e-6;  // so small that large is linear
+    for (Index i = 0; i < 4; ++i) {
+      const Vec3 rest = t.x[i];
+      const double p = rest.dot(fibre), q = rest.dot(other);
+      t.x[i] = rest + (a * p + shear / 2 * q) * fibre + (b * q + shear / 2 * p) * other;
+    }
+    const double part = 1 - nu * nu_across, s1 = (along * a + nu * across * b) / part, s2 = (nu * across * a + across * b) / part;
+    const double s12 = along / (2 * (1 + nu)) * shear;
+    EXPECT_NEAR(t.field().energy(t.x), 6 * h * (s1 * a + s2 * b + s12 * shear) / 2, 1e-5 * 6 * h * s1 * a);
+    const Vec3 x(1, 0, 0);
+    const Vec3 traction = s1 * fibre.dot(x) * fibre + s2 * other.dot(x) * other + s12 * (other.dot(x) * fibre + fibre.dot(x) * other);
+    const Vector f = t.force();
+    EXPECT_LT((f[1] + f[2] + 3 * h * traction).norm(), 1e-5 * h * s1);
+    t.deform(0.3);
+    Vector strained = t.force(), above(4), below(4);
+    copy(t.x, above), copy(t.x, below);
+    axpy(1e-5, t.direction, above), axpy(-1e-5, t.direction, below);
+    const double slope = (t.field().energy(above) - t.field().energy(below)) / 2e-5;
+    EXPECT_NEAR(-slope, dot(strained, t.direction), 1e-6 * std::abs(slope));
+    EXPECT_LT(momentumOf(t.x, strained).force, 1e-13);
+    if (method == "large") {
+      EXPECT_LT(momentumOf(t.x, strained).torque, 1e-13);
+    }
+  }
+}
+
+TEST(Membrane, FibresThatLieAcrossOrAreTooSoftAreRefused) {
+  const auto refusal = [](const std::string& attributes) {
+    return problemsOf(fmt::format("<Node name='root'><EulerImplicitSolver/><CGLinearSolver/><MeshTopology position='0 0 0  1 0 0  1 0 1' "
+                                 "triangles='0 1 2'/><MechanicalObject/><UniformMass totalMass='1'/>"
+                                 "<TriangularAnisotropicFEMForceField {}/></Node>",
+                                 attributes));
+  };
+  expectContains(refusal("fiberAngle='90'"), "lie across it");
+  expectContains(refusal("youngModulus='100' transverseYoungModulus='1000' poissonRatio='0.4'"), "too large");
+  expectContains(refusal("fiberCenter='0 0 1  1 0 0'"), "one point");
 }
 
 TEST(Membrane, KeepsMomentumAndAngularMomentum) {

@@ -184,6 +184,26 @@ TEST(MeanDilatation, ADefiniteTangentHasNoUnstableDirection) {
     }
 }
 
+/// Laws and moduli scale together: a body of twice Young's modulus has twice the matrix, also where Poisson's ratio is written
+/// as the very limit of dilatation="auto", whatever the round-off of the moduli that it becomes.
+TEST(MeanDilatation, AutoHasOneAnswerForARatioAtItsLimit) {
+  for (const std::string law : {"NeoHookean", "StableNeoHookean", "Yeoh", "Hencky"})
+    for (const double young : {100., 1000., 2000., 3000., 7000., 20000., 1e5, 1e6, 12345.6, 777.}) {
+      const std::string material = fmt::format("materialName=\"{}\" youngModulus=\"{}\" poissonRatio=", law, young);
+      SCOPED_TRACE(material);
+      const auto product = [&](const std::string& rest) {
+        FieldUnderTest t(block(material + rest), type);
+        t.deform(0.05);
+        t.force();
+        return t.product(t.direction);
+      };
+      const Vector open = product("\"0.4\""), below = product("\"0.3999\"");
+      EXPECT_LT(relativeDifference(open, product("\"0.4\"" + mean)), 1e-15);
+      EXPECT_LT(relativeDifference(below, product("\"0.3999\"" + at_points)), 1e-15);
+      EXPECT_GT(relativeDifference(open, product("\"0.4\"" + at_points)), 1e-3) << "the two are not told apart";
+    }
+}
+
 TEST(MeanDilatation, IsRefusedWhereItHasNoMeaning) {
   const auto expectRefused = [](const std::string& scene, const std::string& words) {
     const std::string problems = problemsOf(scene);

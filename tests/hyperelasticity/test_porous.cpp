@@ -321,6 +321,23 @@ TEST(Porous, SaysWhatIsWrong) {
   expectCell("0 1 1\" hexa", "0 1 1 5 5 5\" hexa", "no hexahedron has node 8");
 }
 
+/// What is said of a scene at load.
+std::string saidOf(const std::string& scene) {
+  testing::internal::CaptureStderr();
+  simulationFromText(scene);
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Porous, AloneResistsNoChangeOfShape) {
+  const std::string words = "nothing here resists a change of shape";
+  for (const PorousKind& kind : porousKinds()) {
+    const std::string alone = kind.oneCell("permeability=\"1e-6\""), end = "</Node>";
+    expectContains(saidOf(alone), words);
+    const std::string whole = std::regex_replace(alone, std::regex(end + "$"), "<RestShapeSpringsForceField stiffness=\"1\"/>" + end);
+    EXPECT_EQ(saidOf(whole).find(words), std::string::npos);
+  }
+}
+
 /// No default fits two tissues: a fluid of 2200 Pa, which one of them has, carries nothing in another.
 TEST(Porous, TheModuliOfTheFluidMustBeWritten) {
   for (const PorousKind& kind : porousKinds())

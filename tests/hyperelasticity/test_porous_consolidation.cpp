@@ -270,6 +270,32 @@ TEST(PorousConsolidation, LargeBodiesConvergeWithASolverByProducts) {
   }
 }
 
+/// A solver of matrices alone is slow with few nodes, and fails with many: both say what to take.
+TEST(PorousConsolidation, ASolverOfMatricesHearsOfOneByProducts) {
+  const std::string few = "CGLinearSolver takes products, which are faster", many = "CGLinearSolver takes products, which have";
+  Column column;
+  column.cells = 20, column.limit = 7e4, column.dt = 0.01, column.load = 1;
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = column.scene();
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const auto said = [](const std::string& scene) {
+    testing::internal::CaptureStderr();
+    simulationFromText(scene);
+    return testing::internal::GetCapturedStderr();
+  };
+  expectContains(said(column.scene()), few);
+  const std::string products = with("<SparseLDLSolver/>", "<CGLinearSolver iterations=\"5000\" tolerance=\"1e-9\"/>");
+  EXPECT_EQ(said(products).find(few), std::string::npos);
+  column.kind = &porousKinds()[1];
+  column.cells = 12, column.across = 7;
+  Simulation large = simulationFromText(with("newton_iterations=\"200\"", "newton_iterations=\"5\" smallest_part=\"1\""));
+  ASSERT_GT(large.systems()[0]->allRows(), 500);
+  const StepReport report = large.step();
+  EXPECT_TRUE(report.unsolved);
+  expectContains(report.reason, many);
+}
+
 TEST(PorousConsolidation, PressureThatSwingsIsNoResult) {
   for (const PorousKind& kind : porousKinds())
     for (const auto& [limit, alpha] : {std::pair(700., 1.), std::pair(2200., 1.), std::pair(14000., 1.),

@@ -152,5 +152,25 @@ TEST(Checkpoint, MemoryMatters) {
   EXPECT_NE(forgetful.stateHash(), whole.stateHash()) << "BDF's last step does not matter: nothing was tested";
 }
 
+// A hierarchy of multigrid is kept, and the matrix that it was made of is not.
+TEST(Checkpoint, RelationsBesideAKeptHierarchy) {
+  std::string pairs;
+  for (int row = 0; row < 25; ++row) pairs += std::to_string(5 * row) + " " + std::to_string(5 * row + 4) + " ";
+  const std::string scene =
+      "<Node name='root' dt='0.01' gravity='0 0 -9.81'><EulerImplicitSolver/><PCGLinearSolver preconditioner='multigrid' "
+      "iterations='30' tolerance='1e-8'/><RegularGridTopology n='5 5 5' min='0 0 0' max='0.1 0.1 0.1'/><MechanicalObject/>"
+      "<UniformMass totalMass='1'/><HexahedronFEMForceField youngModulus='1e5' poissonRatio='0.3' method='small'/>"
+      "<FixedProjectiveConstraint indices='0 1 2 3'/><LinearRelationProjectiveConstraint indices='" +
+      pairs + "' coefficients='-1 1'/></Node>";
+  Simulation whole = simulationFromText(scene);
+  hashes(whole, 4);
+  Simulation restored = simulationFromText(scene);
+  restored.restore(whole.checkpoint());
+  for (int step = 0; step < 4; ++step) {
+    whole.step(), restored.step();
+    ASSERT_EQ(restored.stateHash(), whole.stateHash()) << "step " << step;
+  }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The matrix P (m M + k K) P + (I - P): products against the assembled form, revisions, and projection.
+// The matrix P (m M + k K) P + D (I - P): products against the assembled form, revisions, and projection.
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -55,20 +55,34 @@ Eigen::MatrixXd projector(const System& system) {
   return p;
 }
 
+/// D (I - P): of each held node a power of two times what its projector takes away.
+Eigen::MatrixXd heldPart(const System& system, const Eigen::MatrixXd& assembled) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(assembled.rows(), assembled.cols());
+  for (const NodeProjector& node : system.constraints().projectors()) {
+    const Mat3 held = Mat3::Identity() - node.projector;
+    const double mean = (held * assembled.block<3, 3>(3 * node.row, 3 * node.row) * held).trace() / held.trace();
+    const double size = std::exp2(std::round(std::log2(mean)));
+    EXPECT_NEAR(mean, size, 1e-12 * size);
+    out.block<3, 3>(3 * node.row, 3 * node.row) = size * held;
+  }
+  return out;
+}
+
 class Matrices : public testing::TestWithParam<std::string> {};
 
-TEST_P(Matrices, AssembledIsTheProductsPlusOneInHeldDirections) {
+TEST_P(Matrices, AssembledIsTheProductsAndNumbersOfTheirSizeInHeldDirections) {
   Simulation simulation(sceneFromText(scene(GetParam())));
   System& system = *simulation.systems()[0];
   system.computeForce(system.x, system.v, system.f);
   system.matrix().withFactors({.mass = 2, .stiffness = -0.3, .rayleigh_mass = 0.4, .rayleigh_stiffness = -0.7});
-  const Eigen::MatrixXd p = projector(system), identity = Eigen::MatrixXd::Identity(p.rows(), p.cols());
+  const Eigen::MatrixXd p = projector(system);
   std::vector<double> before, after;
   system.matrix().diagonalBlocks(before);  // by the fields, and once there is a matrix, out of it
   const Eigen::MatrixXd products = byProducts(system), assembled = dense(system.matrix().assemble());
   system.matrix().diagonalBlocks(after);
   EXPECT_GT((products - p * 4.4 * p).norm(), 1) << "more than the mass";
-  EXPECT_LT((assembled - products - (identity - p)).norm(), 1e-12 * assembled.norm());
+  const Eigen::MatrixXd held = heldPart(system, assembled);
+  EXPECT_LT((assembled - products - held).norm(), 1e-12 * assembled.norm());
   EXPECT_EQ((assembled - assembled.transpose()).norm() < 1e-12 * assembled.norm(), system.matrix().symmetric());
   ASSERT_EQ(before.size(), after.size());
   for (Index i = 0; i < system.independentRows(); ++i)
@@ -77,8 +91,8 @@ TEST_P(Matrices, AssembledIsTheProductsPlusOneInHeldDirections) {
       EXPECT_NEAR(before[std::size_t(i) * 9 + std::size_t(c)], expected, 1e-12);
       EXPECT_EQ(after[std::size_t(i) * 9 + std::size_t(c)], expected);
     }
-  // held: row and column of the identity
-  EXPECT_EQ(assembled.block(0, 0, 3, 3), Mat3::Identity());
+  // held: row and column of a multiple of the identity
+  EXPECT_EQ(assembled.block(0, 0, 3, 3), held.block(0, 0, 3, 3));
   EXPECT_EQ(assembled.block(0, 3, 3, 12).norm(), 0);
   EXPECT_EQ(assembled.block(3, 0, 12, 3).norm(), 0);
 }
@@ -86,17 +100,30 @@ TEST_P(Matrices, AssembledIsTheProductsPlusOneInHeldDirections) {
 INSTANTIATE_TEST_SUITE_P(Fields, Matrices, testing::Values(springs, net, springs + net, springs + curl),
                          [](const auto& fields) { return fmt::format("Case{}", fields.index); });
 
+/// In any unit: a matrix times a power of two has its held numbers times that too, so that no direction loses digits to them.
+TEST(SystemMatrix, HeldNumbersScaleWithTheOthers) {
+  Simulation simulation(sceneFromText(scene(springs)));
+  System& system = *simulation.systems()[0];
+  system.computeForce(system.x, system.v, system.f);
+  const Eigen::MatrixXd one = dense(system.matrix().withFactors({.mass = 1, .stiffness = -1}).assemble());
+  for (const int exponent : {-60, -3, 40}) {
+    const double factor = std::ldexp(1., exponent);
+    const Eigen::MatrixXd other = dense(system.matrix().withFactors({.mass = factor, .stiffness = -factor}).assemble());
+    EXPECT_EQ((other - factor * one).norm(), 0) << exponent;
+  }
+  const double held = one(0, 0), at_least = 2;  // node 0 has 2 kg and a spring of 80 N/m
+  EXPECT_GT(held, at_least);
+  EXPECT_LT(held, at_least + 80);
+}
+
 TEST(SystemMatrix, HasTheFactorsOfEachTerm) {
   Simulation simulation(sceneFromText(scene(springs)));
   System& system = *simulation.systems()[0];
   system.computeForce(system.x, system.v, system.f);
-  const Eigen::MatrixXd p = projector(system), rest = Eigen::MatrixXd::Identity(p.rows(), p.cols()) - p;
+  const Eigen::MatrixXd p = projector(system);
   const auto terms = [&](double m, double k, double k_rayleigh, double m_rayleigh) -> Eigen::MatrixXd {
-    return dense(system.matrix()
-                     .withFactors(
-                         {.mass = m, .stiffness = k, .rayleigh_mass = m_rayleigh, .rayleigh_stiffness = k_rayleigh})
-                     .assemble()) -
-           rest;
+    const MatrixFactors factors{.mass = m, .stiffness = k, .rayleigh_mass = m_rayleigh, .rayleigh_stiffness = k_rayleigh};
+    return p * dense(system.matrix().withFactors(factors).assemble()) * p;
   };
   EXPECT_LT((terms(3, 0, 0, 0) - 6 * p).norm(), 1e-12);  // 2 kg per node
   EXPECT_LT((terms(0, 0, 0, 3) - 3 * p).norm(), 1e-12);  // times rayleighMass
@@ -150,8 +177,7 @@ TEST(SystemMatrix, ConstantStiffnessBesideAChangingOneIsAssembledOnce) {
     system.computeForce(system.x, system.v, system.f);
     const Eigen::MatrixXd assembled =
         dense(system.matrix().withFactors({.mass = 1, .stiffness = -0.1, .rayleigh_stiffness = -0.2}).assemble());
-    const Eigen::MatrixXd p = projector(system);
-    EXPECT_LT((assembled - byProducts(system) - (Eigen::MatrixXd::Identity(p.rows(), p.cols()) - p)).norm(), 1e-12);
+    EXPECT_LT((assembled - byProducts(system) - heldPart(system, assembled)).norm(), 1e-12);
   }
   EXPECT_EQ(assembliesOf(*findComponent(simulation.root(), "/net")), 1);
   EXPECT_EQ(assembliesOf(*findComponent(simulation.root(), "/springs")), 4);
@@ -177,9 +203,7 @@ TEST(SystemMatrix, VelocityDerivativeIsInProductsAndMatrix) {
   axpy(-1, product, plus);
   EXPECT_LT(std::sqrt(dot(plus, plus)), 1e-8 * size);
   const Eigen::MatrixXd assembled = dense(system.matrix().withFactors({.mass = 1, .damping = -0.5}).assemble());
-  const Eigen::MatrixXd held = projector(system);
-  EXPECT_LT((assembled - byProducts(system) - (Eigen::MatrixXd::Identity(held.rows(), held.cols()) - held)).norm(),
-            1e-12);
+  EXPECT_LT((assembled - byProducts(system) - heldPart(system, assembled)).norm(), 1e-12);
 }
 
 TEST(SystemMatrix, TurningConstraintIsFollowed) {

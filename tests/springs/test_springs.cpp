@@ -268,14 +268,14 @@ TEST(RestShapeSprings, SaysWhatIsWrong) {
   expectContains(problems("points='0' targets='1 2'"), "targets has 2 numbers for 1 points");
 }
 
-/// A strip of two equilateral triangles folded by the angle a: |R| = h sin(a/2) with h their height, so
+/// SOFA's formula. A strip of two equilateral triangles folded by the angle a: |R| = h sin(a/2) with h their height, so
 /// E = lambda/2 h^2 sin^2(a/2), and lambda = 2/3 * 2N/N^4 l^3 mu with N = l h.
 TEST(FastTriangularBendingSprings, EnergyOfAFold) {
   const double l = 2, h = std::sqrt(3.), mu = 0.7, n = l * h;
   Simulation simulation = simulationFromText(fmt::format(
       R"(<Node name="root" gravity="0 0 0"><EulerExplicitSolver/><MechanicalObject position="0 0 0 2 0 0 1 {0} 0 1 -{0} 0"/>
       <MeshTopology position="0 0 0 2 0 0 1 {0} 0 1 -{0} 0" triangles="0 1 2 1 0 3"/><UniformMass totalMass="1"/>
-      <FastTriangularBendingSprings bendingStiffness="0.7"/></Node>)",
+      <FastTriangularBendingSprings bendingStiffness="0.7" method="springs"/></Node>)",
       fmt::format("{:.17g}", h)));
   System& system = *simulation.systems().at(0);
   EXPECT_NEAR(system.elasticEnergy(system.x), 0, 1e-28);

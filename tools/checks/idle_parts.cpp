@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "framework/mechanics/state_topology.h"
@@ -87,35 +87,85 @@ void warnOfHeldBodies(const System& system, Diagnostics& diagnostics) {
   }
 }
 
-/// Rows that a constraint holds, or moves, wholly.
-std::set<Index> wholeRows(const ProjectiveConstraint& constraint, double t) {
+/// The directions that a constraint holds, or moves: I - P by row, of rows that move as one by the first of them.
+std::map<Index, Mat3> heldDirections(const ProjectiveConstraint& constraint, const NodeGroups& groups, double t) {
   std::vector<NodeProjector> projectors;
   constraint.addProjectors(t, projectors);
-  std::set<Index> rows;
-  for (const NodeProjector& each : projectors)
-    if (each.projector.isZero(0)) rows.insert(each.row);
-  return rows;
+  std::map<Index, Mat3> held;
+  for (const NodeProjector& each : projectors) {
+    const Index group = groups.of(each.row);
+    held.try_emplace(group < 0 ? each.row : *groups.begin(group), Mat3::Zero()).first->second += Mat3::Identity() - each.projector;
+  }
+  return held;
 }
 
-/// Of a node that is held by one and moved by another, one has no effect.
+/// Whether it may move points along these directions: where it lists its displacements or velocities, these say so.
+bool movesAlong(const ProjectiveConstraint& moving, const Mat3& held) {
+  constexpr double round_off = 1e-12;
+  const Data* relative = moving.data().find("relativeMovements");
+  if (moving.state().rows_per_node != 1 || (relative && relative->print() == "false")) return true;
+  for (const char* name : {"movements", "velocities"}) {
+    const Data* data = moving.data().find(name);
+    const auto* numbers = data ? std::get_if<std::vector<double>*>(&data->pointer()) : nullptr;
+    if (!numbers || (*numbers)->size() % 3 != 0) continue;
+    for (std::size_t i = 0; i < (*numbers)->size(); i += 3)
+      if (const Eigen::Map<const Vec3> way((*numbers)->data() + i); (held * way).norm() > round_off * way.norm()) return true;
+    return false;
+  }
+  return true;
+}
+
+/// Of a node that is held by one and moved by another in a direction that both have, one has no effect.
 void warnOfContradictions(const System& system, double t, double dt, Diagnostics& diagnostics) {
   const auto moves = [](const ProjectiveConstraint* constraint) { return constraint->prescribesMotion(); };
   if (std::ranges::none_of(system.constraints().all(), moves)) return;
-  std::vector<std::pair<const ProjectiveConstraint*, std::set<Index>>> held;
+  constexpr double parallel = 1e-7;  // as where projectors are merged
+  const NodeGroups& groups = system.constraints().groups();
+  std::vector<std::pair<const ProjectiveConstraint*, std::map<Index, Mat3>>> held;
   for (const ProjectiveConstraint* constraint : system.constraints().all())
     if (!constraint->prescribesMotion() && constraint->activeIn(t, t + dt))
-      held.emplace_back(constraint, wholeRows(*constraint, t));
+      held.emplace_back(constraint, heldDirections(*constraint, groups, t));
   for (const ProjectiveConstraint* moving : system.constraints().all()) {
     if (!moving->prescribesMotion() || !moving->activeIn(t, t + dt)) continue;
-    const std::set<Index> moved = wholeRows(*moving, t);
+    const std::map<Index, Mat3> moved = heldDirections(*moving, groups, t);
     for (const auto& [constraint, rows] : held) {
-      const auto both = std::ranges::count_if(rows, [&](Index row) { return moved.contains(row); });
+      const auto both = std::ranges::count_if(rows, [&](const auto& row) {
+        const auto at = moved.find(row.first);
+        if (at == moved.end() || (row.second * at->second).norm() < parallel) return false;
+        return row.second.isIdentity(0) || movesAlong(*moving, row.second);
+      });
       if (both > 0)
         diagnostics.warning(moving->where(), moving->path(),
                             fmt::format("{} of its nodes are held by {} too: they move, and meanwhile what holds them has no effect", both,
                                         constraint->path()),
-                            "one of the two");
+                            "one of the two, or directions of each at right angles to the other's");
     }
+  }
+}
+
+/// Nodes that attachments have brought out of the place in which something holds them, to nodes that are held elsewhere.
+void warnOfHeldApart(const System& system, double t, double dt, Diagnostics& diagnostics) {
+  const NodeGroups& groups = system.constraints().groups();
+  if (groups.empty()) return;
+  constexpr double round_off = 1e-9;
+  const auto broughtAway = [&](const NodeProjector& each) {
+    if (groups.of(each.row) < 0 || system.motion().kindOf(each.row) != RowKind::place) return false;
+    for (const State* state : system.states()) {
+      const Index own = each.row - state->firstRow();
+      if (own < 0 || own >= state->size()) continue;
+      const Vec3 now = system.x[each.row], before = state->position[std::size_t(own)];
+      return ((Mat3::Identity() - each.projector) * (now - before)).norm() > round_off * std::max(now.norm(), before.norm());
+    }
+    return false;
+  };
+  for (const ProjectiveConstraint* constraint : system.constraints().all()) {
+    if (constraint->prescribesMotion() || !constraint->activeIn(t, t + dt)) continue;
+    std::vector<NodeProjector> projectors;
+    constraint->addProjectors(t, projectors);
+    if (const auto count = std::ranges::count_if(projectors, broughtAway); count > 0)
+      diagnostics.warning(constraint->where(), constraint->path(),
+                          fmt::format("{} of its nodes are attached to nodes that are held elsewhere: they are held there", count),
+                          "attached nodes that lie together, or one of the two free");
   }
 }
 
@@ -231,6 +281,7 @@ void warnOfIdleParts(const Simulation& simulation, Diagnostics& diagnostics) {
   for (const auto& system : simulation.systems()) {
     warnOfHeldBodies(*system, diagnostics);
     warnOfContradictions(*system, simulation.time(), simulation.dt(), diagnostics);
+    warnOfHeldApart(*system, simulation.time(), simulation.dt(), diagnostics);
     warnOfLoadsOnHeldNodes(*system, diagnostics);
     warnOfGravityWithoutMass(*system, diagnostics);
     noteWhatGravityDoes(*system, diagnostics);

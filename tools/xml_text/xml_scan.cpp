@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Tags and attributes of an XML text and where each stands: for messages, and for who rewrites a part of a scene.
 #include "framework/scene/xml_scan.h"
 
 #include <algorithm>
@@ -10,9 +11,7 @@ namespace stroma {
 /// RFC 3629: no overlong forms, surrogates or code points above 10FFFF.
 std::size_t firstByteNotUtf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
-    const auto byte = [&](std::size_t k) -> unsigned {
-      return k < text.size() ? static_cast<unsigned char>(text[k]) : 0;
-    };
+    const auto byte = [&](std::size_t k) -> unsigned { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0; };
     const unsigned first = byte(i), second = byte(i + 1);
     const std::size_t length = first < 0x80                     ? 1
                                : first >= 0xC2 && first <= 0xDF ? 2
@@ -49,8 +48,7 @@ class Scanner {
       at_ = wrong;
       const auto byte = static_cast<unsigned char>(text_[wrong]);
       constexpr std::string_view digits = "0123456789ABCDEF";
-      return fail(here(),
-                  std::string("the byte ") + digits[byte >> 4] + digits[byte & 15] + " is not part of a UTF-8 text",
+      return fail(here(), std::string("the byte ") + digits[byte >> 4] + digits[byte & 15] + " is not part of a UTF-8 text",
                   "UTF-8; of a file in Latin-1, 'iconv -f latin1 -t utf8' makes one");
     }
     while ((at_ = text_.find('<', at_)) != std::string_view::npos) {
@@ -178,8 +176,8 @@ class Scanner {
   /// No attribute is written twice in the tag just read.
   bool namesDiffer() {
     std::sort(names_.begin(), names_.end());
-    const auto twin = std::adjacent_find(names_.begin(), names_.end(),
-                                         [](const auto& a, const auto& b) { return a.first == b.first; });
+    const auto twin =
+        std::adjacent_find(names_.begin(), names_.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
     return twin == names_.end() || fail(positions_.attributes[(twin + 1)->second],
                                         "attribute " + inQuotes(twin->first) + " is written twice in one element");
   }
@@ -195,8 +193,8 @@ class Scanner {
     if (open_.empty()) return fail(where, "</" + std::string(tag.substr(0, 60)) + "> closes nothing");
     if (open_.back().name != tag)
       return fail(where,
-                  "</" + std::string(tag.substr(0, 60)) + "> does not close <" + std::string(open_.back().name) +
-                      "> of line " + std::to_string(open_.back().where.line),
+                  "</" + std::string(tag.substr(0, 60)) + "> does not close <" + std::string(open_.back().name) + "> of line " +
+                      std::to_string(open_.back().where.line),
                   "</" + std::string(open_.back().name) + ">");
     open_.pop_back();
     return true;
