@@ -11,9 +11,12 @@
 // of beams are exact. A beam that bends to an arc has no stretch, whatever the angle between its ends below half a turn.
 // Forces and torques are those of the energy: they balance to round-off. Frames have a mass of their own: beams have none.
 //
+// axes = firstEnd has SOFA's forces instead (first_end_beam.h): the axes of a beam are those of the frame of its first end, and x
+// is taken for its direction whatever it is.
+//
 // listSegment says which edges of the mesh are beams; all when it is not given.
 //
-// Source: names, attributes and the matrix at rest are SOFA's, which works in the frame of the first end alone. The twist is
+// Source: names, attributes and the matrix at rest are SOFA's. The twist is
 // that of V. Sonneville, A. Cardona and O. Bruels, "Geometrically exact beam finite element formulated on the special
 // Euclidean group SE(3)", 2014, with the bending of Euler and Bernoulli in the place of shear.
 //
@@ -32,6 +35,7 @@
 
 #include <numbers>
 
+#include "components/beams/first_end_beam.h"
 #include "components/beams/frame_pair_field.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
@@ -61,6 +65,10 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
     table.add("radiusInner", inner_).help("inner radius of a tube").unit("m").min(0);
     table.add("listSegment", segments_).help("edges of the mesh that are beams; all when not given");
     table.add("partialListSegment", by_list_).help("SOFA's; without effect: listSegment is used where it is given");
+    table.addChoice("axes", axes_, {"beam", "firstEnd"})
+        .help(
+            "beam: along the beam, fixed in both frames; firstEnd: those of the first frame, whose x is taken for the beam's, as in "
+            "SOFA");
     for (const char* name : {"useSymmetricAssembly", "isTimoshenko"}) table.addVisualOnly(name);
     topology_.declare(table, "mesh whose edges are beams");
   }
@@ -92,11 +100,34 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
     const double squares = radius_ * radius_ + inner_ * inner_;
     const double area = std::numbers::pi * (radius_ * radius_ - inner_ * inner_), second_moment = area * squares / 4;
     axial_ = young_ * area, bending_ = young_ * second_moment, twisting_ = bending_ / (1 + poisson_);
+    beams_.clear();
+    if (axes_ == Axes::firstEnd)
+      for (const Pair& pair : this->pairs())
+        beams_.emplace_back(axial_, bending_, twisting_, rest[std::size_t(pair.a)], turnedBy(rest[std::size_t(pair.a + 1)]),
+                            rest[std::size_t(pair.b)], turnedBy(rest[std::size_t(pair.b + 1)]));
+  }
+
+  double energy(ConstRows x) const override {
+    if (axes_ == Axes::beam) return FramePairField::energy(x);
+    double sum = 0;
+    for (std::size_t i = 0; i < beams_.size(); ++i) sum += beams_[i].energy(x, rows_[i]);
+    return sum;
+  }
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    if (axes_ == Axes::beam) return FramePairField::addForce(x, v, f);
+    turns_.resize(beams_.size());
+    for (std::size_t i = 0; i < beams_.size(); ++i) {
+      beams_[i].addForce(x, rows_[i], f);
+      turns_[i] = orientationIn(x, rows_[i][1]).toRotationMatrix();
+    }
+    outdateTangents();
   }
 
   ForceTraits traits() const override {
     ForceTraits traits = FramePairField::traits();
-    traits.exact_tangent = traits.forces_balance = traits.torques_balance = traits.has_rest_shape = true;
+    const bool has_energy = axes_ == Axes::beam;
+    traits.forces_balance = traits.has_rest_shape = true;
+    traits.conservative = traits.exact_tangent = traits.torques_balance = has_energy;
     return traits;
   }
 
@@ -120,6 +151,11 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
 
  private:
   friend FramePairFieldOf;
+  enum class Axes : int { beam, firstEnd };
+  void computeTangents() const override {
+    if (axes_ == Axes::beam) return FramePairField::computeTangents();
+    for (std::size_t i = 0; i < beams_.size(); ++i) beams_[i].setTangent(turns_[i], stiffness_[i]);
+  }
   /// dE/dp = dexp^-T(psi) s with s = dE/drho, and dE/dpsi has the change of rho with psi,
   ///   s.drho/dpsi = -1/2 p x s + c ((psi.s) p + (psi.p) s - 2 (p.s) psi) + 2 c' ((psi.p)(psi.s) - |psi|^2 (p.s)) psi
   template <class T>
@@ -144,6 +180,9 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
   double young_ = 5000, poisson_ = 0.45, radius_ = 0.1, inner_ = 0;
   std::vector<int> segments_;
   bool by_list_ = false;
+  Axes axes_ = Axes::beam;
+  std::vector<FirstEndBeam> beams_;  ///< of axes firstEnd
+  std::vector<Mat3> turns_;          ///< R_a of the last addForce(), of these
   TopologyLink topology_;
   std::vector<double> lengths_;                    ///< [m]
   double axial_ = 0, bending_ = 0, twisting_ = 0;  ///< EA [N], EI and GJ [N m^2]

@@ -64,6 +64,7 @@ class BeamHookeLawForceField final : public NodeGroupField<1> {
       throw ComponentError(fmt::format("innerRadius is {} m, and radius {} m", inner_, radius_), "innerRadius < radius");
     if (by_stiffness_ && !(data().find("GI")->isSet() && data().find("EI")->isSet()))
       throw ComponentError("useInertiaParams is given without GI and EI", "GI=\"...\" EI=\"...\"");
+    warnOfSection();
     if (varies_ && by_stiffness_) throw ComponentError("variantSections and useInertiaParams are both given", "one of them");
     if (varies_) spread(young_of_, nodes_.size(), "youngModulusList", "sections");
     if (varies_) spread(poisson_of_, nodes_.size(), "poissonRatioList", "sections");
@@ -92,6 +93,14 @@ class BeamHookeLawForceField final : public NodeGroupField<1> {
   }
 
  private:
+  void warnOfSection() const {
+    const auto warnOf = [&](const char* name, double value) {
+      if (!data().find(name)->isSet()) warn(fmt::format("{} is not given: the default {:g} m is used", name, value));
+    };
+    if (by_stiffness_) return;
+    if (shape_ == Shape::circular) return warnOf("radius", radius_);
+    warnOf("lengthY", side_y_), warnOf("lengthZ", side_z_);
+  }
   Vec3 changeOf(std::size_t i, ConstRows x) const { return x[rows_[i][0]] - state().rest_position[std::size_t(nodes_[i])]; }
   /// The diagonal of D.
   Vec3 stiffnessOf(std::size_t i) const {

@@ -36,6 +36,7 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   /// In init(), after ForceField::init(). Throws ComponentError unless both states have frames.
   void setPairs(std::vector<Pair> pairs, State* second = nullptr);
   const std::vector<Pair>& pairs() const { return pairs_; }
+  void computeTangents() const override;
   virtual double drawnRadius() const { return 0; }  ///< of beams [m]
   State& second() const { return second_ ? *second_ : state(); }
 
@@ -70,7 +71,6 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
  private:
   void place(ConstRows x, std::vector<Batch>& batches) const;
   void damp(std::size_t pair, ConstRows v, const Vec3& arm, Rows f);
-  void computeTangents() const override;
 
   /// What of a batch stays: the last one repeats its last pair in lanes that are left over.
   struct alignas(64) Fixed {

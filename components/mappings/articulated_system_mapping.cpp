@@ -272,6 +272,7 @@ void ArticulatedSystemMapping::applyJT(Rows f) const {
 /// spin w and angular acceleration b at r from another has b x r + w x (w x r) more than that; a hinge adds y' u to the spin
 /// and w x y' u to b, a slide 2 w x y' u.
 void ArticulatedSystemMapping::addCurvature(ConstRows v, Rows a) const {
+  if (!convects()) return;
   const auto carry = [](Vec3& linear, const Vec3& angular, const Vec3& spin, const Vec3& r) {
     linear += angular.cross(r) + spin.cross(spin.cross(r));
   };

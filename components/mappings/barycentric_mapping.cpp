@@ -14,6 +14,9 @@
 // Points of triangles, quads and edges are moved onto the nearest of these where the scene starts, and stay there: N_a are those of
 // the foot of the point.
 //
+// foundBy = centres takes for a point outside, or off a surface, the cell with the nearest centre and continues its shape functions,
+// which is SOFA's way (cell_centres.h). On edges and for frames there is no difference.
+//
 // A child of frames (template Rigid3) is embedded too, in tetrahedra or hexahedra: its centres as points, and its orientations
 // turn with the cells, by the rotation next to the deformation gradient there (cell_turns.h). The mapping is then not linear, and
 // BarrierContact takes no surface that such frames carry: how far it leaves the line of a step has no bound.
@@ -45,6 +48,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/mappings/cell_centres.h"
 #include "components/mappings/cell_embedding.h"
 #include "components/mappings/cell_turns.h"
 #include "components/mappings/weighted_mapping.h"
@@ -64,6 +68,8 @@ class BarycentricMapping final : public WeightedMapping {
     table.addLink("input_topology", input_topology_)
         .help("mesh whose cells hold the points; the one of the state that is followed when not given");
     table.addLink("output_topology", output_topology_).help("SOFA's; without effect: the points are those of output");
+    table.addChoice("foundBy", found_by_, {"nearest", "centres"})
+        .help("which cell a point outside of all belongs to: the nearest, or the one with the nearest centre, as in SOFA");
     table.add("useRestPosition", from_rest_).help("find the cells at rest instead of at the start");
   }
 
@@ -79,7 +85,9 @@ class BarycentricMapping final : public WeightedMapping {
     double size = 0;
     const std::vector<Vec3>& body = from_rest_ ? input().rest_position : input().position;
     const std::vector<Vec3> points = nodePlaces(output(), from_rest_ ? output().rest_position : output().position);
-    const std::vector<EmbeddedPoint> found = embedPoints(*topology, body, points, size);
+    const bool by_centres = found_by_ == FoundBy::centres && !output().hasFrames() && findsByCentres(*topology);
+    const std::vector<EmbeddedPoint> found =
+        by_centres ? embedByCentres(*topology, body, points, size) : embedPoints(*topology, body, points, size);
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (!std::isfinite(found[i].distance))
         throw ComponentError(fmt::format("no cell can hold point {}: all have no volume where it is looked for", i),
@@ -190,6 +198,7 @@ class BarycentricMapping final : public WeightedMapping {
 
   Link<Topology> input_topology_{"topology"}, output_topology_{"topology"};
   bool from_rest_ = false;
+  enum class FoundBy : int { nearest, centres } found_by_ = FoundBy::nearest;
   CellTurns turns_;
 };
 

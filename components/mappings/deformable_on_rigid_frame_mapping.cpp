@@ -46,7 +46,7 @@ namespace {
 class DeformableOnRigidFrameMapping final : public CurvedMapping {
  public:
   void declare(DataTable& table) override {
-    LinkedMapping::declare(table);
+    CurvedMapping::declare(table);
     table.find("input")->alias("input1");
     table.addLink("input2", frame_link_).help("state of the frame that carries the points");
     table.add("index", index_).help("which frame of input2").min(0);
@@ -104,6 +104,7 @@ class DeformableOnRigidFrameMapping final : public CurvedMapping {
     }
   }
   void addCurvature(ConstRows v, Rows a) const override {
+    if (!convects()) return;
     const Vec3 spin = v[centreRow() + 1];
     for (std::size_t i = 0; i < arms_.size(); ++i)
       a[own(i)] += spin.cross(spin.cross(arms_[i])) + 2 * spin.cross(axes_ * v[local(i)]);

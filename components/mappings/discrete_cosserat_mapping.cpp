@@ -50,6 +50,7 @@ class DiscreteCosseratMapping final : public LinkedMapping {
  public:
   void declare(DataTable& table) override {
     LinkedMapping::declare(table);
+    declareConvection(table, convects_);
     table.find("input")->alias("input1");
     table.addLink("input2", base_link_).help("state of the frame in which the rod starts");
     table.add("baseIndex", base_index_).help("that frame").min(0);
@@ -74,6 +75,7 @@ class DiscreteCosseratMapping final : public LinkedMapping {
   void addGeometricStiffness(ConstRows, double, BlockMatrix&) const override {}
 
  private:
+  bool convects_ = true;
   /// A section from its start to its end, or to a frame in it; at the last apply().
   struct Span {
     std::size_t section = 0;
@@ -231,6 +233,7 @@ void DiscreteCosseratMapping::addJacobian(std::vector<JacobianBlock>& out) const
 
 /// The accelerations of frames where those of the base and of the curvatures are zero, from span to span.
 void DiscreteCosseratMapping::addCurvature(ConstRows v, Rows a) const {
+  if (!convects_) return;
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     Vec3 spin = v[baseRow() + 1];
     Twin gained;

@@ -90,6 +90,7 @@ class PairMapping : public CurvedMapping {
   }
   /// y'' = n.a + (|u|^2 - (n.u)^2)/d, u the relative velocity; of squares 2 (x_b - x_a).a + 2 |u|^2
   void addCurvature(ConstRows v, Rows a) const override {
+    if (!convects()) return;
     const Index first = output().firstRow();
     for (std::size_t e = 0; e < pairs_.size(); ++e) {
       Vec3 relative = -v[row(pairs_[e].state_a, pairs_[e].a)];

@@ -6,7 +6,7 @@
 namespace stroma {
 
 void FrameMapping::declare(DataTable& table) {
-  LinkedMapping::declare(table);
+  CurvedMapping::declare(table);
   declareGeometricStiffness(table, geometric_, false);
 }
 
@@ -134,6 +134,7 @@ void FrameMapping::addJacobian(std::vector<JacobianBlock>& out) const {
 }
 
 void FrameMapping::addCurvature(ConstRows v, Rows a) const {
+  if (!convects()) return;
   const Index first = output().firstRow();
   for (std::size_t i = 0; i + 1 < start_.size(); ++i)
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {

@@ -67,6 +67,16 @@ void declareGeometricStiffness(DataTable& table, GeometricStiffness& choice, boo
               : "the derivative of the mapped force with respect to the orientation: left out, or whole");
 }
 
+void declareConvection(DataTable& table, bool& convects) {
+  table.add("convectiveInertia", convects)
+      .help("masses on what follows press outwards as it turns, M dJ/dt v; false: these forces are left out, as in SOFA");
+}
+
+void CurvedMapping::declare(DataTable& table) {
+  LinkedMapping::declare(table);
+  declareConvection(table, convects_);
+}
+
 void CurvedMapping::addGeometricProduct(ConstRows f, ConstRows dx, double factor, Rows df) const {
   blocks_.clear();
   geometricBlocks(f, blocks_);

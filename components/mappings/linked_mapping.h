@@ -35,9 +35,13 @@ enum class GeometricStiffness {
 /// Declares geometricStiffness.
 void declareGeometricStiffness(DataTable& table, GeometricStiffness& choice, bool with_stabilized);
 
+/// Declares convectiveInertia: whether addCurvature() adds anything.
+void declareConvection(DataTable& table, bool& convects);
+
 /// What such mappings share: blocks of their geometric stiffness, each between two rows of parents.
 class CurvedMapping : public LinkedMapping {
  public:
+  void declare(DataTable& table) override;  ///< convectiveInertia besides
   bool isLinear() const override { return false; }
   void addGeometricProduct(ConstRows f, ConstRows dx, double factor, Rows df) const override;
   void addGeometricPattern(BlockPattern& pattern) const override;
@@ -52,9 +56,11 @@ class CurvedMapping : public LinkedMapping {
   /// f. What is left out is half of the torque on a frame times its turn, 1/2 [torque], so that all that acts on a frame in
   /// equilibrium leaves nothing out.
   virtual void geometricBlocks(ConstRows f, std::vector<Block>& out) const = 0;
+  bool convects() const { return convects_; }
 
  private:
   mutable std::vector<Block> blocks_;
+  bool convects_ = true;
 };
 
 }  // namespace stroma

@@ -98,6 +98,7 @@ class MeasureMapping : public CurvedMapping {
         out.push_back({output().firstRow() + Index(g), row(g, i), Vec3::UnitX() * Measure::slope(places_[g], i).transpose()});
   }
   void addCurvature(ConstRows v, Rows a) const override {
+    if (!this->convects()) return;
     for (std::size_t g = 0; g < groups_.size(); ++g)
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j)

@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """States as arrays: views of the engine's memory, which outlive everything."""
+import copy
 import gc
+import json
+import os
+import subprocess
 
 import numpy
 import pytest
 import stroma
-from conftest import EXAMPLES, block
+from conftest import EXAMPLES, PATIENCE, block
+
+COMMAND = os.environ.get("STROMA_COMMAND", "stroma")
 
 
 def test_positions_are_a_view(simulation):
@@ -59,6 +65,62 @@ def test_forces_exist_where_they_were_asked_for(simulation):
     simulation.request_forces()
     simulation.step()
     assert numpy.abs(state.f).max() > 0
+
+
+def test_forces_are_those_of_the_present_state(simulation):
+    """Of rest, where gravity alone acts; of a checkpoint, to the bit; of positions that were set."""
+    state = simulation.state("/body")
+    simulation.request_forces()
+    weights = numpy.array(state.f)
+    assert weights == pytest.approx(numpy.tile((0, -9.81 / len(weights), 0), (len(weights), 1)), abs=1e-12)
+    simulation.run(3)
+    forces, mark, bits = state.f.copy(), simulation.checkpoint(), simulation.hash
+    assert numpy.abs(forces - weights).max() > 1e-3
+    simulation.run(2)
+    ahead = simulation.hash
+    simulation.reset()
+    assert numpy.array_equal(state.f, weights)
+    simulation.restore(mark)
+    assert numpy.array_equal(state.f, forces) and simulation.hash == bits
+    assert numpy.array_equal(copy.copy(simulation).state("/body").f, forces)
+    simulation.run(2)
+    assert simulation.hash == ahead, "reading forces changes no bit"
+    simulation.reset()
+    state.set(x=state.rest * 1.1, v=numpy.zeros_like(state.rest))
+    pulled = state.f.copy()
+    assert numpy.abs(pulled - simulation.force()).max() < 1e-12 and numpy.abs(pulled - weights).max() > 1e-3
+    gone = simulation.hash
+    simulation["/body/fem"].youngModulus = 10000
+    assert state.f - weights == pytest.approx(2 * (pulled - weights), abs=1e-9), "of the present stiffness"
+    simulation.set("/.gravity", (0, 0, 0))
+    assert state.f == pytest.approx(2 * (pulled - weights), abs=1e-9) and simulation.hash == gone
+    push = simulation.add_force(state, [5], force=(0, 0, 3))
+    assert state.f[5] - 2 * (pulled - weights)[5] == pytest.approx([0, 0, 3], abs=1e-9)
+    push.remove()
+    assert state.f == pytest.approx(2 * (pulled - weights), abs=1e-9)
+
+
+def test_a_checkpoint_with_forces_is_one_for_the_command_too(folder):
+    simulation = stroma.load(EXAMPLES / "organ.xml", observers=False, quiet=True)
+    simulation.request_forces()
+    simulation.run(2)
+    (folder / "of.checkpoint").write_bytes(simulation.checkpoint())
+    simulation.run(1)
+    done = subprocess.run([COMMAND, "run", EXAMPLES / "organ.xml", "-n", "3", "--restart", "of.checkpoint", "--no-record", "--json", "-"],
+                          capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["state_hash"] == f"{simulation.hash:016x}"
+
+
+def test_forces_before_a_step_have_the_contacts():
+    """Friction is of a step: that of the next one, which begins here."""
+    simulation = stroma.load(EXAMPLES / "folded_sheet.xml", observers=False, quiet=True)
+    simulation.request_forces()
+    start = [state.f.copy() for state in simulation.states()]
+    assert all(numpy.isfinite(forces).all() for forces in start) and any(forces.any() for forces in start)
+    simulation.run(1)
+    simulation.reset()
+    assert all(numpy.array_equal(state.f, forces) for state, forces in zip(simulation.states(), start))
 
 
 def held_frame():

@@ -3,6 +3,7 @@
 import os
 import pathlib
 import subprocess
+import sys
 
 import pytest
 import stroma
@@ -36,6 +37,17 @@ def test_every_example_has_the_bits_of_the_command(name, folder):
     for _ in range(STEPS):
         again.step()
     assert again.hash == simulation.hash, "as a tree of Python"
+
+
+@pytest.mark.parametrize("first", ["numpy", "stroma"])
+def test_who_comes_first_changes_no_bit(first, folder):
+    """numpy opens OpenBLAS, which a direct solver multiplies by, and it chooses its kernels then."""
+    scene = EXAMPLES / "pressure.xml"
+    program = f"import {first}, numpy, stroma; numpy.ones((99, 99)) @ numpy.ones((99, 99)); " \
+              f"simulation = stroma.load({str(scene)!r}, observers=False, quiet=True); simulation.run({STEPS}); print(simulation.hash)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) == of_the_command(scene)
 
 
 def test_a_scene_written_by_python_is_read_as_it_was(folder):

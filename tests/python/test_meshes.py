@@ -55,10 +55,14 @@ def test_fields_of_cells_of_two_kinds(tmp_path):
     simulation = stroma.load(tmp_path / "mixed.xml", observers=False)
     simulation.step()
     assert simulation["/hexa"].field("vonMises") == pytest.approx([100])
+    assert simulation["/hexa"].field("stress") == pytest.approx(numpy.array([[0, 0, 100, 0, 0, 0]]), abs=1e-9)
+    assert simulation["/hexa"].field("principalStress") == pytest.approx(numpy.array([[100, 0, 0]]), abs=1e-9)
+    assert simulation["/hexa"].field("principalStrain") == pytest.approx(numpy.array([[0.1, 0, 0]]), abs=1e-12)
     mesh = simulation.state("/").mesh()
     stress, strain = mesh.cell_data()["vonMises"], mesh.cell_data()["strain"]
     assert [kind for kind, _ in mesh.blocks()] == ["tetra", "hexahedron"] and stress.shape == (2,) and strain.shape == (2, 6)
     assert numpy.isnan(stress[0]) and stress[1] == pytest.approx(100), "the first force field with the name is that of hexahedra"
+    assert mesh.cell_data()["principalStress"].shape == (2, 3) and mesh.cell_data()["stress"].shape == (2, 6)
     assert numpy.isnan(strain[0]).all() and strain[1] == pytest.approx([0, 0, 0.1, 0, 0, 0], abs=1e-12)
 
 

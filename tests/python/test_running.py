@@ -436,6 +436,7 @@ def test_a_view_is_linked_below_its_cell(simulation, shown, monkeypatch, tmp_pat
     simulation.on_step_end(interrupt)
     viewed(simulation)
     assert len(shown) == 1 and shown[0].startswith('<a href="http://127.0.0.1:') and "iframe" not in shown[0]
+    assert 'simulation.page("run.html")' in shown[0], "what a notebook by https can show"
 
 
 def headers_of(address, **sent):

@@ -398,7 +398,8 @@ SCENES = {
                                              f'name="newton" maxNbIterationsNewton="20" warnWhenDiverge="0"/>{LDL}'),
     **{f"ODESolver/Forward/{name}": block(solver=f"<{name} {more}/>") for name, more in (
         ("EulerExplicitSolver", 'symplectic="1"'), ("RungeKutta2Solver", ""), ("RungeKutta4Solver", ""),
-        ("CentralDifferenceSolver", 'rayleighMass="0"'), ("DampVelocitySolver", 'rate="0.9" threshold="0"'))},
+        ("CentralDifferenceSolver", 'rayleighMass="0"'))},
+    "ODESolver/Forward/DampVelocitySolver": block(solver='<EulerExplicitSolver/><DampVelocitySolver rate="0.9" threshold="0"/>'),
     # ---- Playback, Setting, StateContainer, Visual ----
     "Playback/WriteState": block('<WriteState filename="out/states.txt" period="0.05" writeX="1" writeV="1"/>'),
     "Playback/CompareState": block('<CompareState filename="mesh/none.state"/>'),
@@ -606,8 +607,7 @@ FILES = {
 MISSING = {
     **{folder + name: [name] for folder, names in (
         ("Diffusion/", ["TetrahedronDiffusionFEMForceField"]),
-        ("ODESolver/Forward/", ["DampVelocitySolver"]),
-        ("SolidMechanics/FEM/", ["QuadBendingFEMForceField", "TriangularAnisotropicFEMForceField"]),
+        ("SolidMechanics/FEM/", ["QuadBendingFEMForceField"]),
         ("Topology/Container/Grid/", ["SparseGridMultipleTopology"])) for name in names},
     "Engine/Transform/TransformPosition_random": ["random displacements are not available"],
     "SolidMechanics/FEM/HexahedronCompositeFEMForceFieldAndMass_large": ["HexahedronCompositeFEMForceFieldAndMass"],

@@ -134,8 +134,23 @@ def frame(x):
     return np.column_stack([a, np.cross(n, a), n])
 
 
-def membrane(triangles, rest, E, nu, current):
-    """f = R A0 B^T D B (u0 - R^T x), B of the present shape in R (current) or of the shape at rest."""
+def fibres(along, across, nu, c, s):
+    """Plane stress with fibres at the cosine c and the sine s to the first axis, written out in their powers."""
+    nu_t = nu * across / along
+    q11, q12, q22 = (each / (1 - nu * nu_t) for each in (along, nu * across, across))
+    q66 = along / (2 * (1 + nu))
+    d11 = c**4 * q11 + 2 * c**2 * s**2 * (q12 + 2 * q66) + s**4 * q22
+    d12 = c**2 * s**2 * (q11 + q22 - 4 * q66) + (c**4 + s**4) * q12
+    d22 = s**4 * q11 + 2 * c**2 * s**2 * (q12 + 2 * q66) + c**4 * q22
+    d16 = s * c**3 * (q11 - q12 - 2 * q66) + s**3 * c * (q12 - q22 + 2 * q66)
+    d26 = s**3 * c * (q11 - q12 - 2 * q66) + s * c**3 * (q12 - q22 + 2 * q66)
+    d66 = c**2 * s**2 * (q11 + q22 - 2 * q12 - 2 * q66) + (c**4 + s**4) * q66
+    return np.array([[d11, d12, d16], [d12, d22, d26], [d16, d26, d66]])
+
+
+def membrane(triangles, rest, E, nu, current, law=None):
+    """f = R A0 B^T D B (u0 - R^T x), B of the present shape in R (current) or of the shape at rest. law(corners, axes) gives
+    the D of a triangle, in the axes of its rest shape."""
     rest = np.array(rest, float)
     D = E / (1 - nu * nu) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
 
@@ -143,6 +158,7 @@ def membrane(triangles, rest, E, nu, current):
         f, K = np.zeros_like(x), np.zeros((x.size, x.size))
         for t in triangles:
             R, R0 = frame(x[list(t)]), frame(rest[list(t)])
+            D_t = law(rest[list(t)], R0) if law else D
             now, then = (x[list(t)] - x[t[0]]) @ R, (rest[list(t)] - rest[t[0]]) @ R0
             area = (then[1, 0] * then[2, 1] - then[1, 1] * then[2, 0]) / 2
             shape = now if current else then
@@ -151,10 +167,87 @@ def membrane(triangles, rest, E, nu, current):
             B = np.zeros((3, 9))
             for i, (a, b) in enumerate(G):
                 B[:, 3 * i:3 * i + 3] = [[a, 0, 0], [0, b, 0], [b, a, 0]]
-            Ke = area * B.T @ D @ B
+            Ke = area * B.T @ D_t @ B
             where = np.ravel([[3 * n, 3 * n + 1, 3 * n + 2] for n in t])
             T = np.kron(np.eye(3), R)
             f.ravel()[where] += T @ Ke @ (then - now).ravel()
             K[np.ix_(where, where)] -= T @ Ke @ T.T
         return f, K
     return field
+
+
+# ---- frames: centres and quaternions x y z w, velocities and angular velocities in fixed axes ----
+
+def product(a, b):
+    return np.array([*(a[3] * b[:3] + b[3] * a[:3] + np.cross(a[:3], b[:3])), a[3] * b[3] - a[:3] @ b[:3]])
+
+
+def inverse(q):
+    return np.array([-q[0], -q[1], -q[2], q[3]])
+
+
+def turn_of(r):
+    angle = np.linalg.norm(r)
+    return np.array([*(np.sin(angle / 2) / angle * np.asarray(r)), np.cos(angle / 2)]) if angle > 0 else np.array([0, 0, 0, 1.])
+
+
+def rotation_vector(q):
+    q = -q if q[3] < 0 else q
+    sine = np.linalg.norm(q[:3])
+    return 2 * np.arctan2(sine, q[3]) / sine * q[:3] if sine > 0 else np.zeros(3)
+
+
+def axes_of(q):
+    return np.array([product(product(q, np.array([*e, 0.])), inverse(q))[:3] for e in np.eye(3)]).T
+
+
+def first_end_beams(pairs, rest, E, nu, radius):
+    """K of Euler and Bernoulli along x, in the axes of the first frame: f = -R K (0, 0, u, w), tangent -R K R^T."""
+    area, moment = np.pi * radius ** 2, np.pi * radius ** 4 / 4
+    twist = E / (2 * (1 + nu)) * 2 * moment
+
+    def matrix(L):
+        one = np.diag([E * area / L, 12 * E * moment / L ** 3, 12 * E * moment / L ** 3, twist / L] + [4 * E * moment / L] * 2)
+        c = 6 * E * moment / L ** 2
+        one[1, 5] = one[5, 1] = c
+        one[2, 4] = one[4, 2] = -c
+        two = one.copy()  # of the other end
+        two[1, 5] = two[5, 1] = -c
+        two[2, 4] = two[4, 2] = c
+        between = -np.diag([E * area / L, 12 * E * moment / L ** 3, 12 * E * moment / L ** 3, twist / L] + [-2 * E * moment / L] * 2)
+        between[1, 5], between[5, 1], between[2, 4], between[4, 2] = c, -c, -c, c
+        return np.block([[one, between], [between.T, two]])
+
+    def field(x, v):
+        f, K = np.zeros((len(x), 6)), np.zeros((6 * len(x), 6 * len(x)))
+        for a, b in pairs:
+            arm, turn = {}, {}
+            for name, state in (("now", x), ("rest", rest)):
+                arm[name] = axes_of(state[a][3:]).T @ (state[b][:3] - state[a][:3])
+                turn[name] = product(inverse(state[a][3:]), state[b][3:])
+            Ke = matrix(np.linalg.norm(arm["rest"]))
+            d = np.concatenate([np.zeros(6), arm["now"] - arm["rest"], rotation_vector(product(inverse(turn["rest"]), turn["now"]))])
+            R = np.kron(np.eye(4), axes_of(x[a][3:]))
+            where = np.r_[6 * a:6 * a + 6, 6 * b:6 * b + 6]
+            f.ravel()[where] -= R @ Ke @ d
+            K[np.ix_(where, where)] -= R @ Ke @ R.T
+        return f, K
+    return field
+
+
+def euler_frames(x, inertia, forces, steps, h, held=()):
+    """inertia: six numbers of each frame, in fixed axes. Returns frames of seven numbers."""
+    x = np.array(x, float)
+    v = np.zeros((len(x), 6))
+    M = np.diag(np.tile(inertia, len(x)))
+    free = np.repeat([i not in held for i in range(len(x))], 6)
+    for _ in range(steps):
+        f, K = forces(x, v)
+        A, b = M - h * h * K, h * (f.ravel() + h * K @ v.ravel())
+        dv = np.zeros(v.size)
+        dv[free] = np.linalg.solve(A[np.ix_(free, free)], b[free])
+        v = v + dv.reshape(-1, 6)
+        for i in range(len(x)):
+            x[i, :3] += h * v[i, :3]
+            x[i, 3:] = product(turn_of(h * v[i, 3:]), x[i, 3:])
+    return x

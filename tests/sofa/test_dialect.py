@@ -10,7 +10,8 @@ import tempfile
 
 import numpy as np
 
-from reference import (edge_polar, euler, gravity, load, membrane, springs, stiffness, tetrahedra, together)
+from reference import (axes_of, edge_polar, euler, euler_frames, fibres, first_end_beams, gravity, load, membrane, product, springs,
+                       stiffness, tetrahedra, together, turn_of)
 
 STROMA = sys.argv[1]
 CASES = []
@@ -384,6 +385,30 @@ def quirk_membrane_shape():
     for name in ("TriangularFEMForceField", "TriangleFEMForceField"):
         agree(Run(sheet(name, 'method="large"'), 10).x(), expected, 1e-7)
     differ(Run(sheet("TriangularFEMForceField"), 10, args=["--without-quirk", "membrane-shape"]).x(), expected, 1e-8)
+
+
+def fibre_law(direction):
+    """direction(corners, normal) in space, projected on the sheet."""
+    def law(corners, axes):
+        along = axes.T @ direction(corners, axes[:, 2])
+        c, s = along[:2] / np.linalg.norm(along[:2])
+        return fibres(2000, 500, 0.3, c, s)
+    return law
+
+
+@case
+def membrane_with_fibres():
+    angle = np.radians(30)
+    laws = {'fiberAngle="30"': fibre_law(lambda corners, n: np.array([np.cos(angle), np.sin(angle), 0])),
+            'fiberCenter="3 -1 0.5"': fibre_law(lambda corners, n: np.cross(n, np.array([3, -1, 0.5]) - corners.mean(axis=0)))}
+    for more, law in laws.items():
+        scene = sheet("TriangularAnisotropicFEMForceField", f'transverseYoungModulus="500" {more}')
+        for args, current in (((), True), (("--without-quirk", "membrane-shape"), None)):
+            fields = together(gravity(np.ones(4), [0, -10, 0]), membrane(TRIANGLES, X_SHEET, 2000, 0.3, True, law))
+            expected = euler(X_SHEET, np.eye(4), fields, 10, 0.01, held=[0, 1])
+            (agree if current else differ)(Run(scene, 10, args=list(args)).x(), expected, 1e-7 if current else 1e-8)
+    differ(Run(sheet("TriangularFEMForceField"), 10).x(), expected, 1e-4)
+    Run(sheet("TriangularAnisotropicFEMForceField", 'method="small"'), 2).says("fibres in the axes of each first edge")
 
 
 @case
@@ -2130,6 +2155,26 @@ def quirk_one_sided_turns():
 
 
 @case
+def quirk_edge_bending():
+    """A fold of two triangles: lambda = 2/3 (N_a + N_b) / (N_a N_b)^2 l^3 mu, and that of a plate 2 (h_a + h_b) / (h_a h_b)^2 l mu."""
+    flat = np.array([[0.0, 0, 0], [0, 0.5, 0], [1, 0.25, 0], [-1, 0.25, 0]])
+    x, alpha = flat + np.outer([0, 0, 0, 1], [0, 0, 0.2]), np.array([-0.5, -0.5, 0.5, 0.5])
+
+    def words(points):
+        return " ".join(map(str, points.ravel()))
+    scene = node(EXACT + f'<MechanicalObject name="dofs" position="{words(x)}" rest_position="{words(flat)}"/><UniformMass totalMass="4"/>'
+                 f'<MeshTopology position="{words(flat)}" triangles="0 2 1  0 1 3"/><FastTriangularBendingSprings bendingStiffness="30"/>')
+
+    def bent(stiffness):
+        k = -stiffness * np.kron(np.outer(alpha, alpha), np.eye(3))
+        return euler(x, np.eye(4), lambda x, v: ((k @ x.ravel()).reshape(-1, 3), k), 20, 0.01)
+    springs, plate = bent(2 / 3 * 1 / 0.25**2 * 0.5**3 * 30), bent(2 * 2 * 0.5 * 30)
+    agree(Run(scene, 20).x(), springs)
+    agree(Run(scene, 20, args=["--without-quirk", "edge-bending"]).x(), plate)
+    differ(springs, plate, 1e-3)
+
+
+@case
 def quirk_torsion_tangent():
     x = np.array([[1.0, 0, 0], [0, 2, 1]])
 
@@ -2352,6 +2397,253 @@ def meshes_of_topologies_in_older_formats():
     falls(run)
 
 
+def weights_by_centres(cells, x, p, width=0):
+    """Of the cell in which p lies deepest, else of that with the nearest centre; in a grid of `width` first in the cells near by."""
+    def affine(cell):
+        edges = np.array([x[n] - x[cell[0]] for n in cell[1:]])
+        if len(edges) == 2:
+            edges = np.vstack([edges, np.cross(*edges)])
+        return np.linalg.solve(edges.T, p - x[cell[0]])
+
+    def keys(point):
+        return np.floor(np.asarray(point) / width).astype(int)
+
+    def near(cell, key, reach):
+        low, high = keys(x[list(cell)].min(axis=0)), keys(x[list(cell)].max(axis=0))
+        return all(low[a] <= key[a] + reach and high[a] >= key[a] - reach for a in range(3))
+
+    best = None
+    for reach in ((0, 1) if width else ()) + (None,):
+        if best is not None and (reach is None or abs(best[0]) <= width / 2):
+            break
+        for cell in cells:
+            if reach is not None and not near(cell, keys(p), reach):
+                continue
+            u = affine(cell)
+            out = max(-u[0], -u[1], -u[2], u.sum() - 1) if len(cell) == 4 else max(-u[0], -u[1], abs(u[2]) - 0.01, u[0] + u[1] - 1)
+            if out > 0:
+                out = ((p - x[list(cell)].mean(axis=0)) ** 2).sum()
+            if best is None or out < best[0]:
+                best = out, cell, u
+    cell, u = best[1], best[2][:len(best[1]) - 1]
+    row = np.zeros(len(x))
+    row[list(cell)] = [1 - u.sum(), *u]
+    return row
+
+
+@case
+def quirk_centre_cells():
+    random = np.random.default_rng(7)
+    x = np.array([[i, j, k] for k in range(2) for j in range(2) for i in range(3)], float) + random.uniform(-0.2, 0.2, (12, 3))
+    cells = []
+    for i in range(2):
+        for order in itertools.permutations((1, 3, 6)):
+            cell = [i, i + order[0], i + order[0] + order[1], i + 10]
+            cells.append(cell if np.linalg.det(x[cell[1:]] - x[cell[0]]) > 0 else [cell[0], cell[2], cell[1], cell[3]])
+    v, points = random.uniform(-3, 3, x.shape), random.uniform(-1, 3, (40, 3)) * [1, 0.7, 0.7]
+    text = {name: " ".join(repr(float(n)) for n in np.ravel(each)) for name, each in (("x", x), ("v", v), ("p", points))}
+    width = np.mean([np.linalg.norm(x[a] - x[b]) for a, b in {tuple(sorted(e)) for c in cells for e in itertools.combinations(c, 2)}])
+    triangles = [cell[:3] for cell in cells[::2]]
+    for mesh, kind, wide in (("MeshTopology", "tetrahedra", 0), ("TetrahedronSetTopologyContainer", "tetrahedra", width),
+                             ("MeshTopology", "triangles", 0)):
+        found = cells if kind == "tetrahedra" else triangles
+        scene = node(EXACT + f'<{mesh} position="{text["x"]}" {kind}="{" ".join(str(n) for n in np.ravel(found))}"/>'
+                     f'<MechanicalObject name="dofs" velocity="{text["v"]}"/><UniformMass totalMass="1"/><Node name="c"><MechanicalObject '
+                     f'name="points" position="{text["p"]}"/><BarycentricMapping/></Node>')
+        W = np.array([weights_by_centres(found, x, p, wide) for p in points])
+        agree(Run(scene, 10).x("c.points"), W @ (x + 0.1 * v), 1e-9)
+        differ(Run(scene, 10, args=["--without-quirk", "centre-cells"]).x("c.points"), W @ (x + 0.1 * v), 1e-3)
+    grid = np.array([[i, j, k] for k in range(2) for j in range(2) for i in range(3)], float)
+    W = np.zeros((len(points), 12))  # of the nearest cell of a grid, trilinear beyond it
+    for row, p in zip(W, points):
+        low = np.clip(np.floor(p).astype(int), 0, [1, 0, 0])
+        for corner in itertools.product((0, 1), repeat=3):
+            node_of = low + corner
+            row[node_of[0] + 3 * (node_of[1] + 2 * node_of[2])] = np.prod([u if c else 1 - u for u, c in zip(p - low, corner)])
+    scene = node(EXACT + f'<RegularGridTopology n="3 2 2" min="0 0 0" max="2 1 1"/><MechanicalObject name="dofs" velocity="{text["v"]}"/>'
+                 f'<UniformMass totalMass="1"/><Node name="c"><MechanicalObject name="points" position="{text["p"]}"/>'
+                 '<BarycentricMapping/></Node>')
+    agree(Run(scene, 10).x("c.points"), W @ (grid + 0.1 * v), 1e-9)
+
+
+def embedded(mesh, x, kind, cells, points, more=""):
+    """Points in a body of which each node flies on its own way, and where the nodes of the body go."""
+    v = np.random.default_rng(8).uniform(-3, 3, x.shape)
+    text = [" ".join(repr(float(n)) for n in np.ravel(each)) for each in (x, v, points)]
+    return (node(EXACT + f'<{mesh} position="{text[0]}" {kind}="{" ".join(str(n) for n in np.ravel(cells))}" {more}/><MechanicalObject '
+                 f'name="dofs" velocity="{text[1]}"/><UniformMass totalMass="1"/><Node name="c"><MechanicalObject name="points" '
+                 f'position="{text[2]}"/><BarycentricMapping/></Node>'), x + 0.1 * v)
+
+
+@case
+def centre_cells_that_are_flat_hold_nothing():
+    """The nearest centre to the point is that of a cell without volume, exactly or but for round-off."""
+    whole = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    for last in (1.0, 1.0 + 2 ** -52):
+        x = np.array(whole + [[0.3, 0.3, 1], [0.6, 0.3, 1], [0.4, 0.6, 1], [0.5, 0.5, last]])
+        for mesh in ("MeshTopology", "TetrahedronSetTopologyContainer"):
+            scene, moved = embedded(mesh, x, "tetrahedra", [[0, 1, 2, 3], [4, 5, 6, 7]], [[0.45, 0.45, 1.2]])
+            agree(Run(scene, 10).x("c.points"), [weights_by_centres([[0, 1, 2, 3]], x, np.array([0.45, 0.45, 1.2])) @ moved])
+            Run(embedded(mesh, x, "tetrahedra", [[4, 5, 6, 7]], [[0.45, 0.45, 1.2]])[0], 1).fails(
+                2, "no cell can hold point 0") if last == 1 else None
+    x = np.array(whole[:3] + [[0.5, 0.5, 1], [0.6, 0.6, 1], [0.7, 0.7, 1]])
+    scene, moved = embedded("MeshTopology", x, "triangles", [[0, 1, 2], [3, 4, 5]], [[0.6, 0.5, 0.9]])
+    agree(Run(scene, 10).x("c.points"), [weights_by_centres([[0, 1, 2]], x, np.array([0.6, 0.5, 0.9])) @ moved])
+
+
+@case
+def centre_cells_of_graded_meshes():
+    """One cell is 2,000 times as long as the edges that are given, which set the grid of the search: 10^9 of its cells; and far points."""
+    random = np.random.default_rng(9)
+    small = [np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * 0.01 + [0.0123 * i + 0.0017, -0.0213, 0.0031] for i in range(5)]
+    x = np.vstack(small + [np.array([[0, 0, 0], [20, 0, 0], [0, 20, 0], [0, 0, 20]]) + 0.0047])
+    cells = np.arange(len(x)).reshape(-1, 4)
+    near = np.vstack([random.uniform(0, 0.01, (2, 3)) + each[0] for each in small] + [random.uniform(-2, 12, (10, 3))])
+    for mesh, wide in (("MeshTopology", 0), ("TetrahedronSetTopologyContainer", 0.01)):
+        for points in (near, np.array([[3e8, 1, 2], [-1, -4e15, 0]])):
+            scene, moved = embedded(mesh, x, "tetrahedra", cells, points, 'edges="0 1 4 5 8 9"')
+            agree(Run(scene, 10).x("c.points"), np.array([weights_by_centres(cells, x, p, wide) for p in points]) @ moved, 1e-9)
+
+
+def pulled_arm(turns, steps=30):
+    """A frame whose point at (1, 0, 0) in its axes is pulled: turns, with the change of the torque in the tangent."""
+    pull, mass, inertia = np.array([0, -40.0, 0]), 0.5, 0.05
+
+    def forces(x, v):
+        arm = axes_of(x[0, 3:]) @ np.array([1.0, 0, 0])
+        f, K = np.zeros((1, 6)), np.zeros((6, 6))
+        f[0, :3], f[0, 3:] = pull + np.array([0, -10 * mass, 0]), np.cross(arm, pull)
+        if turns:  # (w x arm) x pull
+            K[3:, 3:] = np.outer(arm, pull) - np.eye(3) * (arm @ pull)
+        return f, K
+    return euler_frames([[0, 0, 0, 0, 0, 0, 1]], [mass] * 3 + [inertia] * 3, forces, steps, 0.01)
+
+
+@case
+def quirk_no_centrifugal():
+    """A frame with a mass on an arm, which turns and falls: J^T M J alone, so that its centre falls straight."""
+    scene = root('<EulerImplicitSolver/>{}<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1" velocity="0 0 0 0 0 2"/>'
+                 '<UniformMass vertexMass="0.5 1 0.1 0 0 0 0.1 0 0 0 0.1"/><Node name="c"><MechanicalObject position="1 0 0"/>'
+                 '<UniformMass totalMass="2"/><RigidMapping/></Node>')
+    x, v = np.array([0, 0, 0, 0, 0, 0, 1.0]), np.array([0, 0, 0, 0, 0, 2.0])
+    for _ in range(50):
+        arm = axes_of(x[3:]) @ np.array([1.0, 0, 0])
+        J = np.hstack([np.eye(3), np.cross(np.eye(3), -arm)])
+        M = np.diag([0.5] * 3 + [0.05] * 3) + 2 * J.T @ J
+        v = v + np.linalg.solve(M, 0.01 * (np.array([0, -5, 0, 0, 0, 0]) + J.T @ np.array([0, -20, 0])))
+        x = np.array([*(x[:3] + 0.01 * v[:3]), *product(turn_of(0.01 * v[3:]), x[3:])])
+    for solver in ("<SparseLDLSolver/>", '<CGLinearSolver iterations="50" tolerance="1e-14" threshold="1e-30"/>'):
+        agree(Run(scene.format(solver), 50).x(width=7)[0], x, 1e-8)
+    differ(Run(scene.format("<SparseLDLSolver/>"), 50, args=["--without-quirk", "no-centrifugal"]).x(width=7)[0], x, 1e-2)
+
+
+@case
+def quirk_held_arms():
+    frame = ('<EulerImplicitSolver/>{}<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass '
+             'vertexMass="0.5 1 0.1 0 0 0 0.1 0 0 0 0.1"/><Node name="c">{}</Node>')
+    point = '<MechanicalObject position="1 0 0"/>{}<ConstantForceField indices="0" forces="0 -40 0"/>'
+    arm = '<MechanicalObject template="Rigid3" position="1 0 0 0 0 0 1"/><RigidRigidMapping/><ConstantForceField forces="0 -40 0 0 0 0"/>'
+    direct, iterative = "<SparseLUSolver/>", '<CGLinearSolver iterations="50" tolerance="1e-14" threshold="1e-30"/>'
+    skin = point.format('<SkinningMapping nbRef="1" indices="0" weight="1"/>')
+    off = ["--without-quirk", "held-arms"]
+    for solver, child, args, turns in (
+            (direct, point.format("<RigidMapping/>"), [], False), (direct, point.format("<RigidMapping/>"), off, True),
+            (direct, point.format('<RigidMapping geometricStiffness="Exact"/>'), [], True), (direct, skin, [], False),
+            (direct, skin, off, True), (direct, arm, [], False), (iterative, arm, [], True)):
+        agree(Run(root(frame.format(solver, child)), 30, args=args).x(width=7), pulled_arm(turns), 1e-7)
+    differ(pulled_arm(False), pulled_arm(True), 1e-2)
+
+
+@case
+def quirk_first_end_beams():
+    """Beams along x, along y with the same axes, and about a corner, all of which bend far."""
+    turned = [0, 0, np.sin(0.4), np.cos(0.4)]
+    for rest in ([[0, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0, 0, 0, 1], [2, 0, 0, 0, 0, 0, 1]],
+                 [[0, 0, 0, 0, 0, 0, 1], [0, 1, 0, 0, 0, 0, 1], [0, 2, 0.5, 0, 0, 0, 1]],
+                 [[0, 0, 0, 0, 0, 0, 1], [1, 0, 0, *turned], [1.5, 0.9, 0, *turned]]):
+        rest = np.array(rest, float)
+        scene = root(EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="' + " ".join(repr(float(n)) for n in rest.ravel()) +
+                     '"/><UniformMass vertexMass="0.5 1 0.1 0 0 0 0.1 0 0 0 0.1"/><MeshTopology lines="0 1 1 2"/>'
+                     '<BeamFEMForceField youngModulus="2e5" radius="0.1"/><FixedConstraint indices="0"/>'
+                     '<ConstantForceField indices="2" forces="0 0 -20 5 0 0"/>')
+        beams = first_end_beams([(0, 1), (1, 2)], rest, 2e5, 0.49, 0.1)
+
+        def forces(x, v):
+            f, K = beams(x, v)
+            f[:, 1] -= 0.5 * 10
+            f[2] += [0, 0, -20, 5, 0, 0]
+            return f, K
+        expected = euler_frames(rest, [0.5] * 3 + [0.05] * 3, forces, 40, 0.01, held=[0])
+        agree(Run(scene, 40).x(width=7), expected, 1e-8)
+        differ(Run(scene, 40, args=["--without-quirk", "first-end-beams"]).x(width=7), expected, 1e-3)
+
+
+def plane(normal, d, k, c=5.0, most=0.0, both=False):
+    """SOFA's obstacle: a normal as long as it is, a limit of force and damping that the tangent does not know, and damping that
+    drives in front of it."""
+    n = np.array(normal, float)
+
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for i, depth in enumerate(d - x @ n):
+            if not both and depth <= 0:
+                continue
+            f[i] = k * depth * n - c * depth * v[i]
+            size = np.linalg.norm(f[i])
+            if 0 < most < size:
+                f[i] *= most / size
+            K[3 * i:3 * i + 3, 3 * i:3 * i + 3] = -k * np.outer(n, n)
+        return f, K
+    return field
+
+
+@case
+def planes_with_long_normals_limits_and_two_sides():
+    x = np.array([[0, -1, 0], [0, 1, 0.0]])
+    for attributes, field in (('normal="0 1 0" d="0" stiffness="100"', plane([0, 1, 0], 0, 100)),
+                              ('normal="0 2 0" d="0.5" stiffness="100"', plane([0, 2, 0], 0.5, 100)),
+                              ('normal="0 1 1" damping="8"', plane([0, 1, 1], 0, 500, 8)),
+                              ('normal="0 1 0" stiffness="100" maxForce="10"', plane([0, 1, 0], 0, 100, most=10)),
+                              ('normal="0 1 0" stiffness="100" bilateral="1"', plane([0, 1, 0], 0, 100, both=True))):
+        scene = node(EXACT + '<MechanicalObject name="dofs" position="0 -1 0 0 1 0"/><UniformMass totalMass="2"/>'
+                     f'<PlaneForceField {attributes}/>')
+        run = Run(scene, 20)
+        agree(run.x(), euler(x, np.eye(2), field, 20, 0.01), 1e-10)
+        if "0 2 0" in attributes:
+            run.says("multiplies depths by 2 and forces by 4")
+        else:
+            assert "0 1 1" in attributes or "unit length" not in run.text, run.text
+    linked = scene.replace("<PlaneForceField", '<PlaneForceField name="far" normal="0 1 0" d="-99" stiffness="100"/><PlaneForceField')
+    linked = linked.replace('normal="0 1 0" stiffness="100" bilateral="1"', 'normal="0 2 0" stiffness="@far.stiffness"')
+    Run(linked, 2).says("SOFA's is 4 times it")
+    run = Run(scene.replace('"0 1 0"', '"0.70710678 0.70710678 0"'), 2)  # unit but for its last digit
+    assert run.code == 0 and "unit length" not in run.text, run.text
+
+
+@case
+def of_several_loads_the_first_counts():
+    body = '<MechanicalObject name="dofs" position="1 0 0  0 0 0"/><UniformMass totalMass="2"/>'
+    load = '<ConstantForceField indices="0 1" totalForce="0 9 0" force="0 0 9" forces="1 0 0  0 1 0"/>'
+    run = Run(node(EXACT + body + load), 1)
+    agree(run.x(), [[1.0001, 0, 0], [0, 0.0001, 0]])
+    run.says("forces is given too and counts")
+    agree(Run(node(EXACT + body + load.replace('forces="1 0 0  0 1 0"', "")), 1).x(), [[1, 0, 0.0009], [0, 0, 0.0009]])
+
+
+@case
+def quirk_whole_first_step():
+    """v += h a from the first step on: of a fall as symplectic Euler; from the half step on the parabola exactly."""
+    scene = root("<CentralDifferenceSolver/>" + BODY)
+    agree(Run(scene, 10).x()[:, 1], [-10 * 0.01 ** 2 * 10 * 11 / 2] * 2)
+    agree(Run(scene, 10, args=["--without-quirk", "whole-first-step"]).x()[:, 1], [-10 * 0.1 ** 2 / 2] * 2)
+    damped = root('<CentralDifferenceSolver rayleighMass="3"/>' + BODY)
+    y = v = 0.0
+    for _ in range(10):
+        v = ((1 / 0.01 - 1.5) * v - 10) / (1 / 0.01 + 1.5)
+        y += 0.01 * v
+    agree(Run(damped, 10).x()[:, 1], [y, y])
+
+
 @case
 def quirk_exact_borders():
     """Of a grid whose third layer is at 0.1 * 3 a box to 0.3 has two layers in SOFA, and so has a sphere or a load's box."""
@@ -2564,7 +2856,40 @@ def a_solver_that_damps_after_another():
         y += v * 0.01
         v *= np.exp(-2 * 0.01)
     agree(run.x()[:, 1], [y, y])
-    Run(root('<EulerImplicitSolver/><DampVelocitySolver threshold="0.5"/><SparseLDLSolver/>' + BODY), 1).fails(2, "DampVelocitySolver")
+
+
+def damped_steps(kind, steps, rate=2.0, threshold=0.0, h=0.01, g=-10.0):
+    """Of a free fall with v *= exp(-rate h) after each step, and v = 0 where it is slow then."""
+    y, v = 0.0, 0.0
+    for _ in range(steps):
+        before = v
+        v += g * h
+        y += h * {"RungeKutta4Solver": (before + v) / 2, "NewmarkImplicitSolver": (before + v) / 2, "explicit": before}.get(kind, v)
+        v *= np.exp(-rate * h)
+        if abs(v) < threshold:
+            v = 0.0
+    return [y, y]
+
+
+@case
+def a_solver_that_damps_after_others():
+    for kind, more in (("EulerExplicitSolver", ""), ("EulerExplicitSolver", 'symplectic="0"'), ("RungeKutta4Solver", ""),
+                       ("CentralDifferenceSolver", ""), ("NewmarkImplicitSolver", ""), ("EulerImplicitSolver", "")):
+        for threshold in (0, 0.12):  # a step of the fall gives 0.1 m/s
+            run = Run(root(f'<{kind} {more}/><DampVelocitySolver rate="2" threshold="{threshold}"/><SparseLDLSolver/>' + BODY), 10)
+            agree(run.x()[:, 1], damped_steps("explicit" if more else kind, 10, threshold=threshold))
+    Run(root('<EulerImplicitSolver/><DampVelocitySolver/><SparseLDLSolver/>' + BODY), 1).says("is vdamping of")
+    Run(root('<DampVelocitySolver/><EulerImplicitSolver/><SparseLDLSolver/>' + BODY), 1).says("the velocities that a step starts with")
+    Run(root('<BDFOdeSolver/><DampVelocitySolver threshold="0.5"/><SparseLDLSolver/>' + BODY), 1).fails(2, "DampVelocitySolver")
+
+
+@case
+def slow_frames_stop_as_a_whole():
+    frame = ('<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1" velocity="0.3 0 0 0 0.{} 0"/>'
+             '<UniformMass totalMass="1"/>')
+    for turn, moves in ((3, False), (5, True)):  # 0.3^2 + 0.3^2 < 0.5^2 < 0.3^2 + 0.5^2
+        scene = f'<EulerExplicitSolver/><DampVelocitySolver rate="0" threshold="0.5"/>{frame.format(turn)}'
+        agree(Run(node(scene), 3).x(width=7)[0, 0], 0.009 if moves else 0.003)
 
 
 @case
@@ -2573,6 +2898,43 @@ def middles_of_hexahedra():
     child = ('<Node name="middles"><PointSetTopologyContainer name="cloud"/><CenterPointTopologicalMapping input="@../grid" '
              'output="@cloud"/><MechanicalObject name="seen"/><CenterPointMechanicalMapping/></Node>')
     agree(Run(root(EXACT + grid + child), 10).x("middles.seen"), [[0.5, 0.5 + fallen(10), 0.5], [1.5, 0.5 + fallen(10), 0.5]])
+
+
+@case
+def prefabs_that_the_scene_does_not_bring():
+    """Of a node that is held and one that falls; and the damping of the integrator in CGImplicit."""
+    run = Run(root(EXACT + BODY + '<BoxConstraint box="-0.1 -0.1 -0.1 0.1 0.1 0.1"/>'), 10)
+    agree(run.x(), [[0, 0, 0], [1, fallen(10), 0]])
+    run.says("is a prefab of SOFA")
+    run = Run(root(EXACT + BODY + '<FixedBoxConstraint name="held" box="0.9 -0.1 -0.1 1.1 0.1 0.1"/>'), 10)
+    agree(run.x(), [[0, fallen(10), 0], [1, 0, 0]])
+    for mass in (0.1, 2):
+        y = v = 0.0
+        for _ in range(10):
+            v = (v - 10 * 0.01) / (1 + mass * 0.01)
+            y += v * 0.01
+        given = "" if mass == 0.1 else f'rayleighMass="{mass}"'
+        run = Run(root(f"<CGImplicit {given}/>{BODY}"), 10)
+        agree(run.x()[:, 1], [y, y], 1e-6)
+    run = Run(root(f'<CGImplicit name="mine" foo="7" warmStart="true"/>{BODY}'), 10)
+    run.says("/mine", "foo")
+    assert "warmStart" not in run.text, run.text
+    triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    mesh = '<MeshLoader name="loader" filename="one.{}"/><MeshTopology src="@loader"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>'
+    falls(Run(root(EXACT + mesh.format("obj")), 10, {"one.obj": triangle}), start=[0, 0, 1])
+    old = ("# vtk DataFile Version 2.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
+           "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n")
+    falls(Run(root(EXACT + mesh.format("vtk")), 10, {"one.vtk": old}), start=[0, 0, 1])
+
+
+@case
+def stress_of_elements_is_written():
+    grid = ('<RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>'
+            '<HexahedronFEMForceField name="fem" youngModulus="1000"/>')
+    out = '<VTKExporter filename="out" cellsDataFields="fem.vonMisesPerElement" pointsDataFields="fem.vonMisesPerNode"/>'
+    run = Run(root(EXACT + grid + out), 2)
+    assert run.code == 0, run.text
+    run.says("the stress of nodes")
 
 
 @case

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Simulations for Python: loading, stepping, attributes of what runs, forces from outside.
+#include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -41,7 +42,9 @@ Data& dataOf(const Engine& engine, const std::string& path, const std::string& a
 py::list setAttribute(Ref engine, const std::string& path, const std::string& attribute, const py::object& value) {
   Simulation& simulation = engine->between();
   try {
-    return problemsOf(simulation.setAttribute(path, attribute, textOf(value)));
+    const Diagnostics told = simulation.setAttribute(path, attribute, textOf(value));
+    engine->forcesAreOld();
+    return problemsOf(told);
   } catch (const ComponentError& refused) {
     const Component* component = findComponent(simulation.root(), path);
     const bool has_path = std::string_view(refused.what()).starts_with("/") || !component;
@@ -240,19 +243,29 @@ static void bindParts(EngineClass& engine) {
              const auto* field = dynamic_cast<const ForceField*>(&self->component(path));
              const CellKind* kind = field ? field->cellFieldShape(name).kind : nullptr;
              return std::string(kind ? kind->singular : "");
-           })
+           });
+}
+
+static void bindInputs(EngineClass& engine) {
+  engine
       .def("add_input",
            [](Ref self, const std::string& state, const std::vector<Index>& nodes, const std::array<double, 3>& force,
               const std::vector<std::array<double, 3>>& targets, double stiffness, double damping) {
-             return self->between().addInput(inputOf(state, nodes, force, targets, stiffness, damping));
+             const long number = self->between().addInput(inputOf(state, nodes, force, targets, stiffness, damping));
+             self->forcesAreOld();
+             return number;
            })
       .def("change_input",
            [](Ref self, long number, const std::string& state, const std::vector<Index>& nodes,
               const std::array<double, 3>& force, const std::vector<std::array<double, 3>>& targets, double stiffness,
               double damping) {
              self->between().changeInput(number, inputOf(state, nodes, force, targets, stiffness, damping));
+             self->forcesAreOld();
            })
-      .def("remove_input", [](Ref self, long number) { self->between().removeInput(number); });
+      .def("remove_input", [](Ref self, long number) {
+        self->between().removeInput(number);
+        self->forcesAreOld();
+      });
 }
 
 void bindEngine(py::module_& module) {
@@ -260,6 +273,7 @@ void bindEngine(py::module_& module) {
   EngineClass engine(module, "Engine");
   bindRuns(engine);
   bindParts(engine);
+  bindInputs(engine);
 }
 
 }  // namespace stroma::python

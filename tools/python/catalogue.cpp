@@ -7,6 +7,7 @@
 #include "framework/scene/change_table.h"
 #include "framework/scene/common_attributes.h"
 #include "framework/scene/missing_types.h"
+#include "framework/scene/modules.h"
 #include "tools/python/python.h"
 
 namespace stroma::python {
@@ -96,6 +97,7 @@ py::dict infoOf(const Data& data) {
 }
 
 void bindCatalogue(py::module_& module) {
+  module.def("instruction_level", &instructionLevel);
   module.def("types", [] {
     py::list out;
     for (const Modules::IndexEntry& entry : library().modules.index())

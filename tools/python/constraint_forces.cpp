@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What Lagrangian constraints did in the last step: the sum of their gradients times the forces that they tell. After a checkpoint
-// has been restored not all of them have the gradients of the step before it, so that a checkpoint of Python has the sum.
+// The net forces of the present state, and what Lagrangian constraints did in the last step: the sum of their gradients times the
+// forces that they tell. After a checkpoint has been restored not all of them have the gradients of the step before it, nor a
+// contact its pairs, so that a checkpoint of Python has both forces.
 #include <algorithm>
 #include <cmath>
 
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/simulation/integrator.h"
+#include "framework/simulation/step_limits.h"
 #include "tools/python/engine.h"
 
 namespace stroma::python {
@@ -60,8 +62,36 @@ Vector Engine::constraintForces(std::size_t index) const {
   return all;
 }
 
+void Engine::requestForces() {
+  for (const auto& system : between().systems())
+    if (system->integrator().stateOwner())
+      throw ComponentError("forces cannot be asked for: " + system->integrator().path() + " has computed its matrix beforehand");
+  if (!keeps_forces_) forcesAreOld();
+  keeps_forces_ = true;
+  for (State* state : simulation_->states()) state->requestForce();
+}
+
+void Engine::presentForces() {
+  if (!keeps_forces_ || use().isStepping() || simulation_->steps() != old_at_) return;
+  if (!own_) return;  // the command's: a step computes them
+  const Systems& systems = twin().simulation().systems();
+  for (std::size_t i = 0; i < systems.size(); ++i) {
+    System& system = *systems[i];
+    system.setTime(simulation_->time());
+    tellStepBegins(system, system.x, simulation_->time(), simulation_->time() + simulation_->dt());  // contacts find their pairs
+    system.computeForce(system.x, system.v, system.f);
+    stroma::copy(system.f, simulation_->systems()[i]->f);
+  }
+  old_at_ = -1;
+}
+
 Checkpoint Engine::checkpoint() {
   Checkpoint checkpoint = session_.checkpoint();
+  if (keeps_forces_ && simulation_->steps() != old_at_) {
+    checkpoint.values.enter("forces");
+    for (std::size_t i = 0; i < simulation_->systems().size(); ++i)
+      checkpoint.values.rows(std::to_string(i), simulation_->systems()[i]->f);
+  }
   std::vector<Vector> forces;
   try {
     for (std::size_t i = 0; i < simulation_->systems().size(); ++i) forces.push_back(constraintForces(i));
@@ -75,8 +105,14 @@ Checkpoint Engine::checkpoint() {
 }
 
 std::vector<std::string> Engine::restore(Checkpoint checkpoint) {
-  Archive forces = checkpoint.values.take("constraint forces");
+  Archive forces = checkpoint.values.take("constraint forces"), net = checkpoint.values.take("forces");
   std::vector<std::string> notes = session_.restore(std::move(checkpoint), "the checkpoint");
+  forcesAreOld();
+  for (std::size_t i = 0; keeps_forces_ && i < simulation_->systems().size(); ++i)
+    if (const std::string name = std::to_string(i); net.entries().count("forces:" + name) > 0) {
+      net.rows(name, simulation_->systems()[i]->f);
+      old_at_ = -1;
+    }
   restored_ = std::vector<Vector>(simulation_->systems().size());
   for (std::size_t i = 0; i < restored_.size(); ++i)
     if (const std::string name = std::to_string(i); forces.entries().count("constraint forces:" + name) > 0)

@@ -87,6 +87,7 @@ std::shared_ptr<Engine> Engine::copy() {
   other->source_ = source_;
   other->overrides_ = overrides_;
   other->load({}, false);
+  if (keeps_forces_) other->requestForces();
   other->restore(checkpoint());
   return other;
 }
@@ -104,6 +105,7 @@ Engine& Engine::twin() {
 void Engine::reset() {
   between().reset();
   restored_.clear();
+  forcesAreOld();
 }
 
 Simulation& Engine::use() const {
@@ -148,10 +150,12 @@ RunReport Engine::run(std::optional<long> steps, std::optional<double> until, co
     try {
       report = session_.run(limits);
     } catch (...) {
+      forcesAreOld();
       session_.withdrawStop();  // the signal has become an exception of a function of the program
       throw;
     }
   }
+  if (report.end != RunEnd::done) forcesAreOld();  // a step may have been given up
   if (PyErr_CheckSignals() != 0) {
     session_.withdrawStop();  // of a signal that came when the run had ended
     throw py::error_already_set();

@@ -42,7 +42,16 @@ class Engine {
   bool isOwn() const { return own_ != nullptr; }
   Component& component(const std::string& path) const;
 
-  /// Session::checkpoint() with the forces of constraints, which not all components can tell again after restore().
+  /// Steps end with an evaluation of the force on every state from now on.
+  void requestForces();
+  /// State::f of the present: that of the last step; where something else has changed the state since, a copy of the simulation
+  /// computes it, so that no bit of this one changes.
+  void presentForces();
+  /// State::f is that of another state than the present one.
+  void forcesAreOld() { old_at_ = simulation_->steps(); }
+
+  /// Session::checkpoint() with the forces of the last step, and those of constraints, which not all components can tell again
+  /// after restore().
   Checkpoint checkpoint();
   std::vector<std::string> restore(Checkpoint checkpoint);
   /// Forces of Lagrangian constraints in the last step on all rows of a system, before mapped states hand them up. Throws
@@ -66,6 +75,8 @@ class Engine {
   std::vector<Override> overrides_;
   std::shared_ptr<Engine> twin_;
   std::vector<Vector> restored_;  ///< constraintForces() of a checkpoint, until something steps
+  bool keeps_forces_ = false;     ///< requestForces()
+  long old_at_ = 0;               ///< Simulation::steps() when State::f was last of another state; each step makes it anew
   friend class InUse;
   std::atomic<std::thread::id> user_{};  ///< the thread that steps it
   std::atomic<bool> is_enough_{false};

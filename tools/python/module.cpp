@@ -18,6 +18,7 @@ PYBIND11_MODULE(_stroma, module) {
   bindView(module);
   bindRecordings(module);
   bindCommands(module);
+  bindGoOn(module);
   module.def("threads", &stroma::threads);
   module.def("set_threads", [](int count) {
     if (count < 1 || count > 1024) throw py::value_error("expected 1 to 1024 threads");

@@ -60,5 +60,6 @@ void bindMatrices(py::module_& module);
 void bindView(py::module_& module);
 void bindRecordings(py::module_& module);
 void bindCommands(py::module_& module);
+void bindGoOn(py::module_& module);
 
 }  // namespace stroma::python

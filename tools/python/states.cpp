@@ -25,7 +25,7 @@ struct StateRef {
   ConstRows rows(What what) const {
     if (what == What::force && !state->forceRequested())
       throw ComponentError("the force on " + state->path() + " was not asked for: it takes an evaluation of its own",
-                           "request_forces() before the step that is to compute it");
+                           "request_forces()");
     return what == What::position ? ConstRows(state->x()) : what == What::velocity ? ConstRows(state->v()) : state->f();
   }
 };
@@ -58,6 +58,7 @@ py::array frames(const StateRef& self, ConstRows rows, What what) {
 
 py::array arrayOf(const StateRef& self, What what) {
   self.engine->use().complete();
+  if (what == What::force) self.engine->presentForces();
   const ConstRows rows = self.rows(what);
   const py::ssize_t row = row_doubles * sizeof(double), per_node = self.state->rows_per_node;
   if (self.state->hasFrames()) return frames(self, rows, what);
@@ -128,7 +129,9 @@ Index set(const StateRef& self, const py::object& x, const py::object& v) {
   take(self, x, What::position, new_x);
   take(self, v, What::velocity, new_v);
   const auto rows = [](const Vector& vector) { return vector.count() > 0 ? vector.rows() : ConstRows(); };
-  return simulation.setState(*self.state, rows(new_x), rows(new_v));
+  const Index kept = simulation.setState(*self.state, rows(new_x), rows(new_v));
+  self.engine->forcesAreOld();
+  return kept;
 }
 
 template <class Cells>
@@ -165,14 +168,6 @@ std::vector<StateRef> statesOf(const std::shared_ptr<Engine>& engine) {
   return out;
 }
 
-/// Steps end with an evaluation of the force from now on, for these states and all that move with them.
-void requestForces(const std::shared_ptr<Engine>& engine) {
-  for (const auto& system : engine->between().systems())
-    if (system->integrator().stateOwner())
-      throw ComponentError("forces cannot be asked for: " + system->integrator().path() + " has computed its matrix beforehand");
-  for (State* state : engine->simulation().states()) state->requestForce();
-}
-
 }  // namespace
 
 void bindStates(py::module_& module) {
@@ -194,7 +189,7 @@ void bindStates(py::module_& module) {
       .def("set", &set, py::arg("x") = py::none(), py::arg("v") = py::none())
       .def("mesh", &meshOf);
   module.def("states_of", &statesOf);
-  module.def("request_forces", &requestForces);
+  module.def("request_forces", [](const std::shared_ptr<Engine>& engine) { engine->requestForces(); });
 }
 
 }  // namespace stroma::python

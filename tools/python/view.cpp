@@ -71,6 +71,7 @@ std::string serve(const std::shared_ptr<Engine>& engine, const std::string& host
     const py::gil_scoped_release unlocked;
     viewer->view(engine->session(), request);
   }
+  engine->forcesAreOld();            // a page may have moved or reset it
   engine->session().withdrawStop();  // the one that has ended it
   return reason;
 }

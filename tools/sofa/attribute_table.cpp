@@ -196,7 +196,6 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"LineCollisionModel", {"contactResponse", "size"}},
       {"PointCollisionModel", {"contactResponse", "size"}},
       {"SphereCollisionModel", {"contactResponse", "showImpostors", "size"}},
-      {"LocalMinDistance", {"filterIntersection"}},
       {"WriteState", {"stopAt", "keperiod"}},
       {"PartialLinearMovementProjectiveConstraint", {"mainIndice", "minDepIndice", "maxDepIndice", "X0", "Y0", "Z0"}},
       {"SkinningMapping", {"applyRestPosition"}}, {"BeamLinearMapping", {"applyRestPosition"}},

@@ -51,6 +51,7 @@ void Rewriting::run() {
   addFoldersOfTree();
   moveJoints(scene_.root);
   resolveAliases();
+  expandPrefabs();
   tree_ = std::make_unique<SceneTree>(scene_.root, [this](const std::string& type) -> std::unique_ptr<Component> {
     try {
       const std::string here(typeHere(type));

@@ -44,6 +44,7 @@ class Rewriting {
   void dropVoids();
   void dampVelocities();
   void resolveAliases();
+  void expandPrefabs();  // rewritten_prefabs.cpp
   void dropUnheard();
   void dropIdleMappings();
   bool hasOnlyFollowers(const Place& place) const;
@@ -84,11 +85,15 @@ class Rewriting {
   void meanField(Element& element);
   // ---- rewritten_fields.cpp ----
   void meanOfNames(Element& element);
+  void meanStressFields(Element& element);
   void meanSprings(Element& element);
   void meanLoads(Element& element);
+  void meanConstantForce(Element& load);
+  void meanPlane(Element& plane);
   void includeLast(Element& element);
   void checkOneBody(Element& field);
   void warnOfFrames(const Element& mapping);
+  void holdArms(Element& mapping);
   bool actsOnNothing(Element& element);
   bool holdsNothing(Element& element);
   // ---- rewritten_components.cpp again ----
@@ -146,6 +151,8 @@ class Rewriting {
   std::unique_ptr<SceneTree> tree_;
 };
 
+/// The loader of a file of meshes by its ending, or empty.
+std::string_view loaderOf(std::string_view file);
 /// The numbers of a list that is written out; of a link none.
 std::vector<double> writtenNumbers(const std::string& text);
 std::string printed(const std::vector<double>& numbers);

@@ -41,9 +41,8 @@ void Rewriting::applyMeaning(Element& element) {
   // rest positions stay as they are written: in the axes of the frames
   if (isOneOf(element.written->type, {"RigidMapping", "DeformableOnRigidFrameMapping"}))
     setDefault(element, "applyRestPosition", "false");
-  if (isOneOf(element.written->type, {"BeamLinearMapping", "DeformableOnRigidFrameMapping"}))
-    setDefault(element, "geometricStiffness", "None");
-  if (element.is("BarycentricMapping")) warnOfFrames(element);
+  if (element.role() == "mapping") holdArms(element);
+  if (element.is("BarycentricMapping")) warnOfFrames(element), setQuirk(element, "centre-cells", "foundBy", "centres");
   if (element.is("CollisionResponse")) takeFriction(element);
   for (const char* name : {"first", "last"})  // -1: not given
     if (element.is("SubsetMapping") && element.text(name).starts_with("-")) element.remove(name);
@@ -61,14 +60,8 @@ void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::st
   if (is_ours ? quirks_.isOn(quirk) : quirks_.use(quirk, element.path())) element.set(attribute, value);
 }
 
-/// Where a force or a pressure is written; what is asked for as a way is the same in both.
-void Rewriting::meanActuator(Element& element) {
-  const std::string usual = element.written->type == "CableConstraint" ? "displacement" : "pressure";
-  const std::string imposed = element.find("valueType") ? element.text("valueType") : usual;
-  bool is_written = (imposed == "force" || imposed == "pressure") && element.find("value");
-  for (const char* bound : {"minForce", "maxForce", "minPressure", "maxPressure"}) is_written = is_written || element.find(bound);
-  if (is_written) setQuirk(element, "impulse-values", "impulses", "true");
-}
+/// A force or a pressure that is written, and the one that is told after a step.
+void Rewriting::meanActuator(Element& element) { setQuirk(element, "impulse-values", "impulses", "true"); }
 
 void Rewriting::meanSelection(Element& element) {
   setDefault(element, "allowEmpty", "true");
@@ -120,9 +113,10 @@ void Rewriting::meanField(Element& element) {
       quirks_.use("explicit-damping", element.path()))
     element.set("explicitDamping", "true");
   if (type == "FastTriangularBendingSprings") {
-    setDefault(element, "bendingStiffness", "1");
-    setDefault(element, "minDistValidity", "1e-06");
+    setQuirk(element, "edge-bending", "method", "springs");
+    setDefault(element, "bendingStiffness", "1"), setDefault(element, "minDistValidity", "1e-06");
   }
+  if (type == "BeamFEMForceField") setQuirk(element, "first-end-beams", "axes", "firstEnd"), setDefault(element, "poissonRatio", "0.49");
   if (isOneOf(type, {"AngularSpringForceField", "GearSpringForceField"})) setQuirk(element, "one-sided-turns", "oneSided", "true");
   if (isOneOf(type, {"EllipsoidForceField", "InteractionEllipsoidForceField"})) {
     setQuirk(element, "ellipsoid-ratio", "depth", "ratio");
@@ -131,8 +125,11 @@ void Rewriting::meanField(Element& element) {
   const bool is_pair = element.find("object1") || element.find("object2");
   if (is_pair && !element.place->nearest("integrator")) setQuirk(element, "isolated-springs", "explicitForce", "true");
   if (type == "TorsionForceField") setQuirk(element, "torsion-tangent", "tangent", "transverse");
-  const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField"});
+  const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField", "TriangularAnisotropicFEMForceField"});
   if (membrane && method != "small") setQuirk(element, "membrane-shape", "strain", "current");
+  if (type == "TriangularAnisotropicFEMForceField" && method == "small")
+    warn(element.written->where, element, "method",
+         "of SOFA takes fibres in the axes of each first edge and strains in x and y: here both are in the same axes");
   if (membrane || type == "TriangularFEMForceFieldOptim") setDefault(element, "thickness", "1");
 }
 
@@ -325,13 +322,7 @@ void Rewriting::readMeshFiles(Element& element) {
 void Rewriting::readMeshFile(Element& element, const std::string& attribute) {
   const std::string file = element.text(attribute);
   if (file.empty() || file.starts_with("@")) return;
-  static const std::vector<std::pair<std::string_view, std::string_view>> loaders = {
-      {".msh", "MeshGmshLoader"}, {".obj", "MeshOBJLoader"}, {".stl", "MeshSTLLoader"},
-      {".vtk", "MeshVTKLoader"},  {".vtu", "MeshVTKLoader"}, {".off", "MeshOffLoader"},
-      {".xs3", "MeshXspLoader"},  {".xsp", "MeshXspLoader"}, {".trian", "MeshTrianLoader"},
-      {".gid", "GIDMeshLoader"}};
-  for (const auto& [ending, type] : loaders) {
-    if (!file.ends_with(ending)) continue;
+  if (const std::string_view type = loaderOf(file); !type.empty()) {
     const std::string name = element.name + "_file";
     ComponentDescription loader{std::string(type), {}, element.written->where, element.written->folder};
     loader.attributes.push_back({"name", name, element.find(attribute)->where});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Springs, loads and constraints that a scene gives twice, in part or not at all: what SOFA takes of them.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
 
@@ -41,8 +42,40 @@ std::string printed(const std::vector<double>& numbers) {
   return text;
 }
 
-/// What SOFA reads and the component here does not, as long as it can be said otherwise.
+/// SOFA's names of the stress that an exporter writes.
+void Rewriting::meanStressFields(Element& element) {
+  for (const char* name : {"cellsDataFields", "pointsDataFields"}) {
+    const std::string written = element.text(name);
+    if (written.find("vonMisesPer") == std::string::npos) continue;
+    std::string kept;
+    Words words(written);
+    for (std::string word(words.next()); !word.empty(); word = words.next()) {
+      if (word.ends_with("vonMisesPerElement")) word.resize(word.size() - std::string_view("PerElement").size());
+      if (word.ends_with("vonMisesPerNode"))
+        warn(element.find(name)->where, element, name, "has the stress of nodes, which is not there: it is left out");
+      else
+        kept += kept.empty() ? word : ' ' + word;
+    }
+    element.set(name, kept);
+  }
+}
+
+/// What SOFA reads and the component here does not, as long as it can be said otherwise. Numbers that nobody gives are SOFA's,
+/// without a word, as there.
 void Rewriting::meanOfNames(Element& element) {
+  const bool is_sheet = isAnyOf(element.written->type,
+                                {"TriangularQuadraticSpringsForceField", "TriangularBiquadraticSpringsForceField",
+                                 "TriangularTensorMassForceField"});
+  for (const char* name : {"stiffness", "bendingStiffness", "angularStiffness", "viscosity", "damping", "dampingCoefficient",
+                           "penalty", "property", "density", "thickness"}) {
+    const Data* data = element.probe ? element.probe->data().find(name) : nullptr;
+    if (data && data->isPhysical() && (is_sheet || data->name() != "thickness")) setDefault(element, name, data->defaultText());
+  }
+  if (element.is("RestShapeSpringsForceField")) setDefault(element, "angularStiffness", "100");
+  if (element.is("BeamHookeLawForceField"))
+    for (const char* name : {"radius", "lengthY", "lengthZ"}) setDefault(element, name, "1");
+  if (element.is("RegularGridSpringForceField") && !element.find("stiffness"))
+    for (const char* name : {"linesStiffness", "quadsStiffness", "cubesStiffness"}) setDefault(element, name, "100");
   if (element.is("LinearForceField") && element.writes("force")) {  // a factor of all forces
     std::vector<double> forces = writtenNumbers(element.text("forces"));
     const double factor = std::atof(element.text("force").c_str());
@@ -51,6 +84,7 @@ void Rewriting::meanOfNames(Element& element) {
     element.set("forces", printed(forces));
     element.remove("force");
   }
+  if (element.is("VTKExporter")) meanStressFields(element);
   if (element.is("TrianglePressureForceField") && element.writes("normal") && element.writes("dmin") && element.writes("dmax")) {
     const std::vector<double> normal = writtenNumbers(element.text("normal"));
     const auto given = [](double n) { return n != 0; };
@@ -83,7 +117,7 @@ void Rewriting::meanSprings(Element& element) {
     springs.resize(springs.size() / 5 * 5);
     return element.set("spring", printed(springs));
   }
-  setDefault(element, "damping", "5");
+  setDefault(element, "stiffness", "100"), setDefault(element, "damping", "5");
   const std::string pairs = element.text(element.find("springsIndices1") ? "springsIndices1" : "indices1");
   const std::size_t count = writtenNumbers(pairs).size();
   for (const char* name : {"stiffness", "damping", "lengths", "length"}) {
@@ -112,12 +146,55 @@ void Rewriting::includeLast(Element& element) {
   if (range.size() == 2 && range[1] >= 0) element.set("localRange", printed({range[0], range[1] + 1}));
 }
 
+/// Of several of its loads the first that SOFA asks for counts. Where a list has one force for several nodes SOFA reads beyond it.
+void Rewriting::meanConstantForce(Element& load) {
+  const std::size_t numbers = writtenNumbers(load.text("forces")).size(), nodes = writtenNumbers(load.text("indices")).size();
+  if (load.writes("forces") && load.writes("indices") && nodes > 1 && numbers > 0 && numbers < nodes)
+    warn(load.find("forces")->where, load, "forces", "has fewer numbers than there are nodes: SOFA has no defined load there");
+  std::string counts;
+  for (const char* name : {"forces", "force", "totalForce"}) {
+    if (!load.find(name)) continue;
+    if (!counts.empty()) {
+      warn(load.find(name)->where, load, name, counts + " is given too and counts");
+      load.remove(name);
+    } else {
+      counts = name;
+    }
+  }
+}
+
+/// SOFA takes the normal as it is long: depths have that factor, and forces its square.
+void Rewriting::meanPlane(Element& plane) {
+  const std::vector<double> normal = writtenNumbers(plane.text("normal"));
+  if (!plane.writes("normal") || normal.size() != 3) return;
+  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  if (length == 0 || length == 1) return;
+  const bool is_told = std::abs(length - 1) > 1e-6;  // else that of its last digits
+  const auto scale = [&](const char* name, const char* value, double factor) {
+    if (plane.find(name) && (!plane.writes(name) || plane.text(name).find('@') != std::string::npos)) {
+      if (is_told) warn(plane.written->where, plane, name, "is no number that is written: SOFA's is " + printReal(factor) + " times it");
+      return;
+    }
+    plane.set(name, printReal(factor * std::atof(plane.find(name) ? plane.text(name).c_str() : value)));
+  };
+  scale("d", "0", 1 / length), scale("stiffness", "500", length * length), scale("damping", "5", length);
+  if (is_told)
+    diagnostics_.note(plane.written->where, plane.path(),
+                      "normal is not of unit length: SOFA multiplies depths by " + printReal(length) + " and forces by " +
+                          printReal(length * length));
+}
+
 void Rewriting::meanLoads(Element& element) {
   const std::string& type = element.written->type;
   for (const char* name : {"activeDirections", "initialLength", "zeroLength"})
     if (element.writes(name) && element.text(name).empty()) element.remove(name);
   if (type == "RestShapeSpringsForceField" || type == "ConstantForceField") setDefault(element, "emptyMeansAll", "true");
   if (type == "RestShapeSpringsForceField") setDefault(element, "firstForOthers", "true");
+  if (type == "JointSpringForceField")
+    warn(element.written->where, element, {},
+         "has forces of an energy here: SOFA's have none, its places at rest stay in fixed axes, and its damping is explicit");
+  if (type == "ConstantForceField") meanConstantForce(element);
+  if (type == "PlaneForceField") meanPlane(element);
   if (type == "ConstantForceField" && !element.find("forces") && !element.find("force") && !element.find("totalForce")) {
     element.dropped = true;
     return warn(element.written->where, element, "forces", "is not given: there is no load");
@@ -137,6 +214,8 @@ void Rewriting::meanLoads(Element& element) {
   if (type == "SurfacePressureForceField" && element.writes("min") && element.writes("max") &&
       writtenNumbers(element.text("min")) == writtenNumbers(element.text("max")))
     element.remove("min"), element.remove("max");
+  if (type == "SurfacePressureForceField" && element.find("mainDirection"))
+    warn(element.written->where, element, "mainDirection", "weighs by the normals at rest: SOFA does by those of the moment");
   if (type == "SurfacePressureForceField" && element.find("min")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
   if (element.text("materialName") == "BoyceAndArruda") element.set("materialName", "ArrudaBoyce");  // its name before 2023
@@ -167,6 +246,21 @@ void Rewriting::warnOfFrames(const Element& mapping) {
   if (child && child->text("template").starts_with("Rigid3"))
     warn(mapping.written->where, mapping, {},
          "its frames turn by the rotation next to the deformation, and pass torques on by its derivative: SOFA may pass other ones");
+}
+
+/// SOFA moves masses on what follows by J^T M J without the change of J along the motion. Its mappings of frames leave out how
+/// the torque of a force changes as its arm turns: RigidMapping unless told otherwise, RigidRigidMapping where a matrix is
+/// assembled, and others always.
+void Rewriting::holdArms(Element& mapping) {
+  if (mapping.probe->data().find("convectiveInertia") && !mapping.find("convectiveInertia"))
+    setQuirk(mapping, "no-centrifugal", "convectiveInertia", "false");
+  const bool follows_frames = isAnyOf(mapping.written->type, {"RigidMapping", "RigidRigidMapping", "SkinningMapping", "BeamLinearMapping",
+                                                              "TubularMapping", "ArticulatedSystemMapping",
+                                                              "DeformableOnRigidFrameMapping"});
+  if (!follows_frames || mapping.find("geometricStiffness")) return;
+  const Element* solver = mapping.place->nearest("linear solver");
+  const bool is_assembled = !solver || !solver->is("CGLinearSolver") || solver->text("template").starts_with("Compressed");
+  if (!mapping.is("RigidRigidMapping") || is_assembled) setQuirk(mapping, "held-arms", "geometricStiffness", "None");
 }
 
 /// SOFA does not create what acts where no state is.

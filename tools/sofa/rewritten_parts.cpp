@@ -144,18 +144,28 @@ void Rewriting::resolveAliases() {
 
 // ---- solvers that damp ----
 
-/// DampVelocitySolver, which SOFA runs after the integrator of its node: v *= exp(-rate dt), as vdamping.
+/// DampVelocitySolver, which SOFA runs after the integrator of its node: v *= exp(-rate dt), and slow nodes stop, as vdamping and
+/// velocityThreshold.
 void Rewriting::dampVelocities() {
   tree_->forEach([this](Element& element) {
     if (!element.is("DampVelocitySolver")) return;
     Element* integrator = element.place->firstOf("integrator");
-    const bool stops = std::atof(element.text("threshold").c_str()) != 0;
-    if (element.find("rate") && !element.writes("rate")) return;
-    if (!integrator || stops || !integrator->probe->data().find("vdamping")) return;  // reported as what is not there
+    if (!integrator) {
+      element.dropped = true;
+      return warn(element.written->where, element, {}, "stands beside no integrator here: it damps nothing");
+    }
+    const bool is_given = element.find("rate") && !element.writes("rate");
+    if (is_given || !integrator->probe->data().find("velocityThreshold")) return;  // reported as what is not there
     const double rate = element.find("rate") ? std::atof(element.text("rate").c_str()) : 0.99;
     integrator->set("vdamping", printReal(rate + std::atof(integrator->text("vdamping").c_str())));
+    if (std::atof(element.text("threshold").c_str()) != 0) integrator->set("velocityThreshold", element.text("threshold"));
     element.dropped = true;
-    diagnostics_.note(element.written->where, element.path(), "is vdamping of " + integrator->path() + " here");
+    const auto line = [](const Element& each) { return std::pair(each.written->where.line, each.written->where.column); };
+    if (line(element) < line(*integrator))
+      warn(element.written->where, element, {}, "stands before " + integrator->path() +
+           ": SOFA damps the velocities that a step starts with, and here those that it ends with");
+    else
+      diagnostics_.note(element.written->where, element.path(), "is vdamping of " + integrator->path() + " here");
   });
 }
 

@@ -24,9 +24,14 @@ void Rewriting::meanSolver(Element& element) {
     if (type == implicit) setDefault(element, "newtonIterations", "1");
   if (type == "EulerImplicitSolver" && saysYes(element.text("trapezoidalScheme")))
     setQuirk(element, "trapezoidal-positions", "moveByNewVelocity", "true");
+  if (type == "CentralDifferenceSolver") setQuirk(element, "whole-first-step", "firstStep", "whole");
   if (type == "VariationalSymplecticSolver") {
     setDefault(element, "steps", "5");
     setDefault(element, "newtonError", "0.01");
+    if (!saysYes(element.text("explicitIntegration")))
+      warn(element.written->where, element, "newtonError",
+           "ends iterations where positions change little in SOFA, whose Rayleigh damping is in the matrix alone: here it is of "
+           "the forces, and both damp");
   }
   if (type == "StaticSolver") meanStatics(element);
   if (type == "NewtonRaphsonSolver") meanNewton(element);
@@ -81,17 +86,21 @@ void Rewriting::takeFriction(Element& response) {
     response.set("response", answer.substr(0, mark));
     if (!response.find("responseParams")) response.set("responseParams", answer.substr(mark + 1));
   }
-  const Element* solver = nullptr;
+  const Element *solver = nullptr, *method = nullptr;
   bool groups = false;  // bodies that touch have one solver then
   tree_->forEachPlace([&](Place& place) {  // accepted, and no part any more
     for (const auto& each : place.elements) {
       if (each->is("LCPConstraintSolver")) solver = each.get();
+      if (each->role() == "intersection method") method = each.get();
       groups = groups || each->is("CollisionGroup") || each->written->type.ends_with("GroupManager");
     }
   });
   const bool pushes = isAnyOf(response.text("response"), {"", "default", "PenalityContactForceField"});
   if (pushes && !groups && !response.place->nearest("integrator")) setQuirk(response, "isolated-springs", "explicitBetween", "true");
-  if (!solver || response.text("response").find("Friction") == std::string::npos) return;
+  if (response.text("response").find("Friction") == std::string::npos) return;
+  // SOFA's solvers end at their maxIterations, and the run goes on
+  if (method) setDefault(response, "toleratedError", method->find("contactDistance") ? method->text("contactDistance") : "0.5");
+  if (!solver) return;
   const std::string given = response.text("responseParams"), mu = solver->find("mu") ? solver->text("mu") : "0.6";
   const auto at = given.find("mu=");
   const double own = at == std::string::npos ? -1 : std::atof(given.c_str() + at + 3);

@@ -38,6 +38,14 @@ def test_settings_and_summary(folder):
         assert str(file) in summary["inputs"], summary["inputs"]
 
 
+def test_profiles(folder):
+    """It starts the program again, be it the command or Python."""
+    done = run("run", SCENES / "driven.py", "-n", 4, "--no-record", "--profile", "trace.json", folder=folder)
+    assert done.returncode == 0 and "4 steps" in done.stdout, done.stderr
+    events = json.loads((folder / "trace.json").read_text())["traceEvents"]
+    assert sum(event.get("name", "").startswith("step") for event in events) >= 4
+
+
 def test_records(folder):
     done = run("run", SCENES / "driven.py", "-n", 4, "--record", "kept", folder=folder)
     assert done.returncode == 0, done.stderr

@@ -268,6 +268,8 @@ def test_a_camera_orbits_while_a_ball_falls():
 def test_an_arm_of_python_2_pulls_one_node():
     root = started("arm_of_python2")
     animate(root, 10)
+    loads = root.arm.load.indices.value
+    assert loads[0][0] == 1 and loads[0] + 1 == 2 and [each[0] for each in loads] == [1] and loads[:1].tolist() == [1]
     assert root.arm.dofs.position.value == pytest.approx(np.array([[0, 0, 0], [1 + fallen(1, 0.01, 10), 0, 0]]), rel=1e-9)
 
 
@@ -281,11 +283,11 @@ def test_a_monitor_writes_where_the_tip_is(folder):
 
 
 def test_a_cable_pulls_with_the_force_of_a_ramp():
-    """SOFA takes the number for what acts in a whole step: the force is that over dt."""
+    """SOFA takes the number for what acts in a whole step, and tells it so."""
     root = started("robot_class")
     for step in range(1, 9):
         animate(root, 1)
-        assert root.robot.top.cable.force.value == pytest.approx(min(5 * step, 30) / 0.01, rel=1e-9)
+        assert root.robot.top.cable.force.value == pytest.approx(min(5 * step, 30), rel=1e-9)
 
 
 def test_the_first_step_of_two_materials_is_that_of_linear_elements(folder):

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """createScene() files, one for each way in which public scenes use SOFA's calls, against closed forms."""
+import importlib.machinery
+import importlib.util
 import random
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -481,6 +484,17 @@ def test_every_scene_has_a_test():
     for other in ("test_command.py", "test_public.py", "test_ways.py"):
         with open(SCENES.parent / other, encoding="utf-8") as file:
             text += file.read()
-    named = [each.stem for each in SCENES.glob("*.py") if each.stem not in ("parts_of_scene", "params", "FingerController")]
+    parts = ("parts_of_scene", "params", "FingerController", "helper_of_two")
+    named = [each.stem for each in SCENES.glob("*.py") if each.stem not in parts]
     assert len(named) >= 60
     assert [name for name in named if not re.search(rf"\b{name}\b", text)] == []
+
+
+def test_compiled_modules_beside_a_scene_are_found(folder, monkeypatch):
+    (folder / "scene.py").write_text("def createScene(root):\n    pass\n")
+    (folder / f"beside{importlib.machinery.EXTENSION_SUFFIXES[0]}").write_bytes(b"")
+    monkeypatch.syspath_prepend(folder)
+    Sofa.Simulation.load(str(folder / "scene.py"))
+    hooks = len(sys.path_hooks)
+    Sofa.Simulation.load(str(folder / "scene.py"))
+    assert importlib.util.find_spec("beside") is not None and len(sys.path_hooks) == hooks

@@ -14,7 +14,8 @@ RUNS = ["tutorial_floor", "contact_forces", "liver_keys", "cube_prefab", "cosser
         "matrices_asked", "spring_force_python", "threads_and_waits", "everything_drawn", "deformed_by_engines", "instances_everywhere",
         "script_events", "typed_scene", "fit_by_scipy", "worker_threads", "sparse_grid", "introspection", "time_json", "static_load",
         "sliding_old_names", "class_of_scene", "moving_target", "arm_of_python2", "beam_argparse", "robot_class", "env_inside",
-        "two_materials", "joints_kinematics", "pid_data", "springs_in_python", "spline_follow", "state_machine", "hexa_loops"]
+        "two_materials", "calls_of_libraries", "joints_kinematics", "pid_data", "springs_in_python", "spline_follow", "state_machine",
+        "hexa_loops"]
 LACKS = {"missing_many": ["softrobots.inverse", "SofaCUDA_of_nobody", "pyDOE_of_nobody", "QPInverseProblemSolver",
                           "AsyncSparseLDLSolverOfNobody", "PositionEffector", "CableActuator"]}
 
@@ -216,3 +217,35 @@ def test_names_that_are_completed():
     assert {"body", "gravity", "addObject"} <= set(dir(root)) and {"dofs", "dt"} <= set(dir(body)) and "no identifier" not in dir(body)
     assert {"position", "velocity", "getLinkPath"} <= set(dir(state))
     assert state.addData("mine", value=1) is state.mine and "mine" in dir(state)
+
+
+@pytest.mark.parametrize("head, whole", [("", True), ("from __future__ import division\n", False)])
+def test_python_2_divides_whole_numbers_as_there(head, whole):
+    from Sofa import _python_2
+
+    text = head + """print "of before"
+class Grid:
+    half = 7 / 2
+    def __init__(self, n): self.n = n; self.n /= 2
+rows, parts = np.arange(6), [9, 9.0]
+kept, rows = rows / 4, rows / 4.0
+parts[0] /= -2; parts[1] /= 2
+found = (Grid.half, -7 / 2, 7 / 2.0, 7 // 2, Grid(5).n, list(kept), list(rows[:2]), parts, 1 / 2 * 3)
+"""
+    space = {"np": np}
+    exec(_python_2.compiled(text.encode(), "old.py"), space)
+    if whole:
+        assert space["found"] == (3, -4, 3.5, 3, 2, [0, 0, 0, 0, 1, 1], [0, 0.25], [-5, 4.5], 0)
+    else:
+        assert space["found"] == (3.5, -3.5, 3.5, 3, 2.5, [0, 0.25, 0.5, 0.75, 1, 1.25], [0, 0.25], [-4.5, 4.5], 1.5)
+
+
+def test_a_step_of_no_length_is_told(capsys):
+    root = Sofa.Core.Node("root")
+    root.addObject("DefaultAnimationLoop")
+    falling(root, "mo", position=[0, 0, 0])
+    root.dt = 0.25
+    for dt in (-0.1, float("nan"), 0):
+        Sofa.Simulation.animate(root, dt)
+    told = capsys.readouterr().err
+    assert told.count("a step of the root's dt is made, 0.25") == 2 and root.time.value == 0.75, told

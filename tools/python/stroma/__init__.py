@@ -7,6 +7,10 @@
     print(sim.state("/organ").x[:, 1].min())
 """
 from . import _stroma
+from .blas import take_kernels
+
+take_kernels(_stroma.instruction_level())  # before numpy is opened, or after
+# pylint: disable=wrong-import-position
 from .code import to_python
 from .errors import OutputError, Problem, SceneError, SceneWarning, StepError, StromaError
 from .formula import FormulaLaw

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The live view below the cell of Jupyter that runs: in a frame where the notebook is of this machine, else as a link."""
+"""The live view below the cell of Jupyter that runs: in a frame where the notebook is of this machine and comes by http, else as a
+link. A browser keeps what comes by http, as the view, out of pages that come by https."""
 import html
 import json
 import os
@@ -56,6 +57,10 @@ _FRAME = """<div id="{name}"></div><script>
 </script>"""
 
 
+_NO_FRAME = """. A browser shows it inside of notebooks of this machine that come by http;
+<code>simulation.page("run.html")</code> plays a run inside of any notebook, by https and from other machines too"""
+
+
 def show(address: str, allowed: Sequence[str]) -> bool:
     """Below the cell. A browser on another machine than this program's has the link alone. True where there is a frame."""
     if not _in_notebook():
@@ -66,5 +71,7 @@ def show(address: str, allowed: Sequence[str]) -> bool:
         name = "stroma_" + address.split("/")[2].split(":")[-1]
         text += _FRAME.format(name=name, quoted=json.dumps(name), address=json.dumps(address), origins=json.dumps(list(allowed)),
                               height=_HEIGHT)
+    else:
+        text += _NO_FRAME
     display(HTML(text))
     return bool(allowed)

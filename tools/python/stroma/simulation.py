@@ -348,7 +348,7 @@ class Simulation:
         return self._engine.energies()
 
     def request_forces(self) -> None:
-        """From the next step on state.f has the force alone, which costs one more evaluation per step."""
+        """From now on state.f has the net force, which costs one more evaluation per step."""
         _stroma.request_forces(self._engine)
 
     def actions(self) -> str:
@@ -414,10 +414,18 @@ class Simulation:
         """"stiffness" K = dF/dx, "mass" M or "damping" C = dF/dv at the present state, as scipy.sparse.bsr_matrix of 3x3 blocks,
         three rows for each row of a state. `constrained`: P A P + (I - P), with the projector P of what is held. It is computed
         in a copy: no bit of the run changes."""
-        from scipy.sparse import bsr_matrix
-        blocks, columns, starts = _stroma.matrix_of(self._engine, kind, constrained, integrator)
-        size = 3 * (len(starts) - 1)
-        return bsr_matrix((blocks, columns, starts), shape=(size, size))
+        from scipy.sparse import bsr_matrix, identity
+
+        def of(what: str):
+            blocks, columns, starts = _stroma.matrix_of(self._engine, what, constrained, integrator)
+            return bsr_matrix((blocks, columns, starts), shape=(3 * (len(starts) - 1),) * 2)
+
+        found = of(kind)
+        if not constrained:
+            return found
+        held = of("nothing")  # I - P; what `found` has there is in the size of its other numbers
+        free = identity(held.shape[0], format="bsr") - held
+        return bsr_matrix(free @ found @ free + held, blocksize=(3, 3))
 
     def matrix_of(self, component: Union["LiveComponent", str], whole: bool = False):
         """K = dF/dx of a force field or M of a mass alone, at the present state, as scipy.sparse.bsr_matrix of the rows of its
@@ -505,7 +513,8 @@ class LiveComponent:
         return self.simulation._engine.cell_fields(self.path)
 
     def field(self, name: str) -> numpy.ndarray:
-        """A number for each cell, (n,), or six of a symmetric tensor, (n, 6): xx yy zz xy yz zx; at the present positions."""
+        """A number for each cell, (n,); six of a symmetric tensor as stress, (n, 6): xx yy zz xy yz zx; three principal values,
+        (n, 3), the largest first. At the present positions; stress is Cauchy's, in the axes of the world."""
         return self.simulation._engine.cell_field(self.path, name)
 
     def __getattr__(self, attribute: str) -> Any:
@@ -614,8 +623,8 @@ class State:
 
     @property
     def f(self) -> numpy.ndarray:
-        """The net force at the end of the last step [N]; simulation.request_forces() comes before that step. Zero after reset()
-        and restore(), until a step is made."""
+        """The net force of the present state [N], after simulation.request_forces(): that at the end of the last step. Before the
+        first step, after reset(), and where set() has moved the body, a copy of the simulation computes it."""
         return self._state.f
 
     @property

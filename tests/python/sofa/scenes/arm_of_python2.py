@@ -11,6 +11,7 @@ class Arm(Sofa.PythonScriptController):
 
     def onBeginAnimationStep(self, dt):
         self.total += dt
+        self.row = self.node.getObject('load').findData('indices').value[0][0]
         self.node.getObject('load').findData('totalForce').value = [1.0, 0, 0]
 
     def onKeyPressed(self, k):

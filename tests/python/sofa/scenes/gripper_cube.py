@@ -66,6 +66,7 @@ def createScene(root):
     touch.addObject("MeshObjLoader", name="loader", filename="mesh/cube.obj", scale=14)
     touch.addObject("MeshTopology", src="@loader")
     touch.addObject("MechanicalObject")
-    touch.addObject("TriangleModel", group=3)
+    for model in ("TriangleModel", "LineModel", "PointModel"):  # fingers that are bent meet its edges
+        touch.addObject(model, group=3)
     touch.addObject("RigidMapping", input="@..", output="@.")
     root.addObject(Close(fingers, name="close"))

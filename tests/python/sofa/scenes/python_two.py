@@ -2,6 +2,8 @@
 # Written in Python 2.
 import Sofa
 
+import helper_of_two
+
 
 def createScene(rootNode):
     print "a scene of before"
@@ -10,8 +12,7 @@ def createScene(rootNode):
     if names.has_key('dofs'):
         body = rootNode.createChild('body')
     for index in xrange(1):
-        body.createObject('EulerImplicitSolver')
-        body.createObject('CGLinearSolver', iterations=10, tolerance=1e-14, threshold=1e-14)
+        helper_of_two.solvers(body)
         body.createObject('MechanicalObject', name='dofs', position='0 0 %d' % index)
         body.createObject('UniformMass', totalMass=1)
     rootNode.createObject('DefaultAnimationLoop')

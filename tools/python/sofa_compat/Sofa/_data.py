@@ -33,6 +33,31 @@ class ValueArray(np.ndarray):
         return np.asarray(self).__reduce__()
 
 
+class _Real(np.float64):
+    """A number that is also a row of one."""
+
+    def __getitem__(self, key):
+        return [float(self)][key]
+
+
+class _Integer(np.int64):
+    def __getitem__(self, key):
+        return [int(self)][key]
+
+
+class RowsOfOne(ValueArray):
+    """A list of numbers as SofaPython has it, which gives rows of one: `value[0][0]` is what `value[0]` is since."""
+
+    used = False  # by scenes of then
+
+    def __getitem__(self, key):
+        found = super().__getitem__(key)
+        return found if isinstance(found, np.ndarray) else _Integer(found) if self.dtype.kind in "iu" else _Real(found)
+
+    def __iter__(self):
+        return (self[index] for index in range(len(self)))
+
+
 class Writing:
     """`with data.writeable() as array:` an array of which every entry may be set; the data has it at the end."""
 
@@ -75,7 +100,7 @@ class Data:
     def value(self):
         value = self._s_owner._s_read(self)
         if isinstance(value, np.ndarray) and not isinstance(value, ValueArray):
-            return ValueArray(value, self)
+            return RowsOfOne(value, self) if RowsOfOne.used and value.ndim == 1 and value.dtype.kind in "iuf" else ValueArray(value, self)
         return value
 
     @value.setter
@@ -224,6 +249,17 @@ class Data:
 
     def setDirty(self, *_):
         self._s_stamp += 1
+
+    def isReadOnly(self):
+        return False
+
+    def isDisplayed(self):
+        return True
+
+    def setReadOnly(self, *_):
+        pass
+
+    setDisplayed = dirtyOutputs = setReadOnly
 
     def isPersistent(self):
         return True

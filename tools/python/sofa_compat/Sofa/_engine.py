@@ -79,12 +79,19 @@ class Engine:
         _alive.add(self)
         self.root, self._s_given = root, simulation is not None
         self._restart, self._remade, self.steps = False, False, 0
-        self._pushed, self._last_dt = {}, 0.0
+        self._pushed, self._last_dt, self._told = {}, 0.0, set()
         if simulation is None:
             mirror = Mirror(root)
             simulation = load(root, mirror)
         self._take(simulation, mirror)
         self._dt = float(simulation.dt)
+
+    def tell(self):
+        """What was found when the scene was loaded, and was not told before."""
+        for each in () if self._s_given else self.sim.problems:
+            if each.severity == "warning" and each.text not in self._told:
+                self._told.add(each.text)
+                _messages.warn(str(each.text).replace(": warning: ", ": ", 1))
 
     def _take(self, simulation, mirror):
         self.sim, self.mirror = simulation, mirror
@@ -127,11 +134,11 @@ class Engine:
 
     def _of_state(self, thing, state, name):
         if name in ("position", "free_position"):
-            return np.array(state.x)
+            return _dense(state.x)
         if name == "lambda":  # impulses, as those of a constraint solver
             return self._last_dt * state.constraint_forces
         if name in ("velocity", "free_velocity"):
-            return np.array(state.v)
+            return _dense(state.v)
         if name == "force":
             return self._force(state)
         if name == "reset_velocity":
@@ -274,21 +281,22 @@ class Engine:
                               "cannot do")
 
     def _make_anew(self, from_start=False):
-        self._restart = False
         mirror = Mirror(self.root)
-        kept = {key: (np.array(state.x), np.array(state.v)) for key, state in self._states.items()}
-        led = dict(self._rest)
+        led, before = dict(self._rest), self.sim
         simulation = load(self.root, mirror, None if from_start else self.sim.time)
+        self._restart = False  # a scene that cannot be loaded is told in every step
         self._remade = not from_start
-        simulation.dt = self.sim.dt
+        if simulation.dt != before.dt:
+            simulation.dt = before.dt
+        if not from_start:
+            same = {path: mirror.paths[key] for key, path in self.mirror.paths.items() if key in mirror.paths}
+            for path in _stroma.go_on(simulation._engine, before._engine, same, set(mirror.paths.values())):
+                _messages.warn(f"{path}: the scene has changed, and what it remembers of the run begins anew")
         self._take(simulation, mirror)
         for key, rest in led.items():
             if key in self._states:
                 self._lead(mirror.things[key], self._states[key], rest)
-        for key, (x, v) in ({} if from_start else kept).items():
-            state = self._states.get(key)
-            if state is not None and np.shape(state.x) == x.shape:
-                _attempt(lambda state=state, x=x, v=v: state.set(x=x, v=v))
+        self.tell()
 
     def reinit(self, thing):
         """Attributes have been taken when they were set."""
@@ -308,7 +316,10 @@ class Engine:
 
     def step(self, dt):
         """Of dt, or of the root's, which stays as it is."""
-        dt = float(dt) if dt and dt > 0 else self._dt
+        given = float(dt or 0)
+        dt = given if given > 0 else self._dt
+        if not given >= 0:
+            _messages.warn(f"Sofa.Simulation.animate({given:g}): a step of the root's dt is made, {dt:g}")
         if dt != self.sim.dt:
             self.sim.dt = dt
         self.begin_step(dt)
@@ -346,6 +357,16 @@ class Engine:
         self.restarted()
 
 
+def _dense(rows):
+    """A copy. By columns: rows of three with a gap behind them take NumPy six times as long."""
+    if rows.flags.c_contiguous:
+        return np.array(rows)
+    copy = np.empty(rows.shape)
+    for column in range(rows.shape[1]):
+        copy[:, column] = rows[:, column]
+    return copy
+
+
 def _found(search, path):
     try:
         return search(path)
@@ -361,14 +382,6 @@ def _with_unit_quaternions(frames):
         raise ValueError("an orientation of length zero")
     frames[:, 3:7] /= length[:, None]
     return frames
-
-
-def _attempt(change):
-    """A state that follows another by a mapping is placed by it."""
-    try:
-        change()
-    except RuntimeError:
-        pass
 
 
 def _plain(value):
@@ -407,9 +420,7 @@ def begin(root):
 def bind(root, engine):
     object.__setattr__(root, "_s_running", engine)
     _events.warn_of_unsent(root)
-    for each in engine.sim.problems if not engine._s_given else ():
-        if each.severity == "warning":
-            _messages.warn(str(each.text).replace(": warning: ", ": ", 1))
+    engine.tell()
     _events.call(root, "bwdInit")
     _events.send(root, "SimulationInitDoneEvent", {})
 

@@ -90,6 +90,9 @@ class Node(Base):
         return super()._s_read(data)
 
     def _s_write(self, data, value):
+        is_link = _values.is_link_text(value) or hasattr(value, "getLinkPath")
+        if data._s_name in ("dt", "gravity") and not is_link and len(_values.numbers_of(value)) == 0:
+            return _messages.warn(f"{self._s_place()}.{data._s_name}: {value!r} is not a number: SOFA keeps {data.value}")
         was_active = data._s_name != "activated" or self.isActive()
         super()._s_write(data, value)
         engine = self._s_engine()

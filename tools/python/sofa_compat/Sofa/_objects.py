@@ -127,6 +127,9 @@ class Object(Base):
 
     def _s_write(self, data, value):
         engine = self._s_engine()
+        if engine is not None and data._s_name == "externalForce":
+            _messages.warn(f"{self._s_place()}: written while the scene runs, externalForce has no effect: write 'forces' of a "
+                           "ConstantForceField instead")
         if engine is not None and data._s_name != "name" and engine.knows(self, data):
             return engine.write(self, data, value)
         return super()._s_write(data, value)

@@ -3,7 +3,8 @@
 import importlib.util
 import os
 
-from ._data import Data
+from . import _python_2
+from ._data import Data, RowsOfOne
 from ._objects import Controller, DataEngine, take
 
 
@@ -12,6 +13,10 @@ _BUTTONS = {1: ("Left", True), 2: ("Left", False), 3: ("Right", True), 4: ("Righ
 
 class PythonScriptController(Controller):
     """onBeginAnimationStep(dt), onEndAnimationStep(dt), onKeyPressed(key), initGraph(node), createGraph(node), ..."""
+
+    def __init_subclass__(cls, **values):
+        super().__init_subclass__(**values)
+        RowsOfOne.used = True
 
     def __new__(cls, *arguments, **values):
         from ._node import Node
@@ -85,7 +90,8 @@ def controller(node, values):
     module = next((each for each in list(sys.modules.values())
                    if getattr(each, "__file__", None) and os.path.abspath(each.__file__) == os.path.abspath(path)), None)
     if module is None:
-        spec = importlib.util.spec_from_file_location(os.path.splitext(os.path.basename(path))[0], path)
+        name = os.path.splitext(os.path.basename(path))[0]
+        spec = importlib.util.spec_from_file_location(name, path, loader=_python_2.Loader(name, path))
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
     made = getattr(module, word)

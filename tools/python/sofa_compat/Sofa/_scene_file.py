@@ -8,7 +8,7 @@ import sys
 import traceback
 import types
 
-from . import _catalogue, _messages
+from . import _catalogue, _messages, _python_2
 from ._node import Node
 
 #: where libraries come from that scenes import
@@ -42,6 +42,7 @@ def load(file):
     if folder not in sys.path:
         sys.path.insert(0, folder)
     os.environ["STROMA_SCENE_FOLDER"] = folder
+    _python_2.convert_imports(folder)
     _search_in(folder)
     root = Node("root")
     object.__setattr__(root, "_s_where", (file, 1))
@@ -95,33 +96,9 @@ def _execute(file):
 
 def _compiled(file, text):
     try:
-        return compile(text, file, "exec")
+        return _python_2.compiled(text, file)
     except (SyntaxError, ValueError) as error:
-        converted = _from_python_2(text)
-        if converted is not None:
-            try:
-                code = compile(converted, file, "exec")
-            except SyntaxError:
-                raise SceneFileError([(file, getattr(error, "lineno", 0) or 0, f"{error.args[0]}")]) from error
-            _messages.note(f"{file} is written in Python 2: it was read as 2to3 converts it")
-            return code
         raise SceneFileError([(file, getattr(error, "lineno", 0) or 0, f"{error.args[0]}")]) from error
-
-
-def _from_python_2(text):
-    """By lib2to3 where Python still has it."""
-    import warnings
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            from lib2to3 import refactor
-
-            tool = refactor.RefactoringTool(refactor.get_fixers_from_package("lib2to3.fixes"))
-            source = text.decode("utf-8", "replace").expandtabs(8) + "\n"
-            return str(tool.refactor_string(source, "scene"))
-        except Exception:  # not Python 2 either, or no lib2to3
-            return None
 
 
 def _maker(module, file):
