@@ -2,7 +2,7 @@
 // Headers of other libraries that most files include: the compiler reads them once for each set of flags. Files include
 // what they use all the same, and compile without this one.
 //
-// The compiler knows these files again by their content, comments too: see what ccache is told in CMakeLists.txt.
+// The compiler knows these files again by their content, comments too: see cmake/cached.sh.
 #pragma once
 #include <fmt/format.h>
 

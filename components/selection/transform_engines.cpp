@@ -240,7 +240,7 @@ class NearestPointROI final : public Engine {
 class GenerateRigidMass final : public Engine {
  public:
   void declare(DataTable& table) override {
-    table.add("density", density_).help("of the body").unit("kg/m^3").min(0, false);
+    table.add("density", density_).help("of the body").unit("kg/m^3").min(0, false).physical();
     table.add("position", position_).help("nodes of the surface").unit("m");
     table.add("triangles", triangles_).help("its triangles, outward");
     table.add("quads", quads_).help("its quads, outward");

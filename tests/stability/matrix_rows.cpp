@@ -153,7 +153,8 @@ std::string adapted(std::string text, const std::string& type, const std::string
   replace("dt=\"[^\"]*\"", fmt::format("dt=\"{}\"", c.dt));
   replace("poissonRatio=\"[^\"]*\"", fmt::format("poissonRatio=\"{}\"", c.poisson));
   const double stiffer = c.young / 5000;
-  text = scaled(text, "[sS]tiffness|youngModulus|pressure|cauchyStress|traction", stiffer);
+  const std::string stresses = "[sS]tiffness|[yY]oungModulus|pressure|cauchyStress|traction";
+  text = scaled(text, stresses, stiffer);
   text = scaled(text, "dampingCoefficient", std::sqrt(stiffer));
   text = scaled(text, "permeability", 1 / c.relaxationScale());
   if (supported)
@@ -166,7 +167,7 @@ std::string adapted(std::string text, const std::string& type, const std::string
   const std::regex name("(\\w+)=");
   for (std::sregex_iterator it(attributes.begin(), attributes.end(), name), end; it != end; ++it)
     own = std::regex_replace(own, std::regex("\\b" + (*it)[1].str() + "=\"[^\"]*\""), "");
-  own.insert(1 + type.size(), " " + attributes);
+  own.insert(1 + type.size(), " " + scaled(attributes, stresses, stiffer));
   return text.replace(at, text.find('>', at) - at, own);
 }
 
@@ -337,6 +338,8 @@ std::vector<Row> makeRows() {
         addExample(out, type, variant);
     } else if (component->data().find("dampingRatio") || type == "TriangularTensorMassForceField") {  // of triangles
       addExample(out, type);
+    } else if (type == "TriangularAnisotropicFEMForceField") {
+      addExample(out, type, "transverseYoungModulus=\"5e3\"");
     } else if (type == "PlasticStrainForceField") {  // what has flowed rests elsewhere: here nothing flows
       addExample(out, type, "plasticYieldThreshold=\"1e9\"");
     } else if (component->data().find("youngModulus")) {

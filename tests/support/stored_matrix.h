@@ -15,6 +15,7 @@ class StoredMatrix final : public SystemMatrix {
   BlockMatrix values;
   long revision_number = 1, pattern_number = 1;
   bool is_symmetric = true, prefers_assembled = false;
+  double product_nanoseconds = 0;  ///< 0: not known
   mutable int products = 0, assemblies = 0;
 
   Index rows() const override { return values.rows(); }
@@ -35,6 +36,7 @@ class StoredMatrix final : public SystemMatrix {
   MatrixKey key() const override { return {identity().get(), pattern_number, revision_number}; }
   bool symmetric() const override { return is_symmetric; }
   bool prefersAssembled(int) const override { return prefers_assembled; }
+  double productCost() const override { return product_nanoseconds; }
   std::vector<Vec3> nodes;  ///< where the rows are, or empty
   ConstRows positions() const override {
     if (nodes.empty()) return {};

@@ -159,6 +159,40 @@ TEST_F(Sweep, AStudyOfAStiffnessHasItsValues) {
   EXPECT_TRUE(table("kept")["configurations"][0]["value"].is_number());
 }
 
+/// A held cell under simple shear g: of its strain xy = g / 2 alone is not zero, and the error is that of all entries.
+TEST_F(Sweep, ATensorHasAllItsNumbers) {
+  const auto sheared = [](const std::string& g) {
+    return "0 0 0 1 0 0 " + g + " 1 0 1." + g.substr(2) + " 1 0 0 0 1 1 0 1 " + g + " 1 1 1." + g.substr(2) + " 1 1";
+  };
+  write("cell.xml", R"(<Node name="root" gravity="0 0 0" dt="0.01"><EulerImplicitSolver/><CGLinearSolver iterations="50" tolerance="1e-12"/>
+    <RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs" rest_position=")" +
+                        sheared("0.0") + "\"/><UniformMass totalMass=\"1\"/>" +
+                        R"(<HexahedronFEMForceField name="fem" method="small"/><FixedProjectiveConstraint fixAll="true"/></Node>)");
+  const auto json = tableOf("cell.xml -n 1 --repeat 1 -q --error /fem.strain --vary '/dofs.position=" + sheared("0.1") + "," +
+                            sheared("0.2") + "'");
+  for (int row = 0; row < 2; ++row) {
+    const std::vector<double> value = json["configurations"][row]["value"];
+    ASSERT_EQ(value.size(), 6u);
+    for (int k = 0; k < 6; ++k) EXPECT_NEAR(value[k], k == 3 ? 0.05 * (row + 1) : 0, 1e-12) << k;
+  }
+  EXPECT_NEAR(json["configurations"][0]["error"].get<double>(), 0.5, 1e-12);
+}
+
+/// Each configuration is a line at the end, with its values, what is compared, the error, or what became of it.
+TEST_F(Sweep, TheTableIsForPeopleToo) {
+  write("oscillator.xml", oscillator);
+  const std::string line = "sweep oscillator.xml -n 2 --no-times -q --error /dofs.displacement --vary /spring.stiffness=50,100 -o out";
+  const Finished done = stroma(line + " --vary /solver.rayleighMass=0,1");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_TRUE(has(done.out, "spring.stiffness  solver.rayleighMass")) << done.out;
+  EXPECT_TRUE(has(done.out, "dofs.displacement")) << done.out;
+  for (const auto& row : table("out")["configurations"]) {
+    char value[64];
+    std::snprintf(value, sizeof value, "%.4g 0 0", row["value"][0].get<double>());
+    EXPECT_TRUE(has(done.out, value)) << value << done.out;
+  }
+}
+
 TEST_F(Sweep, TwoValuesAreUncertainByTheirRatio) {
   write("oscillator.xml", oscillator);
   const auto json = tableOf(

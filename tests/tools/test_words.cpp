@@ -229,7 +229,7 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
       {"ShapeMatching", "ShapeMemoryForceField"},
       {"TransformEngine", "\nAttributes"},
       {"TransformPosition", "\nAttributes"},
-      {"TriangularAnisotropicFEMForceField", "fibres of membranes are not"},
+      {"TriangularAnisotropicFEMForceField", "\nAttributes"},
       {"OscillatorConstraint", "OscillatorProjectiveConstraint"},
       {"MeshSTLLoader", "\nAttributes"},
       {"TriangleCollisionModel", "where contacts are looked for"}};

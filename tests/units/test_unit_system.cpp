@@ -91,6 +91,7 @@ TEST(UnitSystem, NamesUnitsOfSentencesInIt) {
   EXPECT_EQ(mm.sentence("3 nodes, 4 Newton iterations, step 5 makes 6 more"),
             "3 nodes, 4 Newton iterations, step 5 makes 6 more");
   EXPECT_EQ(readUnitSystem("m kg s").sentence("0.3 m"), "0.3 m");
+  EXPECT_TRUE(readUnitSystem("SI").isSI());
   // numbers of a scene whose units nobody knows have none
   EXPECT_EQ(UnitSystem().sentence("pull with (0 0 -1) N, together 1 N m: dt = 0.3 s is 4 kg/m^3 off"),
             "pull with (0 0 -1), together 1: dt = 0.3 is 4 off");

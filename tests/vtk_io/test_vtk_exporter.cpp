@@ -79,7 +79,7 @@ TEST_F(Exporter, WritesEveryStepByDefaultAndTheListIsAlwaysValid) {
 TEST_F(Exporter, ValuesComeBackToTheLastBit) {
   Simulation simulation =
       simulationFromText(beam(exporter(R"(pointsDataFields="velocity u=displacement force rest=state.rest_position"
-                       cellsDataFields="stress=fem.vonMises" mstate="@../state")")));
+                       cellsDataFields="stress=fem.vonMises cauchy=fem.stress fem.principalStress" mstate="@../state")")));
   simulation.step();
   simulation.step();
   const auto grid = read(at("beam00001.vtu"));
@@ -114,6 +114,14 @@ TEST_F(Exporter, ValuesComeBackToTheLastBit) {
     largest = std::max(largest, stress[c]);
   }
   EXPECT_GT(largest, 0);
+  for (const auto& [label, field, width] : {std::tuple("cauchy", "stress", 6), std::tuple("principalStress", "principalStress", 3)}) {
+    auto* array = grid->GetCellData()->GetArray(label);
+    ASSERT_TRUE(array) << label;
+    ASSERT_EQ(array->GetNumberOfComponents(), width) << "ParaView takes six for a symmetric tensor";
+    fem->cellField(field, simulation.systems().front()->x, stress);
+    for (vtkIdType c = 0; c < 18; ++c)
+      for (int k = 0; k < width; ++k) EXPECT_EQ(array->GetComponent(c, k), stress[std::size_t(width * c + k)]);
+  }
 }
 
 TEST_F(Exporter, ARestartedRunGoesOnWithItsFiles) {

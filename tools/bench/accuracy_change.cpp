@@ -56,7 +56,7 @@ Table tableOf(std::istream& lines, const std::string& name) {
   return table;
 }
 
-double median(std::vector<double> values) {
+double middleOf(std::vector<double> values) {
   if (values.empty()) return 0;
   std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
   return values[values.size() / 2];
@@ -90,9 +90,9 @@ std::string changesSince(const std::string& stored_file, const std::string& csv)
   std::vector<double> all, apart;
   for (const auto& [name, ratio] : ratios)
     if (ratio != 0) all.push_back(ratio);
-  const double machine = median(all);
+  const double machine = middleOf(all);
   for (const double ratio : all) apart.push_back(std::abs(ratio - machine));
-  const double noise = 6 * median(apart), limit = std::max(noise, std::log(least_factor));
+  const double noise = 6 * middleOf(apart), limit = std::max(noise, std::log(least_factor));
   for (const auto& [name, ratio] : ratios)
     if (ratio != 0 && std::abs(ratio - machine) > limit)
       said += fmt::format("- {}: {} by a factor of {:.2f}.\n", name, ratio > machine ? "slower" : "quicker",

@@ -17,13 +17,13 @@ struct Cube {
 };
 constexpr Cube small_cube{"1k", 10}, large_cube{"64k", 40};
 
-struct Variant {
+struct Method {
   const char* word;
   HexahedronVariant variant;
   std::vector<std::string> overrides;
 };
-const std::vector<Variant>& variants() {
-  static const std::vector<Variant> all{
+const std::vector<Method>& methods() {
+  static const std::vector<Method> all{
       {"polar", HexahedronVariant::polar_boxes, {}},
       {"polar, B", HexahedronVariant::polar_b, {"/cube/fem.updateStiffnessMatrix=true"}},
       {"green", HexahedronVariant::green, {"/cube/fem.method=green"}}};
@@ -32,14 +32,14 @@ const std::vector<Variant>& variants() {
 
 using Call = void (*)(Body&);
 
-void add(Catalogue& catalogue, const char* what, const Cube& cube, const Variant& variant, Call call, Work work) {
+void add(Catalogue& catalogue, const char* what, const Cube& cube, const Method& method, Call call, Work work) {
   Figure figure;
-  figure.name = fmt::format("hexahedra {} {} {}", what, cube.word, variant.word);
+  figure.name = fmt::format("hexahedra {} {} {}", what, cube.word, method.word);
   figure.unit = "ns/hex";
   figure.per_second = 1e9 / cube.elements();
   figure.work = work * cube.elements();
   figure.working_set = figure.work.bytes;
-  std::vector<std::string> overrides = variant.overrides;
+  std::vector<std::string> overrides = method.overrides;
   overrides.push_back(fmt::format("/cube/grid.n={0} {0} {0}", cube.cells + 1));
   catalogue.add(figure, [overrides, call](benchmark::State& state) {
     Body& body = bodyOf("benchmarks/hexahedra.xml", overrides, Shape::deformed);
@@ -49,10 +49,10 @@ void add(Catalogue& catalogue, const char* what, const Cube& cube, const Variant
   });
 }
 
-void product(Body& body) { body.field->addStiffnessProduct(body.dx, 1e-6, body.df); }
-void force(Body& body) { body.field->addForce(body.x, body.v, body.f); }
+void multiplyByHexahedra(Body& body) { body.field->addStiffnessProduct(body.dx, 1e-6, body.df); }
+void addHexahedronForce(Body& body) { body.field->addForce(body.x, body.v, body.f); }
 // The change of the factor makes the system assemble anew; the projection of held nodes is part of it.
-void assembly(Body& body) {
+void assembleHexahedra(Body& body) {
   static double factor = 1;
   factor = factor == 1 ? 1.5 : 1;
   benchmark::DoNotOptimize(
@@ -64,10 +64,10 @@ void assembly(Body& body) {
 void addHexahedronFigures(Catalogue& catalogue) {
   for (const Cube& cube : {small_cube, large_cube}) {
     const double share = cube.nodesPerElement();
-    for (const Variant& variant : variants()) {
-      add(catalogue, "product", cube, variant, product, hexahedronProductWork(variant.variant, share));
-      add(catalogue, "force", cube, variant, force, hexahedronForceWork(variant.variant, share));
-      add(catalogue, "assembly", cube, variant, assembly, {});
+    for (const Method& method : methods()) {
+      add(catalogue, "product", cube, method, multiplyByHexahedra, hexahedronProductWork(method.variant, share));
+      add(catalogue, "force", cube, method, addHexahedronForce, hexahedronForceWork(method.variant, share));
+      add(catalogue, "assembly", cube, method, assembleHexahedra, {});
     }
   }
 }

@@ -76,7 +76,7 @@ void time(benchmark::State& state, const Command& command, Figure& figure) {
   figure.working_set = figure.work.bytes;
 }
 
-void add(Catalogue& catalogue, const Command& command) {
+void addProcess(Catalogue& catalogue, const Command& command) {
   Figure figure;
   figure.name = command.name;
   figure.unit = "ms";
@@ -95,11 +95,11 @@ void add(Catalogue& catalogue, const Command& command) {
 }  // namespace
 
 void addStartFigures(Catalogue& catalogue) {
-  add(catalogue, {"start of organ.xml", "examples/organ.xml", 0, 15, {}, 30.0});
-  add(catalogue, {"start of cube.xml", "benchmarks/cube.xml"});
+  addProcess(catalogue, {"start of organ.xml", "examples/organ.xml", 0, 15, {}, 30.0});
+  addProcess(catalogue, {"start of cube.xml", "benchmarks/cube.xml"});
   const std::string cube = "benchmarks/compressed_cube.xml";
-  add(catalogue, {"compressed cube, 16 cells", cube, 1, 5, {}, 450.0, "CalculiX 2300"});
-  add(catalogue, {"compressed cube, 24 cells", cube, 1, 5, {"/cube/grid.n=25 25 25"}, 4000.0, "CalculiX 22600"});
+  addProcess(catalogue, {"compressed cube, 16 cells", cube, 1, 5, {}, 450.0, "CalculiX 2300"});
+  addProcess(catalogue, {"compressed cube, 24 cells", cube, 1, 5, {"/cube/grid.n=25 25 25"}, 4000.0, "CalculiX 22600"});
 }
 
 }  // namespace stroma::bench

@@ -120,7 +120,9 @@ CommandLine migrateLine() {
 int migrate(const Arguments& arguments) {
   const auto values = parseOptions(migrateLine(), arguments);
   if (!values) return exit_done;
-  const std::string file = required(*values, "SCENE", migrate_manual), output = textOf(*values, "output");
+  const std::string file = required(*values, "SCENE", migrate_manual);
+  std::string output = textOf(*values, "output");
+  if (output == "-") output.clear();  // the terminal
   if (output.ends_with(".scn"))
     throw UsageError(output + ": a file of this ending is one of SOFA's scenes: expected another one, as .xml");
   Session session;

@@ -289,10 +289,8 @@ int runScene(const RunRequest& request, const Values& values) {
 }
 
 /// The same, heard by a profiler.
-int runProfiled(const RunRequest& request, const Values& values, const Arguments& arguments) {
-  std::vector<std::string> words{"stroma", "run"};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  profile::runAgainCounting(words);
+int runProfiled(const RunRequest& request, const Values& values) {
+  profile::runAgainCounting();
   profile::Profiler profiler;
   int code = exit_done;
   {
@@ -309,7 +307,7 @@ int run(const Arguments& arguments) {
   const auto values = parseRunOptions(arguments);
   if (!values) return exit_done;
   const RunRequest request(*values);
-  return request.profile_file.empty() ? runScene(request, *values) : runProfiled(request, *values, arguments);
+  return request.profile_file.empty() ? runScene(request, *values) : runProfiled(request, *values);
 }
 
 }  // namespace

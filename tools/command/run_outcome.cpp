@@ -190,6 +190,22 @@ std::string changedChoice(const System& system) {
   return fmt::format("\n{} changed its choice in the run: {}", solver->path(), choiceOf(*solver));
 }
 
+/// What would make steps with closed gaps cheaper, where they took many iterations; or empty.
+std::string closedGaps(const System& system, const RunStatistics& statistics) {
+  constexpr double many_iterations = 30;  // in a step
+  if (double(statistics.newton_iterations) < many_iterations * double(statistics.step_ms.size())) return {};
+  std::string text;
+  for (const ForceField* field : system.forceFields()) {
+    const Data* stiffness = field->data().find("openStiffness");
+    const auto* value = stiffness ? std::get_if<double*>(&stiffness->pointer()) : nullptr;
+    if (value && **value > 0)
+      text += fmt::format("\ngaps of {} closed to less than a tenth of contactDistance, where steps take many iterations: "
+                          "stiffness=\"{:.2g}\" would have kept them at half of it",
+                          field->path(), **value);
+  }
+  return text;
+}
+
 void printSummary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome) {
   fmt::print("{}: {} after {} steps, t = {:.6g}{}; {:.3g} s of wall time", request.scene, outcome.word(),
              simulation.steps(), simulation.time(), unitsOf(simulation.scene()).behind("s"), outcome.seconds);
@@ -208,7 +224,8 @@ void printSummary(const RunRequest& request, const Simulation& simulation, const
   for (const auto& [path, steps] : stepsAsleep(simulation))
     fmt::print("\n{} of the steps {} did not compute: its body slept", steps, path);
   for (const auto& system : simulation.systems())
-    fmt::print("{}{}", slowSolver(*system, outcome.statistics), changedChoice(*system));
+    fmt::print("{}{}{}", slowSolver(*system, outcome.statistics), closedGaps(*system, outcome.statistics),
+               changedChoice(*system));
   fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
 }
 

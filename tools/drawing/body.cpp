@@ -342,10 +342,10 @@ Drawing drawingOf(const Simulation& simulation) {
 
 namespace {
 
-/// Of a number; of a vector; of a symmetric tensor xx yy zz xy yz zx, whose shears stand for two components each; of a
-/// tensor of nine numbers. No turn of the axes changes it.
-double normOf(const double* values, std::size_t width) {
-  if (width == 1) return *values;
+/// A number; of principal values the largest, which comes first; the norm of a vector, of a symmetric tensor xx yy zz xy yz zx,
+/// whose shears stand for two components each, and of a tensor of nine numbers. No turn of the axes changes it.
+double colourOf(const std::string& name, const double* values, std::size_t width) {
+  if (width == 1 || name.starts_with("principal")) return *values;
   double square = 0;
   for (std::size_t k = 0; k < width; ++k) square += (width == 6 && k >= 3 ? 2 : 1) * values[k] * values[k];
   return std::sqrt(square);
@@ -366,13 +366,14 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
   forEachCellList(look, *body.mesh);
   if (count == 0 || work.size() != width * count) return false;
   out.assign(all, std::numeric_limits<float>::quiet_NaN());
-  for (std::size_t i = 0; i < count; ++i) out[first + i] = float(normOf(work.data() + width * i, width));
+  for (std::size_t i = 0; i < count; ++i) out[first + i] = float(colourOf(field.name, work.data() + width * i, width));
   return true;
 }
 
 std::string unitOfField(const std::string& name) {
-  static const std::map<std::string, std::string> units{{"vonMises", "Pa"}, {"pressure", "Pa"},  {"J", "-"},
-                                                        {"strain", "-"},    {"velocity", "m/s"}, {"displacement", "m"}};
+  static const std::map<std::string, std::string> units{
+      {"vonMises", "Pa"}, {"stress", "Pa"},         {"principalStress", "Pa"}, {"pressure", "Pa"}, {"J", "-"},
+      {"strain", "-"},    {"principalStrain", "-"}, {"velocity", "m/s"},       {"displacement", "m"}};
   const auto found = units.find(name);
   return found == units.end() ? std::string() : found->second;
 }

@@ -52,7 +52,8 @@ void widen(Range& range, const Range& by) { range = {std::min(range.low, by.low)
 
 std::string titleOf(const std::string& field) {
   static const std::map<std::string, std::string> titles{
-      {"vonMises", "von Mises stress"}, {"J", "volume ratio J"}, {"strain", "strain (norm)"}};
+      {"vonMises", "von Mises stress"}, {"J", "volume ratio J"}, {"strain", "strain (norm)"}, {"stress", "stress (norm)"},
+      {"principalStress", "largest principal stress"}, {"principalStrain", "largest principal strain"}};
   const auto found = titles.find(field);
   if (found != titles.end()) return found->second;
   std::string spaced;

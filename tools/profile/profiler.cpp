@@ -8,9 +8,11 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #if defined(__x86_64__)
 #include <cpuid.h>
@@ -302,7 +304,18 @@ Profile Profiler::stop() {
 
 bool countsAllocations() { return countOfThread() != nullptr; }
 
-void runAgainCounting(const std::vector<std::string>& words) {
+namespace {
+
+std::vector<std::string> wordsOfThisProcess() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  return words;
+}
+
+}  // namespace
+
+void runAgainCounting() {
   if (const char* before = std::getenv(mark)) {  // we are the second one: what we start is as it would be
     *(before + 1) ? setenv(preload, before + 1, 1) : unsetenv(preload);
     unsetenv(mark);
@@ -318,9 +331,11 @@ void runAgainCounting(const std::vector<std::string>& words) {
   const std::string others = before ? before : "";
   setenv(mark, ("=" + others).c_str(), 1);
   setenv(preload, (library.string() + (others.empty() ? "" : ":" + others)).c_str(), 1);
+  std::vector<std::string> words = wordsOfThisProcess();
   std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  std::fflush(nullptr);
   execv("/proc/self/exe", arguments.data());
   others.empty() ? unsetenv(preload) : setenv(preload, others.c_str(), 1);
   unsetenv(mark);

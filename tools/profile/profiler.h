@@ -96,8 +96,8 @@ class Profiler final : public SpanListener {
 
 /// Whether the allocations of this process are counted: the library that counts them is loaded before all others.
 bool countsAllocations();
-/// Runs this program again with the same arguments and that library, and does not return. Returns where there is no such
-/// library, and where it is loaded already.
-void runAgainCounting(const std::vector<std::string>& words);
+/// Runs this program again as it was started, be it the command or Python with a scene, with that library, and does not
+/// return. Returns where there is no such library, and where it is loaded already.
+void runAgainCounting();
 
 }  // namespace stroma::profile

@@ -14,6 +14,7 @@
 #include "framework/scene/spans.h"
 #include "framework/scene/written_units.h"
 #include "tools/checks/cells_across.h"
+#include "tools/checks/density_units.h"
 #include "tools/checks/empty_selections.h"
 #include "tools/checks/idle_parts.h"
 #include "tools/checks/result_doubts.h"
@@ -137,6 +138,7 @@ Simulation& Session::take(const std::string& file, Scene scene) {
   const Span span("check the scene");
   Diagnostics& diagnostics = simulation->diagnostics();
   checkOverwriting(*simulation, diagnostics);
+  refuseDensitiesOfOtherCells(simulation->scene(), diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(std::move(diagnostics));
   warnOfEmptySelections(simulation->root(), diagnostics);
   warnOfIdleParts(*simulation, diagnostics);
@@ -247,7 +249,7 @@ std::vector<std::string> Session::restore(Checkpoint checkpoint, const std::stri
   bool tells_convergence = false;
   try {
     UnconvergedSteps unconverged;
-    checkpoint.values.take("constraint forces");  // for programs in Python (tools/python/engine.h)
+    for (const char* kept : {"constraint forces", "forces"}) checkpoint.values.take(kept);  // for Python (tools/python/engine.h)
     Archive run = checkpoint.values.take("run");
     tells_convergence = !run.entries().empty();
     if (tells_convergence) unconverged.serialize(run);

@@ -39,7 +39,8 @@ void UnconvergedSteps::add(const StepReport& report) {
   linear_at_round_off += is_at_limit && report.linear_stop == SolveStop::stagnated;
   newton += report.newton_converged ? 0 : 1;
   constraints += report.constraints_converged ? 0 : 1;
-  if (!report.constraints_converged && constraint_reason.empty()) constraint_reason = report.constraint_reason;
+  kept += report.constraints_converged && !report.constraint_reason.empty();
+  if (constraint_reason.empty()) constraint_reason = report.constraint_reason;
   if (report.unsolved && report.newton_converged && without_result++ == 0) without_result_reason = report.reason;
   if (is_at_limit) worst_residual = std::max(worst_residual, report.linear_residual);
   worst_newton_residual = std::max(worst_newton_residual, report.newton_residual);
@@ -52,6 +53,7 @@ void UnconvergedSteps::serialize(Archive& archive) {
   archive.value("linear_at_round_off", linear_at_round_off);
   archive.value("newton", newton);
   archive.value("constraints", constraints);
+  archive.value("kept", kept);
   archive.value("without_result", without_result);
   archive.value("without_result_reason", without_result_reason);
   archive.value("constraint_reason", constraint_reason);
@@ -79,6 +81,9 @@ std::vector<std::string> UnconvergedSteps::warnings() const {
   if (without_result > 0)
     warnings.push_back(
         fmt::format("{} of {} steps have no result; the first time: {}", without_result, steps, without_result_reason));
+  if (kept > 0)
+    warnings.push_back(fmt::format("forces of contacts did not converge in {} of {} steps, which were kept; the first time: {}",
+                                   kept, steps, constraint_reason));
   if (constraints > 0)
     warnings.push_back(fmt::format("position constraints or contacts did not hold in {} of {} steps; the first time: {}",
                                    constraints, steps, constraint_reason));

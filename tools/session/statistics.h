@@ -22,15 +22,16 @@ struct UnconvergedSteps {
   long linear = 0, newton = 0, constraints = 0;  ///< steps
   long linear_at_limit = 0;                      ///< of `linear`, those with a solve that ended before its tolerance
   long linear_at_round_off = 0;                  ///< of `linear_at_limit`, those that more iterations do not help
+  long kept = 0;                                 ///< with contacts that were off by less than was tolerated
   long without_result = 0;                       ///< steps whose solves converged, to what is no result
   std::string without_result_reason;             ///< of the first of them
-  std::string constraint_reason;                 ///< of the first step in which position constraints did not hold
+  std::string constraint_reason;                 ///< of the first step with constraints or contacts that did not hold
   double worst_residual = 0, worst_newton_residual = 0;
 
   void add(const StepReport& report);
   /// Sentences on them, summed over the run.
   std::vector<std::string> warnings() const;
-  bool none() const { return linear + newton + constraints + without_result == 0; }
+  bool none() const { return linear + newton + constraints + kept + without_result == 0; }
   void serialize(Archive& archive);  ///< see Component::serialize()
 };
 

@@ -101,7 +101,9 @@ const Assessor::Sample& Assessor::sampleOf(const Entry& entry) {
     sample.own_error = measure_.distance(sample.values, wanted, own) / (size > 0 ? size : 1);
     sample.values.clear();
   }
-  sample.components = end.quantity.size() == 1 || measure_.kind == ErrorMeasure::Kind::energy ? 1 : 3;
+  if (!measure_.isField()) sample.told = end.quantity;
+  if (!measure_.isField() && !measure_.asksRun())
+    sample.told.assign(sample.values[0].data(), sample.values[0].data() + (measure_.kind == ErrorMeasure::Kind::energy ? 1 : 3));
   sample.nodes = end.nodes(), sample.cells = end.cells(), sample.spacing = end.spacing();
   sample.spacings = spacingTensor(end);
   sample.dt = end.dt, sample.time = end.time;
@@ -311,8 +313,7 @@ void Assessor::distances(std::vector<Entry>& entries, Assessment& assessment) {
       const Sample& sample = sampleOf(entry);
       entry.nodes = sample.nodes, entry.cells = sample.cells, entry.spacing = sample.spacing, entry.dt = sample.dt;
       entry.outside = sample.outside, entry.farthest = sample.farthest;
-      if (!measure_.isField() && !sample.values.empty())
-        entry.value.assign(sample.values[0].data(), sample.values[0].data() + sample.components);
+      entry.value = sample.told;
       entry.error = errorOf(sample, scale);
       if (entry.is_reference) entry.error = assessment.expected;
     } catch (const std::exception& problem) {

@@ -22,7 +22,7 @@ struct Entry {
   std::size_t nodes = 0, cells = 0;
   double spacing = 0, dt = 0;   ///< of its mesh [m]; [s]
   std::optional<double> error;  ///< relative, see Assessment
-  std::vector<double> value;    ///< what the error is of, where that is a quantity: one number or three
+  std::vector<double> value;    ///< what the error is of, where that is a quantity: a number, a vector or a tensor
   bool is_reference = false;
   bool on_front = false;
   std::size_t outside = 0;  ///< points of comparison outside of its mesh
@@ -67,7 +67,7 @@ class Assessor {
   struct Sample {
     Values values;
     std::size_t nodes = 0, cells = 0, outside = 0;
-    std::size_t components = 3;  ///< of a quantity: the first ones of its value
+    std::vector<double> told;  ///< a quantity, as the run tells it; empty for fields
     double spacing = 0, dt = 0, time = 0, farthest = 0;
     Mat3 spacings = Mat3::Zero();  ///< in all directions, see spacingTensor()
     std::string length_unit, time_unit;

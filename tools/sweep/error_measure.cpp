@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "framework/scene/diagnostics.h"
@@ -15,12 +16,6 @@ namespace stroma::sweep {
 namespace {
 
 constexpr std::string_view words[] = {"l2", "max", "energy"};
-
-Vec3 vectorOf(const std::vector<double>& numbers) {
-  Vec3 value = Vec3::Zero();
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, numbers.size()); ++i) value[Index(i)] = numbers[i];
-  return value;
-}
 
 /// "(0.2 0 0.01)"
 Vec3 placeIn(const std::string& text) {
@@ -60,6 +55,13 @@ Vec3 atPlace(const ErrorMeasure& measure, const EndState& end) {
 }
 
 }  // namespace
+
+Values vectorsOf(const std::vector<double>& numbers) {
+  Values values((numbers.size() + 2) / 3, Vec3::Zero());
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    values[i / 3][Index(i % 3)] = (numbers.size() == 6 && i >= 3 ? std::numbers::sqrt2 : 1) * numbers[i];
+  return values;
+}
 
 ErrorMeasure ErrorMeasure::parse(const std::string& text) {
   ErrorMeasure measure;
@@ -115,17 +117,16 @@ Values ErrorMeasure::valuesOf(const EndState& end, const nlohmann::json& summary
   else if (end.quantity.empty())
     throw std::runtime_error(fmt::format("the run does not tell {}", quantity));
   else
-    values = {vectorOf(end.quantity)};
+    values = vectorsOf(end.quantity);
   for (const Vec3& value : values)
     if (!value.allFinite()) throw std::runtime_error("the end of the run is not finite");
   return values;
 }
 
 double ErrorMeasure::norm(const Values& values, const CommonPoints& points) const {
-  if (!isField()) return values.at(0).norm();
   double sum = 0, most = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    sum += points.weights()[i] * values[i].squaredNorm();
+    sum += (isField() ? points.weights()[i] : 1) * values[i].squaredNorm();
     most = std::max(most, values[i].norm());
   }
   return kind == Kind::max ? most : std::sqrt(sum);
@@ -141,6 +142,9 @@ double ErrorMeasure::cosine(const Values& a, const Values& b, const CommonPoints
 }
 
 double ErrorMeasure::distance(const Values& a, const Values& b, const CommonPoints& points) const {
+  if (a.size() != b.size())
+    throw std::runtime_error(fmt::format("{} has {} numbers, what it is compared with {}", isField() ? "the run" : quantity,
+                                         3 * a.size(), 3 * b.size()));
   Values difference(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) difference[i] = a[i] - b[i];
   return norm(difference, points);

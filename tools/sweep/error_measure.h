@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is compared between a run and the reference, as a list of vectors with a norm: displacements at common points, or
-// one number or vector.
+// one number, vector or tensor.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +12,10 @@
 namespace stroma::sweep {
 
 using Values = std::vector<Vec3>;
+
+/// Of a number, a vector, or a symmetric tensor xx yy zz xy yz zx, whose shears stand for two entries each: vectors with the
+/// norm of them all.
+Values vectorsOf(const std::vector<double>& numbers);
 
 struct ErrorMeasure {
   enum class Kind {

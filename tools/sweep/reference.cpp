@@ -142,20 +142,19 @@ std::vector<std::vector<double>> rowsIn(const std::string& file) {
 std::unique_ptr<GivenReference> fromTable(const std::string& file, const ErrorMeasure& measure) {
   const auto rows = rowsIn(file);
   const std::size_t wanted = measure.isField() ? 6 : 0;
-  if (rows.empty() || (wanted == 0 && (rows.size() != 1 || rows[0].size() == 6)))
+  if (rows.empty() || (wanted == 0 && rows.size() != 1))
     throw std::invalid_argument(
         fmt::format("--reference {}: expected {}", file,
-                    wanted ? "lines \"x y z ux uy uz\"" : "one line with one or three numbers"));
+                    wanted ? "lines \"x y z ux uy uz\"" : "one line with one, three or six numbers"));
+  if (wanted == 0) return std::make_unique<GivenValues>(file, std::vector<Vec3>(), vectorsOf(rows[0]));
   std::vector<Vec3> places;
   Values values;
   for (const std::vector<double>& row : rows) {
-    if (wanted && row.size() != wanted)
+    if (row.size() != wanted)
       throw std::invalid_argument(
           fmt::format("--reference {}: a line has {} numbers (expected x y z ux uy uz)", file, row.size()));
-    if (wanted) places.emplace_back(row.data());
-    Vec3 value = Vec3::Zero();
-    for (std::size_t c = 0; c < std::min<std::size_t>(3, row.size()); ++c) value[Index(c)] = row[wanted ? 3 + c : c];
-    values.push_back(value);
+    places.emplace_back(row.data());
+    values.emplace_back(row.data() + 3);
   }
   return std::make_unique<GivenValues>(file, std::move(places), std::move(values));
 }

@@ -20,6 +20,7 @@
 #include "tools/sweep/goal.h"
 #include "tools/sweep/probe.h"
 #include "tools/sweep/report.h"
+#include "tools/sweep/results_text.h"
 #include "tools/sweep/run_maker.h"
 
 namespace stroma::sweep {
@@ -317,19 +318,10 @@ class Sweep {
       fmt::print(", {}", knownTo(assessment_, numberText(assessment_.uncertainty, numbers)));
     fmt::print("\n");
     for (const std::string& note : assessment_.notes) fmt::print("note: {}\n", note);
-    std::vector<const Entry*> front;
-    for (const Entry& entry : entries_) {
-      if (entry.on_front) front.push_back(&entry);
+    for (const Entry& entry : entries_)
       if (!entry.runs.failure.empty())
         fmt::print("without a result: {}: {}\n", nameOf(axes_, entry.configuration), entry.runs.failure);
-    }
-    std::ranges::sort(front, {}, [](const Entry* entry) { return entry->runs.medianOf(&Repetition::seconds); });
-    if (!front.empty())
-      fmt::print("\n{:>12}  {:>12}  the front: nothing is both faster and more accurate\n", "time", "error");
-    for (const Entry* entry : front)
-      fmt::print("{:>12}  {:>12}  {}\n", numberText(entry->runs.medianOf(&Repetition::seconds), Numbers::seconds),
-                 (entry->is_reference ? "about " : "") + numberText(*entry->error, numbers),
-                 nameOf(axes_, entry->configuration));
+    fmt::print("\n{}", resultsText(findings));
     if (!findings.goal.empty()) fmt::print("\n{}\n", findings.goal);
     if (cheapest_) fmt::print("\n  {}\n", commandLine(request_, cheapest_->configuration));
     for (const std::string& note : written.notes) fmt::print("note: {}\n", note);

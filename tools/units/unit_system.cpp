@@ -136,8 +136,9 @@ std::string UnitSystem::sentence(const std::string& text) const {
 }
 
 UnitSystem readUnitSystem(std::string_view text) {
+  if (trimmed(text) == "SI") text = "m kg s";
   const std::string expected =
-      "a length, a mass and a time, as \"mm t s\", or a pressure for the mass, as \"mm kPa s\"";
+      "a length, a mass and a time, as \"mm t s\", or a pressure for the mass, as \"mm kPa s\", or SI";
   UnitSystem system;
   std::string length, middle, time;
   std::optional<Unit> held;

@@ -95,6 +95,8 @@ constexpr Kind kinds[] = {{"m", "a length", "m, cm, mm"},
                           {"Pa/s", "a change of pressure", "Pa/s, kPa/s, mmHg/s"},
                           {"kg m^2", "a moment of inertia", "kg m^2, g mm^2"},
                           {"kg/m^3", "a density", "kg/m^3, g/cm^3"},
+                          {"kg/m^2", "a mass per area", "kg/m^2, g/cm^2"},
+                          {"kg/m", "a mass per length", "kg/m, g/cm"},
                           {"J", "an energy or a torque", "J, N m, mJ"},
                           {"m^2/(Pa s)", "a permeability", "m^4/(N s), m^2/(Pa s), mm^2/(kPa s)"},
                           {"B", "an amount of memory", "MB, GB"}};

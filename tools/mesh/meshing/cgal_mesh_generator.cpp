@@ -3,7 +3,7 @@
 #include "framework/scene/abi.h"
 #include "framework/scene/modules.h"
 #include "framework/scene/services.h"
-#include "tools/mesh/meshing/domains.h"
+#include "tools/mesh/meshing/mesher.h"
 
 namespace stroma {
 namespace {
