@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -60,11 +61,13 @@ std::vector<double> ElasticForceField::meanChanges(ConstRows x) const {
   if (!variant_.mean_dilatation) return {};
   const std::size_t count = std::size_t(elements_->count(*mesh_));
   std::vector<double> changes(count), volumes(count);
-  for (std::size_t cell = 0; cell < count; ++cell)
-    elements_->forEachPoint(cell, x, [&](const Mat3& strain, const Mat3&, double volume) {
-      changes[cell] += volume * strain.trace();
-      volumes[cell] += volume;
-    });
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    const auto add = [change = &changes[cell], all = &volumes[cell]](const Mat3& strain, const Mat3&, double volume) {
+      *change += volume * strain.trace();
+      *all += volume;
+    };
+    elements_->forEachPoint(cell, x, std::ref(add));
+  }
   if (elements_->kind().type != CellType::tetrahedron) {  // the mean over the cell
     for (std::size_t cell = 0; cell < count; ++cell) changes[cell] /= volumes[cell];
     return changes;
@@ -89,14 +92,15 @@ Mat3 ElasticForceField::stress(std::size_t cell, ConstRows x, double change) con
   const Lame law = lame(cell);
   Mat3 sum = Mat3::Zero();
   double whole = 0;
-  elements_->forEachPoint(cell, x, [&](const Mat3& strain, const Mat3& carrier, double volume) {
+  const auto add = [&](const Mat3& strain, const Mat3& carrier, double volume) {
     Mat3 own = 2 * law.mu * strain;
     const double trace = strain.trace();
     own.diagonal().array() += std::isnan(change) ? law.lambda * trace : law.bulk() * change - 2. / 3 * law.mu * trace;
     const double j = carrier.determinant();  // a flat cell has no area for its force: that of a cell of a millionth
     sum += volume / (std::abs(j) < 1e-6 ? 1e-6 : j) * carrier * own * carrier.transpose();
     whole += volume;
-  });
+  };
+  elements_->forEachPoint(cell, x, std::ref(add));
   return sum / whole;
 }
 

@@ -79,8 +79,10 @@ std::string highestLevel() {
 /// OpenBLAS knows processors by their numbers, takes one that is newer than itself for the oldest there is, and then multiplies
 /// matrices at a quarter of the speed. It reads this when the first module that needs it is opened; what a person set stays.
 void nameBlasKernels() {
-  const std::string level = highestLevel();
-  if (level != levels.back()) setenv("OPENBLAS_CORETYPE", level == levels.front() ? "SkylakeX" : "Haswell", 0);
+  constexpr const char* kernels = "OPENBLAS_CORETYPE";
+  if (std::getenv(kernels)) return;
+  const std::string level = instructionLevel();
+  if (level != levels.back()) setenv(kernels, level == levels.front() ? "SkylakeX" : "Haswell", 0);
 }
 
 }  // namespace
