@@ -82,6 +82,15 @@ void SupernodalAnalysis::run(const Graph& graph) {
   flops = common.fl, entries = common.lnz;
 }
 
+SupernodalPattern SupernodalAnalysis::supernodes() const {
+  return {int(factor->n),
+          int(factor->nsuper),
+          static_cast<const int*>(factor->super),
+          static_cast<const int*>(factor->pi),
+          static_cast<const int*>(factor->px),
+          static_cast<const int*>(factor->s)};
+}
+
 Index SupernodalAnalysis::Graph::slot(Index row, Index column) const {
   const auto begin = columns.begin() + row_start[row], end = columns.begin() + row_start[row + 1];
   return Index(std::lower_bound(begin, end, column) - columns.begin());

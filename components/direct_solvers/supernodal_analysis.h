@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "components/direct_solvers/supernodal_plan.h"
 #include "framework/algebra/block_matrix.h"
 #include "framework/algebra/stop.h"
 
@@ -34,6 +35,7 @@ class SupernodalAnalysis {
   /// end by itself.
   static std::shared_ptr<SupernodalAnalysis> of(const BlockMatrix& matrix, StopToken stop);
 
+  SupernodalPattern supernodes() const;
   /// Throws std::runtime_error that names what CHOLMOD could not do, where it could not.
   void check(bool good, const char* what) const;
 

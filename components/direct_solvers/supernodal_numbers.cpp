@@ -54,8 +54,8 @@ SupernodalEnd SupernodalNumbers::factor(const LowerTriangle& matrix, double* val
     end = factorList(matrix, all, *work);
   } else {
     end = factorParts(matrix);
-    for (std::size_t k = 0; k < plan_.top.size() && !end.stopped && end.bad_column < 0; ++k)
-      end = factorInPieces(matrix, plan_.top[k], *work);
+    for (std::size_t k = 0; k < plan_.tree.top.size() && !end.stopped && end.bad_column < 0; ++k)
+      end = factorInPieces(matrix, plan_.tree.top[k], *work);
   }
   works_.giveBack(std::move(work));
   return end;
@@ -78,10 +78,10 @@ SupernodalEnd SupernodalNumbers::factorList(const LowerTriangle& matrix, const s
 
 /// The first column without a pivot is that of the sequential loop: every part ends at its own first one.
 SupernodalEnd SupernodalNumbers::factorParts(const LowerTriangle& matrix) {
-  std::vector<SupernodalEnd> ends(plan_.parts.size());
-  parallelFor(int(plan_.parts.size()), [&](int k) {
+  std::vector<SupernodalEnd> ends(plan_.tree.parts.size());
+  parallelFor(int(plan_.tree.parts.size()), [&](int k) {
     std::unique_ptr<Work> work = works_.take(pattern_.columns);
-    ends[std::size_t(k)] = factorList(matrix, plan_.parts[std::size_t(k)], *work);
+    ends[std::size_t(k)] = factorList(matrix, plan_.tree.parts[std::size_t(k)], *work);
     works_.giveBack(std::move(work));
   });
   SupernodalEnd whole;

@@ -10,6 +10,58 @@ namespace {
 /// No part has more of the flops than one in so many: a few parts for each thread of a machine of today.
 constexpr double parts_wanted = 64;
 
+/// Divides a tree whose supernodes take `work` into parts.
+class Divider {
+ public:
+  Divider(const std::vector<int>& parent, const std::vector<double>& work) : children_(parent.size()) {
+    std::vector<double> whole = work;
+    for (std::size_t s = 0; s < parent.size(); ++s) {  // children before parents
+      all_ += work[s];
+      if (parent[s] < 0) {
+        trees_.emplace(whole[s], int(s));
+        continue;
+      }
+      children_[std::size_t(parent[s])].push_back(int(s));
+      whole[std::size_t(parent[s])] += whole[s];
+    }
+    while (!trees_.empty() && trees_.top().first > all_ / parts_wanted && !children_[std::size_t(trees_.top().second)].empty()) {
+      const int root = trees_.top().second;
+      trees_.pop();
+      tree_.top.push_back(root);
+      for (const int child : children_[std::size_t(root)]) trees_.emplace(whole[std::size_t(child)], child);
+    }
+    std::sort(tree_.top.begin(), tree_.top.end());
+  }
+
+  /// Subtrees as parts, the largest first; small ones together.
+  TreeParts gather() {
+    double room = 0;
+    std::vector<int> stack;
+    while (!trees_.empty()) {
+      const auto [work, root] = trees_.top();
+      trees_.pop();
+      if (room <= 0) tree_.parts.emplace_back(), room = all_ / (2 * parts_wanted);
+      room -= work;
+      stack.assign(1, root);
+      while (!stack.empty()) {
+        const int s = stack.back();
+        stack.pop_back();
+        tree_.parts.back().push_back(s);
+        const auto& below = children_[std::size_t(s)];
+        stack.insert(stack.end(), below.begin(), below.end());
+      }
+    }
+    for (std::vector<int>& part : tree_.parts) std::sort(part.begin(), part.end());
+    return std::move(tree_);
+  }
+
+ private:
+  std::vector<std::vector<int>> children_;
+  std::priority_queue<std::pair<double, int>> trees_;  ///< the work of a subtree, its root
+  double all_ = 0;
+  TreeParts tree_;
+};
+
 class Planner {
  public:
   explicit Planner(const SupernodalPattern& pattern)
@@ -49,60 +101,24 @@ class Planner {
   }
 
   void divide(SupernodalPlan& plan) {
-    const std::size_t count = std::size_t(pattern_.count);
-    std::vector<std::vector<int>> children(count);
-    std::vector<double> whole = work_;
-    std::priority_queue<std::pair<double, int>> trees;
-    for (int s = 0; s < pattern_.count; ++s) {  // children before parents
+    std::vector<int> parent;
+    for (int s = 0; s < pattern_.count; ++s) {
       const int columns = pattern_.columnsOf(s);
-      if (columns == pattern_.heightOf(s)) {
-        trees.emplace(whole[std::size_t(s)], s);
-        continue;
-      }
-      const int parent = supernode_[std::size_t(pattern_.rowsOf(s)[columns])];
-      children[std::size_t(parent)].push_back(s);
-      whole[std::size_t(parent)] += whole[std::size_t(s)];
+      const bool is_root = columns == pattern_.heightOf(s);
+      parent.push_back(is_root ? -1 : supernode_[std::size_t(pattern_.rowsOf(s)[columns])]);
     }
-    while (!trees.empty() && trees.top().first > plan.flops / parts_wanted &&
-           !children[std::size_t(trees.top().second)].empty()) {
-      const int root = trees.top().second;
-      trees.pop();
-      plan.top.push_back(root);
-      for (const int child : children[std::size_t(root)]) trees.emplace(whole[std::size_t(child)], child);
-    }
-    std::sort(plan.top.begin(), plan.top.end());
-    gather(trees, children, plan);
+    plan.tree = divideTree(parent, work_);
   }
 
  private:
-  /// Subtrees as parts, the largest first; small ones together.
-  void gather(std::priority_queue<std::pair<double, int>>& trees, const std::vector<std::vector<int>>& children,
-              SupernodalPlan& plan) const {
-    double room = 0;
-    std::vector<int> stack;
-    while (!trees.empty()) {
-      const auto [work, root] = trees.top();
-      trees.pop();
-      if (room <= 0) plan.parts.emplace_back(), room = plan.flops / (2 * parts_wanted);
-      room -= work;
-      stack.assign(1, root);
-      while (!stack.empty()) {
-        const int s = stack.back();
-        stack.pop_back();
-        plan.parts.back().push_back(s);
-        const auto& below = children[std::size_t(s)];
-        stack.insert(stack.end(), below.begin(), below.end());
-      }
-    }
-    for (std::vector<int>& part : plan.parts) std::sort(part.begin(), part.end());
-  }
-
   const SupernodalPattern& pattern_;
   std::vector<int> supernode_;  ///< of a column
   std::vector<double> work_;    ///< flops of a supernode: what acts on it, and itself
 };
 
 }  // namespace
+
+TreeParts divideTree(const std::vector<int>& parent, const std::vector<double>& work) { return Divider(parent, work).gather(); }
 
 SupernodalPlan planOf(const SupernodalPattern& pattern) {
   SupernodalPlan plan;

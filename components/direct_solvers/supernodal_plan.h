@@ -17,6 +17,15 @@ struct SupernodalPattern {
   const int* rowsOf(int s) const { return rows + start[s]; }
 };
 
+/// Subtrees of an elimination tree that share nothing, and what is left above them; each ascending.
+struct TreeParts {
+  std::vector<std::vector<int>> parts;
+  std::vector<int> top;
+};
+
+/// `parent` and `work` of each supernode; children come before parents, and roots have the parent -1.
+TreeParts divideTree(const std::vector<int>& parent, const std::vector<double>& work);
+
 /// What a factorisation of a pattern does in which order, from counts alone.
 struct SupernodalPlan {
   /// Supernode `from` acts on another by its rows from `done` on, `wide` of which are columns of the other.
@@ -26,9 +35,7 @@ struct SupernodalPlan {
   std::vector<int> update_start;  ///< shape (supernodes + 1)
   std::vector<Update> updates;    ///< on each supernode, in the order of CHOLMOD's loop
   double flops = 0;               ///< of the whole factorisation
-  /// Subtrees of the elimination tree that share nothing, and what is left above them, ascending.
-  std::vector<std::vector<int>> parts;
-  std::vector<int> top;
+  TreeParts tree;
 
   const Update* begin(int s) const { return updates.data() + update_start[std::size_t(s)]; }
   const Update* end(int s) const { return updates.data() + update_start[std::size_t(s) + 1]; }

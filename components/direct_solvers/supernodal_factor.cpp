@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "components/direct_solvers/cholesky_factor.h"
+#include "components/direct_solvers/supernodal_factor.h"
 
 #include <algorithm>
 #include <atomic>
@@ -8,9 +8,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "components/direct_solvers/supernodal_analysis.h"
-#include "components/direct_solvers/supernodal_numbers.h"
-#include "framework/algebra/memory.h"
 #include "framework/algebra/parallel.h"
 
 // of OpenBLAS; absent from other libraries
@@ -52,36 +49,7 @@ bool hasRoomForBlas() {
   return has_room;
 }
 
-/// A supernodal factor of a symmetric block matrix, kept over many matrices of one pattern.
-class SupernodalFactor final : public CholeskyFactor {
- public:
-  ~SupernodalFactor() override { release(); }
-  bool analyse(const BlockMatrix& matrix, StopToken stop) override;
-  void load(const BlockMatrix& matrix) override;  ///< the upper triangle
-  /// `row` is the one at which a pivot was not positive.
-  SolveStop factor(Index& row, StopToken stop) override;
-  void apply(ConstRows b, Rows x) override;
-  /// In single precision, which reads half as much.
-  void applyRoughly(ConstRows b, Rows x) override;
-  const std::string& ordering() const override { return analysis_->ordering; }
-  double flops() const override { return analysis_->flops; }
-  double entries() const override { return analysis_->entries; }
-  /// Fitted to 1,331 to 15,625 nodes of hexahedra on a core of 65 Gflop/s.
-  Cost cost() const override { return {flops() / 40e9 + 8e-9 * entries(), 1e-9 * entries()}; }
-
- private:
-  void release();
-  SupernodalPattern supernodes() const;
-  std::size_t place(std::size_t k) const {
-    return std::size_t(analysis_->unknown[k] / 3 * row_doubles + analysis_->unknown[k] % 3);
-  }
-
-  std::shared_ptr<SupernodalAnalysis> analysis_;
-  SupernodalNumbers numbers_;
-  cholmod_dense *right_ = nullptr, *solution_ = nullptr, *work_y_ = nullptr, *work_e_ = nullptr;
-  Array<float> rough_values_;  ///< the factor in single precision; empty: none yet
-  std::vector<float> rough_, gathered_;
-};
+}  // namespace
 
 void SupernodalFactor::release() {
   for (cholmod_dense** dense : {&right_, &solution_, &work_y_, &work_e_})
@@ -90,14 +58,21 @@ void SupernodalFactor::release() {
 }
 
 bool SupernodalFactor::analyse(const BlockMatrix& matrix, StopToken stop) {
+  std::shared_ptr<SupernodalAnalysis> analysis = SupernodalAnalysis::of(matrix, stop);
+  if (analysis)
+    take(std::move(analysis));
+  else
+    release();
+  return analysis_ != nullptr;
+}
+
+void SupernodalFactor::take(std::shared_ptr<SupernodalAnalysis> analysis) {
   release();
-  analysis_ = SupernodalAnalysis::of(matrix, stop);
-  if (!analysis_) return false;
-  numbers_.setPattern(supernodes());
+  analysis_ = std::move(analysis);
+  numbers_.setPattern(analysis_->supernodes());
   const std::size_t count = analysis_->unknown.size();
   right_ = cholmod_allocate_dense(count, 1, count, CHOLMOD_REAL, &analysis_->common);
   analysis_->check(right_, "allocate a vector");
-  return true;
 }
 
 void SupernodalFactor::load(const BlockMatrix& matrix) {
@@ -127,16 +102,6 @@ SolveStop SupernodalFactor::factor(Index& row, StopToken stop) {
   if (end.bad_column < 0) return SolveStop::converged;
   row = analysis_->unknown[std::size_t(end.bad_column)] / 3;
   return SolveStop::not_definite;
-}
-
-SupernodalPattern SupernodalFactor::supernodes() const {
-  const cholmod_factor& factor = *analysis_->factor;
-  return {int(factor.n),
-          int(factor.nsuper),
-          static_cast<const int*>(factor.super),
-          static_cast<const int*>(factor.pi),
-          static_cast<const int*>(factor.px),
-          static_cast<const int*>(factor.s)};
 }
 
 void SupernodalFactor::apply(ConstRows b, Rows x) {
@@ -188,9 +153,5 @@ void SupernodalFactor::applyRoughly(ConstRows b, Rows x) {
   }
   for (std::size_t k = 0; k < unknowns; ++k) x.data[place(k)] = scale * double(rough_[k]);
 }
-
-}  // namespace
-
-std::unique_ptr<CholeskyFactor> CholeskyFactor::make() { return std::make_unique<SupernodalFactor>(); }
 
 }  // namespace stroma

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/direct_solvers/front_loops.h"
+
+namespace stroma {
+
+const FrontKernels front_kernels_v2 = loops;
+
+}  // namespace stroma

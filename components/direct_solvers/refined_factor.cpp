@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/direct_solvers/refined_factor.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace stroma {
+namespace {
+
+/// Factors of fewer operations, a few milliseconds in double precision, are made in it; and so are those of slender bodies, with
+/// few operations for each number: an application would take too much of what is saved.
+constexpr double few_operations = 5e7, few_for_each_number = 180;
+/// What a solve leaves at most of the right side, and of the solution in the norm of the energy.
+constexpr double residual_left = 1e-11, error_left = 1e-11;
+/// Estimates for one core, fitted to 1,331 nodes of tetrahedra and to 1,331 and 15,625 of hexahedra: of factorisations, whose
+/// numbers take time too, of an application for each number, and of a product for each block.
+double secondsInSingle(const CholeskyFactor& of) { return of.flops() / 115e9 + 1.5e-9 * of.entries(); }
+double secondsInDouble(const CholeskyFactor& of) { return of.flops() / 40e9 + 8e-9 * of.entries(); }
+constexpr double application_single = 0.65e-9, application_double = 1.3e-9, product_block = 3e-9;
+
+/// Other values give another number, as good as always.
+std::int64_t mixedBits(const std::vector<double>& values) {
+  constexpr std::size_t lanes = 4;
+  constexpr std::uint64_t factor = 0x9e3779b97f4a7c15u;
+  const auto mix = [](std::uint64_t into, std::uint64_t bits) { return (std::rotl(into, 29) ^ bits) * factor; };
+  std::uint64_t mixed[lanes] = {1, 2, 3, 4};
+  std::size_t i = 0;
+  for (; i + lanes <= values.size(); i += lanes)
+    for (std::size_t l = 0; l < lanes; ++l) mixed[l] = mix(mixed[l], std::bit_cast<std::uint64_t>(values[i + l]));
+  for (; i < values.size(); ++i) mixed[0] = mix(mixed[0], std::bit_cast<std::uint64_t>(values[i]));
+  for (std::size_t l = 1; l < lanes; ++l) mixed[0] = mix(mixed[0], mixed[l]);
+  return std::bit_cast<std::int64_t>(mixed[0]);
+}
+
+}  // namespace
+
+RefinedFactor::RefinedFactor(FactorPrecision precision, std::shared_ptr<FactorRecord> record)
+    : wanted_(precision), record_(record ? std::move(record) : std::make_shared<FactorRecord>()) {}
+
+bool RefinedFactor::analyse(const BlockMatrix& matrix, StopToken stop) {
+  analysis_ = SupernodalAnalysis::of(matrix, stop);
+  has_fronts_ = has_analysis_ = has_double_ = false;
+  if (!analysis_) return false;
+  uses_single_ = wanted_ == FactorPrecision::in_single ||
+               (wanted_ == FactorPrecision::automatic && flops() >= std::max(few_operations, few_for_each_number * entries()));
+  if (!uses_single_) return true;
+  matrix_ = matrix;
+  const cholmod_sparse& lower = *analysis_->lower;
+  fronts_.setPattern(analysis_->supernodes(), static_cast<const int*>(lower.p), static_cast<const int*>(lower.i));
+  scale_.resize(analysis_->unknown.size());
+  place_.clear();
+  for (const int unknown : analysis_->unknown) place_.push_back(std::size_t(unknown / 3 * row_doubles + unknown % 3));
+  solution_.resize(analysis_->unknown.size());
+  for (Vector* vector : {&residual_, &step_, &direction_, &product_}) vector->resize(matrix.rows());
+  return true;
+}
+
+void RefinedFactor::load(const BlockMatrix& matrix) {
+  has_fronts_ = has_double_ = false;
+  if (!uses_single_) return loadInDouble(matrix);
+  std::copy(matrix.values().begin(), matrix.values().end(), matrix_.values().begin());
+  const std::int64_t mixed = mixedBits(matrix_.values());
+  FactorMemory& now = memory();
+  if (!record_->memory) now = {};
+  if (mixed == now.values) return;
+  if (!now.is_double && now.lost <= secondsSaved()) now.penalty = 0;
+  now.values = mixed, now.lost = 0;
+  now.is_double = now.waiting > 0;
+  now.waiting = std::max(0, now.waiting - 1);
+}
+
+void RefinedFactor::loadInDouble(const BlockMatrix& matrix) {
+  if (!has_analysis_) in_double_.take(analysis_);
+  has_analysis_ = true;
+  in_double_.load(matrix);
+}
+
+SolveStop RefinedFactor::factor(Index& row, StopToken stop) {
+  if (!uses_single_) {
+    record_->is_single = false;
+    return in_double_.factor(row, stop);
+  }
+  stop_ = stop;
+  if (!memory().is_double) {
+    const SolveStop end = factorInSingle(stop);
+    if (end != SolveStop::not_definite) return end;
+    memory().is_double = true;
+    const SolveStop again = factorInDouble(row, stop);
+    if (again == SolveStop::converged) giveUp();
+    return again;
+  }
+  return factorInDouble(row, stop);
+}
+
+SolveStop RefinedFactor::factorInSingle(StopToken stop) {
+  if (!scaleToUnitDiagonal()) return SolveStop::not_definite;
+  const SupernodalEnd end = fronts_.factor(matrix_.values().data(), analysis_->source, scale_, stop);
+  if (end.stopped) return SolveStop::stopped;
+  has_fronts_ = record_->is_single = end.bad_column < 0;
+  return has_fronts_ ? SolveStop::converged : SolveStop::not_definite;
+}
+
+SolveStop RefinedFactor::factorInDouble(Index& row, StopToken stop) {
+  loadInDouble(matrix_);
+  const SolveStop end = in_double_.factor(row, stop);
+  has_double_ = end == SolveStop::converged;
+  record_->is_single = false;
+  return end;
+}
+
+void RefinedFactor::giveUp() {
+  memory().is_double = true;
+  ++record_->given_up;
+  waitLonger();
+}
+
+/// Twice as many matrices as the last time.
+void RefinedFactor::waitLonger() {
+  constexpr int most = 63;
+  FactorMemory& now = memory();
+  now.penalty = now.waiting = std::min(most, 2 * now.penalty + 1);
+}
+
+/// By powers of two, which change no digit. False when a number on the diagonal is not positive.
+bool RefinedFactor::scaleToUnitDiagonal() {
+  for (std::size_t k = 0; k < scale_.size(); ++k) {
+    const std::size_t node = std::size_t(analysis_->unknown[k] / 3), c = std::size_t(analysis_->unknown[k] % 3);
+    const double value = matrix_.values()[9 * std::size_t(matrix_.diagonal()[node]) + 4 * c];
+    if (!(value > 0)) return false;
+    scale_[k] = std::ldexp(1.0, -(std::ilogb(value) / 2));
+  }
+  return true;
+}
+
+void RefinedFactor::applyOnce(ConstRows b, Rows x) {
+  double size = std::numeric_limits<double>::min();  // single precision has a smaller range
+  for (std::size_t k = 0; k < scale_.size(); ++k) size = std::max(size, std::abs(b.data[place_[k]] * scale_[k]));
+  for (std::size_t k = 0; k < scale_.size(); ++k) solution_[k] = float(b.data[place_[k]] * scale_[k] / size);
+  fronts_.solve(solution_.data());
+  for (std::size_t k = 0; k < scale_.size(); ++k) x.data[place_[k]] = size * (scale_[k] * double(solution_[k]));
+}
+
+/// Until they have cost what factors in single precision save.
+int RefinedFactor::mostApplications() const {
+  return int(std::clamp(2 + secondsSaved() / secondsOfIteration(), 4.0, 60.0));
+}
+
+double RefinedFactor::secondsSaved() const { return secondsInDouble(*this) - secondsInSingle(*this); }
+
+double RefinedFactor::secondsOfIteration() const {
+  return application_single * entries() + product_block * matrix_.blocks();
+}
+
+/// Conjugate gradients, with the form of beta for a preconditioner that is linear to round-off only. False when it would take too
+/// many iterations, or A is not positive definite.
+bool RefinedFactor::solve(ConstRows b, Rows x, StopToken stop) {
+  const double size = norm(b);
+  clear(x);
+  if (size == 0) return true;
+  copy(b, residual_);
+  double first = 0, former = 0, length = 0;  // r^T A^-1 r, the square of an error's energy
+  const int most = mostApplications();
+  ++record_->solves;
+  for (int k = 0; k < most && !stop.isStopAsked(); ++k) {
+    applyOnce(residual_, step_);
+    ++record_->applications;
+    const double energy = dot(residual_, step_);
+    if (!(energy > 0)) return energy == 0;
+    if (k == 0)
+      first = energy, copy(step_, direction_);
+    else
+      xpay(step_, -length * dot(step_, product_) / former, direction_);
+    matrix_.multiply(direction_, product_);
+    const double curvature = dot(direction_, product_);
+    if (!(curvature > 0)) return false;
+    length = dot(direction_, residual_) / curvature;
+    axpy(length, direction_, x);
+    axpy(-length, product_, residual_);
+    // the error before this iteration, and after it if it shrinks as much as in the one before
+    const double error = std::sqrt(energy / first), next = k == 0 ? 1 : error * std::sqrt(energy / former);
+    if (norm(residual_) <= residual_left * size && next <= error_left) {
+      noteSolved(k + 1);
+      return true;
+    }
+    former = energy;
+  }
+  return false;
+}
+
+void RefinedFactor::noteSolved(int iterations) {
+  FactorMemory& now = memory();
+  const bool paid = now.lost <= secondsSaved();
+  now.lost += std::max(0.0, iterations * secondsOfIteration() - application_double * entries());
+  if (paid && now.lost > secondsSaved()) waitLonger();
+  now.is_double = now.lost > secondsInDouble(*this);  // from the next one on
+}
+
+void RefinedFactor::apply(ConstRows b, Rows x) {
+  if (!uses_single_) return in_double_.apply(b, x);
+  const StopToken stop = std::exchange(stop_, {});  // later, its owner may have gone
+  FactorMemory& now = memory();
+  Index row = -1;
+  if (!record_->memory) now.is_double = true;  // of others' matrices nothing is remembered
+  if (!now.is_double) {
+    if ((has_fronts_ || factorInSingle(stop) == SolveStop::converged) && solve(b, x, stop)) return;
+    if (stop.isStopAsked()) return clear(x);
+    now.is_double = true;
+    if (factorInDouble(row, stop) == SolveStop::converged) giveUp();
+  } else if (!has_double_ && !stop.isStopAsked()) {
+    factorInDouble(row, stop);
+  }
+  if (has_double_)
+    in_double_.apply(b, x);
+  else
+    clear(x);
+}
+
+void RefinedFactor::applyRoughly(ConstRows b, Rows x) {
+  if (has_fronts_)
+    applyOnce(b, x);
+  else
+    in_double_.applyRoughly(b, x);
+}
+
+Factorisation::Cost RefinedFactor::cost() const {
+  if (!uses_single_) return in_double_.cost();
+  return {secondsInSingle(*this), application_single * entries()};
+}
+
+std::unique_ptr<CholeskyFactor> CholeskyFactor::make(FactorPrecision precision, std::shared_ptr<FactorRecord> record) {
+  if (precision == FactorPrecision::in_double) return std::make_unique<SupernodalFactor>();
+  return std::make_unique<RefinedFactor>(precision, std::move(record));
+}
+
+}  // namespace stroma
