@@ -139,7 +139,8 @@ void ElasticForceField::declare(DataTable& table) {
           "above "
           "0.45 for tetrahedra");
   table.addChoice("polarOf", polar_of_, {"gradient", "edges"})
-      .help("of tetrahedra, method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its edges");
+      .help("of tetrahedra and hexahedra, method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its "
+            "edges");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
@@ -213,7 +214,7 @@ void ElasticForceField::init() {
   if (polar_of_ == PolarOf::edges) {
     const bool turns = variant_.method == ElasticMethod::polar || variant_.method == ElasticMethod::svd;
     if (!turns || variant_.exact_tangent || variant_.mean_dilatation || update_b_ || !elements_->usePolarOfEdges())
-      throw ComponentError("polarOf=\"edges\" is of method polar of tetrahedra, with local dilatation and constant B",
+      throw ComponentError("polarOf=\"edges\" is of method polar of tetrahedra and hexahedra, with local dilatation and constant B",
                            "polarOf=\"gradient\"");
   }
   elements_->bind(*mesh_, state().rest_position, variant_);
@@ -383,7 +384,8 @@ ForceField::Cost ElasticForceField::cost() const {
   const ElasticElements::Nanoseconds each = elements_->cost();
   // a matrix of its own is enough, and so is none
   const bool fixed = assembling_ != Assembling::automatic;
-  return {cells * each.product, fixed ? 1e30 : cells * each.assembly};
+  const double single = method_ && method_->hasSingleProduct() ? 0.7 * cells * each.product : 0;
+  return {cells * each.product, fixed ? 1e30 : cells * each.assembly, single};
 }
 
 }  // namespace stroma

@@ -93,14 +93,22 @@ struct BoxCorotational : BoxModel {
   template <class T>
   static void force(const BoxRest<T>& rest, BoxTangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
     const Modes<T> m = modesOf(x);
-    const M3<T> r = Rotation::of(meanDeformation(t, m));
+    const M3<T> r = axesNow(rest, t, m);
     t.axes = r;
     forceIn(rest, t, r, m, f);
   }
   template <class T>
   static T energy(const BoxRest<T>& rest, const BoxTangent<T>& t, const V3<T> (&x)[8]) {
     const Modes<T> m = modesOf(x);
-    return energyIn(rest, t, Rotation::of(meanDeformation(t, m)), m);
+    return energyIn(rest, t, axesNow(rest, t, m), m);
+  }
+
+ private:
+  template <class T>
+  static M3<T> axesNow(const BoxRest<T>& rest, const BoxTangent<T>& t, const Modes<T>& m) {
+    const T none(0.);
+    const M3<T> then{{rest.edges[0], none, none}, {none, rest.edges[1], none}, {none, none, rest.edges[2]}};
+    return rotationOf<Rotation>(BoxModel::meanDeformation(t, m), meanEdges(m), then);
   }
 };
 

@@ -72,7 +72,7 @@ struct Kinematics {
   Kinematics(const PointRest<T>& rest, const V3<T> (&x)[8]) {
     const Modes<T> m = modesOf(x);
     deformation = timesUpper(meanEdges(m), rest.inverse_edges);
-    rotation = Rotation::of(deformation);
+    rotation = rotationOf<Rotation>(deformation, meanEdges(m), meanEdges(rest.modes));
     if constexpr (update != Update::none) j = atPoints(m);
     d = atPoints(m - rotated(rotation, rest.modes));
   }

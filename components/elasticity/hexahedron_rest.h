@@ -27,4 +27,13 @@ struct PointRest {
   T inverse_determinant[8];  ///< of a J_0 made of modes, 512 det J_0; 0 where B is updated and the volume is not
 };
 
+/// R by the mean edges now and at rest where the method asks for them, or by the F that they make.
+template <class Rotation, class T>
+M3<T> rotationOf(const M3<T>& deformation, const M3<T>& now, const M3<T>& then) {
+  if constexpr (requires { Rotation::of(now, then); })
+    return Rotation::of(now, then);
+  else
+    return Rotation::of(deformation);
+}
+
 }  // namespace stroma::hexahedron

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // St. Venant-Kirchhoff: W = lambda/2 tr(E)^2 + mu tr(E^2), E = (C - Id)/2, which has no J:
 //   tr E = (I1 - 3)/2,   tr E^2 = (I1^2 - 2 I2 - 2 I1 + 3)/4
+// In invariants for other cells and forms. Linear tetrahedra have kernels of their own, without invariants:
+//   S = lambda tr(E) Id + 2 mu E,  P = F S,  dP = dF S + F dS,  dE = sym(F^T dF)
 #include "components/hyperelasticity/hyperelastic_kernels.h"
 
 using namespace stroma;
@@ -15,7 +17,123 @@ struct StVenantKirchhoff : InLameConstants<FirstAndSecond> {
   }
 };
 
+/// A model of ModelKernels. Lame's constants are times minus the volume, so that P g_i are forces; no force changes them.
+struct GreenTetrahedron {
+  static constexpr int nodes = 4;
+  static constexpr bool reads_position = true;
+  using Frame = TriangularFrame;
+  template <class T>
+  using Rest = Frame::Gradients<T>;
+  template <class T>
+  struct Tangent {
+    T lambda, mu;
+  };
+
+  template <class T>
+  static void force(const Rest<T>& g, const Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
+    const M3<T> deformation = Frame::deformation(tetrahedron::Edges(x).e, g);
+    Frame::forces(timesSymmetric(deformation, stress(t.lambda, t.mu, deformation)), g, f);
+  }
+  template <class T>
+  static T energy(const Rest<T>& g, const Tangent<T>& t, const V3<T> (&x)[4]) {
+    S3<T> e = metric(Frame::deformation(tetrahedron::Edges(x).e, g)) * T(0.5);
+    e.xx -= T(0.5), e.yy -= T(0.5), e.zz -= T(0.5);
+    const T trace = e.xx + e.yy + e.zz;
+    return -fma(T(0.5) * t.lambda * trace, trace, t.mu * dot(e, e));
+  }
+  template <class T>
+  static void product(const Rest<T>& g, const Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+                      V3<T> (&df)[4]) {
+    const M3<T> f = Frame::deformation(tetrahedron::Edges(x).e, g);
+    const M3<T> change = Frame::deformation(tetrahedron::Edges(dx).e, g);
+    const T lambda = factor * t.lambda, mu = factor * t.mu;
+    Frame::forces(sum(change, stress(lambda, mu, f), f, stressChange(lambda, mu, f, change)), g, df);
+  }
+  /// (F + factor dF) S + factor F dS.
+  template <class T>
+  static void forceAndProduct(const Rest<T>& g, const Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+                              V3<T> (&both)[4]) {
+    const M3<T> f = Frame::deformation(tetrahedron::Edges(x).e, g);
+    const M3<T> change = Frame::deformation(tetrahedron::Edges(dx).e, g) * factor;
+    Frame::forces(sum(f + change, stress(t.lambda, t.mu, f), f, stressChange(t.lambda, t.mu, f, change)), g, both);
+  }
+
+ private:
+  /// S = lambda/2 (tr C - 3) Id + mu (C - Id)
+  template <class T>
+  static S3<T> stress(T lambda, T mu, const M3<T>& f) {
+    S3<T> c = metric(f);
+    c.xx -= T(1.), c.yy -= T(1.), c.zz -= T(1.);
+    const T on_unit = T(0.5) * lambda * (c.xx + c.yy + c.zz);
+    return {fma(mu, c.xx, on_unit), fma(mu, c.yy, on_unit), fma(mu, c.zz, on_unit), mu * c.xy, mu * c.yz, mu * c.zx};
+  }
+  /// dS = lambda tr(dE) Id + 2 mu dE
+  template <class T>
+  static S3<T> stressChange(T lambda, T mu, const M3<T>& f, const M3<T>& df) {
+    using stroma::dot;
+    const auto both = [](const V3<T>& a, const V3<T>& da, const V3<T>& b, const V3<T>& db) {
+      return fma(a.x, db.x, fma(a.y, db.y, fma(a.z, db.z, dot(da, b))));
+    };
+    const T xx = dot(f.c0, df.c0), yy = dot(f.c1, df.c1), zz = dot(f.c2, df.c2);
+    const T on_unit = lambda * (xx + yy + zz), two_mu = mu + mu;
+    return {fma(two_mu, xx, on_unit), fma(two_mu, yy, on_unit), fma(two_mu, zz, on_unit), mu * both(f.c0, df.c0, f.c1, df.c1),
+            mu * both(f.c1, df.c1, f.c2, df.c2), mu * both(f.c2, df.c2, f.c0, df.c0)};
+  }
+  /// A S + B T
+  template <class T>
+  static M3<T> sum(const M3<T>& a, const S3<T>& s, const M3<T>& b, const S3<T>& t) {
+    const auto column = [&](T s0, T s1, T s2, T t0, T t1, T t2) {
+      return fma(s0, a.c0, fma(s1, a.c1, fma(s2, a.c2, fma(t0, b.c0, fma(t1, b.c1, b.c2 * t2)))));
+    };
+    return {column(s.xx, s.xy, s.zx, t.xx, t.xy, t.zx), column(s.xy, s.yy, s.yz, t.xy, t.yy, t.yz),
+            column(s.zx, s.yz, s.zz, t.zx, t.yz, t.zz)};
+  }
+};
+
+/// Fans of them, written out: in a loop over the two, packs go through memory.
+struct GreenFan : tetrahedron::FanOf<GreenTetrahedron> {
+  template <class T>
+  static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes], const V3<T> (&dx)[nodes],
+                      V3<T> (&df)[nodes]) {
+    gatherForces<false>(df, [&](int i, V3<T>(&out)[4]) {
+      GreenTetrahedron::product(rest.of[i], t.of[i], factor, Corners<T>(x, i).x, Corners<T>(dx, i).x, out);
+    });
+  }
+  template <class T>
+  static void forceAndProduct(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes],
+                              const V3<T> (&dx)[nodes], V3<T> (&both)[nodes]) {
+    gatherForces<false>(both, [&](int i, V3<T>(&out)[4]) {
+      GreenTetrahedron::forceAndProduct(rest.of[i], t.of[i], factor, Corners<T>(x, i).x, Corners<T>(dx, i).x, out);
+    });
+  }
+};
+
 }  // namespace
+
+/// In place of those from the energy: form mjed, as the law refuses the regularised one.
+template <>
+std::unique_ptr<ElementKernels> stroma::hyperelastic::tetrahedraOf<StVenantKirchhoff>(const Cells& cells) {
+  using namespace tetrahedron;
+  using Model = GreenFan;
+  const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
+  std::vector<std::array<Index, fan_nodes>> nodes;
+  nodes.reserve(fans.size());
+  for (const tetrahedron::Fan& fan : fans) nodes.push_back(fan.nodes);
+  StorageOf<Model> storage;
+  storage.build(nodes, *cells.rest, cells.first_row, [&](std::size_t f, bool padding, auto& rest, auto& tangent) {
+    for (int i = 0; i < fan_size; ++i) {
+      const Index e = fans[f].element[i];
+      const std::size_t cell = std::size_t(e >= 0 ? e : fans[f].element[0]);
+      stroma::Tetrahedron order;
+      for (int a = 0; a < 4; ++a) order[a] = nodes[f][corner(i, a)];
+      double weight = 0;
+      setTetrahedron<TriangularFrame>(cells, cell, order, false, padding || e < 0, rest.of[i], weight);
+      const auto constants = parametersOf<StVenantKirchhoff>(cells.parameters(cell));
+      tangent.of[i] = {weight * constants.lambda, weight * constants.mu};
+    }
+  });
+  return std::make_unique<ModelKernels<Model>>(std::move(storage));
+}
 
 STROMA_COMPONENT(st_venant_kirchhoff) {
   offerHyperelasticLaw(inLameConstants(lawOf<StVenantKirchhoff>("StVenantKirchhoff", "lambda/2 tr(E)^2 + mu tr(E^2)")));

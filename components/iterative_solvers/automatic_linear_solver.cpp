@@ -203,7 +203,7 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
   const cg::Limits limits{std::min(iterations_, patienceOf(kept)), target(), terms.stop};
   if (kept.symmetric) {
     kept.work.resize(b.count);
-    report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x);
+    report = cg::preconditioned(multiply, quickProduct(matrix), precondition, note, limits, b, kept.work, x);
   } else {
     kept.space.resize(b.count);
     report = gmres::solve(multiply, precondition, note, limits, b, kept.space, x);
@@ -251,6 +251,7 @@ void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive)
   archive.value("lost_iterations", kept.now.lost_iterations);
   archive.value("left", kept.now.left);
   kept.inverse.serialize(matrix, archive, !archive.isReading() && !dependsOnState(node().root()));
+  if (kept.now.way == Way::factors) direct_->serializeFor(matrix, archive);
   if (archive.isReading()) tellChoice(kept);
 }
 
@@ -258,12 +259,14 @@ void AutomaticLinearSolver::keepFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
   kept.before_step = kept.now;
   kept.inverse.keep(matrix);
+  direct_->keepFor(matrix);
 }
 
 void AutomaticLinearSolver::takeBackFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
   kept.now = kept.before_step;
   kept.inverse.takeBack(matrix);
+  direct_->takeBackFor(matrix);
   tellChoice(kept);
 }
 

@@ -17,7 +17,10 @@
 // first iteration (nothing then moves). Here it is the cosine between p and A p, which no units enter; with the default
 // it passes for every matrix of condition number below 4e20. All other iterates are those of SOFA's solver. SOFA's test is
 // there too: with absoluteThreshold t above zero, iteration k ends when |r| <= tolerance |b| or, before x moves, when
-// |p.A p| <= t; in the first solve of a run neither ends the first iteration. Scenes in SOFA's dialect have it.
+// |p.A p| <= t; in the first solve of a run neither ends the first iteration. Scenes in SOFA's dialect have it, and then a matrix
+// that is not symmetric is taken as it is. With `bodies` the
+// rows below each of these nodes have alpha, beta and ends of their own, as where SOFA gives each body a solver: nothing may tie
+// them in the matrix.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -44,9 +47,11 @@ class CGLinearSolver final : public KrylovSolver {
   void declare(DataTable& table) override;
   void init() override;
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
+  /// SOFA's takes what comes, which a pressure on a surface with a free rim makes a little unsymmetric.
+  bool needsSymmetric() const override { return !data().find("absoluteThreshold")->isSet(); }
   void serializeFor(SystemMatrix& matrix, Archive& archive) override {
     if (warm_start_) archive.rows("previous", keptFor(matrix, matrix.rows()).previous);
-    if (absolute_threshold_ > 0) archive.value("has_solved", keptFor(matrix, matrix.rows()).has_solved);
+    if (absolute_threshold_ > 0 || !bodies_.empty()) archive.value("has_solved", keptFor(matrix, matrix.rows()).has_solved);
   }
   void keepFor(SystemMatrix& matrix) override {
     Kept& kept = keptFor(matrix, matrix.rows());
@@ -63,6 +68,15 @@ class CGLinearSolver final : public KrylovSolver {
   }
 
  private:
+  /// The rows of a body, and where its own iterations are.
+  struct Part {
+    std::vector<std::pair<Index, Index>> rows;  ///< first and count
+    double enough = 0, residual = 0, before = 0;
+    bool ended = false;
+    double inner(ConstRows a, ConstRows b) const;
+    bool begin(bool must_go_on, ConstRows r, Rows p);
+    bool go(double threshold, ConstRows p, ConstRows q, Rows r, Rows x);
+  };
   /// For each matrix: work space, the last solution and the inverses of the diagonal blocks.
   struct Kept {
     Vector r, p, q, z, previous;
@@ -71,16 +85,21 @@ class CGLinearSolver final : public KrylovSolver {
     cg::BlockJacobi jacobi;
     MatrixKey jacobi_key;
     Index bad_block = -1;
+    std::vector<Part> parts;  ///< with `bodies`
     bool has_solved = false;  ///< since the start of the run
     bool had_solved = false;  ///< before the step
   };
   Kept& keptFor(const SystemMatrix& matrix, Index rows);
   void prepare(const SystemMatrix& matrix, Kept& kept) const;
-  SolveReport iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
+  SolveReport iterate(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x, double residual);
+  double renewed(const SystemMatrix& matrix, Kept& kept, ConstRows b, ConstRows x, double before);
   SolveReport iterateAbsolutely(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
+  void findParts(const SystemMatrix& matrix, Kept& kept) const;
+  SolveReport iterateApart(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x);
 
   double threshold_ = 1e-5, absolute_threshold_ = 0;
   bool warm_start_ = false;
+  std::vector<std::string> bodies_;
   CGPreconditioner preconditioner_ = CGPreconditioner::automatic;
   bool precondition_ = false;
   PerMatrix<Kept> kept_;
@@ -88,6 +107,7 @@ class CGLinearSolver final : public KrylovSolver {
 
 void CGLinearSolver::declare(DataTable& table) {
   KrylovSolver::declare(table);
+  declarePrecision(table);
   table.add("threshold", threshold_)
       .atOnce()
       .help("stop as broken down when |p.A p| <= threshold^2 |p| |A p| (relative, unlike SOFA's)")
@@ -98,6 +118,9 @@ void CGLinearSolver::declare(DataTable& table) {
       .help("above zero: stop when |p.A p| is not above it, as SOFA does; it depends on the units of the scene")
       .unit("J")
       .min(0);
+  table.add("bodies", bodies_)
+      .help("paths of nodes below which rows are solved for apart from all others, with ends as of absoluteThreshold; nothing may tie "
+            "them in the matrix");
   table.add("warmStart", warm_start_).help("start from the solution of the previous solve");
   table.addChoice("preconditioner", preconditioner_, {"auto", "none", "block_jacobi"})
       .help(
@@ -111,6 +134,8 @@ void CGLinearSolver::init() {
     throw ComponentError("absoluteThreshold is a test of plain conjugate gradients", "preconditioner=\"none\"");
   precondition_ = preconditioner_ == CGPreconditioner::block_jacobi ||
                   (preconditioner_ == CGPreconditioner::automatic && !data().find("iterations")->isSet());
+  if (!bodies_.empty() && precondition_)
+    throw ComponentError("bodies are solved for apart by plain conjugate gradients", "preconditioner=\"none\"");
 }
 
 CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index rows) {
@@ -120,6 +145,7 @@ CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index 
   if (precondition_) kept.z.resize(rows);
   if (warm_start_) kept.previous.resize(rows), kept.before_step.resize(rows);
   kept.jacobi_key = {};
+  kept.parts.clear();
   return kept;
 }
 
@@ -130,27 +156,52 @@ void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) const {
   kept.jacobi_key = matrix.key();
 }
 
-SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual) {
+/// r = b - A x in double precision; returns r.r. Quick products end where they no longer helped since it was `before`.
+double CGLinearSolver::renewed(const SystemMatrix& matrix, Kept& kept, ConstRows b, ConstRows x, double before) {
+  constexpr double helps = 0.1;
+  const double now = KrylovSolver::residual(matrix, b, x, kept.r, kept.q);
+  if (!(now < helps * helps * before)) quickProduct(matrix).leave(), clear(kept.p);  // which begins anew
+  return now;
+}
+
+SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x, double residual) {
   Vector &r = kept.r, &p = kept.p, &q = kept.q, &z = kept.z;
   SolveReport report;
-  double rho = precondition_ ? kept.jacobi.apply(r, z) : residual;
-  copy(precondition_ ? z.rows() : r.rows(), p);
+  int since = 0;
+  double rho = 0, reliable = residual;  // of the residual that was last computed in double precision
+  const auto start = [&] {
+    rho = precondition_ ? kept.jacobi.apply(r, z) : residual;
+    copy(precondition_ ? z.rows() : r.rows(), p);
+  };
+  start();
+  const QuickProduct quick = quickProduct(matrix);
   const double enough = target();
   for (;;) {
-    product(matrix, p, q);
+    quick(p, q);
     ++report.iterations;
     const cg::Curvature curve = cg::curvature(p, q);
+    const double least = threshold_ * threshold_ * std::sqrt(curve.pp) * std::sqrt(curve.qq);
+    if (quick.isOn() && !(curve.pq > least)) {  // rounding may have done that
+      quick.leave(), residual = KrylovSolver::residual(matrix, b, x, r, q);
+      start();
+      continue;
+    }
     if (!std::isfinite(curve.pq)) {
       report.stop = SolveStop::not_finite;
       break;
     }
-    if (curve.pq <= threshold_ * threshold_ * std::sqrt(curve.pp) * std::sqrt(curve.qq)) {
+    if (curve.pq <= least) {
       const bool negative = curve.pq < -1e-14 * std::sqrt(curve.pp) * std::sqrt(curve.qq);
       report.stop = negative ? SolveStop::not_definite : SolveStop::breakdown;
       break;
     }
-    const double alpha = rho / curve.pq;
+    double alpha = rho / curve.pq;
     residual = cg::reduceResidual(alpha, q, r);
+    const bool is_small = std::sqrt(residual) <= std::max(enough, quick.digits * std::sqrt(reliable));
+    if (quick.isOn() && (is_small || ++since == 200)) {
+      axpy(alpha, p, x), alpha = 0, since = 0;
+      residual = reliable = renewed(matrix, kept, b, x, reliable);
+    }
     record(std::sqrt(residual) / norm_b_);
     if (!std::isfinite(residual)) {
       report.stop = SolveStop::not_finite;
@@ -208,6 +259,83 @@ SolveReport CGLinearSolver::iterateAbsolutely(const SystemMatrix& matrix, Kept& 
   return report;
 }
 
+/// Rows of states below none of `bodies` are a part of their own.
+void CGLinearSolver::findParts(const SystemMatrix& matrix, Kept& kept) const {
+  kept.parts.assign(bodies_.size() + 1, {});
+  for (Index row = 0; row < kept.r.count(); ++row) {
+    const std::string text = matrix.describeRow(row);  // "node 3 of /body/dofs"
+    const std::string_view path = std::string_view(text).substr(std::min(text.size(), text.find('/')));
+    std::size_t part = 0;
+    while (part < bodies_.size() && !path.starts_with(bodies_[part] + "/")) ++part;
+    auto& rows = kept.parts[part].rows;
+    if (rows.empty() || rows.back().first + rows.back().second != row) rows.push_back({row, 0});
+    ++rows.back().second;
+  }
+  std::erase_if(kept.parts, [](const Part& part) { return part.rows.empty(); });
+}
+
+double CGLinearSolver::Part::inner(ConstRows a, ConstRows b) const {
+  double sum = 0;
+  for (const auto& [first, count] : rows) sum += dot(a.segment(first, count), b.segment(first, count));
+  return sum;
+}
+
+/// p = r + beta p, or 0 where it ends; false: it ends.
+bool CGLinearSolver::Part::begin(bool must_go_on, ConstRows r, Rows p) {
+  ended = ended || (std::sqrt(residual) <= enough && !must_go_on) || !std::isfinite(residual);
+  for (const auto& [first, count] : rows) {
+    const Rows own = p.segment(first, count);
+    ended ? clear(own) : xpay(r.segment(first, count), before == 0 ? 0 : residual / before, own);
+  }
+  return !ended;
+}
+
+/// False: it ends before x moves.
+bool CGLinearSolver::Part::go(double threshold, ConstRows p, ConstRows q, Rows r, Rows x) {
+  const double curve = inner(p, q);
+  ended = std::abs(curve) <= threshold || curve == 0;
+  if (ended) return false;
+  for (const auto& [first, count] : rows) {
+    axpy(residual / curve, p.segment(first, count), x.segment(first, count));
+    axpy(-residual / curve, q.segment(first, count), r.segment(first, count));
+  }
+  before = residual, residual = inner(r, r);
+  return true;
+}
+
+/// iterateAbsolutely() of each part, with their products at once.
+SolveReport CGLinearSolver::iterateApart(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x) {
+  Vector &r = kept.r, &p = kept.p, &q = kept.q;
+  const bool is_first_solve = !kept.has_solved;
+  kept.has_solved = true;
+  for (Part& part : kept.parts) {
+    part.enough = target() / norm_b_ * std::sqrt(part.inner(b, b));
+    part.residual = part.inner(r, r), part.before = 0;
+    part.ended = part.residual == 0;
+  }
+  clear(p);
+  SolveReport report;
+  bool is_limited = false;
+  for (int k = 1; k <= iterations_ && !isStopAsked(); ++k) {
+    const bool must_go_on = is_first_solve && k == 1;
+    bool goes_on = false;
+    for (Part& part : kept.parts) goes_on = part.begin(must_go_on, r, p) || goes_on;
+    if (!goes_on) break;
+    product(matrix, p, q);
+    report.iterations = k;
+    for (Part& part : kept.parts)
+      if (!part.ended) is_limited = !part.go(must_go_on ? 0 : absolute_threshold_, p, q, r, x) || is_limited;
+    record(norm(r) / norm_b_);
+  }
+  for (const Part& part : kept.parts) is_limited = is_limited || !part.ended;
+  report.relative_residual = norm(r) / norm_b_;
+  report.stop = isStopAsked()                                ? SolveStop::stopped
+                : !std::isfinite(report.relative_residual) ? SolveStop::not_finite
+                : is_limited                                 ? SolveStop::iteration_limit
+                                                             : SolveStop::converged;
+  return report;
+}
+
 SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
   if (!begin(matrix, b, x, terms, report)) return report;
@@ -221,12 +349,15 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, con
   }
   if (warm_start_) copy(kept.previous, x);
   const double residual = KrylovSolver::residual(matrix, b, x, kept.r, kept.q);
-  if (absolute_threshold_ > 0 && !precondition_) {
+  if (!bodies_.empty()) {
+    if (kept.parts.empty()) findParts(matrix, kept);
+    report = iterateApart(matrix, kept, b, x);
+  } else if (absolute_threshold_ > 0 && !precondition_) {
     report = iterateAbsolutely(matrix, kept, x, residual);
   } else if (std::sqrt(residual) <= target()) {
     report.relative_residual = std::sqrt(residual) / norm_b_;
   } else {
-    report = iterate(matrix, kept, x, residual);
+    report = iterate(matrix, kept, b, x, residual);
   }
   if (warm_start_ && report.stop != SolveStop::not_finite && report.stop != SolveStop::stopped) copy(x, kept.previous);
   return report;

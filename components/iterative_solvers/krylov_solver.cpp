@@ -31,6 +31,30 @@ void KrylovSolver::declare(DataTable& table) {
       .output();
 }
 
+void KrylovSolver::declarePrecision(DataTable& table) {
+  precision_ = Precision::automatic;
+  table.addChoice("precision", precision_, {"auto", "single", "double"})
+      .help(
+          "of products through the elements, where force fields have them in single precision; the residual that ends a solve is "
+          "in double; auto: single for tolerances of 1e-5 and more or up to 25 iterations, where a body is large enough to gain");
+}
+
+// Few iterations end far from where rounding shows, and loose tolerances too. In cache a product gains too little.
+bool KrylovSolver::takesSingle(const SystemMatrix& matrix, double relative_residual) const {
+  constexpr int few_iterations = 25;
+  constexpr Index few_rows = 2500;  // are not asked
+  constexpr double loose = 1e-5, worth_nanoseconds = 4e4;
+  if (precision_ == Precision::double_precision) return false;
+  if (precision_ == Precision::single_precision) return matrix.singleGain() > 0;
+  const bool is_loose = std::max(tolerance(), relative_residual) >= loose || (is_capped_ && iterations_ <= few_iterations);
+  return is_loose && matrix.rows() >= few_rows && matrix.singleGain() >= worth_nanoseconds;
+}
+
+std::string KrylovSolver::plan(const SystemMatrix& matrix) const {
+  if (form_ == Form::assembled || !takesSingle(matrix, 0)) return {};
+  return "products in single precision, the residual that ends a solve in double";
+}
+
 void KrylovSolver::init() {
   is_capped_ = data().find("iterations")->isSet();
   tolerance_data_ = data().find("tolerance");

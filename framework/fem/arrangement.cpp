@@ -19,9 +19,8 @@ std::uint64_t spread(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249ull;
 }
 
-/// An order of the elements and its blocks; block b holds
-/// order[start[b]] ... order[start[b + 1] - 1]. Slabs of two layers of cells or more only touch their neighbours, so
-/// two colours do, and nearly every node's sums are finished while it is in cache.
+/// An order of the elements and its blocks; block b holds order[start[b]] ... order[start[b + 1] - 1]. Slabs of two layers of
+/// cells or more only touch their neighbours, so two colours do, and nearly every node's sums are finished while it is in cache.
 struct Slabs {
   std::vector<Index> order;
   std::vector<std::size_t> start;

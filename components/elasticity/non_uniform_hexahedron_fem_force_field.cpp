@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// NonUniformHexahedronFEMForceField: trilinear hexahedra whose material does not fill them evenly. A cell has 1, 8, 64, ... parts
+// of equal size in the coordinates of the cell (x fastest), and a factor on the stiffness of each of them. With R the rotation
+// of a cell, X its nodes at rest, n_a the gradients of its shape functions there, and s_p the factor of part p,
+//
+//   f = -R K (R^T x - X),   K_ab = sum over parts of s_p * integral over p of lambda n_a n_b^T + mu n_b n_a^T + mu (n_a . n_b) I
+//
+// by eight Gauss points in each part. That is what a fine mesh of the parts has when its nodes follow those of the cell: coarse
+// cells feel where the body lies in them, and lock all the same.
+//
+// R belongs to F = [means of the four edges in each direction, now] [at rest]^-1: method large takes its QR factor, polar its polar
+// factor, small none. With polarOf = edges it is the product of the polar factors of the edges now and, transposed, at rest. The
+// tangent is -R K R^T.
+//
+// Source: M. Nesme, Y. Payan, F. Faure: Animating shapes at arbitrary resolution with non-uniform stiffness (2006). SOFA's
+// NonUniformHexahedronFEMForceFieldAndMass is this field and a MeshMatrixMass with the same factors.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="100" tolerance="1e-10"/>
+//   <SparseGridTopology name="grid" n="3 3 3" nbVirtualFinerLevels="2" partLevels="1"
+//     position="0 0 0  1 0 0  0 1 0  0 0 1" triangles="0 2 1  0 1 3  1 2 3  2 0 3"/>
+//   <MechanicalObject/>
+//   <UniformMass totalMass="1"/>
+//   <NonUniformHexahedronFEMForceField youngModulus="1e4" poissonRatio="0.3" partFactors="@grid.partFactors"/>
+//   <FixedProjectiveConstraint indices="0 1"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "components/elasticity/rotation_methods.h"
+#include "framework/fem/eigen_matrix.h"
+#include "framework/fem/isotropic.h"
+#include "framework/mechanics/node_group_field.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_kind.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+using CellStiffness = Eigen::Matrix<double, 24, 24>;
+using Corners = std::array<Vec3, 8>;
+constexpr int corner_places[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+
+/// The gradients of the shape functions by xi, in [0, 1] along each axis.
+std::array<Vec3, 8> slopesAt(const Vec3& xi) {
+  std::array<Vec3, 8> slopes;
+  for (std::size_t a = 0; a < 8; ++a)
+    for (int axis = 0; axis < 3; ++axis) {
+      double slope = corner_places[a][axis] ? 1 : -1;
+      for (int other = 0; other < 3; ++other)
+        if (other != axis) slope *= corner_places[a][other] ? xi[other] : 1 - xi[other];
+      slopes[a][axis] = slope;
+    }
+  return slopes;
+}
+
+/// Of a part with its lowest corner at `low`, of the size 1 / n; throws where the cell is inverted.
+CellStiffness partStiffness(const Corners& rest, const Vec3& low, int n, const Lame& material) {
+  CellStiffness k = CellStiffness::Zero();
+  for (int point = 0; point < 8; ++point) {
+    Vec3 xi = low;
+    for (int axis = 0; axis < 3; ++axis) xi[axis] += (0.5 + (point >> axis & 1 ? 0.5 : -0.5) / std::sqrt(3.)) / n;
+    std::array<Vec3, 8> g = slopesAt(xi);
+    Mat3 jacobian = Mat3::Zero();
+    for (std::size_t a = 0; a < 8; ++a) jacobian += rest[a] * g[a].transpose();
+    const double weight = jacobian.determinant() / (8. * n * n * n);
+    if (!(weight > 0)) throw ComponentError("a cell is flat or inverted at rest", "hexahedra that are not");
+    const Mat3 inverse = jacobian.inverse().transpose();
+    for (Vec3& gradient : g) gradient = inverse * gradient;
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b) {
+        const Vec3 &ga = g[std::size_t(a)], &gb = g[std::size_t(b)];
+        k.block<3, 3>(3 * a, 3 * b) += weight * (material.lambda * ga * gb.transpose() + material.mu * gb * ga.transpose() +
+                                                 material.mu * ga.dot(gb) * Mat3::Identity());
+      }
+  }
+  return k;
+}
+
+/// Means of the four edges in each direction.
+template <class At>
+Mat3 meanEdgesOf(At&& at) {
+  Mat3 edges = Mat3::Zero();
+  for (int a = 0; a < 8; ++a)
+    for (int axis = 0; axis < 3; ++axis) edges.col(axis) += (corner_places[a][axis] ? 0.25 : -0.25) * at(a);
+  return edges;
+}
+
+class NonUniformHexahedra final : public NodeGroupField<8> {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    topology_.declare(table, "mesh of hexahedra");
+    table.add("youngModulus", young_)
+        .recompiled()
+        .help("Young's modulus where the factor is 1")
+        .unit("Pa")
+        .min(0, false)
+        .physical();
+    table.add("poissonRatio", poisson_)
+        .recompiled()
+        .help("Poisson's ratio")
+        .unit("-")
+        .min(-1, false)
+        .max(0.5, false)
+        .physical();
+    table.add("partFactors", factors_)
+        .recompiled()
+        .help("factor on the stiffness of each part of each cell, as many parts in all cells; empty: 1")
+        .unit("-")
+        .min(0);
+    table.addChoice("method", method_, {"small", "large", "polar"})
+        .help("how a cell's rotation is found: small (none), large (QR), polar");
+    table.addChoice("polarOf", polar_of_, {"gradient", "edges"})
+        .help("of method polar: the matrix whose polar factor turns a cell, F or (SOFA) that of its edges");
+    for (const char* name : {"drawing", "drawPercentageOffset"}) table.addVisualOnly(name);
+  }
+
+  void init() override {
+    ForceField::init();
+    cells_ = topology_.meshWith(cell_kinds::hexahedron, *this, state()).hexahedra;
+    partsAlong();
+  }
+
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    const bool linear = method_ == Method::small;
+    traits.linear = traits.constant_stiffness = traits.conservative = traits.exact_tangent = linear;
+    traits.symmetric = traits.forces_balance = traits.has_rest_shape = true;
+    return traits;
+  }
+
+  void compile() override {
+    std::vector<Group> rows;
+    for (const Hexahedron& cell : cells_) {
+      rows.push_back(cell);
+      for (Index& row : rows.back()) row += state().firstRow();
+    }
+    setGroups(std::move(rows), false);
+    findStiffness();
+    rotations_.assign(cells_.size(), Mat3::Identity());
+    outdateTangents();
+  }
+
+  double energy(ConstRows x) const override {
+    double sum = 0;
+    for (std::size_t e = 0; e < cells_.size(); ++e) {
+      const CellVector u = strained(e, rotationOf(e, x), x);
+      sum += u.dot(own_[e] * u) / 2;
+    }
+    return sum;
+  }
+
+  void addForce(ConstRows x, ConstRows, Rows f) override {
+    for (std::size_t e = 0; e < cells_.size(); ++e) {
+      const Mat3& r = rotations_[e] = rotationOf(e, x);
+      const CellVector local = own_[e] * strained(e, r, x);
+      for (int a = 0; a < 8; ++a) f[rows_[e][std::size_t(a)]] -= r * local.segment<3>(3 * a);
+    }
+    outdateTangents();
+  }
+
+ protected:
+  void computeTangents() const override {
+    for (std::size_t e = 0; e < cells_.size(); ++e)
+      for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < 8; ++b)
+          stiffness_[e].block(a, b) = -(rotations_[e] * own_[e].block<3, 3>(3 * a, 3 * b) * rotations_[e].transpose());
+  }
+
+ private:
+  using CellVector = Eigen::Matrix<double, 24, 1>;
+
+  /// How many parts lie side by side in a cell.
+  int partsAlong() const {
+    if (factors_.empty()) return 1;
+    for (std::size_t n = 1; n <= 64; n *= 2)
+      if (factors_.size() == n * n * n * cells_.size()) return int(n);
+    throw ComponentError(fmt::format("partFactors has {} values for {} cells", factors_.size(), cells_.size()),
+                         "1, 8, 64, ... for each cell");
+  }
+  Corners cornersOf(std::size_t e) const {
+    Corners corners;
+    for (std::size_t a = 0; a < 8; ++a) corners[a] = state().rest_position[std::size_t(cells_[e][a])];
+    return corners;
+  }
+
+  void findStiffness() {
+    const Lame material = Lame::from(young_, poisson_);
+    const int n = partsAlong();
+    const auto parts = std::size_t(n * n * n);
+    own_.assign(cells_.size(), CellStiffness::Zero());
+    rest_edges_.clear();
+    std::vector<CellStiffness> of_parts;
+    CellStiffness whole = CellStiffness::Zero();
+    Corners shape;  // whose parts these are
+    for (std::size_t e = 0; e < cells_.size(); ++e) {
+      const Corners corners = cornersOf(e);
+      rest_edges_.push_back(meanEdgesOf([&](int a) { return corners[std::size_t(a)]; }).inverse());
+      if (of_parts.empty() || !isMoved(shape, corners)) {
+        shape = corners, of_parts.clear();
+        for (std::size_t p = 0; p < parts; ++p) {
+          const int at = int(p);
+          of_parts.push_back(partStiffness(corners, Vec3(at % n, at / n % n, at / n / n) / n, n, material));
+        }
+        whole.setZero();
+        for (const CellStiffness& k : of_parts) whole += k;
+      }
+      const double* factor = factors_.empty() ? nullptr : factors_.data() + e * parts;
+      if (!factor || std::all_of(factor, factor + parts, [&](double s) { return s == factor[0]; })) {
+        own_[e] = (factor ? factor[0] : 1) * whole;
+        continue;
+      }
+      for (std::size_t p = 0; p < parts; ++p)
+        if (factor[p] != 0) own_[e] += factor[p] * of_parts[p];
+    }
+  }
+  /// The same shape in another place, but for round-off.
+  static bool isMoved(const Corners& a, const Corners& b) {
+    constexpr double round_off = 1e-12;
+    for (std::size_t i = 1; i < 8; ++i)
+      if (!((a[i] - a[0]) - (b[i] - b[0])).isZero(round_off * (a[6] - a[0]).norm())) return false;
+    return true;
+  }
+
+  Mat3 rotationOf(std::size_t e, ConstRows x) const {
+    if (method_ == Method::small) return Mat3::Identity();
+    const Mat3 edges = meanEdgesOf([&](int a) { return Vec3(x[rows_[e][std::size_t(a)]]); });
+    const auto polar = [](const Mat3& m) { return toEigen(rotation::Polar::of(fromEigen(m))); };
+    if (method_ == Method::large) return toEigen(rotation::Qr::of(fromEigen(edges * rest_edges_[e])));
+    if (polar_of_ == PolarOf::edges) return polar(edges) * polar(rest_edges_[e].inverse()).transpose();
+    return polar(edges * rest_edges_[e]);
+  }
+  /// R^T x - X of the corners.
+  CellVector strained(std::size_t e, const Mat3& r, ConstRows x) const {
+    CellVector u;
+    for (int a = 0; a < 8; ++a) {
+      const Vec3& rest = state().rest_position[std::size_t(cells_[e][std::size_t(a)])];
+      u.segment<3>(3 * a) = r.transpose() * Vec3(x[rows_[e][std::size_t(a)]]) - rest;
+    }
+    return u;
+  }
+
+  TopologyLink topology_;
+  enum class Method : int { small, large, polar } method_ = Method::large;
+  enum class PolarOf : int { gradient, edges } polar_of_ = PolarOf::gradient;
+  double young_ = 5000, poisson_ = 0.45;
+  std::vector<double> factors_;
+  std::vector<Hexahedron> cells_;
+  std::vector<CellStiffness> own_;  ///< K of each cell at rest [N/m]
+  std::vector<Mat3> rest_edges_;    ///< inverses of the mean edges at rest [1/m]
+  std::vector<Mat3> rotations_;     ///< of the last addForce()
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(non_uniform_hexahedron_fem_force_field) {
+  factory.add<stroma::NonUniformHexahedra>("NonUniformHexahedronFEMForceField", "trilinear hexahedra that are filled unevenly");
+}
