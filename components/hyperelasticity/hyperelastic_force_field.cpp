@@ -110,8 +110,11 @@ HyperelasticForceField::KindKernels HyperelasticForceField::kernels() const {
   if (kind->type == CellType::quadratic_tetrahedron)
     return {hyperelastic::pointKernels().quadratic_tetrahedra, hyperelastic::meanVolumeKernels().quadratic_tetrahedra,
             nullptr, 100, 2500};
-  return {[](const HyperelasticLaw& law, const Cells& cells) -> Method { return law.tetrahedra(cells); }, nullptr,
-          residualStressKernels().tetrahedra, 12, 150};
+  const auto tetrahedra = [](const HyperelasticLaw& law, const Cells& cells) -> Method {
+    const bool is_own = cells.form == Form::mjed || cells.form == Form::regularised;
+    return is_own ? law.tetrahedra(cells) : hyperelastic::pointKernels().tetrahedra(law, cells);
+  };
+  return {tetrahedra, nullptr, residualStressKernels().tetrahedra, 12, 150};
 }
 
 void HyperelasticForceField::init() {

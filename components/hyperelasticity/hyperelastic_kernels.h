@@ -12,16 +12,11 @@
 
 namespace stroma::hyperelastic {
 
-/// The kernels for the form of a law that a scene chose: once, outside all loops.
+/// The kernels of the forms mjed and regularised, whose products are the law's own.
 template <class Law>
 std::unique_ptr<ElementKernels> tetrahedraOf(const Cells& cells) {
-  const auto make = [&]<class Model>() -> std::unique_ptr<ElementKernels> {
-    return std::make_unique<ModelKernels<Model>>(inForm<Model>(fansOf<Law>(cells)));
-  };
-  if (cells.form == Form::regularised) return make.template operator()<RegularisedFan<Law>>();
-  if (cells.form == Form::projected) return make.template operator()<Fan<Projected<Law>>>();
-  if (cells.form == Form::standard) return make.template operator()<Fan<Standard<Law>>>();
-  return make.template operator()<Fan<Mjed<Law>>>();
+  if (cells.form == Form::regularised) return std::make_unique<ModelKernels<RegularisedFan<Law>>>(fansOf<Law>(cells));
+  return std::make_unique<ModelKernels<Fan<Mjed<Law>>>>(fansOf<Law>(cells));
 }
 
 /// A law that has Lame's constants alone; inLameConstants() describes them.

@@ -66,8 +66,9 @@ struct HyperelasticLaw {
   /// the law itself stands for all and is never used. Null: it is one law.
   HyperelasticLaw (*with_terms)(std::size_t terms) = nullptr;
 
+  /// In the forms mjed and regularised.
   std::unique_ptr<ElementKernels> (*tetrahedra)(const Cells&) = nullptr;
-  /// For kernels of other cells; null for a form that they do not have.
+  /// For kernels of other cells and forms; null for a form that they do not have.
   const PointFunctions* (*at_point)(Form) = nullptr;
   /// P [Pa] of F, and dP at F for dF, in the material's axes.
   Mat3 (*stress)(Values parameters, const Mat3& f) = nullptr;

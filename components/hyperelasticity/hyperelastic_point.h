@@ -191,13 +191,26 @@ template <std::size_t numbers, std::size_t n, class T>
     }
 }
 
-template <class Law_>
-struct Projected : Mjed<Law_> {
-  using Base = Mjed<Law_>;
+/// What products of the form read: the tangent alone, the same for all laws.
+struct ProjectedTangent {
   template <class T>
   struct Tangent {
     T matrix[45];  ///< lower triangle by rows
   };
+  template <class T>
+  static M3<T> differential(const Tangent<T>& t, const M3<T>&, const M3<T>& df) {
+    T v[9], out[9];
+    list(df, v);
+    multiplySymmetric(t.matrix, v, out);
+    return matrixOf(out);
+  }
+};
+
+template <class Law_>
+struct Projected : Mjed<Law_> {
+  using Base = Mjed<Law_>;
+  template <class T>
+  using Tangent = ProjectedTangent::Tangent<T>;
 
   template <class T>
   [[gnu::noipa]] static M3<T> stress(const ParametersOf<Law_, T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
@@ -214,23 +227,33 @@ struct Projected : Mjed<Law_> {
     return p;
   }
   template <class T>
-  static M3<T> differential(const ParametersOf<Law_, T>&, T, const Tangent<T>& t, const M3<T>&, const M3<T>& df) {
-    T v[9], out[9];
-    list(df, v);
-    multiplySymmetric(t.matrix, v, out);
-    return matrixOf(out);
+  static M3<T> differential(const ParametersOf<Law_, T>&, T, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
+    return ProjectedTangent::differential(t, f, df);
   }
 };
 
 /// S and D, times the weight, are the tangent: the law's invariants matter no more.
-template <class Law_>
-struct Standard : Mjed<Law_> {
-  using Base = Mjed<Law_>;
+struct StandardTangent {
   template <class T>
   struct Tangent {
     S3<T> s;
     T d[21];  ///< lower triangle of D by rows
   };
+  template <class T>
+  static M3<T> differential(const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
+    const S3<T> dc = metricDifferential(f, df);
+    const T half(0.5), e[6] = {half * dc.xx, half * dc.yy, half * dc.zz, dc.xy, dc.yz, dc.zx};
+    T ds[6];
+    multiplySymmetric(t.d, e, ds);
+    return timesSymmetric(df, t.s) + timesSymmetric(f, S3<T>{ds[0], ds[1], ds[2], ds[3], ds[4], ds[5]});
+  }
+};
+
+template <class Law_>
+struct Standard : Mjed<Law_> {
+  using Base = Mjed<Law_>;
+  template <class T>
+  using Tangent = StandardTangent::Tangent<T>;
 
   template <class T>
   static M3<T> stress(const ParametersOf<Law_, T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
@@ -244,11 +267,7 @@ struct Standard : Mjed<Law_> {
   }
   template <class T>
   static M3<T> differential(const ParametersOf<Law_, T>&, T, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
-    const S3<T> dc = metricDifferential(f, df);
-    const T half(0.5), e[6] = {half * dc.xx, half * dc.yy, half * dc.zz, dc.xy, dc.yz, dc.zx};
-    T ds[6];
-    multiplySymmetric(t.d, e, ds);
-    return timesSymmetric(df, t.s) + timesSymmetric(f, S3<T>{ds[0], ds[1], ds[2], ds[3], ds[4], ds[5]});
+    return StandardTangent::differential(t, f, df);
   }
 };
 

@@ -57,6 +57,17 @@ struct MaterialFrame {
   }
 };
 
+/// Gradients [1/m] and weight -V_0 [m^3] of a cell with its vertices in the order of `order`; a padding lane has no volume.
+template <class Frame>
+void setTetrahedron(const Cells& cells, std::size_t cell, const stroma::Tetrahedron& order, bool anisotropic, bool padding,
+                    typename Frame::template Gradients<double>& g, double& weight) {
+  const auto at = [&](int a) -> const Vec3& { return (*cells.rest)[order[a]]; };
+  Mat3 edges;
+  edges << at(1) - at(0), at(2) - at(0), at(3) - at(0);
+  g = Frame::of(edges.inverse().transpose(), anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity()));
+  weight = padding ? 0 : -std::abs(edges.determinant()) / (6 * cells.mesh->overlap);
+}
+
 template <class Law>
 using FrameOf = std::conditional_t<Law::Set::anisotropic, MaterialFrame, TriangularFrame>;
 
@@ -96,15 +107,9 @@ struct Tetrahedron {
     Frame::forces(Form::differential(rest.parameters, rest.weight, t, f, change), rest.g, df);
   }
 
-  /// A cell with its vertices in the order of `order`; a padding lane has no volume.
   static void set(const Cells& cells, std::size_t cell, const stroma::Tetrahedron& order, bool padding,
                   Rest<double>& rest) {
-    const auto at = [&](int a) -> const Vec3& { return (*cells.rest)[order[a]]; };
-    Mat3 edges;
-    edges << at(1) - at(0), at(2) - at(0), at(3) - at(0);
-    rest.g =
-        Frame::of(edges.inverse().transpose(), Form::Law::Set::anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity()));
-    rest.weight = padding ? 0 : -std::abs(edges.determinant()) / (6 * cells.mesh->overlap);
+    setTetrahedron<Frame>(cells, cell, order, Form::Law::Set::anisotropic, padding, rest.g, rest.weight);
     rest.parameters = parametersOf<typename Form::Law>(cells.parameters(cell));
   }
 };
@@ -136,17 +141,4 @@ StorageOf<Fan<Mjed<Law>>> fansOf(const Cells& cells) {
   });
   return storage;
 }
-/// The same fans for another form of the law.
-template <class Model, class Storage>
-StorageOf<Model> inForm(Storage&& of_mjed) {
-  if constexpr (std::is_same_v<StorageOf<Model>, Storage>) {
-    return std::move(of_mjed);
-  } else {
-    StorageOf<Model> storage{std::move(of_mjed.loop), std::move(of_mjed.rest), {}};
-    storage.tangent.resize(std::size_t(storage.loop.batches()));
-    std::memset(static_cast<void*>(storage.tangent.data()), 0, storage.tangent.size() * sizeof storage.tangent[0]);
-    return storage;
-  }
-}
-
 }  // namespace stroma::hyperelastic

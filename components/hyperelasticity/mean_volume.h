@@ -37,11 +37,12 @@ struct LogIntegral {
   }
 };
 
-/// `definite`: df is its stable part.
-template <class U, class Cell, bool definite>
-struct MeanVolume {
+/// Products, which read the derivatives of U in the tangent and not U.
+template <class Cell>
+struct VolumeProducts {
   static constexpr int nodes = Cell::nodes;
   static constexpr bool reads_position = true;
+  using Products = VolumeProducts;
   template <class T>
   struct Rest {
     T per_volume;  ///< s, negative where the rest shape is left-handed [1/m^3]
@@ -51,6 +52,23 @@ struct MeanVolume {
   struct Tangent {
     T first, second;  ///< -k V U' s and -k V U'' s^2
   };
+
+  template <class T>
+  static void product(const Rest<T>&, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes], const V3<T> (&dx)[nodes],
+                      V3<T> (&df)[nodes]) {
+    const CellVolume<Cell, T> v(x), d(dx);
+    v.gradientChange(d, factor * t.first, factor * t.second * v.change(d), df);
+  }
+};
+
+/// `definite`: df is its stable part.
+template <class U, class Cell, bool definite>
+struct MeanVolume : VolumeProducts<Cell> {
+  using VolumeProducts<Cell>::nodes;
+  template <class T>
+  using Rest = typename VolumeProducts<Cell>::template Rest<T>;
+  template <class T>
+  using Tangent = typename VolumeProducts<Cell>::template Tangent<T>;
 
   template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[nodes], V3<T> (&f)[nodes]) {
@@ -65,27 +83,21 @@ struct MeanVolume {
   static T energy(const Rest<T>& rest, const Tangent<T>&, const V3<T> (&x)[nodes]) {
     return -rest.weight * U::at(rest.per_volume * CellVolume<Cell, T>(x).value()).value;
   }
-  template <class T>
-  static void product(const Rest<T>&, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes], const V3<T> (&dx)[nodes],
-                      V3<T> (&df)[nodes]) {
-    const CellVolume<Cell, T> v(x), d(dx);
-    v.gradientChange(d, factor * t.first, factor * t.second * v.change(d), df);
-  }
 };
 
 template <class Cell>
 std::unique_ptr<ElementKernels> meanVolumeOf(const Cells& cells, const HyperelasticLaw& law, bool definite) {
   const auto& list = Cell::listOf(*cells.mesh);
+  StorageOf<VolumeProducts<Cell>> storage;
+  storage.build(list, *cells.rest, cells.first_row, [&](std::size_t cell, bool padding, auto& rest, auto&) {
+    V3<double> x[Cell::nodes];
+    for (std::size_t a = 0; a < std::size(x); ++a) x[a] = vectorOf((*cells.rest)[list[cell][a]]);
+    const double volume = CellVolume<Cell, double>(x).value();
+    rest.per_volume = 1 / volume;
+    const double k = cells.parameters(cell)[law.volume_parameter];
+    rest.weight = padding ? 0 : -k * std::abs(volume) / (Cell::scale * cells.mesh->overlap);
+  });
   const auto methodOf = [&]<class U, bool stable>(U, std::bool_constant<stable>) -> std::unique_ptr<ElementKernels> {
-    StorageOf<MeanVolume<U, Cell, stable>> storage;
-    storage.build(list, *cells.rest, cells.first_row, [&](std::size_t cell, bool padding, auto& rest, auto&) {
-      V3<double> x[Cell::nodes];
-      for (std::size_t a = 0; a < std::size(x); ++a) x[a] = vectorOf((*cells.rest)[list[cell][a]]);
-      const double volume = CellVolume<Cell, double>(x).value();
-      rest.per_volume = 1 / volume;
-      const double k = cells.parameters(cell)[law.volume_parameter];
-      rest.weight = padding ? 0 : -k * std::abs(volume) / (Cell::scale * cells.mesh->overlap);
-    });
     return std::make_unique<ModelKernels<MeanVolume<U, Cell, stable>>>(std::move(storage));
   };
   const auto ofVolume = [&](auto stable) {

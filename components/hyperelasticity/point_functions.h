@@ -52,10 +52,11 @@ struct FunctionsOf {
                                       energy};
 };
 
-/// In the forms mjed and projected; null for the others.
+/// Null for the form regularised.
 template <class Law>
 const PointFunctions* pointFunctionsOf(Form form) {
   if (form == Form::mjed) return &FunctionsOf<Mjed<Law>>::all;
+  if (form == Form::standard) return &FunctionsOf<Standard<Law>>::all;
   return form == Form::projected ? &FunctionsOf<Projected<Law>>::all : nullptr;
 }
 

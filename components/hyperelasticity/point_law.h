@@ -181,10 +181,10 @@ class PointLaw final : public ElementKernels {
   Vector x_;                ///< of the last force
 };
 
-/// Of `point_kernels.h`.
+/// Of `point_kernels.h`: in the forms mjed and projected.
 template <class Cell>
 std::unique_ptr<ElementKernels> pointLawOf(const HyperelasticLaw& law, const Cells& cells) {
-  const PointFunctions* functions = law.at_point(cells.form);
+  const PointFunctions* functions = cells.form == Form::standard ? nullptr : law.at_point(cells.form);
   return functions ? std::make_unique<PointLaw<Cell>>(*functions, cells) : nullptr;
 }
 

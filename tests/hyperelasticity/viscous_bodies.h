@@ -12,7 +12,7 @@ namespace stroma::test {
 
 // the liver of Marchesseau et al. 2010
 inline constexpr double g0 = 770, alpha[2] = {0.235, 0.333}, tau[2] = {0.27, 0.03};
-inline const std::string prony = " viscous=\"true\" ParameterAlpha=\"0.235 0.333\" ParameterTau=\"0.27 0.03\"";
+const std::string prony = " viscous=\"true\" ParameterAlpha=\"0.235 0.333\" ParameterTau=\"0.27 0.03\"";
 inline const std::string law = "materialName=\"StVenantKirchhoff\" ParameterSet=\"770 3000\"";
 inline const std::vector<std::string> updates{"backward", "exponential"};
 inline std::string update(const std::string& word) { return " viscousUpdate=\"" + word + "\""; }
