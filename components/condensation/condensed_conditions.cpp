@@ -179,7 +179,7 @@ void CondensedIntegrator::placeSlots(System& system) const {
   }
 }
 
-bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepReport& report) {
+bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopToken stop, StepReport& report) {
   constexpr int most_rounds = 60, most_turns = 40;
   constexpr double close = 1e-13, directed = 1e-9, still = 1e-6;  // of the place, of the body
   if (!hasConditions()) return true;
@@ -205,7 +205,9 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepR
       c.solve.l.setZero(Eigen::Index(c.rows.rows().size()));
       if (c.taken.size() == c.rows.rows().size()) c.solve.l = Eigen::Map<Eigen::VectorXd>(c.taken.data(), c.solve.l.size());
     }
-    c.solve.solve(c.rows.rows());
+    c.solve.solve(c.rows.rows(), stop);
+    report.stopped = stop.isStopAsked();
+    if (report.stopped) break;
     last = step;
     step = respond();
     if (!std::isfinite(step)) report.reason = "the forces of Lagrangian constraints are not finite";
@@ -214,8 +216,8 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StepR
     placeSlots(system);
     if (!report.reason.empty()) break;
   }
-  if (!report.reason.empty()) {
-    report.diverged = true;
+  if (report.stopped || !report.reason.empty()) {
+    report.diverged = !report.stopped;
     copy(c.start, system.x);
     return false;
   }
@@ -291,13 +293,19 @@ void CondensedIntegrator::judgeConditions(const System& system, double step, dou
   // of the body: conditions and, less, what directions of forces still move it by; of the place
   constexpr double exact = 1e-9, still = 1e-6, rounding = 1e-13;
   CondensedConditions& c = conditions_;
-  const auto refuse = [&report](std::string reason) {
-    report.constraints_converged = false;
+  bool is_kept = true;
+  const auto refuse = [&](std::string reason) {
+    report.constraints_converged = is_kept;
     report.constraint_reason = std::move(reason);
   };
   if (c.rows.rows().empty()) return;
-  const ConditionForces::Violation worst = c.solve.worst(c.rows.rows());
-  if (!(worst.off <= exact * c.extent + rounding * size)) {
+  const double held = exact * c.extent + rounding * size;
+  ConditionForces::Violation worst;
+  for (const bool kept : {true, false}) {  // what is beyond all, or beyond what holds
+    findTolerances(c.constraints, c.ends, kept, c.allowed);
+    if (is_kept) worst = c.solve.worst(c.rows.rows(), c.allowed), is_kept = !kept || worst.off <= held;
+  }
+  if (!(worst.off <= held)) {
     const std::string name = nameOfCondition(worst.row), nodes = nodesOfCondition(system, worst.row);
     if (worst.rubs)
       return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m{}", name, worst.off, nodes));
@@ -309,10 +317,12 @@ void CondensedIntegrator::judgeConditions(const System& system, double step, dou
     return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}{}", name,
                               std::abs(c.rows.rows()[worst.row].value), nodes));
   }
-  if (!(step <= still * c.extent + rounding * size))
+  if (!(step <= still * c.extent + rounding * size)) {
+    is_kept = false;
     refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their "
                        "size when their rounds end",
                        path(), step / c.extent));
+  }
 }
 
 }  // namespace stroma

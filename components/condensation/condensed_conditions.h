@@ -29,6 +29,7 @@ struct CondensedConditions {
   std::vector<std::size_t> first_pushing;
   ConditionForces solve;
   std::vector<Eigen::Index> live;  ///< rows of its W
+  std::vector<double> allowed;  ///< by how much each row may be off [m]; work space
   std::vector<double> taken;  ///< the forces of the last step [N]
   Vector start;               ///< x where the step starts, shape (allRows())
   double extent = 0;          ///< of the body [m]

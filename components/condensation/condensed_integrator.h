@@ -108,7 +108,7 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   bool hasConditions() const { return !conditions_.constraints.empty(); }
   /// u, the displacement that all else leads to, gets that of the forces of Lagrangian constraints. False: the step
   /// is to be given up, and x is what it was.
-  bool holdConditions(System& system, Array<double>& u, StepReport& report);
+  bool holdConditions(System& system, Array<double>& u, StopToken stop, StepReport& report);
   /// Forces on inside nodes that change in time, reduced to kept ones: active f changes by out.
   bool reduceTimedInterior(double* out);
   /// Writes x = x_0 + u, and v where it is given, into the rows of active nodes; false, and nothing written, when u is

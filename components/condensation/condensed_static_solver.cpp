@@ -88,7 +88,7 @@ class CondensedStaticSolver final : public CondensedIntegrator {
   void compare(Index node, const Force& now, const Force& before);
   void compareHands();
   void update();
-  StepReport giveUp(System& system, const std::string& reason);
+  StepReport giveUp(System& system, const std::string& reason, bool is_stopped = false);
 
   bool incremental_ = true;
   int multiplied_ = 0;
@@ -282,7 +282,7 @@ StepReport CondensedStaticSolver::step(System& system, const StepContext& contex
   StepReport report;
   if (hasConditions()) {
     std::copy(u_.begin(), u_.end(), held_.begin());
-    if (!holdConditions(system, held_, report)) return giveUp(system, report.reason);
+    if (!holdConditions(system, held_, context.stop, report)) return giveUp(system, report.reason, report.stopped);
   }
   if (writeActive(system, hasConditions() ? held_.data() : u_.data(), nullptr)) {
     finish(system);
@@ -291,10 +291,12 @@ StepReport CondensedStaticSolver::step(System& system, const StepContext& contex
   return giveUp(system, "a load is not finite, or the body has left the range of numbers");
 }
 
-StepReport CondensedStaticSolver::giveUp(System& system, const std::string& reason) {
+StepReport CondensedStaticSolver::giveUp(System& system, const std::string& reason, bool is_stopped) {
   restoreTouched(system);
   started_ = false;
-  return failure(reason);
+  StepReport report = failure(reason);
+  report.diverged = !is_stopped, report.stopped = is_stopped;
+  return report;
 }
 
 void CondensedStaticSolver::serialize(Archive& archive) {

@@ -1,37 +1,44 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // BarrierContact: surfaces that push each other apart before they touch, and never pass through each other.
 //
-// Between the surfaces of `mstate` and `other`, of each with itself (selfContact) and with obstacles acts a pressure that
-// depends on the gap d. With r = d/contactDistance and stiffness kappa it is, for r < 1,
+// Between the surfaces of `mstate` and `other`, of each with itself (selfContact) and with obstacles acts a pressure that depends
+// on the gap d. With r = d/contactDistance and stiffness kappa it is, for r < 1,
 //
 //   p = kappa (2 (r - 1) ln r + (r - 1)^2 / r)
 //
-// Its energy per area, -kappa contactDistance (r - 1)^2 ln r, has no bound as the gap closes. Under kappa/10 surfaces rest
-// at 0.83 contactDistance, under kappa/1000 at 0.98. Vertices carry their share of the surface (contact_terms.h), so that
-// forces hardly depend on the mesh. The tangent has all but the change of shares; where it is unstable, that of p along the
-// normals alone. The gap is the distance less `thickness`.
+// Its energy per area, -kappa contactDistance (r - 1)^2 ln r, has no bound as the gap closes. Under kappa/10 surfaces rest at 0.83
+// contactDistance, under kappa/1000 at 0.98. Vertices carry their share of the surface (contact_terms.h), so that forces hardly
+// depend on the mesh. The tangent has all but the change of shares; where it is unstable, that of p along the normals alone. The
+// gap is the distance less `thickness`.
 //
-// Friction: with l the normal force of a contact and u the way along the surfaces since the start of the step, the force
-// is mu l f against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. What sticks therefore creeps, at
-// less than slipVelocity. l and directions are those of the solve before; solves are repeated until they no longer
-// change, at most frictionIterations times. What a tool may carry along sticks in the first of them.
+// Friction: with l the normal force of a contact and u the way along the surfaces since the start of the step, the force is mu l f
+// against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. What sticks therefore creeps, at less than
+// slipVelocity. l and directions are those of the solve before; solves are repeated until they no longer change, at most
+// frictionIterations times. What a tool may carry along sticks in the first of them. What sticks has the mu of `staticFriction`,
+// what slides faster than twice slipVelocity that of `friction`; mu follows the solves as l does. Surfaces that adhere hold each
+// other by a tension. It is largest, `adhesion`, at the gap adhesionPeak, and ends at adhesionDistance:
 //
-// Shares of the surface that vertices stand for follow the first six iterates of a solve and then stay; with friction, whose
-// solves compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
+//   adhesion d/adhesionPeak below adhesionPeak,   adhesion (adhesionDistance - d)/(adhesionDistance - adhesionPeak) beyond
 //
-// Every iterate is shortened where something would pass through something, and round-off is taken into account. After each
-// step an exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps.
-// A start with surfaces in one another is refused, and so are integrators that do not ask how far they may step, explicit
-// ones and those with one linear solve: EulerImplicitSolver with newtonIterations, or StaticSolver.
+// l is then what pushes. adhesionFriction times the tension holds besides what sticks, and lets it go when it slides.
 //
-// Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles
-// count as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from
-// crossing. A state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes
-// (nx ny nz o: bodies are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They
-// stand, or move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is solved again
-// until they have come all the way.
+// Shares of the surface that vertices stand for follow the first six iterates of a solve and then stay; with friction, whose solves
+// compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
 //
-// Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier).
+// Every iterate is shortened where something would pass through something, and round-off is taken into account. After each step an
+// exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps. A start with
+// surfaces in one another is refused, or pushed apart by resolveStart (contact_start.h). Integrators that do not ask how far they
+// may step are refused, explicit ones and those with one linear solve: EulerImplicitSolver with newtonIterations, or StaticSolver.
+//
+// Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count
+// as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A
+// state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz
+// o: bodies are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They stand, or
+// move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is solved again until they
+// have come all the way.
+//
+// Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier); Fang, Li,
+// Cao, Li, Wolper, Yang and Jiang 2023 (adhesion).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -49,13 +56,11 @@
 #include <utility>
 
 #include "components/contact/contact_bodies.h"
-#include "components/contact/contact_friction.h"
+#include "components/contact/contact_field.h"
 #include "components/contact/contact_inside.h"
-#include "components/contact/contact_obstacles.h"
-#include "components/contact/contact_outputs.h"
-#include "framework/mechanics/force_field.h"
+#include "components/contact/contact_start.h"
 #include "framework/mechanics/open_choices.h"
-#include "framework/mechanics/state_topology.h"
+#include "framework/mechanics/places_start.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -66,39 +71,24 @@ namespace {
 
 using namespace contact;
 
-class BarrierContact final : public ForceField, public StepLimiter, public OpenChoices {
+class BarrierContact final : public ContactField, public StepLimiter, public OpenChoices, public PlacesStart {
  public:
   void declare(DataTable& table) override;
-  void init() override;
-  std::vector<State*> states() const override { return bodies_; }
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.symmetric = true;
-    traits.conservative = friction_.mu == 0;
+    traits.conservative = !friction_.acts();
     traits.undamped = true;  // it changes by decades within a step
     return traits;
   }
   void compile() override;
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
-  bool acts() const override { return !terms_.empty() || !friction_.terms().empty(); }
-  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
-    terms_.addProduct(dx, factor, df);
-    friction_.terms().addProduct(dx, factor, df);
-  }
   void addPattern(BlockPattern& pattern) const override {
     law_.addPattern(pattern), friction_.terms().addPattern(pattern), terms_.addPattern(pattern);
   }
-  long patternRevision() const override { return pattern_revision_; }
-  void addStiffness(double factor, BlockMatrix& matrix) const override {
-    terms_.addTo(factor, matrix);
-    friction_.terms().addTo(factor, matrix);
-  }
-  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
-    terms_.addDiagonal(factor, blocks);
-    friction_.terms().addDiagonal(factor, blocks);
-  }
   void stepBegins(ConstRows x, double t, double t_end) override;
+  void placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) override;
   void checkStart(ConstRows x) override;
   double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
@@ -119,77 +109,51 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   void slideTo(const std::vector<Vec3>& x) {
     friction_.compute(law_.surfaces, x, start_, law_.moved - moved_at_start_);
   }
-  bool frictionChanges();
+  bool frictionChanges(bool was_held);
   bool sharesChange();
   auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
   // ---- attributes ----
-  BarrierLaw law_;
-  Friction friction_;
-  double stiffness_ = 0, slip_velocity_ = 1e-4;
   int friction_iterations_ = 10;
-  bool self_ = true;
-  LinkList<State> other_{"mechanical state"};
-  TopologyLink topology_;
-  Obstacles obstacles_;
-  Outputs outputs_;
+  bool resolve_start_ = false;
 
-  std::vector<State*> bodies_;
-  long pattern_revision_ = 0;
   mutable bool has_new_pairs_ = false;  ///< others push since the pattern was last said to be another
-  mutable std::vector<Vec3> x_;         ///< of all vertices; work space
-  std::vector<Vec3> way_, forces_, forces_before_, start_;  ///< start_: at the start of the step
+  std::vector<Vec3> way_, forces_, forces_before_;
   std::vector<double> bend_;
-  Vec3 moved_at_start_ = Vec3::Zero(), goal_ = Vec3::Zero();
-  double mean_edge_ = 0;     ///< [m]
+  Vec3 goal_ = Vec3::Zero();
   bool is_in_step_ = false;
   bool is_carried_ = false;  ///< what is moved has gone on since the last force
   bool left_start_ = false, holds_nothing_ = false;  ///< bodies have been elsewhere than at start_; see wantStartForces()
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
-  Terms terms_;            ///< of the last force
-  bool definite_ = false;  ///< their derivative, see contact_terms.h
+  bool definite_ = false;  ///< the derivative of terms_, see contact_terms.h
 };
 
 void BarrierContact::declare(DataTable& table) {
-  ForceField::declare(table);
-  table.addLink("other", other_).help("states of other bodies; without any, mstate meets itself and obstacles");
-  topology_.declare(table, "mesh whose surface mstate has");
-  table.add("contactDistance", law_.range).help("gap below which surfaces push; 0: a tenth of their mean edge").unit("m").min(0);
-  table.add("stiffness", stiffness_).help("kappa; 0: a tenth of the largest youngModulus of the bodies").unit("Pa").min(0);
-  table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
-  table.add("friction", friction_.mu).help("Coulomb's coefficient mu").unit("-").min(0);
-  table.add("slipVelocity", slip_velocity_).help("what sticks may creep as fast").unit("m/s").min(0, false);
+  ContactField::declare(table);
   table.add("frictionIterations", friction_iterations_).help("most solves of a step for directions of friction").unit("-").min(1);
-  table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
-  obstacles_.declare(table);
+  declareAdhesion(table, law_.adhesion, friction_);
+  table.add("resolveStart", resolve_start_).help("bodies that start in one another are pushed apart");
   outputs_.declare(table);
 }
 
-void BarrierContact::init() {
-  ForceField::init();
-  bodies_ = bodiesInContact(state(), other_.all());
-  obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
-  law_.stiffness = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(states());
-  if (!(law_.stiffness > 0))
-    throw ComponentError("stiffness is not given, and no body here has a youngModulus from which it would follow",
-                         "stiffness=\"...\" in pascal, about a tenth of the bodies' Young's modulus");
-}
-
 void BarrierContact::compile() {
-  law_.surfaces.clear();
-  addSurfaces(law_.surfaces, states(), topology_, *this);
-  obstacles_.addTo(law_);
-  law_.surfaces.finish();
-  mean_edge_ = law_.surfaces.meanEdge();
-  if (law_.range == 0) law_.range = 0.1 * mean_edge_;
+  compileSurfaces();
+  finishAdhesion(law_.adhesion, friction_, law_.range);
   friction_.farthest = std::max(law_.range, 0.25 * mean_edge_);
-  law_.candidates.self_contact = self_;
   law_.compile();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
   start_.clear(), terms_.clear(), friction_.clear();
   ++pattern_revision_;
   way_.resize(law_.surfaces.rows.size());
   for (std::vector<Vec3>* forces : {&forces_, &forces_before_}) forces->resize(law_.surfaces.rows.size());
+}
+
+void BarrierContact::placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) {
+  if (!resolve_start_) return;
+  constexpr double part = 0.98;  // of the gap at which surfaces begin to push
+  std::vector<StartBody> bodies;
+  for (const State* body : bodies_) bodies.push_back({body, &meshOfBody(*body, body == bodies_.front(), topology_, *this)});
+  outputs_.moved_start = pushApart(law_, bodies, part * law_.range, independent, project, x);
 }
 
 void BarrierContact::checkStart(ConstRows x) {
@@ -231,11 +195,11 @@ void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
   // energies along a line have the shares of its start, so that these may follow at first; forces along a line have not
   constexpr int most_weighings = 6;
   const bool begins = std::exchange(is_carried_, false);
-  if (friction_.mu > 0 ? begins : ++weighings_ <= most_weighings) law_.weigh(x_);
+  if (friction_.acts() ? begins : ++weighings_ <= most_weighings) law_.weigh(x_);
   terms_.clear();
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_));
   terms_.addForce(f);
-  if (friction_.mu == 0) return;
+  if (!friction_.acts()) return;
   if (!holds_nothing_ && friction_rounds_ + 1 < friction_iterations_) friction_.hold(x_, start_, law_.moved - moved_at_start_);
   slideTo(x_), friction_.terms().addForce(f);
 }
@@ -250,9 +214,9 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   is_in_step_ = true;
   friction_.slip = slip_velocity_ * (t_end - t);
   friction_.begin(x_.size());
-  if (friction_.mu > 0 && start_.size() == x_.size()) {
+  if (friction_.acts() && start_.size() == x_.size()) {
     lookAgain(x_), law_.weigh(x_);
-    friction_.note(law_, x_);
+    friction_.note(law_, law_.touches(x_));
     friction_.remember(x_, start_, law_.moved - moved_at_start_);
   }
   start_ = x_;
@@ -268,7 +232,7 @@ void BarrierContact::beginRounds() {
   friction_.beginAgain();
   lookAgain(x_);
   law_.weigh(x_);
-  friction_.note(law_, x_);
+  friction_.note(law_, law_.touches(x_));
   moveObstacles(law_, goal_, x_, way_);
 }
 
@@ -303,11 +267,11 @@ bool BarrierContact::movesOn(ConstRows x) {
   if (!arrived && obstacle_rounds_++ < most_rounds) {
     law_.weigh(x_);
     weighings_ = 0;
-    friction_.note(law_, x_);
+    friction_.note(law_, law_.touches(x_));
     moveObstacles(law_, goal_, x_, way_);
     return true;
   }
-  const bool others = sharesChange(), held = friction_.release(), rubs = friction_.mu > 0 && frictionChanges();
+  const bool others = sharesChange(), held = friction_.release(), rubs = friction_.acts() && frictionChanges(held);
   const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
   if (!again && !others) return friction_.settle(), false;
   weighings_ = 0;
@@ -320,17 +284,20 @@ bool BarrierContact::sharesChange() {
   constexpr int most_rounds = 10;
   if (law_.isOutOfReach(x_)) return false;
   law_.sumForces(x_, forces_before_);
-  friction_.mu > 0 ? law_.weighAgain(x_) : law_.weigh(x_);
+  friction_.acts() ? law_.weighAgain(x_) : law_.weigh(x_);
   law_.sumForces(x_, forces_);
   return relativeChange(forces_before_, forces_) > settled && ++share_rounds_ < most_rounds;
 }
 
-/// Friction with the normal forces that have been found now and the shares of sharesChange(), against that of the solve before.
-bool BarrierContact::frictionChanges() {
+/// Friction with the forces and shares that have been found now, against that of the solve before. What was held says nothing of slip.
+bool BarrierContact::frictionChanges(bool was_held) {
   constexpr double settled = 1e-3;
   slideTo(x_);
   friction_.forces(forces_before_);
-  friction_.note(law_, x_);
+  if (was_held)
+    friction_.note(law_, law_.touches(x_));
+  else
+    friction_.noteAgain(law_, law_.touches(x_), x_, start_, law_.moved - moved_at_start_);
   slideTo(x_);
   friction_.forces(forces_);
   outputs_.friction_change = relativeChange(forces_before_, forces_);
@@ -344,7 +311,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   law_.weigh(x_);
   friction_.release();
   slideTo(x_);
-  outputs_.note(law_, friction_, x_, bodies_);
+  outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);
   is_in_step_ = false;
   const std::string found = outputs_.overlap(path(), crossings, law_.surfaces, names());
   if (found.empty() && !(goal_ - law_.moved).isZero(0))
@@ -370,6 +337,7 @@ void BarrierContact::serialize(Archive& archive) {
     archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
     archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
   }
+  friction_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
   goal_ = law_.moved, left_start_ = is_in_step_ = false;

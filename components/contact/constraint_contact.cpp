@@ -9,8 +9,8 @@
 //   d >= contactDistance,   l_n >= 0,   one of both with equality;   s = 0, or |l_t| = mu l_n against s
 //
 // What sticks does not move at all. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb):
-// condensed bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver and BDFOdeSolver solve for each
-// condition. Distances and normals are those of the end of the step, so that the distance is kept to round-off; that of edges over
+// condensed bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for
+// each condition. Distances and normals are those of the end of the step, so that the distance is kept to round-off; that of edges over
 // flat faces to a hundredth (kept_gaps.h). Forces of a pair are equal and opposite.
 //
 // Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
@@ -69,6 +69,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void constrainedStepBegins(ConstRows x, double t_end) override;
   void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
   void takeForces(std::span<const double> forces) override;
+  Tolerance tolerance() const override { return {toleratedError(), toleratedError()}; }
   void reset() override;
   void serialize(Archive& archive) override;
 
@@ -82,6 +83,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void checkMoves() const;
   void measureTravel();
   void expectWays(double dt);
+  double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
   Link<State> mstate_{"mechanical state"};
@@ -89,7 +91,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   TopologyLink topology_;
   Obstacles obstacles_;
   BarrierLaw law_;  ///< surfaces, obstacles and candidates; no barrier acts
-  double friction_ = 0;
+  double friction_ = 0, tolerated_error_ = 0;
   bool self_ = false;
   int contacts_ = 0;
   double smallest_gap_ = 0;
@@ -114,6 +116,10 @@ void ConstraintContact::declare(DataTable& table) {
   table.add("contactDistance", law_.range).help("gap that is kept; 0: a hundredth of the mean edge").unit("m").min(0);
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   table.add("friction", friction_).help("Coulomb's coefficient mu").unit("-").min(0);
+  table.add("toleratedError", tolerated_error_)
+      .help("gaps and slides that are off by no more hold; 0: a thousandth of contactDistance")
+      .unit("m")
+      .min(0);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
   obstacles_.declare(table);
   table.add("contacts", contacts_).help("pairs that push after the last step").unit("-").output();
@@ -294,6 +300,13 @@ void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& ro
     const auto kindOf = [&gap](LagrangianRows::Kind kind) { return gap.counts ? kind : LagrangianRows::Kind::given; };
     rows.begin(kindOf(LagrangianRows::Kind::push), gap.gap);
     add(gap, gap.n);
+    const KeptGap::Turns turns = gap.counts ? gap.turns(law_, x_) : KeptGap::Turns();
+    for (std::size_t t = 0; t < std::size_t(turns.count); ++t) {
+      rows.bend(gap.apart(law_));
+      for (std::size_t k = 0; k < 4; ++k)
+        if (gap.v[k] >= 0 && law_.surfaces.moves(gap.v[k]) && turns.of[t][k] != 0)
+          rows.addToBend(law_.surfaces.rows[std::size_t(gap.v[k])], turns.of[t][k] * gap.n);
+    }
     if (friction_ == 0) continue;
     const Vec3 slid = gaps_.slide(gap, law_, x_);
     for (const Vec3& tangent : {gap.tangent, Vec3(gap.n.cross(gap.tangent))}) {
@@ -305,7 +318,8 @@ void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& ro
   for (const KeptGap& gap : gaps_.watched())
     for (const int v : gap.v)
       if (law_.surfaces.moves(v)) rows.add(law_.surfaces.rows[std::size_t(v)], Vec3::Zero());
-  rows.begin(LagrangianRows::Kind::push, -gaps_.unproved());  // no force helps where it is below zero; its nodes are for messages
+  const double unproved = gaps_.unproved() > 0 ? gaps_.unproved() + toleratedError() : 0;
+  rows.begin(LagrangianRows::Kind::push, -unproved);  // no force helps where it is below zero; its nodes are for messages
   if (const Candidate* pair = gaps_.notFree())
     for (const int v : pair->v)
       if (law_.surfaces.moves(v)) rows.add(law_.surfaces.rows[std::size_t(v)], Vec3::Zero());

@@ -22,13 +22,17 @@ std::vector<State*> bodiesInContact(State& first, const std::vector<State*>& oth
   return bodies;
 }
 
+const Mesh& meshOfBody(const State& body, bool is_first, const TopologyLink& topology, const Component& asker) {
+  const Topology* found = is_first ? topology.find(asker, body) : nullptr;
+  if (!found && !(found = topologyOf(body)))
+    throw ComponentError(fmt::format("{} has no mesh, so no surface", body.path()), "a topology beside it");
+  return found->mesh();
+}
+
 void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const TopologyLink& topology, const Component& asker) {
   for (const State* body : bodies) {
-    const Topology* found = body == bodies.front() ? topology.find(asker, *body) : nullptr;
-    if (!found && !(found = topologyOf(*body)))
-      throw ComponentError(fmt::format("{} has no mesh, so no surface", body->path()), "a topology beside it");
     const std::size_t before = surfaces.faces.size();
-    surfaces.addState(*body, found->mesh());
+    surfaces.addState(*body, meshOfBody(*body, body == bodies.front(), topology, asker));
     if (surfaces.faces.size() == before)
       throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body->path()), "a surface");
   }

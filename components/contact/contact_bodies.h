@@ -15,6 +15,9 @@ std::vector<State*> bodiesInContact(State& first, const std::vector<State*>& oth
 /// beside their state. Throws ComponentError where there is no mesh, or no surface of it.
 void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const TopologyLink& topology, const Component& asker);
 
+/// The mesh that addSurfaces() takes of a body. Throws ComponentError where there is none.
+const Mesh& meshOfBody(const State& body, bool is_first, const TopologyLink& topology, const Component& asker);
+
 /// The largest youngModulus of the force fields below the nodes of these states, or of the nearest nodes above that have
 /// one below; 0: none has [Pa].
 double largestYoungModulus(const std::vector<State*>& bodies);

@@ -121,9 +121,10 @@ bool Candidates::isNearAtRest(const Candidate& pair) const {
   const Surfaces& s = *surfaces_;
   if (s.pieceOf(pair.v[0]) != s.pieceOf(pair.v[3])) return false;
   const FourPoints rest = pointsOf(pair, s.rest);
-  if (areFar(pair.kind, rest, nullptr, reach)) return false;
-  if (pair.kind == PairKind::edge_edge && leastOfParallel(rest) > reach) return false;
-  return closestPoints(pair.kind, rest).distance() <= reach;
+  const double near = reach_at_rest < 0 ? reach : reach_at_rest;
+  if (areFar(pair.kind, rest, nullptr, near)) return false;
+  if (pair.kind == PairKind::edge_edge && leastOfParallel(rest) > near) return false;
+  return closestPoints(pair.kind, rest).distance() <= near;
 }
 
 bool Candidates::find(const std::vector<Vec3>& x, double margin) {

@@ -50,6 +50,7 @@ class Candidates {
   bool self_contact = true;
   double reach = 0;      ///< distance at which pairs begin to count [m]
   double thickness = 0;  ///< distance at which surfaces that push touch, in `reach` [m]
+  double reach_at_rest = -1;  ///< places of one piece that are nearer at rest do not push [m]; below zero: `reach`
 
   void compile(const Surfaces& surfaces);
   /// Another step begins: margins follow what things move in one.

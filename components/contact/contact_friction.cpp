@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "framework/scene/archive.h"
+
 namespace stroma::contact {
 
 namespace {
@@ -31,13 +33,37 @@ Vec3 directionOf(const Vec3& u) {
 }
 }  // namespace
 
-void Friction::note(const BarrierLaw& law, const std::vector<Vec3>& x) {
+/// 1 for what sticks, 0 for what slides.
+double Friction::stickingAt(double way) const {
+  const double t = std::clamp(way / slip - 1, 0.0, 1.0);
+  return (1 - t) * (1 - t) * (1 + 2 * t);
+}
+
+void Friction::add(const BarrierLaw& law, const Touch& touch, double sticking) {
+  const double force = (mu + (mu_static - mu) * sticking) * law.pushOf(touch) + mu_adhesion * sticking * law.pullOf(touch);
+  if (force != 0) slides.push_back({.v = touch.v, .c = touch.c, .n = touch.n, .force = force, .on_plane = touch.v[1] < 0});
+}
+
+void Friction::note(const BarrierLaw& law, const std::vector<Touch>& touches) {
   slides.clear();
   looks_ = true, is_computed_ = is_on_line_ = false;
-  if (mu == 0) return;
-  for (const Touch& touch : law.touches(x))
-    if (const double l = law.forceOf(touch).dot(touch.n); l != 0)
-      slides.push_back({.v = touch.v, .c = touch.c, .n = touch.n, .force = mu * l, .on_plane = touch.v[1] < 0});
+  if (!acts()) return;
+  for (const Touch& touch : touches) {
+    const std::size_t vertex = std::size_t(touch.v[0]);
+    add(law, touch, stickingAt(vertex < slid_.size() ? slid_[vertex].norm() : 0));
+  }
+}
+
+void Friction::noteAgain(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
+                         const std::vector<Vec3>& start, const Vec3& moved) {
+  slides.clear();
+  looks_ = true, is_computed_ = is_on_line_ = false;
+  if (!acts()) return;
+  for (const Touch& touch : touches) {
+    const Vec3 u = wayOf({.v = touch.v, .c = touch.c, .n = touch.n, .on_plane = touch.v[1] < 0}, x, start, moved);
+    const bool turned = u.dot(slid_[std::size_t(touch.v[0])]) < 0;
+    add(law, touch, turned ? 1 : stickingAt(u.norm()));
+  }
 }
 
 void Friction::remember(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
@@ -48,10 +74,17 @@ void Friction::remember(const std::vector<Vec3>& x, const std::vector<Vec3>& sta
   Vec3 sum = Vec3::Zero();
   double whole = 0;
   for (const Slide& slide : slides) sum += std::abs(slide.force) * slipOf(slide), whole += std::abs(slide.force);
+  slid_before_ = slid_;
   // what has not touched yet does as the others
   std::fill(slid_.begin(), slid_.end(), whole > 0 ? Vec3(sum / whole) : sum);
-  for (const Slide& slide : slides) slid_[std::size_t(slide.v[0])] = slipOf(slide);
+  for (const Slide& slide : slides) {
+    const std::size_t vertex = std::size_t(slide.v[0]);
+    slid_[vertex] = slipOf(slide);
+    if (letsGo() && slid_[vertex].dot(slid_before_[vertex]) < 0) slid_[vertex].setZero();
+  }
 }
+
+void Friction::serialize(Archive& archive) { archive.list("slid", slid_); }
 
 void Friction::hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
   if (!std::exchange(looks_, false)) return;

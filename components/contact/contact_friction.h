@@ -13,33 +13,50 @@
 //   rho dt = du - t rho' (u/|u|).du,   |t| <= 1,   K = mu l / rho (1 - rho' sym(t (u/|u|)^T))
 // with rho and u of where the line starts (Chan, Golub and Mulet 1999, for the denoising of images). t = u/rho is the derivative
 // itself. The force is not touched by it.
+//
+// mu is that of the solve before, as l is: the coefficient of what sticks for y <= 1, that of what slides for y >= 2, a smooth step
+// between. Each solve has a potential then, what sticks bears up to the larger coefficient, and what slides goes on with the smaller.
+// What slides against the way of the step before has stood in between, and is asked with the larger one whether it goes on.
+//
+// Adhesion that pulls with a force a bears mu_a a along the surfaces besides, where it sticks, and nothing from y = 2 on: what slides is
+// not glued (Fang, Li and others 2023 let it go by the law of f; here it follows the solves too).
 #pragma once
 #include "components/contact/contact_terms.h"
+
+namespace stroma {
+class Archive;
+}
 
 namespace stroma::contact {
 
 class Friction {
  public:
-  double mu = 0;
+  double mu = 0, mu_static = 0;  ///< of what slides; of what sticks, not less
+  double mu_adhesion = 0;
   double slip = 1e-6;   ///< e [m]
+  bool acts() const { return mu > 0 || mu_static > 0 || mu_adhesion > 0; }
+  bool letsGo() const { return mu_static != mu || mu_adhesion > 0; }  ///< what slides has less than what sticks
   bool definite = false;  ///< the derivative is to have no unstable direction
   double farthest = 0;  ///< what is off by more is not held [m]
   struct Slide {
     std::array<int, 4> v;
     std::array<double, 4> c;
     Vec3 n;
-    double force;       ///< mu l [N]; negative: takes away what was counted twice
-    bool on_plane;      ///< its other point moves with the obstacles
+    double force = 0;   ///< mu l + mu_a a [N]; negative: takes away what was counted twice
+    bool on_plane = false;  ///< its other point moves with the obstacles
     bool held = false;  ///< by the tangent of u = 0
     Vec3 u = Vec3::Zero(), t = Vec3::Zero();              ///< at the x of the last compute()
     Vec3 start_u = Vec3::Zero(), start_t = Vec3::Zero();  ///< where the line starts
   };
   /// What slides from now on.
   std::vector<Slide> slides;
-  /// Slides become the touches at x.
-  void note(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// Slides become the touches, with the coefficients of the step before.
+  void note(const BarrierLaw& law, const std::vector<Touch>& touches);
+  /// The same with the coefficients of the ways that have been made up to x.
+  void noteAgain(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x, const std::vector<Vec3>& start,
+                 const Vec3& moved);
   /// A step begins, with so many vertices.
-  void begin(std::size_t vertices) { slid_.assign(vertices, Vec3::Zero()), met_.assign(vertices, false); }
+  void begin(std::size_t vertices) { slid_.resize(vertices, Vec3::Zero()), slid_before_.reserve(vertices), met_.assign(vertices, false); }
   void beginAgain() { met_.assign(met_.size(), false); }
   /// Of the step before, at its end x: what slips then is likely to go on.
   void remember(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
@@ -56,14 +73,18 @@ class Friction {
   const Terms& terms() const { return terms_; }
   /// On all vertices, of the last compute(); `out` has that many.
   void forces(std::vector<Vec3>& out) const;
-  void clear() { slides.clear(), terms_.clear(); }
+  void clear() { slides.clear(), terms_.clear(), slid_.clear(); }
+  void serialize(Archive& archive);
 
  private:
   void followLine(Slide& slide) const;
+  void add(const BarrierLaw& law, const Touch& touch, double sticking);
+  double stickingAt(double way) const;
 
   Terms terms_;
   std::vector<bool> met_;   ///< of each vertex: it has been held in this step
   std::vector<Vec3> slid_;  ///< of each vertex: u in the step before; zero where it has stuck [m]
+  std::vector<Vec3> slid_before_;  ///< work space
   bool looks_ = false;      ///< slides have been noted since hold()
   bool is_computed_ = false, is_on_line_ = false;  ///< slides have their u and t; those of the start of a line
 };

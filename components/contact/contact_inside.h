@@ -8,6 +8,9 @@
 
 namespace stroma::contact {
 
+/// The surface of this body, which has an inside, goes around the place.
+bool isInside(const Vec3& place, const Surfaces& surfaces, const std::vector<Vec3>& x, int body);
+
 /// Throws ComponentError where an obstacle lies inside of a body of the component at `path`, which distances do not show. One vertex
 /// of each piece tells: what crosses a surface is found otherwise (refuseOverlap()). x: of all vertices. With `name`, which says
 /// what a vertex is, bodies inside of others are refused too.

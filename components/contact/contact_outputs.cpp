@@ -18,10 +18,6 @@ static double pressureAt(double r) { return 2 * (r - 1) * std::log(r) + (r - 1) 
 
 void Outputs::declare(DataTable& table) {
   table.add("crossings", crossings).help("steps after which an edge and a triangle had a point in common").output();
-  table.add("smallestGap", smallest_gap_)
-      .help("smallest gap after the last step; 0: nothing is in reach")
-      .unit("m")
-      .output();
   table.add("openStiffness", open_stiffness_)
       .help("stiffness that would have kept the gaps of the run so far at half of contactDistance; 0: none closed to a tenth of it. The "
             "smaller a gap, the more iterations steps need")
@@ -31,34 +27,94 @@ void Outputs::declare(DataTable& table) {
       .help("searches for near pairs, their ways and exact tests that parts of the surfaces have needed so far")
       .unit("-")
       .output();
+  table.add("movedStart", moved_start).help("the longest way of a node by resolveStart").unit("m").output();
   table.add("frictionChange", friction_change)
       .help("what another solve would change of the friction of the last step, as a part of it")
       .unit("-")
+      .output();
+  declareForces(table);
+}
+
+void Outputs::declareForces(DataTable& table) {
+  table.add("smallestGap", smallest_gap_)
+      .help("smallest gap after the last step; 0: nothing is in reach")
+      .unit("m")
       .output();
   table.add("contactForces", contact_forces_)
       .help("normal contact force on each node of mstate after the last step")
       .unit("N")
       .output();
+  table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output();
+  table.add("pressures", pressures_)
+      .help("of each node of mstate: its normal force over its contactAreas; where only others push it, over its part of the surface")
+      .unit("Pa")
+      .output();
+  table.add("contactAreas", areas_)
+      .help("of each node of mstate: the part of the surface for which it is pushed")
+      .unit("m^2")
+      .output();
+  table.add("gaps", gaps_)
+      .help("of each node of mstate: the smallest gap; the largest that counts where nothing is nearer")
+      .unit("m")
+      .output();
+  table.add("contactStates", states_).help("of each node of mstate: 0: nothing pushes, 1: it sticks, 2: it slides").output();
   table.add("wrenches", wrenches_)
       .help("on each body, mstate first: the sum of its contact forces with friction [N], and their moment about the "
             "origin [N m]")
       .output();
 }
 
-void Outputs::note(const BarrierLaw& law, const Friction& friction, const std::vector<Vec3>& x,
+void Outputs::clearNodes(std::size_t nodes, double far) {
+  contact_forces_.assign(nodes, Vec3::Zero()), friction_forces_ = contact_forces_;
+  pressures_.assign(nodes, 0), areas_ = rubs_ = pressures_;
+  gaps_.assign(nodes, far), states_.assign(nodes, 0);
+}
+
+void Outputs::noteNodes(const BarrierLaw& law, const Touch& touch, const State& first) {
+  const Surfaces& s = law.surfaces;
+  const auto nodeOf = [&](int v) { return std::size_t(s.rows[std::size_t(v)] - first.firstRow()); };
+  const auto isFirst = [&](int v) { return v >= 0 && s.moves(v) && s.bodyOf(v) == 0; };
+  const bool pushes = touch.gap < touch.range;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!isFirst(touch.v[i]) || touch.c[i] == 0) continue;
+    double& gap = gaps_[nodeOf(touch.v[i])];
+    gap = std::min(gap, touch.gap);
+    if (pushes) states_[nodeOf(touch.v[i])] = 2;
+  }
+  if (pushes && touch.of_surface && isFirst(touch.v[0]))  // of two bodies each has half of the share
+    areas_[nodeOf(touch.v[0])] += touch.v[3] >= 0 && s.moves(touch.v[3]) ? 2 * touch.share : touch.share;
+}
+
+void Outputs::noteSlides(const Surfaces& s, const Friction& friction, const State& first) {
+  for (const Friction::Slide& slide : friction.slides)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const int v = slide.v[i];
+      if (v < 0 || !s.moves(v) || s.bodyOf(v) != 0 || slide.c[i] == 0) continue;
+      const std::size_t node = std::size_t(s.rows[std::size_t(v)] - first.firstRow());
+      const double rub = std::abs(slide.c[i] * slide.force);
+      if (rub > rubs_[node]) rubs_[node] = rub, states_[node] = slide.u.norm() > friction.slip ? 2 : 1;
+    }
+}
+
+void Outputs::note(const BarrierLaw& law, const std::vector<Touch>& touches, const Friction& friction, const std::vector<Vec3>& x,
                    const std::vector<State*>& bodies) {
   const Surfaces& s = law.surfaces;
   const State& first = *bodies.front();
   double smallest = std::numeric_limits<double>::infinity();
-  contact_forces_.assign(std::size_t(first.size()), Vec3::Zero());
-  wrenches_.assign(2 * bodies.size(), Vec3::Zero());
   touched_ = false, smallest_gap_ = 0;
   queries_ = double(law.candidates.work().all());
-  if (law.isOutOfReach(x) && friction.slides.empty()) return;
+  const bool is_clear = touches.empty() && friction.slides.empty();
+  if (is_clear && is_clear_ && gaps_.size() == std::size_t(first.size())) return;
+  clearNodes(std::size_t(first.size()), law.far());
+  wrenches_.assign(2 * bodies.size(), Vec3::Zero());
+  if ((is_clear_ = is_clear)) return;
   forces_.resize(x.size());
   friction.forces(forces_);
-  for (const Touch& touch : law.touches(x)) {
+  for (std::size_t v = 0; v < x.size(); ++v)
+    if (s.moves(int(v)) && s.bodyOf(int(v)) == 0) friction_forces_[std::size_t(s.rows[v] - first.firstRow())] += forces_[v];
+  for (const Touch& touch : touches) {
     smallest = std::min(smallest, touch.gap);
+    noteNodes(law, touch, first);
     const Vec3 whole = law.forceOf(touch);
     for (std::size_t i = 0; i < 4; ++i) {
       if (touch.v[i] < 0 || !s.moves(touch.v[i])) continue;
@@ -68,11 +124,16 @@ void Outputs::note(const BarrierLaw& law, const Friction& friction, const std::v
       if (s.bodyOf(touch.v[i]) == 0) contact_forces_[std::size_t(s.rows[v] - first.firstRow())] += force;
     }
   }
+  noteSlides(s, friction, first);
   for (std::size_t v = 0; v < x.size(); ++v) {
     if (!s.moves(int(v))) continue;
     const std::size_t body = std::size_t(s.bodyOf(int(v)));
     wrenches_[2 * body] += forces_[v];
     wrenches_[2 * body + 1] += x[v].cross(forces_[v]);
+    if (body != 0) continue;
+    const std::size_t node = std::size_t(s.rows[v] - first.firstRow());
+    const double area = areas_[node] > 0 ? areas_[node] : s.vertex_area[v];
+    if (area > 0) pressures_[node] = contact_forces_[node].norm() / area;
   }
   touched_ = std::isfinite(smallest);
   smallest_gap_ = touched_ ? smallest : 0;
@@ -111,7 +172,10 @@ void Outputs::serialize(Archive& archive) {
   archive.value("open_stiffness", open_stiffness_);
   archive.value("friction_change", friction_change), archive.value("smallest_gap", smallest_gap_);
   archive.value("queries", queries_), archive.value("touched", touched_);
-  archive.list("contact_forces", contact_forces_), archive.list("wrenches", wrenches_);
+  archive.list("contact_forces", contact_forces_), archive.list("friction_forces", friction_forces_);
+  archive.list("wrenches", wrenches_), archive.list("pressures", pressures_), archive.list("areas", areas_);
+  archive.list("gaps", gaps_), archive.list("states", states_);
+  is_clear_ = false;
 }
 
 }  // namespace stroma::contact

@@ -11,8 +11,10 @@ namespace stroma::contact {
 class Outputs {
  public:
   void declare(DataTable& table);
-  /// At the positions x of all vertices; `bodies` are the states that surfaces are of, in order.
-  void note(const BarrierLaw& law, const Friction& friction, const std::vector<Vec3>& x,
+  /// Those that do not depend on how bodies are kept apart.
+  void declareForces(DataTable& table);
+  /// Touches at the positions x of all vertices; `bodies` are the states that surfaces are of, in order.
+  void note(const BarrierLaw& law, const std::vector<Touch>& touches, const Friction& friction, const std::vector<Vec3>& x,
             const std::vector<State*>& bodies);
   /// After a step: whether its friction has settled.
   void noteFriction();
@@ -26,6 +28,7 @@ class Outputs {
 
   int crossings = 0;           ///< steps after which surfaces crossed
   double friction_change = 0;  ///< of another solve, relative
+  double moved_start = 0;      ///< the longest way of a node before the first step [m]
 
  private:
   double smallest_gap_ = 0, queries_ = 0;
@@ -33,7 +36,16 @@ class Outputs {
   int unsettled_ = 0;        ///< steps
   double worst_change_ = 0;  ///< of friction_change
   bool touched_ = false;  ///< something is in reach
-  std::vector<Vec3> contact_forces_, wrenches_, forces_;
+  std::vector<Vec3> contact_forces_, friction_forces_, wrenches_, forces_;
+
+  void clearNodes(std::size_t nodes, double far);
+  void noteNodes(const BarrierLaw& law, const Touch& touch, const State& first);
+  void noteSlides(const Surfaces& surfaces, const Friction& friction, const State& first);
+  // ---- of each node of mstate ----
+  std::vector<double> pressures_, areas_, gaps_;  ///< [Pa], [m^2], [m]
+  std::vector<double> rubs_;                      ///< the largest friction there; work space [N]
+  std::vector<int> states_;                       ///< 0: nothing pushes, 1: sticks, 2: slides
+  bool is_clear_ = false;                         ///< nothing of all this is of a contact
 };
 
 }  // namespace stroma::contact

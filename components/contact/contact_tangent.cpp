@@ -6,21 +6,33 @@
 
 namespace stroma::contact {
 
-Vec3 BarrierLaw::forceOf(const Touch& touch) const {
-  return -stiffness * touch.share * Barrier(touch.gap, touch.range).slope * touch.n;
+static Slopes pushing(const BarrierLaw& law, const Touch& touch) {
+  if (law.is_penalty) return Penalty(touch.gap, touch.range);
+  return Barrier(touch.gap, touch.range);
 }
+
+Slopes BarrierLaw::slopesOf(const Touch& touch) const {
+  Slopes sum = pushing(*this, touch);
+  const double scale = stiffness * touch.share;
+  sum = {scale * sum.value, scale * sum.slope, scale * sum.curvature};
+  if (!touch.of_surface || !(adhesion.strength > 0)) return sum;
+  const Slopes pull = adhesion.at(touch.gap);
+  return {sum.value + touch.share * pull.value, sum.slope + touch.share * pull.slope, sum.curvature + touch.share * pull.curvature};
+}
+
+double BarrierLaw::pushOf(const Touch& touch) const { return -stiffness * touch.share * pushing(*this, touch).slope; }
+double BarrierLaw::pullOf(const Touch& touch) const { return touch.of_surface ? touch.share * adhesion.at(touch.gap).slope : 0; }
 
 Term BarrierLaw::termOf(const Touch& touch, const std::vector<Vec3>& x, bool definite) const {
   Term term;
   for (std::size_t i = 0; i < 4; ++i) term.rows[i] = touch.v[i] >= 0 ? surfaces.rows[std::size_t(touch.v[i])] : -1;
   term.c = touch.c;
-  const Barrier barrier(touch.gap, touch.range);
-  const double scale = stiffness * touch.share;
-  term.force = -scale * barrier.slope * touch.n;
-  term.m = scale * barrier.curvature * touch.n * touch.n.transpose();
+  const Slopes energy = slopesOf(touch);
+  term.force = -energy.slope * touch.n;
+  term.m = energy.curvature * touch.n * touch.n.transpose();
   if (!definite)
-    addTurning(touch, x, scale * barrier.slope, term);
-  else if (scale * barrier.curvature < 0)
+    addTurning(touch, x, energy.slope, term);
+  else if (energy.curvature < 0)
     term.m.setZero();
   return term;
 }

@@ -54,8 +54,22 @@ Barrier::Barrier(double gap, double range) {
   curvature = -(2 * log + 4 * from / r - from * from / (r * r)) / range;
 }
 
+Penalty::Penalty(double gap, double range) {
+  const double in = 1 - gap / range;
+  if (in > 0) value = 0.5 * range * in * in, slope = -in, curvature = 1 / range;
+}
+
+Slopes Adhesion::at(double gap) const {
+  if (!(strength > 0) || !(gap < range)) return {};
+  if (gap < peak)
+    return {-0.5 * strength * (range - gap * gap / peak), strength * gap / peak, strength / peak};
+  const double left = range - gap, falling = strength / (range - peak);
+  return {-0.5 * falling * left * left, falling * left, -falling};
+}
+
 void BarrierLaw::compile() {
-  candidates.reach = range + thickness, candidates.thickness = thickness;
+  candidates.reach = far() + thickness, candidates.thickness = thickness;
+  candidates.reach_at_rest = is_penalty ? range + thickness : candidates.reach;
   candidates.compile(surfaces);
   vertex_share_.assign(surfaces.rows.size(), not_weighed);
   plane_share_.assign(planes.size() * surfaces.rows.size(), not_weighed);
@@ -69,14 +83,14 @@ void BarrierLaw::look(const std::vector<Vec3>& x) const {
   candidates.covers(x);
   if (!candidates.mayPush()) return;
   const auto& pairs = std::as_const(candidates).pairs();
-  const double far = range + thickness;
+  const double reach = far() + thickness;
   closest_.resize(pairs.size()), in_reach_.assign(pairs.size(), false);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!candidates.mayPush(pairs[i])) continue;
     const FourPoints points = candidates.pointsOf(pairs[i], x);
-    if (pairs[i].kind == PairKind::edge_edge && leastOfParallel(points) > far + pairs[i].radius) continue;
+    if (pairs[i].kind == PairKind::edge_edge && leastOfParallel(points) > reach + pairs[i].radius) continue;
     closest_[i] = closestPoints(pairs[i].kind, points);
-    in_reach_[i] = closest_[i].distance() < far + pairs[i].radius;
+    in_reach_[i] = closest_[i].distance() < reach + pairs[i].radius;
   }
 }
 
@@ -218,12 +232,13 @@ void BarrierLaw::addFeaturesOf(const Candidate& pair, const ClosestPoints& close
 }
 
 void BarrierLaw::addTouch(const Candidate& pair, const std::array<double, 4>& c, const Vec3& difference, double share,
-                          double small) const {
+                          double small, bool of_surface) const {
   const double distance = difference.norm(), gap = distance - thickness - pair.radius;
-  if (!(gap < range)) return;
+  if (!(gap < (of_surface ? far() : std::max(range, alarm)))) return;
   const Vec3 n = distance > 0 ? Vec3(difference / distance) : Vec3::Zero();
-  if (share != 0) touches_.push_back({pair.v, c, n, gap, share, range});
-  if (gap < small_range * range && small > 0) touches_.push_back({pair.v, c, n, gap, small, small_range * range});
+  if (share != 0) touches_.push_back({pair.v, c, n, gap, share, range, of_surface});
+  if (gap < small_range * range && small > 0 && !is_penalty)
+    touches_.push_back({pair.v, c, n, gap, small, small_range * range});
 }
 
 void BarrierLaw::addVertexTouches(int vertex) const {
@@ -235,7 +250,7 @@ void BarrierLaw::addVertexTouches(int vertex) const {
     const bool two = own && surfaces.moves(feature.pair->v[3]);
     const double share = own ? (two ? 0.5 : 1) * part : 0;
     const double least = small_share * (own ? whole : surfaces.area[std::size_t(feature.pair->second)]);
-    addTouch(*feature.pair, feature.c, feature.difference, feature.count * share, feature.count > 0 ? least : 0);
+    addTouch(*feature.pair, feature.c, feature.difference, feature.count * share, feature.count > 0 ? least : 0, true);
   }
 }
 
@@ -243,7 +258,7 @@ void BarrierLaw::addEdgeTouches(const Candidate& pair, const ClosestPoints& clos
   double share = std::numeric_limits<double>::infinity();
   for (const int e : {pair.first, pair.second})
     if (surfaces.edge_area[std::size_t(e)] > 0) share = std::min(share, surfaces.edge_area[std::size_t(e)]);
-  if (std::isfinite(share)) addTouch(pair, closest.weights, closest.difference, factor * share, small_share * share);
+  if (std::isfinite(share)) addTouch(pair, closest.weights, closest.difference, factor * share, small_share * share, false);
 }
 
 void BarrierLaw::addPlaneTouches(const std::vector<Vec3>& x) const {
@@ -251,14 +266,15 @@ void BarrierLaw::addPlaneTouches(const std::vector<Vec3>& x) const {
     for (std::size_t v = 0; v < x.size(); ++v) {
       if (!surfaces.moves(int(v))) continue;
       const double gap = gapToPlane(p, x[v]);
-      if (!(gap < range)) continue;
+      if (!(gap < far())) continue;
       double& share = plane_share_[p * x.size() + v];
       if (std::isnan(share)) share = shareOf(int(v), planes[p].normal, x);
-      const Touch touch{{int(v), -1, -1, -1}, {1, 0, 0, 0}, planes[p].normal, gap, share, range};
+      const Touch touch{{int(v), -1, -1, -1}, {1, 0, 0, 0}, planes[p].normal, gap, share, range, true};
       if (share > 0) touches_.push_back(touch);
-      if (gap < small_range * range) {
+      if (gap < small_range * range && !is_penalty) {
         touches_.push_back(touch);
         touches_.back().share = small_share * surfaces.vertex_area[v], touches_.back().range = small_range * range;
+        touches_.back().of_surface = false;
       }
     }
 }
@@ -285,7 +301,7 @@ const std::vector<Touch>& BarrierLaw::touches(const std::vector<Vec3>& x) const 
 
 double BarrierLaw::energy(const std::vector<Vec3>& x) const {
   double sum = 0;
-  for (const Touch& touch : touches(x)) sum += stiffness * touch.share * Barrier(touch.gap, touch.range).value;
+  for (const Touch& touch : touches(x)) sum += slopesOf(touch).value;
   return sum;
 }
 

@@ -13,7 +13,12 @@
 // towards each other, so that flat surfaces are pressed by their vertices alone. A, ridges and the factor m of parallel
 // edges are those of the last force. Every pair has a tenth of its share besides with a tenth of dh: nothing comes so
 // near unless it has no other share.
+//
+// Adhesion (Fang, Li and others 2023) is a tension Y of vertices over surfaces that has its largest value where the gap is dp:
+//   Y d/dp for d < dp,   Y (da - d)/(da - dp) for dp <= d < da, else 0
+// whose energy by area is -Y (da - d)^2 / (2 (da - dp)) beyond dp, and -Y/2 (da - d^2/dp) below.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 
 #include "components/contact/contact_candidates.h"
@@ -29,11 +34,26 @@ struct Touch {
   double gap = 0;           ///< [m]
   double share = 0;         ///< [m^2]; negative: takes away what was counted twice
   double range = 0;         ///< dh [m]
+  bool of_surface = false;  ///< the share is a part of a surface, not of ridges that cross or of what keeps strays away
 };
 
-struct Barrier {
-  double value, slope, curvature;
+/// Of an energy by the gap: its value, b' and b''.
+struct Slopes {
+  double value = 0, slope = 0, curvature = 0;
+};
+struct Barrier : Slopes {
   Barrier(double gap, double range);
+};
+/// b = dh/2 (r - 1)^2 for r < 1: a pressure that grows as the gap falls, and on without bound where it is below zero.
+struct Penalty : Slopes {
+  Penalty(double gap, double range);
+};
+
+struct Adhesion {
+  double strength = 0;  ///< Y [Pa]
+  double peak = 0;      ///< dp [m]
+  double range = 0;     ///< da [m]
+  Slopes at(double gap) const;  ///< [J/m^2], [Pa], [Pa/m]
 };
 
 /// A force f c_i on each of up to four rows. Its derivative is, with e' the slope of an energy e(d) of the distance d,
@@ -64,6 +84,9 @@ class BarrierLaw {
  public:
   double range = 0, thickness = 0;  ///< dh [m]; distance of surfaces at which the gap is zero [m]
   double stiffness = 0;             ///< kappa [Pa]
+  bool is_penalty = false;          ///< it pushes as Penalty, not as Barrier
+  Adhesion adhesion;
+  double alarm = 0;  ///< gap up to which places count although nothing acts between them [m]
   std::vector<Plane> planes;
   Vec3 moved = Vec3::Zero();  ///< of all obstacles [m]
   Surfaces surfaces;
@@ -78,7 +101,14 @@ class BarrierLaw {
   bool isOutOfReach(const std::vector<Vec3>& x) const;
   /// What counts at x; nearer than dh. What has come into reach since weigh() gets its share here.
   const std::vector<Touch>& touches(const std::vector<Vec3>& x) const;
-  Vec3 forceOf(const Touch& touch) const;  ///< on the first side [N]
+  Vec3 forceOf(const Touch& touch) const { return -slopesOf(touch).slope * touch.n; }  ///< on the first side [N]
+  /// Of the energy of a touch [J], [N], [N/m].
+  Slopes slopesOf(const Touch& touch) const;
+  /// Two parts of the force along n: with which both sides push, and with which adhesion pulls [N]; both have the sign of the share.
+  double pushOf(const Touch& touch) const;
+  double pullOf(const Touch& touch) const;
+  /// The largest gap at which a place counts [m].
+  double far() const { return std::max({range, adhesion.strength > 0 ? adhesion.range : 0, alarm}); }
   /// At the x of touches(). `definite`: with a derivative that has no unstable direction.
   Term termOf(const Touch& touch, const std::vector<Vec3>& x, bool definite) const;
   double energy(const std::vector<Vec3>& x) const;  ///< [J], as touches()
@@ -113,8 +143,8 @@ class BarrierLaw {
   void addVertexTouches(int vertex) const;
   void addEdgeTouches(const Candidate& pair, const ClosestPoints& closest, double factor) const;
   void addPlaneTouches(const std::vector<Vec3>& x) const;
-  void addTouch(const Candidate& pair, const std::array<double, 4>& c, const Vec3& difference, double share,
-                double small) const;
+  void addTouch(const Candidate& pair, const std::array<double, 4>& c, const Vec3& difference, double share, double small,
+                bool of_surface) const;
 
   mutable std::vector<ClosestPoints> closest_;  ///< of each candidate in reach, at looked_at_
   mutable std::vector<char> in_reach_;          ///< of each candidate; empty: none

@@ -103,6 +103,40 @@ void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& from, const s
   tangent = length > 0 ? Vec3(tangent / length) : n.unitOrthogonal();
 }
 
+/// Of d = min over y of |sum c_i(y) x_i| the second derivative has -d s s, s = T (T^T T)^-1 n . sum c_i,y dx_i with the ways T along
+/// which the closest points may go; what it has besides is smaller by the size of a cell over d.
+KeptGap::Turns KeptGap::turns(const BarrierLaw& law, const std::vector<Vec3>& x) const {
+  constexpr double least = 0.1, none = 1e-9;  // of a cell; a weight
+  Turns turns;
+  if (!pair || free < 1) return turns;
+  std::array<Vec3, 2> ways;
+  const auto goAlong = [&](std::size_t from, std::size_t to) {
+    if (turns.count == 2 || !(std::abs(c[from]) > none) || !(std::abs(c[to]) > none)) return;
+    if (!law.surfaces.moves(v[from]) && !law.surfaces.moves(v[to])) return;  // an obstacle does not turn
+    ways[std::size_t(turns.count)] = x[std::size_t(v[to])] - x[std::size_t(v[from])];
+    turns.of[std::size_t(turns.count)][from] = -1, turns.of[std::size_t(turns.count)][to] = 1;
+    ++turns.count;
+  };
+  if (pair->kind == PairKind::point_triangle)
+    goAlong(1, 2), goAlong(1, 3), goAlong(2, 3);
+  else
+    goAlong(0, 1), goAlong(2, 3);
+  for (int k = 0; k < turns.count; ++k)
+    if (!(apart(law) > least * ways[std::size_t(k)].norm()) || !(ways[std::size_t(k)].norm() > 0)) turns.count = 0;
+  if (turns.count == 0) return turns;
+  const double length = ways[0].norm();
+  for (double& of : turns.of[0]) of /= length;
+  if (turns.count == 1) return turns;
+  const Vec3 first = ways[0] / length;
+  const double along = first.dot(ways[1]), across = (ways[1] - along * first).norm();
+  if (!(across > none * length)) {
+    turns.count = 1;
+    return turns;
+  }
+  for (std::size_t i = 0; i < 4; ++i) turns.of[1][i] = (turns.of[1][i] - along * turns.of[0][i]) / across;
+  return turns;
+}
+
 void KeptGaps::compile(const BarrierLaw& law) {
   bodies_.clear();
   for (const Surfaces::Body& body : law.surfaces.bodies()) {

@@ -40,6 +40,13 @@ struct KeptGap {
   void findFreeWay(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x);
   /// Where it has come to at x from where it was. Without `anew`, by the directions that there are.
   void look(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x, bool anew);
+  /// How n turns with the places: by -apart() b (b . dx) along them, b = sum of[i] n, with the coefficients of at most two b.
+  struct Turns {
+    int count = 0;
+    std::array<std::array<double, 4>, 2> of{};
+  };
+  Turns turns(const BarrierLaw& law, const std::vector<Vec3>& x) const;
+  double apart(const BarrierLaw& law) const { return gap + law.range + law.thickness + (pair ? pair->radius : 0); }
   /// The vertices that are beyond the other side where it has touched: of a triangle it is the vertex, of edges all.
   int passing() const { return !pair || pair->radius > 0 ? 0 : pair->kind == PairKind::point_triangle ? 1 : 4; }
 };

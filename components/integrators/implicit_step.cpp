@@ -31,7 +31,7 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   }
   StepReport report = solveLinearised(stop);
   if (scheme.moved_after != 0 && !report.failed()) system_->motion().advance(scheme.moved_after, change_, x());
-  if (!multipliers_.empty() && !report.failed()) multipliers_.correct(*solver_, tangent(), change_, stop, report);
+  if (!multipliers_.empty() && !report.failed()) multipliers_.correct(*solver_, tangent(), change_, {}, stop, report);
   bodies_.momenta(x(), v(), end_momenta_);
   return report;
 }

@@ -4,9 +4,9 @@
 #pragma once
 #include <string>
 
+#include "components/integrators/conditions_newton.h"
 #include "components/integrators/energy_watch.h"
 #include "components/integrators/exact_tangent.h"
-#include "components/integrators/multipliers.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/orientations.h"
 #include "components/integrators/turning_bodies.h"
@@ -68,7 +68,7 @@ class ImplicitStep final : public NonlinearProblem {
   void beginConditions(double displacement, double weight) { multipliers_.begin({displacement, weight, 0}, false); }
   /// x and v without these forces become those with them, and so does `change`, what v has become in the solve with `matrix`.
   void meetConditions(SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report) {
-    if (!multipliers_.empty()) multipliers_.correct(*solver_, matrix, change, stop, report);
+    if (!multipliers_.empty()) multipliers_.correct(*solver_, matrix, change, {}, stop, report);
   }
   /// The scene asks for Newton's method.
   bool iterates() const { return !solvesOnce() && !newton_.settings.fixed_count; }
@@ -89,6 +89,10 @@ class ImplicitStep final : public NonlinearProblem {
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
   double energy() override;
   Rows unknowns() override { return v(); }
+  Rows sinceStart() override {
+    takeChange();
+    return change_;
+  }
   void unknownsChanged() override;
   void addTo(Rows u, double s, ConstRows d) const override;
   double residualOfParts(ConstRows residual) const override;
@@ -113,10 +117,6 @@ class ImplicitStep final : public NonlinearProblem {
   bool mayTryExact() const;
   bool beginFaster();
   StepReport solveConditions(StopToken stop);
-  bool iterateConditions(double& now, StopToken stop, StepReport& report);
-  void goShare(double share);
-  bool isLittle(double residual) const;
-  bool isBalanced(double residual, StepReport& report);
   void takeBack(StepReport& report);
   void takeChange();
   void startIterating();
@@ -135,6 +135,7 @@ class ImplicitStep final : public NonlinearProblem {
   int enough_solves_ = 2;      ///< where it is
   StepLimits limits_;
   Multipliers multipliers_;
+  ConditionsNewton conditions_;  ///< with Newton's method and forces of constraint
   ExactTangent exact_;
   EnergyWatch energy_;
   int exact_tangent_steps_ = 0;
@@ -147,14 +148,6 @@ class ImplicitStep final : public NonlinearProblem {
   Vector change_;          ///< u - v0
   Vector constant_;        ///< old_weight F(x0, v0), with Newton's method and forces of constraint those carried too
   Vector x0_, v0_, work_;  ///< the state before the step, for Newton
-  // with Newton's method and forces of constraint
-  Vector direction_, last_v_;  ///< a correction and the iterate before it [m/s], shape (independentRows())
-  double residual_scale_ = 0;  ///< the largest of |R| and loadScale() where the step starts and of |q| so far
-  double longest_ = 0;         ///< way of the first iteration [m]; 0: there was none
-  double moved_ = 0;           ///< way of the last iteration [m]
-  bool holds_ = false;         ///< the conditions do, with the forces that are carried
-  int iterations_ = 0;
-  Mixing mixing_;
   Vector carried_;         ///< way of what is moved [m], shape (independentRows()); only with limits
   double lack_ = 0;        ///< the part of it that has not been made yet
   int carries_ = 0;

@@ -122,8 +122,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   if (iterates()) limits_.compile(system);
   for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());
   if (!limits_.empty()) carried_.resize(system.independentRows());
-  if (!multipliers_.empty())
-    for (Vector* vector : {&direction_, &last_v_}) vector->resize(system.independentRows());
+  if (!multipliers_.empty()) conditions_.compile(system, *this, multipliers_, constant_);
   graph_.reserve(std::size_t(newton_.settings.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
 }

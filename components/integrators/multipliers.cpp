@@ -28,6 +28,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   if (empty()) return;
   rule_ = rule;
   carries_ = carries;
+  knows_forces_ = false, bend_count_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
   copy(system_->mappingChain().positions(system_->x), start_);
@@ -76,9 +77,9 @@ double Multipliers::likeRowBefore(std::size_t row) const {
 }
 
 /// J^T of one row on what may move.
-void Multipliers::pullBack(std::size_t row, Rows out) {
+void Multipliers::pullBack(std::span<const LagrangianRows::Entry> entries, Rows out) {
   clear(work_);
-  for (const auto& [at, gradient] : rows_.entriesOf(rows_.rows()[row])) work_[at] += gradient;
+  for (const auto& [at, gradient] : entries) work_[at] += gradient;
   system_->mappingChain().pullBack(work_);
   copy(system_->independent(work_), out);
   system_->constraints().project(out);
@@ -130,7 +131,7 @@ void Multipliers::takeDirections() {
 
 void Multipliers::aim() {
   findConditions();
-  takeDirections();
+  takeDirections(), takeBends();
 }
 
 /// A^-1 J^T, of what is not known
@@ -144,6 +145,7 @@ bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken 
     if (like_[i] == 0 || !is_answered_[i - 1]) {
       copy(directions_[i], right_side_);
       if (!answer(solver, matrix, response, stop, report)) return false;
+      takeBendsFrom(response);
     } else {
       if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
       copy(responses_[i - 1], response);
@@ -191,12 +193,27 @@ void Multipliers::sumResponses() {
 /// x and v from those without forces of constraint, with whole_ in the place of before_.
 void Multipliers::apply(Rows change) {
   System& s = *system_;
-  for (const Rows velocity : {s.independent(s.v), change}) axpy(1, whole_, velocity), axpy(-1, before_, velocity);
+  axpy(1, whole_, change), axpy(-1, before_, change);
+  if (rule_.has_velocities) axpy(1, whole_, s.independent(s.v)), axpy(-1, before_, s.independent(s.v));
   copy(free_, s.independent(s.x));
   s.motion().advance(rule_.displacement, whole_, s.independent(s.x));
 }
 
-void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report) {
+/// base_ = what the carried impulses do, with the matrix that has the turning of gradients. False: a solve gave nothing.
+bool Multipliers::answerCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report) {
+  copy(carried_, right_side_);
+  system_->constraints().project(right_side_);
+  if (!answer(solver, matrix, base_, stop, report) || !respondToBends(solver, matrix, stop, report)) return false;
+  if (bend_count_ > 0) {  // d - (d - base) less what bends take of it
+    axpy(-1, direction, base_);
+    takeBendsFrom(base_);
+    axpy(1, direction, base_);
+  }
+  return true;
+}
+
+void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
+                          StepReport& report) {
   constexpr int most_rounds = 100, most_idle = 10;
   constexpr double close = 1e-13;  // of the place
   System& s = *system_;
@@ -204,11 +221,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   clear(whole_);
   bool is_mixed = false;
   mixing_.restart();
-  if (carries_) {
-    copy(carried_, right_side_);
-    s.constraints().project(right_side_);
-    if (!answer(solver, matrix, base_, stop, report)) return;
-  }
+  if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
   int least_round = 0;
   double size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
@@ -233,7 +246,9 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     for (Eigen::Index i = 0; i < solve_.g.size(); ++i)
       for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
         solve_.g[i] -= rule_.displacement * gradient.dot(along[row]);
-    solve_.solve(rows_.rows());
+    solve_.solve(rows_.rows(), stop);
+    report.stopped = report.stopped || stop.isStopAsked();
+    if (report.stopped) return;
     sumResponses();
     const double last = step;
     step = rule_.displacement * distance(whole_, before_);
@@ -250,6 +265,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   }
   findConditions();
   solve_.l.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
+  knows_forces_ = true;
   give();
   judge(step, size, rounding, report);
 }
@@ -271,17 +287,10 @@ std::string Multipliers::nodesOf(std::size_t row) const {
   return nodes.empty() ? nodes : nodes + (entries.size() > most ? " and others)" : ")");
 }
 
-/// By how much each row may be off in a step that is kept and told: toleratedError of its constraint [m]. Empty: nothing.
-std::vector<double> Multipliers::tolerated() const {
-  const auto of = [this](std::size_t i) {
-    const auto& constraint = dynamic_cast<const Component&>(*system_->actors().lagrangian_constraints[i]);
-    const Data* data = constraint.data().find("toleratedError");
-    return data ? *std::get<double*>(data->pointer()) : 0;
-  };
-  std::vector<double> allowed;
-  for (std::size_t i = 0; i < ends_.size(); ++i)
-    if (of(i) > 0 || !allowed.empty()) allowed.resize(i > 0 ? ends_[i - 1] : 0, 0), allowed.resize(ends_[i], of(i));
-  return allowed;
+/// That of all rows: no row says whose the forces of a step are.
+double Multipliers::leastTolerance(bool kept) {
+  findTolerances(system_->actors().lagrangian_constraints, ends_, kept, allowed_);
+  return allowed_.empty() ? 0 : *std::min_element(allowed_.begin(), allowed_.end());
 }
 
 /// What has not come to rest and what does not hold.
@@ -293,10 +302,12 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
   }
   constexpr double still = 1e-6;  // of the place: what directions of forces still turn bodies by
   const double held = exact * size + rounding + 1e-300;
-  const std::vector<double> allowed = tolerated();
-  ConditionForces::Violation worst = solve_.worst(rows_.rows(), allowed);
-  bool is_kept = worst.off <= held;
-  if (is_kept) worst = solve_.worst(rows_.rows());
+  ConditionForces::Violation worst;
+  bool is_kept = true;
+  for (const bool kept : {true, false}) {
+    findTolerances(system_->actors().lagrangian_constraints, ends_, kept, allowed_);
+    if (is_kept) worst = solve_.worst(rows_.rows(), allowed_), is_kept = !kept || worst.off <= held;
+  }
   const auto refuse = [&](std::string reason) {
     report.constraints_converged = is_kept;
     report.constraint_reason = std::move(reason);
@@ -315,9 +326,8 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
     const double g = std::abs(solve_.g[Eigen::Index(worst.row)]);
     return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}{}", name, g, nodes));
   }
-  if (!(step <= still * size + rounding + 1e-300)) {
-    // no row says whose forces these are
-    is_kept = !allowed.empty() && step <= *std::min_element(allowed.begin(), allowed.end());
+  if (!(step <= std::max(still * size, leastTolerance(false)) + rounding + 1e-300)) {
+    is_kept = step <= leastTolerance(true);
     refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their largest coordinate "
                        "when their rounds end",
                        system_->integrator().path(), step / size));
@@ -329,7 +339,7 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
 void Multipliers::addCarried(Rows out) const { axpy(1, carried_, out); }
 
 void Multipliers::carry(Rows out) {
-  takeDirections();
+  takeDirections(), takeBends();
   clear(added_);
   share_ = 1;
   for (std::size_t i = 0; i < rows_.rows().size(); ++i) axpy(rule_.weight * solve_.l[Eigen::Index(i)], directions_[i], added_);

@@ -12,7 +12,10 @@
 // Newton's method needs more than one such correction, because A is the matrix of one place (implicit_conditions.cpp). It
 // carries the impulses J^T p found so far as a load, and each correction starts from there. Forces then keep the directions
 // of the iterate that A is of, until the next: what they turn by is taken late, as is what stresses turn by in most matrices A;
-// of a body that a cable presses together the one balances the other.
+// of a body that a cable presses together the one balances the other. How gradients turn where a row says so
+// (LagrangianRows::Bend) is a part of the matrix instead, A + B S B^T with the forces of the iterate before:
+//   (A + B S B^T)^-1 v = z - Y (S^-1 + B^T Y)^-1 B^T z,   z = A^-1 v,   Y = A^-1 B
+// Cells that roll on a sphere turn by more than any step that lacks it can follow.
 #pragma once
 #include <string>
 #include <vector>
@@ -32,6 +35,7 @@ class Multipliers {
     double displacement = 0;  ///< dx/du [s]
     double weight = 0;        ///< p = weight l [s]
     double old_share = 0;     ///< of p along the gradients where the step starts
+    bool has_velocities = true;  ///< u is the system's v; else of statics, and u is the change itself
   };
 
   void compile(System& system);
@@ -40,9 +44,12 @@ class Multipliers {
   void begin(const Rule& rule, bool carries);
   /// With Newton's method: forces act along the gradients at the present x from now on.
   void aim();
-  /// Moves x and v of the system until the conditions hold; `change`: what v has changed by in the step, follows.
+  /// Moves x and v of the system until the conditions hold; `change`: what u has changed by in the step, follows.
   /// A report that did not converge says by how much they do not.
-  void correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report);
+  /// `direction`: of Newton's method, what u has come by from where aim() was; else of no rows.
+  void correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop, StepReport& report);
+  /// By how much every condition may be off and hold, or be kept and told [m]; 0 where one may not.
+  double leastTolerance(bool kept);
   /// out += J^T p, of the step before and then of the last carry() [N s].
   void addCarried(Rows out) const;
   double carriedSize() const { return norm(carried_); }
@@ -62,8 +69,13 @@ class Multipliers {
   void findConditions();
   double likeRowBefore(std::size_t row) const;
   bool isIdle(std::size_t row) const;
-  void pullBack(std::size_t row, Rows out);
+  void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
   void takeDirections();
+  void takeBends();
+  bool respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  void takeBendsFrom(Rows response);
+  bool answerCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report);
+  void pullBack(std::span<const LagrangianRows::Entry> entries, Rows out);
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
@@ -72,7 +84,6 @@ class Multipliers {
   void give();
   std::string nameOf(std::size_t row) const;
   std::string nodesOf(std::size_t row) const;
-  std::vector<double> tolerated() const;
   void judge(double step, double size, double rounding, StepReport& report);
 
   System* system_ = nullptr;
@@ -86,7 +97,17 @@ class Multipliers {
   std::vector<Vector> responses_;          ///< A^-1 of them
   std::vector<char> is_answered_;          ///< of each row: they are known
   std::vector<std::size_t> live_;          ///< rows of W
+  std::vector<double> allowed_;            ///< by how much each row may be off; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
+  struct Bend {
+    double size;    ///< S
+    Vector b, y;    ///< columns of B and Y
+  };
+  std::vector<Bend> bends_;  ///< the first bend_count_ of them
+  std::size_t bend_count_ = 0;
+  Eigen::PartialPivLU<Eigen::MatrixXd> bent_;  ///< S^-1 + B^T Y
+  Eigen::VectorXd along_bends_;
+  bool knows_forces_ = false;  ///< of the rows of this step
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried
   Vector whole_, before_;  ///< what they change u by, now and a round ago

@@ -28,6 +28,7 @@ class NonlinearProblem {
   virtual bool useDefiniteTangent(bool) { return false; }
   virtual double energy() = 0;  ///< E(u); called only when NewtonSettings::use_energy
   virtual Rows unknowns() = 0;  ///< u, for Newton to write; shape (rows)
+  virtual Rows sinceStart() { return unknowns(); }  ///< u less that where the step starts, for forces of constraint
   /// The largest s <= 1 up to which positions may move along d; nothing passes through anything before that.
   virtual double longestStep(ConstRows /*d*/) { return 1; }
   /// The equations are solved at u with what was held fixed meanwhile. True: that has moved on, and they are others.

@@ -23,17 +23,18 @@
 // the last equilibrium is, and leaves that, or with moved nodes is taken back.
 //
 // Before that, a solve that fails or gets no further with the approximate tangent of a force field (tangent="warped") is tried
-// with the exact one, from the best iterate and then from where it began, and the rest of the step with it. One that gets on by
-// a factor above 0.1, with more than six such still to go, takes the exact one too, where that is symmetric (method svd). Where
-// that helped, later steps begin with it. The run tells how many steps needed that. The linear solver must take what the exact
-// tangent is: CGLinearSolver takes symmetric ones only. With fewer than five Newton iterations it is not tried.
+// with the exact one, from the best iterate and then from where it began. One that gets on by a factor above 0.1, with more than
+// six such still to go, takes it too, where it is symmetric (method svd). Where that helped, later steps begin with it. The linear
+// solver must take it: CGLinearSolver takes symmetric ones only. With fewer than five Newton iterations it is not tried.
+//
+// With Lagrangian constraints, contact by ConstraintContact among them, f(x) + J^T l = 0 and their conditions are solved together
+// (conditions_newton.h), in one go: take smaller steps where that fails. Slides and ways are those of the step.
 //
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held nodes
 // included), or when these forces are round-off of those within a body on which nothing acts, or when one of the other
-// thresholds (off by default: they are absolute, or of the step instead of the balance of forces) is met, or when dx no longer
-// changes x in double precision. After newton_iterations without that, it has not converged, says so, and leaves the best
-// iterate; a run that ends so has no result (exit code 3). SOFA: 1 iteration, four times 1e-5. A NewtonRaphsonSolver of the
-// node, or linked, has the settings.
+// thresholds (off by default) is met, or when dx no longer changes x. After newton_iterations without that, it has not converged,
+// says so, and leaves the best iterate; a run that ends so has no result (exit code 3). SOFA: 1 iteration, four times 1e-5. A
+// NewtonRaphsonSolver of the node, or linked, has the settings.
 //
 // A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with a
 // sentence naming the body and the direction or axis. A body is what forces tie together: a state can hold several. With
@@ -56,6 +57,7 @@
 #include <cmath>
 #include <utility>
 
+#include "components/integrators/conditioned_statics.h"
 #include "components/integrators/equilibrium.h"
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/free_body.h"
@@ -70,7 +72,7 @@
 namespace stroma {
 namespace {
 
-class StaticSolver final : public Integrator, public HeedsStepLimits {
+class StaticSolver final : public Integrator, public HeedsStepLimits, public FindsMultipliers {
  public:
   bool heedsStepLimits() const override { return true; }
   void declare(DataTable& table) override;
@@ -82,12 +84,13 @@ class StaticSolver final : public Integrator, public HeedsStepLimits {
   void sceneChanged() override { is_checked_ = false, sleep_.wake(); }
   void stepTaken(const StepContext& context) override {
     if (!sleep_.stepTaken(context.dt)) exact_.stepTaken();
+    conditioned_.stepTaken();
   }
   void reset() override {
-    exact_.reset(), sleep_.reset(), unmoved_ = {}, is_checked_ = false, exact_tangent_steps_ = 0;
+    exact_.reset(), sleep_.reset(), conditioned_.reset(), unmoved_ = {}, is_checked_ = false, exact_tangent_steps_ = 0;
   }
   void serialize(Archive& archive) override {
-    exact_.serialize(archive), unmoved_.serialize(archive), sleep_.serialize(archive);
+    exact_.serialize(archive), unmoved_.serialize(archive), sleep_.serialize(archive), conditioned_.serialize(archive);
     archive.value("is_checked", is_checked_);
     archive.value("held", held_);
   }
@@ -110,6 +113,7 @@ class StaticSolver final : public Integrator, public HeedsStepLimits {
   NewtonSolver* settings_component_ = nullptr;
   Equilibrium problem_;
   Newton newton_;
+  ConditionedStatics conditioned_;
   ExactTangent exact_;
   int exact_tangent_steps_ = 0;
   double smallest_part_ = 1.0 / 1024;
@@ -166,9 +170,8 @@ void StaticSolver::compile(System& system) {
   settings_.patience = settings_component_ || data().find("newton_iterations")->isSet() ? 0 : 10;
   newton_.settings = settings_;
   newton_.compile(system.independentRows());
-  problem_.compile(system);
-  sleep_.compile(system);
-  for (Vector* vector : {&force_, &good_}) vector->resize(system.independentRows());
+  problem_.compile(system), conditioned_.compile(system), sleep_.compile(system);
+  force_.resize(system.independentRows()), good_.resize(system.independentRows());
   graph_.reserve(std::size_t(settings_.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
 }
@@ -215,8 +218,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     // it helped before, and does not here
     exact_.end();
     problem_.giveUp();
-    const StepReport before = report;
-    report = solveInParts(system, context);
+    const StepReport before = std::exchange(report, solveInParts(system, context));
     addCounts(before, report);
   }
   if (report.stopped) return report;
@@ -237,10 +239,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system);
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
-  if (report.unsolved && !settings_.keep_unconverged) {
-    problem_.giveUp();
-    report.reason += "; the state before the step was kept";
-  }
+  if (report.unsolved && !settings_.keep_unconverged) problem_.giveUp(), report.reason += "; the state before the step was kept";
   return sleep_.judged(report);
 }
 
@@ -301,6 +300,9 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
   constexpr double part_residual = 1e-4;
   const Rows x = system.independent(system.x);
   StepReport report, failed;
+  if (!conditioned_.empty())
+    return conditioned_.solve(newton_, *solver_, context.stop, [&](StepReport& to) { return advancePrescribed(system, context, to); },
+                              [&] { return triesMore() && exact_.begin(system); });
   double done = 0, part = 1;
   for (int parts = 1;; ++parts) {
     const double share = std::min(1.0, done + part);
@@ -325,10 +327,7 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
     if (!mayDivide() || part / 4 < smallest_part_) break;
     part /= 4;
     copy(good_, x);
-    if (done == 0) {
-      problem_.setShare(1);
-      problem_.keepStartForce();
-    }
+    if (done == 0) problem_.setShare(1), problem_.keepStartForce();
   }
   if (report.load_parts == 1) return report;
   copy(good_, x);
@@ -361,6 +360,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   copy(system.independent(moved_v_), force_);
   clear(moved_v_);
   problem_.leaveOut(force_);
+  if (!conditioned_.empty()) conditioned_.addCarried(force_);
   system.constraints().project(force_);
   const SolveTerms terms{settings_.forcing, context.stop};
   const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, provided(mode_, x.count), terms, report);
@@ -372,7 +372,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
     motion.advance(1, mode_, x);
     energy = problem_.energy();
     // moved alone, nodes may crush elements so far that they have no energy: any that exists is then better
-    if (!std::isfinite(energy) || (settings_.use_energy && energy > alone)) {
+    if (!std::isfinite(energy) || (settings_.use_energy && conditioned_.empty() && energy > alone)) {
       motion.advance(-1, mode_, x);
       energy = alone;
     }

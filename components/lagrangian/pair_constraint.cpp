@@ -14,14 +14,14 @@ void PairConstraint::declare(DataTable& table) {
       .alias("mstate")
       .help("state of the first nodes; of this node or the nearest above when not given");
   table.addLink("object2", object2_).help("state of the second nodes; object1 when not given");
-  table.add("forces", forces_).help("forces of constraint of the last step").unit("N").output();
+  table.add("forces", forces_).help("forces of constraint of the last step; of turns and angles torques [N m]").unit("N").output();
 }
 
 void PairConstraint::declareOneState(DataTable& table) {
   table.addLink("mstate", object1_)
       .alias("object1")
       .help("state that it acts on; of this node or the nearest above when not given");
-  table.add("forces", forces_).help("forces of constraint of the last step").unit("N").output();
+  table.add("forces", forces_).help("forces of constraint of the last step; of turns and angles torques [N m]").unit("N").output();
 }
 
 void PairConstraint::init() {

@@ -15,8 +15,8 @@ constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;
 constexpr double none = std::numeric_limits<double>::infinity();
 }  // namespace
 
-// Nothing in it asks whether to stop. 900 rows of which a third say something of their own take ten seconds, 600 three.
-void ConditionForces::solve(const std::vector<Row>& rows) {
+void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop) {
+  stop_ = stop;
   live_.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].kind != Kind::given || rows[i].factor != 0) live_.push_back(i);
@@ -141,7 +141,7 @@ void ConditionForces::newton() {
   constexpr int most = 12;
   double now = residual(), least = now;
   best_ = q_;
-  for (int k = 0; k < most && now > settled; ++k) {
+  for (int k = 0; k < most && now > settled && !stop_.isStopAsked(); ++k) {
     const bool goes_on = newtonStep();  // if not, forces have gone to their bounds all the same
     const double last = std::exchange(now, residual());
     if (now < least) least = now, best_ = q_;
@@ -157,11 +157,11 @@ void ConditionForces::settle() {
   constexpr double first = 1e-3, last = 1e-7;
   const Eigen::VectorXd offset = offset_, diagonal = scaled_.diagonal();
   Eigen::VectorXd where = least_;
-  for (double shift = first; shift >= 0.9 * last && unsettled_ > rounded; shift *= 0.1) {
+  for (double shift = first; shift >= 0.9 * last && unsettled_ > rounded && !stop_.isStopAsked(); shift *= 0.1) {
     double before = unsettled_;
     scaled_.diagonal().array() += shift;
     where = least_;
-    for (int turn = 1; turn <= most && unsettled_ > settled; ++turn) {
+    for (int turn = 1; turn <= most && unsettled_ > settled && !stop_.isStopAsked(); ++turn) {
       offset_ = offset - shift * where;
       restart(where);
       newton();

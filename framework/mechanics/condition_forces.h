@@ -17,6 +17,7 @@
 #include <limits>
 #include <vector>
 
+#include "framework/algebra/stop.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 
 namespace stroma {
@@ -37,7 +38,8 @@ class ConditionForces {
   Eigen::VectorXd l;          ///< forces [N], shape (rows); where the search begins
   std::vector<double> sizes;  ///< lengths of the gradients: what moves less than round-off of this is held
 
-  void solve(const std::vector<Row>& rows);
+  /// A stop is heeded within it; forces are then those of the best place so far.
+  void solve(const std::vector<Row>& rows, StopToken stop = {});
   /// By how much the functions above are off, of the largest condition that does not hold without forces.
   double unsettled() const { return unsettled_; }
   /// The functions above, where the rows of the last solve() have come to (Row::value). `allowed`: by how much each row may be
@@ -86,6 +88,7 @@ class ConditionForces {
   std::vector<double> derivative_;   ///< on them, row by row
   Eigen::VectorXd step_;             ///< its first numbers are those of active_
   double size_ = 0, unsettled_ = 0;
+  StopToken stop_;
 };
 
 }  // namespace stroma

@@ -59,7 +59,7 @@ void ConditionForces::searchInside() {
   const Eigen::MatrixXd w = by.asDiagonal() * scaled_ * by.asDiagonal();
   Eigen::MatrixXd a;
   double share = 0.1;  // of nu, that is left
-  for (int round = 0; round < most_rounds && unsettled_ > enough; ++round) {
+  for (int round = 0; round < most_rounds && unsettled_ > enough && !stop_.isStopAsked(); ++round) {
     restart(by.cwiseProduct(x));
     note();
     off = by.cwiseProduct(r_) - z;

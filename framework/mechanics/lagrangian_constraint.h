@@ -29,11 +29,23 @@ class LagrangianRows {
     std::size_t begin, end;  ///< of entries
   };
 
-  void clear() { rows_.clear(), entries_.clear(); }
+  /// How the gradient of a row turns with x: by -size b (b . dx). Of a distance to a surface whose cells turn.
+  struct Bend {
+    std::size_t row;
+    double size;             ///< [m]
+    std::size_t begin, end;  ///< of entries of b [1/m], which are apart from those of rows
+  };
+
+  void clear() { rows_.clear(), entries_.clear(), bends_.clear(), bend_entries_.clear(); }
   void begin(Kind kind, double value, double factor = 0) {
     rows_.push_back({kind, value, factor, entries_.size(), entries_.size()});
   }
   void add(Index row, const Vec3& gradient) { entries_.push_back({row, gradient}), ++rows_.back().end; }
+  /// Of the last row.
+  void bend(double size) { bends_.push_back({rows_.size() - 1, size, bend_entries_.size(), bend_entries_.size()}); }
+  void addToBend(Index row, const Vec3& b) { bend_entries_.push_back({row, b}), ++bends_.back().end; }
+  const std::vector<Bend>& bends() const { return bends_; }
+  std::span<const Entry> entriesOf(const Bend& bend) const { return {bend_entries_.data() + bend.begin, bend.end - bend.begin}; }
   const std::vector<Row>& rows() const { return rows_; }
   std::span<const Entry> entriesOf(const Row& row) const { return {entries_.data() + row.begin, row.end - row.begin}; }
   /// The same rows as in `other`, at another place or with other values.
@@ -44,7 +56,8 @@ class LagrangianRows {
 
  private:
   std::vector<Row> rows_;
-  std::vector<Entry> entries_;
+  std::vector<Entry> entries_, bend_entries_;
+  std::vector<Bend> bends_;
 };
 
 /// A component besides, whose conditions hold at the end of a step by forces of constraint. An integrator that knows the
@@ -59,7 +72,23 @@ class LagrangianConstraint {
   virtual void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const = 0;
   /// The forces l of its rows in the step that has been made [N].
   virtual void takeForces(std::span<const double> /*forces*/) {}
+  /// By how much its conditions may be off at the end of a step [m]: `held` is not worth a word, `kept` is told.
+  struct Tolerance {
+    double held = 0, kept = 0;
+  };
+  virtual Tolerance tolerance() const { return {}; }
 };
+
+/// Of each row, those of a constraint up to its `ends`; empty where there is none. `kept`: of what is told too.
+inline void findTolerances(const std::vector<LagrangianConstraint*>& constraints, const std::vector<std::size_t>& ends, bool kept,
+                           std::vector<double>& of_rows) {
+  of_rows.clear();
+  for (std::size_t i = 0, begin = 0; i < ends.size(); begin = ends[i++]) {
+    const LagrangianConstraint::Tolerance tolerance = constraints[i]->tolerance();
+    const double most = kept ? std::max(tolerance.kept, tolerance.held) : tolerance.held;
+    if (most > 0 || !of_rows.empty()) of_rows.resize(begin, 0), of_rows.resize(ends[i], most);
+  }
+}
 
 /// The role of an integrator that finds them.
 class FindsMultipliers {

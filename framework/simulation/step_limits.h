@@ -43,6 +43,6 @@ void tellStepBegins(const System& system, ConstRows x, double t, double t_end);
 /// What lies in one another after a step, or empty.
 std::string overlapIn(System& system);
 /// Throws ComponentError when an integrator does not ask how far it may step, or something else moves positions too.
-void checkStepLimits(const System& system);
+void checkStepLimits(System& system);
 
 }  // namespace stroma

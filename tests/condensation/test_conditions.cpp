@@ -155,6 +155,24 @@ TEST(CondensedConditions, BarriersAreRefusedWithWhatWorks) {
   }
 }
 
+/// A plane goes a micrometre into nodes that are held: that is a thousandth of the gap, or more than what is written.
+TEST(CondensedConditions, ErrorsThatAreToleratedHold) {
+  const auto pressed = [](const std::string& solver, const std::string& tolerated) {
+    const std::string plane = "<ConstraintContact contactDistance=\"1e-3\" planes=\"0 0 1 -1e-3\" keyTimes=\"0 1\" "
+                              "movements=\"0 0 0  0 0 9e-7\" " + tolerated + "/>";
+    return simulationFromText(Block{.solver = solver, .loads = plane, .gravity = "0 0 0", .dt = 1}.text()).step();
+  };
+  for (const std::string& solver : {static_solvers[0], static_solvers[1], dynamic_solvers[0], whole,
+                                    std::string("<StaticSolver/><SparseLDLSolver/>")}) {
+    SCOPED_TRACE(solver);
+    const StepReport held = pressed(solver, ""), refused = pressed(solver, "toleratedError=\"1e-8\"");
+    EXPECT_TRUE(held.constraints_converged) << held.constraint_reason;
+    EXPECT_EQ(held.constraint_reason, "");
+    EXPECT_FALSE(refused.constraints_converged);
+    expectContains(refused.constraint_reason, "a condition is off by 9e-07");
+  }
+}
+
 TEST(CondensedConditions, OnInsideNodesAreToldWithTheNode) {
   const Block block{.solver = "<CondensedStaticSolver/>", .loads = "<FixedLagrangianConstraint name=\"pin\" indices=\"66\"/>"};
   Simulation simulation = simulationFromText(block.text());

@@ -43,6 +43,18 @@ TEST(BarrierContact, BlocksRestAtTheGapOfTheirPressure) {
     EXPECT_NEAR(least, r, 1e-4) << "p/kappa " << share;
     EXPECT_NEAR(most, r, 1e-4) << "p/kappa " << share;
     EXPECT_NEAR(outputOf(simulation, "smallestGap") / range, r, 1e-4);
+    const std::vector<double> pressures = numbersOf(simulation, "pressures"), areas = numbersOf(simulation, "contactAreas"),
+                              gaps = numbersOf(simulation, "gaps"), states = numbersOf(simulation, "contactStates");
+    ASSERT_EQ(pressures.size(), 48u);
+    double area = 0;
+    for (std::size_t i = 0; i < 48; ++i) {
+      const bool touches = i >= 32;  // the upper side of the lower one
+      EXPECT_NEAR(pressures[i], touches ? share * kappa : 0, 1e-3 * share * kappa) << "node " << i;
+      EXPECT_NEAR(gaps[i] / range, touches ? r : 1, 1e-4) << "node " << i;
+      EXPECT_EQ(states[i], touches ? 2 : 0) << "without friction what touches slides";
+      area += areas[i];
+    }
+    EXPECT_NEAR(area, 1, 1e-12);
   }
 }
 

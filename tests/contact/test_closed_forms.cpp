@@ -25,8 +25,9 @@ struct Layer {
   double h, even_across, even_down, growth, extent, height;
 };
 
-/// The force on a frictionless rigid obstacle that is moved down by `way`.
-double forceOn(const std::string& obstacle, double way, double range, double stiffness, const Layer& layer) {
+/// The force on a frictionless rigid obstacle that is moved down by `way`. `more`: a node with its mesh.
+double forceOn(const std::string& obstacle, double way, double range, double stiffness, const Layer& layer,
+               const std::string& more = "") {
   const std::vector<double> x = graded(layer.h, int(std::lround(layer.even_across / layer.h)), layer.growth, layer.extent),
                             z = graded(layer.h, int(std::lround(layer.even_down / layer.h)), layer.growth, layer.height);
   const int n = int(x.size()), m = int(z.size());
@@ -52,7 +53,8 @@ double forceOn(const std::string& obstacle, double way, double range, double sti
                   "<FixedProjectiveConstraint indices=\"{}\"/>"
                   "<BarrierContact contactDistance=\"{}\" stiffness=\"{}\" selfContact=\"0\" {} keyTimes=\"0 1\" "
                   "movements=\"0 0 0  0 0 {}\"/>",
-                  positions, cells, left, front, bottom, range, stiffness, obstacle, -way),
+                  positions, cells, left, front, bottom, range, stiffness, obstacle, -way) +
+          more,
       1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-6\"/>"));
   const StepReport report = simulation.step();
   EXPECT_TRUE(report.newton_converged) << report.reason;
@@ -105,6 +107,34 @@ TEST(ClosedForms, FlatPunch) {
   EXPECT_LT(std::abs(coarse), 0.03);
   const double h = std::sqrt(1 / 69.), smaller = std::sqrt(1 / 137.);  // of the cells, over the radius
   EXPECT_LT(std::abs((h * fine - smaller * coarse) / (h - smaller)), 0.015) << "what is left for cells without size";
+}
+
+/// A cone of half angle q, F = (2/pi) E* tan q D^2 with a = (2/pi) D tan q on a half-space (Love 1939, Sneddon 1965). The layer shows a
+/// half-space pressed by |alpha_0| F/(pi E* H) more than D. It is blunt: the closed form leaves out how places below it move inwards.
+TEST(ClosedForms, Cone) {
+  constexpr double young = 1e4, nu = 0.3, angle = 84 * M_PI / 180, depth = 1.16e-4, height = 0.02, range = 1e-5;
+  const double reduced = young / (1 - nu * nu), a = 2 / M_PI * depth * std::tan(angle);
+  double expected = 0;
+  for (int i = 0; i < 100; ++i) {
+    const double shown = depth + std::abs(layerFactor(nu)) * expected / (M_PI * reduced * height);
+    expected = 2 / M_PI * reduced * std::tan(angle) * shown * shown;
+  }
+  constexpr int sides = 96;
+  constexpr double high = 2e-4, first = 1.01 * range;
+  std::string points = fmt::format("0 0 {} ", first), triangles;
+  for (int k = 0; k < sides; ++k) {
+    const double t = 2 * M_PI * k / sides, r = high * std::tan(angle);
+    points += fmt::format("{} {} {} ", r * std::cos(t), r * std::sin(t), first + high);
+    triangles += fmt::format("0 {} {}  {} {} {} ", 1 + (k + 1) % sides, 1 + k, sides + 1, 1 + k, 1 + (k + 1) % sides);
+  }
+  points += fmt::format("0 0 {}", first + high);
+  const std::string cone =
+      fmt::format("<Node name=\"cone\"><MeshTopology name=\"mesh\" position=\"{}\" triangles=\"{}\"/></Node>", points, triangles);
+  // pressures are a thousandth of the stiffness, which rest at 0.98 contact distances
+  const Layer layer{a / 3, 1.4 * a, 1.2 * a, 1.7, 0.02, height};
+  const double error = forceOn("meshes=\"@cone/mesh\"", depth + 0.03 * range, range, 1e6, layer, cone) / expected - 1;
+  RecordProperty("error of the force", std::to_string(error));
+  EXPECT_LT(std::abs(error), 0.015);
 }
 
 /// v^2 / (2 mu g) in v / (mu g), of a rigid block that is let go at the gap of its weight.

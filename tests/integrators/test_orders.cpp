@@ -155,7 +155,7 @@ TEST(Orders, SpringWhoseOtherEndIsMoved) {
       for (const char* method : {"CentralDifference", "Newmark", "BDFOdeSolver"})
         if (damping > 0 && c.integrator.find(method) != std::string::npos) c.order = 1;
       const auto [y, speed] = expected(damping);
-      const auto errorAfter = [&, y = y, speed = speed](int n) {
+      const auto errorAfter = [&, text = text, y = y, speed = speed](int n) {
         Simulation simulation = simulationFromText(fmt::format(fmt::runtime(text), 1.0 / n, c.integrator, swing * rate,
                                                                mass, swing, rate, stiffness, damping));
         for (int step = 0; step < n; ++step) EXPECT_FALSE(simulation.step().diverged);

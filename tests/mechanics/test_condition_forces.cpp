@@ -113,6 +113,25 @@ TEST(ConditionForces, OfRowsThatSayNearlyTheSame) {
   EXPECT_GT(pushed, 400);
 }
 
+/// Rows that say the same many times cost seconds: a wish to stop ends that with what there is.
+TEST(ConditionForces, HeedAStop) {
+  StopRequest request;
+  request.make();
+  for (const bool stops : {true, false}) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    const Eigen::MatrixXd roots = Eigen::MatrixXd::NullaryExpr(60, 20, [&] { return normal(random); });
+    LagrangianRows rows;
+    ConditionForces forces;
+    forces.w = roots * roots.transpose(), forces.g = roots * Eigen::VectorXd::NullaryExpr(20, [&] { return normal(random); });
+    forces.l.setZero(60), forces.sizes.assign(60, 1);
+    for (Eigen::Index i = 0; i < 60; ++i) rows.begin(Kind::push, forces.g[i]);
+    forces.solve(rows.rows(), stops ? StopToken(request) : StopToken());
+    EXPECT_EQ(forces.unsettled() < 1e-9, !stops) << forces.unsettled();
+    EXPECT_TRUE(forces.l.allFinite());
+  }
+}
+
 TEST(ConditionForces, TellNumbersThatAreNone) {
   LagrangianRows rows;
   for (int i = 0; i < 2; ++i) rows.begin(Kind::push, -1);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/contact/contact_field.h"
+
+#include "components/contact/contact_bodies.h"
+
+namespace stroma::contact {
+
+void ContactField::declare(DataTable& table) {
+  ForceField::declare(table);
+  table.addLink("other", other_).help("states of other bodies; without any, mstate meets itself and obstacles");
+  topology_.declare(table, "mesh whose surface mstate has");
+  table.add("contactDistance", law_.range).help("gap below which surfaces push; 0: a tenth of their mean edge").unit("m").min(0);
+  table.add("stiffness", stiffness_).help("kappa; 0: a tenth of the largest youngModulus of the bodies").unit("Pa").min(0);
+  table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
+  declareFriction(table, friction_);
+  table.add("slipVelocity", slip_velocity_).help("what sticks may creep as fast").unit("m/s").min(0, false);
+  table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
+  obstacles_.declare(table);
+}
+
+void ContactField::init() {
+  ForceField::init();
+  bodies_ = bodiesInContact(state(), other_.all());
+  obstacles_.init(self_ || bodies_.size() > 1, "other, planes, spheres, capsules, cylinders, boxes, meshes or selfContact");
+  finishFriction(friction_);
+  law_.stiffness = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(bodies_);
+  if (!(law_.stiffness > 0))
+    throw ComponentError("stiffness is not given, and no body here has a youngModulus from which it would follow",
+                         "stiffness=\"...\" in pascal, about a tenth of the bodies' Young's modulus");
+}
+
+void ContactField::compileSurfaces() {
+  law_.surfaces.clear();
+  addSurfaces(law_.surfaces, bodies_, topology_, *this);
+  obstacles_.addTo(law_);
+  law_.surfaces.finish();
+  mean_edge_ = law_.surfaces.meanEdge();
+  if (law_.range == 0) law_.range = 0.1 * mean_edge_;
+  law_.candidates.self_contact = self_;
+}
+
+void ContactField::addStiffnessProduct(ConstRows dx, double factor, Rows df) const {
+  terms_.addProduct(dx, factor, df);
+  friction_.terms().addProduct(dx, factor, df);
+}
+
+void ContactField::addStiffness(double factor, BlockMatrix& matrix) const {
+  terms_.addTo(factor, matrix);
+  friction_.terms().addTo(factor, matrix);
+}
+
+void ContactField::addStiffnessDiagonal(double factor, std::vector<double>& blocks) const {
+  terms_.addDiagonal(factor, blocks);
+  friction_.terms().addDiagonal(factor, blocks);
+}
+
+}  // namespace stroma::contact

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "components/contact/contact_attributes.h"
+#include "components/contact/contact_obstacles.h"
+#include "components/contact/contact_outputs.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/state_topology.h"
+
+namespace stroma::contact {
+
+/// A contact by forces: its bodies and obstacles as attributes, and the derivatives of what it has done in the last addForce().
+class ContactField : public ForceField {
+ public:
+  /// mstate, other, topology, contactDistance, stiffness, thickness, coefficients of friction, selfContact and obstacles.
+  void declare(DataTable& table) override;
+  void init() override;
+  std::vector<State*> states() const override { return bodies_; }
+  bool acts() const override { return !terms_.empty() || !friction_.terms().empty(); }
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override;
+  void addStiffness(double factor, BlockMatrix& matrix) const override;
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
+  long patternRevision() const override { return pattern_revision_; }
+
+ protected:
+  /// Rows are known: the law gets its surfaces, and contactDistance where it is not given.
+  void compileSurfaces();
+
+  // ---- attributes ----
+  BarrierLaw law_;
+  Friction friction_;
+  double slip_velocity_ = 1e-4;
+  bool self_ = true;
+  TopologyLink topology_;
+  Obstacles obstacles_;
+  Outputs outputs_;
+
+  std::vector<State*> bodies_;
+  double mean_edge_ = 0;  ///< [m]
+  long pattern_revision_ = 0;
+  mutable std::vector<Vec3> x_;  ///< of all vertices; work space
+  std::vector<Vec3> start_;      ///< the same where the step starts
+  Vec3 moved_at_start_ = Vec3::Zero();
+  Terms terms_;  ///< of the last force
+
+ private:
+  double stiffness_ = 0;
+  LinkList<State> other_{"mechanical state"};
+};
+
+}  // namespace stroma::contact

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// PenaltyContact: surfaces that push each other with a pressure in proportion to how far they are in each other's distance.
+//
+// Surfaces of `mstate` and `other`, obstacles and paths are those of BarrierContact and ConstraintContact. Where a step starts, a vertex
+// and a triangle or two edges that are nearer than alarmDistance become a contact, with the closest points p and q of both and the
+// normal n from q to p. Both last for the step, as SOFA's do. With the gap d = (p - q).n less radii and `thickness`, A the share of
+// the surface that the vertex stands for (contact_terms.h) and kappa the stiffness, a contact pushes while d < contactDistance:
+//
+//   pressure = kappa (1 - d/contactDistance),   K = -k n n^T with k = kappa A/contactDistance
+//
+// so that forces hardly depend on the mesh: under kappa/10 surfaces rest at 0.9 contactDistance, under kappa they touch, and under more
+// they are in one another. Nothing keeps them from going through: what is deeper than its distance from the other side, or moves
+// farther than alarmDistance in a step, may come out there. BarrierContact and ConstraintContact do not let it. Every integrator
+// takes it, explicit ones with a step below 2/sqrt(k/m).
+//
+// Friction: with l the force of a contact where the step starts and u its way along the surfaces since then, mu l f against u,
+// f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. mu is staticFriction of what has stuck in the step before.
+//
+// CollisionResponse has the same penalty with SOFA's stiffness by contact, between collision models.
+//
+// Source: penalty of SOFA (PenalityContactForceField), friction of Li, Ferguson, Schneider and others 2020.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 0 -9.81">
+//   <EulerImplicitSolver/>
+//   <SparseLDLSolver/>
+//   <MeshTopology position="0 0 0  1 0 0  0 1 0  0.3 0.3 0.8" tetrahedra="0 1 2 3"/>
+//   <MechanicalObject/>
+//   <UniformMass totalMass="2"/>
+//   <TetrahedronFEMForceField youngModulus="1e5" poissonRatio="0.3"/>
+//   <PenaltyContact contactDistance="0.162" planes="-0.19 0.29 0.94 -0.35"/>
+// </Node>
+#include <algorithm>
+#include <utility>
+
+#include "components/contact/contact_field.h"
+#include "framework/mechanics/step_limiter.h"
+#include "framework/scene/archive.h"
+#include "framework/scene/factory.h"
+#include "framework/scene/node.h"
+
+namespace stroma {
+namespace {
+
+using namespace contact;
+
+class PenaltyContact final : public ContactField, public HearsSteps {
+ public:
+  void declare(DataTable& table) override;
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.symmetric = traits.exact_tangent = traits.lagged = true;
+    traits.conservative = !friction_.acts();
+    return traits;
+  }
+  void compile() override;
+  void stepBegins(ConstRows x, double t, double t_end) override;
+  double energy(ConstRows x) const override;
+  void addForce(ConstRows x, ConstRows v, Rows f) override;
+  void addPattern(BlockPattern& pattern) const override { contacts_.addPattern(pattern); }
+  void reset() override;
+  void serialize(Archive& archive) override;
+
+ private:
+  Touch at(const Touch& start, const std::vector<Vec3>& x) const;
+  Term termOf(const Touch& touch) const;
+
+  bool is_found_ = false, has_new_ = false;  ///< contacts are those of a step; of other rows than those of the last force
+  std::vector<Touch> found_, touches_;       ///< where the step starts; at the x of the last force
+  Terms contacts_;                           ///< of all that were found
+};
+
+void PenaltyContact::declare(DataTable& table) {
+  ContactField::declare(table);
+  table.add("alarmDistance", law_.alarm)
+      .help("gap below which contacts are found where a step starts; 0: twice contactDistance")
+      .unit("m")
+      .min(0);
+  outputs_.declareForces(table);
+}
+
+void PenaltyContact::compile() {
+  compileSurfaces();
+  if (law_.alarm == 0) law_.alarm = 2 * law_.range;
+  law_.is_penalty = true;
+  law_.compile();
+  reset();
+}
+
+/// Contacts at x, where the step begins.
+void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
+  law_.moved = obstacles_.displacement(t);
+  law_.surfaces.gather(x, law_.moved, x_);
+  law_.candidates.stepBegins();
+  law_.candidates.findAgain(x_, 0.5 * law_.range, 0.25 * mean_edge_);
+  law_.weigh(x_);
+  found_ = law_.touches(x_);
+  friction_.slip = slip_velocity_ * (t_end - t);
+  friction_.begin(x_.size());
+  if (friction_.acts() && start_.size() == x_.size()) {
+    friction_.note(law_, found_);
+    friction_.remember(x_, start_, law_.moved - moved_at_start_);
+  }
+  friction_.note(law_, found_);
+  start_ = x_, moved_at_start_ = law_.moved;
+  law_.moved = obstacles_.displacement(t_end);
+  const auto rowsOf = [](const Term& term) { return term.rows; };
+  Terms before = std::exchange(contacts_, {});
+  for (const Touch& touch : found_) contacts_.push_back(termOf(touch));
+  has_new_ = has_new_ || !std::equal(before.begin(), before.end(), contacts_.begin(), contacts_.end(),
+                                     [&](const Term& a, const Term& b) { return rowsOf(a) == rowsOf(b); });
+  is_found_ = true;
+}
+
+/// The contact with the gap that it has at x; obstacles have their vertices in x, but for planes.
+Touch PenaltyContact::at(const Touch& start, const std::vector<Vec3>& x) const {
+  Vec3 way = start.v[1] < 0 ? Vec3(moved_at_start_ - law_.moved) : Vec3(Vec3::Zero());
+  for (std::size_t i = 0; i < 4; ++i)
+    if (const int v = start.v[i]; v >= 0) way += start.c[i] * (x[std::size_t(v)] - start_[std::size_t(v)]);
+  Touch touch = start;
+  touch.gap += start.n.dot(way);
+  return touch;
+}
+
+/// Normals do not turn in a step.
+Term PenaltyContact::termOf(const Touch& touch) const {
+  Term term;
+  for (std::size_t i = 0; i < 4; ++i) term.rows[i] = touch.v[i] >= 0 ? law_.surfaces.rows[std::size_t(touch.v[i])] : -1;
+  const Slopes energy = law_.slopesOf(touch);
+  term.c = touch.c;
+  term.force = -energy.slope * touch.n;
+  term.m = energy.curvature * touch.n * touch.n.transpose();
+  return term;
+}
+
+double PenaltyContact::energy(ConstRows x) const {
+  law_.surfaces.gather(x, law_.moved, x_);
+  double sum = 0;
+  for (const Touch& touch : found_) sum += law_.slopesOf(at(touch, x_)).value;
+  return sum;
+}
+
+void PenaltyContact::addForce(ConstRows x, ConstRows, Rows f) {
+  const Node& root = state().node().root();
+  if (!is_found_) {  // asked for before the first step
+    stepBegins(x, root.root_time, root.root_time + root.dt());
+    law_.moved = moved_at_start_;
+  }
+  pattern_revision_ += std::exchange(has_new_, false);
+  law_.surfaces.gather(x, law_.moved, x_);
+  terms_.clear(), touches_.clear();
+  for (const Touch& start : found_) {
+    const Touch touch = at(start, x_);
+    if (!(touch.gap < touch.range)) continue;
+    touches_.push_back(touch);
+    terms_.push_back(termOf(touch));
+  }
+  terms_.addForce(f);
+  friction_.compute(law_.surfaces, x_, start_, law_.moved - moved_at_start_);
+  friction_.terms().addForce(f);
+  outputs_.note(law_, touches_, friction_, x_, bodies_);
+}
+
+void PenaltyContact::reset() {
+  law_.candidates.forget();
+  law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
+  start_.clear(), found_.clear(), touches_.clear(), terms_.clear(), contacts_.clear(), friction_.clear();
+  is_found_ = false, outputs_.reset();
+  ++pattern_revision_;
+}
+
+void PenaltyContact::serialize(Archive& archive) {
+  archive.list("start", start_);
+  for (int k = 0; k < 3; ++k) archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
+  friction_.serialize(archive);
+  outputs_.serialize(archive);
+  if (!archive.isReading()) return;
+  is_found_ = false;
+  ++pattern_revision_;
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(penalty_contact) {
+  factory.add<stroma::PenaltyContact>("PenaltyContact", "surfaces that push each other by a penalty");
+}

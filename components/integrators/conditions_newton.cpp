@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/integrators/conditions_newton.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "framework/simulation/step_progress.h"
+
+namespace stroma {
+
+void ConditionsNewton::compile(System& system, NonlinearProblem& problem, Multipliers& multipliers, Rows load) {
+  problem_ = &problem, multipliers_ = &multipliers, load_ = load;
+  for (Vector* vector : {&residual_, &direction_, &last_}) vector->resize(system.independentRows());
+}
+
+double ConditionsNewton::residual() {
+  problem_->residual(residual_);
+  return norm(residual_);
+}
+
+StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopToken stop, StepReport report) {
+  const NewtonSettings& settings = newton.settings;
+  multipliers_->aim();
+  longest_ = moved_ = 0, iterations_ = 0, swings_ = false;
+  mixing_.restart();
+  holds_ = false;
+  std::vector<double>& history = newton.history();
+  history.clear();
+  const int first = report.newton_iterations, most = settings.iterations;
+  for (double now = residual();;) {
+    if (history.empty()) scale_ = std::max(now, problem_->loadScale());
+    scale_ = std::max(scale_, multipliers_->carriedSize());
+    history.push_back(now);
+    report.newton_residual = scale_ > 0 ? now / scale_ : now;
+    tellNewtonIterate(report.newton_iterations, report.newton_residual, settings.relative_residual);
+    if (!std::isfinite(now)) {
+      report.diverged = true;
+      report.reason = "the force is not finite in Newton's method with forces of constraint";
+      return report;
+    }
+    if (isBalanced(settings, now, report)) break;
+    report.stopped = stop.isStopAsked();
+    if (report.stopped) return report;
+    if (settings.fixed_count && report.newton_iterations == most) break;
+    if (report.newton_iterations - first == most) {
+      report.newton_converged = false;
+      report.reason = fmt::format("Newton's method with forces of constraint stopped at its limit of {} iterations with a "
+                                  "relative residual of {:.2g} (tolerance {:.2g})",
+                                  most, report.newton_residual, settings.relative_residual);
+      break;
+    }
+    if (!iterate(newton, solver, now, stop, report)) return report;
+  }
+  return report;
+}
+
+bool ConditionsNewton::isLittle(const NewtonSettings& settings, double residual) const {
+  return residual <= settings.relative_residual * scale_ || residual <= settings.absolute_residual;
+}
+
+/// The conditions hold, and what is left of the forces is little, or the round-off of positions.
+bool ConditionsNewton::isBalanced(const NewtonSettings& settings, double residual, StepReport& report) const {
+  if (!holds_) return false;
+  const bool is_still = moved_ <= 4 * std::numeric_limits<double>::epsilon() * largest(problem_->positions());
+  if (!isLittle(settings, residual) && !is_still && !swings_) return false;
+  report.linear_converged = true, report.linear_at_limit = false;  // its solves were means only
+  return true;
+}
+
+/// `now`: |R + q|, before and after. False: failed, as the report says.
+bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now, StopToken stop, StepReport& report) {
+  ++report.newton_iterations, ++iterations_;
+  const bool held = holds_;
+  const Rows u = problem_->unknowns();
+  copy(u, last_);
+  if (!solveOrShift(solver, problem_->tangent(), residual_, direction_, {.stop = stop}, report)) return false;
+  report.reason.clear();
+  axpy(1, direction_, u);
+  problem_->unknownsChanged();
+  report.constraints_converged = true;
+  report.constraint_reason.clear();
+  multipliers_->correct(solver, problem_->tangent(), problem_->sinceStart(), direction_, stop, report);
+  if (report.failed()) return false;
+  multipliers_->carry(load_);
+  holds_ = true;
+  copy(u, direction_);
+  axpy(-1, last_, direction_);
+  moved_ = problem_->displacementPerUnknown() * norm(direction_);
+  const double before = std::exchange(now, residual());
+  constexpr int usual = 10;
+  constexpr double part = 1e-4;  // of the scale
+  swings_ = iterations_ >= usual && moved_ <= multipliers_->leastTolerance(false) && now <= part * scale_;
+  if (isLittle(newton.settings, now) || swings_ || newton.settings.fixed_count) return true;
+  if (longest_ == 0) longest_ = moved_;
+  if (moved_ > longest_) goShare(longest_ / moved_), now = residual();
+  constexpr int first_mixed = 4;
+  if (iterations_ > first_mixed && longest_ > 0) {
+    goMixed(), now = residual();
+    return true;
+  }
+  constexpr double smallest = 1. / 32;
+  for (double share = std::min(1.0, longest_ / moved_) / 2; held && !(now <= before) && share > smallest; share /= 2)
+    goShare(share), now = residual();
+  return true;
+}
+
+/// u and q of the last iteration go this share of their way.
+void ConditionsNewton::goShare(double share) {
+  const Rows u = problem_->unknowns();
+  copy(last_, u);
+  axpy(share, direction_, u);
+  problem_->unknownsChanged();
+  multipliers_->carryShare(share, load_);
+  multipliers_->aim();
+  holds_ = false;
+}
+
+void ConditionsNewton::goMixed() {
+  multipliers_->carryMixed(mixing_, last_, problem_->unknowns(), load_);
+  problem_->unknownsChanged();
+  multipliers_->aim();
+  holds_ = false;
+}
+
+}  // namespace stroma

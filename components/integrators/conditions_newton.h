@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Newton's method for the balance of forces and the conditions of Lagrangian constraints at once,
+//
+//   R(u) + J(x)^T p = 0,   g(x(u)) = 0 (or the inequalities of what pushes and rubs)
+//
+// With q = J^T p of the iterate before and A = -dR/du there, an iteration is A d = R + q, u += d, and the correction of
+// multipliers.h with the same A and J^T, from which q comes anew. No iteration goes further than the first one; and where the
+// conditions hold already, |R + q| must fall, or u and q go a share of their way. What is not there after four iterations,
+// because A lacks a part of the turning of stresses and of forces of constraint, goes on with iterates mixed (mixing.h). Where the
+// closest point is on an edge, iterates may go to and fro between its sides for ever: by less than what all conditions tolerate
+// (LagrangianConstraint::tolerance()) they may, from the tenth iteration on.
+#pragma once
+#include "components/integrators/multipliers.h"
+#include "components/integrators/newton.h"
+
+namespace stroma {
+
+class ConditionsNewton {
+ public:
+  /// R of `problem` has the forces that are carried, which are added to `load`, shape (rows). The unknowns of `problem` add up.
+  void compile(System& system, NonlinearProblem& problem, Multipliers& multipliers, Rows load);
+  /// From the problem's current iterate, after Multipliers::begin(). `report`: of what has been done before in the step.
+  /// Settings and history are those of `newton`.
+  StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, StepReport report);
+
+ private:
+  bool iterate(Newton& newton, LinearSolver& solver, double& now, StopToken stop, StepReport& report);
+  void goShare(double share);
+  void goMixed();
+  double residual();
+  bool isLittle(const NewtonSettings& settings, double residual) const;
+  bool isBalanced(const NewtonSettings& settings, double residual, StepReport& report) const;
+
+  NonlinearProblem* problem_ = nullptr;
+  Multipliers* multipliers_ = nullptr;
+  Rows load_{};
+  Vector residual_, direction_, last_;  ///< R + q, a correction and the iterate before it
+  double scale_ = 0;    ///< the largest of |R| and loadScale() where the step starts and of |q| so far
+  double longest_ = 0;  ///< way of the first iteration [m]; 0: there was none
+  double moved_ = 0;    ///< way of the last iteration [m]
+  bool holds_ = false;  ///< the conditions do, with the forces that are carried
+  bool swings_ = false;  ///< by less than what is tolerated
+  int iterations_ = 0;
+  Mixing mixing_;
+};
+
+}  // namespace stroma

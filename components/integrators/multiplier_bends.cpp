@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Of the forces of constraint: how their gradients turn within a step (multipliers.h).
+#include "components/integrators/multipliers.h"
+
+namespace stroma {
+
+/// B and S of the rows that push, with the forces that they had last.
+void Multipliers::takeBends() {
+  bend_count_ = 0;
+  if (!knows_forces_ || solve_.l.size() != Eigen::Index(rows_.rows().size())) return;
+  for (const LagrangianRows::Bend& bend : rows_.bends()) {
+    const double size = rule_.weight * rule_.displacement * solve_.l[Eigen::Index(bend.row)] * bend.size;
+    if (!(size > 0)) continue;
+    if (bends_.size() == bend_count_) bends_.emplace_back();
+    Bend& taken = bends_[bend_count_++];
+    taken.size = size;
+    if (taken.b.count() != system_->independentRows()) taken.b.resize(system_->independentRows());
+    pullBack(rows_.entriesOf(bend), taken.b);
+  }
+}
+
+/// Y, and the factors of S^-1 + B^T Y.
+bool Multipliers::respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  const auto count = Eigen::Index(bend_count_);
+  if (count == 0) return true;
+  Eigen::MatrixXd small(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Bend& bend = bends_[std::size_t(i)];
+    copy(bend.b, right_side_);
+    if (!answer(solver, matrix, bend.y, stop, report)) return false;
+    for (Eigen::Index j = 0; j < count; ++j) small(j, i) = dot(bends_[std::size_t(j)].b, bend.y);
+    small(i, i) += 1 / bend.size;
+  }
+  bent_.compute(small);
+  return true;
+}
+
+/// What A^-1 has answered becomes what A + B S B^T answers.
+void Multipliers::takeBendsFrom(Rows response) {
+  if (bend_count_ == 0) return;
+  along_bends_.resize(Eigen::Index(bend_count_));
+  for (std::size_t i = 0; i < bend_count_; ++i) along_bends_[Eigen::Index(i)] = dot(bends_[i].b, response);
+  along_bends_ = bent_.solve(along_bends_).eval();
+  for (std::size_t i = 0; i < bend_count_; ++i) axpy(-along_bends_[Eigen::Index(i)], bends_[i].y, response);
+}
+
+}  // namespace stroma

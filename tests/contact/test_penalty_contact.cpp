@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// PenaltyContact: its gap by the pressure, its derivatives, momentum, and that the three contacts take one scene.
+#include <Eigen/Geometry>
+
+#include "framework/mechanics/step_limiter.h"
+#include "framework/simulation/simulation.h"
+#include "tests/contact/contact_scenes.h"
+#include "tests/support/field_under_test.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+std::string penalty(const std::string& attributes) {
+  return fmt::format("<PenaltyContact name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" other=\"@b/dofs\" {}/>", attributes);
+}
+
+std::vector<double> valuesOf(Simulation& simulation, const std::string& type, const char* name) {
+  std::vector<Component*> all;
+  simulation.root().collect(all);
+  std::vector<double> values;
+  for (const Component* component : all)
+    if (component->type() == type) {
+      std::istringstream text(component->data().find(name)->print());
+      for (double value = 0; text >> value;) values.push_back(value);
+    }
+  return values;
+}
+
+/// Two blocks under a pressure p rest at the gap 1 - p/kappa everywhere, whatever their cells are, and below zero where p is more.
+TEST(PenaltyContact, BlocksRestAtTheGapOfTheirPressure) {
+  constexpr double range = 0.02, kappa = 1e5;
+  const std::string upright = "<PartialFixedProjectiveConstraint indices=\"{}\" fixedDirections=\"1 1 {}\"/>";
+  for (const double share : {0.1, 0.5, 1.5}) {
+    const Body low = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 0.5), {3, 3, 2}),
+               high = boxOf(Vec3(0, 0, 0.5 + 0.9 * range), Vec3(1, 1, 1 + 0.9 * range), {3, 3, 2});
+    std::string all, bottom;
+    for (int i = 0; i < 48; ++i) all += fmt::format("{} ", i);
+    for (int i = 0; i < 16; ++i) bottom += fmt::format("{} ", i);
+    const std::string load = fmt::format("<SurfacePressureForceField pressure=\"{}\" min=\"-1 -1 {}\" max=\"2 2 2\"/>",
+                                         -share * kappa, 0.99 + 0.9 * range);
+    Simulation simulation = simulationFromText(contactScene(
+        bodyNode("a", low, fmt::format(fmt::runtime(upright), all, 0) + fmt::format(fmt::runtime(upright), bottom, 1), "", 1e7, 0) +
+            bodyNode("b", high, fmt::format(fmt::runtime(upright), all, 0) + load, "", 1e7, 0) +
+            penalty(fmt::format("contactDistance=\"{}\" stiffness=\"{}\" thickness=\"{}\"", range, kappa, 0)),
+        1, Vec3::Zero(), "<StaticSolver/>"));
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(report.newton_converged) << report.reason;
+    const System& system = *simulation.systems()[0];
+    const Index a = simulation.states()[0]->firstRow(), b = simulation.states()[1]->firstRow();
+    for (Index i = 0; i < 16; ++i)
+      EXPECT_NEAR((system.x[b + i].z() - system.x[a + 32 + i].z()) / range, 1 - share, 1e-4) << "p/kappa " << share;
+    EXPECT_NEAR(valuesOf(simulation, "PenaltyContact", "smallestGap").at(0) / range, 1 - share, 1e-4);
+    EXPECT_NEAR(valuesOf(simulation, "PenaltyContact", "wrenches").at(2), -share * kappa, 1e-4 * share * kappa);
+    for (const double p : valuesOf(simulation, "PenaltyContact", "pressures"))
+      if (p > 0) {
+        EXPECT_NEAR(p, share * kappa, 1e-3 * share * kappa) << "of each node";
+      }
+  }
+}
+
+/// In a step the contacts stay, so that force, energy, product, matrix and diagonal are of one potential.
+TEST(PenaltyContact, ForceProductAndMatrixBelongTogether) {
+  int checked = 0;
+  for (unsigned seed = 1; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    Body a = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), b = boxOf(Vec3(0, 0, 0), Vec3(0.7, 0.6, 0.5));
+    b.turn(Eigen::AngleAxisd(3 * uniform(random), Vec3(uniform(random), uniform(random), uniform(random)).normalized())
+               .toRotationMatrix(),
+           Vec3::Zero());
+    b.turn(Mat3::Identity(), Vec3(uniform(random), uniform(random), 1.03 - b.lowest(2)));
+    FieldUnderTest t(contactScene(bodyNode("a", a, "") + bodyNode("b", b, "") +
+                                  penalty("contactDistance=\"0.2\" planes=\"0 0 1 -0.1\" spheres=\"1.32 0.45 0.55 0.2\"")),
+                     "PenaltyContact");
+    if (const Vector f = t.force(); dot(f, f) == 0) continue;
+    ++checked;
+    const double step = 1e-6;
+    Vector up(t.x.count()), down(t.x.count());
+    copy(t.x, up), copy(t.x, down);
+    axpy(step, t.direction, up), axpy(-step, t.direction, down);
+    const Vector f = t.force();
+    const double slope = (t.field().energy(up) - t.field().energy(down)) / (2 * step);
+    EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * std::sqrt(dot(f, f) * dot(t.direction, t.direction))) << "seed " << seed;
+    EXPECT_LT(relativeDifference(t.differenceOfForces(step), t.product(t.direction)), 1e-6) << "seed " << seed;
+    expectMatrixOfProducts(t);
+    expectSymmetricProducts(t);
+  }
+  EXPECT_GT(checked, 10);
+}
+
+/// Two free bodies that hit each other keep their linear momentum to round-off, with explicit steps and with implicit ones.
+TEST(PenaltyContact, CollidingBodiesKeepTheirMomentum) {
+  for (const auto& [integrator, dt, steps] :
+       {std::tuple("<EulerImplicitSolver/>", 0.005, 60), std::tuple("<EulerExplicitSolver/>", 2e-4, 1000)}) {
+    SCOPED_TRACE(integrator);
+    Body a = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2}), b = boxOf(Vec3(0, 0, 0), Vec3(0.8, 0.8, 0.8), {2, 2, 2});
+    b.turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 0.3).normalized()).toRotationMatrix(), Vec3(0.3, 0.2, 0));
+    b.turn(Mat3::Identity(), Vec3(0, 0, 1.12 - b.lowest(2)));
+    std::string velocity = "velocity=\"";
+    for (int i = 0; i < 27; ++i) velocity += "0.2 0 -1 ";
+    Simulation simulation =
+        simulationFromText(contactScene(bodyNode("a", a, "", "", 1e5) + bodyNode("b", b, "", velocity + "\"", 1e5) +
+                                            penalty("contactDistance=\"0.1\" friction=\"0.2\""),
+                                        dt, Vec3::Zero(), integrator));
+    System& system = *simulation.systems()[0];
+    const auto momentum = [&] {
+      Vector v(system.allRows());
+      system.addMassProduct(system.v, 1, v);
+      Vec3 sum = Vec3::Zero();
+      for (Index i = 0; i < v.count(); ++i) sum += v[i];
+      return sum;
+    };
+    const Vec3 before = momentum();
+    double pushed = 0;
+    for (int i = 0; i < steps; ++i) {
+      expectCleanStep(simulation, i, false);
+      if (HasFatalFailure()) return;
+      pushed = std::max(pushed, std::abs(valuesOf(simulation, "PenaltyContact", "wrenches").at(2)));
+      ASSERT_LT((momentum() - before).norm(), 1e-9 * before.norm()) << "step " << i;
+    }
+    EXPECT_GT(pushed, 0) << "they never met";
+  }
+}
+
+/// One line of a scene swaps the three: bodies, obstacles and attributes are the same, and the force that carries a block is its weight.
+TEST(PenaltyContact, OneLineSwapsTheThree) {
+  for (const char* type : {"BarrierContact", "ConstraintContact", "PenaltyContact"}) {
+    SCOPED_TRACE(type);
+    Simulation simulation = simulationFromText(contactScene(
+        bodyNode("a", boxOf(Vec3(0, 0, 0.021), Vec3(1, 1, 0.521)), "") +
+            bodyNode("b", boxOf(Vec3(0.1, 0.1, 0.542), Vec3(0.9, 0.9, 0.942)), "") +
+            fmt::format("<{} name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" other=\"@b/dofs\" contactDistance=\"0.02\" "
+                        "thickness=\"0\" friction=\"0.3\" selfContact=\"false\" planes=\"0 0 1 0\"/>",
+                        type),
+        0.01, Vec3(0, 0, -9.81), "<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-9\" rayleighMass=\"20\"/>"));
+    for (int i = 0; i < 60; ++i) {
+      expectCleanStep(simulation, i, false);
+      if (HasFatalFailure()) return;
+    }
+    const std::vector<double> wrenches = valuesOf(simulation, type, "wrenches");
+    ASSERT_EQ(wrenches.size(), 12u);
+    EXPECT_NEAR(wrenches[2], 500 * 9.81, 0.01 * 500 * 9.81) << "on the lower one: its weight";
+    EXPECT_NEAR(wrenches[8], 256 * 9.81, 0.01 * 256 * 9.81) << "on the upper one: its weight";
+  }
+}
+
+/// A plane that is moved carries a block along by no more than mu g; a run that goes on from a checkpoint is the same to the bit.
+TEST(PenaltyContact, GoesOnFromACheckpoint) {
+  const auto make = [] {
+    return simulationFromText(contactScene(
+        bodyNode(
+            "a", boxOf(Vec3(0, 0, 0.0195), Vec3(1, 1, 0.5195), {2, 2, 1}),
+            "<PenaltyContact contactDistance=\"0.02\" friction=\"0.3\" staticFriction=\"0.4\" planes=\"0 0 1 0\" keyTimes=\"0 10\" "
+            "movements=\"0 0 0  2 0 0\"/>"),
+        0.01, Vec3(0, 0, -9.81), "<EulerImplicitSolver/>"));
+  };
+  Simulation whole = make(), half = make();
+  double fastest = 0, before = 0;
+  for (int i = 0; i < 40; ++i) {
+    whole.step();
+    const double speed = whole.systems()[0]->v[0].x();
+    fastest = std::max(fastest, speed - before), before = speed;
+  }
+  EXPECT_GT(fastest, 0.005) << "it is carried along";
+  for (int i = 0; i < 20; ++i) half.step();
+  Simulation rest = make();
+  rest.restore(half.checkpoint());
+  for (int i = 20; i < 40; ++i) rest.step();
+  for (Index i = 0; i < whole.systems()[0]->x.count(); ++i)
+    EXPECT_EQ(Vec3(rest.systems()[0]->x[i]), Vec3(whole.systems()[0]->x[i])) << i;
+}
+
+TEST(PenaltyContact, RefusesWhatCanNeverAct) {
+  const auto with = [](const std::string& attributes) {
+    return problemsOf(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<PenaltyContact " + attributes + "/>"), 0.01,
+                                   Vec3::Zero(), "<EulerExplicitSolver/>"));
+  };
+  expectContains(with("selfContact=\"0\""), "nothing meets");
+  expectContains(with("keyTimes=\"0 1\" movements=\"0 0 0  0 0 1\""), "movements move obstacles, and there is none");
+  EXPECT_EQ(with("selfContact=\"0\" planes=\"0 0 1 -1\""), "");
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
