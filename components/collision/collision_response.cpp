@@ -109,6 +109,7 @@ class CollisionResponse final : public ForceField,
   std::vector<State*> constrainedStates() const override { return rubs() ? states_ : std::vector<State*>(); }
   void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
   void takeForces(std::span<const double> forces) override;
+  Tolerance tolerance() const override { return {.kept = tolerated_error_}; }
   void compile() override {
     search_.compile(pairs_, *method_);
     report_.compile(pairs_);

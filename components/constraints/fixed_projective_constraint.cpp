@@ -3,7 +3,7 @@
 //
 //   P_i = 0 for each listed node: the change of velocity, and the residual force, are projected to zero
 //
-// A listed node that starts with a velocity keeps it; activate_projectVelocity sets it to zero. After `endTime` the
+// A listed node that starts with a velocity keeps it; activate_projectVelocity sets it to zero. From `endTime` on the
 // nodes are free. The nodes must be named: `indices`, or `fixAll` for all of them. A rigid frame is held with its
 // orientation; FixedTranslationProjectiveConstraint holds its centre alone, and is the same for points.
 //

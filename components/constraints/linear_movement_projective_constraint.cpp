@@ -4,7 +4,9 @@
 // LinearMovementProjectiveConstraint:
 //   x(t) = x_0 + m(t)   (relativeMovements, the default), or   x(t) = m(t)
 //   v(t) = m'(t), at a key time the slope before it
-// PartialLinearMovementProjectiveConstraint: the same along the axes of movedDirections; the others are free.
+// PartialLinearMovementProjectiveConstraint: the same along the axes of movedDirections; the others are free. With cornerShares
+//   a point makes the part s(X) of the movement, X its place at the start. Along x, y and z s is linear between the corners of a
+//   box from the origin to cornerBox: four in x and y, or eight, in the order of the nodes of cells.
 //
 // Of a rigid frame a movement has six numbers: of its centre, and a rotation vector r [rad] in fixed axes. Its orientation is
 // exp(r(t)) q_0, or exp(r(t)), and its angular velocity dexp(r) r'. Nodes that are numbers have one number each.
@@ -83,7 +85,7 @@ class LinearMovement : public HeldNodes {
         if (from_start) {
           start = state().position[std::size_t(node + k)];
         } else if (t > movement_.first()) {
-          const Vec3 moved = (Mat3::Identity() - projector(k)) * movement_.of(k).at(t);
+          const Vec3 moved = share(own) * ((Mat3::Identity() - projector(k)) * movement_.of(k).at(t));
           start = turns(k) ? rotationVector(turnedBy(-moved) * turnedBy(start)) : Vec3(start - moved);
         }
       }
@@ -99,19 +101,22 @@ class LinearMovement : public HeldNodes {
       const Vec3 velocity = turns(k) ? angularVelocity(movement, slope) : slope;
       for (std::size_t i = 0; i < nodes().size(); ++i) {
         const Vec3& start = start_[i * std::size_t(heldRows()) + std::size_t(k)];
-        Vec3 target = movement;
-        if (relative_) target = turns(k) ? rotationVector(turnedBy(movement) * turnedBy(start)) : Vec3(start + movement);
+        Vec3 target = share(i) * movement;
+        if (relative_) target = turns(k) ? rotationVector(turnedBy(movement) * turnedBy(start)) : Vec3(start + target);
         moveHeld(state().kindOf(k), target, held, x, row(i) + k);
-        v[row(i) + k] += held * (velocity - v[row(i) + k]);
+        v[row(i) + k] += held * (share(i) * velocity - v[row(i) + k]);
       }
     }
   }
 
  protected:
   bool takesAllRows() const override { return true; }
+  std::vector<double> shares_;  ///< of the movement that each point makes; empty: all of it
 
  private:
   enum class Outside : int { free, hold };
+
+  double share(std::size_t i) const { return shares_.empty() ? 1 : shares_[i]; }
 
   bool turns(Index k) const { return state().kindOf(k) == RowKind::turn; }
 
@@ -129,15 +134,41 @@ class PartialLinearMovementProjectiveConstraint final : public LinearMovement {
     LinearMovement::declare(table);
     table.add("movedDirections", directions_)
         .help("for x, y and z, of frames also for the turns about them, or for each number: 1 moved, 0 free");
+    table.add("cornerShares", corner_shares_)
+        .help("parts of the movement at four or eight corners of a box, linear between them; empty: all of it")
+        .unit("-");
+    table.add("cornerBox", box_).help("the corner of that box that is farthest from the origin").unit("m");
   }
   void init() override {
     LinearMovement::init();
     setProjectors(freeDirections(directions_, state(), "movedDirections"));
     if (std::none_of(directions_.begin(), directions_.end(), [](bool moved) { return moved; }))
       warn("movedDirections moves no direction: the constraint does nothing", "write 1 for each direction to move");
+    if (!corner_shares_.empty()) findShares();
   }
 
  private:
+  void findShares() {
+    const std::size_t count = corner_shares_.size();
+    if (count != 4 && count != 8) throw ComponentError(fmt::format("cornerShares has {} numbers", count), "four or eight");
+    if (!state().hasPointsOnly()) throw ComponentError("cornerShares are of points", "a state of template Vec3");
+    const int axes = count == 4 ? 2 : 3;
+    if (!(box_.head(axes).minCoeff() > 0)) throw ComponentError("cornerBox has no size", "positive lengths");
+    for (const Index node : nodes()) {
+      const Vec3 xi = state().position[std::size_t(node)].cwiseQuotient(box_);
+      double share = 0;
+      for (std::size_t c = 0; c < count; ++c) {
+        const bool high[3] = {c % 4 == 1 || c % 4 == 2, c % 4 >= 2, c >= 4};  // in the order of the nodes of cells
+        double shape = corner_shares_[c];
+        for (int axis = 0; axis < axes; ++axis) shape *= high[axis] ? xi[axis] : 1 - xi[axis];
+        share += shape;
+      }
+      shares_.push_back(share);
+    }
+  }
+
+  std::vector<double> corner_shares_;
+  Vec3 box_ = Vec3::Zero();
   std::vector<bool> directions_{true, true, true};
 };
 

@@ -10,7 +10,8 @@
 //
 //   E = k/2 g^2,   f = -k g grad g - c g v,   df/dx = -k (grad g grad g^T + g H),   df/dv = -c g I
 //
-// At the centre, where every way out is as near, there is no force.
+// At the centre, where every way out is as near, there is no force. A bilateral sphere holds nodes on both of its sides: depths are
+// |s| there.
 //
 // Source: the names and attributes are SOFA's; the force here has a potential. That of SOFA's EllipsoidForceField, depth="ratio",
 // has the number s = sqrt(q) - 1 in place of the length, so that the stiffness is a force, along the unit normal n:
@@ -61,10 +62,11 @@ class Ellipsoid : public PenaltyField {
     if (y.cwiseQuotient(radii_).squaredNorm() < 1e-24) return {};
     Depth level = by_ratio_ ? ratioOf(y, radii_) : levelOf(y, radii_);
     level.g *= sign, level.gradient *= sign, level.hessian *= sign;
+    if (bilateral_ && level.g < 0) level = {-level.g, -level.gradient, -level.hessian, true};
     return level;
   }
 
-  bool by_ratio_ = false;
+  bool by_ratio_ = false, bilateral_ = false;
 
  private:
   Vec3 centre_ = Vec3::Zero(), radii_ = Vec3::Zero();
@@ -99,6 +101,7 @@ class SphereForceField final : public Ellipsoid {
   void declare(DataTable& table) override {
     Ellipsoid::declare(table);
     table.add("radius", radius_).help("radius").unit("m").required();
+    table.add("bilateral", bilateral_).help("pull nodes on the other side back to it as well");
   }
   void init() override { initRadii(Vec3::Constant(radius_), "radius"); }
 

@@ -44,7 +44,7 @@ ForceTraits SurfaceLoad::traits() const {
   traits.conservative = potential;
   traits.has_stiffness = has_tangent;
   traits.symmetric = !exact || !has_tangent;
-  traits.exact_tangent = has_tangent && stress_is_fixed && (exact || potential);
+  traits.exact_tangent = has_tangent && rigid_faces == 0 && stress_is_fixed && (exact || potential);
   return traits;
 }
 
@@ -81,7 +81,7 @@ void SurfaceLoad::addForce(ConstRows x, ConstRows, Rows f) {
 
 void SurfaceLoad::computeTangents() const {
   const bool exact = tangent_ == TangentWord::exact && !hasPotential();
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
+  for (std::size_t i = 0; i < faces_.size() - rigid_faces; ++i) {
     const int corners = faces_[i].corners;
     const Mat3 weighted = weight(i) * last_stress_;
     const area_vectors::Gradients w = area_vectors::gradients(corners_[i], corners);

@@ -62,6 +62,7 @@ class SurfaceLoad : public NodeGroupField<face_nodes, FaceTangent>, public Local
   /// The same at rest.
   double restVolume() const;
   bool has_tangent = true;      ///< false: K = 0
+  std::size_t rigid_faces = 0;  ///< the last faces, as many of them, have no part in K
   bool stress_is_fixed = true;  ///< S does not depend on x
 
  private:

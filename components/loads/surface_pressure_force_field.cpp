@@ -11,7 +11,8 @@
 //   <SurfacePressureForceField triangleIndices="@loader.groupTriangleIndices" pressure="-20 kPa"/>
 //
 // A closed surface of its own that is turned outward, such as a balloon, is inflated by a positive one. The forces are exact
-// for triangles and for bilinear quads, warped or not; on a closed surface they have no resultant and no moment, and
+// for triangles and for bilinear quads, warped or not (with quads="halves", as in SOFA, for two triangles in place of each quad, which
+// the tangent leaves out, and which mainDirection does not weigh); on a closed surface they have no resultant and no moment, and
 // their work is p dV.
 //
 // Loaded are the listed triangles and quads; without lists all of the mesh but those between two of its volume cells, or
@@ -81,6 +82,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
   void checkTimes();
   void checkGas();
   std::vector<double> weightsOf(const std::vector<Face>& faces) const;
+  static std::size_t splitQuads(std::vector<Face>& faces);
   double pressureAt(double t) const;
 
   double pressure_ = 0, lower_bound_ = 0, speed_ = 0, default_volume_ = -1;
@@ -88,6 +90,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
   Vec3 main_direction_ = Vec3::Zero();
   std::vector<double> key_times_, key_pressures_;
   bool pulse_ = false, gas_ = false, use_tangent_ = true, exact_border_ = false;
+  enum class Quads : int { bilinear, halves } quads_ = Quads::bilinear;
   KeyTimes<double> keys_;
   double now_ = 0;  ///< p [Pa]
 };
@@ -100,6 +103,8 @@ void SurfacePressureForceField::declare(DataTable& table) {
   table.add("mainDirection", main_direction_)
       .help("faces are loaded in proportion to the cosine of their normal with it; 0 0 0: all alike")
       .unit("-");
+  table.addChoice("quads", quads_, {"bilinear", "halves"})
+      .help("of quads the exact forces of a bilinear face, or (SOFA) those of its triangles 0 1 2 and 0 2 3, without a stiffness");
   table.add("pulseMode", pulse_).help("the pressure goes to and fro between pressureLowerBound and pressure");
   table.add("pressureLowerBound", lower_bound_).help("the other end of the pulse").unit("Pa");
   table.add("pressureSpeed", speed_).help("change of the pressure in pulseMode").unit("Pa/s").min(0);
@@ -121,12 +126,32 @@ void SurfacePressureForceField::init() {
   ForceField::init();
   checkTimes();
   std::vector<Face> faces = selection_.faces(*this, surfaceMesh(), state());
+  const std::size_t halves = quads_ == Quads::halves ? splitQuads(faces) : 0;
   std::vector<double> weights = weightsOf(faces);
+  if (!weights.empty()) std::fill_n(weights.rbegin(), halves, 1.);
   setFaces(std::move(faces), std::move(weights));
+  rigid_faces = halves;
   has_tangent = use_tangent_;
   stress_is_fixed = !gas_;
   if (gas_) checkGas();
   now_ = pressureAt(0);
+}
+
+/// Two triangles for each quad, at the end of the list; how many they are.
+std::size_t SurfacePressureForceField::splitQuads(std::vector<Face>& faces) {
+  std::vector<Face> others, halves;
+  for (const Face& face : faces) {
+    const auto& n = face.nodes;
+    if (face.corners != 4) {
+      others.push_back(face);
+      continue;
+    }
+    halves.push_back(Face(Triangle{n[0], n[1], n[2]}));
+    halves.push_back(Face(Triangle{n[0], n[2], n[3]}));
+  }
+  faces = std::move(others);
+  faces.insert(faces.end(), halves.begin(), halves.end());
+  return halves.size();
 }
 
 void SurfacePressureForceField::checkTimes() {

@@ -4,7 +4,8 @@
 //   UniformVelocityDampingForceField:   f_i = -c v_i,              C = -c I
 //   DiagonalVelocityDampingForceField:  f_i = -diag(c_i) v_i,      C = -diag(c_i)
 //
-// dampingCoefficient is c, or three coefficients (x, y, z) for each node or for all. Without `indices` every node is
+// dampingCoefficient is c, or three coefficients (x, y, z) for each node or for all; of frames six, the last three of the torque
+// about the fixed axes over the angular velocity [N m s]. Without `indices` every node is
 // damped. There is no energy and no stiffness; implicit integrators take C into their matrix, so any c is stable there,
 // and an explicit step is stable while dt c is below twice the mass of a node.
 //
@@ -51,15 +52,15 @@ class VelocityDamping : public NodeGroupField<1> {
   void compile() override {
     setNodes(rowsOf(nodes_, state()), true);
     for (std::size_t i = 0; i < damping_.size(); ++i)
-      damping_[i].blocks[0] = -coefficientsOf(i / std::size_t(state().rows_per_node)).asDiagonal().toDenseMatrix();
+      damping_[i].blocks[0] = -coefficientsOf(i).asDiagonal().toDenseMatrix();
   }
   double energy(ConstRows) const override { return 0; }
   void addForce(ConstRows, ConstRows v, Rows f) override { addDampingProduct(v, 1, f); }
 
  protected:
-  virtual Vec3 coefficientsOf(std::size_t node) const = 0;  ///< [N s/m], of the node at that place in the list
+  virtual Vec3 coefficientsOf(std::size_t row) const = 0;  ///< [N s/m], of the row at that place in the list of nodes
   virtual bool isExplicit() const { return false; }
-  std::size_t count() const { return nodes_.size(); }
+  std::size_t rowCount() const { return nodes_.size() * std::size_t(state().rows_per_node); }
 
  private:
   std::vector<int> indices_;
@@ -91,18 +92,27 @@ class DiagonalVelocityDampingForceField final : public VelocityDamping {
     VelocityDamping::declare(table);
     table.add("dampingCoefficient", coefficients_)
         .recompiled()
-        .help("force over velocity along x, y and z, for each node or for all")
+        .help("force over velocity along x, y and z, for each node or for all; of a frame three more, of the torque")
         .unit("N s/m")
         .min(0)
         .required();
   }
   void init() override {
     VelocityDamping::init();
-    spread(coefficients_, count(), "dampingCoefficient", "nodes (three numbers each)");
+    const bool has_frames = state().hasFrames();
+    if (!state().hasPointsOnly() && !has_frames)
+      throw ComponentError(fmt::format("{} has neither points nor frames", state().path()), "a state of template Vec3 or Rigid3");
+    if (has_frames && coefficients_.size() == 2)  // of all frames
+      for (std::size_t row = 2; row < rowCount(); ++row) coefficients_.push_back(Vec3(coefficients_[row - 2]));
+    if (has_frames && coefficients_.size() != rowCount())
+      throw ComponentError(fmt::format("dampingCoefficient has {} numbers for {} frames", 3 * coefficients_.size(), rowCount() / 2),
+                           "six numbers, or six of each frame");
+    spread(coefficients_, rowCount(), "dampingCoefficient", "nodes (three numbers each)");
   }
 
  protected:
-  Vec3 coefficientsOf(std::size_t node) const override { return coefficients_[node]; }
+  Vec3 coefficientsOf(std::size_t row) const override { return coefficients_[row]; }
+  bool takesAllRows() const override { return true; }  // of frames the turning, too
 
  private:
   std::vector<Vec3> coefficients_;

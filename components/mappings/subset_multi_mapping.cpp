@@ -4,6 +4,7 @@
 //   SubsetMultiMapping    x_i = x of node indexPairs[2 i + 1] of state indexPairs[2 i] of `input`
 //   IdentityMultiMapping  all nodes of the states of `input`, one state after the other
 //   CenterOfMassMapping   x = sum m_i x_i / sum m_i, with the masses m_i of the state that is followed; one node
+//   CenterOfMassMultiMapping   the same of several states together
 //
 // A soft body whose nodes are partly free and partly fixed in rigid bodies is such a state: its free nodes are those of one
 // parent, the others those of points that a RigidMapping carries. Forces of its elements then act on both. A force on the
@@ -29,6 +30,11 @@
 //       <CenterOfMassMapping/>
 //       <ConstantForceField forces="0 0 0.1"/>
 //     </Node>
+//   </Node>
+//   <Node name="common">
+//     <MechanicalObject name="centre_of_all"/>
+//     <CenterOfMassMultiMapping input="@../a/dofs @../b/dofs"/>
+//     <ConstantForceField forces="0 0.1 0"/>
 //   </Node>
 //   <Node name="both">
 //     <MechanicalObject name="ends" position="0 0 0  1 0 0"/>
@@ -139,36 +145,47 @@ class IdentityMultiMapping final : public MultiMapping {
 
 class CenterOfMassMapping final : public WeightedMapping {
  public:
+  bool of_several = false;  ///< set by the registration of a name
+
   void init() override {
     WeightedMapping::init();
-    const std::vector<double> masses = massesOfNodes();
+    bool are_places = output().kindOf(0) == RowKind::place;
+    std::vector<Weight> weights;
     double total = 0;
-    for (const double mass : masses) total += mass;
-    if (output().nodes() != 1 || output().kindOf(0) != RowKind::place || output().rows_per_node != 1 ||
-        input().kindOf(0) != RowKind::place)
+    for (std::size_t s = 0; s < inputs().size(); ++s) {
+      const State& parent = *inputs()[s];
+      are_places = are_places && parent.kindOf(0) == RowKind::place;
+      const std::vector<double> masses = massesOf(parent);
+      const std::vector<Index> nodes = allNodes(parent);
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        total += masses[i];
+        if (masses[i] > 0) weights.push_back({nodes[i], masses[i], int(s)});
+      }
+    }
+    if (output().nodes() != 1 || output().rows_per_node != 1 || !are_places)
       throw ComponentError(fmt::format("{} has {} nodes", output().path(), output().nodes()),
                            "one point, the middle of points or frames");
-    std::vector<Weight> weights;
-    const std::vector<Index> nodes = allNodes(input());
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      if (masses[i] > 0) weights.push_back({nodes[i], masses[i] / total});
+    for (Weight& weight : weights) weight.value /= total;
     addNode(weights);
   }
 
+ protected:
+  bool takesManyInputs() const override { return of_several; }
+
  private:
-  std::vector<double> massesOfNodes() const {
+  static std::vector<double> massesOf(const State& parent) {
     std::vector<Mass*> masses;
-    input().node().root().collect(masses);
-    std::vector<double> values(std::size_t(input().nodes()), 0.0);
+    parent.node().root().collect(masses);
+    std::vector<double> values(std::size_t(parent.nodes()), 0.0);
     bool found = false;
     for (Mass* mass : masses) {
-      if (&mass->node() != &input().node()) continue;
+      if (&mass->node() != &parent.node()) continue;
       mass->ensureReady();
-      if (&mass->state() != &input()) continue;
+      if (&mass->state() != &parent) continue;
       found = true;
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] += mass->lumped().at(i * std::size_t(input().rows_per_node));
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] += mass->lumped().at(i * std::size_t(parent.rows_per_node));
     }
-    if (!found) throw ComponentError(fmt::format("{} has no mass", input().path()), "a mass beside it, as UniformMass");
+    if (!found) throw ComponentError(fmt::format("{} has no mass", parent.path()), "a mass beside it, as UniformMass");
     return values;
   }
 };
@@ -180,4 +197,6 @@ STROMA_COMPONENT(subset_multi_mapping) {
   factory.add<stroma::SubsetMultiMapping>("SubsetMultiMapping", "the nodes of a state are nodes of several others");
   factory.add<stroma::IdentityMultiMapping>("IdentityMultiMapping", "the nodes of a state are all of several others");
   factory.add<stroma::CenterOfMassMapping>("CenterOfMassMapping", "a point at the centre of mass of another state");
+  factory.add<stroma::CenterOfMassMapping>("CenterOfMassMultiMapping", "a point at the common centre of mass of several states",
+                                           [](stroma::CenterOfMassMapping& mapping) { mapping.of_several = true; });
 }

@@ -2,7 +2,8 @@
 // Points that are moved, smoothed or paired, and the mass of a surface, before the first step.
 //
 // TransformPosition: output_position, input_position by `method`: translation; scale (about origin); rotation (degrees about x,
-//   then y, then z); scaleTranslation; scaleRotationTranslation; projectOnPlane (origin, normal); affine (matrix, 16 numbers by rows).
+//   then y, then z); scaleTranslation; scaleRotationTranslation; projectOnPlane (origin, normal); affine (matrix, 16 numbers by rows);
+//   random (up to maxRandomDisplacement along each axis, other ways for another seedValue).
 //   Nodes in fixedIndices stay.
 // SmoothMeshEngine: output_position, each of input_position replaced nb_iterations times by the mean of its neighbours on the
 //   edges of the mesh; those in input_indices alone when they are given.
@@ -49,6 +50,7 @@
 #include <numeric>
 
 #include "components/selection/engine.h"
+#include "components/selection/random_numbers.h"
 #include "framework/mechanics/state.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/mesh/topology.h"
@@ -66,7 +68,7 @@ class TransformPosition final : public Engine {
         .addChoice("method", method_,
                    {"projectOnPlane", "translation", "rotation", "random", "scale", "scaleTranslation", "scaleRotationTranslation",
                     "affine", "fromFile"})
-        .help("what is done; random and fromFile are refused");
+        .help("what is done; fromFile is refused");
     table.add("origin", origin_).help("a point of the plane, or the centre of the scale").unit("m");
     table.add("normal", normal_).help("of the plane").unit("-");
     table.add("translation", translation_).help("the way").unit("m");
@@ -74,20 +76,23 @@ class TransformPosition final : public Engine {
     table.add("scale", scale_).help("factors along the axes").unit("-");
     table.add("matrix", matrix_).help("an affine matrix, by rows").unit("-");
     table.add("fixedIndices", fixed_).help("points that stay");
-    for (const char* name : {"drawInput", "drawOutput", "pointSize", "seedValue", "maxRandomDisplacement", "filename"})
-      table.addVisualOnly(name);
+    table.add("maxRandomDisplacement", most_).help("of method random, along each axis").unit("m").min(0);
+    table.add("seedValue", seed_).help("other numbers, other random ways");
+    for (const char* name : {"drawInput", "drawOutput", "pointSize", "filename"}) table.addVisualOnly(name);
   }
   void init() override {
-    if (method_ == Method::random || method_ == Method::file)
-      throw ComponentError(
-          method_ == Method::random ? "random displacements are not available" : "a matrix is not read from a file",
-          "another method", "method=\"affine\" and matrix, or positions that are written");
+    if (method_ == Method::file)
+      throw ComponentError("a matrix is not read from a file", "another method", "method=\"affine\" and matrix");
     if (method_ == Method::plane && !(normal_.norm() > 0)) throw ComponentError("normal is zero", "a vector that is not");
     const Mat3 turn = rotationFromDegrees(rotation_);
     Eigen::Matrix4d affine;
     for (int i = 0; i < 16; ++i) affine(i / 4, i % 4) = matrix_[std::size_t(i)];
     output_ = input_;
-    for (Vec3& p : output_) p = moved(p, turn, affine);
+    RandomNumbers random(seed_);
+    for (Vec3& p : output_) {
+      if (method_ != Method::random) p = moved(p, turn, affine);
+      for (int a = 0; method_ == Method::random && a < 3; ++a) p[a] += random.between(-most_, most_);
+    }
     for (const int index : fixed_) {
       if (index < 0 || std::size_t(index) >= input_.size())
         throw ComponentError(fmt::format("fixedIndices names point {} of {}", index, input_.size()),
@@ -136,6 +141,8 @@ class TransformPosition final : public Engine {
   Method method_ = Method::plane;
   std::vector<Vec3> input_, output_;
   Vec3 origin_ = Vec3::Zero(), normal_ = Vec3::Zero(), translation_ = Vec3::Zero(), rotation_ = Vec3::Zero(), scale_ = Vec3::Ones();
+  double most_ = 1;
+  int seed_ = 0;
   std::array<double, 16> matrix_{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   std::vector<int> fixed_;
 };

@@ -56,11 +56,15 @@ void SpringField::compile() {
   setGroups(std::move(rows), damped_ && !explicit_damping_);
 }
 
+static bool resists(const Spring& spring, double stretch) {
+  return !(stretch < 0 && spring.elongation_only) && !(stretch > 0 && spring.compression_only);
+}
+
 double SpringField::energy(ConstRows x) const {
   double sum = 0;
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     const double stretch = (x[rows_[s][1]] - x[rows_[s][0]]).norm() - springs_[s].length;
-    if (stretch > 0 || !springs_[s].elongation_only) sum += springs_[s].stiffness / 2 * stretch * stretch;
+    if (resists(springs_[s], stretch)) sum += springs_[s].stiffness / 2 * stretch * stretch;
   }
   return sum;
 }
@@ -71,7 +75,7 @@ void SpringField::addForce(ConstRows x, ConstRows v, Rows f) {
     const auto [a, b] = rows_[s];
     const Vec3 d = x[b] - x[a];
     const double length = d.norm(), stretch = length - spring.length;
-    if (stretch < 0 && spring.elongation_only) {
+    if (!resists(spring, stretch)) {
       stiffness_[s].setZero();
       if (!damping_.empty()) damping_[s].setZero();
       continue;

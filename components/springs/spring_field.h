@@ -5,10 +5,10 @@
 //   E = k/2 (L - L0)^2,   f_a = -f_b = (k (L - L0) + c u) n
 //   df_a/dx_a = -k [n n^T + (1 - L0/L) (I - n n^T)],   df_a/dv_a = -c n n^T
 //
-// A spring that only resists elongation has neither energy nor force while L < L0. The direction n of a spring whose
-// ends meet is not defined: with L0 = 0 force and stiffness are -k d and -k I all the same; with L0 > 0 the force is
-// zero there (it points every way) and the stiffness -k I. The turning of n is left out of the derivative of the
-// damping force with respect to x: it would make the stiffness unsymmetric.
+// A spring that only resists elongation has neither energy nor force while L < L0, one that only resists compression none
+// while L > L0. The direction n of a spring whose ends meet is not defined: with L0 = 0 force and stiffness are -k d and -k I
+// all the same; with L0 > 0 the force is zero there (it points every way) and the stiffness -k I. The turning of n is left out
+// of the derivative of the damping force with respect to x: it would make the stiffness unsymmetric.
 #pragma once
 #include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/node_group_field.h"
@@ -21,6 +21,7 @@ struct Spring {
   double damping = 0;    ///< [N s/m]
   double length = 0;     ///< at rest [m]
   bool elongation_only = false;
+  bool compression_only = false;
 };
 
 // With `explicitDamping` the damping is that of SOFA: it adds c u to the tension t of f_a = t n, nothing to df/dv, and the

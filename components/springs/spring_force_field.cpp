@@ -7,11 +7,12 @@
 //
 // The tangent is the exact derivative, but for the turning of n in the damping force. A spring whose ends meet has no
 // direction: with L0 = 0 its force is -k d, which needs none; with L0 > 0 it has no force until the ends part.
-// elongationOnly springs do nothing while L < L0. A compressed spring's tangent is indefinite, as its equilibrium is.
+// elongationOnly springs do nothing while L < L0, and compressionOnly ones while L > L0. A compressed spring's tangent is
+// indefinite, as its equilibrium is.
 //
 // The springs are given by `springsIndices1`, `springsIndices2` and `lengths`, or all in one by `spring`, five numbers
 // each: i j k c L0. Node i belongs to `object1`, node j to `object2`; without them both are of the state of this node.
-// `stiffness`, `damping`, `lengths`, `elongationOnly` and `enabled` have a value for each spring or one for all.
+// `stiffness`, `damping`, `lengths`, `elongationOnly`, `compressionOnly` and `enabled` have a value for each spring or one for all.
 //
 // With `explicitForce` the springs are no part of the matrix of a step. A step that makes one linear system then has the forces of
 // its start, equal and opposite on both bodies: momentum is kept, and stiff springs need small steps. SOFA does so where it
@@ -58,6 +59,7 @@ class SpringForceField final : public SpringField {
         .unit("N s/m")
         .min(0);
     table.add("elongationOnly", elongation_only_).help("no force while the spring is shorter than at rest");
+    table.add("compressionOnly", compression_only_).help("no force while the spring is longer than at rest");
     table.add("enabled", enabled_).help("false: the spring is left out");
     table.add("explicitForce", explicit_force_).help("the springs are no part of the matrix: not stable for stiff ones");
   }
@@ -125,12 +127,13 @@ class SpringForceField final : public SpringField {
   }
 
   std::vector<Spring> withSwitches(std::vector<Spring> springs) const {
-    std::vector<bool> elongation_only = elongation_only_, enabled = enabled_;
+    std::vector<bool> elongation_only = elongation_only_, compression_only = compression_only_, enabled = enabled_;
     spread(elongation_only, springs.size(), "elongationOnly", "springs");
+    spread(compression_only, springs.size(), "compressionOnly", "springs");
     spread(enabled, springs.size(), "enabled", "springs");
     std::vector<Spring> kept;
     for (std::size_t s = 0; s < springs.size(); ++s) {
-      springs[s].elongation_only = elongation_only[s];
+      springs[s].elongation_only = elongation_only[s], springs[s].compression_only = compression_only[s];
       if (enabled[s]) kept.push_back(springs[s]);
     }
     if (kept.empty()) warn("no spring is enabled: the component does nothing");
@@ -140,7 +143,7 @@ class SpringForceField final : public SpringField {
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   std::vector<double> all_in_one_, lengths_{0}, stiffness_{100}, damping_{0};
   std::vector<int> indices1_, indices2_;
-  std::vector<bool> elongation_only_{false}, enabled_{true};
+  std::vector<bool> elongation_only_{false}, compression_only_{false}, enabled_{true};
   bool explicit_force_ = false;
 };
 

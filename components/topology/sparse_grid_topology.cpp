@@ -9,7 +9,8 @@
 // cellFactors is how much of a cell the body fills, 1 inside and 0.5 on the border; with fillWeighted="false" 1. As
 // localStiffnessFactor="@grid.cellFactors" of a force field it makes the border softer. With nbVirtualFinerLevels k the surface
 // is looked at on a grid that is 2^k times as fine: a cell lies inside when all of its fine cells do, is on the border when some
-// do or are cut, and its factor is the mean of theirs.
+// do or are cut, and its factor is the mean of theirs. partFactors are those of the 8^partLevels parts of each cell, x fastest, for
+// NonUniformHexahedronFEMForceField: with partLevels="0" the same as cellFactors.
 //
 // SparseGridRamificationTopology does not join what lies side by side in one cell, as two fingers. Fine cells are neighbours when
 // they have a side in common and, with finestConnectivity, one of them lies inside or a triangle meets both. A cell has a copy for
@@ -42,8 +43,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "components/topology/sparse_grid_cells.h"
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
@@ -51,107 +52,9 @@
 namespace stroma {
 namespace {
 
-enum class Place : char { unknown, border, outside };  ///< unknown in the end: inside
-
-/// Whether a triangle with corners t meets the box of half sizes h around the origin: no axis separates them.
-bool meetsBox(const std::array<Vec3, 3>& t, const Vec3& h) {
-  const auto separates = [&](const Vec3& axis) {
-    const double a = axis.dot(t[0]), b = axis.dot(t[1]), c = axis.dot(t[2]), r = h.dot(axis.cwiseAbs());
-    return std::min({a, b, c}) > r || std::max({a, b, c}) < -r;
-  };
-  for (int i = 0; i < 3; ++i)
-    if (separates(Vec3::Unit(i))) return false;
-  if (separates((t[1] - t[0]).cross(t[2] - t[0]))) return false;
-  for (std::size_t e = 0; e < 3; ++e)
-    for (int i = 0; i < 3; ++i)
-      if (separates((t[(e + 1) % 3] - t[e]).cross(Vec3::Unit(i)))) return false;
-  return true;
-}
-
-/// Cells of a box, x fastest.
-class Cells {
- public:
-  Cells(const std::array<int, 3>& count, const Vec3& low, const Vec3& high)
-      : count_(count),
-        low_(low),
-        size_((high - low).cwiseQuotient(Vec3(count[0], count[1], count[2]))),
-        places_(std::size_t(count[0]) * std::size_t(count[1]) * std::size_t(count[2]), Place::unknown) {}
-  Place& at(int i, int j, int k) { return places_[index(i, j, k)]; }
-  Place placeOf(std::size_t cell) const { return places_[cell]; }
-  std::size_t index(int i, int j, int k) const {
-    return std::size_t(i) + std::size_t(count_[0]) * (std::size_t(j) + std::size_t(count_[1]) * std::size_t(k));
-  }
-  std::size_t size() const { return places_.size(); }
-
-  /// The triangles that meet cells on the border are kept for areNeighbours().
-  void keepTriangles() { triangles_.resize(places_.size()); }
-  /// Of two cells with a side in common.
-  bool areNeighbours(std::size_t a, std::size_t b) const {
-    if (places_[a] == Place::outside || places_[b] == Place::outside) return false;
-    if (triangles_.empty() || places_[a] != Place::border || places_[b] != Place::border) return true;
-    return std::find_first_of(triangles_[a].begin(), triangles_[a].end(), triangles_[b].begin(), triangles_[b].end()) !=
-           triangles_[a].end();
-  }
-
-  void markBorder(const std::array<Vec3, 3>& corners, int triangle) {
-    std::array<int, 3> first{}, last{};
-    for (int a = 0; a < 3; ++a) {
-      const double least = std::min({corners[0][a], corners[1][a], corners[2][a]});
-      const double most = std::max({corners[0][a], corners[1][a], corners[2][a]});
-      const double end = count_[std::size_t(a)] - 1;
-      first[std::size_t(a)] = int(std::clamp(std::floor((least - low_[a]) / size_[a]), 0., end));
-      last[std::size_t(a)] = int(std::clamp(std::floor((most - low_[a]) / size_[a]), 0., end));
-    }
-    for (int k = first[2]; k <= last[2]; ++k)
-      for (int j = first[1]; j <= last[1]; ++j)
-        for (int i = first[0]; i <= last[0]; ++i) {
-          const Vec3 middle = low_ + size_.cwiseProduct(Vec3(i + 0.5, j + 0.5, k + 0.5));
-          if (!meetsBox({corners[0] - middle, corners[1] - middle, corners[2] - middle}, size_ / 2)) continue;
-          at(i, j, k) = Place::border;
-          if (!triangles_.empty()) triangles_[index(i, j, k)].push_back(triangle);
-        }
-  }
-  /// Spreads from the sides of the box.
-  void markOutside() {
-    std::vector<std::array<int, 3>> waiting;
-    const auto enter = [&](int i, int j, int k) {
-      if (i < 0 || j < 0 || k < 0 || i >= count_[0] || j >= count_[1] || k >= count_[2]) return;
-      if (at(i, j, k) != Place::unknown) return;
-      at(i, j, k) = Place::outside;
-      waiting.push_back({i, j, k});
-    };
-    for (int k = 0; k < count_[2]; ++k)
-      for (int j = 0; j < count_[1]; ++j)
-        for (int i = 0; i < count_[0]; ++i)
-          if (i == 0 || j == 0 || k == 0 || i == count_[0] - 1 || j == count_[1] - 1 || k == count_[2] - 1) enter(i, j, k);
-    while (!waiting.empty()) {
-      const auto [i, j, k] = waiting.back();
-      waiting.pop_back();
-      enter(i - 1, j, k), enter(i + 1, j, k), enter(i, j - 1, k), enter(i, j + 1, k), enter(i, j, k - 1), enter(i, j, k + 1);
-    }
-  }
-
- private:
-  std::array<int, 3> count_;
-  Vec3 low_, size_;
-  std::vector<Place> places_;
-  std::vector<std::vector<int>> triangles_;  ///< of each cell, or empty
-};
-
-/// Sets that are joined.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : of_(count) { std::iota(of_.begin(), of_.end(), std::size_t(0)); }
-  std::size_t find(std::size_t i) {
-    while (of_[i] != i) i = of_[i] = of_[of_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) { of_[std::max(find(a), find(b))] = find(std::min(find(a), find(b))); }
-
- private:
-  std::vector<std::size_t> of_;
-};
-
+using sparse_grid::Cells;
+using sparse_grid::Place;
+using sparse_grid::Sets;
 using GridPlace = std::array<int, 3>;
 constexpr int cube_corners[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 GridPlace operator+(const GridPlace& cell, const int* by) { return {cell[0] + by[0], cell[1] + by[1], cell[2] + by[2]}; }
@@ -169,10 +72,15 @@ class SparseGridTopology : public Topology {
     addCellList(table, cell_kinds::triangle, triangles_).help("of the surface");
     addCellList(table, cell_kinds::quad, quads_).help("of the surface");
     table.add("nbVirtualFinerLevels", finer_).help("how often the surface is looked at with cells of half the size").min(0).max(6);
+    table.add("partLevels", part_levels_)
+        .help("into how many parts partFactors divides a cell: 2 to this power along each axis")
+        .min(0)
+        .max(6);
     table.add("onlyInsideCells", only_inside_).help("no cells on the border");
     table.add("fillWeighted", weighted_).help("cells on the border have a factor below 1");
     addCellList(table, cell_kinds::hexahedron, mesh_.hexahedra).help("the cells").output();
     table.add("cellFactors", factors_).help("how much of each cell is filled").unit("-").output();
+    table.add("partFactors", part_factors_).help("how much of each part of each cell is filled").unit("-").output();
     for (const char* name : {"facets", "computeHexaList", "convolutionSize", "marchingCubeStep", "dataResolution", "voxelSize"})
       table.addVisualOnly(name);
   }
@@ -186,6 +94,9 @@ class SparseGridTopology : public Topology {
       for (const Index node : t)
         if (node < 0 || std::size_t(node) >= surface.size())
           throw ComponentError(fmt::format("a triangle names node {} of {}", node, surface.size()));
+    if (part_levels_ > finer_)
+      throw ComponentError(fmt::format("partLevels is {}, and the surface is looked at on {} finer levels", part_levels_, finer_),
+                           fmt::format("nbVirtualFinerLevels=\"{}\" or more", part_levels_));
     findBox(surface);
     fill(surface);
     tellVolume(surface);
@@ -212,7 +123,7 @@ class SparseGridTopology : public Topology {
       n_[a] = int(std::min(by_width, 1e9));
     }
     const double most = 1e7, most_with_finer = splitsCells() ? 2e7 : 2e8;  // each of those that are split takes 40 bytes
-    if (nodes > most || nodes * std::pow(8., finer_) > most_with_finer)
+    if (nodes > most || nodes * std::pow(8., finer_) > most_with_finer || nodes * std::pow(8., part_levels_) > most)
       throw ComponentError("the grid has too many cells",
                            fmt::format("at most {:g}, and {:g} with those of finer levels", most, most_with_finer));
   }
@@ -223,6 +134,7 @@ class SparseGridTopology : public Topology {
     double factor;
     bool is_border;
     std::vector<std::size_t> fine;  ///< cells of the finest level, of copies alone
+    std::vector<double> parts{};    ///< factors of its parts
   };
 
   void fill(const std::vector<Vec3>& surface) {
@@ -241,8 +153,9 @@ class SparseGridTopology : public Topology {
         for (int i = 0; i < coarse[0]; ++i) addCell({i, j, k}, parts, fine, cells);
     std::stable_partition(cells.begin(), cells.end(), [](const Cell& cell) { return cell.is_border; });
     if (cells.empty()) throw ComponentError("no cell lies in the surface", "more nodes, or a closed surface");
-    factors_.clear();
+    factors_.clear(), part_factors_.clear();
     for (const Cell& cell : cells) factors_.push_back(cell.factor);
+    for (const Cell& cell : cells) part_factors_.insert(part_factors_.end(), cell.parts.begin(), cell.parts.end());
     if (splitsCells())
       makeSplitMesh(cells, parts, fine);
     else
@@ -265,16 +178,22 @@ class SparseGridTopology : public Topology {
       if (groupOf(first) != first || (splits && fine.placeOf(fineAt(first)) == Place::outside)) continue;
       Cell cell{at, 0, false, {}};
       int cut = 0, inside = 0;
+      const int along = 1 << part_levels_, each = parts / along;
+      cell.parts.assign(std::size_t(along * along * along), 0);
       for (int c = first; c < all; ++c) {
         const std::size_t index = fineAt(c);
         if (fine.placeOf(index) == Place::outside || groupOf(c) != first) continue;
-        ++(fine.placeOf(index) == Place::border ? cut : inside);
+        const bool is_cut = fine.placeOf(index) == Place::border;
+        ++(is_cut ? cut : inside);
+        const int part = c % parts / each + along * (c / parts % parts / each + along * (c / parts / parts / each));
+        cell.parts[std::size_t(part)] += (is_cut && weighted_ ? 0.5 : 1) / (each * each * each);
         if (splits) cell.fine.push_back(index);
       }
       if (cut + inside == 0) continue;
       cell.is_border = inside < all;
       if (cell.is_border && only_inside_) continue;
       cell.factor = cell.is_border && weighted_ ? (inside + 0.5 * cut) / all : 1;
+      if (part_levels_ == 0) cell.parts[0] = cell.factor;
       cells.push_back(std::move(cell));
     }
   }
@@ -364,11 +283,11 @@ class SparseGridTopology : public Topology {
   std::array<int, 3> n_{2, 2, 2}, counts_{2, 2, 2};
   Vec3 min_ = Vec3::Zero(), max_ = Vec3::Zero();
   double width_ = 0;
-  int finer_ = 0;
+  int finer_ = 0, part_levels_ = 0;
   bool only_inside_ = false, weighted_ = true;
   std::vector<Triangle> triangles_;
   std::vector<Quad> quads_;
-  std::vector<double> factors_;
+  std::vector<double> factors_, part_factors_;
 };
 
 class SparseGridRamificationTopology final : public SparseGridTopology {

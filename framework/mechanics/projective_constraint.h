@@ -50,8 +50,8 @@ class ProjectiveConstraint : public Component {
   State& state() const { return *state_; }
   /// Every state whose nodes it holds or reads.
   virtual std::vector<State*> states() const { return {state_}; }
-  /// True in a step from t to t_end. The base class: while t is not after endTime.
-  virtual bool activeIn(double t, double /*t_end*/) const { return end_time_ < 0 || t <= end_time_; }
+  /// True in a step from t to t_end. The base class: while t is before endTime.
+  virtual bool activeIn(double t, double /*t_end*/) const { return end_time_ < 0 || t < end_time_; }
   double endTime() const { return end_time_; }  ///< [s]; negative: never ends
 
   /// Appends the projectors at time t (rows of the system).

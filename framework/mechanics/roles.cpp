@@ -58,7 +58,7 @@ void ForceField::addDampingDiagonal(double, std::vector<double>&) const { addDam
 
 void ProjectiveConstraint::declare(DataTable& table) {
   declareState(table, mstate_);
-  table.add("endTime", end_time_).help("the constraint holds in steps that start up to this time; negative: always").unit("s");
+  table.add("endTime", end_time_).help("the constraint holds in steps that start before this time; negative: always").unit("s");
   for (const char* name : {"showObject", "drawSize"}) table.addVisualOnly(name);
 }
 

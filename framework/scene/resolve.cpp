@@ -30,8 +30,7 @@ class Resolver {
         diagnostics_(diagnostics),
         bytes_left_(limits.file_bytes) {}
 
-  /// Reads `file` and everything that it includes. False when it cannot be used; the reason has been reported at
-  /// `where`.
+  /// Reads `file` and everything that it includes. False when it cannot be used; the reason has been reported at `where`.
   bool read(const std::string& file, const SourceLocation& where, int depth, NodeDescription& root, bool is_prefab = false) {
     std::error_code none;
     const std::string canonical = fs::canonical(file, none).string();

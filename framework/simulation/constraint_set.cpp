@@ -72,8 +72,7 @@ void ConstraintSet::holdUnusedDirections(std::vector<NodeProjector>& out) const 
       if (state->row_kinds[std::size_t(i)] == RowKind::value) out.push_back({state->firstRow() + i, Vec3::UnitX().asDiagonal()});
 }
 
-// A constraint holds in a step that starts at or before its endTime (as in SOFA); its projectors are those of the
-// step's end.
+// A constraint holds in a step that starts before its endTime (as in SOFA); its projectors are those of the step's end.
 void ConstraintSet::gather(double t_start, double t_end) {
   gathered_.clear();
   velocity_projectors_.clear();

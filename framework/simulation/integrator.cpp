@@ -8,9 +8,8 @@
 
 namespace stroma {
 
-/// The solver for a scene that names none. An equilibrium is as ill-conditioned as the body is slender or stiff: what
-/// solves it best depends on its size. The mass keeps the matrix of a step in time well-conditioned, and its products are
-/// cheap.
+/// The solver for a scene that names none. An equilibrium is as ill-conditioned as the body is slender or stiff: what solves it
+/// best depends on its size. The mass keeps the matrix of a step in time well-conditioned, and its products are cheap.
 std::string Integrator::missingPartner() const {
   if (!needs_linear_solver_ || !linear_solver_.path.empty()) return {};
   const auto& components = node().components();

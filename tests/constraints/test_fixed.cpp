@@ -32,6 +32,14 @@ TEST(FixedProjectiveConstraint, ProjectsVelocityAndEnds) {
   EXPECT_FALSE(system.matrix().key() == before);
 }
 
+TEST(FixedProjectiveConstraint, AStepFromItsEndIsFree) {
+  Simulation simulation(sceneFromText(fourNodes("<FixedProjectiveConstraint indices='1' endTime='0.02'/>")));
+  for (const std::size_t held : {1u, 1u, 0u}) {  // from t = 0, 0.01 and 0.02
+    simulation.step();
+    EXPECT_EQ(simulation.systems()[0]->constraints().projectors().size(), held);
+  }
+}
+
 TEST(PartialFixedProjectiveConstraint, HoldsDirections) {
   Simulation simulation(sceneFromText(
       fourNodes("<PartialFixedProjectiveConstraint indices='2' fixedDirections='1 0 1' projectVelocity='true'/>")));

@@ -162,7 +162,7 @@ class MovedRelation : public ::testing::TestWithParam<std::pair<const char*, dou
 TEST_P(MovedRelation, HasTheOrderOfTheIntegrator) {
   const auto& [integrator, order] = GetParam();
   const Lever lever;
-  const auto error = [&](int steps) {
+  const auto error = [&, integrator = integrator](int steps) {
     Simulation simulation = simulationFromText(lever.scene(integrator, 1.0 / steps));
     const System& system = *simulation.systems().at(0);
     double largest = 0;

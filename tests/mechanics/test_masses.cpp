@@ -193,6 +193,41 @@ TEST(UniformMass, TotalVertexAndSomeNodes) {
   EXPECT_EQ(masses("vertexMass='4' localRange='5 7'"), (std::vector<double>{0, 0, 0, 0, 0, 4, 4, 4}));
 }
 
+/// Eight parts of a full cube: along each axis (5/4 3/4; 3/4 5/4) in place of ones. Of a cube whose upper half is empty the gravity is
+/// half of that of the full one at each corner, as in SOFA.
+TEST(MeshMatrixMass, PairsOfThePartsOfACell) {
+  const auto matrix = [](const std::string& more, int column) {
+    Simulation simulation(sceneFromText("<Node name='root'><TestIntegrator/><TestMesh cells='1 1 1' size='1 1 1'/><MechanicalObject/>"
+                                        "<MeshMatrixMass massDensity='27' matrix='pairs' " + more + "/></Node>"));
+    System& system = *simulation.systems()[0];
+    Vector unit(8), out(8);
+    unit[column] = Vec3(1, 0, 0);
+    system.masses()[0]->addProduct(unit, 1, out);
+    std::vector<double> entries(system.masses()[0]->rowSums());
+    for (Index i = 0; i < 8; ++i) entries.push_back(Vec3(out[i])[0]);
+    return entries;
+  };
+  const std::vector<double> full = matrix("cellFactors='1 1 1 1 1 1 1 1'", 0), half = matrix("cellFactors='1 1 1 1 0 0 0 0'", 0);
+  const std::vector<double> plain = matrix("", 0);
+  std::vector<double> lower, sorted(full.begin() + 8, full.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double a = 1.25, b = 0.75;
+  const std::vector<double> expected = {8 * b * b * b, 8 * a * b * b, 8 * a * b * b, 8 * a * b * b,
+                                        8 * a * a * b, 8 * a * a * b, 8 * a * a * b, 8 * a * a * a};
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_NEAR(sorted[i], expected[i], 1e-13);
+    EXPECT_NEAR(plain[8 + i], 8, 1e-13);
+    EXPECT_NEAR(full[i], 27. / 8, 1e-13);
+    EXPECT_NEAR(half[i], 27. / 16, 1e-13);
+  }
+  // z = 1/4 alone: 3/2 and 1/2 for the lower and the upper corners, half of the mass
+  EXPECT_NEAR(half[8], 8 * a * a * (1.5 * 1.5 / 2), 1e-13);
+  EXPECT_NEAR(matrix("cellFactors='1 1 1 1 0 0 0 0' totalMass='54'", 0)[8] / half[8], 4, 1e-13) << "the mass of the body";
+  expectContains(problemsOf("<Node name='root'><TestIntegrator/><TestMesh cells='1 1 1' size='1 1 1'/><MechanicalObject/><MeshMatrixMass "
+                            "massDensity='27' matrix='pairs' cellFactors='1 1 1'/></Node>"),
+                 "cellFactors has 3 values for 1 cells");
+}
+
 TEST(Masses, SayWhatIsWrong) {
   expectContains(problemsOf(body("tetrahedra='true' flip='true'", "<DiagonalMass name='m' massDensity='1'/>")),
                  "tetrahedron 0 (nodes 1 0 3 7)");

@@ -306,6 +306,21 @@ SCENES = {
     "Mapping/Linear/BarycentricTetraMapping": body(
         TETRA + '<TetrahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>' + HOLD +
         '<Node name="child"><MechanicalObject position="0.3 0.3 0.3"/><BarycentricMapping/></Node>'),
+    "Mapping/Linear/CenterOfMassMultiMapping": body(
+        '<Node name="a"><MechanicalObject name="dofs" position="0 0 0  2 0 0"/><UniformMass totalMass="2"/></Node><Node name="b">'
+        '<MechanicalObject name="dofs" position="0 3 0"/><UniformMass totalMass="1"/></Node><Node name="c"><MechanicalObject '
+        'name="centre" position="0 0 0"/><CenterOfMassMultiMapping template="Vec3d,Vec3d" input="@../a @../b" output="@."/>'
+        '<RestShapeSpringsForceField stiffness="100"/></Node>'),
+    "Engine/Generate/GenerateSphere": body(
+        '<GenerateSphere name="e" radius="1" tessellationDegree="2"/><TetrahedronSetTopologyContainer name="cells" '
+        'position="@e.output_TetrahedraPosition" tetrahedra="@e.tetrahedra"/><MechanicalObject/><DiagonalMass massDensity="1"/>'
+        '<TetrahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>'),
+    "Engine/Transform/TransformMatrixEngine": body(
+        '<TranslateTransformMatrixEngine name="t" translation="0 1 0"/><RotateTransformMatrixEngine name="r" inT="@t.outT" '
+        'rotation="0 0 90"/><ScaleTransformMatrixEngine name="s" inT="@r.outT" scale="2 2 2"/><MeshGmshLoader name="loader" '
+        'filename="mesh/block.msh" transformation="@s.outT"/><TetrahedronSetTopologyContainer src="@loader"/><MechanicalObject '
+        'src="@loader"/><DiagonalMass massDensity="1"/>'),
+    "SolidMechanics/Spring/RepulsiveSpringForceField": body(POINTS + '<RepulsiveSpringForceField spring="0 1 10 0.1 1.5  1 2 10 0.1 0.5"/>'),
     "Mapping/Linear/CenterOfMassMapping": body(
         FRAMES + '<UniformMass vertexMass="2"/><Node name="child"><MechanicalObject name="mapped" position="0 0 0"/><CenterOfMassMapping '
         'template="Rigid3d,Vec3d"/><RestShapeSpringsForceField stiffness="10"/></Node>', ODE + CG),
@@ -606,10 +621,7 @@ FILES = {
 # What a refusal must name, where a part of SOFA is not there.
 MISSING = {
     **{folder + name: [name] for folder, names in (
-        ("Diffusion/", ["TetrahedronDiffusionFEMForceField"]),
         ("SolidMechanics/FEM/", ["QuadBendingFEMForceField"]),
         ("Topology/Container/Grid/", ["SparseGridMultipleTopology"])) for name in names},
-    "Engine/Transform/TransformPosition_random": ["random displacements are not available"],
     "SolidMechanics/FEM/HexahedronCompositeFEMForceFieldAndMass_large": ["HexahedronCompositeFEMForceFieldAndMass"],
-    "SolidMechanics/FEM/NonUniformHexahedronFEMForceFieldAndMass_large": ["NonUniformHexahedronFEMForceFieldAndMass"],
 }

@@ -126,6 +126,42 @@ def edge_polar(now, then):
     return polar(now) @ polar(then).T
 
 
+def mean_edges(x):
+    """Of a hexahedron in VTK's order, as columns."""
+    ends = (((0, 1), (3, 2), (4, 5), (7, 6)), ((0, 3), (1, 2), (4, 7), (5, 6)), ((0, 4), (1, 5), (2, 6), (3, 7)))
+    return np.column_stack([np.mean([x[b] - x[a] for a, b in four], axis=0) for four in ends])
+
+
+def hexahedra(cells, rest, E, nu):
+    """f = R K (R_0^T X - R^T x) with R and R_0 the polar factors of the mean edges, K of the shape in R_0."""
+    rest, D = np.array(rest, float), stiffness(E, nu)
+    sides = np.array([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)], float)
+    shapes = []
+    for cell in cells:
+        X = rest[list(cell)] @ polar(mean_edges(rest[list(cell)]))
+        Ke = np.zeros((24, 24))
+        for point in sides / np.sqrt(3):
+            one = 1 + sides * point
+            dN = sides * np.column_stack([one[:, 1] * one[:, 2], one[:, 0] * one[:, 2], one[:, 0] * one[:, 1]]) / 8
+            J = dN.T @ X
+            B = np.zeros((6, 24))
+            for i, (a, b, c) in enumerate(dN @ np.linalg.inv(J).T):
+                B[:, 3 * i:3 * i + 3] = [[a, 0, 0], [0, b, 0], [0, 0, c], [b, a, 0], [0, c, b], [c, 0, a]]
+            Ke += abs(np.linalg.det(J)) * B.T @ D @ B
+        shapes.append((list(cell), X, Ke))
+
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for cell, X, Ke in shapes:
+            R = polar(mean_edges(x[cell]))
+            T = np.kron(np.eye(8), R)
+            where = np.ravel([[3 * n, 3 * n + 1, 3 * n + 2] for n in cell])
+            f.ravel()[where] += T @ Ke @ (X - x[cell] @ R).ravel()
+            K[np.ix_(where, where)] -= T @ Ke @ T.T
+        return f, K
+    return field
+
+
 def frame(x):
     """Of the first edge and the plane."""
     a = (x[1] - x[0]) / np.linalg.norm(x[1] - x[0])

@@ -98,6 +98,74 @@ TEST(SparseGridRamification, ByTheFinestCellsNearFingersAreOne) {
   EXPECT_EQ(nodes("false"), 20u);
 }
 
+// ---- parts of cells ----
+
+/// A box of which each side lies in the outermost of 4 x 4 x 4 fine cells: these are half full, and the eight in the middle full. Of the
+/// eight parts of the cell each has one of the full ones.
+TEST(SparseGrid, CountsWhatItsPartsHold) {
+  const std::string box = "0 2 1 0 3 2 4 5 6 4 6 7 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7";
+  const auto factors = [&](int levels) {
+    const Scene scene = sceneFromText(fmt::format(R"(<Node name="root"><SparseGridTopology name="e" n="2 2 2" min="0 0 0" max="2 2 2"
+        nbVirtualFinerLevels="2" partLevels="{}" triangles="{}" position="0.3 0.3 0.3 1.7 0.3 0.3 1.7 1.7 0.3 0.3 1.7 0.3
+        0.3 0.3 1.7 1.7 0.3 1.7 1.7 1.7 1.7 0.3 1.7 1.7"/></Node>)", levels, box));
+    return *std::get<std::vector<double>*>(findComponent(*scene.root, "/e")->data().find("partFactors")->pointer());
+  };
+  EXPECT_EQ(factors(0), std::vector<double>{(8 + 0.5 * 56) / 64});
+  EXPECT_EQ(factors(1), std::vector<double>(8, (1 + 0.5 * 7) / 8));
+  const std::vector<double> finest = factors(2);
+  ASSERT_EQ(finest.size(), 64u);
+  for (int p = 0; p < 64; ++p) {
+    const auto inner = [](int i) { return i == 1 || i == 2; };
+    EXPECT_EQ(finest[std::size_t(p)], inner(p % 4) && inner(p / 4 % 4) && inner(p / 16) ? 1 : 0.5) << p;
+  }
+  expectContains(problemsOf("<Node name='root'><SparseGridTopology n='2 2 2' partLevels='1' position='0 0 0' triangles='0 0 0'/></Node>"),
+                 "partLevels is 1");
+}
+
+// ---- balls ----
+
+/// Platonic solids of circumradius R, cut into layers: nodes on spheres, cells that fill it, and the volume of the solid at degree 1.
+TEST(GenerateSphere, ABallOfLayers) {
+  struct Solid {
+    const char* name;
+    std::size_t faces;
+    double volume;  // over R^3
+  };
+  const double five = std::sqrt(5.);
+  for (const Solid& solid : {Solid{"tetrahedron", 4, 8 / (9 * std::sqrt(3.))}, Solid{"octahedron", 8, 4. / 3},
+                             Solid{"icosahedron", 20, 2. / 3 * std::sqrt(10 + 2 * five)}})
+    for (const std::size_t n : {1u, 2u, 4u}) {
+      const Scene scene = sceneFromText(
+          fmt::format(R"(<Node name="root"><GenerateSphere name="e" radius="2" origin="1 2 3" platonicSolid="{}" tessellationDegree="{}"/>
+            <TetrahedronSetTopologyContainer position="@e.position" tetrahedra="@e.tetrahedra"/>
+            <TriangleSetTopologyContainer position="@e.output_TrianglesPosition" triangles="@e.triangles"/></Node>)",
+                      solid.name, n));
+      const auto& ball = dynamic_cast<const Topology&>(*scene.root->components()[1]).mesh();
+      const auto& shell = dynamic_cast<const Topology&>(*scene.root->components()[2]).mesh();
+      const Vec3 centre(1, 2, 3);
+      ASSERT_EQ(ball.tetrahedra.size(), solid.faces * n * n * n);
+      ASSERT_EQ(shell.triangles.size(), solid.faces * n * n);
+      ASSERT_EQ(shell.position.size(), 2 + solid.faces * n * n / 2) << "a closed surface";
+      double volume = 0, enclosed = 0;
+      for (const Tetrahedron& t : ball.tetrahedra) {
+        const auto edge = [&](std::size_t c) { return Vec3(ball.position[std::size_t(t[c])] - ball.position[std::size_t(t[0])]); };
+        const double each = edge(1).dot(edge(2).cross(edge(3))) / 6;
+        ASSERT_GT(each, 0);
+        volume += each;
+      }
+      for (const Triangle& t : shell.triangles) {
+        const auto at = [&](std::size_t c) { return Vec3(shell.position[std::size_t(t[c])] - centre); };
+        enclosed += at(0).dot(at(1).cross(at(2))) / 6;
+      }
+      EXPECT_NEAR(volume, enclosed, 1e-12 * volume);
+      EXPECT_LT(volume, 8 * 4 * 3.14159265358979 / 3);
+      if (n == 1) {
+        EXPECT_NEAR(volume, 8 * solid.volume, 1e-12) << solid.name;
+      }
+      for (const Vec3& p : shell.position) ASSERT_NEAR((p - centre).norm(), 2, 1e-14);
+    }
+}
+
 // ---- spheres ----
 
 TEST(SphereQuad, ItsNodesLieOnTheSphere) {

@@ -29,6 +29,7 @@ bool matches(std::string_view pattern, std::string_view word) {
 bool isKeptBySofa(std::string_view type, std::string_view attribute) {
   static const std::map<std::string_view, List> table = {
       {"HexahedronFEMForceField", {"stiffnessMatrices"}},
+      {"NonUniformHexahedronFEMForceField", {"stiffnessMatrices"}},
       {"SphereForceField", {"contacts"}},
       {"ConicalForceField", {"contacts"}},
       {"OscillatingTorsionPressureForceField", {"trianglePressureMap"}},
@@ -79,7 +80,8 @@ bool isAcceptedType(std::string_view type) {
       "AnimationLoopParallelScheduler", "TetrahedronHyperelasticityFEMDrawing",
       // what a mouse does
       "*MouseInteractor", "RayPickInteractor", "RemovePrimitivePerformer*",
-      "InciseAlongPathPerformer*"};
+      "InciseAlongPathPerformer*", "*BodyPerformer", "AddFramePerformer", "FixParticlePerformer",
+      "StartNavigationPerformer", "SuturePerformer"};
   return std::any_of(accepted.begin(), accepted.end(), [&](std::string_view each) { return matches(each, type); });
 }
 
@@ -126,7 +128,7 @@ std::string_view typeHere(std::string_view type) {
       {"SparseTAUCSLLtSolver", "SparseLDLSolver"}, {"CudaSparseLDLSolver", "SparseLDLSolver"},
       {"LMDNewProximityIntersection", "LocalMinDistance"}, {"CCDTightInclusionIntersection", "NewProximityIntersection"},
       {"BeamLinearMapping_mt", "BeamLinearMapping"},
-      {"CenterPointTopologicalMapping", "Mesh2PointTopologicalMapping"},
+      {"CenterPointTopologicalMapping", "Mesh2PointTopologicalMapping"}, {"CenterOfMassMulti2Mapping", "CenterOfMassMultiMapping"},
       {"CenterPointMechanicalMapping", "Mesh2PointMechanicalMapping"},
       {"DistanceFromTargetMapping", "DistanceFromTarget"}, {"EulerImplicitIntegrationScheme", "EulerImplicitSolver"},
       {"EulerExplicitIntegrationScheme", "EulerExplicitSolver"}, {"StaticIntegrationScheme", "StaticSolver"},
@@ -135,7 +137,9 @@ std::string_view typeHere(std::string_view type) {
       {"AsyncSparseLDLSolver", "SparseLDLSolver"}, {"BTDLinearSolver", "SparseLDLSolver"}, {"VisualModelOBJExporter", "OBJExporter"},
       {"QuadularBendingSprings", "QuadBendingSprings"}, {"TetrahedralTensorMassForceField", "TetrahedronFEMForceField"},
       {"HexahedralFEMForceField", "HexahedronFEMForceField"}, {"HexahedronFEMForceFieldAndMass", "HexahedronFEMForceField"},
-      {"HexahedralFEMForceFieldAndMass", "HexahedronFEMForceField"}, {"BlockGaussSeidelConstraintSolver", "GenericConstraintSolver"},
+      {"HexahedralFEMForceFieldAndMass", "HexahedronFEMForceField"}, {"RepulsiveSpringForceField", "SpringForceField"},
+      {"NonUniformHexahedronFEMForceFieldAndMass", "NonUniformHexahedronFEMForceField"},
+      {"BlockGaussSeidelConstraintSolver", "GenericConstraintSolver"},
       {"ProjectedGaussSeidelConstraintSolver", "GenericConstraintSolver"}, {"NNCGConstraintSolver", "GenericConstraintSolver"},
       {"ParallelTetrahedronFEMForceField", "TetrahedronFEMForceField"}, {"ParallelHexahedronFEMForceField", "HexahedronFEMForceField"},
       {"ParallelCGLinearSolver", "CGLinearSolver"}, {"ParallelMeshSpringForceField", "MeshSpringForceField"},
@@ -197,7 +201,8 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"PointCollisionModel", {"contactResponse", "size"}},
       {"SphereCollisionModel", {"contactResponse", "showImpostors", "size"}},
       {"WriteState", {"stopAt", "keperiod"}},
-      {"PartialLinearMovementProjectiveConstraint", {"mainIndice", "minDepIndice", "maxDepIndice", "X0", "Y0", "Z0"}},
+      {"PartialLinearMovementProjectiveConstraint",
+       {"mainIndice", "minDepIndice", "maxDepIndice", "X0", "Y0", "Z0", "imposedDisplacmentOnMacroNodes"}},
       {"SkinningMapping", {"applyRestPosition"}}, {"BeamLinearMapping", {"applyRestPosition"}},
       {"RigidRigidMapping", {"axisLength"}},
       {"RestShapeSpringsForceField", {"topology"}}, {"SpringForceField", {"topology"}},
@@ -226,7 +231,6 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"VectorSpringForceField", {"filename"}},
       {"SpringForceField", {"filename", "fileSprings"}},
       {"TrianglePressureForceField", {"normal", "dmin", "dmax"}},
-      {"SphereForceField", {"bilateral"}},
       {"CubeTopology", {"splitNormals"}},
       {"SphereROI", {"direction", "normal", "edgeAngle", "triAngle"}},
       {"TriangularFEMForceFieldOptim", {"damping", "restScale"}},
@@ -263,7 +267,7 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
 
 bool isSofasDefault(std::string_view attribute, std::string_view value) {
   static const std::map<std::string_view, List> table = {
-      {"damping", {"0"}}, {"restScale", {"1"}}, {"bilateral", {"0", "false"}}, {"ignoreNotFound", {"0", "false"}},
+      {"damping", {"0"}}, {"restScale", {"1"}}, {"ignoreNotFound", {"0", "false"}},
       {"resizeToModel", {"0", "false"}}, {"linearMovementBetweenNodesInIndices", {"0", "false"}}, {"edgeAngle", {"0"}},
       {"triAngle", {"0"}}, {"repartition", {""}}, {"filename", {"", "unused"}}, {"positionFactor", {"1"}}, {"velocityFactor", {"1"}},
       {"responseFactor", {"1"}}, {"constraintFactor", {"1"}}, {"freeRotations", {"0", "false"}}, {"lastFreeRotation", {"0", "false"}},

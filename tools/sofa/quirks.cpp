@@ -15,7 +15,7 @@ const std::vector<Quirk>& allQuirks() {
       {"explicit-damping", "damping of springs and obstacles is explicit, and its tension stiffens the tangent"},
       {"edge-mass", "the mass matrix of a mesh has entries at vertices and edges only"},
       {"pair-mass", "hexahedra that are a mass too couple all pairs of their corners alike, with 19 times their mass"},
-      {"edge-polar", "rotations of tetrahedra are polar factors of edges instead of deformation gradients"},
+      {"edge-polar", "rotations of tetrahedra and hexahedra are polar factors of edges instead of deformation gradients"},
       {"membrane-shape", "membranes rebuild their strains from the shape of the moment"},
       {"local-dilatation", "elements near incompressibility lock: no mean dilatation"},
       {"one-iteration", "statics make one iteration of Newton a step unless told more, and go on from there"},
@@ -37,6 +37,7 @@ const std::vector<Quirk>& allQuirks() {
       {"edge-bending", "bending springs have a stiffness that depends on the size of the triangles, not that of a plate"},
       {"torsion-tangent", "forces that turn nodes about an axis have a tangent that grows across it"},
       {"exact-borders", "what lies on the border of a region or of a load's box is compared exactly, without room for round-off"},
+      {"split-quads", "a pressure on quads is that on two triangles of each, and has no stiffness"},
       {"first-node", "constraints without indices hold node 0"},
   };
   return quirks;

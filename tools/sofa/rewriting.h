@@ -35,6 +35,7 @@ class Rewriting {
   // ---- rewritten_parts.cpp: what becomes another part, and what nobody asks ----
   void renameType(Element& element);
   void splitMass(Element& field);
+  void fillParts(Element& field);
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();
@@ -87,12 +88,14 @@ class Rewriting {
   void meanOfNames(Element& element);
   void meanStressFields(Element& element);
   void meanSprings(Element& element);
+  void meanMembrane(Element& element);
   void meanLoads(Element& element);
   void meanConstantForce(Element& load);
   void meanPlane(Element& plane);
   void includeLast(Element& element);
   void checkOneBody(Element& field);
   void warnOfFrames(const Element& mapping);
+  void warnOfChance(const Element& engine);
   void holdArms(Element& mapping);
   bool actsOnNothing(Element& element);
   bool holdsNothing(Element& element);
@@ -131,6 +134,7 @@ class Rewriting {
   // ---- rewritten_times.cpp ----
   double timeStep() const;
   void meanTimes(Element& element);
+  static void shareMovement(Element& constraint);
 
   /// Unless the scene writes it.
   void setDefault(Element& element, const std::string& attribute, const std::string& value);
@@ -151,6 +155,8 @@ class Rewriting {
   std::unique_ptr<SceneTree> tree_;
 };
 
+/// A switch of a matrix, for parts that the place has none of.
+bool isIdleSwitch(std::string_view name, const Place& place);
 /// The loader of a file of meshes by its ending, or empty.
 std::string_view loaderOf(std::string_view file);
 /// The numbers of a list that is written out; of a link none.

@@ -88,7 +88,8 @@ bool leads(const Place& place) {
 
 class Bodies {
  public:
-  Bodies(SceneTree& tree, Diagnostics& diagnostics) : tree_(tree), diagnostics_(diagnostics) {}
+  /// `isolated`: springs and penalties between bodies of several solvers are no part of a matrix.
+  Bodies(SceneTree& tree, Diagnostics& diagnostics, bool isolated) : tree_(tree), diagnostics_(diagnostics), isolated_(isolated) {}
 
   void join() {
     bool any_moves = false;
@@ -159,6 +160,29 @@ class Bodies {
     return meeting;
   }
 
+  /// Nothing but contacts and springs that are no part of the matrix has to do with several of them.
+  bool areApart() const {
+    bool apart = isolated_;
+    tree_.forEach([&](Element& element) {
+      const bool has_part = !element.probe || !element.probe->data().find("explicitForce") || element.place->nearest("integrator");
+      if (has_part && !element.is("CollisionResponse") && bodiesAt(element).size() > 1) apart = false;
+    });
+    return apart;
+  }
+
+  /// SOFA's solver of each body iterates by itself: so do those of the system that they are here.
+  bool keepConjugateGradients(const std::vector<Place*>& moved) {
+    if (!allOf(*moved[0], "linear solver")[0]->is("CGLinearSolver") || !areApart()) return false;
+    std::string paths;
+    for (Place* body : moved) {
+      if (!body->parent) return false;
+      SceneTree::linkTo(*body->firstOf("integrator"));  // nodes have names from now on, without blanks
+      paths += (paths.empty() ? "" : " ") + body->path();
+    }
+    for (Place* body : moved) allOf(*body, "linear solver")[0]->set("bodies", paths);
+    return true;
+  }
+
   /// The integrator and the linear solver that all of them have from now on; none: they are left.
   std::optional<Solvers> makeAlike(const std::vector<Place*>& meeting) {
     std::vector<Place*> moved;
@@ -185,7 +209,10 @@ class Bodies {
     for (std::size_t i = 0; i < shared.size(); ++i)
       if (moved[0]->firstOf("integrator")->probe->data().find(damping_names[i]))
         integrator.attributes[damping_names[i]] = printReal(shared[i]);
-    if (same_damping && same_solver) return Solvers{integrator, kindOf(*first[0], true)};
+    const bool keeps = same_solver && moved.size() > 1 && keepConjugateGradients(moved);
+    for (Place* body : moved)
+      if (keeps && !same_damping) handDown(*body);
+    if (keeps || (same_damping && same_solver)) return Solvers{integrator, kindOf(*first[0], true)};
     for (Place* body : moved) {
       if (!same_damping) handDown(*body);
       giveDirectSolver(*body);
@@ -241,11 +268,12 @@ class Bodies {
 
   SceneTree& tree_;
   Diagnostics& diagnostics_;
+  bool isolated_;
   std::vector<Place*> still_;  ///< that no integrator moves, and others follow
 };
 
 }  // namespace
 
-void Rewriting::joinBodies() { Bodies(*tree_, diagnostics_).join(); }
+void Rewriting::joinBodies() { Bodies(*tree_, diagnostics_, quirks_.isOn("isolated-springs")).join(); }
 
 }  // namespace stroma::sofa

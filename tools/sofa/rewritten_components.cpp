@@ -44,6 +44,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (element.role() == "mapping") holdArms(element);
   if (element.is("BarycentricMapping")) warnOfFrames(element), setQuirk(element, "centre-cells", "foundBy", "centres");
   if (element.is("CollisionResponse")) takeFriction(element);
+  if (role == "engine" || role == "mesh engine") warnOfChance(element);
   for (const char* name : {"first", "last"})  // -1: not given
     if (element.is("SubsetMapping") && element.text(name).starts_with("-")) element.remove(name);
   if (role == "mesh loader" && element.writes("scale") && element.writes("scale3d")) {  // both count
@@ -72,10 +73,19 @@ void Rewriting::meanSelection(Element& element) {
   }
 }
 
+void Rewriting::meanMembrane(Element& element) {
+  const std::string &type = element.written->type, method = element.text("method");
+  const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField", "TriangularAnisotropicFEMForceField"});
+  if (membrane && method != "small") setQuirk(element, "membrane-shape", "strain", "current");
+  if (type == "TriangularAnisotropicFEMForceField" && method == "small")
+    warn(element.written->where, element, "method",
+         "of SOFA takes fibres in the axes of each first edge and strains in x and y: here both are in the same axes");
+  if (membrane || type == "TriangularFEMForceFieldOptim") setDefault(element, "thickness", "1");
+}
+
 void Rewriting::meanField(Element& element) {
   const std::string& type = element.written->type;
-  meanSprings(element);
-  meanLoads(element);
+  meanSprings(element), meanLoads(element);
   if (element.dropped) return;
   const bool corotational = isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField"});
   const bool elastic = corotational || isOneOf(type, {"HexahedronFEMForceField", "CorotationalFEMForceField",
@@ -85,7 +95,12 @@ void Rewriting::meanField(Element& element) {
   const std::string method = element.text("method");
   for (const char* name : {"youngModulus", "poissonRatio"})
     if (element.text(name).find_first_of("@ \t\n") != std::string::npos) setDefault(element, "firstForOthers", "true");
-  if (corotational && isOneOf(method, {"polar", "svd"})) setQuirk(element, "edge-polar", "polarOf", "edges");
+  const bool is_box = isOneOf(type, {"HexahedronFEMForceField", "NonUniformHexahedronFEMForceField"}) && method == "polar";
+  const bool of_edges = is_box || (corotational && isOneOf(method, {"polar", "svd"}));
+  if (of_edges && saysYes(element.text("updateStiffnessMatrix")))
+    warn(element.written->where, element, "updateStiffnessMatrix", "takes polar factors of deformation gradients here, and SOFA of edges");
+  else if (of_edges)
+    setQuirk(element, "edge-polar", "polarOf", "edges");
   if (type == "TetrahedronFEMForceField") cutHexahedra(element);
   if (const auto plastic = plasticity_.find(&element); plastic != plasticity_.end()) {
     if (const AttributeDescription* mesh = element.find("topology")) plastic->second.attributes.push_back(*mesh);
@@ -116,6 +131,7 @@ void Rewriting::meanField(Element& element) {
     setQuirk(element, "edge-bending", "method", "springs");
     setDefault(element, "bendingStiffness", "1"), setDefault(element, "minDistValidity", "1e-06");
   }
+  if (type == "TetrahedronDiffusionFEMForceField") setDefault(element, "constantDiffusionCoefficient", "1");
   if (type == "BeamFEMForceField") setQuirk(element, "first-end-beams", "axes", "firstEnd"), setDefault(element, "poissonRatio", "0.49");
   if (isOneOf(type, {"AngularSpringForceField", "GearSpringForceField"})) setQuirk(element, "one-sided-turns", "oneSided", "true");
   if (isOneOf(type, {"EllipsoidForceField", "InteractionEllipsoidForceField"})) {
@@ -125,12 +141,7 @@ void Rewriting::meanField(Element& element) {
   const bool is_pair = element.find("object1") || element.find("object2");
   if (is_pair && !element.place->nearest("integrator")) setQuirk(element, "isolated-springs", "explicitForce", "true");
   if (type == "TorsionForceField") setQuirk(element, "torsion-tangent", "tangent", "transverse");
-  const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField", "TriangularAnisotropicFEMForceField"});
-  if (membrane && method != "small") setQuirk(element, "membrane-shape", "strain", "current");
-  if (type == "TriangularAnisotropicFEMForceField" && method == "small")
-    warn(element.written->where, element, "method",
-         "of SOFA takes fibres in the axes of each first edge and strains in x and y: here both are in the same axes");
-  if (membrane || type == "TriangularFEMForceFieldOptim") setDefault(element, "thickness", "1");
+  meanMembrane(element);
 }
 
 /// The mesh that SOFA gives to a component: the one that it links, the last of its node, else the nearest above.
@@ -346,19 +357,19 @@ void Rewriting::meanState(Element& element) {
     element.remove("size");
     noEffect("MechanicalObject.size beside positions");
   }
-  // of several meshes of a node the last one that has nodes of its own
+  // of several meshes of a node the first one that has nodes of its own
   std::size_t meshes = 0;
-  Element* last = nullptr;
+  Element* first = nullptr;
   for (const auto& each : element.place->elements) {
     if (each->dropped || each->role() != "topology") continue;
     ++meshes;
     const bool has_nodes = each->find("position") || each->find("points") || each->find("src");
-    if (has_nodes || each->written->type.ends_with("GridTopology")) last = each.get();
+    if (!first && (has_nodes || each->written->type.ends_with("GridTopology"))) first = each.get();
   }
   bool is_given = false;
   for (const char* name : {"position", "rest_position", "src", "topology"}) is_given = is_given || element.find(name);
-  if (meshes > 1 && last && !is_given)
-    element.set("topology", SceneTree::linkTo(*last));
+  if (meshes > 1 && first && !is_given)
+    element.set("topology", SceneTree::linkTo(*first));
 }
 
 void Rewriting::meanConstraint(Element& element) {

@@ -85,6 +85,7 @@ void Rewriting::meanOfNames(Element& element) {
     element.remove("force");
   }
   if (element.is("VTKExporter")) meanStressFields(element);
+  if (element.written->type.starts_with("PartialLinearMovement")) shareMovement(element);
   if (element.is("TrianglePressureForceField") && element.writes("normal") && element.writes("dmin") && element.writes("dmax")) {
     const std::vector<double> normal = writtenNumbers(element.text("normal"));
     const auto given = [](double n) { return n != 0; };
@@ -216,6 +217,12 @@ void Rewriting::meanLoads(Element& element) {
     element.remove("min"), element.remove("max");
   if (type == "SurfacePressureForceField" && element.find("mainDirection"))
     warn(element.written->where, element, "mainDirection", "weighs by the normals at rest: SOFA does by those of the moment");
+  if (type == "SurfacePressureForceField") {
+    setQuirk(element, "split-quads", "quads", "halves");
+    Element* integrator = element.place->nearest("integrator");
+    Element* solver = integrator ? integrator->place->firstOf("linear solver") : nullptr;
+    if (solver && solver->is("CGLinearSolver") && quirks_.isOn("cg-threshold")) setDefault(element, "tangent", "exact");
+  }
   if (type == "SurfacePressureForceField" && element.find("min")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
   if (element.text("materialName") == "BoyceAndArruda") element.set("materialName", "ArrudaBoyce");  // its name before 2023
@@ -236,6 +243,15 @@ void Rewriting::meanLoads(Element& element) {
   element.place->added_components.push_back(std::move(box));
   SceneTree::linkTo(element);  // nodes above it have names from now on
   element.set("triangleList", "@" + joinPath(element.place->path(), name) + ".triangleIndices");
+}
+
+/// What SOFA leaves to a generator of its own, and to an order of its own.
+void Rewriting::warnOfChance(const Element& engine) {
+  const bool is_random = engine.is("RandomPointDistributionInSurface") ||
+                         (engine.is("TransformPosition") && engine.text("method") == "random");
+  if (is_random) warn(engine.written->where, engine, {}, "has other random numbers than SOFA");
+  if (engine.is("MeshSampler")) warn(engine.written->where, engine, {}, "begins with node 0: SOFA may choose other nodes");
+  if (engine.is("GenerateSphere")) warn(engine.written->where, engine, {}, "has its nodes and cells in another order than SOFA");
 }
 
 /// How torques on frames in a body of points act on it is not known of SOFA.

@@ -38,6 +38,7 @@ void Rewriting::readOwnFile(Element& element) {
   };
   static const std::vector<Reading> readings = {{"SpringForceField", "filename", "fileSprings", ".xs3", "lspg", 1, 5, 5},
                                                 {"DiagonalMass", "filename", "fileMass", ".xs3", "mass", 2, 7, 1},
+                                                {"MechanicalObject", "filename", "filename", ".xs3", "mass", 2, 3, 3},
                                                 {"RigidMapping", "filename", "fileRigidMapping", ".xs3", "mass", 2, 3, 3},
                                                 {"RigidMapping", "filename", "fileRigidMapping", ".sph", "sphe", 1, 3, 3},
                                                 {"SphereCollisionModel", "filename", "fileSphere", ".sph", "sphe", 1, 4, 1}};
@@ -70,6 +71,7 @@ void Rewriting::readOwnFile(Element& element) {
 
 void Rewriting::takeOfFile(Element& element, const std::string& numbers) {
   if (element.is("DiagonalMass")) return element.set("vertexMass", numbers);
+  if (element.is("MechanicalObject")) return element.set("position", numbers);
   if (element.is("SphereCollisionModel")) return element.set("listRadius", numbers);
   if (element.is("SpringForceField")) return element.set("spring", element.text("spring") + " " + numbers);
   Element* points = element.place->firstOf("mechanical state");  // places in the axes of the frame

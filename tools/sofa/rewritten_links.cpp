@@ -10,6 +10,18 @@
 
 namespace stroma::sofa {
 
+namespace {
+
+/// Cells that SOFA's mesh has a list for and the one here has not, such as tetrahedra of a grid: that list is empty there.
+bool isEmptyList(const LinkTarget& target) {
+  return target.element && target.element->probe && isAnyOf(target.element->role(), {"topology", "mesh loader"}) &&
+         isAnyOf(target.data, {"edges", "lines", "triangles", "quads", "tetrahedra", "tetras", "hexahedra", "hexas", "prisms",
+                               "pentahedra", "pentas", "pyramids", "polylines", "polygons"}) &&
+         !target.element->probe->data().find(target.data);
+}
+
+}  // namespace
+
 void Rewriting::rewriteLinks(Element& element) {
   std::vector<std::string> broken;
   for (AttributeDescription& attribute : element.written->attributes)
@@ -43,6 +55,7 @@ void Rewriting::rewriteLink(Element& element, AttributeDescription& attribute, s
       if (!one.empty()) value += (value.empty() ? "" : " ") + one;
     });
   } else if (!many) {
+    if (isEmptyList(tree_->follow(element, text, true))) return breaks("leads to a list that is empty in SOFA");
     value = dataLink(element, attribute);
   } else {  // several components in a list of words
     Words words(text);

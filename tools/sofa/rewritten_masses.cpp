@@ -18,11 +18,38 @@ void Rewriting::meanMass(Element& element) {
     warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
     element.remove("vertexMass");
   }
+  if (state && state->text("template").starts_with("Vec1") && !element.find("geometryState"))  // values of nodes that lie elsewhere
+    for (const Place* place = state->place->parent; place; place = place->parent) {
+      Element* points = place->firstOf("mechanical state");
+      if (!points || !(points->text("template").empty() || points->text("template").starts_with("Vec3"))) continue;
+      setDefault(element, "geometryState", SceneTree::linkTo(*points));
+      break;
+    }
   setDefault(element, "cells", "first");
   const bool couples =
       (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
   if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
+}
+
+/// A force field, and a mass, whose cells are filled unevenly: the sparse grid counts the parts that it asks for.
+void Rewriting::fillParts(Element& field) {
+  const int levels = std::atoi(field.text("nbVirtualFinerLevels").c_str());
+  Element* mesh = meshOf(field);
+  if (!mesh || !mesh->written->type.starts_with("SparseGrid")) {
+    warn(field.written->where, field, "topology", "is no sparse grid, which SOFA asks for: its cells are full");
+  } else {
+    const int most = std::atoi(mesh->text("nbVirtualFinerLevels").c_str());
+    if (levels > most)
+      warn(field.written->where, field, "nbVirtualFinerLevels",
+           mesh->path() + " has " + std::to_string(most) + " finer levels: they are taken");
+    mesh->set("partLevels", std::to_string(std::min(levels, most)));
+    field.set("partFactors", SceneTree::linkTo(*mesh) + ".partFactors");
+  }
+  const bool is_mass = !saysNo(field.text("useMass"));
+  for (const char* read : {"nbVirtualFinerLevels", "useMass"}) field.remove(read);
+  if (is_mass) return splitMass(field);
+  for (const char* of_mass : {"density", "lumpedMass", "rayleighMass", "massMatrices", "totalMass"}) field.remove(of_mass);
 }
 
 /// Some constraint puts nodes where they are to be.

@@ -62,6 +62,10 @@ void Rewriting::renameType(Element& element) {
     warn(element.written->where, element, {},
          "SOFA factors in another thread and solves with older factors: this solver has those of the step");
   if (type == "TetrahedralTensorMassForceField") element.set("method", "small");
+  if (type == "CenterOfMassMulti2Mapping") {
+    element.set("input", element.text("input1") + " " + element.text("input2"));
+    for (const char* one : {"input1", "input2"}) element.remove(one);
+  }
   if (type == "CenterPointTopologicalMapping") element.set("hexaBaryCoords", "0.5 0.5 0.5");
   if (type == "UniformVelocityDampingForceField" && saysYes(element.text("implicit"))) {
     element.remove("implicit");
@@ -77,6 +81,8 @@ void Rewriting::renameType(Element& element) {
   if (type == "SubsetTopology" && saysYes(element.text("localIndices"))) parts_.push_back(&element);
   if (type == "SubsetTopology") element.remove("localIndices");
   if (type == "HexahedronFEMForceFieldAndMass" || type == "HexahedralFEMForceFieldAndMass") splitMass(element);
+  if (type == "NonUniformHexahedronFEMForceFieldAndMass") fillParts(element);
+  if (type == "RepulsiveSpringForceField") element.set("compressionOnly", "true");
   if (type == "TetrahedronFEMForceField") splitPlasticity(element);
   element.written->type = std::string(typeHere(type));
   if (type == "SubsetTopology" && element.find("centers")) tree_->retype(element, "SphereROI");
@@ -111,8 +117,11 @@ void Rewriting::splitMass(Element& field) {
   for (const char* copied : {"topology", "rayleighMass"})
     if (const AttributeDescription* found = field.find(copied)) mass.attributes.push_back(*found);
   if (Element* mesh = meshOf(field); mesh && mesh->written->type.starts_with("SparseGrid"))
-    mass.attributes.push_back({"cellFactors", SceneTree::linkTo(*mesh) + ".cellFactors", where});
-  for (const char* moved : {"density", "lumpedMass", "rayleighMass", "massMatrices"}) field.remove(moved);
+    mass.attributes.push_back(
+        {"cellFactors", SceneTree::linkTo(*mesh) + (field.find("partFactors") ? ".partFactors" : ".cellFactors"), where});
+  if (std::atof(field.text("totalMass").c_str()) > 0) mass.attributes.push_back({"totalMass", field.text("totalMass"), where});
+  if (mass.find("totalMass")) std::erase_if(mass.attributes, [](const auto& each) { return each.name == "massDensity"; });
+  for (const char* moved : {"density", "lumpedMass", "rayleighMass", "massMatrices", "totalMass"}) field.remove(moved);
   field.place->added_components.push_back(std::move(mass));
 }
 
@@ -322,10 +331,9 @@ void Rewriting::addFactors(Element& preconditioner, const Element& solver) {
   for (const auto& each : preconditioner.place->elements)
     if (!each->dropped && each->role() == "linear solver" && each.get() != &solver) return;
   const SourceLocation& where = preconditioner.written->where;
-  const std::string name = preconditioner.name + "_factors";
-  preconditioner.place->added_components.push_back({"SparseLDLSolver", {{"name", name, where}}, where, preconditioner.written->folder});
-  SceneTree::linkTo(preconditioner);  // nodes above it have names from now on
-  preconditioner.set("linearSolver", "@" + joinPath(preconditioner.place->path(), name));
+  Element& factors = tree_->add(*preconditioner.place, {"SparseLDLSolver", {{"name", preconditioner.name + "_factors", where}},
+                                                        where, preconditioner.written->folder});
+  preconditioner.set("linearSolver", SceneTree::linkTo(factors));
 }
 
 /// By its link, or by the names that SOFA took before; null: none.
@@ -349,7 +357,9 @@ Element* Rewriting::preconditionerOf(Element& solver) {
 /// An engine that is not available here is missed only where something with an effect takes what it makes.
 void Rewriting::dropIdleEngines() {
   static const std::set<std::string_view> known = {"AverageCoord",      "DilateEngine",   "NormEngine",       "NormalsFromPoints",
-                                                   "QuatToRigidEngine", "ROIValueMapper", "RigidToQuatEngine", "SumEngine"};
+                                                   "QuatToRigidEngine", "ROIValueMapper", "RigidToQuatEngine", "SumEngine",
+                                                   "MeshSampler",       "Vertex2Frame",   "ValuesFromPositions",
+                                                   "GenerateSphere",    "RandomPointDistributionInSurface"};
   const auto is_engine = [](const Element& element) {
     return !element.dropped && (!element.probe || known.count(element.written->type)) && isEngineOfSofa(element.written->type);
   };

@@ -52,7 +52,7 @@ void Rewriting::expandPrefabs() {
     std::vector<ComponentDescription> components;
     for (ComponentDescription& component : node.components) {
       const bool selects = component.type == "BoxConstraint" || component.type == "FixedBoxConstraint";
-      const bool solves = component.type == "CGImplicit";
+      const bool solves = component.type == "CGImplicit" || component.type == "CGImplicitSolver";
       if (const AttributeDescription* file = component.find("filename"); component.type == "MeshLoader" && file)
         if (const std::string_view type = loaderOf(trimmed(file->value)); !type.empty()) component.type = std::string(type);
       if (!selects && !solves) {

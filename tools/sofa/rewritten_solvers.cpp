@@ -37,6 +37,17 @@ void Rewriting::meanSolver(Element& element) {
   if (type == "NewtonRaphsonSolver") meanNewton(element);
 }
 
+/// A component of a role stands in the place or below.
+static bool holdsRole(const Place& place, std::string_view role) {
+  return place.has(role) || std::any_of(place.children.begin(), place.children.end(),
+                                        [role](const auto& child) { return !child->dropped && holdsRole(*child, role); });
+}
+
+bool isIdleSwitch(std::string_view name, const Place& place) {
+  if (name == "applyProjectiveConstraints") return !holdsRole(place, "projective constraint");
+  return isAnyOf(name, {"applyMappedComponents", "assembleGeometricStiffness"}) && !holdsRole(place, "mapping");
+}
+
 /// SOFA's thresholds below zero are off; without a NewtonRaphsonSolver it makes one.
 void Rewriting::meanStatics(Element& solver) {
   const char* thresholds[] = {"absolute_residual_tolerance_threshold", "relative_residual_tolerance_threshold",

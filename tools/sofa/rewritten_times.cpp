@@ -90,6 +90,23 @@ double Rewriting::timeStep() const {
   return h > 0 ? h : 0.01;
 }
 
+/// Nodes that make a part of a movement, linear between the corners of a box; of lengths of which one is zero the others count.
+void Rewriting::shareMovement(Element& constraint) {
+  const std::string shares = constraint.text("imposedDisplacmentOnMacroNodes");
+  if (shares.empty() || !saysYes(constraint.text("linearMovementBetweenNodesInIndices"))) return;
+  double a = std::atof(constraint.text("X0").c_str()), b = std::atof(constraint.text("Y0").c_str());
+  const double c = std::atof(constraint.text("Z0").c_str());
+  const bool is_flat = a == 0 || b == 0 || c == 0;
+  if (a == 0) a = b, b = c;
+  if (b == 0) b = c;
+  std::vector<double> numbers = writtenNumbers(shares);
+  numbers.resize(std::min<std::size_t>(numbers.size(), is_flat ? 4 : 8));
+  constraint.set("cornerBox", printed({a, b, is_flat ? 0 : c}));
+  constraint.set("cornerShares", printed(numbers));
+  for (const char* name : {"linearMovementBetweenNodesInIndices", "imposedDisplacmentOnMacroNodes", "X0", "Y0", "Z0"})
+    constraint.remove(name);
+}
+
 void Rewriting::meanTimes(Element& element) {
   const std::string& type = element.written->type;
   const bool moves = type == "LinearMovementProjectiveConstraint" || type == "PartialLinearMovementProjectiveConstraint";

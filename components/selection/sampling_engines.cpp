@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Points chosen on a mesh or in it, and what places on a mesh say, before the first step.
+//
+// MeshSampler: `number` nodes of `position` that lie far from each other. They are chosen one by one, each the farthest from those
+//   before: the first is node 0, unless fixedPosition count as chosen. Then they are moved to the middle of the nodes that are
+//   nearest to them, at most maxIter times (Lloyd 1982). Distances are along `edges`, or straight without them. outputPosition and
+//   outputIndices are theirs.
+// RandomPointDistributionInSurface: inPoints, numberOfInPoints points in a closed surface of triangles that are at least
+//   minDistanceBetweenPoints from each other. outPoints are those that were tried and lie outside. A point lies inside when the
+//   surface winds around it once: when the solid angles of its triangles add up to 4 pi (van Oosterom and Strackee 1983).
+// ValuesFromPositions: values, linear in the coordinate along `direction`: the first of inputValues where it is least, the second
+//   where it is largest. edgeValues, triangleValues and tetrahedronValues are those at the centres of cells.
+// Vertex2Frame: frames, one for each node: z is its normal; x = a x z and y = z x x with a the x axis, or the z axis where the
+//   normal is within 45 degrees of x.
+//
+// The random numbers are the same for one randomSeed, on every machine.
+//
+// Source: names and attributes are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 0 0">
+//   <EulerExplicitSolver/>
+//   <MeshTopology name="box" position="0 0 0  1 0 0  0 1 0  0 0 1" triangles="0 2 1  0 1 3  1 2 3  2 0 3" tetrahedra="0 1 2 3"/>
+//   <MeshSampler name="some" position="@box.position" number="2"/>
+//   <RandomPointDistributionInSurface name="grains" vertices="@box.position" triangles="@box.triangles" numberOfInPoints="5"
+//     minDistanceBetweenPoints="0.05"/>
+//   <ValuesFromPositions name="graded" position="@box.position" tetrahedra="@box.tetrahedra" inputValues="1 3" direction="0 0 1"/>
+//   <NormalsFromPoints name="out" position="@box.position" triangles="@box.triangles"/>
+//   <Vertex2Frame name="upright" position="@box.position" normals="@out.normals"/>
+//   <MechanicalObject template="Rigid3" position="@upright.frames"/>
+//   <UniformMass totalMass="1"/>
+//   <Node name="points">
+//     <MechanicalObject position="@../grains.inPoints"/>
+//     <UniformMass totalMass="1"/>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <queue>
+
+#include "components/selection/engine.h"
+#include "components/selection/random_numbers.h"
+#include "framework/mesh/cell_attributes.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+template <class Cells>
+void checkCells(const Cells& cells, std::size_t nodes) {
+  for (const auto& cell : cells)
+    for (const Index node : cell)
+      if (node < 0 || std::size_t(node) >= nodes)
+        throw ComponentError(fmt::format("a cell names node {}, and there are {}", node, nodes));
+}
+
+class MeshSampler final : public Engine {
+ public:
+  void declare(DataTable& table) override {
+    table.add("position", position_).help("nodes to choose from").unit("m");
+    addCellList(table, cell_kinds::edge, edges_).help("ways between them; straight ones when empty");
+    table.add("number", number_).help("how many are chosen").min(1);
+    table.add("fixedPosition", fixed_).help("points that are chosen already; the nodes nearest to them count").unit("m");
+    table.add("maxIter", most_moves_).help("how often the chosen ones are moved at most").min(0);
+    table.add("outputIndices", indices_).help("the chosen nodes").output();
+    table.add("outputPosition", chosen_).help("where they are").unit("m").output();
+  }
+  void init() override {
+    const std::size_t nodes = position_.size();
+    checkCells(edges_, nodes);
+    if (std::size_t(number_) > nodes)
+      throw ComponentError(fmt::format("there are {} nodes, and {} are to be chosen", nodes, number_), "a smaller number");
+    around_.assign(nodes, {});
+    for (const Edge& e : edges_) around_[std::size_t(e[0])].push_back(e[1]), around_[std::size_t(e[1])].push_back(e[0]);
+    std::vector<std::size_t> fixed;
+    for (const Vec3& p : fixed_) fixed.push_back(nearestTo(p));
+    std::vector<std::size_t> chosen = farthest(fixed);
+    for (int move = 0; move < most_moves_; ++move) {
+      const std::vector<std::size_t> moved = toMiddles(fixed, chosen);
+      if (moved == chosen) break;
+      chosen = moved;
+    }
+    indices_.assign(chosen.begin(), chosen.end());
+    chosen_.clear();
+    for (const std::size_t node : chosen) chosen_.push_back(position_[node]);
+  }
+
+ private:
+  static constexpr double far = std::numeric_limits<double>::infinity();
+  std::size_t nearestTo(const Vec3& p) const {
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < position_.size(); ++i)
+      if ((position_[i] - p).squaredNorm() < (position_[nearest] - p).squaredNorm()) nearest = i;
+    return nearest;
+  }
+  /// Of each node the way to `from`, where it is shorter than the one in `way`; `owner` then says `number`.
+  void spread(std::size_t from, std::size_t number, std::vector<double>& way, std::vector<std::size_t>& owner) const {
+    using Place = std::pair<double, std::size_t>;
+    std::priority_queue<Place, std::vector<Place>, std::greater<>> waiting;
+    const auto reach = [&](std::size_t node, double distance) {
+      if (!(distance < way[node])) return;
+      way[node] = distance, owner[node] = number;
+      if (!edges_.empty()) waiting.emplace(distance, node);
+    };
+    if (edges_.empty()) {
+      for (std::size_t i = 0; i < way.size(); ++i) reach(i, (position_[i] - position_[from]).norm());
+      return;
+    }
+    reach(from, 0);
+    while (!waiting.empty()) {
+      const auto [distance, node] = waiting.top();
+      waiting.pop();
+      if (distance > way[node]) continue;
+      for (const Index next : around_[node])
+        reach(std::size_t(next), distance + (position_[std::size_t(next)] - position_[node]).norm());
+    }
+  }
+  std::vector<std::size_t> farthest(const std::vector<std::size_t>& fixed) const {
+    std::vector<double> way(position_.size(), far);
+    std::vector<std::size_t> owner(position_.size(), 0), chosen;
+    for (const std::size_t node : fixed) spread(node, 0, way, owner);
+    while (chosen.size() < std::size_t(number_)) {
+      const bool is_first = fixed.empty() && chosen.empty();
+      const std::size_t next = is_first ? 0 : std::size_t(std::max_element(way.begin(), way.end()) - way.begin());
+      chosen.push_back(next);
+      spread(next, 0, way, owner);
+    }
+    return chosen;
+  }
+  /// Each chosen node becomes the one that is nearest to the mean of those that are nearest to it.
+  std::vector<std::size_t> toMiddles(const std::vector<std::size_t>& fixed, const std::vector<std::size_t>& chosen) const {
+    std::vector<double> way(position_.size(), far);
+    const std::size_t nobody = chosen.size();
+    std::vector<std::size_t> owner(position_.size(), nobody), moved = chosen;
+    for (std::size_t c = 0; c < chosen.size(); ++c) spread(chosen[c], c, way, owner);
+    for (const std::size_t node : fixed) spread(node, nobody, way, owner);
+    std::vector<Vec3> middle(chosen.size(), Vec3::Zero());
+    std::vector<int> count(chosen.size(), 0);
+    for (std::size_t i = 0; i < owner.size(); ++i)
+      if (owner[i] != nobody) middle[owner[i]] += position_[i], ++count[owner[i]];
+    std::vector<double> least(chosen.size(), far);
+    for (std::size_t i = 0; i < owner.size(); ++i) {
+      const std::size_t c = owner[i];
+      if (c == nobody) continue;
+      const double distance = (position_[i] - middle[c] / count[c]).norm();
+      if (distance < least[c]) least[c] = distance, moved[c] = i;
+    }
+    return moved;
+  }
+
+  std::vector<Vec3> position_, fixed_, chosen_;
+  std::vector<Edge> edges_;
+  int number_ = 1, most_moves_ = 100;
+  std::vector<int> indices_;
+  std::vector<std::vector<Index>> around_;
+};
+
+class RandomPointDistributionInSurface final : public Engine {
+ public:
+  void declare(DataTable& table) override {
+    table.add("vertices", vertices_).help("nodes of a closed surface").unit("m");
+    addCellList(table, cell_kinds::triangle, triangles_).help("its triangles");
+    table.add("numberOfInPoints", number_).help("how many points").min(1).max(1e6);
+    table.add("minDistanceBetweenPoints", distance_).help("how far they are from each other at least; negative: anyhow").unit("m");
+    table.add("randomSeed", seed_).help("other numbers, other points");
+    table.add("inPoints", inside_).help("the points").unit("m").output();
+    table.add("outPoints", outside_).help("points that lie outside").unit("m").output();
+    for (const char* name : {"isVisible", "drawOutputPoints", "numberOfTests"}) table.addVisualOnly(name);
+  }
+  void init() override {
+    if (vertices_.empty() || triangles_.empty())
+      throw ComponentError("there is no surface", "vertices and triangles", "triangles=\"@mesh.triangles\"");
+    checkCells(triangles_, vertices_.size());
+    Vec3 low = vertices_.front(), high = low;
+    for (const Vec3& p : vertices_) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    inside_.clear(), outside_.clear();
+    RandomNumbers random(seed_);
+    constexpr int patience = 10'000;  // tries without a new point
+    for (int tries = 0; tries < patience && inside_.size() < std::size_t(number_); ++tries) {
+      Vec3 p;
+      for (int a = 0; a < 3; ++a) p[a] = random.between(low[a], high[a]);
+      const bool is_near = std::any_of(inside_.begin(), inside_.end(), [&](const Vec3& q) { return (p - q).norm() < distance_; });
+      if (is_near) continue;
+      if (!isInside(p)) {
+        outside_.push_back(p);
+        continue;
+      }
+      inside_.push_back(p), tries = 0;
+    }
+    if (inside_.empty()) throw ComponentError("no point was found inside of the surface", "a closed one");
+    if (inside_.size() < std::size_t(number_))
+      warn(fmt::format("{} of {} points were found: there is no room for more", inside_.size(), number_),
+           "a smaller minDistanceBetweenPoints");
+  }
+
+ private:
+  bool isInside(const Vec3& p) const {
+    double angle = 0;
+    for (const Triangle& t : triangles_) {
+      const Vec3 a = vertices_[std::size_t(t[0])] - p, b = vertices_[std::size_t(t[1])] - p, c = vertices_[std::size_t(t[2])] - p;
+      const double la = a.norm(), lb = b.norm(), lc = c.norm();
+      angle += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    }
+    return std::abs(angle) > 2 * std::numbers::pi;
+  }
+  std::vector<Vec3> vertices_, inside_, outside_;
+  std::vector<Triangle> triangles_;
+  int number_ = 10, seed_ = 0;
+  double distance_ = 0.1;
+};
+
+class ValuesFromPositions final : public Engine {
+ public:
+  void declare(DataTable& table) override {
+    table.add("inputValues", ends_).help("the values at both ends");
+    table.add("direction", direction_).help("along which the values change").unit("-");
+    table.add("position", position_).help("nodes").unit("m");
+    addCellList(table, cell_kinds::edge, edges_).help("edges");
+    addCellList(table, cell_kinds::triangle, triangles_).help("triangles");
+    addCellList(table, cell_kinds::tetrahedron, tetrahedra_).help("tetrahedra");
+    table.add("fieldType", kind_).help("0: numbers, the only ones there are").min(0).max(0);
+    table.add("values", values_).help("of the nodes").output();
+    table.add("edgeValues", edge_values_).help("of the edges").unit("-").output();
+    table.add("triangleValues", triangle_values_).help("of the triangles").unit("-").output();
+    table.add("tetrahedronValues", tetrahedron_values_).help("of the tetrahedra").unit("-").output();
+    for (const char* name : {"drawVectors", "drawVectorLength"}) table.addVisualOnly(name);
+  }
+  void init() override {
+    if (ends_.size() != 2) throw ComponentError(fmt::format("inputValues has {} values", ends_.size()), "two, of both ends");
+    if (!(direction_.norm() > 0)) throw ComponentError("direction is zero", "a vector that is not");
+    least_ = std::numeric_limits<double>::infinity(), most_ = -least_;
+    for (const Vec3& p : position_) least_ = std::min(least_, along(p)), most_ = std::max(most_, along(p));
+    if (!position_.empty() && !(most_ > least_)) throw ComponentError("all nodes lie in one plane across direction", "another one");
+    values_.clear();
+    for (const Vec3& p : position_) values_.push_back(at(p));
+    atCentres(edges_, edge_values_), atCentres(triangles_, triangle_values_), atCentres(tetrahedra_, tetrahedron_values_);
+  }
+
+ private:
+  double along(const Vec3& p) const { return p.dot(direction_.normalized()); }
+  double at(const Vec3& p) const { return ends_[0] + (ends_[1] - ends_[0]) * (along(p) - least_) / (most_ - least_); }
+  template <class Cells>
+  void atCentres(const Cells& cells, std::vector<double>& values) const {
+    checkCells(cells, position_.size());
+    values.clear();
+    for (const auto& cell : cells) {
+      Vec3 sum = Vec3::Zero();
+      for (const Index node : cell) sum += position_[std::size_t(node)];
+      values.push_back(at(sum / double(cell.size())));
+    }
+  }
+  std::vector<double> ends_, values_, edge_values_, triangle_values_, tetrahedron_values_;
+  Vec3 direction_{0, 1, 0};
+  std::vector<Vec3> position_;
+  std::vector<Edge> edges_;
+  std::vector<Triangle> triangles_;
+  std::vector<Tetrahedron> tetrahedra_;
+  int kind_ = 0;
+  double least_ = 0, most_ = 0;  ///< of the coordinate along direction [m]
+};
+
+class Vertex2Frame final : public Engine {
+ public:
+  void declare(DataTable& table) override {
+    table.add("position", position_).help("nodes").unit("m");
+    table.add("normals", normals_).help("of the nodes").unit("-");
+    table.add("useNormals", by_normals_).help("frames by normals, the only ones there are");
+    table.add("invertNormals", opposite_).help("the opposite normals");
+    table.add("rotationAngle", angle_).help("of a turn of each frame; only 0 is available").unit("-");
+    table.add("frames", frames_).help("x y z and x y z w of each frame").unit("-").output().inValuesOf(7);
+    for (const char* name : {"texCoords", "rotation"}) table.addVisualOnly(name);
+  }
+  void init() override {
+    if (!by_normals_) throw ComponentError("frames by the ways between nodes are not available", "useNormals=\"true\"");
+    if (angle_ != 0) throw ComponentError("a turn of the frames is not available", "rotationAngle=\"0\"");
+    if (normals_.size() != position_.size())
+      throw ComponentError(fmt::format("there are {} nodes and {} normals", position_.size(), normals_.size()), "one for each node",
+                           "normals of NormalsFromPoints");
+    frames_.clear();
+    for (std::size_t i = 0; i < position_.size(); ++i) {
+      if (!(normals_[i].norm() > 0)) throw ComponentError(fmt::format("the normal of node {} is zero", i));
+      constexpr double near_the_axis = 0.7;  // cosine of 45 degrees
+      Mat3 axes;
+      axes.col(2) = (opposite_ ? -1 : 1) * normals_[i].normalized();
+      const Vec3 across = std::abs(axes.col(2).x()) > near_the_axis ? Vec3::UnitZ() : Vec3::UnitX();
+      axes.col(0) = across.cross(axes.col(2)).normalized();
+      axes.col(1) = axes.col(2).cross(axes.col(0)).normalized();
+      const Eigen::Quaterniond q(axes);
+      const Vec3& p = position_[i];
+      frames_.insert(frames_.end(), {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
+    }
+  }
+
+ private:
+  std::vector<Vec3> position_, normals_;
+  bool by_normals_ = true, opposite_ = false;
+  double angle_ = 0;
+  std::vector<double> frames_;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(sampling_engines) {
+  factory.add<stroma::MeshSampler>("MeshSampler", "nodes of a mesh that lie far from each other");
+  factory.add<stroma::RandomPointDistributionInSurface>("RandomPointDistributionInSurface", "random points in a closed surface");
+  factory.add<stroma::ValuesFromPositions>("ValuesFromPositions", "values that change along a direction");
+  factory.add<stroma::Vertex2Frame>("Vertex2Frame", "frames that stand on the nodes of a surface");
+}
