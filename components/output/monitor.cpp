@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Monitor: positions, velocities and forces of chosen nodes over time, in columns for gnuplot.
+// Monitor: positions, velocities and forces of chosen nodes over time, and what other components compute, in columns for gnuplot.
 //
 // One text file for each quantity asked for: <fileName>_x.txt (positions), <fileName>_v.txt (velocities),
 // <fileName>_f.txt (net force of all force fields and of gravity at that instant, which takes one evaluation more per
@@ -7,6 +7,10 @@
 // of the scene, where they are known (docs/units.md). A line starts with the time; then follow the three components of
 // each node in the order of `indices`. The first line is the start, then one per step. Numbers have the fewest digits
 // that read back to the same bits. To plot the height of the first node: `plot "tip_x.txt" using 1:3 with lines`.
+//
+// `attributes` are words `component.attribute` or `label=component.attribute`, of a component of this node or above, or at a path:
+// contact.wrenches, @/body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt: of lists with a
+// value for each node those of the chosen ones, of others all numbers. Lines begin when there is something.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -17,9 +21,14 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <memory>
+
 #include "components/output/table_file.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/load.h"
+#include "framework/scene/node.h"
 #include "framework/scene/written_units.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
@@ -35,6 +44,7 @@ class Monitor final : public Observer {
     table.add("ExportPositions", export_x_).help("write <fileName>_x.txt");
     table.add("ExportVelocities", export_v_).help("write <fileName>_v.txt");
     table.add("ExportForces", export_f_).help("write <fileName>_f.txt");
+    table.add("attributes", words_).help("what other components compute, as contact.wrenches: write <fileName>_wrenches.txt");
     table.add("fileName", file_name_).help("start of the names of the files; the component's name when not given");
     for (const char* drawing :
          {"showPositions", "showVelocities", "showForces", "showTrajectories", "PositionsColor", "VelocitiesColor",
@@ -47,8 +57,10 @@ class Monitor final : public Observer {
     if (!state_) throw ComponentError("no state to watch", "a MechanicalObject in this node, or mstate=\"@path\"");
     checkedNodesInOrder(nodes_, *state_, "indices");
     if (export_f_) state_->requestForce();
-    if (!export_x_ && !export_v_ && !export_f_)
-      warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true");
+    watched_.clear();
+    for (const std::string& word : words_) watch(word);
+    if (!export_x_ && !export_v_ && !export_f_ && words_.empty())
+      warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true, or attributes");
   }
 
   void compile(const Simulation&) override {
@@ -64,6 +76,14 @@ class Monitor final : public Observer {
     if (export_x_) is_new = open(x_file_, "x", "positions" + unit("m")) || is_new;
     if (export_v_) is_new = open(v_file_, "v", "velocities" + unit("m/s")) || is_new;
     if (export_f_) is_new = open(f_file_, "f", "forces" + unit("N")) || is_new;
+    for (const auto& each : watched_) {
+      const std::string& si_unit = each->data->unitText();
+      const std::string head =
+          fmt::format("# {}{} of {}\n# column 1: time{}; then its numbers, of lists for all nodes those of nodes {}\n",
+                      each->data->name(), si_unit.empty() || si_unit == "-" ? "" : unit(si_unit.c_str()), each->owner->path(),
+                      time_unit_, fmt::join(nodes_, " "));
+      is_new = each->file.open(fileOf(each->label.c_str()), goes_on_, head) || is_new;
+    }
     if (!is_new) return;
     if (export_f_)
       for (const auto& system : simulation.systems()) system->computeForce(system->x, system->v, system->f);
@@ -73,17 +93,20 @@ class Monitor final : public Observer {
   void afterStep(const Simulation&, const StepContext& context) override { write(context.t_end); }
   void end(const Simulation&) override {
     for (TableFile* file : {&x_file_, &v_file_, &f_file_}) file->close();
+    for (const auto& each : watched_) each->file.close();
   }
   void serialize(Archive& archive) override {
     x_file_.serialize(archive, "end_of_x");
     v_file_.serialize(archive, "end_of_v");
     f_file_.serialize(archive, "end_of_f");
+    for (const auto& each : watched_) each->file.serialize(archive, "end_of_" + each->label);
   }
   std::vector<std::string> files() const override {
     std::vector<std::string> files;
     if (export_x_) files.push_back(fileOf("x"));
     if (export_v_) files.push_back(fileOf("v"));
     if (export_f_) files.push_back(fileOf("f"));
+    for (const auto& each : watched_) files.push_back(fileOf(each->label.c_str()));
     return files;
   }
   bool readsAllNodes(const StepContext&) const override { return false; }
@@ -93,12 +116,23 @@ class Monitor final : public Observer {
   }
 
   std::string describe() const override {
-    return fmt::format("writes {}{}{}of {} nodes of {} to {}_*.txt every step", export_x_ ? "positions " : "",
+    return fmt::format("writes {}{}{}of {} nodes of {}{}{} to {}_*.txt every step", export_x_ ? "positions " : "",
                        export_v_ ? "velocities " : "", export_f_ ? "forces " : "", nodes_.size(), state_->path(),
-                       stem());
+                       words_.empty() ? "" : " and ", fmt::join(words_, " "), stem());
   }
 
  private:
+  /// An attribute of another component.
+  struct Watched {
+    std::string label;
+    const Component* owner;
+    const Data* data;
+    TableFile file;
+  };
+  void watch(const std::string& word);
+  Component* componentAt(const std::string& path) const;
+  void writeLine(Watched& watched, double t);
+
   std::string stem() const { return file_name_.empty() ? name() : file_name_.found; }
   std::string fileOf(const char* ending) const { return fmt::format("{}_{}.txt", stem(), ending); }
 
@@ -117,6 +151,7 @@ class Monitor final : public Observer {
     if (export_x_) writeLine(x_file_, t, state_->x(), true);
     if (export_v_) writeLine(v_file_, t, state_->v());
     if (export_f_) writeLine(f_file_, t, state_->f());
+    for (const auto& each : watched_) writeLine(*each, t);
   }
 
   void writeLine(TableFile& file, double t, ConstRows rows, bool positions = false) {
@@ -135,14 +170,74 @@ class Monitor final : public Observer {
   Link<State> mstate_{"mechanical state"};
   std::vector<int> nodes_;
   bool export_x_ = false, export_v_ = false, export_f_ = false;
+  std::vector<std::string> words_;
   FileName file_name_;
 
   State* state_ = nullptr;
+  std::vector<std::unique_ptr<Watched>> watched_;
   std::string time_unit_;  ///< " [s]"
   TableFile x_file_, v_file_, f_file_;
   bool goes_on_ = false;  ///< from a checkpoint
   std::string line_;
 };
+
+/// By a path from the root, or by its name in this node or the nearest above that has it; null: there is none.
+Component* Monitor::componentAt(const std::string& path) const {
+  if (path.find('/') != std::string::npos) return findComponent(node().root(), path);
+  for (Node* at = &node(); at; at = at->parent())
+    if (Component* found = at->findByName(path)) return found;
+  return nullptr;
+}
+
+void Monitor::watch(const std::string& word) {
+  const std::size_t equals = word.find('='), begin = equals == std::string::npos ? 0 : equals + 1, dot = word.rfind('.');
+  if (dot == std::string::npos || dot < begin)
+    throw ComponentError(fmt::format("attributes: '{}' names no attribute", word), "component.attribute, as contact.wrenches");
+  std::string path = word.substr(begin, dot - begin);
+  const std::string attribute = word.substr(dot + 1);
+  if (path.starts_with('@')) path.erase(0, 1);
+  const Component* owner = componentAt(path);
+  if (!owner)
+    throw ComponentError(fmt::format("attributes: there is no component '{}'", path), "a name in this node or above, or a path");
+  const Data* data = owner->data().find(attribute);
+  if (!data)
+    throw ComponentError(fmt::format("attributes: {} has no '{}'", owner->path(), attribute), "an attribute that it computes",
+                         nearest(attribute, owner->data().names()));
+  const DataPointer& at = data->pointer();
+  if (!std::holds_alternative<std::vector<Vec3>*>(at) && !std::holds_alternative<std::vector<double>*>(at) &&
+      !std::holds_alternative<std::vector<int>*>(at) && !std::holds_alternative<double*>(at) && !std::holds_alternative<int*>(at))
+    throw ComponentError(fmt::format("attributes: {} of {} is a {}", attribute, owner->path(), data->typeText()),
+                         "numbers or vectors");
+  const std::string label = begin > 0 ? word.substr(0, equals) : attribute;
+  if (label == "x" || label == "v" || label == "f" ||
+      std::any_of(watched_.begin(), watched_.end(), [&](const auto& other) { return other->label == label; }))
+    throw ComponentError(fmt::format("attributes: two files would be {}", fileOf(label.c_str())), "label=component.attribute");
+  watched_.push_back(std::make_unique<Watched>(label, owner, data));
+}
+
+void Monitor::writeLine(Watched& watched, double t) {
+  line_.clear();
+  const auto add = [this](const auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, Vec3>)
+      for (int k = 0; k < 3; ++k) appendNumber(line_ += ' ', value[k]);
+    else
+      appendNumber(line_ += ' ', double(value));
+  };
+  const auto addList = [&](const auto* list) {
+    if (Index(list->size()) != state_->nodes()) return std::for_each(list->begin(), list->end(), add), void();
+    for (const int node : nodes_) add((*list)[std::size_t(node)]);
+  };
+  const DataPointer& at = watched.data->pointer();
+  if (const auto* number = std::get_if<double*>(&at)) add(**number);
+  if (const auto* number = std::get_if<int*>(&at)) add(**number);
+  if (const auto* list = std::get_if<std::vector<Vec3>*>(&at)) addList(*list);
+  if (const auto* list = std::get_if<std::vector<double>*>(&at)) addList(*list);
+  if (const auto* list = std::get_if<std::vector<int>*>(&at)) addList(*list);
+  if (line_.empty()) return;
+  std::string whole;
+  appendNumber(whole, t);
+  watched.file.write(whole + line_ + '\n');
+}
 
 }  // namespace
 }  // namespace stroma

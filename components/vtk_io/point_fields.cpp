@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <type_traits>
 
 #include "components/vtk_io/field_word.h"
 #include "framework/mechanics/frames.h"
@@ -21,7 +22,7 @@ const std::vector<std::string> field_words{"position", "restPosition", "displace
 
 void PointFields::start(State& state, vtkPointData& data) {
   state_ = &state;
-  outputs_.clear();
+  outputs_.clear(), attributes_.clear();
   turns_ = state.hasFrames() ? newArray("orientation", 4, data) : nullptr;
 }
 
@@ -36,9 +37,8 @@ vtkSmartPointer<vtkDoubleArray> PointFields::newArray(const std::string& label, 
 
 void PointFields::add(const std::string& word, const Component& exporter, vtkPointData& data) {
   FieldWord parts(word);
-  if (!parts.owner.empty() && &componentAt(exporter.node(), parts.owner) != state_)
-    throw ComponentError(fmt::format("pointsDataFields: '{}' is not of the state that is exported", word),
-                         fmt::format("a field of {}", state_->path()));
+  if (const Component* owner = parts.owner.empty() ? nullptr : &componentAt(exporter.node(), parts.owner); owner && owner != state_)
+    return addAttribute(*owner, parts.field, parts.label.empty() ? parts.field : parts.label, data);
   if (parts.field == "rest_position") parts.field = "restPosition";  // SOFA's name of the attribute
   const std::vector<std::string> known(field_words.begin(),
                                        state_->hasFrames() ? field_words.end() : field_words.begin() + words_of_points);
@@ -52,6 +52,41 @@ void PointFields::add(const std::string& word, const Component& exporter, vtkPoi
   const What what = What(found - known.begin());
   if (what == What::force || what == What::torque) state_->requestForce();
   outputs_.push_back({what, newArray(parts.label.empty() ? parts.field : parts.label, 3, data)});
+}
+
+void PointFields::addAttribute(const Component& owner, const std::string& name, const std::string& label, vtkPointData& data) {
+  const Data* found = owner.data().find(name);
+  if (!found)
+    throw ComponentError(fmt::format("pointsDataFields: {} has no attribute '{}'", owner.path(), name),
+                         "an attribute with a value for each node", nearest(name, owner.data().names()));
+  const DataPointer& pointer = found->pointer();
+  const bool of_points = std::holds_alternative<std::vector<Vec3>*>(pointer);
+  if (!of_points && !std::holds_alternative<std::vector<double>*>(pointer) && !std::holds_alternative<std::vector<int>*>(pointer))
+    throw ComponentError(fmt::format("pointsDataFields: {} of {} is a {}", name, owner.path(), found->typeText()),
+                         "a list of numbers or of vectors, one for each node");
+  attributes_.push_back({&owner, found, newArray(label, of_points ? 3 : 1, data)});
+}
+
+void PointFields::fill(const Attribute& attribute) const {
+  const std::size_t nodes = std::size_t(state_->nodes());
+  double* out = attribute.values->GetPointer(0);
+  const auto copy = [&](const auto* list) {
+    if (list->empty()) return std::fill_n(out, nodes * std::size_t(attribute.values->GetNumberOfComponents()), 0.), void();
+    if (list->size() != nodes)
+      throw ComponentError(fmt::format("pointsDataFields: {} of {} has {} values, and {} has {} nodes", attribute.data->name(),
+                                       attribute.owner->path(), list->size(), state_->path(), nodes),
+                           "one for each node");
+    for (const auto& value : *list)
+      if constexpr (std::is_same_v<std::decay_t<decltype(value)>, Vec3>)
+        out = std::copy_n(value.data(), 3, out);
+      else
+        *out++ = double(value);
+  };
+  const DataPointer& pointer = attribute.data->pointer();
+  if (const auto* points = std::get_if<std::vector<Vec3>*>(&pointer)) copy(*points);
+  if (const auto* numbers = std::get_if<std::vector<double>*>(&pointer)) copy(*numbers);
+  if (const auto* whole = std::get_if<std::vector<int>*>(&pointer)) copy(*whole);
+  attribute.values->Modified();
 }
 
 /// `row`: the first of a node; a frame's orientation follows its centre.
@@ -84,6 +119,7 @@ void PointFields::fill() {
         state_->isBound() ? orientationIn(state_->x(), row + 1) : turnedBy(state_->position[std::size_t(row + 1)]);
     std::copy_n(q.coeffs().data(), 4, turns_->GetPointer(4 * vtkIdType(node)));
   }
+  for (const Attribute& attribute : attributes_) fill(attribute);
   // VTK keeps the ranges of arrays that nobody calls changed, and writes them
   for (Output& output : outputs_) output.values->Modified();
   if (turns_) turns_->Modified();

@@ -16,7 +16,8 @@ class PointFields {
  public:
   /// Of rigid frames the array "orientation", quaternions x y z w; else nothing. Forgets all fields.
   void start(State& state, vtkPointData& data);
-  /// `word`: `what` or `label=what`, as the user writes it. Throws ComponentError for a field that the nodes do not have.
+  /// `word`: `what` or `label=what`, as the user writes it; or an attribute of another component with a value for each node. Throws
+  /// ComponentError for a field that the nodes do not have.
   void add(const std::string& word, const Component& exporter, vtkPointData& data);
   /// The present values, or those at the start of a state that nothing moves.
   void fill();
@@ -27,12 +28,21 @@ class PointFields {
     What what;
     vtkSmartPointer<vtkDoubleArray> values;
   };
+  /// Of another component: what it computes for each node. Before it has, zero.
+  struct Attribute {
+    const Component* owner;
+    const Data* data;
+    vtkSmartPointer<vtkDoubleArray> values;
+  };
+  void addAttribute(const Component& owner, const std::string& name, const std::string& label, vtkPointData& data);
+  void fill(const Attribute& attribute) const;
   Vec3 valueOf(What what, Index row) const;
   vtkSmartPointer<vtkDoubleArray> newArray(const std::string& label, int components, vtkPointData& data) const;
 
   State* state_ = nullptr;
   vtkSmartPointer<vtkDoubleArray> turns_;
   std::vector<Output> outputs_;
+  std::vector<Attribute> attributes_;
 };
 
 }  // namespace stroma

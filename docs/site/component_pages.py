@@ -12,6 +12,7 @@ FAMILIES = {  # module: title; a module that is not here is called by its name
     "direct_solvers": "Direct linear solvers",
     "elasticity": "Elastic elements",
     "hyperelasticity": "Hyperelastic, viscous and porous tissue",
+    "diffusion": "Diffusion",
     "shape_memory": "Shape memory, fibres and actuators",
     "springs": "Springs",
     "beams": "Beams and joints",

@@ -172,6 +172,21 @@ std::string twoBodies(const std::string& second) {
          node("good", "<DiagonalMass massDensity='1.06e-9'/>") + node("wrong", second) + "</Node>";
 }
 
+/// Declared units are those of all numbers: values with a unit, which would be refused, are not advised, but the units that fit.
+TEST_F(UnitDoubts, TheSystemThatFitsIsAdvisedInPlaceOfADeclaredOne) {
+  const std::string tonnes = bodyScene({"units='mm t s'", "100 80 60", "<DiagonalMass massDensity='1.06e-9'/>", "0.01"});
+  EXPECT_TRUE(doubtsOfUnits(problemsOf(tonnes)).empty());
+  for (const char* units : {"mm kg s", "cm g s"}) {
+    std::string scene = tonnes;
+    scene.replace(scene.find("mm t s"), 6, units);
+    const auto doubts = doubtsOfUnits(problemsOf(scene));
+    ASSERT_EQ(doubts.size(), 1u) << units;
+    EXPECT_EQ(doubts[0].message.find("in no consistent system"), std::string::npos) << doubts[0].message;
+    EXPECT_NE(doubts[0].suggestion.find("units=\"mm t s\""), std::string::npos) << doubts[0].suggestion;
+    EXPECT_EQ(doubts[0].suggestion.find("MPa"), std::string::npos) << doubts[0].suggestion;
+  }
+}
+
 TEST_F(UnitDoubts, TheBodyThatIsOffIsBlamed) {
   EXPECT_TRUE(problemsOf(twoBodies("<DiagonalMass massDensity='1.06e-9'/>")).empty());
   const auto warnings = problemsOf(twoBodies("<DiagonalMass name='mass' massDensity='1060'/>"));

@@ -142,7 +142,7 @@ TEST_F(UnitsInScenes, EveryLoaderMakesMetresOfItsUnit) {
   const std::pair<const char*, const char*> loaders[] = {
       {"MeshOBJLoader", "m.obj"}, {"MeshSTLLoader", "m.stl"}, {"MeshVTKLoader", "m.vtk"}, {"MeshGmshLoader", "m.msh"}};
   for (const auto& [type, file] : loaders) {
-    const auto with = [&](const std::string& more) {
+    const auto with = [&, type = type, file = file](const std::string& more) {
       return farthest(fmt::format("<{} name='mesh' filename='{}' {}/>", type, file, more));
     };
     EXPECT_EQ(with(""), Vec3(12.5, 30, 0)) << type;
@@ -173,6 +173,8 @@ TEST_F(UnitsInScenes, GravityThatIsNotWrittenIsTheEarths) {
   EXPECT_EQ(gravityOf("units=\"mm kPa s\"", &told), Vec3(0, -9810, 0));
   EXPECT_NE(told.find("no gravity is written: the earth's acts along -y, 9810 mm/s^2"), std::string::npos) << told;
   EXPECT_NEAR(gravityOf("units=\"cm g ms\"").y(), -9.81e-4, 1e-18);
+  EXPECT_EQ(gravityOf("units=\"mm g ms\"", &told), Vec3(0, -9.81e-3, 0));
+  EXPECT_NE(told.find("along -y, 0.00981 mm/ms^2"), std::string::npos) << told;
   EXPECT_EQ(gravityOf("units=\"mm kPa s\" gravity=\"0 0 -10\"", &told), Vec3(0, 0, -10));
   EXPECT_EQ(told.find("gravity"), std::string::npos) << told;
   for (const char* si : {"", "units=\"m kg s\""}) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // `stroma mesh` on segmented images: the example leg in every format, and images that are no segmentation.
 #include <cmath>
+#include <set>
 
 #include "tests/meshing/meshing_fixture.h"
 
@@ -52,6 +53,23 @@ TEST_F(MeshCommand, AUnitIsTheScaleThatMakesMetres) {
   ASSERT_EQ(stroma("mesh leg.mhd --scale 0.001" + sizes + "scale.msh").code, 0);
   ASSERT_EQ(stroma("mesh leg.mhd --unit mm" + sizes + "unit.msh").code, 0);
   EXPECT_EQ(bytes("unit.msh"), bytes("scale.msh"));
+}
+
+TEST_F(MeshCommand, TheReportCountsTheNodesOfTheFile) {
+  if (!makeLeg("leg.mhd")) GTEST_SKIP() << "no Python with numpy";
+  for (const std::string order : {"1", "2"}) {
+    const auto json = report("leg.mhd --unit mm --cell-size 0.03 --distance 0.004 -o leg.msh --order " + order);
+    const GmshFile file = readGmsh((folder_ / "leg.msh").string());
+    std::map<int, std::set<Index>> nodes;
+    const auto take = [&nodes](const auto& cells, const std::vector<int>& labels) {
+      for (std::size_t c = 0; c < cells.size(); ++c) nodes[labels[c]].insert(cells[c].begin(), cells[c].end());
+    };
+    take(file.mesh.tetrahedra, file.groups.tetrahedra);
+    take(file.mesh.quadratic_tetrahedra, file.groups.quadratic_tetrahedra);
+    EXPECT_EQ(json["nodes"], file.mesh.position.size()) << "order " << order;
+    ASSERT_EQ(nodes.size(), 3u);
+    for (const auto& [label, own] : nodes) EXPECT_EQ(json["regions"][label - 1]["nodes"], own.size()) << "order " << order;
+  }
 }
 
 /// A ball of `radius` voxels in a cube of `size`^3 as a MetaImage: axes turned about z by 90 degrees, spacing 1 2 3.

@@ -125,6 +125,38 @@ TEST_F(Output, MonitorWritesColumns) {
   for (const auto& row : f) EXPECT_NEAR(row[2], -20, 1e-13);
 }
 
+/// What another component computes: of lists with a value for each node the chosen ones, of others all.
+TEST_F(Output, MonitorWritesWhatOtherComponentsCompute) {
+  const auto body = [](const std::string& attributes) {
+    return R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><EulerImplicitSolver newtonIterations="30"/><SparseLDLSolver/>
+      <RegularGridTopology n="3 3 3" min="0 0 0.009" max="1 1 1.009"/><MechanicalObject/><UniformMass totalMass="10"/>
+      <HexahedronFEMForceField youngModulus="1e5" poissonRatio="0.3"/>
+      <BarrierContact name="contact" contactDistance="0.01" planes="0 0 1 0"/><Monitor name="m" indices="0 26" attributes=")" +
+           attributes + "\"/></Node>";
+  };
+  Simulation simulation = simulationFromText(body("contact.pressures @/contact.wrenches near=contact.smallestGap"));
+  simulation.begin();
+  for (int i = 0; i < 3; ++i) simulation.step();
+  simulation.end();
+  const Component* contact = findComponent(simulation.root(), "/contact");
+  const auto& pressures = *std::get<std::vector<double>*>(contact->data().find("pressures")->pointer());
+  const auto& wrenches = *std::get<std::vector<Vec3>*>(contact->data().find("wrenches")->pointer());
+  const auto p = columns("m_pressures.txt"), w = columns("m_wrenches.txt"), gap = columns("m_near.txt");
+  ASSERT_EQ(p.size(), 3u) << "there is nothing before the first step";
+  EXPECT_EQ(p[2], (std::vector<double>{simulation.time(), pressures[0], pressures[26]}));
+  EXPECT_GT(pressures[0], 0);
+  ASSERT_EQ(w.size(), 3u);
+  EXPECT_EQ(w[2], (std::vector<double>{simulation.time(), wrenches[0].x(), wrenches[0].y(), wrenches[0].z(), wrenches[1].x(),
+                                       wrenches[1].y(), wrenches[1].z()}));
+  ASSERT_EQ(gap.size(), 4u);
+  EXPECT_GT(gap[3][1], 0);
+  expectContains(problemsOf(body("contact.pressure")), "did you mean 'pressures'");
+  expectContains(problemsOf(body("contac.pressures")), "there is no component 'contac'");
+  expectContains(problemsOf(body("contact.pressures contact.pressures")), "two files would be");
+  expectContains(problemsOf(body("contact.planes pressures")), "names no attribute");
+  expectContains(problemsOf(body("contact.mstate")), "numbers or vectors");
+}
+
 /// Particles tell no units; what the scene declares is written.
 TEST_F(Output, MonitorNamesTheUnitsOfTheScene) {
   const auto headOf = [](const std::string& file) {

@@ -60,6 +60,16 @@ def test_without_a_stiffness_it_is_explicit():
     assert numpy.allclose(plain.state().v[:, 0], 10 * 0.01 * 1.0 / 0.2)
 
 
+@pytest.mark.parametrize("solver, first", [("EulerImplicitSolver", 1), ("EulerExplicitSolver", 0)])
+def test_a_force_is_told_the_time(solver, first):
+    class Growing(stroma.ForceField):
+        def force(self, x, v, t):
+            return numpy.tile([0.2 * t, 0, 0], (len(x), 1))  # 0.2 kg of each node
+    simulation = stroma.load(scene(Growing(), solver, "CGLinearSolver" if first else None), set={"gravity": "0 0 0"})
+    simulation.run(10)
+    assert numpy.allclose(simulation.state().v[:, 0], 0.01 * sum(0.01 * (first + step) for step in range(10)), rtol=1e-12)
+
+
 def test_sparse_matrices_of_scipy():
     sparse = pytest.importorskip("scipy.sparse")
 

@@ -282,6 +282,15 @@ def test_studies_and_recordings(folder):
     assert numpy.array_equal(recording.x[-1], simulation.state().x) and numpy.array_equal(recording.v[-1], simulation.state().v)
     with pytest.raises(stroma.StromaError):
         stroma.read_recording("none.state")
+    (folder / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\xff\xfe")  # a message quotes what it has read
+    with pytest.raises(stroma.StromaError, match="picture.png:1: .* is not a line of a state file"):
+        stroma.read_recording("picture.png")
+    with pytest.raises(ValueError, match="has no recorded state"):
+        stroma.read_recording(".")
+    for name in ("b.dofs.state.gz", "a.dofs.state.gz"):
+        (folder / name).touch()
+    with pytest.raises(ValueError, match="there are a.dofs, b.dofs"):
+        stroma.read_recording(".")
 
 
 def test_files_of_monitors_are_arrays(folder):

@@ -50,6 +50,7 @@ std::string exception(const std::string& name) {
       {"QuadPressureForceField.rayleighStiffness", "no stiffness"},
       {"RestShapeSpringsForceField.angularStiffness", "its nodes are points"},
       {"SphereForceField.rayleighStiffness", "nothing touches it so soon"},
+      {"TetrahedronDiffusionFEMForceField.rayleighStiffness", "nothing is damped in steps of first order"},
       {"TorsionForceField.rayleighStiffness", "no stiffness"},
       {"OscillatingTorsionPressureForceField.rayleighStiffness", "no stiffness"},
       {"SurfacePressureForceField.pressure", "the far end of a pulse; see LiveAttributes"},

@@ -312,6 +312,7 @@ std::vector<Row> makeRows() {
     if (type == "BeamHookeLawForceField") continue;  // linear, of curvatures: tests/sofa
     if (type == "AngularSpringForceField" || type == "GearSpringForceField") continue;  // of frames: tests/springs
     if (type == "InteractionEllipsoidForceField") continue;                             // of frames: tests/loads
+    if (type == "TetrahedronDiffusionFEMForceField") continue;  // linear, of numbers: tests/diffusion
     if (type == "TorsionForceField") continue;  // follows the nodes and drives them without end
     if (type == "OscillatingTorsionPressureForceField") continue;  // swings without end
     if (type == "BarrierContact") continue;  // refuses integrators that do not ask it how far they may move: tests/contact
@@ -342,6 +343,8 @@ std::vector<Row> makeRows() {
       addExample(out, type, "transverseYoungModulus=\"5e3\"");
     } else if (type == "PlasticStrainForceField") {  // what has flowed rests elsewhere: here nothing flows
       addExample(out, type, "plasticYieldThreshold=\"1e9\"");
+    } else if (type == "NonUniformHexahedronFEMForceField") {
+      for (const char* variant : {"method=\"small\"", "method=\"large\"", "method=\"polar\""}) addExample(out, type, variant);
     } else if (component->data().find("youngModulus")) {
       addBlock(out, type.find("Tetra") != std::string::npos ? Cells::tetrahedra : Cells::boxes, type, "", "");
     } else if (component->data().find("reaction")) {

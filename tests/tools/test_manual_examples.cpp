@@ -26,7 +26,8 @@ TEST_F(ManualExamples, EveryComponentHasOneAndItRuns) {
   std::filesystem::create_directory_symlink(STROMA_SOURCE_DIR "/scenes", folder_ / "scenes");
   writeExampleFiles(folder_ / "meshes");
   for (const auto& [example, types] : types_of) {
-    EXPECT_TRUE(std::ranges::any_of(types, [&](const auto& type) { return example.find("<" + type) != example.npos; }))
+    const auto isInExample = [&text = example](const auto& type) { return text.find("<" + type) != text.npos; };
+    EXPECT_TRUE(std::ranges::any_of(types, isInExample))
         << types[0] << " does not occur in its example";
     write("example.xml", example);
     const Finished run = stroma("run example.xml -n 3 --quiet");

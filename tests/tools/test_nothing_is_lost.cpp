@@ -291,6 +291,17 @@ TEST_F(NothingIsLost, ARunFromTheStartDoesNotLeaveTheCheckpointOfTheOneBefore) {
   EXPECT_TRUE(has(stroma("run fall.xml --record a --checkpoint-seconds -1").err, "expected 0 or more"));
 }
 
+/// -n counts the steps of the whole run, which may all be made.
+TEST_F(NothingIsLost, ACheckpointBeyondTheLastStepIsSaid) {
+  writeScene("");
+  ASSERT_EQ(stroma("run fall.xml -n 20 --record out").code, 0);
+  const std::string sentence = "note: the checkpoint is that of step 20: up to step 10 there is nothing to do";
+  const Finished run = stroma("run fall.xml -n 10 --record out --resume");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(has(run.err, sentence)) << run.err;
+  EXPECT_FALSE(has(stroma("run fall.xml -n 20 --record out --resume").err, "nothing to do"));
+}
+
 /// A state from before a failed step is called good only when most of its elements are.
 TEST_F(NothingIsLost, TheLastStateOfADivergedRunSaysHowGoodItIs) {
   const auto scene = [](const char* tip) {

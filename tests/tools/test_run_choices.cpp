@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "tests/integrators/bent_bar.h"
 #include "tests/support/shell.h"
 
 namespace stroma::test {
@@ -37,6 +38,15 @@ TEST_F(RunChoices, WhatASceneNamesStays) {
   const Finished run = stroma("run scene.xml -n 10 --no-record");
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_FALSE(says(run.out, "changed its choice")) << run.out;
+}
+
+/// A bar that bends far takes the exact tangent for speed: the summary names the force field that has it.
+TEST_F(RunChoices, AnExactTangentThatWasTakenIsInTheSummaryWithItsForceField) {
+  const std::string integrator = R"(newtonIterations="60" newtonTolerance="1e-9")";
+  write("scene.xml", bentBar(0.5, 1, integrator, "<SparseLDLSolver/>", R"(poissonRatio="0.3" method="svd" name="fem")"));
+  const Finished run = stroma("run scene.xml -n 1 --no-record");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(says(run.out, "with the approximate tangent of /cells/fem and went on with the exact one")) << run.out;
 }
 
 /// Nodes that springs hold, and a solver that a scene names, to which a test gives its time.

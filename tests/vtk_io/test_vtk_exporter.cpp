@@ -303,5 +303,31 @@ TEST_F(Exporter, WritesFramesWithTheirOrientations) {
   EXPECT_NEAR(turns->GetRange(2)[1], turns->GetComponent(0, 2), 1e-15) << "the range of the last step, not of the first";
 }
 
+/// What another component has for each node: numbers, vectors, whole numbers; and what it has not.
+TEST_F(Exporter, AttributesOfOtherComponentsComeBack) {
+  const auto scene = [this](const std::string& words) {
+    return R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><EulerImplicitSolver newtonIterations="30"/><SparseLDLSolver/>
+      <RegularGridTopology name="mesh" n="3 3 3" min="0 0 0.009" max="1 1 1.009"/><MechanicalObject name="state"/>
+      <UniformMass totalMass="10"/><HexahedronFEMForceField youngModulus="1e5" poissonRatio="0.3"/>
+      <BarrierContact name="contact" contactDistance="0.01" friction="0.3" planes="0 0 1 0"/>)" +
+           exporter("pointsDataFields=\"" + words + "\"") + "</Node>";
+  };
+  Simulation simulation = simulationFromText(scene("contact.pressures pull=contact.contactForces @contact.contactStates"));
+  simulation.step();
+  const auto grid = read(at("beam00000.vtu"));
+  const Component* contact = findComponent(simulation.root(), "/contact");
+  const auto* pressures = std::get<std::vector<double>*>(contact->data().find("pressures")->pointer());
+  const auto* forces = std::get<std::vector<Vec3>*>(contact->data().find("contactForces")->pointer());
+  ASSERT_EQ(pressures->size(), 27u);
+  EXPECT_GT((*pressures)[0], 0);
+  for (vtkIdType n = 0; n < 27; ++n) {
+    EXPECT_EQ(grid->GetPointData()->GetArray("pressures")->GetTuple1(n), (*pressures)[std::size_t(n)]);
+    EXPECT_EQ(Vec3(grid->GetPointData()->GetArray("pull")->GetTuple3(n)), (*forces)[std::size_t(n)]);
+    EXPECT_EQ(grid->GetPointData()->GetArray("contactStates")->GetTuple1(n), n < 9 ? 1 : 0) << "it sticks below";
+  }
+  expectContains(problemsOf(scene("contact.pressure")), "did you mean 'pressures'");
+  expectContains(problemsOf(scene("contact.stiffness")), "a list of numbers or of vectors");
+}
+
 }  // namespace
 }  // namespace stroma::test

@@ -224,12 +224,13 @@ Advice adviceWithin(const UnitSystem& system, const WrittenBody& body) {
 
 struct Doubt {
   const UnitSystem* system;
-  std::vector<const WrittenBody*> bodies;  ///< with faults in it
+  const SourceLocation* declared = nullptr;  ///< of the attribute that says so
+  std::vector<const WrittenBody*> bodies{};  ///< with faults in it
   std::size_t faults = 0;
 };
 
 Doubt doubtIn(const UnitSystem& system, const std::vector<WrittenBody>& bodies) {
-  Doubt doubt{&system, {}, 0};
+  Doubt doubt{&system};
   for (const WrittenBody& body : bodies)
     if (const std::size_t count = faultsOf(body, factorsOf(system)).count(); count > 0)
       doubt.bodies.push_back(&body), doubt.faults += count;
@@ -246,6 +247,28 @@ Doubt leastDoubt(const std::vector<WrittenBody>& bodies) {
     if (is_less) least = std::move(doubt);
   }
   return least;
+}
+
+/// The only system in which no body is off, as `units` names it; or empty.
+std::string fittingSystem(const std::vector<WrittenBody>& bodies) {
+  std::string found;
+  for (const UnitSystem& system : unitSystems()) {
+    if (!doubtIn(system, bodies).bodies.empty()) continue;
+    if (!found.empty()) return {};
+    found = system.name;
+    std::erase(found, ',');
+  }
+  return found;
+}
+
+/// Values with a unit are refused beside declared units: other numbers, or other units.
+Advice adviceOnDeclared(const Doubt& doubt, const std::vector<WrittenBody>& bodies) {
+  Advice within = adviceWithin(*doubt.system, *doubt.bodies[0]);
+  const std::string fitting = fittingSystem(bodies);
+  const std::string units = fitting.empty() ? "" : fmt::format("units=\"{}\" ({})", fitting, doubt.declared->text());
+  if (within.text.empty()) return units.empty() ? Advice{} : Advice{"write " + units, *doubt.declared, "/.units"};
+  within.text = fmt::format("write {}{}", within.text, units.empty() ? "" : ", or " + units);
+  return within;
 }
 
 /// What to write, for the reader of a warning; empty when nothing is sure.
@@ -267,15 +290,15 @@ Advice adviceOn(const Doubt& doubt, bool all_are_off, const Remedy& in_units) {
   return units;
 }
 
-void warn(const Doubt& doubt, bool all_are_off, bool has_units, const Remedy& in_units, Diagnostics& diagnostics) {
+void warn(const Doubt& doubt, bool has_units, const Advice& advice, Diagnostics& diagnostics) {
   const WrittenBody& body = *doubt.bodies[0];
   const Factors factors = factorsOf(*doubt.system);
-  const Advice advice = adviceOn(doubt, all_are_off, in_units);
   const char* what = body.mass                     ? "size, stiffness, density and gravity"
                      : isKnown(body, body_gravity) ? "size, stiffness and gravity"
                                                    : "size and stiffness";
-  const std::string head = has_units ? fmt::format("{} do not fit together", what)
-                                     : fmt::format("in no consistent system of units do {} fit together", what);
+  const std::string head = has_units || doubt.declared
+                               ? fmt::format("{} do not fit together", what)
+                               : fmt::format("in no consistent system of units do {} fit together", what);
   const Component& fallback = *body.moduli[0].field;
   const bool is_placed = !advice.text.empty();
   diagnostics.warning(is_placed ? advice.where : fallback.where(), is_placed ? advice.path : fallback.path(),
@@ -288,18 +311,24 @@ void warn(const Doubt& doubt, bool all_are_off, bool has_units, const Remedy& in
 
 void warnOfUnits(const Scene& scene, Diagnostics& diagnostics) {
   std::vector<WrittenBody> bodies = writtenBodies(scene);
-  const bool is_declared = scene.description.root.find("units");
-  if (!is_declared && doubtIn(si(), bodies).bodies.empty()) return;
+  const AttributeDescription* units = scene.description.root.find("units");
+  if (!units && doubtIn(si(), bodies).bodies.empty()) return;
   const bool has_units = hasAnyUnit(scene.description.root);
   if (!has_units) std::erase_if(bodies, isWithoutDimensions);
-  const UnitSystem declared = is_declared ? unitsOf(scene) : UnitSystem{};
-  Doubt doubt = declared.isKnown() ? doubtIn(declared, bodies) : has_units ? doubtIn(si(), bodies) : leastDoubt(bodies);
+  const UnitSystem declared = units ? unitsOf(scene) : UnitSystem{};
+  if (declared.isKnown() && !declared.isSI()) {
+    Doubt doubt = doubtIn(declared, bodies);
+    doubt.declared = &units->where;
+    if (!doubt.bodies.empty()) warn(doubt, has_units, adviceOnDeclared(doubt, bodies), diagnostics);
+    return;
+  }
+  Doubt doubt = has_units || declared.isSI() ? doubtIn(si(), bodies) : leastDoubt(bodies);
   if (doubt.bodies.empty()) return;
   const bool all_are_off = doubt.bodies.size() == bodies.size();
-  Remedy in_units = remedyOf(scene, *doubt.bodies[0]);
+  const Remedy in_units = remedyOf(scene, *doubt.bodies[0]);
   // One unit makes the whole scene SI: simpler than another system.
-  if (!is_declared && all_are_off && in_units.isFound() && in_units.changes() == 1) doubt = doubtIn(si(), bodies);
-  warn(doubt, all_are_off, has_units, in_units, diagnostics);
+  if (!units && all_are_off && in_units.isFound() && in_units.changes() == 1) doubt = doubtIn(si(), bodies);
+  warn(doubt, has_units || declared.isSI(), adviceOn(doubt, all_are_off, in_units), diagnostics);
 }
 
 }  // namespace stroma

@@ -20,20 +20,25 @@ std::string tightness(const RegionReport& region) {
   return "watertight";
 }
 
+/// Of the file, or of one label in it; `corners` are those of its cells.
+Index countNodes(const MeshRequest& request, const Meshed& meshed, std::size_t corners, std::optional<int> label = {}) {
+  return Index(corners) + (request.order == 2 ? countMiddles(meshed.mesh, label) : 0);
+}
+
 Json toJson(const MeshRequest& request, const Meshed& meshed, const MeshQuality& quality) {
   Json regions = Json::array();
   for (const RegionReport& region : quality.regions)
     regions.push_back({{"label", region.label},
                        {"name", nameOf(region.label, request.names)},
                        {"tetrahedra", region.tetrahedra},
-                       {"nodes", region.nodes},
+                       {"nodes", countNodes(request, meshed, std::size_t(region.nodes), region.label)},
                        {"parts", region.parts},
                        {"volume", region.volume},
                        {"inputVolume", meshed.wanted.at(region.label)},
                        {"watertight", region.watertight()},
                        {"manifold", region.manifold()}});
   return {{"mesh", request.output},
-          {"nodes", meshed.mesh.position.size()},
+          {"nodes", countNodes(request, meshed, meshed.mesh.position.size())},
           {"tetrahedra", meshed.mesh.tetrahedra.size()},
           {"smallestDihedralAngle", quality.smallest_angle},
           {"largestDihedralAngle", quality.largest_angle},
@@ -50,7 +55,8 @@ void print(const MeshRequest& request, const Meshed& meshed, const MeshQuality& 
   Vec3 low = meshed.mesh.position.front(), high = low;
   for (const Vec3& p : meshed.mesh.position) low = low.cwiseMin(p), high = high.cwiseMax(p);
   fmt::print("{}: {} nodes, {} tetrahedra, read {:.2f} s, meshed {:.2f} s\n", request.output,
-             meshed.mesh.position.size(), meshed.mesh.tetrahedra.size(), meshed.read_seconds, meshed.mesh_seconds);
+             countNodes(request, meshed, meshed.mesh.position.size()), meshed.mesh.tetrahedra.size(), meshed.read_seconds,
+             meshed.mesh_seconds);
   const char* unit = request.has_metres ? " m" : "";
   fmt::print("box ({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g}){}; cell size {:.4g}{}, distance {:.4g}{}\n", low.x(), low.y(), low.z(),
              high.x(), high.y(), high.z(), unit, request.criteria.cell_size, unit, request.criteria.distance, unit);
@@ -60,7 +66,8 @@ void print(const MeshRequest& request, const Meshed& meshed, const MeshQuality& 
   for (const RegionReport& region : quality.regions) {
     const double wanted = meshed.wanted.at(region.label);
     fmt::print("label {} ({}): {} tetrahedra, {} nodes, {} part{}, volume {:.6g} ({:+.2f} % of the input's), {}\n",
-               region.label, nameOf(region.label, request.names), region.tetrahedra, region.nodes, region.parts,
+               region.label, nameOf(region.label, request.names), region.tetrahedra,
+               countNodes(request, meshed, std::size_t(region.nodes), region.label), region.parts,
                region.parts == 1 ? "" : "s", region.volume, 100 * (region.volume / wanted - 1), tightness(region));
   }
 }

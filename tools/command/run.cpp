@@ -219,6 +219,11 @@ struct Run {
       for (const std::string& note : session.restore(checkpoint)) fmt::print(stderr, "note: {}\n", note);
     replay = beginReplay(request, simulation);
     steps = request.stepsOf(session);
+    if (steps < simulation.steps() && !request.quiet)
+      fmt::print(stderr,
+                 "note: the checkpoint is that of step {}: up to step {} there is nothing to do (-n and --until are those of "
+                 "the whole run)\n",
+                 simulation.steps(), steps);
     checkOutputs(request, simulation);
     load_seconds = secondsSince(start);
   }

@@ -185,9 +185,26 @@ std::string slowSolver(const System& system, const RunStatistics& statistics) {
 /// A choice that a solver has changed in the run, or empty.
 std::string changedChoice(const System& system) {
   const LinearSolver* solver = system.linearSolver();
+  const Data* given_up = solver ? solver->data().find("precisionChanges") : nullptr;
+  if (given_up && given_up->print() != "0")
+    return fmt::format("\n{}: {} factorisations in single precision were made again in double, because solutions with them did not "
+                       "converge (precision=\"double\" begins with it)",
+                       solver->path(), given_up->print());
   const Data* changes = solver ? solver->data().find("changes") : nullptr;
   if (!changes || changes->print() == "0" || choiceOf(*solver).empty()) return {};
   return fmt::format("\n{} changed its choice in the run: {}", solver->path(), choiceOf(*solver));
+}
+
+/// The force fields with an approximate tangent that could be exact.
+std::string approximateFields(const System& system) {
+  std::vector<std::string> paths;
+  for (const ForceField* field : system.forceFields()) {
+    const Data* tangent = field->data().find("tangent");
+    const auto* choice = tangent ? std::get_if<ChoiceRef>(&tangent->pointer()) : nullptr;
+    if (choice && tangent->print() != "exact" && std::ranges::find(choice->words, "exact") != choice->words.end())
+      paths.push_back(field->path());
+  }
+  return paths.empty() ? "a force field" : fmt::format("{}", fmt::join(paths, " and "));
 }
 
 /// What would make steps with closed gaps cheaper, where they took many iterations; or empty.
@@ -218,9 +235,9 @@ void printSummary(const RunRequest& request, const Simulation& simulation, const
   for (const auto& system : simulation.systems())
     if (const Data* steps = system->integrator().data().find("exactTangentSteps"); steps && steps->print() != "0")
       fmt::print(
-          "\nin {} of the steps {} failed, or got on slowly, with the approximate tangent of a force field and went on with "
+          "\nin {} of the steps {} failed, or got on slowly, with the approximate tangent of {} and went on with "
           "the exact one: tangent=\"exact\" there takes it from the start",
-          steps->print(), system->integrator().path());
+          steps->print(), system->integrator().path(), approximateFields(*system));
   for (const auto& [path, steps] : stepsAsleep(simulation))
     fmt::print("\n{} of the steps {} did not compute: its body slept", steps, path);
   for (const auto& system : simulation.systems())

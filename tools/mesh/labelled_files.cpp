@@ -14,6 +14,17 @@ namespace stroma {
 
 namespace {
 
+std::vector<Edge> edgesOf(const LabelledMesh& mesh, std::optional<int> label) {
+  std::vector<Edge> edges;
+  for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c)
+    if (const Tetrahedron& t = mesh.tetrahedra[c]; !label || mesh.labels[c] == *label)
+      for (const auto& [a, b] : cell_tables::tetrahedron_middles)
+        edges.push_back({std::min(t[a], t[b]), std::max(t[a], t[b])});
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
 /// A run of cells with one physical group.
 struct Group {
   int dimension, tag;
@@ -26,10 +37,7 @@ class Nodes {
  public:
   Nodes(const LabelledMesh& mesh, int order) : position_(mesh.position), corners_(Index(mesh.position.size())) {
     if (order == 1) return;
-    for (const Tetrahedron& t : mesh.tetrahedra)
-      for (const auto& [a, b] : cell_tables::tetrahedron_middles) edges_.push_back(sorted(t[a], t[b]));
-    std::sort(edges_.begin(), edges_.end());
-    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+    edges_ = edgesOf(mesh, {});
     for (const auto& [a, b] : edges_) position_.push_back((position_[a] + position_[b]) / 2);
   }
   const std::vector<Vec3>& position() const { return position_; }
@@ -167,6 +175,8 @@ void addBody41(Out out, const LabelledMesh& mesh, const Content& content) {
 }
 
 }  // namespace
+
+Index countMiddles(const LabelledMesh& mesh, std::optional<int> label) { return Index(edgesOf(mesh, label).size()); }
 
 std::string nameOf(int label, const LabelNames& names) {
   const auto found = names.find(label);

@@ -2,6 +2,7 @@
 // Files of tetrahedra with labels. Positions have 9 significant digits, less than the accuracy of any scanner.
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 
 #include "tools/mesh/regions.h"
@@ -18,6 +19,9 @@ std::string nameOf(int label, const LabelNames& names);
 /// "soft.cavity_2".
 /// `order` 2: quadratic tetrahedra and triangles, with a node in the middle of each edge after all corners.
 std::string gmshText(const LabelledMesh& mesh, const LabelNames& names, bool format_22, int order = 1);
+
+/// The nodes of such a file that are no corners: one for each edge of the cells of a label, or of all.
+Index countMiddles(const LabelledMesh& mesh, std::optional<int> label = {});
 
 /// VTK's XML format .vtu: the tetrahedra with cell data `label`.
 std::string vtuText(const LabelledMesh& mesh, int order = 1);

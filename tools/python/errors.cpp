@@ -10,6 +10,11 @@ const char* wordFor(Severity severity) {
   return severity == Severity::note ? "note" : severity == Severity::warning ? "warning" : "error";
 }
 
+/// Messages quote files, whose bytes need not be UTF-8.
+py::str decoded(const std::string& bytes) {
+  return py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(bytes.data(), py::ssize_t(bytes.size()), "replace"));
+}
+
 void raise(const char* type, const py::object& what) {
   const py::object kind = py::module_::import("stroma.errors").attr(type);
   PyErr_SetObject(kind.ptr(), kind(what).ptr());
@@ -25,15 +30,15 @@ void translate(std::exception_ptr error) {
     one.error({}, {}, refused.what(), refused.expected, refused.suggestion);
     raise("SceneError", problemsOf(one));
   } catch (const OutputError& failed) {
-    raise("OutputError", py::str(failed.what()));
+    raise("OutputError", decoded(failed.what()));
   } catch (const std::invalid_argument& wrong) {
-    PyErr_SetString(PyExc_ValueError, wrong.what());
+    PyErr_SetObject(PyExc_ValueError, decoded(wrong.what()).ptr());
   } catch (const py::builtin_exception&) {
     throw;
   } catch (const std::runtime_error& failed) {
-    raise("StromaError", py::str(failed.what()));
+    raise("StromaError", decoded(failed.what()));
   } catch (const std::logic_error& misused) {
-    raise("StromaError", py::str(misused.what()));
+    raise("StromaError", decoded(misused.what()));
   }
 }
 
@@ -42,8 +47,9 @@ void translate(std::exception_ptr error) {
 py::list problemsOf(const Diagnostics& diagnostics) {
   py::list list;
   for (const Problem& problem : diagnostics.problems())
-    list.append(py::make_tuple(wordFor(problem.severity), problem.where.file, problem.where.line, problem.where.column,
-                               problem.path, problem.message, problem.expected, problem.suggestion, problem.text()));
+    list.append(py::make_tuple(wordFor(problem.severity), decoded(problem.where.file), problem.where.line, problem.where.column,
+                               decoded(problem.path), decoded(problem.message), decoded(problem.expected),
+                               decoded(problem.suggestion), decoded(problem.text())));
   return list;
 }
 

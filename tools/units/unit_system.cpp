@@ -183,7 +183,7 @@ std::optional<Problem> problemOfUnits(std::string_view text, const NodeDescripti
 DefaultGravity defaultGravity(std::string_view units) {
   const UnitSystem system = readUnitSystem(units);
   if (system.isSI()) return {};
-  return {9.81 / system.length * system.time * system.time, system.unit("m/s^2")};
+  return {9.81 / (system.length / (system.time * system.time)), system.unit("m/s^2")};  // rounded once in the usual systems
 }
 
 UnitSystem unitsOf(const Scene& scene) {

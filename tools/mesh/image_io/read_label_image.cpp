@@ -136,7 +136,7 @@ VtkImage readFile(const std::string& file) {
   if (ends(".mhd") || ends(".mha")) return readMetaImage(file);
   if (ends(".vti")) return readWith<vtkXMLImageDataReader>(file, "VTK image");
   throw ComponentError(fmt::format("the format of {} is not known from its name", file),
-                       "an image .nii, .nii.gz, .mhd, .mha or .vti, or a closed surface .obj or .stl");
+                       "an image .nii, .nii.gz, .mhd, .mha or .vti, or a closed surface .obj, .stl, .vtk or .vtp");
 }
 
 void placeVoxels(const VtkImage& from, LabelImage& image) {

@@ -40,6 +40,8 @@ class Law(ForceField):
     density() has to work on complex arrays: no abs(), norm() or comparisons of what depends on F. Override stress() and tangent()
     where speed matters. Tetrahedra have one point, hexahedra the eight of Gauss."""
 
+    time_dependent = False
+
     def __init__(self, points: Any, cells: Any, **parameters: Any):
         super().__init__(**parameters)
         self.cells = numpy.asarray(cells)

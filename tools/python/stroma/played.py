@@ -53,13 +53,14 @@ class ForceField(Played):
         node.add(Pull(k=5.0, at=0.0), name="pull")
 
     Override stiffness() for implicit steps that see its derivative, and energy() where there is one. Without a stiffness the
-    force is taken as it is at the start of a step: explicit, and stable only as long as that is small."""
+    force is taken as it is at the start of a step: explicit, and stable only as long as that is small. A force that does not
+    depend on t may say so: time_dependent = False."""
 
     component = "PythonForceField"
     linear = False  #: the force is affine in x
     symmetric = True  #: the stiffness is
     exact_tangent = True  #: the stiffness is the derivative of the force
-    time_dependent = False
+    time_dependent = True  #: t is that of the step; else it stays 0
 
     def force(self, x: numpy.ndarray, v: numpy.ndarray, t: float) -> numpy.ndarray:
         """The force on each node, (n, 3) [N], at positions x [m] and velocities v [m/s], (n, 3)."""

@@ -405,7 +405,7 @@ class Simulation:
     # ---- forces from outside ----
     def add_force(self, state: Union["State", str], nodes: Sequence[int], force: Sequence[float] = (0, 0, 0),
                   targets: Sequence[Sequence[float]] = (), stiffness: float = 0, damping: float = 0) -> "Force":
-        """A force on nodes, or a pull towards targets by springs, from the next step on."""
+        """A force on each of these nodes, or a pull of each to its target by a spring, from the next step on."""
         path = state.path if isinstance(state, State) else self.state(state).path
         return Force(self, path, nodes, force, targets, stiffness, damping)
 

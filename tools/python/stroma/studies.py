@@ -95,7 +95,9 @@ def read_recording(path: Union[str, os.PathLike], state: Optional[str] = None) -
         if state is None:
             files = [name for name in os.listdir(path) if name.endswith(".state.gz")]
             if len(files) != 1:
-                raise ValueError(f"{path} has {len(files)} recorded states: name one")
+                have = ", ".join(sorted(name[:-len(".state.gz")] for name in files))
+                choice = f"{len(files)} recorded states: name one by its path (there are {have})" if files else "no recorded state"
+                raise ValueError(f"{path} has {choice}")
             path = os.path.join(path, files[0])
         else:
             path = os.path.join(path, _stroma.recorded_name(state))
