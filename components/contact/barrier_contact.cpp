@@ -60,7 +60,6 @@
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_start.h"
 #include "framework/mechanics/open_choices.h"
-#include "framework/mechanics/places_start.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"

@@ -8,10 +8,11 @@
 //
 //   d >= contactDistance,   l_n >= 0,   one of both with equality;   s = 0, or |l_t| = mu l_n against s
 //
-// What sticks does not move at all. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb):
-// condensed bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for
-// each condition. Distances and normals are those of the end of the step, so that the distance is kept to round-off; that of edges over
-// flat faces to a hundredth (kept_gaps.h). Forces of a pair are equal and opposite.
+// What sticks does not creep. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb): condensed
+// bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for each
+// condition. Distances and normals are those of the end of the step. Gaps and slides that are off by `toleratedError`, a thousandth
+// of contactDistance by default, hold; mostly they are off by round-off. The gap of edges over flat faces is kept to a hundredth of
+// it (kept_gaps.h). Forces of a pair are equal and opposite.
 //
 // Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
 // in the last step, as its speed would take it, or as an eighth of the mean edge. Each step is proved besides (kept_gaps.h): every

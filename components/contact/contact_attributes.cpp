@@ -7,14 +7,21 @@
 #include "framework/scene/diagnostics.h"
 
 namespace stroma::contact {
+namespace {
+
+/// What staticFriction is until a scene writes it: a zero that is written means zero.
+constexpr double not_given = -1;
+
+}  // namespace
 
 void declareFriction(DataTable& table, Friction& friction) {
   table.add("friction", friction.mu).help("Coulomb's coefficient mu, of what slides").unit("-").min(0);
-  table.add("staticFriction", friction.mu_static).help("that of what sticks; 0: friction").unit("-").min(0);
+  table.add("staticFriction", friction.mu_static).help("that of what sticks; not given: friction").unit("-").min(0);
+  friction.mu_static = not_given;
 }
 
 void finishFriction(Friction& friction) {
-  if (friction.mu_static == 0) friction.mu_static = friction.mu;
+  if (friction.mu_static == not_given) friction.mu_static = friction.mu;
   if (friction.mu_static < friction.mu)
     throw ComponentError(fmt::format("staticFriction is {:g} and friction {:g}", friction.mu_static, friction.mu),
                          "a staticFriction that is not smaller than friction");

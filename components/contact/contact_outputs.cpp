@@ -46,7 +46,8 @@ void Outputs::declareForces(DataTable& table) {
       .output();
   table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output();
   table.add("pressures", pressures_)
-      .help("of each node of mstate: its normal force over its contactAreas; where only others push it, over its part of the surface")
+      .help("of each node of mstate: its normal force over its contactAreas; where only others push it, over its part of the surface. "
+            "Below zero where adhesion pulls more")
       .unit("Pa")
       .output();
   table.add("contactAreas", areas_)
@@ -121,7 +122,9 @@ void Outputs::note(const BarrierLaw& law, const std::vector<Touch>& touches, con
       const std::size_t v = std::size_t(touch.v[i]);
       const Vec3 force = touch.c[i] * whole;
       forces_[v] += force;
-      if (s.bodyOf(touch.v[i]) == 0) contact_forces_[std::size_t(s.rows[v] - first.firstRow())] += force;
+      if (s.bodyOf(touch.v[i]) != 0) continue;
+      const std::size_t node = std::size_t(s.rows[v] - first.firstRow());
+      contact_forces_[node] += force, pressures_[node] += std::abs(touch.c[i]) * whole.dot(touch.n);
     }
   }
   noteSlides(s, friction, first);
@@ -133,7 +136,7 @@ void Outputs::note(const BarrierLaw& law, const std::vector<Touch>& touches, con
     if (body != 0) continue;
     const std::size_t node = std::size_t(s.rows[v] - first.firstRow());
     const double area = areas_[node] > 0 ? areas_[node] : s.vertex_area[v];
-    if (area > 0) pressures_[node] = contact_forces_[node].norm() / area;
+    pressures_[node] = area > 0 ? std::copysign(contact_forces_[node].norm() / area, pressures_[node]) : 0;
   }
   touched_ = std::isfinite(smallest);
   smallest_gap_ = touched_ ? smallest : 0;

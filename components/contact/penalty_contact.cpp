@@ -11,7 +11,8 @@
 // so that forces hardly depend on the mesh: under kappa/10 surfaces rest at 0.9 contactDistance, under kappa they touch, and under more
 // they are in one another. Nothing keeps them from going through: what is deeper than its distance from the other side, or moves
 // farther than alarmDistance in a step, may come out there. BarrierContact and ConstraintContact do not let it. Every integrator
-// takes it, explicit ones with a step below 2/sqrt(k/m).
+// in time takes it, explicit ones with a step below 2/sqrt(k/m). StaticSolver refuses a body that
+// only its contacts hold.
 //
 // Friction: with l the force of a contact where the step starts and u its way along the surfaces since then, mu l f against u,
 // f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. mu is staticFriction of what has stuck in the step before.

@@ -67,6 +67,11 @@ void FrontNumbers::setPattern(const SupernodalPattern& pattern, const int* lower
   values_.clear();
 }
 
+void FrontNumbers::release() {
+  for (Array<float>* array : {&values_, &shared_, &vectors_}) *array = Array<float>();
+  works_.release();
+}
+
 SupernodalEnd FrontNumbers::factor(const double* values, const std::vector<int>& source, const std::vector<double>& scale,
                                    StopToken stop) {
   values_.resize(plan_.values.back() + 64), shared_.resize(plan_.shared_size + 64);

@@ -24,6 +24,7 @@ class FrontNumbers {
   SupernodalEnd factor(const double* values, const std::vector<int>& source, const std::vector<double>& scale, StopToken stop);
   /// x <- (S A S)^-1 x in the order of the factor.
   void solve(float* x);
+  void release();  ///< the memory of numbers, until the next factor()
 
  private:
   struct Work {
@@ -33,6 +34,7 @@ class FrontNumbers {
    public:
     std::unique_ptr<Work> take(std::size_t updates);
     void giveBack(std::unique_ptr<Work> work);
+    void release() { free_.clear(); }
 
    private:
     std::mutex access_;

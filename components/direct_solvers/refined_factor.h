@@ -6,11 +6,11 @@
 // 2017 use GMRES).
 //
 // Half of the bytes, and twice as many numbers in a register. Where the iterations of a solve would cost more than factors in
-// double precision those are made, and so where a pivot is not positive in single precision or a direction has no positive
-// energy. The next matrices are then factored in double precision too, twice as many each time; likewise where single precision
-// did not pay. Where many systems are solved with one matrix, factors in double precision are made as soon as the iterations
-// have cost as much. Counts decide, not a clock. Whoever uses the factors of another component's matrix gets single precision
-// by applyRoughly() alone.
+// double precision those are made, mostly after the first few; and so where a pivot is not positive in single precision or a
+// direction has no positive energy. The next matrices are then factored in double precision too, twice as many each time;
+// likewise where single precision did not pay. There is no memory for numbers in the other precision meanwhile. Where many
+// systems are solved with one matrix, factors in double precision are made as soon as the iterations have cost as much. Counts
+// decide, not a clock. Whoever uses the factors of another component's matrix gets single precision by applyRoughly() alone.
 #pragma once
 #include "components/direct_solvers/front_numbers.h"
 #include "components/direct_solvers/supernodal_factor.h"

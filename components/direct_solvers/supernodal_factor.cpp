@@ -57,6 +57,12 @@ void SupernodalFactor::release() {
   analysis_.reset();
 }
 
+void SupernodalFactor::releaseNumbers() {
+  rough_values_ = Array<float>();
+  if (analysis_ && analysis_->factor->xtype != CHOLMOD_PATTERN)
+    cholmod_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, analysis_->factor, &analysis_->common);
+}
+
 bool SupernodalFactor::analyse(const BlockMatrix& matrix, StopToken stop) {
   std::shared_ptr<SupernodalAnalysis> analysis = SupernodalAnalysis::of(matrix, stop);
   if (analysis)

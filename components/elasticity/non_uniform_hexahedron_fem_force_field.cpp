@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// NonUniformHexahedronFEMForceField: trilinear hexahedra whose material does not fill them evenly. A cell has 1, 8, 64, ... parts
-// of equal size in the coordinates of the cell (x fastest), and a factor on the stiffness of each of them. With R the rotation
+// NonUniformHexahedronFEMForceField: trilinear hexahedra whose material does not fill them evenly. A cell has 1, 8, 64, 512 or 4096
+// parts of equal size in the coordinates of the cell (x fastest), and a factor on the stiffness of each of them. With R the rotation
 // of a cell, X its nodes at rest, n_a the gradients of its shape functions there, and s_p the factor of part p,
 //
 //   f = -R K (R^T x - X),   K_ab = sum over parts of s_p * integral over p of lambda n_a n_b^T + mu n_b n_a^T + mu (n_a . n_b) I
@@ -181,10 +181,11 @@ class NonUniformHexahedra final : public NodeGroupField<8> {
   /// How many parts lie side by side in a cell.
   int partsAlong() const {
     if (factors_.empty()) return 1;
-    for (std::size_t n = 1; n <= 64; n *= 2)
+    constexpr std::size_t most = 16;  // the matrices of the parts of one cell are kept, 19 MB
+    for (std::size_t n = 1; n <= most; n *= 2)
       if (factors_.size() == n * n * n * cells_.size()) return int(n);
     throw ComponentError(fmt::format("partFactors has {} values for {} cells", factors_.size(), cells_.size()),
-                         "1, 8, 64, ... for each cell");
+                         "1, 8, 64, 512 or 4096 for each cell");
   }
   Corners cornersOf(std::size_t e) const {
     Corners corners;

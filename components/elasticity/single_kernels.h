@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The ElementKernels of a model with products in single precision beside those in double: of half the bytes, on twice the lanes.
 // Forces, energies and matrices are those of ModelKernels. What products read of an element, its tangent, is rounded once, with
-// each force; it then lies in places, of two successive batches of a block each.
+// each force; it then lies in places, of two successive batches of a block each. The forces of an element are summed in double
+// precision, and one of its nodes has minus the sum of the others: they add to zero there, so that linear momentum is kept to the
+// round-off of double precision. Their torques add to zero to that of single precision only.
 #pragma once
 #include "components/elasticity/single_rows.h"
 #include "framework/fem/model_kernels.h"
@@ -53,9 +55,7 @@ class SingleKernels final : public StoredKernels<StorageOf<Model>> {
   void addSingleProduct(ConstRows dx, double factor, Rows df) const override {
     if (half_.empty()) begin();
     dx_.take(dx);
-    df_.clear();
-    singleProduct(dx_.data(), df_.data());
-    df_.addTo(df, factor / dx_.scale());
+    singleProduct(dx_.data(), factor / dx_.scale(), df.data);
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
     Products::assemble(storage_, {}, factor, slots, values);
@@ -90,7 +90,7 @@ class SingleKernels final : public StoredKernels<StorageOf<Model>> {
         first = std::min(first, row), last = std::max(last, row + 1);
       }
     if (loop.batches() == 0) first = 0;
-    dx_.resize(first, last), df_.resize(first, last);
+    dx_.resize(first, last);
     tangent_.assign(std::size_t(placeOf(blocks, loop.batches())) * tangent_numbers, 0.f);
     round();
   }
@@ -101,8 +101,21 @@ class SingleKernels final : public StoredKernels<StorageOf<Model>> {
     single::convert(storage_.tangent[b], half_[b] % 2, tangent_.data() + std::size_t(half_[b] / 2) * tangent_numbers);
   }
   bool keepsTangents() const { return !constant_tangent && !half_.empty(); }
-  /// df += K dx. The upper lanes of an odd batch have no stiffness.
-  [[gnu::noinline]] void singleProduct(const float* dx, float* df) const {
+  /// df += factor * out of one half, the forces of a batch.
+  template <int half>
+  [[gnu::always_inline]] static void addHalf(const V3<SinglePack> (&out)[N], Pack factor, const Index* offset, double* df) {
+    V3<Pack> sum = single::widened<half>(out[1]) * factor;
+    addToRows(sum, offset + pack_lanes, df);
+#pragma GCC unroll 8
+    for (int a = 2; a < N; ++a) {
+      const V3<Pack> own = single::widened<half>(out[a]) * factor;
+      sum = sum + own;
+      addToRows(own, offset + a * pack_lanes, df);
+    }
+    addToRows(-sum, offset, df);
+  }
+  /// df += factor K dx. The upper lanes of an odd batch have no stiffness.
+  [[gnu::noinline]] void singleProduct(const float* dx, double factor, double* df) const {
     constexpr std::size_t second_level = 1 << 18;  // numbers that it holds beside vectors
     const bool is_far = tangent_.size() > second_level;
     const auto& loop = storage_.loop;
@@ -119,15 +132,15 @@ class SingleKernels final : public StoredKernels<StorageOf<Model>> {
 #pragma GCC unroll 8
         for (int a = 0; a < N; ++a) in[a] = single::gatherRows(dx, {low + a * pack_lanes, up + a * pack_lanes});
         Model::product(none, tangent[place], SinglePack(1.f), in, in, out);
-#pragma GCC unroll 8
-        for (int a = 0; a < N; ++a) single::addToRows(out[a], {low + a * pack_lanes, up + a * pack_lanes}, df);
+        addHalf<0>(out, Pack(factor), low, df);
+        if (upper != lower) addHalf<1>(out, Pack(factor), up, df);
       });
     });
   }
 
   mutable std::vector<Index> half_;  ///< of each batch: twice its place, and one more in the upper lanes; empty before begin()
   mutable Array<float> tangent_;     ///< shape (places, numbers, lanes)
-  mutable single::Rows dx_, df_;
+  mutable single::Rows dx_;
 };
 
 #else

@@ -45,24 +45,14 @@ inline V3<SinglePack> gatherRows(const float* data, const Offsets& at) {
           SinglePack(_mm512_castpd_ps(_mm512_unpacklo_pd(z01, z23)))};
 }
 
-/// rows at[l] += v, lane after lane: lanes may share a row.
-inline void addToRows(const V3<SinglePack>& v, const Offsets& at, float* data) {
-  const __m512 x = v.x, y = v.y, z = v.z, zero = _mm512_setzero_ps();
-  const __m512d xy01 = _mm512_castps_pd(_mm512_unpacklo_ps(x, y)), xy23 = _mm512_castps_pd(_mm512_unpackhi_ps(x, y));
-  const __m512d z01 = _mm512_castps_pd(_mm512_unpacklo_ps(z, zero)), z23 = _mm512_castps_pd(_mm512_unpackhi_ps(z, zero));
-  const auto add = [&](__m128 value, Index offset) {
-    _mm_store_ps(data + offset, _mm_add_ps(_mm_load_ps(data + offset), value));
+/// The lower (half 0) or upper lanes in double precision.
+template <int half>
+inline V3<Pack> widened(const V3<SinglePack>& v) {
+  const auto wide = [](__m512 a) {
+    const __m512d pairs = _mm512_castps_pd(a);
+    return Pack(_mm512_cvtps_pd(_mm256_castpd_ps(half == 0 ? _mm512_castpd512_pd256(pairs) : _mm512_extractf64x4_pd(pairs, 1))));
   };
-  const __m512 rows[4] = {_mm512_castpd_ps(_mm512_unpacklo_pd(xy01, z01)), _mm512_castpd_ps(_mm512_unpackhi_pd(xy01, z01)),
-                          _mm512_castpd_ps(_mm512_unpacklo_pd(xy23, z23)), _mm512_castpd_ps(_mm512_unpackhi_pd(xy23, z23))};
-#pragma GCC unroll 4
-  for (int l = 0; l < 4; ++l) add(_mm512_castps512_ps128(rows[l]), at.lower[l]);
-#pragma GCC unroll 4
-  for (int l = 0; l < 4; ++l) add(_mm512_extractf32x4_ps(rows[l], 1), at.lower[l + 4]);
-#pragma GCC unroll 4
-  for (int l = 0; l < 4; ++l) add(_mm512_extractf32x4_ps(rows[l], 2), at.upper[l]);
-#pragma GCC unroll 4
-  for (int l = 0; l < 4; ++l) add(_mm512_extractf32x4_ps(rows[l], 3), at.upper[l + 4]);
+  return {wide(v.x), wide(v.y), wide(v.z)};
 }
 
 /// Writes the packs of a struct into the lower (half 0) or upper lanes of as many single ones.
@@ -94,21 +84,7 @@ class Rows {
         _mm256_store_ps(numbers_.data() + i, _mm512_cvtpd_ps(_mm512_mul_pd(_mm512_sub_pd(pair(from, i), middle), scale)));
     });
   }
-  void clear() {
-    forPieces([&](std::size_t begin, std::size_t end) { std::memset(numbers_.data() + begin, 0, (end - begin) * sizeof(float)); });
-  }
-  /// out += factor * this
-  void addTo(stroma::Rows out, double factor) const {
-    double* to = out.data + offset();
-    const __m512d s = _mm512_set1_pd(factor);
-    forPieces([&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; i += pack_lanes)
-        _mm512_mask_storeu_pd(to + i, mask(i),
-                              _mm512_fmadd_pd(s, _mm512_cvtps_pd(_mm256_load_ps(numbers_.data() + i)), pair(to, i)));
-    });
-  }
   /// Where row 0 would be.
-  float* data() { return numbers_.data() - offset(); }
   const float* data() const { return numbers_.data() - offset(); }
   double scale() const { return scale_; }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/integrators/conditioned_statics.h"
 
-#include "components/integrators/exact_tangent.h"
+#include <utility>
+
 #include "framework/simulation/step_limits.h"
 
 namespace stroma {
@@ -21,27 +22,26 @@ void ConditionedStatics::compile(System& system) {
 
 StepReport ConditionedStatics::solve(Newton& newton, LinearSolver& solver, StopToken stop,
                                      const std::function<bool(StepReport&)>& advance, const std::function<bool()>& retry) {
-  constexpr int most_solves = 4;  // what follows a node that has moved in the solve has its place only after it
-  copy(x(), start_), clear(way_), clear(load_);
+  copy(x(), start_);
+  StepReport report = solveFromStart(newton, solver, stop, advance);
+  if (report.stopped || (report.newton_converged && !report.diverged) || !retry()) return report;
+  copy(start_, x());
+  const StepReport before = std::exchange(report, solveFromStart(newton, solver, stop, advance));
+  addCounts(before, report);
+  return report;
+}
+
+/// With the forces of constraint of the step before.
+StepReport ConditionedStatics::solveFromStart(Newton& newton, LinearSolver& solver, StopToken stop,
+                                              const std::function<bool(StepReport&)>& advance) {
+  clear(way_), clear(load_);
   multipliers_.begin({.displacement = 1, .weight = 1, .has_velocities = false}, true);
   multipliers_.addCarried(load_);
-  StepReport report;
-  const auto goOn = [&] {
-    const StepReport before = report;
-    report = conditions_.solve(newton, solver, stop, {});
-    addCounts(before, report);
-  };
-  for (int again = 0; again < most_solves && report.newton_converged && !report.failed(); ++again) {
-    StepReport moved;
-    if (!advance(moved) && again > 0) break;
-    if (!moved.newton_converged || moved.stopped) return moved;
+  return solveWithFollowers(advance, [&] {
     copy(start_, way_);
     system_->motion().difference(x(), way_);
-    goOn();
-    addCounts(moved, report);
-  }
-  if (!report.stopped && (report.diverged || !report.newton_converged) && retry()) goOn();
-  return report;
+    return conditions_.solve(newton, solver, stop, {});
+  });
 }
 
 void ConditionedStatics::residual(Rows out) {

@@ -1,11 +1,37 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <fmt/format.h>
+
 #include <functional>
 
 #include "components/integrators/conditions_newton.h"
+#include "components/integrators/exact_tangent.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
+
+/// What follows a node that has moved in the solve has its place only after it: `advance` and `solve` alternate until the former
+/// moves nothing, up to four times.
+template <class Advance, class Solve>
+StepReport solveWithFollowers(const Advance& advance, const Solve& solve) {
+  constexpr int most_solves = 4;
+  StepReport report;
+  for (int again = 0; report.newton_converged && !report.failed(); ++again) {
+    const StepReport before = report;
+    StepReport moved;
+    if (!advance(moved) && again > 0) break;
+    if (!moved.newton_converged || moved.stopped) return moved;
+    if (again == most_solves) {
+      report.newton_converged = false;
+      report.reason = fmt::format("nodes that follow others still moved after {} solves", most_solves);
+      break;
+    }
+    report = solve();
+    addCounts(before, report);
+    addCounts(moved, report);
+  }
+  return report;
+}
 
 /// Equilibrium with forces of constraint, f(x) + J^T l = 0 in the free directions, and the conditions of Lagrangian constraints.
 /// The unknown u is the way since the step began: x = x0 + u, where rows that turn do so by the rotation vector in u.
@@ -15,8 +41,8 @@ class ConditionedStatics final : public NonlinearProblem {
   void compile(System& system);
   /// No Lagrangian constraint is there.
   bool empty() const { return multipliers_.empty(); }
-  /// A step from the present x, in one go: conditions are of its end. `advance` moves x where motion is prescribed, and is false when
-  /// that is there; `retry` changes the tangent after a solve that failed, or is false.
+  /// A step from the present x, in one go: conditions are of its end. `advance` moves x where motion is prescribed, and is false
+  /// when that is there; `retry` changes the tangent after a solve that failed, for another one from the same x, or is false.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance,
                    const std::function<bool()>& retry);
   /// J^T l of the step before [N].
@@ -38,6 +64,7 @@ class ConditionedStatics final : public NonlinearProblem {
   RoundOff roundOff() override { return {}; }
 
  private:
+  StepReport solveFromStart(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance);
   Rows x() const { return system_->independent(system_->x); }
   System* system_ = nullptr;
   Multipliers multipliers_;

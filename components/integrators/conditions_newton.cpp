@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "framework/simulation/step_progress.h"
@@ -14,7 +15,7 @@ namespace stroma {
 
 void ConditionsNewton::compile(System& system, NonlinearProblem& problem, Multipliers& multipliers, Rows load) {
   problem_ = &problem, multipliers_ = &multipliers, load_ = load;
-  for (Vector* vector : {&residual_, &direction_, &last_}) vector->resize(system.independentRows());
+  for (Vector* vector : {&residual_, &direction_, &last_, &way_}) vector->resize(system.independentRows());
 }
 
 double ConditionsNewton::residual() {
@@ -26,6 +27,8 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
   const NewtonSettings& settings = newton.settings;
   multipliers_->aim();
   longest_ = moved_ = 0, iterations_ = 0, swings_ = false;
+  least_ = std::numeric_limits<double>::infinity(), least_at_ = 0;
+  clear(way_);
   mixing_.restart();
   holds_ = false;
   std::vector<double>& history = newton.history();
@@ -46,11 +49,14 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
     report.stopped = stop.isStopAsked();
     if (report.stopped) return report;
     if (settings.fixed_count && report.newton_iterations == most) break;
-    if (report.newton_iterations - first == most) {
+    if (swings_ || report.newton_iterations - first == most) {
       report.newton_converged = false;
-      report.reason = fmt::format("Newton's method with forces of constraint stopped at its limit of {} iterations with a "
-                                  "relative residual of {:.2g} (tolerance {:.2g})",
-                                  most, report.newton_residual, settings.relative_residual);
+      const std::string how =
+          swings_ ? fmt::format("goes to and fro by {:.2g} m, as constraints tolerate, after {} iterations", moved_, iterations_)
+                  : fmt::format("stopped at its limit of {} iterations", most);
+      report.reason = fmt::format("Newton's method with forces of constraint {} with a relative residual of {:.2g} "
+                                  "(tolerance {:.2g})",
+                                  how, report.newton_residual, settings.relative_residual);
       break;
     }
     if (!iterate(newton, solver, now, stop, report)) return report;
@@ -66,9 +72,20 @@ bool ConditionsNewton::isLittle(const NewtonSettings& settings, double residual)
 bool ConditionsNewton::isBalanced(const NewtonSettings& settings, double residual, StepReport& report) const {
   if (!holds_) return false;
   const bool is_still = moved_ <= 4 * std::numeric_limits<double>::epsilon() * largest(problem_->positions());
-  if (!isLittle(settings, residual) && !is_still && !swings_) return false;
+  if (!isLittle(settings, residual) && !is_still) return false;
   report.linear_converged = true, report.linear_at_limit = false;  // its solves were means only
   return true;
+}
+
+/// Where the conditions hold: `now` has not become half of the least for longer than mixing needs, and the way turns.
+void ConditionsNewton::noteSwing(double now) {
+  constexpr int long_enough = 12;
+  constexpr double part = 1e-4;  // of the scale
+  if (!(now > 0.5 * least_)) least_ = now, least_at_ = iterations_;
+  const bool turns = dot(direction_, way_) < 0;
+  copy(direction_, way_);
+  swings_ = turns && iterations_ >= least_at_ + long_enough && now <= least_ && now <= part * scale_ &&
+            moved_ <= multipliers_->leastTolerance(false);
 }
 
 /// `now`: |R + q|, before and after. False: failed, as the report says.
@@ -91,11 +108,11 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
   axpy(-1, last_, direction_);
   moved_ = problem_->displacementPerUnknown() * norm(direction_);
   const double before = std::exchange(now, residual());
-  constexpr int usual = 10;
-  constexpr double part = 1e-4;  // of the scale
-  swings_ = iterations_ >= usual && moved_ <= multipliers_->leastTolerance(false) && now <= part * scale_;
-  if (isLittle(newton.settings, now) || swings_ || newton.settings.fixed_count) return true;
+  noteSwing(now);
   if (longest_ == 0) longest_ = moved_;
+  // what ends is left where the conditions hold
+  const bool is_last = iterations_ >= newton.settings.iterations && moved_ <= longest_;
+  if (isLittle(newton.settings, now) || swings_ || is_last || newton.settings.fixed_count) return true;
   if (moved_ > longest_) goShare(longest_ / moved_), now = residual();
   constexpr int first_mixed = 4;
   if (iterations_ > first_mixed && longest_ > 0) {

@@ -7,8 +7,10 @@
 // multipliers.h with the same A and J^T, from which q comes anew. No iteration goes further than the first one; and where the
 // conditions hold already, |R + q| must fall, or u and q go a share of their way. What is not there after four iterations,
 // because A lacks a part of the turning of stresses and of forces of constraint, goes on with iterates mixed (mixing.h). Where the
-// closest point is on an edge, iterates may go to and fro between its sides for ever: by less than what all conditions tolerate
-// (LagrangianConstraint::tolerance()) they may, from the tenth iteration on.
+// closest point is on an edge, iterates may go to and fro between its sides for ever. Where |R + q| has not become half of its
+// least for twelve iterations, the way turns, and it is shorter than what all conditions tolerate
+// (LagrangianConstraint::tolerance()), the method ends and says with which residual: it has not converged. At its limit it leaves
+// what the last correction found.
 #pragma once
 #include "components/integrators/multipliers.h"
 #include "components/integrators/newton.h"
@@ -25,6 +27,7 @@ class ConditionsNewton {
 
  private:
   bool iterate(Newton& newton, LinearSolver& solver, double& now, StopToken stop, StepReport& report);
+  void noteSwing(double now);
   void goShare(double share);
   void goMixed();
   double residual();
@@ -35,11 +38,14 @@ class ConditionsNewton {
   Multipliers* multipliers_ = nullptr;
   Rows load_{};
   Vector residual_, direction_, last_;  ///< R + q, a correction and the iterate before it
+  Vector way_;                          ///< of the last correction
   double scale_ = 0;    ///< the largest of |R| and loadScale() where the step starts and of |q| so far
   double longest_ = 0;  ///< way of the first iteration [m]; 0: there was none
   double moved_ = 0;    ///< way of the last iteration [m]
   bool holds_ = false;  ///< the conditions do, with the forces that are carried
   bool swings_ = false;  ///< by less than what is tolerated
+  double least_ = 0;     ///< |R + q| of those that were half of all before them, with the conditions
+  int least_at_ = 0;     ///< its iteration
   int iterations_ = 0;
   Mixing mixing_;
 };

@@ -28,13 +28,14 @@
 // solver must take it: CGLinearSolver takes symmetric ones only. With fewer than five Newton iterations it is not tried.
 //
 // With Lagrangian constraints, contact by ConstraintContact among them, f(x) + J^T l = 0 and their conditions are solved together
-// (conditions_newton.h), in one go: take smaller steps where that fails. Slides and ways are those of the step.
+// (conditions_newton.h), in one go: take smaller steps where that fails. What fails with the approximate tangent is tried once with
+// the exact one, from where the step began. Slides and ways are those of the step.
 //
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held nodes
 // included), or when these forces are round-off of those within a body on which nothing acts, or when one of the other
 // thresholds (off by default) is met, or when dx no longer changes x. After newton_iterations without that, it has not converged,
-// says so, and leaves the best iterate; a run that ends so has no result (exit code 3). SOFA: 1 iteration, four times 1e-5. A
-// NewtonRaphsonSolver of the node, or linked, has the settings.
+// says so, and leaves the best iterate (with Lagrangian constraints the last one); a run that ends so has no result (exit code 3).
+// SOFA: 1 iteration, four times 1e-5. A NewtonRaphsonSolver of the node, or linked, has the settings.
 //
 // A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with a
 // sentence naming the body and the direction or axis. A body is what forces tie together: a state can hold several. With
@@ -245,24 +246,8 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
 
 /// One go at the share of the step that `context` ends with.
 StepReport StaticSolver::solvePart(System& system, const StepContext& context) {
-  StepReport report;
-  // what follows a node that has moved in the solve has its place only after it
-  constexpr int most_solves = 4;
-  for (int again = 0; report.newton_converged && !report.failed(); ++again) {
-    const StepReport before = report;
-    StepReport advance;
-    if (!advancePrescribed(system, context, advance) && again > 0) break;
-    if (!advance.newton_converged || advance.stopped) return advance;
-    if (again == most_solves) {
-      report.newton_converged = false;
-      report.reason = fmt::format("nodes that follow others still moved after {} solves", most_solves);
-      break;
-    }
-    report = newton_.solve(problem_, *solver_, context.stop);
-    addCounts(before, report);
-    addCounts(advance, report);
-  }
-  return report;
+  return solveWithFollowers([&](StepReport& to) { return advancePrescribed(system, context, to); },
+                            [&] { return newton_.solve(problem_, *solver_, context.stop); });
 }
 
 /// A part that fails with approximate tangents is tried again with the exact ones, which then serve the rest of the
@@ -301,8 +286,9 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
   const Rows x = system.independent(system.x);
   StepReport report, failed;
   if (!conditioned_.empty())
-    return conditioned_.solve(newton_, *solver_, context.stop, [&](StepReport& to) { return advancePrescribed(system, context, to); },
-                              [&] { return triesMore() && exact_.begin(system); });
+    return conditioned_.solve(
+        newton_, *solver_, context.stop, [&](StepReport& to) { return advancePrescribed(system, context, to); },
+        [&] { return triesMore() && exact_.begin(system); });
   double done = 0, part = 1;
   for (int parts = 1;; ++parts) {
     const double share = std::min(1.0, done + part);

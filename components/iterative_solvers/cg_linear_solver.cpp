@@ -19,8 +19,8 @@
 // there too: with absoluteThreshold t above zero, iteration k ends when |r| <= tolerance |b| or, before x moves, when
 // |p.A p| <= t; in the first solve of a run neither ends the first iteration. Scenes in SOFA's dialect have it, and then a matrix
 // that is not symmetric is taken as it is. With `bodies` the
-// rows below each of these nodes have alpha, beta and ends of their own, as where SOFA gives each body a solver: nothing may tie
-// them in the matrix.
+// rows below each of these nodes have alpha, beta and ends of their own, as where SOFA gives each body a solver. Nothing may tie
+// them in the matrix: the first solve refuses what does.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -32,6 +32,7 @@
 // </Node>
 #include <cmath>
 
+#include "components/iterative_solvers/bodies_apart.h"
 #include "components/iterative_solvers/conjugate_gradients.h"
 #include "components/iterative_solvers/krylov_solver.h"
 #include "framework/scene/archive.h"
@@ -94,7 +95,7 @@ class CGLinearSolver final : public KrylovSolver {
   SolveReport iterate(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x, double residual);
   double renewed(const SystemMatrix& matrix, Kept& kept, ConstRows b, ConstRows x, double before);
   SolveReport iterateAbsolutely(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
-  void findParts(const SystemMatrix& matrix, Kept& kept) const;
+  void findParts(SystemMatrix& matrix, Kept& kept) const;
   SolveReport iterateApart(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x);
 
   double threshold_ = 1e-5, absolute_threshold_ = 0;
@@ -136,6 +137,7 @@ void CGLinearSolver::init() {
                   (preconditioner_ == CGPreconditioner::automatic && !data().find("iterations")->isSet());
   if (!bodies_.empty() && precondition_)
     throw ComponentError("bodies are solved for apart by plain conjugate gradients", "preconditioner=\"none\"");
+  checkBodies(node().root(), bodies_);
 }
 
 CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index rows) {
@@ -259,19 +261,22 @@ SolveReport CGLinearSolver::iterateAbsolutely(const SystemMatrix& matrix, Kept& 
   return report;
 }
 
-/// Rows of states below none of `bodies` are a part of their own.
-void CGLinearSolver::findParts(const SystemMatrix& matrix, Kept& kept) const {
+/// Rows of states below none of `bodies` are a part of their own. Refuses what ties parts in the matrix.
+void CGLinearSolver::findParts(SystemMatrix& matrix, Kept& kept) const {
   kept.parts.assign(bodies_.size() + 1, {});
+  std::vector<std::size_t> part_of;
   for (Index row = 0; row < kept.r.count(); ++row) {
     const std::string text = matrix.describeRow(row);  // "node 3 of /body/dofs"
     const std::string_view path = std::string_view(text).substr(std::min(text.size(), text.find('/')));
     std::size_t part = 0;
     while (part < bodies_.size() && !path.starts_with(bodies_[part] + "/")) ++part;
+    part_of.push_back(part);
     auto& rows = kept.parts[part].rows;
     if (rows.empty() || rows.back().first + rows.back().second != row) rows.push_back({row, 0});
     ++rows.back().second;
   }
   std::erase_if(kept.parts, [](const Part& part) { return part.rows.empty(); });
+  refuseTies(matrix, part_of, where().text() + ": " + path());
 }
 
 double CGLinearSolver::Part::inner(ConstRows a, ConstRows b) const {

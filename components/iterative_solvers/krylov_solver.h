@@ -5,6 +5,8 @@
 
 #include "components/iterative_solvers/solver_costs.h"
 #include "framework/algebra/per_matrix.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/projective_constraint.h"
 
 namespace stroma {
 
@@ -96,9 +98,13 @@ class KrylovSolver : public LinearSolver {
   enum class Form { automatic, product, assembled };
   enum class Precision { automatic, single_precision, double_precision };
   bool takesSingle(const SystemMatrix& matrix, double relative_residual) const;
+  bool areBodiesHeld() const;
 
   Precision precision_ = Precision::double_precision;
   bool is_single_ = false;  ///< of the solve that begin() opened, so far
+  mutable std::vector<const ForceField*> fields_;  ///< this and the next two: work space
+  mutable std::vector<const ProjectiveConstraint*> constraints_;
+  mutable std::vector<NodeProjector> projectors_;
   std::string template_ = "auto";
   /// Relative residuals of the last solve, shape (iterations done); an output of the component.
   std::vector<double> graph_;

@@ -67,8 +67,8 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
 ///   computed anew each time it has fallen by quick.digits, with quick.leave() where that shows that it no longer helps.
 /// The |r| of the recurrence leaves b - A x behind by round-off, so where an iteration ends the residual itself is
 /// computed, and the method starts anew from there when it is not small enough, as long as that helps.
-/// `report.relative_residual` is |b - A x| (the caller divides by |b|). A matrix that shows itself to be singular or
-/// not definite leaves the last iterate in x.
+/// `report.relative_residual` is |b - A x| (the caller divides by |b|); at the limit of iterations, |r| of the recurrence. A
+/// matrix that shows itself to be singular or not definite leaves the last iterate in x.
 template <class Product, class Quick, class Precondition, class Record>
 SolveReport preconditioned(Product&& product, Quick&& quick, Precondition&& precondition, Record&& record, const Limits& limits,
                            ConstRows b, Directions& work, Rows x) {

@@ -67,7 +67,6 @@ class StoredKernels : public ElementKernels {
   using Fill = std::function<void(StorageType&)>;
   explicit StoredKernels(StorageType&& storage, Fill fill = {})
       : storage_(std::move(storage)), fill_(std::move(fill)) {}
-  const StorageType& storage() const { return storage_; }
   bool refill() override {
     if (fill_) fill_(storage_);
     return bool(fill_);

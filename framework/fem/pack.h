@@ -13,7 +13,7 @@
 namespace stroma {
 
 using Pack = xsimd::batch<double>;
-using SinglePack = xsimd::batch<float>;  ///< of products that need no more (single_products.h)
+using SinglePack = xsimd::batch<float>;  ///< of products that need no more (elasticity/single_kernels.h)
 /// Elements in a batch: 8 with AVX-512, 4 with AVX, 2 with SSE.
 constexpr int pack_lanes = int(Pack::size);
 

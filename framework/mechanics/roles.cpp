@@ -65,6 +65,8 @@ void ProjectiveConstraint::declare(DataTable& table) {
 void ProjectiveConstraint::init() {
   state_ = findState(*this, mstate_);
   refuseOtherRows(*this, *state_, takesAllRows());
+  if (end_time_ >= 0 && end_time_ <= node().root().root_time)
+    warn("no step starts before endTime: the constraint never holds", "endTime=\"-1\" to hold always");
 }
 
 void PositionConstraint::declare(DataTable& table) { declareState(table, mstate_); }

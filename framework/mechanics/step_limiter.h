@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <functional>
 #include <string>
 
 #include "framework/algebra/vector.h"
@@ -37,6 +38,15 @@ class StepLimiter : public HearsSteps {
   virtual void wantStartForces(bool /*wanted*/) {}
   /// After a step to x: what lies in one another, as a sentence, or empty. Exact.
   virtual std::string overlap(ConstRows x) = 0;
+};
+
+/// A force field that moves nodes before the first step, because a run cannot start where they are.
+class PlacesStart {
+ public:
+  virtual ~PlacesStart() = default;
+  /// x: positions of all rows, of which the first `independent` may be moved; `project` takes out of displacements of these what
+  /// is held. Throws ComponentError where there is no such place.
+  virtual void placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) = 0;
 };
 
 /// The role of an integrator that asks.

@@ -41,7 +41,7 @@ std::unique_ptr<System> compileSystem(const SystemMembers& members, Diagnostics&
   try {
     auto system = std::make_unique<System>(members);
     integrator.compile(*system);
-    checkStepLimits(*system);
+    placeStart(*system), checkStepLimits(*system);
     if (startIsGood(*system, diagnostics)) return system;
   } catch (const ComponentError& error) {
     diagnostics.error(integrator.where(), integrator.path(), error.what(), error.expected, error.suggestion);

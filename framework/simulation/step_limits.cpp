@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "framework/mechanics/places_start.h"
 #include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 
@@ -100,7 +99,15 @@ std::string overlapIn(System& system) {
   return found;
 }
 
-void checkStepLimits(System& system) {
+void placeStart(System& system) {
+  for (ForceField* field : system.forceFields())
+    if (auto* places = dynamic_cast<PlacesStart*>(field)) {
+      places->placeStart(system.x, system.independentRows(), [&](Rows ways) { system.constraints().project(ways); });
+      system.mappingChain().positions(system.x);
+    }
+}
+
+void checkStepLimits(const System& system) {
   const auto& lagrangian = system.actors().lagrangian_constraints;
   if (!lagrangian.empty() && !dynamic_cast<const FindsMultipliers*>(&system.integrator()))
     throw ComponentError(fmt::format("{} does not find the forces of the constraint {}", system.integrator().type(),
@@ -123,11 +130,6 @@ void checkStepLimits(System& system) {
                     "through anything",
                     system.actors().position_constraints.front()->path(), path),
         "contact or position constraints, not both");
-  for (ForceField* field : fields)
-    if (auto* places = dynamic_cast<PlacesStart*>(field)) {
-      places->placeStart(system.x, system.independentRows(), [&](Rows ways) { system.constraints().project(ways); });
-      system.mappingChain().positions(system.x);
-    }
   for (ForceField* field : fields)
     if (auto* each = dynamic_cast<StepLimiter*>(field)) each->checkStart(system.x);
 }

@@ -42,7 +42,9 @@ class StepLimits {
 void tellStepBegins(const System& system, ConstRows x, double t, double t_end);
 /// What lies in one another after a step, or empty.
 std::string overlapIn(System& system);
+/// Moves what cannot start where it is (mechanics/step_limiter.h).
+void placeStart(System& system);
 /// Throws ComponentError when an integrator does not ask how far it may step, or something else moves positions too.
-void checkStepLimits(System& system);
+void checkStepLimits(const System& system);
 
 }  // namespace stroma

@@ -2,6 +2,7 @@
 // Adhesion against its closed forms: the tension by the gap, the force that pulls a block off, what it bears along a surface.
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numeric>
 
 #include "components/contact/contact_terms.h"
 #include "framework/mechanics/open_choices.h"
@@ -145,6 +146,9 @@ TEST(Adhesion, HoldsABlockUpToItsStrength) {
     if (share < 1) {
       EXPECT_NEAR(gap, rest, 1e-3 * range);
       EXPECT_NEAR(numbersOf(simulation, "wrenches")[2], mass * g, 0.01 * mass * g);
+      const std::vector<double> pressures = numbersOf(simulation, "pressures"), areas = numbersOf(simulation, "contactAreas");
+      const double pull = std::inner_product(pressures.begin(), pressures.end(), areas.begin(), 0.);
+      EXPECT_NEAR(pull, -mass * g, 0.01 * mass * g) << "a tension, not a pressure";
     } else {
       EXPECT_GT(gap, 1.5 * range) << "it has come off";
       EXPECT_LT(frame.v()[0].z(), -1) << "and falls";

@@ -73,6 +73,28 @@ TEST(StaticFriction, WhatStopsSticks) {
   }
 }
 
+/// A staticFriction that is not given is friction. One that is written and smaller is refused, and 0 is written like any other.
+TEST(StaticFriction, AWrittenZeroIsZero) {
+  for (const char* contact : {"BarrierContact", "PenaltyContact"}) {
+    const auto load = [&](const std::string& coefficients) {
+      const Body box = boxOf(Vec3(0, 0, 0.01), Vec3(1, 1, 1.01));
+      FieldUnderTest t(contactScene(bodyNode("a", box, fmt::format("<{} contactDistance=\"0.02\" planes=\"0 0 1 0\" {}/>", contact,
+                                                                   coefficients))),
+                       contact);
+      return t.field().data().find("staticFriction")->print();
+    };
+    EXPECT_EQ(load("friction=\"0.3\""), "0.3");
+    EXPECT_EQ(load("friction=\"0.3\" staticFriction=\"0.4\""), "0.4");
+    EXPECT_EQ(load("staticFriction=\"0\""), "0");
+    EXPECT_EQ(load(""), "0");
+    for (const char* less : {"0", "0.2"}) {
+      SCOPED_TRACE(less);
+      const std::string problems = problemsIn([&] { load(fmt::format("friction=\"0.3\" staticFriction=\"{}\"", less)); });
+      EXPECT_NE(problems.find(fmt::format("staticFriction is {} and friction 0.3", less)), std::string::npos) << problems;
+    }
+  }
+}
+
 /// In a solve the coefficient stays what it was, so that friction has a potential there: its tangent is the derivative of its force.
 TEST(StaticFriction, HasOnePotentialInASolve) {
   for (const double slip : {0.4, 1.5, 3.0}) {

@@ -59,6 +59,9 @@ TEST(NonUniformHexahedra, EvenStrainsCountTheMeanFactor) {
 
 TEST(NonUniformHexahedra, SaysWhatDoesNotFit) {
   expectContains(problemsOf(cell("partFactors='1 1 1'")), "partFactors has 3 values for 2 cells");
+  const std::string fine = problemsOf(cell(factors(32, [](int, int, int) { return 1; })));  // matrices of 150 MB for each cell
+  expectContains(fine, "partFactors has 65536 values for 2 cells");
+  expectContains(fine, "512 or 4096 for each cell");
   expectContains(problemsOf("<Node name='root'><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology position='0 0 0 1 0 0 1 1 0 0 1 0 "
                             "0 0 1 1 0 1 1 1 1 0 1 1' hexahedra='4 5 6 7 0 1 2 3'/><MechanicalObject/><UniformMass totalMass='1'/>"
                             "<NonUniformHexahedronFEMForceField youngModulus='1' poissonRatio='0.3'/></Node>"),

@@ -236,3 +236,40 @@ TEST(CGLinearSolver, RefusesWhatItDoesNotHave) {
   EXPECT_NE(problemsOf("<Node name=\"root\"><CGLinearSolver iterations=\"0\"/></Node>").find("iterations"),
             std::string::npos);
 }
+
+namespace {
+
+std::string twoBodies(const std::string& bodies, const std::string& tie) {
+  return "<Node name='root'><EulerImplicitSolver/><CGLinearSolver preconditioner='none' bodies='" + bodies +
+         "'/><Node name='a'><MechanicalObject name='dofs' position='0 0 0  1 0 0'/><UniformMass totalMass='1'/>" + tie +
+         "</Node><Node name='b'><MechanicalObject name='dofs' position='0 0 0  1 0 0'/><UniformMass totalMass='3'/></Node></Node>";
+}
+
+}  // namespace
+
+TEST(CGLinearSolver, BodiesAreThereAndApart) {
+  EXPECT_EQ(problemsOf(twoBodies("/a /b", "")), "");
+  expectContains(problemsOf(twoBodies("/a /nope", "")), "no node /nope with a mechanical state");
+  expectContains(problemsOf(twoBodies("/a /c", "<Node name='c'/>")), "no node /c with a mechanical state");
+  expectContains(problemsOf(twoBodies("/a /a", "")), "/a is there twice");
+  const std::string inner = "<Node name='c'><MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/></Node>";
+  expectContains(problemsOf(twoBodies("/a /a/c", inner)), "/a/c is within /a");
+}
+
+TEST(CGLinearSolver, RefusesToSolveTiedBodiesApart) {
+  const std::string spring = "<SpringForceField object1='@/a/dofs' object2='@/b/dofs' spring='0 1 1e5 0 0.5'/>";
+  for (const auto& [bodies, tie] : std::vector<std::pair<std::string, std::string>>{{"/a", ""}, {"/a", spring}, {"/a /b", spring}}) {
+    SCOPED_TRACE(bodies + " " + tie);
+    Simulation simulation = simulationFromText(twoBodies(bodies, tie));
+    std::string said;
+    try {
+      simulation.step();
+    } catch (const ComponentError& error) {
+      said = error.what();
+    }
+    if (tie.empty())
+      EXPECT_EQ(said, "");
+    else
+      expectContains(said, "something ties node 0 of /a/dofs to node 1 of /b/dofs");
+  }
+}
