@@ -5,7 +5,7 @@
 //
 // A rigid frame has six: x, y and z of its centre, and of its turn about fixed axes. Of nodes that are numbers there is one
 // for each. The components of the velocity along the held axes do not change; projectVelocity sets them to zero. Two constraints
-// on one node leave it the directions that both leave free. After `endTime` the nodes are free.
+// on one node leave it the directions that both leave free. From `endTime` on the nodes are free.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

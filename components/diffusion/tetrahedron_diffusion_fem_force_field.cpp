@@ -78,6 +78,7 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
       throw ComponentError(
           fmt::format("tetrahedronDiffusionCoefficient has {} values for {} tetrahedra", coefficients_.size(), cells_.size()),
           fmt::format("none, one or {}", cells_.size()));
+    for (std::size_t e = 0; e < cells_.size(); ++e) edgesOf(e);
   }
 
   ForceTraits traits() const override {
@@ -118,7 +119,12 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
 
  private:
   const State* placesOfNodes() const {
-    if (places_.get()) return places_.get();
+    if (State* given = places_.get()) {
+      given->ensureReady();
+      if (given->hasPointsOnly()) return given;
+      throw ComponentError(fmt::format("mechanicalObject: the nodes of {} are no points", given->path()),
+                           "a state of template Vec3");
+    }
     for (const Node* above = node().parent(); above; above = above->parent())
       for (const auto& component : above->components()) {
         auto* found = dynamic_cast<State*>(component.get());
@@ -131,12 +137,19 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
   }
   double entry(std::size_t e, int a, int b) const { return stiffness_[e].blocks[std::size_t(4 * a + b)](0, 0); }
   double valueOf(std::size_t e, int corner, ConstRows x) const { return Vec3(x[rows_[e][std::size_t(corner)]])[0]; }
-  void assemble(std::size_t e) {
+  /// Those at corner 0, at rest. Throws where the cell has no volume.
+  Mat3 edgesOf(std::size_t e) const {
     const auto at = [&](int corner) -> const Vec3& { return (*rest_)[std::size_t(cells_[e][std::size_t(corner)])]; };
     Mat3 edges;
     for (int c = 0; c < 3; ++c) edges.col(c) = at(c + 1) - at(0);
     const double volume = edges.determinant() / 6;
-    if (!(volume > 0)) throw ComponentError(fmt::format("tetrahedron {} has a volume of {:.3g} m^3 at rest", e, volume));
+    if (!(volume > 0))
+      throw ComponentError(fmt::format("tetrahedron {} has a volume of {:.3g} m^3 at rest", e, volume), "one above 0");
+    return edges;
+  }
+  void assemble(std::size_t e) {
+    const Mat3 edges = edgesOf(e);
+    const double volume = edges.determinant() / 6;
     const Mat3 inverse = edges.inverse();
     std::array<Vec3, 4> g;
     for (int c = 0; c < 3; ++c) g[std::size_t(c + 1)] = inverse.row(c).transpose();

@@ -149,12 +149,10 @@ class CenterOfMassMapping final : public WeightedMapping {
 
   void init() override {
     WeightedMapping::init();
-    bool are_places = output().kindOf(0) == RowKind::place;
     std::vector<Weight> weights;
     double total = 0;
     for (std::size_t s = 0; s < inputs().size(); ++s) {
       const State& parent = *inputs()[s];
-      are_places = are_places && parent.kindOf(0) == RowKind::place;
       const std::vector<double> masses = massesOf(parent);
       const std::vector<Index> nodes = allNodes(parent);
       for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -162,9 +160,7 @@ class CenterOfMassMapping final : public WeightedMapping {
         if (masses[i] > 0) weights.push_back({nodes[i], masses[i], int(s)});
       }
     }
-    if (output().nodes() != 1 || output().rows_per_node != 1 || !are_places)
-      throw ComponentError(fmt::format("{} has {} nodes", output().path(), output().nodes()),
-                           "one point, the middle of points or frames");
+    checkKinds();
     for (Weight& weight : weights) weight.value /= total;
     addNode(weights);
   }
@@ -173,6 +169,16 @@ class CenterOfMassMapping final : public WeightedMapping {
   bool takesManyInputs() const override { return of_several; }
 
  private:
+  void checkKinds() const {
+    const std::string expected = "one point, the middle of points or frames";
+    const auto refuseNumbers = [&](const State& state) {
+      if (state.kindOf(0) != RowKind::place) throw ComponentError(fmt::format("{} is of numbers", state.path()), expected);
+    };
+    refuseNumbers(output());
+    for (const State* parent : inputs()) refuseNumbers(*parent);
+    if (output().rows_per_node != 1) throw ComponentError(fmt::format("{} is of frames", output().path()), expected);
+    if (output().nodes() != 1) throw ComponentError(fmt::format("{} has {} nodes", output().path(), output().nodes()), expected);
+  }
   static std::vector<double> massesOf(const State& parent) {
     std::vector<Mass*> masses;
     parent.node().root().collect(masses);

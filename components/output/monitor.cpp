@@ -9,8 +9,9 @@
 // that read back to the same bits. To plot the height of the first node: `plot "tip_x.txt" using 1:3 with lines`.
 //
 // `attributes` are words `component.attribute` or `label=component.attribute`, of a component of this node or above, or at a path:
-// contact.wrenches, @/body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt: of lists with a
-// value for each node those of the chosen ones, of others all numbers. Lines begin when there is something.
+// contact.wrenches, /body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt: of lists with a
+// value for each node those of the chosen ones, of others all numbers. Lines begin when there is something. States have none: their
+// attributes are what they start with.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -199,6 +200,9 @@ void Monitor::watch(const std::string& word) {
   const Component* owner = componentAt(path);
   if (!owner)
     throw ComponentError(fmt::format("attributes: there is no component '{}'", path), "a name in this node or above, or a path");
+  if (dynamic_cast<const State*>(owner))
+    throw ComponentError(fmt::format("attributes: {} is a state, whose attributes are what it starts with", owner->path()),
+                         "ExportPositions, ExportVelocities or ExportForces, of another state with mstate=\"@path\"");
   const Data* data = owner->data().find(attribute);
   if (!data)
     throw ComponentError(fmt::format("attributes: {} has no '{}'", owner->path(), attribute), "an attribute that it computes",

@@ -86,6 +86,10 @@ class MeshSampler final : public Engine {
       if (moved == chosen) break;
       chosen = moved;
     }
+    if (chosen.empty()) throw ComponentError("all nodes lie where a fixed point is", "nodes in other places");
+    if (chosen.size() < std::size_t(number_))
+      warn(fmt::format("{} of {} nodes were found: all others lie where one is chosen or fixed", chosen.size(), number_),
+           "a smaller number");
     indices_.assign(chosen.begin(), chosen.end());
     chosen_.clear();
     for (const std::size_t node : chosen) chosen_.push_back(position_[node]);
@@ -121,6 +125,7 @@ class MeshSampler final : public Engine {
         reach(std::size_t(next), distance + (position_[std::size_t(next)] - position_[node]).norm());
     }
   }
+  /// At most `number`: none lies where another one or a fixed one is.
   std::vector<std::size_t> farthest(const std::vector<std::size_t>& fixed) const {
     std::vector<double> way(position_.size(), far);
     std::vector<std::size_t> owner(position_.size(), 0), chosen;
@@ -128,6 +133,7 @@ class MeshSampler final : public Engine {
     while (chosen.size() < std::size_t(number_)) {
       const bool is_first = fixed.empty() && chosen.empty();
       const std::size_t next = is_first ? 0 : std::size_t(std::max_element(way.begin(), way.end()) - way.begin());
+      if (way[next] == 0) break;
       chosen.push_back(next);
       spread(next, 0, way, owner);
     }

@@ -75,7 +75,7 @@ class SparseGridTopology : public Topology {
     table.add("partLevels", part_levels_)
         .help("into how many parts partFactors divides a cell: 2 to this power along each axis")
         .min(0)
-        .max(6);
+        .max(4);
     table.add("onlyInsideCells", only_inside_).help("no cells on the border");
     table.add("fillWeighted", weighted_).help("cells on the border have a factor below 1");
     addCellList(table, cell_kinds::hexahedron, mesh_.hexahedra).help("the cells").output();
@@ -123,9 +123,13 @@ class SparseGridTopology : public Topology {
       n_[a] = int(std::min(by_width, 1e9));
     }
     const double most = 1e7, most_with_finer = splitsCells() ? 2e7 : 2e8;  // each of those that are split takes 40 bytes
-    if (nodes > most || nodes * std::pow(8., finer_) > most_with_finer || nodes * std::pow(8., part_levels_) > most)
-      throw ComponentError("the grid has too many cells",
-                           fmt::format("at most {:g}, and {:g} with those of finer levels", most, most_with_finer));
+    const auto check = [](double count, double limit, const std::string& of_what) {
+      if (count > limit)
+        throw ComponentError(fmt::format("the grid has too many {}: {:.3g}", of_what, count), fmt::format("at most {:g}", limit));
+    };
+    check(nodes, most, "cells");
+    check(nodes * std::pow(8., finer_), most_with_finer, fmt::format("cells of nbVirtualFinerLevels=\"{}\"", finer_));
+    check(nodes * std::pow(8., part_levels_), most, fmt::format("parts of cells of partLevels=\"{}\"", part_levels_));
   }
 
   /// A cell of the grid, or a copy of it.

@@ -55,6 +55,9 @@ void PointFields::add(const std::string& word, const Component& exporter, vtkPoi
 }
 
 void PointFields::addAttribute(const Component& owner, const std::string& name, const std::string& label, vtkPointData& data) {
+  if (dynamic_cast<const State*>(&owner))  // its attributes are the start, not where its nodes are
+    throw ComponentError(fmt::format("pointsDataFields: {} is not of the state that is exported", owner.path()),
+                         fmt::format("fields of {}, or an exporter in the node of {}", state_->path(), owner.path()));
   const Data* found = owner.data().find(name);
   if (!found)
     throw ComponentError(fmt::format("pointsDataFields: {} has no attribute '{}'", owner.path(), name),

@@ -14,7 +14,7 @@
 //
 // Fields are words `what` or `label=what`. pointsDataFields: position, restPosition, displacement, velocity, force (or
 // `state.velocity`), of frames also angularVelocity and torque, and what another component has for each node, `contact.pressures` or
-// `pull=@../contact.contactForces`. cellsDataFields: a cell field of a force field of the same
+// `pull=@../contact.contactForces`; not those of another state. cellsDataFields: a cell field of a force field of the same
 // node, `vonMises` or `fem.vonMises`, or of another one, `liver=@../body/fem.vonMises`; cells that the force field does
 // not have get NaN. Tensors (`stress`, Cauchy's, and `strain`) have six numbers per cell: xx yy zz xy yz zx, which ParaView
 // takes for a symmetric tensor. `principalStress` and `principalStrain` have three, the largest first.

@@ -40,6 +40,16 @@ TEST(FixedProjectiveConstraint, AStepFromItsEndIsFree) {
   }
 }
 
+TEST(FixedProjectiveConstraint, ThatNeverHoldsIsTold) {
+  const auto told = [](const std::string& end) {
+    const std::string held = "<PartialFixedProjectiveConstraint indices='1' endTime='" + end + "'/>";
+    Simulation simulation(sceneFromText(fourNodes(held)));
+    return simulation.diagnostics().text();
+  };
+  expectContains(told("0"), "/PartialFixedProjectiveConstraint: no step starts before endTime");
+  for (const char* end : {"-1", "0.005"}) EXPECT_EQ(told(end).find("endTime"), std::string::npos);
+}
+
 TEST(PartialFixedProjectiveConstraint, HoldsDirections) {
   Simulation simulation(sceneFromText(
       fourNodes("<PartialFixedProjectiveConstraint indices='2' fixedDirections='1 0 1' projectVelocity='true'/>")));

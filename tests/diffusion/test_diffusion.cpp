@@ -81,6 +81,23 @@ TEST(TetrahedronDiffusion, SaysWhatDoesNotFit) {
                             "0 1 0 0 0 1' tetrahedra='0 1 2 3'/><MechanicalObject/><UniformMass totalMass='1'/>"
                             "<TetrahedronDiffusionFEMForceField/></Node>"),
                  "are no single numbers");
+  // places that are no points, and a cell without volume: told of this component, before anything runs
+  const auto lies = [](const std::string& places, const std::string& link) {
+    return problemsOf("<Node name='root'><TetrahedronSetTopologyContainer name='cells' position='0 0 0  1 0 0  0 1 0  0 0 1' "
+                      "tetrahedra='0 1 2 3'/><MechanicalObject name='places' " + places + "/><Node name='heat'>"
+                      "<EulerImplicitSolver firstOrder='true'/><SparseLDLSolver/><MechanicalObject name='T' template='Vec1' "
+                      "position='1 0 0 0'/><UniformMass vertexMass='1'/><TetrahedronDiffusionFEMForceField name='spread' "
+                      "topology='@../cells' constantDiffusionCoefficient='1' mechanicalObject='" + link + "'/></Node></Node>");
+  };
+  const std::string points = "position='0 0 0  1 0 0  0 1 0  0 0 1'";
+  EXPECT_EQ(lies(points, "@../places"), "");
+  const std::string frames = lies("template='Rigid3' position='0 0 0 0 0 0 1  1 0 0 0 0 0 1  0 1 0 0 0 0 1  0 0 1 0 0 0 1'", "@../places");
+  expectContains(frames, "/heat/spread");
+  expectContains(frames, "the nodes of /places are no points");
+  expectContains(lies(points, "@T"), "the nodes of /heat/T are no points");
+  const std::string inverted = lies("position='0 0 0  0 1 0  1 0 0  0 0 1'", "@../places");
+  expectContains(inverted, "/heat/spread");
+  expectContains(inverted, "tetrahedron 0 has a volume of -0.167");
 }
 
 }  // namespace

@@ -72,8 +72,9 @@ std::pair<std::size_t, std::size_t> bytesToLoadAndToChange(const std::string& el
 TEST(LiveEdit, OfYoungsModulusMakesNoElementsAnew) {
   for (const std::string method : {"method=\"large\"", "method=\"svd\" poissonRatio=\"0.49\"", "method=\"small\""}) {
     SCOPED_TRACE(method);
+    bytesToLoadAndToChange("TetrahedronFEMForceField", method);  // modules are opened once for all tests
     const auto [load, change] = bytesToLoadAndToChange("TetrahedronFEMForceField", method);
-    EXPECT_GT(load, 5120u * 500);
+    EXPECT_GT(load, 5120u * 300) << "bytes of elements are not counted, of which a change makes less than half";
     EXPECT_LT(change, 5120u * 150);
   }
 }

@@ -155,6 +155,10 @@ TEST_F(Output, MonitorWritesWhatOtherComponentsCompute) {
   expectContains(problemsOf(body("contact.pressures contact.pressures")), "two files would be");
   expectContains(problemsOf(body("contact.planes pressures")), "names no attribute");
   expectContains(problemsOf(body("contact.mstate")), "numbers or vectors");
+  EXPECT_EQ(problemsOf(body("/contact.pressures")), "");
+  // attributes of a state are what it starts with
+  expectContains(problemsOf(body("MechanicalObject.position")), "is a state, whose attributes are what it starts with");
+  expectContains(problemsOf(body("v2=/MechanicalObject.velocity")), "ExportPositions, ExportVelocities or ExportForces");
 }
 
 /// Particles tell no units; what the scene declares is written.

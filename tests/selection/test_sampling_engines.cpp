@@ -41,6 +41,20 @@ TEST(SamplingEngines, NodesFarFromEachOther) {
   expectContains(problemsOf("<Node name='root'><MeshSampler position='0 0 0' edges='0 1'/></Node>"), "names node 1");
 }
 
+/// No node twice, and none where a fixed one is.
+TEST(SamplingEngines, NoNodeIsChosenTwice) {
+  const std::string three = "<MeshSampler name='e' position='0 0 0  2 0 0  1 0 0' fixedPosition='0 0 0' number='{}'/>";
+  const auto chosen = [](const Scene& scene) { return made<std::vector<int>>(scene, "outputIndices"); };
+  const Scene too_many = engine(fmt::format(fmt::runtime(three), 3)), both = engine(fmt::format(fmt::runtime(three), 2));
+  EXPECT_EQ(chosen(too_many), (std::vector<int>{1, 2}));
+  expectContains(too_many.diagnostics.text(), "2 of 3 nodes were found");
+  EXPECT_EQ(chosen(both), (std::vector<int>{1, 2}));
+  EXPECT_EQ(both.diagnostics.text().find("were found"), std::string::npos);
+  EXPECT_EQ(chosen(engine("<MeshSampler name='e' position='1 0 0  1 0 0' number='2'/>")), std::vector<int>{0});
+  expectContains(problemsOf("<Node name='root'><MeshSampler position='1 0 0' fixedPosition='0 0 0' number='1'/></Node>"),
+                 "all nodes lie where a fixed point is");
+}
+
 /// In the tetrahedron of the unit vectors x + y + z < 1.
 TEST(SamplingEngines, PointsLieInTheSurfaceAndApart) {
   const std::string scene = "<RandomPointDistributionInSurface name='e' vertices='0 0 0  1 0 0  0 1 0  0 0 1' "

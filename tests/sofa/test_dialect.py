@@ -403,6 +403,13 @@ def quirk_split_quads():
     expected = euler(X, np.eye(4), together(gravity(np.ones(4), [0, -10, 0]), held, halves_of_quads([(0, 1, 2, 3)], 60)), 20, 0.01)
     agree(Run(scene, 20).x(), expected, 1e-9)
     differ(Run(scene, 20, args=["--without-quirk", "split-quads"]).x(), expected, 1e-3)
+    # where the way makes no difference it is not said to make one
+    for mesh, quads in (('MeshTopology position="0 0 0  1 0 0  1 1 0  0 1 0" triangles="0 1 2  0 2 3"', False),
+                        ('TriangleSetTopologyContainer position="0 0 0  1 0 0  1 1 0  0 1 0" triangles="0 1 2  0 2 3"', False),
+                        ('RegularGridTopology n="2 2 1" min="0 0 0" max="1 1 0"', True)):
+        run = Run(root(EXACT + f'<{mesh}/><MechanicalObject name="dofs"/><UniformMass totalMass="4"/><SurfacePressureForceField '
+                       'pressure="60"/>'), 1)
+        assert run.code == 0 and ("split-quads" in run.text) == quads, run.text
 
 
 @case
@@ -440,6 +447,21 @@ def lists_that_a_grid_has_not():
     run = Run(root(EXACT + grid + roi), 10)
     agree(run.x()[:, 1], [0, fallen(10), 1, 1 + fallen(10)] * 2)
     run.says("leads to a list that is empty in SOFA")
+    # lists that SOFA fills: the edges of a sparse grid, and what a file holds
+    surface = ('<MeshTopology name="surface" position="0 0 0  1 0 0  0 1 0  0 0 1" triangles="0 2 1  0 1 3  1 2 3  2 0 3"/>'
+               '<SparseGridTopology name="grid" n="3 3 3" position="@surface.position" triangles="@surface.triangles"/>')
+    net = ('<MechanicalObject name="dofs" position="@grid.position"/><UniformMass totalMass="1"/><MeshTopology name="net" '
+           'position="@grid.position" edges="@grid.edges"/><MeshSpringForceField topology="@net" stiffness="100"/>')
+    run = Run(root(EXACT + surface + net), 1)
+    run.fails(2, "/net.edges")
+    assert "is empty in SOFA" not in run.text, run.text
+    mesh = ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n7\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 0 1 1\n7 0 0 2\n$EndNodes\n"
+            "$Elements\n2\n1 6 2 0 1 1 2 3 4 5 6\n2 4 2 0 1 4 5 6 7\n$EndElements\n")
+    read = ('<MeshGmshLoader name="loader" filename="prism.msh"/><MeshTopology position="@loader.position" tetrahedra="@loader.tetrahedra" '
+            'prisms="@loader.prisms"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>')
+    run = Run(root(EXACT + read), 1, {"prism.msh": mesh})
+    run.fails(2, "prisms")
+    assert "is empty in SOFA" not in run.text, run.text
 
 
 TRIANGLES = [(0, 1, 2), (1, 3, 2)]
@@ -1082,6 +1104,15 @@ def files_of_masses_and_springs():
     run = Run(root(EXACT + written), 1, files=files)
     agree(run.x("c.c"), [[1, 2, 7], [6, 2, 3]])
     run.says("reads points of a file")
+    # what a file replaces is said, and a file without what is read of it replaces nothing
+    both = ('<MechanicalObject name="dofs" filename="net.xs3" position="7 7 7"/><DiagonalMass fileMass="net.xs3" vertexMass="5"/>'
+            '<FixedConstraint indices="0 1 2"/>')
+    run = Run(root(EXACT + both), 1, files=files)
+    agree(run.x(), [[0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    run.says("/dofs.position: is read of a file too", "vertexMass: is read of a file too")
+    Run(root(EXACT + both), 1, files={"net.xs3": "Xsp 3.0\nnumm 0\nnums 0\n"}).fails(
+        2, "/dofs.filename: net.xs3 has no line mass", "fileMass: net.xs3 has no line mass")
+    Run(root(EXACT + balls.format("two.sph", "")), 1, files={"two.sph": "sph 1.0\n"}).fails(2, "two.sph has no line sphe")
 
 
 @case
@@ -1391,6 +1422,14 @@ def cells_that_are_filled_unevenly():
     alone = Run(scene('useMass="0"').replace("<FixedC", '<UniformMass totalMass="5"/><FixedC'), 20, {"box.off": off})
     agree(alone.x(), euler(nodes, np.eye(8) * 5 / 8, together(gravity(np.full(8, 5 / 8), [0, -10, 0]), field), 20, 0.01, held=[0, 1]), 1e-9)
     Run(scene("", 3), 1, {"box.off": off}).says("has 2 finer levels")
+    finer = scene("", 5).replace('nbVirtualFinerLevels="2"', 'nbVirtualFinerLevels="5"')
+    Run(finer, 1, {"box.off": off}).says("parts of 4 levels are taken")
+    # the parts of a grid are counted once
+    second = '<NonUniformHexahedronFEMForceFieldAndMass name="second" density="1" useMass="0" nbVirtualFinerLevels="{}"/><FixedC'
+    run = Run(scene("").replace("<FixedC", second.format(1)), 1, {"box.off": off})
+    assert run.code == 0, run.text
+    run.says("/second.nbVirtualFinerLevels: is 1, and another field on /grid asks for 2")
+    assert "asks for" not in Run(scene("").replace("<FixedC", second.format(2)), 1, {"box.off": off}).text
 
 
 @case
@@ -1448,6 +1487,19 @@ def movements_in_parts():
                      f'imposedDisplacmentOnMacroNodes="{" ".join(map(str, shares))}" mainIndice="0" minDepIndice="0" maxDepIndice="3"/>')
         agree(Run(scene, 3).x(), places + np.outer(s, [4, 0, 8]) / 2)
     Run(scene.replace("imposedDisplacmentOnMacroNodes", "imposed"), 1).fails(2, "linearMovementBetweenNodesInIndices")
+    # of a link there are no numbers, and the whole movement is another
+    link = ('<RegularGridTopology name="g" n="2 2 2" min="0 0 0" max="1 1 1"/><ValuesFromPositions name="values" position="@g.position" '
+            'inputValues="1 3" direction="0 1 0"/>')
+    Run(scene.replace('"1 0 2 5 3 1 4 2"', '"@values.values"').replace("</Node>", link + "</Node>"), 1).fails(
+        2, "linearMovementBetweenNodesInIndices", "not available")
+    Run(scene.replace('X0="2"', 'X0="@g.radius"'), 1).fails(2, "linearMovementBetweenNodesInIndices", "not available")
+    for given in ("1 2 3", "1 2 3 4"):
+        run = Run(scene.replace('"1 0 2 5 3 1 4 2"', f'"{given}"'), 1)
+        run.fails(2, f"imposedDisplacmentOnMacroNodes: has {len(given.split())} numbers", "eight")
+        assert "cornerShares" not in run.text, run.text
+    run = Run(scene.replace('X0="2"', 'X0="-2"'), 1)
+    run.fails(2, "X0, Y0 and Z0 are no size of a box")
+    assert "cornerBox" not in run.text, run.text
 
 
 @case
@@ -1485,6 +1537,9 @@ def a_common_centre_of_mass():
         agree(run.x("centre.dofs"), [[7 / 5, 3, rise]])
         agree(run.x("points.dofs"), [[0, 0, rise], [4, 0, rise]])
         agree(run.x("frames.dofs", 7 if kind == "Rigid3d" else 3)[:, :3], [[1, 5, rise]])
+    frame = child.replace('position="0 0 0"', 'template="Rigid3d" position="0 0 0 0 0 0 1"').replace('forces="0 0 20"', 'forces="0 0 20 0 0 0"')
+    Run(root(EXACT + point + other.format("Rigid3d", "1 5 0 0 0 0 1", "3 1 [1 0 0 0 1 0 0 0 1]") + frame.format(mapping)), 1).fails(
+        2, "/centre/dofs is of frames")
 
 
 @case
@@ -2660,6 +2715,22 @@ def systems_of_which_a_solver_takes_one():
     both = '<CompositeLinearSystem name="both" linearSystems="@part @all" solverLinearSystem="@{}"/>'
     falls(Run(root(EXACT.replace("<SparseLDLSolver/>", '<SparseLDLSolver linearSystem="@both"/>') + body + both.format("all")), 10))
     Run(root(EXACT + body + both.format("part")), 1).fails(2, "a matrix without a part of it")
+
+
+@case
+def switches_of_a_matrix_in_a_node_of_its_own():
+    """What acts is asked where the solver is that has the matrix, and of all where there is none."""
+    matrix = '<Node name="lin"><MatrixLinearSystem name="system" {}/></Node>'
+    solver = '<EulerImplicitSolver/><SparseLDLSolver linearSystem="@{}lin/system"/>'
+    held = '<FixedProjectiveConstraint indices="0"/>'
+    follows = '<Node name="child"><MechanicalObject name="child"/><IdentityMapping/></Node>'
+    for switch, acting in (('applyProjectiveConstraints="false"', held), ('applyMappedComponents="false"', follows)):
+        falls(Run(root(solver.format("") + matrix.format(switch) + BODY), 10))
+        Run(root(solver.format("") + matrix.format(switch) + BODY + acting), 1).fails(2, "a matrix without a part of it")
+        body = "<Node name=\"body\">" + solver.format("/") + BODY + "{}</Node>"
+        Run(root(matrix.format(switch) + body.format(acting)), 1).fails(2, "a matrix without a part of it")
+        beside = '<Node name="lin">' + EXACT + matrix.format(switch)[len('<Node name="lin">'):]
+        Run(root(beside + body.format(acting)), 1).fails(2, "a matrix without a part of it")
 
 
 @case

@@ -164,7 +164,8 @@ class Run {
     std::uniform_real_distribution<double> uniform(0, 1);
     const Vec3 low = box_.min(), extent = box_.sizes(), centre = box_.center();
     for (std::size_t i = 0; i < target_.size(); ++i) {
-      const Vec3 p = s.x[Index(i)], noise(uniform(random), uniform(random), uniform(random));
+      const double z = uniform(random), y = uniform(random), x = uniform(random);  // in this order with every compiler
+      const Vec3 p = s.x[Index(i)], noise(x, y, z);
       Vec3 to = p;
       // an exact mirror image may balance on a saddle, which round-off alone would have to leave
       if (condition_.shape == "inverted") to = Vec3(2 * centre.x() - p.x(), p.y(), p.z()) + 1e-6 * size_ * noise;

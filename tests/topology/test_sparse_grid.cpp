@@ -120,6 +120,16 @@ TEST(SparseGrid, CountsWhatItsPartsHold) {
   }
   expectContains(problemsOf("<Node name='root'><SparseGridTopology n='2 2 2' partLevels='1' position='0 0 0' triangles='0 0 0'/></Node>"),
                  "partLevels is 1");
+  const auto told = [](const std::string& size) {
+    return problemsOf("<Node name='root'><SparseGridTopology " + size +
+                      " position='0 0 0  1 0 0  0 1 0  0 0 1' triangles='0 2 1  0 1 3'/></Node>");
+  };
+  expectContains(told("n='2 2 2' nbVirtualFinerLevels='6' partLevels='5'"), "partLevels");
+  expectContains(told("n='300 300 300'"), "too many cells: 2.7e+07");
+  expectContains(told("n='20 20 20' nbVirtualFinerLevels='5'"), "too many cells of nbVirtualFinerLevels=\"5\": 2.62e+08");
+  const std::string parts = told("n='20 20 20' nbVirtualFinerLevels='4' partLevels='4'");
+  expectContains(parts, "too many parts of cells of partLevels=\"4\": 3.28e+07");
+  expectContains(parts, "at most 1e+07");
 }
 
 // ---- balls ----

@@ -329,5 +329,18 @@ TEST_F(Exporter, AttributesOfOtherComponentsComeBack) {
   expectContains(problemsOf(scene("contact.stiffness")), "a list of numbers or of vectors");
 }
 
+/// The attributes of a state are what it starts with: those of another one would stay as they are for ever.
+TEST_F(Exporter, AttributesOfOtherStatesAreRefused) {
+  const auto told = [this](const std::string& words) {
+    return problemsOf("<Node name='root'><EulerExplicitSolver/><MechanicalObject name='other' position='0 0 0  1 0 0'/>"
+                      "<UniformMass totalMass='1'/><Node name='body'><MeshTopology position='0 0 0  1 0 0' edges='0 1'/>"
+                      "<MechanicalObject name='own'/><IdentityMapping/>" +
+                      exporter("pointsDataFields=\"" + words + "\"") + "</Node></Node>");
+  };
+  EXPECT_EQ(told("own.velocity"), "");
+  for (const char* words : {"other.velocity", "where=/other.position"})
+    expectContains(told(words), "pointsDataFields: /other is not of the state that is exported");
+}
+
 }  // namespace
 }  // namespace stroma::test

@@ -211,7 +211,7 @@ void Rewriting::acceptTypes() {
     const bool is_part = element.is("MatrixLinearSystem") && isOneOfSeveral(element);
     for (const char* name : {"assembleStiffness", "assembleMass", "assembleDamping", "assembleGeometricStiffness",
                              "applyProjectiveConstraints", "applyMappedComponents"})
-      if (saysNo(element.text(name)) && !is_part && !isIdleSwitch(name, *element.place))
+      if (saysNo(element.text(name)) && !is_part && !isIdleSwitch(name, element))
         diagnostics_.error(element.find(name)->where, element.path() + "." + name,
                            "a matrix without a part of it cannot be assembled here", "true");
     element.without_effect = element.dropped = true;

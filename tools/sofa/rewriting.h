@@ -90,6 +90,7 @@ class Rewriting {
   void meanSprings(Element& element);
   void meanMembrane(Element& element);
   void meanLoads(Element& element);
+  bool mayLoadQuads(const Element& load) const;
   void meanConstantForce(Element& load);
   void meanPlane(Element& plane);
   void includeLast(Element& element);
@@ -115,6 +116,7 @@ class Rewriting {
   // ---- rewritten_files.cpp ----
   void readOwnFile(Element& element);
   void takeOfFile(Element& element, const std::string& numbers);
+  void replaceByFile(Element& element, const std::string& attribute, const std::string& numbers);
 
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
@@ -130,11 +132,12 @@ class Rewriting {
   void meanNewton(Element& newton);
   void warnOfAccepted(const Element& element);
   void takeFriction(Element& response);
+  bool isIdleSwitch(std::string_view name, const Element& system) const;
 
   // ---- rewritten_times.cpp ----
   double timeStep() const;
   void meanTimes(Element& element);
-  static void shareMovement(Element& constraint);
+  void shareMovement(Element& constraint);
 
   /// Unless the scene writes it.
   void setDefault(Element& element, const std::string& attribute, const std::string& value);
@@ -155,8 +158,6 @@ class Rewriting {
   std::unique_ptr<SceneTree> tree_;
 };
 
-/// A switch of a matrix, for parts that the place has none of.
-bool isIdleSwitch(std::string_view name, const Place& place);
 /// The loader of a file of meshes by its ending, or empty.
 std::string_view loaderOf(std::string_view file);
 /// The numbers of a list that is written out; of a link none.

@@ -185,6 +185,27 @@ void Rewriting::meanPlane(Element& plane) {
                           printReal(length * length));
 }
 
+/// Whether quads may be among the faces of a load: not on a mesh of triangles alone. What a file holds is not known here.
+bool Rewriting::mayLoadQuads(const Element& load) const {
+  const Element* mesh = meshOf(load);
+  if (!mesh || !mesh->probe || !trimmed(load.text("quadIndices")).empty()) return true;
+  bool is_source = false;  // of cells that are not named
+  const DataTable& table = mesh->probe->data();
+  for (const AttributeDescription& attribute : mesh->written->attributes) {
+    const Data* data = table.find(attribute.name);
+    const bool is_given = attribute.typed || !trimmed(attribute.value).empty();
+    if (is_given && data && (data == table.find("quads") || data == table.find("hexahedra"))) return true;
+    is_source = is_source || isAnyOf(attribute.name, {"src", "filename", "fileTopology"});
+  }
+  if (isAnyOf(mesh->written->type, {"TriangleSetTopologyContainer", "TetrahedronSetTopologyContainer"})) return false;
+  tree_->forEach([&](Element& element) {
+    const std::string link = element.role() == "topological mapping" ? element.text("output") : "@/";
+    const LinkTarget output = link.empty() ? LinkTarget{nullptr, element.place, {}} : tree_->follow(element, link, false);
+    is_source = is_source || output.element == mesh || (link != "@/" && !output.element && output.place == mesh->place);
+  });
+  return is_source || !mesh->is("MeshTopology");
+}
+
 void Rewriting::meanLoads(Element& element) {
   const std::string& type = element.written->type;
   for (const char* name : {"activeDirections", "initialLength", "zeroLength"})
@@ -218,7 +239,7 @@ void Rewriting::meanLoads(Element& element) {
   if (type == "SurfacePressureForceField" && element.find("mainDirection"))
     warn(element.written->where, element, "mainDirection", "weighs by the normals at rest: SOFA does by those of the moment");
   if (type == "SurfacePressureForceField") {
-    setQuirk(element, "split-quads", "quads", "halves");
+    if (mayLoadQuads(element)) setQuirk(element, "split-quads", "quads", "halves");
     Element* integrator = element.place->nearest("integrator");
     Element* solver = integrator ? integrator->place->firstOf("linear solver") : nullptr;
     if (solver && solver->is("CGLinearSolver") && quirks_.isOn("cg-threshold")) setDefault(element, "tangent", "exact");

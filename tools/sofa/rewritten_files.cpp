@@ -59,6 +59,8 @@ void Rewriting::readOwnFile(Element& element) {
                                 path.empty() ? "the file " + inQuotes(name) + " is not found"
                                              : name + " has a line " + reading.line + " with too few numbers",
                                 "", path.empty() ? searchedText(searched) : "");
+    if (lines.empty() && !element.is("SpringForceField"))  // a field may have no springs
+      return diagnostics_.error(where, element.path() + "." + attribute, name + " has no line " + reading.line);
     std::string text;
     for (const std::vector<double>& numbers : lines)
       for (std::size_t i = std::size_t(reading.taken - reading.kept); i < numbers.size(); ++i) {
@@ -69,10 +71,16 @@ void Rewriting::readOwnFile(Element& element) {
   }
 }
 
+void Rewriting::replaceByFile(Element& element, const std::string& attribute, const std::string& numbers) {
+  if (const AttributeDescription* written = element.find(attribute))
+    warn(written->where, element, attribute, "is read of a file too: that counts, and what is written does not");
+  element.set(attribute, numbers);
+}
+
 void Rewriting::takeOfFile(Element& element, const std::string& numbers) {
-  if (element.is("DiagonalMass")) return element.set("vertexMass", numbers);
-  if (element.is("MechanicalObject")) return element.set("position", numbers);
-  if (element.is("SphereCollisionModel")) return element.set("listRadius", numbers);
+  if (element.is("DiagonalMass")) return replaceByFile(element, "vertexMass", numbers);
+  if (element.is("MechanicalObject")) return replaceByFile(element, "position", numbers);
+  if (element.is("SphereCollisionModel")) return replaceByFile(element, "listRadius", numbers);
   if (element.is("SpringForceField")) return element.set("spring", element.text("spring") + " " + numbers);
   Element* points = element.place->firstOf("mechanical state");  // places in the axes of the frame
   if (!points)

@@ -12,12 +12,14 @@ namespace stroma::sofa {
 
 namespace {
 
-/// Cells that SOFA's mesh has a list for and the one here has not, such as tetrahedra of a grid: that list is empty there.
+/// Volume cells that SOFA's grid has a list for and the one here has not, such as tetrahedra: that list is empty there. (SOFA fills
+/// the lists of edges and faces, and those of a file, with what there is.)
 bool isEmptyList(const LinkTarget& target) {
-  return target.element && target.element->probe && isAnyOf(target.element->role(), {"topology", "mesh loader"}) &&
-         isAnyOf(target.data, {"edges", "lines", "triangles", "quads", "tetrahedra", "tetras", "hexahedra", "hexas", "prisms",
-                               "pentahedra", "pentas", "pyramids", "polylines", "polygons"}) &&
-         !target.element->probe->data().find(target.data);
+  if (!target.element || !target.element->probe) return false;
+  const std::string& type = target.element->written->type;
+  const bool is_grid = type.ends_with("GridTopology") || isAnyOf(type, {"CubeTopology", "SphereQuadTopology"});
+  return is_grid && !target.element->probe->data().find(target.data) &&
+         isAnyOf(target.data, {"tetrahedra", "tetras", "hexahedra", "hexas", "prisms", "pentahedra", "pentas", "pyramids"});
 }
 
 }  // namespace

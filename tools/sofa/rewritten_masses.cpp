@@ -43,7 +43,16 @@ void Rewriting::fillParts(Element& field) {
     if (levels > most)
       warn(field.written->where, field, "nbVirtualFinerLevels",
            mesh->path() + " has " + std::to_string(most) + " finer levels: they are taken");
-    mesh->set("partLevels", std::to_string(std::min(levels, most)));
+    constexpr int finest = 4;  // of partLevels
+    if (std::min(levels, most) > finest)
+      warn(field.written->where, field, "nbVirtualFinerLevels",
+           "parts of " + std::to_string(finest) + " levels are taken: each has the mean stiffness of what is finer");
+    const std::string asked = std::to_string(std::min({levels, most, finest})), other = mesh->text("partLevels");
+    if (!other.empty() && other != asked)
+      warn(field.written->where, field, "nbVirtualFinerLevels",
+           "is " + asked + ", and another field on " + mesh->path() + " asks for " + other + ": both get " + asked +
+               " here, where each has its own in SOFA");
+    mesh->set("partLevels", asked);
     field.set("partFactors", SceneTree::linkTo(*mesh) + ".partFactors");
   }
   const bool is_mass = !saysNo(field.text("useMass"));

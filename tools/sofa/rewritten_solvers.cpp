@@ -43,9 +43,24 @@ static bool holdsRole(const Place& place, std::string_view role) {
                                         [role](const auto& child) { return !child->dropped && holdsRole(*child, role); });
 }
 
-bool isIdleSwitch(std::string_view name, const Place& place) {
-  if (name == "applyProjectiveConstraints") return !holdsRole(place, "projective constraint");
-  return isAnyOf(name, {"applyMappedComponents", "assembleGeometricStiffness"}) && !holdsRole(place, "mapping");
+/// A switch of a matrix, for parts of which there are none where it counts: below the integrator whose solver has it. What has no
+/// integrator is asked of the whole scene.
+bool Rewriting::isIdleSwitch(std::string_view name, const Element& system) const {
+  const bool of_constraints = name == "applyProjectiveConstraints";
+  if (!of_constraints && !isAnyOf(name, {"applyMappedComponents", "assembleGeometricStiffness"})) return false;
+  bool acts = false;
+  const auto ask = [&](const Place& place) {
+    const Element* integrator = place.nearest("integrator");
+    acts = acts || holdsRole(integrator ? *integrator->place : tree_->root(), of_constraints ? "projective constraint" : "mapping");
+  };
+  ask(*system.place);
+  tree_->forEach([&](Element& asker) {
+    for (const AttributeDescription& attribute : asker.written->attributes)
+      forLinks(attribute, [&](std::string_view link) {
+        if (tree_->follow(asker, link, false).element == &system) ask(*asker.place);
+      });
+  });
+  return !acts;
 }
 
 /// SOFA's thresholds below zero are off; without a NewtonRaphsonSolver it makes one.

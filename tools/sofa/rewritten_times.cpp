@@ -92,17 +92,29 @@ double Rewriting::timeStep() const {
 
 /// Nodes that make a part of a movement, linear between the corners of a box; of lengths of which one is zero the others count.
 void Rewriting::shareMovement(Element& constraint) {
-  const std::string shares = constraint.text("imposedDisplacmentOnMacroNodes");
-  if (shares.empty() || !saysYes(constraint.text("linearMovementBetweenNodesInIndices"))) return;
+  const AttributeDescription* shares = constraint.find("imposedDisplacmentOnMacroNodes");
+  if (!shares || !saysYes(constraint.text("linearMovementBetweenNodesInIndices"))) return;
+  for (const char* name : {"X0", "Y0", "Z0"})
+    if (constraint.find(name) && (!constraint.writes(name) || constraint.text(name).starts_with("@"))) return;  // refused, as a link
+  std::vector<double> numbers = writtenNumbers(shares->value);
+  if (numbers.empty()) return;
   double a = std::atof(constraint.text("X0").c_str()), b = std::atof(constraint.text("Y0").c_str());
   const double c = std::atof(constraint.text("Z0").c_str());
   const bool is_flat = a == 0 || b == 0 || c == 0;
   if (a == 0) a = b, b = c;
   if (b == 0) b = c;
-  std::vector<double> numbers = writtenNumbers(shares);
-  numbers.resize(std::min<std::size_t>(numbers.size(), is_flat ? 4 : 8));
-  constraint.set("cornerBox", printed({a, b, is_flat ? 0 : c}));
-  constraint.set("cornerShares", printed(numbers));
+  const std::size_t count = is_flat ? 4 : 8;
+  if (numbers.size() < count) {
+    diagnostics_.error(shares->where, constraint.path() + "." + shares->name, "has " + std::to_string(numbers.size()) + " numbers",
+                       is_flat ? "four, as one of X0, Y0 and Z0 is zero" : "eight, as none of X0, Y0 and Z0 is zero");
+  } else if (!(a > 0 && b > 0 && (is_flat || c > 0))) {
+    diagnostics_.error(constraint.written->where, constraint.path(), "X0, Y0 and Z0 are no size of a box",
+                       "positive lengths, of which one may be zero");
+  } else {
+    numbers.resize(count);
+    constraint.set("cornerBox", printed({a, b, is_flat ? 0 : c}));
+    constraint.set("cornerShares", printed(numbers));
+  }
   for (const char* name : {"linearMovementBetweenNodesInIndices", "imposedDisplacmentOnMacroNodes", "X0", "Y0", "Z0"})
     constraint.remove(name);
 }
