@@ -384,8 +384,7 @@ ForceField::Cost ElasticForceField::cost() const {
   const ElasticElements::Nanoseconds each = elements_->cost();
   // a matrix of its own is enough, and so is none
   const bool fixed = assembling_ != Assembling::automatic;
-  const double single = method_ && method_->hasSingleProduct() ? 0.7 * cells * each.product : 0;
-  return {cells * each.product, fixed ? 1e30 : cells * each.assembly, single};
+  return {cells * each.product, fixed ? 1e30 : cells * each.assembly};
 }
 
 }  // namespace stroma

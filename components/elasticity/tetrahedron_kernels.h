@@ -2,7 +2,6 @@
 // The kernels of tetrahedra, by groups that are compiled apart: element loops take a compiler long.
 #pragma once
 #include "components/elasticity/elastic_kernels.h"
-#include "components/elasticity/single_kernels.h"
 #include "components/elasticity/tetrahedron_shapes.h"
 #include "framework/fem/fan_model.h"
 
@@ -46,22 +45,12 @@ Storage fanStorage(const std::vector<Fan>& fans, const Elements& elements) {
   fillFans(storage, fans, elements.shapes, elements.lame);
   return storage;
 }
-/// With products in single precision where the model says that they make sense.
-template <class Single>
-struct KernelsOf {
-  using type = ModelKernels<FanOf<Single>>;
-};
-template <class Single>
-requires requires { Single::single_product; }
-struct KernelsOf<Single> {
-  using type = SingleKernels<FanOf<Single>, Single::constant_tangent>;
-};
 template <class Single>
 std::unique_ptr<ElementKernels> kernelsOf(const Elements& elements) {
   using Storage = StorageOf<FanOf<Single>>;
   std::vector<Fan> fans = gatherFans(elements.shapes.mesh().tetrahedra, elements.shapes.positions().size());
   Storage storage = fanStorage<Storage>(fans, elements);
-  return std::make_unique<typename KernelsOf<Single>::type>(
+  return std::make_unique<ModelKernels<FanOf<Single>>>(
       std::move(storage), [fans = std::move(fans), &shapes = elements.shapes, lame = elements.lame](Storage& stored) {
         fillFans(stored, fans, shapes, lame);
       });

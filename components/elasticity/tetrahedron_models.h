@@ -38,7 +38,6 @@ struct ByStrain : Model {
 
 /// method = small: the strain of sum e_i (x) g_i - I with the rest gradients.
 struct Linear : ByStrain<Linear> {
-  static constexpr bool single_product = true, constant_tangent = true;
   template <class T>
   using Rest = RestRoot<T>;
   template <class T>
@@ -65,7 +64,7 @@ struct Linear : ByStrain<Linear> {
 /// method = large, polar, svd with the warped tangent.
 template <class Rotation, Update update>
 struct Corotational : ByStrain<Corotational<Rotation, update>> {
-  static constexpr bool long_force = true, single_product = true, constant_tangent = false;
+  static constexpr bool long_force = true;
   template <class T>
   using Rest = RestOf<update, T>;
   template <class T>

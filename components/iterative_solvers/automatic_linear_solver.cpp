@@ -203,7 +203,7 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
   const cg::Limits limits{std::min(iterations_, patienceOf(kept)), target(), terms.stop};
   if (kept.symmetric) {
     kept.work.resize(b.count);
-    report = cg::preconditioned(multiply, quickProduct(matrix), precondition, note, limits, b, kept.work, x);
+    report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x);
   } else {
     kept.space.resize(b.count);
     report = gmres::solve(multiply, precondition, note, limits, b, kept.space, x);

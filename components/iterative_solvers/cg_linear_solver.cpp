@@ -92,8 +92,7 @@ class CGLinearSolver final : public KrylovSolver {
   };
   Kept& keptFor(const SystemMatrix& matrix, Index rows);
   void prepare(const SystemMatrix& matrix, Kept& kept) const;
-  SolveReport iterate(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x, double residual);
-  double renewed(const SystemMatrix& matrix, Kept& kept, ConstRows b, ConstRows x, double before);
+  SolveReport iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
   SolveReport iterateAbsolutely(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
   void findParts(SystemMatrix& matrix, Kept& kept) const;
   SolveReport iterateApart(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x);
@@ -108,7 +107,6 @@ class CGLinearSolver final : public KrylovSolver {
 
 void CGLinearSolver::declare(DataTable& table) {
   KrylovSolver::declare(table);
-  declarePrecision(table);
   table.add("threshold", threshold_)
       .atOnce()
       .help("stop as broken down when |p.A p| <= threshold^2 |p| |A p| (relative, unlike SOFA's)")
@@ -158,52 +156,27 @@ void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) const {
   kept.jacobi_key = matrix.key();
 }
 
-/// r = b - A x in double precision; returns r.r. Quick products end where they no longer helped since it was `before`.
-double CGLinearSolver::renewed(const SystemMatrix& matrix, Kept& kept, ConstRows b, ConstRows x, double before) {
-  constexpr double helps = 0.1;
-  const double now = KrylovSolver::residual(matrix, b, x, kept.r, kept.q);
-  if (!(now < helps * helps * before)) quickProduct(matrix).leave(), clear(kept.p);  // which begins anew
-  return now;
-}
-
-SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, ConstRows b, Rows x, double residual) {
+SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual) {
   Vector &r = kept.r, &p = kept.p, &q = kept.q, &z = kept.z;
   SolveReport report;
-  int since = 0;
-  double rho = 0, reliable = residual;  // of the residual that was last computed in double precision
-  const auto start = [&] {
-    rho = precondition_ ? kept.jacobi.apply(r, z) : residual;
-    copy(precondition_ ? z.rows() : r.rows(), p);
-  };
-  start();
-  const QuickProduct quick = quickProduct(matrix);
+  double rho = precondition_ ? kept.jacobi.apply(r, z) : residual;
+  copy(precondition_ ? z.rows() : r.rows(), p);
   const double enough = target();
   for (;;) {
-    quick(p, q);
+    product(matrix, p, q);
     ++report.iterations;
     const cg::Curvature curve = cg::curvature(p, q);
-    const double least = threshold_ * threshold_ * std::sqrt(curve.pp) * std::sqrt(curve.qq);
-    if (quick.isOn() && !(curve.pq > least)) {  // rounding may have done that
-      quick.leave(), residual = KrylovSolver::residual(matrix, b, x, r, q);
-      start();
-      continue;
-    }
     if (!std::isfinite(curve.pq)) {
       report.stop = SolveStop::not_finite;
       break;
     }
-    if (curve.pq <= least) {
+    if (curve.pq <= threshold_ * threshold_ * std::sqrt(curve.pp) * std::sqrt(curve.qq)) {
       const bool negative = curve.pq < -1e-14 * std::sqrt(curve.pp) * std::sqrt(curve.qq);
       report.stop = negative ? SolveStop::not_definite : SolveStop::breakdown;
       break;
     }
-    double alpha = rho / curve.pq;
+    const double alpha = rho / curve.pq;
     residual = cg::reduceResidual(alpha, q, r);
-    const bool is_small = std::sqrt(residual) <= std::max(enough, quick.digits * std::sqrt(reliable));
-    if (quick.isOn() && (is_small || ++since == 200)) {
-      axpy(alpha, p, x), alpha = 0, since = 0;
-      residual = reliable = renewed(matrix, kept, b, x, reliable);
-    }
     record(std::sqrt(residual) / norm_b_);
     if (!std::isfinite(residual)) {
       report.stop = SolveStop::not_finite;
@@ -362,7 +335,7 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, con
   } else if (std::sqrt(residual) <= target()) {
     report.relative_residual = std::sqrt(residual) / norm_b_;
   } else {
-    report = iterate(matrix, kept, b, x, residual);
+    report = iterate(matrix, kept, x, residual);
   }
   if (warm_start_ && report.stop != SolveStop::not_finite && report.stop != SolveStop::stopped) copy(x, kept.previous);
   return report;

@@ -5,8 +5,6 @@
 
 #include "components/iterative_solvers/solver_costs.h"
 #include "framework/algebra/per_matrix.h"
-#include "framework/mechanics/force_field.h"
-#include "framework/mechanics/projective_constraint.h"
 
 namespace stroma {
 
@@ -17,7 +15,6 @@ class KrylovSolver : public LinearSolver {
   void declare(DataTable& table) override;
   void init() override;
   bool needsSymmetric() const override { return true; }
-  std::string plan(const SystemMatrix& matrix) const override;
 
  protected:
   // The following are inline for the reason given in vector.h.
@@ -40,7 +37,6 @@ class KrylovSolver : public LinearSolver {
     const bool assemble =
         form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(expected_iterations_));
     assembled_ = assemble ? &matrix.assemble() : nullptr;
-    is_single_ = !assembled_ && takesSingle(matrix, terms.relative_residual);
     if (!isStopAsked()) return true;
     report.stop = SolveStop::stopped;
     report.relative_residual = 1;
@@ -50,18 +46,6 @@ class KrylovSolver : public LinearSolver {
   void product(const SystemMatrix& matrix, ConstRows p, Rows out) const {
     assembled_ ? assembled_->multiply(p, out) : matrix.multiply(p, out);
   }
-  /// The same where the residual is computed by product() before it is relied on: in single precision as long as that helps.
-  struct QuickProduct {
-    KrylovSolver& solver;
-    const SystemMatrix& matrix;
-    static constexpr double digits = 1e-4;  ///< by which |r| may fall before it is computed anew
-    void operator()(ConstRows p, Rows out) const { isOn() ? matrix.multiplySingle(p, out) : solver.product(matrix, p, out); }
-    bool isOn() const { return solver.is_single_; }
-    void leave() const { solver.is_single_ = false; }
-  };
-  QuickProduct quickProduct(const SystemMatrix& matrix) { return {*this, matrix}; }
-  /// Declares `precision`, for solvers with quick products.
-  void declarePrecision(DataTable& table);
   /// Nanoseconds of that, estimated; 0: not known.
   double productCost(const SystemMatrix& matrix) const {
     return assembled_ ? assembledProductCost(*assembled_) : matrix.productCost();
@@ -96,15 +80,6 @@ class KrylovSolver : public LinearSolver {
 
  private:
   enum class Form { automatic, product, assembled };
-  enum class Precision { automatic, single_precision, double_precision };
-  bool takesSingle(const SystemMatrix& matrix, double relative_residual) const;
-  bool areBodiesHeld() const;
-
-  Precision precision_ = Precision::double_precision;
-  bool is_single_ = false;  ///< of the solve that begin() opened, so far
-  mutable std::vector<const ForceField*> fields_;  ///< this and the next two: work space
-  mutable std::vector<const ProjectiveConstraint*> constraints_;
-  mutable std::vector<NodeProjector> projectors_;
   std::string template_ = "auto";
   /// Relative residuals of the last solve, shape (iterations done); an output of the component.
   std::vector<double> graph_;

@@ -98,7 +98,6 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
 
 void PCGLinearSolver::declare(DataTable& table) {
   KrylovSolver::declare(table);
-  declarePrecision(table);
   table.add("use_precond", use_).help("false: plain conjugate gradients, whatever the preconditioner");
   table.addLink("preconditioner", link_)
       .alias("preconditioners")
@@ -191,8 +190,7 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
   const auto precondition = [&](ConstRows r, Rows z) { inverse ? inverse->apply(r, z) : copy(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
   if (inverse) most = std::min(most, inverse->patience());
-  const cg::Limits limits{most, target(), terms_.stop};
-  SolveReport report = cg::preconditioned(multiply, quickProduct(matrix), precondition, note, limits, b, work, x);
+  SolveReport report = cg::preconditioned(multiply, precondition, note, {most, target(), terms_.stop}, b, work, x);
   report.relative_residual /= norm_b_;
   if (inverse && report.stop != SolveStop::stopped) inverse->solved(report);
   return report;

@@ -62,15 +62,13 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
 
 /// Solves A x = b from the x given.
 ///   product(p, out): out = A p;  precondition(r, z): z = B r, B symmetric and positive definite;
-///   record(|r|): called after each iteration;
-///   quick(p, out): the product of the iterations, which rounds to single precision while quick.isOn(). The residual is then
-///   computed anew each time it has fallen by quick.digits, with quick.leave() where that shows that it no longer helps.
+///   record(|r|): called after each iteration.
 /// The |r| of the recurrence leaves b - A x behind by round-off, so where an iteration ends the residual itself is
 /// computed, and the method starts anew from there when it is not small enough, as long as that helps.
-/// `report.relative_residual` is |b - A x| (the caller divides by |b|); at the limit of iterations, |r| of the recurrence. A
-/// matrix that shows itself to be singular or not definite leaves the last iterate in x.
-template <class Product, class Quick, class Precondition, class Record>
-SolveReport preconditioned(Product&& product, Quick&& quick, Precondition&& precondition, Record&& record, const Limits& limits,
+/// `report.relative_residual` is |b - A x| (the caller divides by |b|). A matrix that shows itself to be singular or
+/// not definite leaves the last iterate in x.
+template <class Product, class Precondition, class Record>
+SolveReport preconditioned(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits,
                            ConstRows b, Directions& work, Rows x) {
   SolveReport report;
   copy(b, work.r);
@@ -83,27 +81,13 @@ SolveReport preconditioned(Product&& product, Quick&& quick, Precondition&& prec
   if (!std::isfinite(entered)) report.stop = SolveStop::not_finite;
   if (!(entered > limits.residual)) return report;
   for (;;) {
-    const bool rounds = quick.isOn();
-    const double enough = rounds ? std::max(limits.residual, quick.digits * entered) : limits.residual;
-    const Limits until{limits.iterations, enough, limits.stop};
-    report.stop = descend(quick, precondition, record, until, work, x, report);
-    const bool converged = report.stop == SolveStop::converged;
-    const bool spoilt = rounds && !converged && report.stop != SolveStop::stopped && report.stop != SolveStop::iteration_limit;
-    if (!converged && !spoilt) return report;
+    report.stop = descend(product, precondition, record, limits, work, x, report);
+    if (report.stop != SolveStop::converged) return report;
     product(x, work.q.rows());
     copy(b, work.r);
     axpy(-1, work.q, work.r);
     report.relative_residual = norm(work.r);
-    if (report.relative_residual <= 1.1 * limits.residual) {
-      report.stop = SolveStop::converged;
-      return report;
-    }
-    if (rounds && report.iterations < limits.iterations) {
-      constexpr double helps = 0.1;
-      if (spoilt || report.relative_residual > helps * entered) quick.leave();
-      entered = report.relative_residual;
-      continue;
-    }
+    if (report.relative_residual <= 1.1 * limits.residual) return report;
     report.stop = report.iterations == limits.iterations ? SolveStop::iteration_limit : SolveStop::stagnated;
     // a restart that gains less than half fights round-off
     if (report.stop == SolveStop::iteration_limit || report.relative_residual > 0.5 * entered) return report;

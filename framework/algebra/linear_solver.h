@@ -38,9 +38,6 @@ class SystemMatrix {
   virtual Index rows() const = 0;
   /// out = A p, without building the matrix; fixed directions of p must be zero and stay zero.
   virtual void multiply(ConstRows p, Rows out) const = 0;
-  /// The same where numbers of single precision do for some of the terms; the nanoseconds that this saves, estimated.
-  virtual void multiplySingle(ConstRows p, Rows out) const { multiply(p, out); }
-  virtual double singleGain() const { return 0; }
   /// The assembled matrix (the same object at each call; eliminated directions carry a number like the others there). Assembled at
   /// most once for each key().
   virtual const BlockMatrix& assemble() = 0;
@@ -112,8 +109,6 @@ class LinearSolver : public Component {
   /// Before a step, and after one that is not taken: what serializeFor() knows is then again what it was.
   virtual void keepFor(SystemMatrix& /*matrix*/) {}
   virtual void takeBackFor(SystemMatrix& /*matrix*/) {}
-  /// A clause for the plan on how it would solve with this matrix, or empty.
-  virtual std::string plan(const SystemMatrix&) const { return {}; }
   /// True for solvers that need a symmetric matrix; System refuses the pairing at compile time with a sentence.
   virtual bool needsSymmetric() const = 0;
   /// Rows of the largest matrix that it takes; System refuses the pairing likewise.

@@ -20,9 +20,6 @@ class ElementKernels {
   virtual double energy(ConstRows x) const = 0;
   /// df += factor * K dx
   virtual void addProduct(ConstRows dx, double factor, Rows df) const = 0;
-  /// The same with numbers of single precision, each rounded by 1e-7 of its size; without one, the one above.
-  virtual void addSingleProduct(ConstRows dx, double factor, Rows df) const { addProduct(dx, factor, df); }
-  virtual bool hasSingleProduct() const { return false; }
   /// Takes the constants of the elements anew, and leaves everything else. False: the kernels have to be made anew.
   virtual bool refill() { return false; }
   /// Marks the blocks that assemble() adds to.

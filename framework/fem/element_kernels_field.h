@@ -16,7 +16,6 @@ class ElementKernelsField : public ForceField {
     method_->addForceAndProduct(x, dx, factor, f);
   }
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override { method_->addProduct(dx, factor, df); }
-  void addSingleProduct(ConstRows dx, double factor, Rows df) const override { method_->addSingleProduct(dx, factor, df); }
   void addPattern(BlockPattern& pattern) const override { method_->addPattern(pattern); }
   void prepareAssembly(const BlockMatrix& matrix) override { slots_ = method_->slots(matrix); }
   void addStiffness(double factor, BlockMatrix& matrix) const override {

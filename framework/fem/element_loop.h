@@ -177,12 +177,19 @@ class ElementLoop {
       for (int l = 0; l < pack_lanes && elementOf(b, l) >= 0; ++l) body(b, l);
   }
 
+ private:
+  /// output[node] += values, lane after lane: lanes of one batch may share nodes, batches at work at once may not.
+  void scatter(Index batch, const Nodes& values, Rows output) const {
+#pragma GCC unroll 8
+    for (int a = 0; a < N; ++a) addToRows(values[a], offset(batch, a), output.data);
+  }
+
   /// Where node a of each lane lies in the numbers of a vector, shape (lanes).
   const Index* offset(Index batch, int a) const {
     return offsets_.data() + (std::size_t(batch) * N + std::size_t(a)) * pack_lanes;
   }
-  /// Batches of block b are blockStart()[b] to blockStart()[b + 1] - 1.
-  const std::vector<Index>& blockStart() const { return arrangement_.block_start; }
+  Index row(Index batch, int a, int lane) const { return offset(batch, a)[lane] / row_doubles; }
+
   /// Blocks of one colour touch no common node: they run at once, colours one after the other. Every node is added to
   /// in the same order whatever the number of threads.
   template <class Body>
@@ -196,15 +203,6 @@ class ElementLoop {
         parallelFor(count, [&](int block) { body(first + block); });
     }
   }
-
- private:
-  /// output[node] += values, lane after lane: lanes of one batch may share nodes, batches at work at once may not.
-  void scatter(Index batch, const Nodes& values, Rows output) const {
-#pragma GCC unroll 8
-    for (int a = 0; a < N; ++a) addToRows(values[a], offset(batch, a), output.data);
-  }
-
-  Index row(Index batch, int a, int lane) const { return offset(batch, a)[lane] / row_doubles; }
 
   /// factor * K of a batch as plain doubles, [i][j][row][column][lane], to be read lane by lane.
   template <class ElementMatrix>

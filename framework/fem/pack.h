@@ -13,7 +13,6 @@
 namespace stroma {
 
 using Pack = xsimd::batch<double>;
-using SinglePack = xsimd::batch<float>;  ///< of products that need no more (elasticity/single_kernels.h)
 /// Elements in a batch: 8 with AVX-512, 4 with AVX, 2 with SSE.
 constexpr int pack_lanes = int(Pack::size);
 
@@ -34,7 +33,6 @@ inline bool any(Pack::batch_bool_type condition) { return xsimd::any(condition);
 inline Pack abs(Pack a) { return xsimd::abs(a); }
 inline Pack sqrt(Pack a) { return xsimd::sqrt(a); }
 inline Pack maximum(Pack a, Pack b) { return xsimd::max(a, b); }
-inline SinglePack maximum(SinglePack a, SinglePack b) { return xsimd::max(a, b); }
 
 /// 1/sqrt(a) for a > 0, to 2 units in the last place.
 inline double reciprocalSqrt(double a) { return 1 / std::sqrt(a); }

@@ -51,8 +51,6 @@ class ForceField : public Component {
   virtual bool acts() const { return true; }
   /// df += factor * K dx.
   virtual void addStiffnessProduct(ConstRows dx, double factor, Rows df) const = 0;
-  /// The same with numbers of single precision where cost().single says so; each is rounded by 1e-7 of its size.
-  virtual void addSingleProduct(ConstRows dx, double factor, Rows df) const { addStiffnessProduct(dx, factor, df); }
   /// Which blocks of the system matrix K and C touch.
   virtual void addPattern(BlockPattern& pattern) const = 0;
   /// Grows when addPattern() would add other blocks than before, as pairs come and go; only addForce() and setTime() may
@@ -73,10 +71,9 @@ class ForceField : public Component {
     addForce(x, v, f);
     addStiffnessProduct(dx, factor, f);
   }
-  /// Estimated nanoseconds of one product and of one assembly on one core, for the choice matrix-free or assembled; and of a
-  /// product in single precision, 0: there is none.
+  /// Estimated nanoseconds of one product and of one assembly on one core, for the choice matrix-free or assembled.
   struct Cost {
-    double product = 0, assembly = 0, single = 0;
+    double product = 0, assembly = 0;
   };
   virtual Cost cost() const { return {}; }
   /// A sentence on the worst element at x, for a report of divergence ("tetrahedron 12 (nodes 3 4 8 9): J = -0.3"),

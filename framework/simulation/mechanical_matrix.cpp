@@ -100,7 +100,7 @@ bool MechanicalMatrix::symmetric() const {
 // Preconditioners by blocks of the diagonal keep to held nodes and groups but not to relations: with them the product
 // is P A P p + s (I - P) p, with the size s of the numbers in A.
 void MechanicalMatrix::multiply(ConstRows p, Rows out) const {
-  if (constraints_.relations().empty()) return multiplyFree(p, out, false);
+  if (constraints_.relations().empty()) return multiplyFree(p, out);
   if (free_part_.count() != rows() + 1) free_part_.resize(rows() + 1);
   const auto size = free_part_[rows()];  // the last row keeps s, and for which values it holds
   if (const double values = double(valuesRevision() + 1); size[1] != values)
@@ -108,12 +108,12 @@ void MechanicalMatrix::multiply(ConstRows p, Rows out) const {
   const Rows free = free_part_.head(rows());
   copy(p, free);
   constraints_.project(free);
-  multiplyFree(free, out, false);
+  multiplyFree(free, out);
   axpy(size[0], p, out);
   axpy(-size[0], free, out);
 }
 
-void MechanicalMatrix::multiplyFree(ConstRows p, Rows out, bool single) const {
+void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
   const PhaseTimer timer(system_.times.product);
   ++system_.counts.products;
   assert(out.count == rows());
@@ -124,9 +124,7 @@ void MechanicalMatrix::multiplyFree(ConstRows p, Rows out, bool single) const {
   for (const Mass* mass : actors_.masses)
     if (const double factor = factors_.of(*mass); factor != 0) heard("product", mass)->addProduct(p_all, factor, all);
   for (const ForceField* field : actors_.stiff_fields)
-    if (const double factor = factors_.of(*field); factor != 0)
-      single ? heard("product", field)->addSingleProduct(p_all, factor, all)
-             : heard("product", field)->addStiffnessProduct(p_all, factor, all);
+    if (const double factor = factors_.of(*field); factor != 0) heard("product", field)->addStiffnessProduct(p_all, factor, all);
   if (factors_.damping != 0)
     for (const ForceField* field : actors_.damped_fields) heard("product", field)->addDampingProduct(p_all, factors_.damping, all);
   if (maps) mappings_.finishProduct(p_all, factors_.stiffness, all, out);
@@ -161,13 +159,6 @@ const BlockMatrix& MechanicalMatrix::assemble() {
   ++system_.counts.assemblies;
   assembled_revision_ = valuesRevision();
   return assembled_.assemble(factors_);
-}
-
-double MechanicalMatrix::singleGain() const {
-  double gain = 0;
-  for (const ForceField* field : actors_.stiff_fields)
-    if (const ForceField::Cost cost = field->cost(); cost.single > 0) gain += cost.product - cost.single;
-  return constraints_.relations().empty() ? gain : 0;
 }
 
 double MechanicalMatrix::productCost() const {

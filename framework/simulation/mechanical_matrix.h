@@ -26,10 +26,6 @@ class MechanicalMatrix final : public SystemMatrix {
 
   Index rows() const override;
   void multiply(ConstRows p, Rows out) const override;
-  void multiplySingle(ConstRows p, Rows out) const override {
-    constraints_.relations().empty() ? multiplyFree(p, out, true) : multiply(p, out);
-  }
-  double singleGain() const override;
   const BlockMatrix& assemble() override;
   const BlockMatrix& pattern() override { return assembled_.pattern(); }
   void diagonalBlocks(std::vector<double>& blocks) const override;
@@ -46,7 +42,7 @@ class MechanicalMatrix final : public SystemMatrix {
 
  private:
   long valuesRevision() const;
-  void multiplyFree(ConstRows p, Rows out, bool single) const;
+  void multiplyFree(ConstRows p, Rows out) const;
 
   const System& system_;
   const Actors& actors_;

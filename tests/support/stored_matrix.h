@@ -16,24 +16,13 @@ class StoredMatrix final : public SystemMatrix {
   long revision_number = 1, pattern_number = 1;
   bool is_symmetric = true, prefers_assembled = false;
   double product_nanoseconds = 0;  ///< 0: not known
-  mutable int products = 0, assemblies = 0, single_products = 0;
-  double single_nanoseconds = 0;  ///< what a product in single precision saves
-  double single_error = 0;        ///< of every other number, besides the rounding
+  mutable int products = 0, assemblies = 0;
 
   Index rows() const override { return values.rows(); }
   void multiply(ConstRows p, Rows out) const override {
     ++products;
     values.multiply(p, out);
   }
-  /// With p and the product rounded.
-  void multiplySingle(ConstRows p, Rows out) const override {
-    ++single_products;
-    Vector rounded(p.count);
-    for (std::size_t i = 0; i < p.doubles(); ++i) rounded.rows().data[i] = double(float(p.data[i]));
-    values.multiply(rounded, out);
-    for (std::size_t i = 0; i < p.doubles(); ++i) out.data[i] = double(float(out.data[i])) * (i % 2 ? 1 - single_error : 1);
-  }
-  double singleGain() const override { return single_nanoseconds; }
   const BlockMatrix& assemble() override {
     ++assemblies;
     return values;

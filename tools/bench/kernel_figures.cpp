@@ -80,7 +80,6 @@ void add(Catalogue& catalogue, const Kernel& kernel) {
 }
 
 void product(Body& body) { body.field->addStiffnessProduct(body.dx, 1e-6, body.df); }
-void singleProduct(Body& body) { body.field->addSingleProduct(body.dx, 1e-6, body.df); }
 void force(Body& body) { body.field->addForce(body.x, body.v, body.f); }
 void forceAndProduct(Body& body) { body.field->addForceAndProduct(body.x, body.v, body.dx, 1e-6, body.f); }
 void energy(Body& body) { benchmark::DoNotOptimize(body.field->energy(body.x)); }
@@ -125,7 +124,6 @@ void addKernelFigures(Catalogue& catalogue) {
   const double share = block.nodesPerElement();
   const Variant large{"large"}, polar{"polar"}, svd{"svd"}, nodal{"nodal"};
   add(catalogue, {"product 10k", block, large, product, productWork(large, share), 5.0});
-  add(catalogue, {"product 10k, single", block, large, singleProduct, {}});
   add(catalogue, {"product 10k nodal", block, nodal, product, productWork(nodal, share)});
   add(catalogue, {"product 10k svd, exact tangent", block, svd, product, {}, {}, Shape::deformed, "exact"});
   addForces(catalogue, block);
@@ -144,7 +142,6 @@ void addKernelFigures(Catalogue& catalogue) {
 
   const double large_share = large_block.nodesPerElement();
   add(catalogue, {"product 320k", large_block, large, product, productWork(large, large_share), 6.0});
-  add(catalogue, {"product 320k, single", large_block, large, singleProduct, {}});
   add(catalogue, {"assembled product 320k", large_block, large, assembledProduct, assembledProductWork(large_block)});
   add(catalogue, {"force 320k large", large_block, large, force, forceWork(large, large_share)});
   add(catalogue, {"force 320k polar", large_block, polar, force, forceWork(polar, large_share)});

@@ -142,7 +142,6 @@ void addSolvers(const System& system, std::vector<PlanItem>& items) {
       blocks >= 0 ? fmt::format("matrix of {} blocks of 3x3", blocks) : std::string("no matrix is kept so far")));
   if (blocks >= 0) items.back().figures = {{"blocks", double(blocks)}};
   if (const std::string choice = choiceOf(*solver); !choice.empty()) items.back().says += "; " + choice;
-  if (const std::string plan = solver->plan(system.matrix()); !plan.empty()) items.back().says += "; " + plan;
   if (const Data* precision = solver->data().find("factorPrecision"))
     items.back().says += "; precision of factors: " + precision->print();
   if (solver->isMadeForAnother())
