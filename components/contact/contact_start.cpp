@@ -106,7 +106,7 @@ void Apart::pushOut(const Place& inside, int body) {
   int face = -1;
   Box around;
   around.add(p);
-  for (double reach = law_.range + 1e-3 * (tree.whole().high - tree.whole().low).norm(); face < 0; reach *= 2)
+  for (double reach = law_.range + 1e-3 * (tree.whole().high - tree.whole().low).norm(); face < 0 && std::isfinite(reach); reach *= 2)
     tree.forEachMeeting(around.grownBy(reach), [&](Index i) {
       const int f = s_.bodies()[std::size_t(body)].first_face + int(i);
       const auto& corners = s_.faces[std::size_t(f)];
@@ -114,6 +114,7 @@ void Apart::pushOut(const Place& inside, int body) {
                                                 points_[std::size_t(corners[1])], points_[std::size_t(corners[2])]});
       if (found.distance() < nearest && found.distance() <= reach) nearest = found.distance(), closest = found, face = f;
     });
+  if (face < 0) return;  // a place that is no number
   Place surface{s_.faces[std::size_t(face)], {-closest.weights[1], -closest.weights[2], -closest.weights[3]}};
   // difference is p - q; a point on the surface goes along the triangle's normal
   Vec3 out = -closest.difference;

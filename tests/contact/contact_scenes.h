@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "framework/mesh/topology.h"
+#include "tests/support/field_under_test.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -92,6 +93,18 @@ inline std::string contactScene(
                      gravity.x(), gravity.y(), gravity.z(), integrator, content);
 }
 
+/// From 0 in `even` cells of size h, then each larger than the one before, up to about `end`.
+inline std::vector<double> graded(double h, int even, double growth, double end) {
+  std::vector<double> x{0};
+  for (int i = 0; i < even; ++i) x.push_back(x.back() + h);
+  while (x.back() < end) {
+    h *= growth;
+    const double next = x.back() + h;
+    x.push_back(next > 0.85 * end ? end : next);
+  }
+  return x;
+}
+
 inline const std::string between =
     "<BarrierContact name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" other=\"@b/dofs\" {}/>";
 
@@ -105,6 +118,28 @@ inline void expectCleanStep(Simulation& simulation, int step, bool must_converge
   }
   for (const auto& system : simulation.systems())
     ASSERT_TRUE(std::isfinite(dot(system->x, system->x))) << "step " << step;
+}
+
+/// A box above another one, turned and shifted at random, `gap` [m] above its top.
+inline Body boxAbove(unsigned seed, double gap) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Body box = boxOf(Vec3(0, 0, 0), Vec3(0.7, 0.6, 0.5));
+  const double angle = 3 * uniform(random), a = uniform(random), b = uniform(random), c = uniform(random);
+  box.turn(Eigen::AngleAxisd(angle, Vec3(a, b, c).normalized()).toRotationMatrix(), Vec3::Zero());
+  const double x = uniform(random), y = uniform(random);
+  box.turn(Mat3::Identity(), Vec3(x, y, 1 + gap - box.lowest(2)));
+  return box;
+}
+
+/// The force of `t` is minus the slope of its energy along the direction, taken over two `step`s [m].
+inline void expectForceOfEnergy(FieldUnderTest& t, double step, unsigned seed) {
+  Vector up(t.x.count()), down(t.x.count());
+  copy(t.x, up), copy(t.x, down);
+  axpy(step, t.direction, up), axpy(-step, t.direction, down);
+  const Vector f = t.force();
+  const double slope = (t.field().energy(up) - t.field().energy(down)) / (2 * step);
+  EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * std::sqrt(dot(f, f) * dot(t.direction, t.direction))) << "seed " << seed;
 }
 
 /// Of an output of all ConstraintContacts.

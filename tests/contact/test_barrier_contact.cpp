@@ -80,28 +80,15 @@ TEST(BarrierContact, SaysWhichStiffnessKeepsAGapOpen) {
 TEST(BarrierContact, ForceIsTheSlopeOfTheEnergy) {
   int checked = 0;
   for (unsigned seed = 1; seed < 30; ++seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(-1, 1);
-    Body a = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), b = boxOf(Vec3(0, 0, 0), Vec3(0.7, 0.6, 0.5));
-    b.turn(Eigen::AngleAxisd(3 * uniform(random), Vec3(uniform(random), uniform(random), uniform(random)).normalized())
-               .toRotationMatrix(),
-           Vec3::Zero());
-    b.turn(Mat3::Identity(), Vec3(uniform(random), uniform(random), 1.03 - b.lowest(2)));
+    const Body a = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), b = boxAbove(seed, 0.03);
     FieldUnderTest t(contactScene(bodyNode("a", a, "") + bodyNode("b", b, "") +
                                   contact("contactDistance=\"0.2\" planes=\"0 0 1 -0.1\" spheres=\"1.32 0.45 0.55 0.2\" "
                                           "capsules=\"-1 0.52 -0.31  2 0.44 -0.35  0.2\"")),
                      "BarrierContact");
-    Vector f = t.force();
-    if (dot(f, f) == 0) continue;
+    if (const Vector f = t.force(); dot(f, f) == 0) continue;
     ++checked;
     const double step = 1e-6;
-    Vector up(t.x.count()), down(t.x.count());
-    copy(t.x, up), copy(t.x, down);
-    axpy(step, t.direction, up), axpy(-step, t.direction, down);
-    f = t.force();
-    const double slope = (t.field().energy(up) - t.field().energy(down)) / (2 * step);
-    EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * std::sqrt(dot(f, f) * dot(t.direction, t.direction)))
-        << "seed " << seed;
+    expectForceOfEnergy(t, step, seed);
     for (int i = 0; i < 6; ++i) t.force();  // shares stay from then on
     EXPECT_LT(relativeDifference(t.differenceOfForces(step), t.product(t.direction)), 1e-5) << "seed " << seed;
     auto& choices = dynamic_cast<OpenChoices&>(t.field());

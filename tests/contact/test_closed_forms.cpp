@@ -8,18 +8,6 @@
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-/// From 0 in `even` cells of size h, then each larger than the one before, up to about `end`.
-std::vector<double> graded(double h, int even, double growth, double end) {
-  std::vector<double> x{0};
-  for (int i = 0; i < even; ++i) x.push_back(x.back() + h);
-  while (x.back() < end) {
-    h *= growth;
-    const double next = x.back() + h;
-    x.push_back(next > 0.85 * end ? end : next);
-  }
-  return x;
-}
-
 /// A quarter of a layer on a rigid ground, with cells of size h near the middle of its upper side, which is at z = 0. SI units.
 struct Layer {
   double h, even_across, even_down, growth, extent, height;

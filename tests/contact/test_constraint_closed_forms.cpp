@@ -1,24 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Contact by forces of constraint against closed forms, in statics and in long implicit steps: a sphere and a cylinder that are
-// pressed in (Hertz), a flat punch, two blocks whose meshes do not match, and what sticks on a slope.
+// pressed in (Hertz) and a flat punch; and that deep contact converges to the tolerance that is asked for.
 #include "tests/contact/contact_scenes.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
 const std::string statics = "<StaticSolver newton_iterations=\"40\"/>", euler = "<EulerImplicitSolver newtonIterations=\"40\"/>";
-
-/// From 0 in `even` cells of size h, then each larger than the one before, up to about `end`.
-std::vector<double> graded(double h, int even, double growth, double end) {
-  std::vector<double> x{0};
-  for (int i = 0; i < even; ++i) x.push_back(x.back() + h);
-  while (x.back() < end) {
-    h *= growth;
-    const double next = x.back() + h;
-    x.push_back(next > 0.85 * end ? end : next);
-  }
-  return x;
-}
 
 /// Nodes of a block in each direction, its top at z = 0: depths are positive.
 struct Ticks {

@@ -6,18 +6,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "tests/support/scene_fixture.h"
+#include "tests/selection/engine_scenes.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
-
-template <class T>
-T made(const Scene& scene, const std::string& attribute) {
-  return *std::get<T*>(findComponent(*scene.root, "/e")->data().find(attribute)->pointer());
-}
-Scene engine(const std::string& text, const std::string& before = "") {
-  return sceneFromText("<Node name='root'>" + before + text + "</Node>");
-}
 
 TEST(FrameEngines, TheShorterListGoesOn) {
   const Scene scene = engine("<QuatToRigidEngine name='e' positions='1 2 3  4 5 6  7 8 9' orientations='0 0 0 1  0 0 0.6 0.8'/>");
