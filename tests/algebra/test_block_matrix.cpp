@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "framework/algebra/parallel.h"
 #include "tests/support/stored_matrix.h"
 
 using namespace stroma;
@@ -37,6 +40,35 @@ TEST(BlockMatrix, ProductEqualsDense) {
   EXPECT_LT((dense(y) - expected).norm(), 1e-13 * expected.norm());
   for (Index i = 0; i < 37; ++i) EXPECT_EQ(y.rows().data[4 * i + 3], 0);
   EXPECT_GT(expected.norm(), 1);
+}
+
+TEST(BlockMatrix, ProductHasTheSameBitsOnAnyNumberOfThreads) {
+  constexpr Index rows = 10001;  // more than two pieces
+  BlockPattern pattern(rows);
+  for (Index i = 0; i < rows; ++i)
+    for (Index k = 0; k < i % 5; ++k) pattern.addBlock(i, (i * 7 + k * 1013) % rows);
+  BlockMatrix matrix(std::move(pattern));
+  for (std::size_t i = 0; i < matrix.values().size(); ++i) matrix.values()[i] = std::sin(double(i));
+  const Vector x = randomVector(rows, 4);
+  Vector expected(rows), sum(rows), y = randomVector(rows, 5);
+  for (Index i = 0; i < rows; ++i)
+    for (Index s = matrix.rowStart()[i]; s < matrix.rowStart()[i + 1]; ++s)
+      for (int k = 0; k < 9; ++k)
+        expected[i][k / 3] += matrix.values()[std::size_t(9 * s + k)] * x[matrix.columns()[s]][k % 3];
+  const Vector before = randomVector(rows, 5);
+  matrix.multiply(x, sum);
+  matrix.multiplyAdd(2, x, y);
+  setThreads(3);
+  Vector shared(rows), added = randomVector(rows, 5);
+  matrix.multiply(x, shared);
+  matrix.multiplyAdd(2, x, added);
+  setThreads(1);
+  for (Index i = 0; i < rows; ++i) {
+    EXPECT_EQ(sum[i], shared[i]) << i;
+    EXPECT_EQ(y[i], added[i]) << i;
+    EXPECT_LT((sum[i] - expected[i]).norm(), 1e-14) << i;
+    EXPECT_LT((y[i] - before[i] - 2 * expected[i]).norm(), 1e-14) << i;
+  }
 }
 
 TEST(BlockMatrix, ClearKeepsThePattern) {
