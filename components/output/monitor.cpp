@@ -209,7 +209,8 @@ void Monitor::watch(const std::string& word) {
                          nearest(attribute, owner->data().names()));
   const DataPointer& at = data->pointer();
   if (!std::holds_alternative<std::vector<Vec3>*>(at) && !std::holds_alternative<std::vector<double>*>(at) &&
-      !std::holds_alternative<std::vector<int>*>(at) && !std::holds_alternative<double*>(at) && !std::holds_alternative<int*>(at))
+      !std::holds_alternative<std::vector<int>*>(at) && !std::holds_alternative<double*>(at) && !std::holds_alternative<int*>(at) &&
+      !std::holds_alternative<Vec3*>(at))
     throw ComponentError(fmt::format("attributes: {} of {} is a {}", attribute, owner->path(), data->typeText()),
                          "numbers or vectors");
   const std::string label = begin > 0 ? word.substr(0, equals) : attribute;
@@ -234,6 +235,7 @@ void Monitor::writeLine(Watched& watched, double t) {
   const DataPointer& at = watched.data->pointer();
   if (const auto* number = std::get_if<double*>(&at)) add(**number);
   if (const auto* number = std::get_if<int*>(&at)) add(**number);
+  if (const auto* point = std::get_if<Vec3*>(&at)) add(**point);
   if (const auto* list = std::get_if<std::vector<Vec3>*>(&at)) addList(*list);
   if (const auto* list = std::get_if<std::vector<double>*>(&at)) addList(*list);
   if (const auto* list = std::get_if<std::vector<int>*>(&at)) addList(*list);

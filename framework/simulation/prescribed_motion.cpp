@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "framework/mechanics/start_velocity.h"
+
 namespace stroma {
 
 void PrescribedMotion::reserve(std::size_t count) {
@@ -96,12 +98,24 @@ void PrescribedMotion::aim(const StepContext& context, ConstRows x, Rows v) {
     if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end)) constraint->beginMotion(context.t, x);
   copy(x, target_x_);
   copy(v, target_v_);
+  std::vector<std::pair<Index, Vec3>> kept;  // of a few constraints, as SOFA's: see StartVelocity
+  for (const ProjectiveConstraint* constraint : actors_.constraints) {
+    const auto* keeper = constraint->prescribesMotion() ? dynamic_cast<const StartVelocity*>(constraint) : nullptr;
+    if (!keeper || !keeper->keepsStartVelocity() || !constraint->activeIn(context.t, context.t_end)) continue;
+    std::vector<NodeProjector> own;
+    constraint->addProjectors(context.t_end, own);
+    constraint->prescribe(context.t, target_x_, target_v_);
+    for (const NodeProjector& moved : own) kept.emplace_back(moved.row, target_v_[moved.row]);
+    copy(x, target_x_);
+    copy(v, target_v_);
+  }
   actors_.motion.advance(context.dt, v, target_x_);
   place(context, context.t_end, target_x_, target_v_);
   for (const NodeProjector& moved : moving_) {
     const Vec3 speed = actors_.motion.increment(x, target_x_, moved.row) / context.dt;
     v[moved.row] += (Mat3::Identity() - moved.projector) * (speed - v[moved.row]);
   }
+  for (const auto& [row, velocity] : kept) v[row] = velocity;
 }
 
 }  // namespace stroma

@@ -14,14 +14,14 @@ namespace stroma {
 /// The attributes that have changed in a run. What is done to them is recorded.
 class RunEdits {
  public:
-  RunEdits(Node& root, const Systems& systems, Snapshots& snapshots, RunClock& clock, RunLog& log, RunWatch& watch)
+  RunEdits(const std::unique_ptr<Node>& root, const Systems& systems, Snapshots& snapshots, RunClock& clock, RunLog& log, RunWatch& watch)
       : root_(root), systems_(systems), snapshots_(snapshots), clock_(clock), log_(log), watch_(watch) {}
   RunEdits(const RunEdits&) = delete;
 
   /// See Simulation::setAttribute().
   Diagnostics set(const std::string& path, const std::string& attribute, const std::string& text);
   /// Throws ComponentError when it cannot change, whatever its new value.
-  void check(const std::string& path, const std::string& attribute) const { check(LiveEdit(root_, path, attribute)); }
+  void check(const std::string& path, const std::string& attribute) const { check(LiveEdit(*root_, path, attribute)); }
   /// Each attribute once, in the order of their last changes.
   std::vector<Override> all() const;
   /// The attributes of the scene as it was loaded.
@@ -40,7 +40,7 @@ class RunEdits {
   /// Makes an edit, or leaves everything as it was and throws.
   void change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages);
 
-  Node& root_;
+  const std::unique_ptr<Node>& root_;  ///< another tree may come to stand there
   const Systems& systems_;
   Snapshots& snapshots_;
   RunClock& clock_;

@@ -15,7 +15,7 @@ namespace stroma {
 /// The forces from outside that act on a run, by number. What is done to them is recorded.
 class RunInputs {
  public:
-  RunInputs(const Node& root, const Systems& systems, const RunClock& clock, RunLog& log, RunWatch& watch)
+  RunInputs(const std::unique_ptr<Node>& root, const Systems& systems, const RunClock& clock, RunLog& log, RunWatch& watch)
       : root_(root), systems_(systems), clock_(clock), log_(log), watch_(watch) {}
   RunInputs(const RunInputs&) = delete;
 
@@ -37,7 +37,7 @@ class RunInputs {
  private:
   System& systemOf(const Input& input, State*& state) const;
 
-  const Node& root_;
+  const std::unique_ptr<Node>& root_;  ///< another tree may come to stand there
   const Systems& systems_;
   const RunClock& clock_;
   RunLog& log_;

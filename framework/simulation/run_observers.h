@@ -21,6 +21,8 @@ class RunObservers {
   /// Single nodes that are watched are kept up to date, but for those that follow others.
   void watchFollowers();
   void clear() { observers_.clear(); }
+  /// Others, of other systems, in their place; none has begun.
+  void replaceBy(std::vector<Observer*> observers) { observers_ = std::move(observers), watchFollowers(); }
   void add(Observer& observer);
   void remove(Observer& observer);
 

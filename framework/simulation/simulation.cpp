@@ -98,8 +98,8 @@ std::string whereAndWhy(const System& system, const StepContext& context, const 
 
 Simulation::Simulation(Scene scene)
     : scene_(std::move(scene)),
-      inputs_(root(), systems_, clock_, log_, watch_),
-      edits_(root(), systems_, snapshots_, clock_, log_, watch_) {
+      inputs_(scene_.root, systems_, clock_, log_, watch_),
+      edits_(scene_.root, systems_, snapshots_, clock_, log_, watch_) {
   Diagnostics& diagnostics = scene_.diagnostics;
   const std::vector<SystemMembers> found = findSystems(root(), diagnostics);
   for (const SystemMembers& members : found)
@@ -243,6 +243,7 @@ void Simulation::takeBack(std::size_t failed) {
 void Simulation::reset() {
   end();
   if (director_) director_->beforeReset(*this);
+  if (first_) becomeFirst();
   forget();
   for (const Override& edit : edits()) log_.record(0, AttributeEdit{edit.path, edit.attribute, edit.value});
 }

@@ -73,6 +73,11 @@ class Simulation {
   /// its attributes, inputs, times and counts, or the sentence says that it could not be put back. Observers end, and
   /// begin again with the next step: simulation.steps() > 0 tells them that the run goes on.
   void restore(Archive checkpoint);
+  /// The same scene with other meshes takes the place of this one, and the run goes on from `values`, a checkpoint of it.
+  /// Observers end and begin again; those that were dropped stay so. reset() brings the first scene back. Throws what
+  /// restore() throws, and nothing has changed.
+  void become(std::unique_ptr<Simulation> changed, Archive values);
+  bool hasChangedMeshes() const { return first_ != nullptr; }  ///< since the start of the run
 
   /// Changes an attribute while the scene runs, as it was declared: at once, or by making the component anew. `path`
   /// names a component or a node (gravity, dt). The next step has the new value; x, v and histories stay. What needs a
@@ -129,6 +134,8 @@ class Simulation {
  private:
   void serialize(Archive& archive);
   void take(Archive values);
+  void swapScene(Simulation& other);
+  void becomeFirst();
   /// The initial state, and nothing else.
   void forget();
   StepReport makeStep(StopToken stop);
@@ -153,6 +160,7 @@ class Simulation {
   RunInputs inputs_;
   RunEdits edits_;
   std::unique_ptr<RunDirector> director_;
+  std::unique_ptr<Simulation> first_;  ///< holds the scene before become()
   bool stepping_ = false;
 };
 

@@ -4,13 +4,16 @@
 //   T= 0.01
 //     X= x0 y0 z0 x1 y1 z1 ...
 //     V= ...
+//     @pressures= ...
 //   # whole 1a2b3c4d
 //   # end
 // Numbers have the fewest digits that read back to the same bits. `whole` ends an instant with the CRC-32 of its lines,
-// `end` ends the file. Compressed when the name ends in ".gz": each instant is a gzip member of its own. Files without
-// the first line, as SOFA and people write them, are read as they are.
+// `end` ends the file. Lines with @ are numbers that a component has computed, in a file of its own. Compressed when the name
+// ends in ".gz": each instant is a gzip member of its own. Files without the first line, as SOFA and people write them, are read
+// as they are.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +31,7 @@ struct StateFrame {
   std::vector<Vec3> x;   ///< positions [m]
   std::vector<Vec3> v;   ///< velocities [m/s]
   std::vector<Vec3> f;   ///< forces [N]
+  std::map<std::string, std::vector<double>> values{};  ///< of lines with @, by name
 };
 
 /// Writes a state file. An instant is in the file from its finish() on, whatever happens to the process or to the disk
@@ -54,6 +58,7 @@ class StateWriter {
   /// Those of a state, by what they are: a point has 3 numbers, a number 1, an orientation 4 ("X": x y z w), else 3. Only
   /// `nodes`, where some are listed.
   void rows(std::string_view label, const State& state, ConstRows rows, const std::vector<int>& nodes = {});
+  void values(std::string_view name, const std::vector<double>& numbers);  ///< a line with @
   void finish();  ///< the instant is whole
   void close();   ///< the recording is whole
 

@@ -9,6 +9,7 @@
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/simulation/mesh_changer.h"
 #include "framework/simulation/step_guard.h"
 #include "tools/checks/folds.h"
 #include "tools/checks/other_rest.h"
@@ -165,7 +166,7 @@ std::vector<std::string> refusedFromHere(const Simulation& simulation) {
   const double time = simulation.time(), dt = simulation.dt();
   const StepContext next{.index = simulation.steps() + 1, .t = time, .dt = dt, .t_end = time + dt};
   for (Observer* observer : simulation.observers())
-    if (auto* guard = dynamic_cast<StepGuard*>(observer))
+    if (auto* guard = dynamic_cast<MeshChanger*>(observer) ? nullptr : dynamic_cast<StepGuard*>(observer))
       if (const std::string why = guard->refusal(next); !why.empty())
         sentences.push_back(
             units.sentence(fmt::format("{} at t = {:.6g} s: a next step would be refused. {}", observer->path(), time, why)));

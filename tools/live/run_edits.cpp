@@ -120,7 +120,7 @@ void RunEdits::check(const LiveEdit& edit) const {
 }
 
 Diagnostics RunEdits::set(const std::string& path, const std::string& attribute, const std::string& text) {
-  LiveEdit edit(root_, path, attribute);
+  LiveEdit edit(*root_, path, attribute);
   check(edit);
   complete(systems_);
   Diagnostics messages;
@@ -190,7 +190,7 @@ std::vector<Override> RunEdits::all() const {
 
 void RunEdits::takeBack() {
   for (auto edit = edits_.rbegin(); edit != edits_.rend(); ++edit) {
-    LiveEdit live(root_, edit->path, edit->attribute);
+    LiveEdit live(*root_, edit->path, edit->attribute);
     Diagnostics told_before;
     change(live, {edit->original, edit->origin}, told_before);
   }

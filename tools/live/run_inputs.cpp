@@ -54,7 +54,7 @@ void checkInput(const Input& input, const State& state) {
 
 System& RunInputs::systemOf(const Input& input, State*& state) const {
   std::vector<State*> states;
-  root_.collect(states);
+  root_->collect(states);
   std::erase_if(states, [](const State* candidate) { return !candidate->isBound(); });
   std::vector<std::string> paths;
   for (State* candidate : states) {

@@ -145,6 +145,12 @@ void StateWriter::rows(std::string_view label, const State& state, ConstRows row
   text += '\n';
 }
 
+void StateWriter::values(std::string_view name, const std::vector<double>& numbers) {
+  std::string& text = impl_->text.append("  @").append(name).append("=");
+  for (const double number : numbers) appendNumber(text += ' ', number);
+  text += '\n';
+}
+
 void StateWriter::finish() {
   std::string& text = impl_->text;
   if (text.empty()) return;

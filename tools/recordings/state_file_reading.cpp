@@ -171,19 +171,26 @@ class StateReader {
   void readValues(std::string_view line) {
     const auto equals = line.find('=');
     const std::string_view label = line.substr(0, equals);
-    const bool known = label == "T" || label == "X" || label == "X0" || label == "V" || label == "F";
+    const bool known = label == "T" || label == "X" || label == "X0" || label == "V" || label == "F" || label.starts_with('@');
     if (equals == std::string_view::npos || !known)
       complain(fmt::format("'{:.20}' is not a line of a state file (expected T=, X=, X0=, V= or F=)", line));
     line.remove_prefix(equals + 1);
     if (label == "T") return readTime(line);
     if (recording_.frames.empty()) complain("values before the first T= line");
     StateFrame& frame = recording_.frames.back();
+    if (label.starts_with('@')) return readNumbers(line, frame.values[std::string(label.substr(1))]);
     readRows(line, label, label == "X" ? frame.x : label == "X0" ? frame.x0 : label == "V" ? frame.v : frame.f);
   }
 
   void readTime(std::string_view line) {
     StateFrame& frame = recording_.frames.emplace_back();
     if (!takeNumber(line, frame.time) || !trimmed(line).empty()) complain("T= must be followed by one number");
+  }
+
+  void readNumbers(std::string_view line, std::vector<double>& numbers) {
+    if (!numbers.empty()) complain("the same line twice in one frame");
+    while (!trimmed(line).empty())
+      if (!takeNumber(line, numbers.emplace_back())) complain("a number is damaged");
   }
 
   void readRows(std::string_view line, std::string_view label, std::vector<Vec3>& rows) {

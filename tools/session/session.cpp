@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
@@ -20,6 +21,7 @@
 #include "tools/checks/result_doubts.h"
 #include "tools/checks/unit_doubts.h"
 #include "tools/session/file_uses.h"
+#include "tools/session/mesh_changes.h"
 #include "tools/session/replay.h"
 #include "tools/session/scene_program.h"
 #include "tools/units/unit_system.h"
@@ -131,6 +133,7 @@ std::vector<Override> Session::with(const std::vector<Override>& more_overrides)
 Simulation& Session::take(const std::string& file, Scene scene) {
   scene_file_ = file;
   unconverged_ = {};
+  mesh_notes_.clear();
   auto simulation = [&] {
     const Span span("compile");
     return std::make_shared<Simulation>(std::move(scene));
@@ -168,9 +171,36 @@ long Session::stepsUntil(double t) const {
   return long(count);
 }
 
+/// A sentence when they cannot, or empty.
+std::string Session::changeMeshes() {
+  if (!follows_mesh_changes_) return {};
+  Simulation& running = simulation();
+  try {
+    std::vector<std::string> notes;
+    makeMeshChanges(running, factory_, modules_, notes);
+    for (std::string& note : notes) {
+      const std::string path = note.substr(0, note.find_first_of(",:"));
+      const auto is_of_it = [&path](const std::string& other) {
+        return other.starts_with(path + ",") || other.starts_with(path + ":");
+      };
+      if (std::none_of(mesh_notes_.begin(), mesh_notes_.end(), is_of_it)) mesh_notes_.push_back(std::move(note));
+    }
+    return {};
+  } catch (const ComponentError& error) {
+    const std::string expected = error.expected.empty() ? "" : " (expected " + error.expected + ")";
+    return fmt::format("step {} (from t = {:.6g} s), a mesh is to change and cannot: {}{}", running.steps() + 1, running.time(),
+                       error.what(), expected);
+  }
+}
+
 StepReport Session::step(StopToken stop) {
   Simulation& running = simulation();
-  if (!program_) return running.step(stop);
+  if (!program_) {
+    StepReport refused;
+    refused.reason = changeMeshes();
+    refused.diverged = !refused.reason.empty();
+    return refused.diverged ? refused : running.step(stop);
+  }
   program_->beforeStep(running);
   StepReport report = running.step(stop);
   if (!report.stopped && !report.diverged) program_->afterStep(running);
@@ -242,6 +272,8 @@ Checkpoint Session::checkpoint() {
   Checkpoint checkpoint{scene_file_, buildIdentity(), simulation().checkpoint()};
   checkpoint.values.enter("run");
   unconverged_.serialize(checkpoint.values);
+  bool changed = simulation().hasChangedMeshes();
+  if (changed) checkpoint.values.value("changed_meshes", changed);
   return checkpoint;
 }
 
@@ -252,6 +284,8 @@ std::vector<std::string> Session::restore(Checkpoint checkpoint, const std::stri
     for (const char* kept : {"constraint forces", "forces"}) checkpoint.values.take(kept);  // for Python (tools/python/engine.h)
     Archive run = checkpoint.values.take("run");
     tells_convergence = !run.entries().empty();
+    if (run.entries().count("run:changed_meshes") > 0 || simulation().hasChangedMeshes())
+      throw std::runtime_error("meshes had changed in that run: none goes on from there; run the scene from its start");
     if (tells_convergence) unconverged.serialize(run);
     run.checkAllRead();
     simulation().restore(std::move(checkpoint.values));

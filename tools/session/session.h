@@ -92,6 +92,11 @@ class Session {
   RunReport run(const RunLimits& limits);
   /// One step of the simulation, in which a scene that is a program takes part. Throws ProgramError.
   StepReport step(StopToken stop = {});
+  /// From now on meshes may change in steps (tools/session/mesh_changes.h): who holds on to states or components of the scene beyond a
+  /// step must look them up again. Else a step in which a mesh would change is refused. Without effect on a program.
+  void followMeshChanges() { follows_mesh_changes_ = true; }
+  /// What such changes have left to say, each component once.
+  const std::vector<std::string>& meshNotes() const { return mesh_notes_; }
   /// Whether the scene is a program, which hears keys.
   bool isProgram() const { return program_ != nullptr; }
   /// A key or the pointer of who shows the run, between steps; without effect on a scene that is no program. Both throw
@@ -119,6 +124,7 @@ class Session {
 
  private:
   Simulation& take(const std::string& file, Scene scene);
+  std::string changeMeshes();
   std::vector<Override> with(const std::vector<Override>& more_overrides) const;
 
   Factory factory_;
@@ -128,6 +134,8 @@ class Session {
   std::shared_ptr<Simulation> simulation_;
   UnconvergedSteps unconverged_;  ///< since the scene was loaded, or before the checkpoint
   StopRequest stop_;
+  bool follows_mesh_changes_ = false;
+  std::vector<std::string> mesh_notes_;
   SceneProgram* program_ = nullptr;  ///< the scene is one, and takes part in its steps
 };
 

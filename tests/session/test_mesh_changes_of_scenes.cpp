@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What follows a mesh that changes, and what must not. References: the scene that should result, written by hand and started
+// from the state that the run has at the change; bodies that are not concerned; closed forms.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "framework/mechanics/state.h"
+#include "tests/support/folder_fixture.h"
+#include "tests/support/scene_fixture.h"
+#include "tools/session/session.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+struct Seen {
+  RunReport report;
+  std::vector<Vec3> rest, x, v;
+};
+
+Seen see(Session& session, const std::string& path) {
+  Seen seen;
+  const auto* state = dynamic_cast<const State*>(findComponent(session.simulation().root(), path));
+  for (Index i = 0; state && i < state->size(); ++i) {
+    seen.rest.push_back(state->rest_position[std::size_t(i)]);
+    seen.x.emplace_back(state->x()[i]), seen.v.emplace_back(state->v()[i]);
+  }
+  return seen;
+}
+
+Seen runFor(Session& session, long steps, const std::string& path) {
+  session.followMeshChanges();
+  const RunReport report = session.run({.steps = steps});
+  Seen seen = see(session, path);
+  seen.report = report;
+  return seen;
+}
+
+std::string root(const std::string& content) {
+  return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/><SparseLDLSolver/>" + content + "</Node>";
+}
+
+std::string bar(const std::string& more, const std::string& fields =
+                                             "<HexahedronFEMForceField name=\"h\" youngModulus=\"3000\" poissonRatio=\"0.4\"/>") {
+  return root("<RegularGridTopology name=\"g\" n=\"6 2 2\" min=\"0 0 0\" max=\"5 1 1\"/><MechanicalObject name=\"s\"/>"
+              "<DiagonalMass name=\"m\" massDensity=\"1\"/>" +
+              fields + more);
+}
+
+/// The first cell of the bar goes before the step at t = 0.02.
+const std::string knife = "<CarvingRegion name=\"knife\" box=\"0.1 -9 -9 0.9 9 9\" begin=\"0.02\" end=\"0.02\"/>";
+
+/// The bar without its first cell as a grid of its own.
+std::string shortBar(const std::string& more, const std::string& fields) {
+  return root("<RegularGridTopology name=\"g\" n=\"5 2 2\" min=\"1 0 0\" max=\"5 1 1\"/><MechanicalObject name=\"s\"/>"
+              "<DiagonalMass name=\"m\" massDensity=\"1\"/>" +
+              fields + more);
+}
+
+double farthest(const Seen& a, const Seen& b) {
+  EXPECT_EQ(a.x.size(), b.x.size());
+  EXPECT_FALSE(a.x.empty());
+  double largest = 0;
+  for (std::size_t i = 0; i < a.x.size(); ++i) {
+    std::size_t j = 0;
+    while (j < b.x.size() && (b.rest[j] - a.rest[i]).norm() > 1e-12) ++j;
+    if (j == b.x.size()) return 1e300;
+    largest = std::max({largest, (b.x[j] - a.x[i]).norm(), (b.v[j] - a.v[i]).norm()});
+  }
+  return largest;
+}
+
+/// The run of `text` after its change at step 2 against `reference`, started from the state of `text` there.
+void expectSame(const std::string& text, const std::string& reference, const std::string& before_text = {},
+                const std::string& path = "/s", long steps = 8) {
+  Session session, before_session, other;
+  session.loadText(text, "scene.xml");
+  before_session.loadText(before_text.empty() ? text : before_text, "before.xml");
+  const Seen cut = runFor(session, 2 + steps, path), before = runFor(before_session, 2, path);
+  ASSERT_EQ(cut.report.end, RunEnd::done) << cut.report.reason;
+  Simulation& simulation = other.loadText(reference, "reference.xml");
+  const auto& state = dynamic_cast<const State&>(*findComponent(simulation.root(), path));
+  Vector x(state.size()), v(state.size());
+  for (Index i = 0; i < state.size(); ++i)
+    for (std::size_t j = 0; j < before.rest.size(); ++j)
+      if ((before.rest[j] - state.rest_position[std::size_t(i)]).norm() < 1e-12) x[i] = before.x[j], v[i] = before.v[j];
+  simulation.setState(state, x, v);
+  EXPECT_LT(farthest(cut, runFor(other, steps, path)), 1e-9) << text;
+}
+
+std::string reasonOf(const std::string& text, long steps = 6) {
+  Session session;
+  session.loadText(text, "scene.xml");
+  const Seen seen = runFor(session, steps, "/s");
+  EXPECT_EQ(seen.report.end, RunEnd::diverged) << text;
+  EXPECT_EQ(session.simulation().steps(), 2) << text;
+  EXPECT_FALSE(session.simulation().hasChangedMeshes());
+  return seen.report.reason;
+}
+
+const std::string hexes = "<HexahedronFEMForceField name=\"h\" youngModulus=\"3000\" poissonRatio=\"0.4\"/>";
+
+TEST(ChangedScenes, RegionsOnOneMeshTakeWhatLiesInEach) {
+  const std::string at = " begin=\"0.02\" end=\"0.02\"/>";
+  const std::string twice = "<CarvingRegion name=\"a\" box=\"0.1 -9 -9 0.9 9 9\"" + at +
+                            "<CarvingRegion name=\"b\" box=\"0.2 -9 -9 0.8 9 9\"" + at;
+  expectSame(bar(twice), shortBar("", hexes));
+  const std::string apart = "<CarvingRegion name=\"a\" box=\"0.1 -9 -9 0.9 9 9\"" + at +
+                            "<CarvingRegion name=\"b\" box=\"3.1 -9 -9 4.9 9 9\"" + at;
+  expectSame(bar(apart), root("<RegularGridTopology n=\"3 2 2\" min=\"1 0 0\" max=\"3 1 1\"/><MechanicalObject name=\"s\"/>"
+                              "<DiagonalMass massDensity=\"1\"/>" +
+                              hexes));
+  // a processor counts what the region has left: cell 0 is the last of the bar then
+  const std::string both = "<CarvingRegion name=\"a\" box=\"0.1 -9 -9 0.9 9 9\"" + at +
+                           "<TopologicalChangeProcessor useDataInputs=\"true\" timeToRemove=\"0.015\" hexahedraToRemove=\"0\"/>";
+  expectSame(bar(both), root("<RegularGridTopology n=\"4 2 2\" min=\"1 0 0\" max=\"4 1 1\"/><MechanicalObject name=\"s\"/>"
+                             "<DiagonalMass massDensity=\"1\"/>" +
+                             hexes));
+}
+
+std::string bodyB(const std::string& more) {
+  return "<Node name=\"B\"><RegularGridTopology name=\"g\" n=\"6 2 2\" min=\"0 0 0\" max=\"5 1 1\"/>"
+         "<TetrahedronSetTopologyContainer name=\"t\"/><Hexa2TetraTopologicalMapping input=\"@g\" output=\"@t\"/>"
+         "<MechanicalObject name=\"s\" topology=\"@t\" translation=\"0 5 0\"/><DiagonalMass totalMass=\"5\" topology=\"@t\"/>"
+         "<TetrahedronFEMForceField youngModulus=\"3000\" poissonRatio=\"0.4\" topology=\"@t\"/>"
+         "<ConstantForceField totalForce=\"0 60 0\"/>" +
+         more + "</Node>";
+}
+
+TEST(ChangedScenes, ABodyWithAnEqualMeshIsLeftAlone) {
+  for (const std::string& keeps : {std::string("true"), std::string("false")}) {
+    const std::string a =
+        "<Node name=\"A\"><RegularGridTopology name=\"g\" n=\"6 2 2\" min=\"0 0 0\" max=\"5 1 1\"/><MechanicalObject name=\"s\"/>"
+        "<DiagonalMass totalMass=\"5\"/>" +
+        hexes;
+    const std::string region =
+        "<CarvingRegion keepsPoints=\"" + keeps + "\" box=\"0.1 -9 -9 0.9 9 9\" begin=\"0.02\" end=\"0.02\"/>";
+    Session cut, whole;
+    cut.loadText(root(a + region + "</Node>" + bodyB("")), "cut.xml");
+    whole.loadText(root(a + "</Node>" + bodyB("")), "whole.xml");
+    const Seen left = runFor(cut, 12, "/B/s");
+    ASSERT_EQ(left.report.end, RunEnd::done) << left.report.reason;
+    EXPECT_LT(farthest(left, runFor(whole, 12, "/B/s")), 1e-11);
+    EXPECT_TRUE(cut.simulation().hasChangedMeshes());
+  }
+}
+
+std::string cutIntoTetrahedra(const std::string& grid, const std::string& cut, const std::string& more) {
+  return root(grid + "<TetrahedronSetTopologyContainer name=\"t\"/><Hexa2TetraTopologicalMapping input=\"@g\" output=\"@t\" " +
+              cut + "/><MechanicalObject name=\"s\" topology=\"@t\"/><MeshMatrixMass name=\"m\" massDensity=\"1\" topology=\"@t\"/>"
+              "<TetrahedronFEMForceField youngModulus=\"3000\" poissonRatio=\"0.3\" topology=\"@t\"/>" +
+              more);
+}
+
+TEST(ChangedScenes, CutsByTheNumberOfACellAreRefusedAndOthersFollow) {
+  const std::string grid = "<RegularGridTopology name=\"g\" n=\"6 2 2\" min=\"0 0 0\" max=\"5 1 1\"/>",
+                    left = "<RegularGridTopology name=\"g\" n=\"5 2 2\" min=\"1 0 0\" max=\"5 1 1\"/>";
+  const std::string region = "<CarvingRegion topology=\"@g\" box=\"0.1 -9 -9 0.9 9 9\" begin=\"0.02\" end=\"0.02\"";
+  for (const char* cut : {"cutting=\"five\"", "cutting=\"five1\"", "swapping=\"true\""})
+    expectContains(reasonOf(cutIntoTetrahedra(grid, cut, region + "/>")), "would cut cells that stay another way");
+  expectSame(cutIntoTetrahedra(grid, "", region + "/>"), cutIntoTetrahedra(left, "", ""));
+}
+
+TEST(ChangedScenes, PointsThatStayOfACutGridAreHeld) {
+  const std::string grid = "<RegularGridTopology name=\"g\" n=\"6 2 2\" min=\"0 0 0\" max=\"5 1 1\"/>";
+  const std::string region = "<CarvingRegion topology=\"@g\" box=\"0.1 -9 -9 0.9 9 9\" begin=\"0.02\" end=\"0.02\"";
+  Session stay, go;
+  stay.loadText(cutIntoTetrahedra(grid, "", region + " keepsPoints=\"true\"/>"), "stay.xml");
+  go.loadText(cutIntoTetrahedra(grid, "", region + "/>"), "go.xml");
+  const Seen held = runFor(stay, 10, "/s"), gone = runFor(go, 10, "/s");
+  ASSERT_EQ(held.report.end, RunEnd::done) << held.report.reason;
+  ASSERT_EQ(held.x.size(), 24u);
+  Seen rest;
+  for (std::size_t i = 0; i < held.x.size(); ++i) {
+    if (held.rest[i].x() < 0.5) {
+      EXPECT_EQ(held.v[i].norm(), 0) << i;
+      continue;
+    }
+    rest.rest.push_back(held.rest[i]), rest.x.push_back(held.x[i]), rest.v.push_back(held.v[i]);
+  }
+  EXPECT_LT(farthest(gone, rest), 1e-11);
+}
+
+/// Four tetrahedra apart, the last of which goes at step 2.
+std::string four(const std::string& field, int count = 4) {
+  std::string places, cells;
+  for (int k = 0; k < count; ++k) {
+    places += fmt::format("{0} 0 0  {1} 0 0  {0} 1 0  {0} 0 1  ", 4 * k, 4 * k + 1);
+    cells += fmt::format("{} {} {} {}  ", 4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3);
+  }
+  return root("<TetrahedronSetTopologyContainer name=\"t\" position=\"" + places + "\" tetrahedra=\"" + cells +
+              "\"/><MechanicalObject name=\"s\"/><DiagonalMass massDensity=\"1000\"/><FixedProjectiveConstraint "
+              "indices=\"0 1 3\"/>" +
+              field);
+}
+
+TEST(ChangedScenes, ListsThatAreAsLongAsTheCellsAreManyStay) {
+  const std::string fourth =
+      "<TopologicalChangeProcessor useDataInputs=\"true\" timeToRemove=\"0.015\" tetrahedraToRemove=\"{}\"/>";
+  const auto compare = [&](const std::string& field, int count) {
+    Session cut, whole;
+    cut.loadText(four(field + fmt::format(fmt::runtime(fourth), count - 1), count), "cut.xml");
+    whole.loadText(four(field, count), "whole.xml");
+    const Seen left = runFor(cut, 12, "/s"), all = runFor(whole, 12, "/s");
+    ASSERT_EQ(left.report.end, RunEnd::done) << left.report.reason;
+    ASSERT_EQ(left.x.size(), std::size_t(4 * count - 4));
+    for (std::size_t i = 0; i < left.x.size(); ++i) EXPECT_LT((left.x[i] - all.x[i]).norm(), 1e-11) << field << i;
+  };
+  compare("<MJEDTetrahedralForceField materialName=\"StVenantKirchhoff\" ParameterSet=\"40000 60000\" viscous=\"true\" "
+          "ParameterAlpha=\"0.2 0.2 0.2 0.3\" ParameterTau=\"0.02 0.05 0.1 0.2\"/>",
+          4);
+  compare("<MJEDTetrahedralForceField materialName=\"StVenantKirchhoff\" ParameterSet=\"40000 60000\"/>", 2);
+  compare("<TetrahedronFEMForceField youngModulus=\"40000\" poissonRatio=\"0.3\"/><PlaneForceField normal=\"0 1 0\" d=\"-0.1\" "
+          "stiffness=\"100\"/>",
+          3);
+  compare("<TetrahedronFEMForceField youngModulus=\"40000\" poissonRatio=\"0.3\"/><LinearForceField points=\"2\" "
+          "times=\"0 1\" forces=\"0 0 0  0 1000 0\"/>",
+          2);
+  compare("<TetrahedronFEMForceField youngModulus=\"10000 20000 30000\" poissonRatio=\"0.3\"/>", 3);
+}
+
+TEST(ChangedScenes, WhatNumbersNodesInOtherWaysIsRefused) {
+  expectContains(reasonOf(bar(knife + "<OscillatorProjectiveConstraint name=\"o\" oscillators=\"18 0 1 1 0 1 0 1 0\"/>")),
+                 "/o.oscillators numbers points");
+  expectContains(reasonOf(bar(knife + "<PointsFromIndices name=\"p\" position=\"@s.rest_position\" indices=\"18\"/><Node "
+                                      "name=\"c\"><MechanicalObject position=\"@../p.indices_position\"/>"
+                                      "<BarycentricMapping/></Node>")),
+                 "/p.indices may number points");
+  const std::string free = "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><EulerExplicitSolver/>"
+                           "<RegularGridTopology n=\"6 2 2\" min=\"0 0 0\" max=\"5 1 1\"/><MechanicalObject name=\"s\"/>"
+                           "<UniformMass totalMass=\"24\"/>";
+  expectContains(reasonOf(free + knife +
+                          "<PositionBasedDynamicsProjectiveConstraint name=\"g\" stiffness=\"1\" "
+                          "cluster=\"[0,1,6,7,12,13,18,19]\"/></Node>"),
+                 "/g.cluster numbers points");
+}
+
+TEST(ChangedScenes, ValuesSetInTheRunAreAsIfTheyHadBeenWritten) {
+  const std::string load = "<ConstantForceField name=\"c\" indices=\"0 6 12 18  5 11 17 23\" totalForce=\"0 {} 0\"/>";
+  const std::string moduli = "<HexahedronFEMForceField name=\"h\" youngModulus=\"{}\" poissonRatio=\"0.4\"/>";
+  const std::string of_cells = "3000 4000 5000 6000 7000";
+  Session set, written;
+  Simulation& simulation = set.loadText(
+      bar(fmt::format(fmt::runtime(load), 10) + knife, fmt::format(fmt::runtime(moduli), "3000")), "set.xml");
+  written.loadText(bar(fmt::format(fmt::runtime(load), 1000) + knife, fmt::format(fmt::runtime(moduli), of_cells)), "written.xml");
+  simulation.setAttribute("/c", "totalForce", "0 1000 0");
+  simulation.setAttribute("/h", "youngModulus", of_cells);
+  const Seen one = runFor(set, 7, "/s"), other = runFor(written, 7, "/s");
+  ASSERT_EQ(one.report.end, RunEnd::done) << one.report.reason;
+  EXPECT_EQ(one.x.size(), 20u);
+  EXPECT_LT(farthest(one, other), 1e-11);
+  // reset() keeps the values, for the mesh that there was first
+  simulation.reset();
+  EXPECT_EQ(simulation.edits().size(), 2u);
+  const Seen again = runFor(set, 7, "/s");
+  ASSERT_EQ(again.report.end, RunEnd::done) << again.report.reason;
+  EXPECT_LT(farthest(again, other), 1e-11);
+  simulation.reset();
+  simulation.takeEditsBack();
+  EXPECT_EQ(findComponent(simulation.root(), "/h")->data().find("youngModulus")->print(), "3000");
+}
+
+TEST(ChangedScenes, AChangeThatFailsLeavesTheRunAsItWas) {
+  Session session, whole, other;
+  Simulation& simulation = session.loadText(bar(""), "scene.xml");
+  whole.loadText(bar(""), "scene.xml");
+  simulation.setAttribute("/h", "youngModulus", "4000");
+  whole.simulation().setAttribute("/h", "youngModulus", "4000");
+  runFor(session, 3, "/s"), runFor(whole, 3, "/s");
+  const std::uint64_t hash = simulation.stateHash();
+  Archive values = simulation.checkpoint().readable();  // not those of the shorter bar
+  Session maker;
+  Simulation& shorter = maker.loadText(shortBar("", hexes), "short.xml");
+  EXPECT_ANY_THROW(simulation.become(std::make_unique<Simulation>(Scene(instantiate(shorter.scene().description, maker.factory(),
+                                                                                    maker.modules()))),
+                                     std::move(values)));
+  EXPECT_EQ(simulation.stateHash(), hash);
+  EXPECT_EQ(simulation.steps(), 3);
+  EXPECT_EQ(simulation.edits().size(), 1u);
+  EXPECT_FALSE(simulation.hasChangedMeshes());
+  EXPECT_LT(farthest(runFor(session, 5, "/s"), runFor(whole, 5, "/s")), 1e-12);
+  EXPECT_EQ(simulation.stateHash(), whole.simulation().stateHash());
+}
+
+class ChangedSceneFiles : public FolderTest {};
+
+TEST_F(ChangedSceneFiles, APointThatGetsACellAgainIsFree) {
+  const std::string file = write("held.txt", "T= 0.02\nREMOVE= 1\n2\nT= 0.04\nADD= Tetrahedra 1\n1 5 4 3\n");
+  const std::string body =
+      "<TetrahedronSetTopologyContainer name=\"t\" position=\"0 0 0  1 0 0  0 1 0  0 0 1  1 1 1  2 0 0\" "
+      "tetrahedra=\"0 1 2 3  1 4 2 3  1 5 4 3\"/><MechanicalObject name=\"s\"/><DiagonalMass massDensity=\"1\"/>";
+  Session session;
+  session.loadText(root(body + "<TopologicalChangeProcessor filename=\"" + file + "\" keepsPoints=\"true\"/>"), "held.xml");
+  const Seen seen = runFor(session, 10, "/s");
+  ASSERT_EQ(seen.report.end, RunEnd::done) << seen.report.reason;
+  ASSERT_EQ(seen.v.size(), 6u);
+  EXPECT_NEAR(seen.v[1].y(), -10 * 0.10, 1e-9);
+  EXPECT_NEAR(seen.v[5].y(), -10 * 0.06, 1e-9) << "it falls from t = 0.04 s on";
+}
+
+// ---- lists that go together, and what acts on nothing ----
+
+std::string twoBars(const std::string& joint) {
+  const auto body = [](const char* name, int z, const std::string& more) {
+    return fmt::format("<Node name=\"{}\"><RegularGridTopology n=\"6 2 2\" min=\"0 0 {}\" max=\"5 1 {}\"/><MechanicalObject "
+                       "name=\"s\"/><DiagonalMass massDensity=\"1\"/>",
+                       name, z, z + 1) +
+           hexes + more + "</Node>";
+  };
+  return root(body("A", 0, knife) + body("B", 1, "") + joint);
+}
+
+/// Body B when the springs or attachments are those that are left, with the same bodies, and nothing else.
+TEST(ChangedScenes, ListsThatGoTogetherFollow) {
+  for (const std::string& joint :
+       {std::string("<AttachProjectiveConstraint name=\"j\" object1=\"@A/s\" object2=\"@B/s\" indices1=\"12 13 15 23\" "
+                    "indices2=\"0 1 3 11\"/>"),
+        std::string("<SpringForceField name=\"j\" object1=\"@A/s\" object2=\"@B/s\" springsIndices1=\"12 13 15 23\" "
+                    "springsIndices2=\"0 1 3 11\" lengths=\"0 0.1 0.2 0.3\" stiffness=\"100 200 300 400\" damping=\"1 2 3 4\"/>"),
+        std::string("<SpringForceField name=\"j\" object1=\"@B/s\" object2=\"@A/s\" springsIndices1=\"0 1 3 11\" "
+                    "springsIndices2=\"12 13 15 23\" lengths=\"0 0.1 0.2 0.3\" stiffness=\"100 200 300 400\" "
+                    "damping=\"1 2 3 4\"/>")}) {
+    Session session;
+    session.loadText(twoBars(joint), "two.xml");
+    const Seen seen = runFor(session, 6, "/A/s");
+    ASSERT_EQ(seen.report.end, RunEnd::done) << seen.report.reason;
+    const Component& j = *findComponent(session.simulation().root(), "/j");
+    // nodes of A now: 0, 6, 12, 18 have gone; by their places
+    const char* const of_a[] = {"indices1", "springsIndices1", "springsIndices2"};
+    for (const char* name : of_a) {
+      const Data* data = j.data().find(name);
+      if (!data) continue;
+      const auto& list = *std::get<std::vector<int>*>(data->pointer());
+      ASSERT_EQ(list.size(), 3u) << name;
+    }
+    const bool turned = joint.find("object1=\"@B/s\"") != std::string::npos;
+    const Data* mine = j.data().find(joint.starts_with("<Attach") ? "indices1" : turned ? "springsIndices2" : "springsIndices1");
+    const Data* its = j.data().find(joint.starts_with("<Attach") ? "indices2" : turned ? "springsIndices1" : "springsIndices2");
+    EXPECT_EQ(*std::get<std::vector<int>*>(its->pointer()), (std::vector<int>{1, 3, 11}));
+    const Vec3 places[] = {{1, 0, 1}, {3, 0, 1}, {5, 1, 1}};
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(seen.rest[std::size_t((*std::get<std::vector<int>*>(mine->pointer()))[k])], places[k]) << k;
+    if (const Data* lengths = j.data().find("lengths")) EXPECT_EQ(lengths->print(), "0.1 0.2 0.3");
+    if (const Data* stiffness = j.data().find("springsIndices1") ? j.data().find("stiffness") : nullptr)
+      EXPECT_EQ(stiffness->print(), "200 300 400");
+  }
+}
+
+TEST(ChangedScenes, WhatActsOnNothingIsLeftOut) {
+  expectSame(bar("<BoxROI name=\"r\" box=\"-0.1 -1 -1 0.1 2 2\"/><ConstantForceField indices=\"@r.indices\" force=\"0 1 0\"/>"
+                 "<ConstantForceField indices=\"0\" totalForce=\"0 0 1\"/><FixedProjectiveConstraint indices=\"0\"/>"
+                 "<ConstantForceField indices=\"5\" force=\"1 0 0\"/>" +
+                 knife),
+             shortBar("<ConstantForceField indices=\"4\" force=\"1 0 0\"/>", hexes));
+}
+
+TEST(ChangedScenes, DensitiesOfCellsFollow) {
+  const auto body = [](const std::string& grid, const std::string& densities, const std::string& more) {
+    return root("<RegularGridTopology " + grid + "/><MechanicalObject name=\"s\"/><DiagonalMass massDensity=\"" + densities +
+                "\"/>" + hexes + more);
+  };
+  expectSame(body("n=\"6 2 2\" min=\"0 0 0\" max=\"5 1 1\"", "1 2 3 4 5", knife),
+             body("n=\"5 2 2\" min=\"1 0 0\" max=\"5 1 1\"", "2 3 4 5", ""));
+}
+
+TEST(ChangedScenes, AForceOnAnotherBodyIsNoHindrance) {
+  Session session;
+  Simulation& simulation = session.loadText(
+      root("<Node name=\"A\"><RegularGridTopology n=\"6 2 2\" min=\"0 0 0\" max=\"5 1 1\"/><MechanicalObject name=\"s\"/>"
+           "<DiagonalMass massDensity=\"1\"/>" +
+           hexes + knife +
+           "</Node><Node name=\"B\"><MechanicalObject name=\"s\" position=\"9 9 9\"/><UniformMass totalMass=\"2\"/></Node>"),
+      "pulled.xml");
+  Input input;
+  input.state = "/B/s", input.nodes = {0}, input.force = Vec3(4, 0, 0);
+  simulation.addInput(input);
+  const Seen seen = runFor(session, 6, "/B/s");
+  ASSERT_EQ(seen.report.end, RunEnd::done) << seen.report.reason;
+  EXPECT_TRUE(simulation.hasChangedMeshes());
+  EXPECT_NEAR(seen.v[0].x(), 4. / 2 * 0.06, 1e-12);
+
+  Session pulled;
+  Simulation& body = pulled.loadText(bar(knife), "bar.xml");
+  input.state = "/s";
+  body.addInput(input);
+  expectContains(runFor(pulled, 6, "/s").report.reason, "forces from outside act on points of /s");
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

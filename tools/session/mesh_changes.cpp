@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/session/mesh_changes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "framework/scene/spans.h"
+#include "framework/simulation/mesh_changer.h"
+#include "tools/session/carried_values.h"
+#include "tools/session/changed_description.h"
+
+namespace stroma {
+namespace {
+
+std::vector<MeshChanger*> changersOf(const Simulation& simulation) {
+  std::vector<MeshChanger*> changers;
+  for (Observer* observer : simulation.observers())
+    if (auto* changer = dynamic_cast<MeshChanger*>(observer)) changers.push_back(changer);
+  return changers;
+}
+
+const std::string& pathOf(MeshChanger* changer) {
+  static thread_local std::string path;
+  return path = dynamic_cast<Component&>(*changer).path();
+}
+
+/// What is due, and who wants it.
+struct Due {
+  MeshChanger* changer = nullptr;
+  MeshChange change;
+};
+
+std::vector<Due> dueOf(const Simulation& simulation) {
+  std::vector<Due> all;
+  const std::vector<MeshChanger*> changers = changersOf(simulation);
+  if (!changers.empty()) simulation.complete();
+  for (MeshChanger* changer : changers) try {
+      for (MeshChange& change : changer->changesAt(simulation.time(), simulation.dt()))
+        all.push_back({changer, std::move(change)});
+    } catch (const ComponentError& error) {
+      throw ComponentError(pathOf(changer) + ": " + error.what(), error.expected, error.suggestion);
+    }
+  return all;
+}
+
+std::string firstOf(const SceneError& error) {
+  for (const Problem& problem : error.diagnostics().problems())
+    if (problem.severity == Severity::error)
+      return (problem.path.empty() ? "" : problem.path + ": ") + problem.message +
+             (problem.expected.empty() ? "" : " (expected " + problem.expected + ")");
+  return error.what();
+}
+
+/// The scene with the other meshes, loaded. `scene` is its description.
+std::unique_ptr<Simulation> loaded(SceneDescription scene, Factory& factory, Modules& modules) {
+  try {
+    return std::make_unique<Simulation>(instantiate(std::move(scene), factory, modules));
+  } catch (const SceneError& error) {
+    throw ComponentError("the scene cannot be as it becomes: " + firstOf(error));
+  }
+}
+
+/// Warnings that the scene did not have before, one of a component.
+void addWarnings(const Simulation& before, const Simulation& after, std::vector<std::string>& notes) {
+  std::set<std::string> known;
+  for (const Problem& problem : before.scene().diagnostics.problems()) known.insert(problem.path);
+  for (const Problem& problem : after.scene().diagnostics.problems())
+    if (problem.severity == Severity::warning && known.insert(problem.path).second)
+      notes.push_back(
+          fmt::format("{}, since its mesh changed at t = {:.6g} s: {}", problem.path, before.time(), problem.message));
+}
+
+}  // namespace
+
+bool makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules, std::vector<std::string>& notes) {
+  const std::vector<Due> all = dueOf(simulation);
+  if (all.empty()) return false;
+  const Span span("change meshes");
+  std::vector<ChangedMesh> meshes;
+  std::vector<const Topology*> topologies;
+  for (const Due& due : all) try {
+      const Topology* const topology = due.change.topology;
+      auto at = std::find(topologies.begin(), topologies.end(), topology) - topologies.begin();
+      if (std::size_t(at) == topologies.size()) {
+        topologies.push_back(topology);
+        meshes.push_back({topology->path(), MeshEdit(topology->mesh()), {}});
+      }
+      meshes[std::size_t(at)].edit.make(due.change);
+    } catch (const ComponentError& error) {
+      throw ComponentError(pathOf(due.changer) + ": " + error.what(), error.expected, error.suggestion);
+    }
+  SceneDescription scene = simulation.scene().description;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    meshes[i].followed = putMesh(simulation, *topologies[i], meshes[i].edit, scene);
+    for (const std::string& path : meshes[i].followed.left_out)
+      notes.push_back(fmt::format("{}: all that it acts on has gone at t = {:.6g} s, and it is left out from now on", path,
+                                  simulation.time()));
+  }
+  std::unique_ptr<Simulation> changed = loaded(std::move(scene), factory, modules);
+  addWarnings(simulation, *changed, notes);
+  std::vector<std::string> anew;
+  Archive values = carriedValues(simulation, *changed, meshes, anew);
+  for (const std::string& path : anew)
+    notes.push_back(fmt::format("{}: its mesh changed at t = {:.6g} s, and what it remembers begins anew", path,
+                                simulation.time()));
+  try {
+    simulation.become(std::move(changed), std::move(values));
+  } catch (const std::runtime_error& error) {
+    throw ComponentError(std::string("the run cannot go on with the other mesh: ") + error.what());
+  }
+  for (MeshChanger* changer : changersOf(simulation)) changer->changesMade(simulation.time(), simulation.dt());
+  return true;
+}
+
+}  // namespace stroma
