@@ -33,12 +33,13 @@
 #include "framework/mechanics/key_times.h"
 #include "framework/mechanics/motion.h"
 #include "framework/mechanics/node_indices.h"
+#include "framework/mechanics/start_velocity.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class AffineMovementProjectiveConstraint final : public HeldNodes {
+class AffineMovementProjectiveConstraint final : public HeldNodes, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
@@ -48,6 +49,9 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
     table.add("rotation", rotation_).help("matrix applied to the positions, nine numbers row by row").unit("-");
     table.add("quaternion", quaternion_).help("rotation applied to the positions first, as x y z w").unit("-");
     table.add("translation", translation_).help("added last").unit("m");
+    table.addChoice("velocity", velocity_, {"movement", "still"})
+        .help("of the nodes: that of their movement, or zero, within steps too, as in SOFA");
+    table.add("late", late_).help("in a step the nodes go where they were to be at its start, as SOFA's");
     table.addVisualOnly("drawConstrainedPoints");
   }
 
@@ -73,13 +77,15 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
 
   bool isConstant() const override { return guided_.empty(); }
   bool prescribesMotion() const override { return true; }
+  bool keepsStartVelocity() const override { return velocity_ == Velocity::still; }
 
   void addProjectors(double t, std::vector<NodeProjector>& out) const override {
-    for (std::size_t i = 0; i < movedAt(t); ++i)
+    for (std::size_t i = 0; i < movedAt(timeOf(t)); ++i)
       for (Index k = 0; k < heldRows(); ++k) out.push_back({state().firstRow() + path_[i].node + k, Mat3::Zero()});
   }
-  void prescribe(double t, Rows x, Rows v) const override {
-    const bool moving = t > begin_ && (t < end_ || sameTime(t, end_));
+  void prescribe(double time, Rows x, Rows v) const override {
+    const double t = timeOf(time);
+    const bool moving = velocity_ == Velocity::movement && t > begin_ && (t < end_ || sameTime(t, end_));
     double s = std::clamp((t - begin_) / (end_ - begin_), 0., 1.);
     if (sameTime(t, end_)) s = 1;
     for (std::size_t i = 0; i < movedAt(t); ++i) {
@@ -124,6 +130,8 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
     for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = rotation_[i];
     return matrix * turn.normalized().toRotationMatrix();
   }
+  /// Of the movement, at a time of the simulation.
+  double timeOf(double t) const { return late_ ? std::max(t - node().dt(), std::min(t, node().root().root_time)) : t; }
   /// How many of path_ move at the end t of a step: the guided nodes, which come last, only between the two times.
   std::size_t movedAt(double t) const {
     return t > begin_ && (t < end_ || sameTime(t, end_)) ? path_.size() : nodes().size();
@@ -133,6 +141,8 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
   std::vector<double> rotation_{1, 0, 0, 0, 1, 0, 0, 0, 1}, quaternion_{0, 0, 0, 1};
   Vec3 translation_ = Vec3::Zero(), turn_ = Vec3::Zero();  ///< turn_: r, of frames
   double begin_ = 0, end_ = 20;
+  bool late_ = false;
+  enum class Velocity : int { movement, still } velocity_ = Velocity::movement;
   std::vector<Index> guided_;
   std::vector<Path> path_;  ///< shape (nodes + guided nodes)
 };

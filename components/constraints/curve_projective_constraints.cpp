@@ -34,6 +34,7 @@
 
 #include "components/constraints/held_nodes.h"
 #include "framework/mechanics/key_times.h"
+#include "framework/mechanics/start_velocity.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -44,12 +45,13 @@ struct OnCurve {
   Vec3 x = Vec3::Zero(), slope = Vec3::Zero();
 };
 
-class CurveMovement : public HeldNodes {
+class CurveMovement : public HeldNodes, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
     table.add("BeginTime", begin_).help("when the movement begins").unit("s");
     table.add("EndTime", end_).help("when it ends").unit("s").required();
+    table.add("late", late_).help("in each step the nodes go to where they were to be at its start, with SOFA's velocities");
     table.addChoice("outside", outside_, {"free", "hold"}).help("what happens to the nodes before BeginTime and after EndTime");
   }
   void init() override {
@@ -61,14 +63,26 @@ class CurveMovement : public HeldNodes {
   }
 
   bool activeIn(double t, double t_end) const override {
+    if (late_) {
+      const bool is_on = (t > begin_ || sameTime(t, begin_)) && (t < end_ || sameTime(t, end_));
+      return ProjectiveConstraint::activeIn(t, t_end) && (is_on || outside_ == Outside::hold);
+    }
     const bool moves = (t_end > begin_ || sameTime(t_end, begin_)) && t < end_ && !sameTime(t, end_);
     return ProjectiveConstraint::activeIn(t, t_end) && (moves || outside_ == Outside::hold);
   }
   bool isConstant() const override { return outside_ == Outside::hold; }
   bool prescribesMotion() const override { return true; }
-  void prescribe(double t, Rows x, Rows v) const override {
+  bool keepsStartVelocity() const override { return late_; }
+  void prescribe(double time, Rows x, Rows v) const override {
+    const double lag = late_ ? node().dt() : 0;
+    const double t = std::max(time - lag, std::min(time, node().root().root_time));
     const double u = (t - begin_) / (end_ - begin_);
     const OnCurve here = at(std::clamp(u, 0., 1.));
+    if (late_) {
+      if (u < 0 && !sameTime(t, begin_)) return;
+      for (std::size_t i = 0; i < nodes().size(); ++i) x[row(i)] = here.x, v[row(i)] = velocityOfSofa(u, lag, end_ - begin_);
+      return;
+    }
     const bool stands = (u < 0 && !sameTime(t, begin_)) || (u > 1 && !sameTime(t, end_) && outside_ == Outside::hold);
     for (std::size_t i = 0; i < nodes().size(); ++i) {
       x[row(i)] = here.x;
@@ -78,10 +92,12 @@ class CurveMovement : public HeldNodes {
 
  protected:
   virtual OnCurve at(double u) const = 0;
+  virtual Vec3 velocityOfSofa(double u, double lag, double span) const = 0;
 
  private:
   enum class Outside : int { free, hold } outside_ = Outside::free;
   double begin_ = 0, end_ = 0;
+  bool late_ = false;
 };
 
 class ParabolicMovement final : public CurveMovement {
@@ -111,6 +127,8 @@ class ParabolicMovement final : public CurveMovement {
     const Vec3 chord = third_ - first_;
     return {first_ + u * chord + u * (1 - u) * height_, chord + (1 - 2 * u) * height_};
   }
+  /// Of the chord over the next step.
+  Vec3 velocityOfSofa(double u, double lag, double span) const override { return (at(u + lag / span).x - at(u).x) / lag; }
 
  private:
   Vec3 first_ = Vec3::Zero(), second_ = Vec3::Zero(), third_ = Vec3::Zero();
@@ -142,6 +160,13 @@ class HermiteSplineMovement final : public CurveMovement {
     const Weights h = weightsAt(w);
     return {h.h00 * start_ + h.h10 * start_tangent_ + h.h01 * end_place_ + h.h11 * end_tangent_,
             speed * (-h.d01 * start_ + h.d10 * start_tangent_ + h.d01 * end_place_ + h.d11 * end_tangent_)};
+  }
+  /// By w, not by time.
+  Vec3 velocityOfSofa(double u, double, double) const override {
+    const Weights by_time = weightsAt(u);
+    const double w = start_speed_[1] * by_time.h10 + by_time.h01 + end_speed_[1] * by_time.h11;
+    const Weights h = weightsAt(w);
+    return -h.d01 * start_ + h.d10 * start_tangent_ + h.d01 * end_place_ + h.d11 * end_tangent_;
   }
 
  private:

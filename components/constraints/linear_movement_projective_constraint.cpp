@@ -15,6 +15,10 @@
 // the movement begins. Positions and velocities are exact at the end of every step, whatever the integrator; inside a
 // step the nodes move with constant velocity. A step that reaches past the last key ends at its movement.
 //
+// late="true" is SOFA's way: in the step that starts at t the nodes go to x(t), and meanwhile they have in the equation
+// of the step the velocity of its start, that behind a key. Nodes of the partial constraint have v along all axes then, x_0 is the
+// initial position, and cornerShares have no part in velocities.
+//
 // Before the first key and after the last the nodes are free, as in SOFA; with outside="hold" they stay where the first
 // and the last movement put them. Where another constraint holds a node in a direction of its movement the node moves, and a
 // warning says so.
@@ -38,13 +42,14 @@
 
 #include "components/constraints/held_nodes.h"
 #include "components/constraints/row_keys.h"
+#include "framework/mechanics/start_velocity.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class LinearMovement : public HeldNodes {
+class LinearMovement : public HeldNodes, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
@@ -52,6 +57,7 @@ class LinearMovement : public HeldNodes {
     table.add("relativeMovements", relative_).help("movements are displacements, else positions");
     table.addChoice("outside", outside_, {"free", "hold"})
         .help("what happens to the nodes before the first and after the last key time");
+    table.add("late", late_).help("in a step the nodes go where they were to be at its start, with velocities of then, as SOFA's");
     table.addVisualOnly("showMovement");
   }
 
@@ -66,8 +72,14 @@ class LinearMovement : public HeldNodes {
   }
 
   bool activeIn(double t, double t_end) const override {
+    if (late_) {
+      const bool is_early = t < movement_.first() && !sameTime(t, movement_.first());
+      const bool is_over = t > movement_.last() || sameTime(t, movement_.last());
+      return ProjectiveConstraint::activeIn(t, t_end) && (outside_ == Outside::hold || (!is_early && !is_over));
+    }
     return ProjectiveConstraint::activeIn(t, t_end) && (outside_ == Outside::hold || movement_.touches(t, t_end));
   }
+  bool keepsStartVelocity() const override { return late_; }
   bool isConstant() const override { return outside_ == Outside::hold; }
   bool prescribesMotion() const override { return true; }
   void reset() override { start_.clear(); }
@@ -76,7 +88,7 @@ class LinearMovement : public HeldNodes {
   // A movement that is found under way, as when a run is resumed, has moved the nodes already.
   void beginMotion(double t, ConstRows x) override {
     if (!start_.empty()) return;
-    const bool from_start = outside_ == Outside::hold || movement_.first() <= node().root().root_time;
+    const bool from_start = outside_ == Outside::hold || late_ || movement_.first() <= node().root().root_time;
     for (const Index node : nodes()) {
       const std::size_t own = start_.size();
       noteRows(state(), node, x, start_);
@@ -92,19 +104,26 @@ class LinearMovement : public HeldNodes {
     }
   }
 
-  void prescribe(double t, Rows x, Rows v) const override {
+  void prescribe(double time, Rows x, Rows v) const override {
+    constexpr double after = 1e-6;  // of a step: SOFA's velocity at a key is the one behind it
+    const double lag = late_ ? node().dt() : 0;
+    const double t = std::max(time - lag, std::min(time, node().root().root_time)), at_slope = t + after * lag;
+    if (late_ && t < movement_.first() && !sameTime(t, movement_.first())) return;
     for (Index k = 0; k < heldRows(); ++k) {
       const Mat3 held = Mat3::Identity() - projector(k);
       // along the other axes numbers mean nothing, and a turn would take them along
       const Vec3 movement = turns(k) ? Vec3(held * movement_.of(k).at(t)) : movement_.of(k).at(t);
-      const Vec3 slope = turns(k) ? Vec3(held * movement_.of(k).slope(t)) : movement_.of(k).slope(t);
+      const Vec3 slope = turns(k) ? Vec3(held * movement_.of(k).slope(at_slope)) : movement_.of(k).slope(at_slope);
       const Vec3 velocity = turns(k) ? angularVelocity(movement, slope) : slope;
       for (std::size_t i = 0; i < nodes().size(); ++i) {
         const Vec3& start = start_[i * std::size_t(heldRows()) + std::size_t(k)];
         Vec3 target = share(i) * movement;
         if (relative_) target = turns(k) ? rotationVector(turnedBy(movement) * turnedBy(start)) : Vec3(start + target);
         moveHeld(state().kindOf(k), target, held, x, row(i) + k);
-        v[row(i) + k] += held * (share(i) * velocity - v[row(i) + k]);
+        if (late_)
+          v[row(i) + k] = velocity;
+        else
+          v[row(i) + k] += held * (share(i) * velocity - v[row(i) + k]);
       }
     }
   }
@@ -121,7 +140,7 @@ class LinearMovement : public HeldNodes {
   bool turns(Index k) const { return state().kindOf(k) == RowKind::turn; }
 
   RowKeys movement_;
-  bool relative_ = true;
+  bool relative_ = true, late_ = false;
   Outside outside_ = Outside::free;
   std::vector<Vec3> start_;  ///< rows of the nodes, as State::position has them; empty until the movement begins
 };

@@ -37,6 +37,9 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
     HeldNodes::declare(table);
     velocity_.declare(table, "velocities", "velocity of the nodes at each of keyTimes", "m/s");
     table.add("coordinates", axes_).help("axes that are driven (0, 1, 2, of frames to 5); all when not given");
+    table.add("ahead", ahead_)
+        .help("by how much nodes that are driven from the start of a simulation are ahead of where they start, as SOFA's")
+        .unit("m");
     table.add("continueAfterEnd", continue_).help("keep the last velocity after the last key time");
   }
 
@@ -64,6 +67,10 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
     if (!start_.empty()) return;
     start_time_ = std::max(t, velocity_.first());
     for (const Index node : nodes()) noteRows(state(), node, x, start_);
+    // only what starts with the simulation: nodes that are found under way, as after a change of the mesh, are ahead already
+    if (t > node().root().root_time) return;
+    for (std::size_t i = 0; i < start_.size(); ++i)
+      if (state().kindOf(Index(i) % heldRows()) != RowKind::turn) start_[i] += ahead_;
   }
 
   void prescribe(double t, Rows x, Rows v) const override {
@@ -102,6 +109,7 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   RowKeys velocity_;
   std::vector<int> axes_;
   bool continue_ = false;
+  Vec3 ahead_ = Vec3::Zero();
   double start_time_ = 0;    ///< [s]
   std::vector<Vec3> start_;  ///< rows of the nodes at start_time_, as State::position has them; empty until then
 };

@@ -33,12 +33,13 @@
 #include "framework/mechanics/motion.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/projective_constraint.h"
+#include "framework/mechanics/start_velocity.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
+class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
@@ -51,6 +52,7 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
     table.add("centre", centre_).unit("m").help("a point of the rotation's axis");
     table.add("pulsation", pulsation_).unit("rad/s").help("of the nodes of indices");
     table.add("phase", phase_).unit("rad").help("of the nodes of indices");
+    table.add("late", late_).help("in a step the nodes go where they were to be at its start, with velocities of then, as SOFA's");
   }
 
   void init() override {
@@ -94,7 +96,9 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
     for (const Oscillator& o : oscillators_)
       for (Index k = 0; k < state().rows_per_node; ++k) out.push_back({state().firstRow() + o.node + k, Mat3::Zero()});
   }
-  void prescribe(double t, Rows x, Rows v) const override {
+  bool keepsStartVelocity() const override { return late_; }
+  void prescribe(double time, Rows x, Rows v) const override {
+    const double t = std::max(time - (late_ ? node().dt() : 0), std::min(time, node().root().root_time));
     for (const Oscillator& o : oscillators_) {
       const double angle = o.pulsation * t + o.phase;
       x[state().firstRow() + o.node] = o.mean + std::sin(angle) * o.amplitude;
@@ -121,6 +125,7 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
   std::vector<int> indices_;
   Vec3 translation_ = Vec3::Zero(), rotation_ = Vec3::Zero(), centre_ = Vec3::Zero();
   double pulsation_ = 0, phase_ = 0;
+  bool late_ = false;
   std::vector<Oscillator> oscillators_;
 };
 

@@ -10,7 +10,8 @@
 // N_c are the bilinear (trilinear) functions of four (eight) corners: the shares a = |x - x_c0| / |x_c1 - x_c0| along x, b along y from
 // corner 0 to 3 and c along z from 0 to 4, in the order (0,0) (1,0) (1,1) (0,1), then the same at the far z. Without
 // cornerPoints they are looked for among constrainedPoints. Before the movement and after it the nodes stand still. Their velocity
-// is that of the movement, or zero with velocity="zero", as in SOFA.
+// is that of the movement, or zero with velocity="zero". In a step they have what takes them to its end; with velocity="still",
+// as in SOFA, they have none there either, and their neighbours feel places alone.
 //
 // Source: names and attributes are SOFA's, but velocity.
 //
@@ -32,6 +33,7 @@
 #include <cmath>
 
 #include "components/constraints/held_nodes.h"
+#include "framework/mechanics/start_velocity.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -55,7 +57,7 @@ class DirectionConstraint final : public HeldNodes {
   Vec3 direction_ = Vec3::Zero();
 };
 
-class PatchTestMovement final : public HeldNodes {
+class PatchTestMovement final : public HeldNodes, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
@@ -64,7 +66,9 @@ class PatchTestMovement final : public HeldNodes {
     table.add("cornerPoints", corners_).help("four or eight corners").unit("m");
     table.add("cornerMovements", movements_).help("displacement of each corner").unit("m").required();
     table.add("constrainedPoints", points_).help("where corners are looked for when they are not given").unit("m");
-    table.addChoice("velocity", velocity_, {"movement", "zero"}).help("of the nodes: that of their movement, or zero");
+    table.addChoice("velocity", velocity_, {"movement", "zero", "still"})
+        .help("of the nodes: of their movement, zero, or zero within steps too, as in SOFA");
+    table.add("late", late_).help("in a step the nodes go where they were to be at its start, as SOFA's");
     for (const char* name : {"meshIndices", "drawConstrainedPoints", "topology"}) table.addVisualOnly(name);
   }
   void init() override {
@@ -84,14 +88,16 @@ class PatchTestMovement final : public HeldNodes {
   }
 
   bool prescribesMotion() const override { return true; }
+  bool keepsStartVelocity() const override { return velocity_ == Velocity::still; }
   void reset() override { start_.clear(); }
   void serialize(Archive& archive) override { serializeStart(archive, start_); }
   // A movement that is found under way has moved the nodes already.
   void beginMotion(double t, ConstRows x) override {
     if (!start_.empty()) return;
-    for (std::size_t i = 0; i < nodes().size(); ++i) start_.push_back(x[row(i)] - shareAt(t) * movement_[i]);
+    for (std::size_t i = 0; i < nodes().size(); ++i) start_.push_back(x[row(i)] - shareAt(timeOf(t)) * movement_[i]);
   }
-  void prescribe(double t, Rows x, Rows v) const override {
+  void prescribe(double time, Rows x, Rows v) const override {
+    const double t = timeOf(time);
     const double share = shareAt(t);
     const bool moves = velocity_ == Velocity::movement && t > begin_ && t <= end_;
     for (std::size_t i = 0; i < nodes().size(); ++i) {
@@ -101,6 +107,8 @@ class PatchTestMovement final : public HeldNodes {
   }
 
  private:
+  /// Of the movement, at a time of the simulation.
+  double timeOf(double t) const { return late_ ? std::max(t - node().dt(), std::min(t, node().root().root_time)) : t; }
   double shareAt(double t) const { return std::clamp((t - begin_) / (end_ - begin_), 0., 1.); }
   static std::size_t far(int axis) { return axis == 0 ? 1 : axis == 1 ? 3 : 4; }
   Vec3 interpolated(const Vec3& p) const {
@@ -130,8 +138,9 @@ class PatchTestMovement final : public HeldNodes {
     }
   }
   double begin_ = 0, end_ = 20;
+  bool late_ = false;
   std::vector<Vec3> corners_, movements_, points_;
-  enum class Velocity : int { movement, zero } velocity_ = Velocity::movement;
+  enum class Velocity : int { movement, zero, still } velocity_ = Velocity::movement;
   std::vector<Vec3> movement_, start_;  ///< of each node [m]
 };
 

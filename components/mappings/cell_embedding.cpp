@@ -4,20 +4,14 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <boost/geometry.hpp>
-#include <boost/geometry/index/rtree.hpp>
+#include <algorithm>
 #include <cmath>
 
+#include "framework/collision/box_tree.h"
 #include "framework/mesh/cell_lists.h"
 
 namespace stroma {
 namespace {
-
-namespace bg = boost::geometry;
-using Point = bg::model::point<double, 3, bg::cs::cartesian>;
-using Box = bg::model::box<Point>;
-
-Point toPoint(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 /// A point in a cell: the weights of its corners, how far it lies outside [m], and where in the reference cell their slopes count.
 struct Place {
@@ -114,42 +108,38 @@ Place placeIn(const CellKind& kind, const Vec3* corner, const Vec3& p) {
   return kind.affine ? placeInTetrahedron(corner, p) : placeInCurved(kind, corner, p);
 }
 
-using Tree = bg::index::rtree<std::pair<Box, std::size_t>, bg::index::quadratic<16>>;
-
 /// The boxes of the cells; `around` is widened to hold all of them.
 template <class Cell>
-Tree treeOf(const std::vector<Cell>& cells, const std::vector<Vec3>& body, Box& around) {
-  std::vector<std::pair<Box, std::size_t>> boxes;
+BoxTree treeOf(const std::vector<Cell>& cells, const std::vector<Vec3>& body, Box& around) {
+  std::vector<Box> boxes(cells.size());
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    Vec3 from = Vec3::Constant(std::numeric_limits<double>::infinity()), to = -from;
     const auto corners = cornersOf(cells[c], body);
-    for (const Vec3& p : corners) from = from.cwiseMin(p), to = to.cwiseMax(p);
+    for (const Vec3& p : corners) boxes[c].add(p);
     if constexpr (std::tuple_size_v<Cell> == 10)  // the Bezier points of curved edges bound the cell, its nodes do not
       for (std::size_t e = 0; e < cell_tables::tetrahedron_middles.size(); ++e) {
         const auto [a, b] = cell_tables::tetrahedron_middles[e];
-        const Vec3 p = 2 * corners[4 + e] - (corners[std::size_t(a)] + corners[std::size_t(b)]) / 2;
-        from = from.cwiseMin(p), to = to.cwiseMax(p);
+        boxes[c].add(2 * corners[4 + e] - (corners[std::size_t(a)] + corners[std::size_t(b)]) / 2);
       }
-    boxes.emplace_back(Box(toPoint(from), toPoint(to)), c);
-    bg::expand(around, boxes.back().first);
+    around.add(boxes[c]);
   }
-  return Tree(boxes);
+  BoxTree tree;
+  tree.build(std::move(boxes));
+  return tree;
 }
 
 /// In the nearest cell, whose number goes to `cell`: by ascending distance of their boxes, as no cell whose box is
 /// farther than the best one can be better.
 template <class Cell>
-Place nearestPlace(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& body, const Tree& tree,
-                   const Vec3& point, std::size_t& cell) {
-  const Point p = toPoint(point);
+Place nearestPlace(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& body,
+                   const BoxTree& tree, const Vec3& point, std::size_t& cell) {
   Place best;
   best.distance = std::numeric_limits<double>::infinity();
-  for (auto found = tree.qbegin(bg::index::nearest(p, unsigned(cells.size()))); found != tree.qend(); ++found) {
-    if (bg::distance(found->first, p) >= best.distance) break;
-    const Place place = placeIn(kind, cornersOf(cells[found->second], body).data(), point);
-    if (place.distance < best.distance) best = place, cell = found->second;
-    if (best.distance == 0) break;
-  }
+  tree.forEachByDistance(point, [&](Index number, double distance) {
+    if (distance >= best.distance) return false;
+    const Place place = placeIn(kind, cornersOf(cells[std::size_t(number)], body).data(), point);
+    if (place.distance < best.distance) best = place, cell = std::size_t(number);
+    return best.distance != 0;
+  });
   return best;
 }
 
@@ -169,29 +159,32 @@ std::vector<Vec3> slopesAt(const CellKind& kind, const Vec3* corner, const Local
 
 /// Gives every point its cell, where it has none that is nearer.
 template <class Cell>
-void embed(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& body, const std::vector<Vec3>& points,
-           Box& around, std::vector<EmbeddedPoint>& found) {
-  const Tree tree = treeOf(cells, body, around);
+void embed(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& body,
+           const std::vector<Vec3>& points, Box& around, std::vector<EmbeddedPoint>& found) {
+  const BoxTree tree = treeOf(cells, body, around);
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::size_t at = 0;
     const Place best = nearestPlace(kind, cells, body, tree, points[i], at);
     if (!(best.distance < found[i].distance)) continue;
     const Cell& cell = cells[at];
-    found[i] = {best.distance, {cell.begin(), cell.end()}, {best.weights.begin(), best.weights.begin() + long(cell.size())}, {}};
+    found[i] = {best.distance,
+                {cell.begin(), cell.end()},
+                {best.weights.begin(), best.weights.begin() + long(cell.size())},
+                {}};
     found[i].slopes = slopesAt(kind, cornersOf(cell, body).data(), best.xi);
   }
 }
 
 }  // namespace
 
-std::vector<EmbeddedPoint> embedPoints(const Topology& topology, const std::vector<Vec3>& body, const std::vector<Vec3>& points,
-                                       double& size) {
+std::vector<EmbeddedPoint> embedPoints(const Topology& topology, const std::vector<Vec3>& body,
+                                       const std::vector<Vec3>& points, double& size) {
   const int dimension = highestDimension(topology.mesh());
   if (dimension < 1)
-    throw ComponentError(fmt::format("{} has no cells", topology.path()), "a mesh of a volume, of a surface or of lines");
+    throw ComponentError(fmt::format("{} has no cells", topology.path()),
+                         "a mesh of a volume, of a surface or of lines");
   std::vector<EmbeddedPoint> found(points.size());
   Box around;
-  bg::assign_inverse(around);
   bool embedded = false;  // in cells of one kind, on surfaces in those of both
   forEachCellList(
       [&](const CellKind& kind, const auto& cells) {
@@ -202,8 +195,9 @@ std::vector<EmbeddedPoint> embedPoints(const Topology& topology, const std::vect
       },
       topology.mesh());
   if (!embedded)
-    throw ComponentError(fmt::format("{} has only cells of curved edges", topology.path()), "triangles, quads or edges");
-  size = bg::distance(around.min_corner(), around.max_corner());
+    throw ComponentError(fmt::format("{} has only cells of curved edges", topology.path()),
+                         "triangles, quads or edges");
+  size = (around.high - around.low).norm();
   return found;
 }
 

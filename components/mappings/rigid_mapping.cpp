@@ -4,7 +4,8 @@
 //   x_i = c + q p_i,   v_i = c' + omega x (q p_i);   force on the frame: sum f_i, torque sum (q p_i) x f_i
 //
 // with c and q the centre and the orientation of the frame `index` of the state that is followed (counted from the last one
-// with indexFromEnd), or of the frame that rigidIndexPerPoint lists for each point. p_i, the place of the point in the axes
+// with indexFromEnd), or of the frame that rigidIndexPerPoint lists for each point, or repartition by how many points in a row.
+// p_i, the place of the point in the axes
 // of its frame, is initialPoints, or the position of the child as the scene gives it; with globalToLocalCoords these are
 // places in space where the scene starts (useX0: at rest). A child of frames (template Rigid3) is carried in the same way,
 // each at p_i and turned by the orientation that the scene gives; RigidRigidMapping is another name for that.
@@ -28,6 +29,8 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "components/mappings/frame_mapping.h"
 #include "framework/mechanics/state_positions.h"
 #include "framework/scene/factory.h"
@@ -42,6 +45,7 @@ class RigidMapping final : public FrameMapping {
     table.add("index", index_).help("frame that carries all points").min(0);
     table.add("indexFromEnd", from_end_).help("count index from the last frame: 0 is the last");
     table.add("rigidIndexPerPoint", index_per_point_).help("frame that carries each point");
+    table.add("repartition", shares_).help("how many points each frame carries, in their order; one number: each as many");
     table.add("initialPoints", initial_points_)
         .unit("m")
         .help("places of the points in the axes of their frames; the positions of the child when not given");
@@ -84,7 +88,18 @@ class RigidMapping final : public FrameMapping {
   std::vector<Index> framesOf(std::size_t points) const {
     const Index count = input().nodes();
     std::vector<Index> frames(points, from_end_ ? count - 1 - index_ : index_);
-    if (!index_per_point_.empty()) {
+    if (!shares_.empty()) {
+      if (!index_per_point_.empty()) throw ComponentError("repartition and rigidIndexPerPoint are both given", "one of them");
+      const std::vector<int> shares = shares_.size() == 1 ? std::vector<int>(std::size_t(count), shares_[0]) : shares_;
+      if (Index(shares.size()) != count)
+        throw ComponentError(fmt::format("repartition has {} numbers, and {} has {} frames", shares.size(), input().path(), count),
+                             "one for each, or one for all");
+      frames.clear();
+      for (Index frame = 0; frame < count; ++frame)
+        frames.insert(frames.end(), std::size_t(std::max(0, shares[std::size_t(frame)])), frame);
+      if (frames.size() != points)
+        throw ComponentError(fmt::format("repartition shares out {} points, and there are {}", frames.size(), points), "as many");
+    } else if (!index_per_point_.empty()) {
       if (index_per_point_.size() != points)
         throw ComponentError(
             fmt::format("rigidIndexPerPoint has {} values for {} points", index_per_point_.size(), points),
@@ -100,7 +115,7 @@ class RigidMapping final : public FrameMapping {
 
   int index_ = 0;
   bool from_end_ = false, from_space_ = false, use_rest_ = false, place_rest_ = true;
-  std::vector<int> index_per_point_;
+  std::vector<int> index_per_point_, shares_;
   std::vector<Vec3> initial_points_;
 };
 

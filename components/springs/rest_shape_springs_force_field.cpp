@@ -13,6 +13,8 @@
 //   E = sum a_i/2 |th_i|^2,   exp(th_i) = q_i q_t^-1,   torque = -a_i th_i
 //   K = -a_i (I + c [th]^2), the symmetric part, with c as in dexp^-1;   a = angularStiffness
 //
+// With turnTangent="unturned" K = -a_i I, as in SOFA.
+//
 // `stiffness` has a value for each point or one for all; with firstForOthers points without a value take the first. Without
 // `points` every node has a spring.
 //
@@ -27,6 +29,8 @@
 //   <RestShapeSpringsForceField points="0 1 2" stiffness="100 200 300"/>
 // </Node>
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/frames.h"
@@ -53,6 +57,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
         .physical();
     table.addLink("external_rest_shape", external_).help("state whose nodes are the targets");
     table.add("external_points", external_points_).help("its nodes, one for each point");
+    table.add("requiredPoints", required_points_)
+        .help("these must be nodes of the state, or the springs do nothing, as SOFA's external_points of no other body");
     table.add("pivot_points", pivot_points_)
         .help("of rigid bodies only: a node here is a point and turns about nothing");
     table.add("activeDirections", directions_).help("for x, y and z: 1 pulled, 0 free");
@@ -61,6 +67,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
         .help("torque over the turn of frames, one per point or one for all")
         .unit("N m")
         .min(0);
+    table.addChoice("turnTangent", turn_tangent_, {"symmetric", "unturned"})
+        .help("of the torques on frames: how they change, or -a I as in SOFA");
     table.add("targets", given_targets_)
         .recompiled()
         .help("where points are pulled to, in place of their rest positions: 3 numbers each, of frames 7")
@@ -79,6 +87,10 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     } else {
       if (!is_given) inform(fmt::format("no points: all {} nodes of {} have a spring", state().nodes(), state().path()));
       nodes_ = allNodes(state());
+    }
+    if (!hasRequiredPoints()) {
+      nodes_.clear(), targets_.clear(), turns_.clear();
+      return;
     }
     if (!pivot_points_.empty())
       throw ComponentError(
@@ -100,7 +112,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
 
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    traits.symmetric = traits.conservative = true;
+    traits.exact_tangent = turn_tangent_ == TurnTangent::symmetric || !state().hasFrames();
     traits.linear = traits.constant_stiffness = !state().hasFrames();
     traits.time_dependent = external_.target() != nullptr;
     return traits;
@@ -139,7 +152,9 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
       const Vec3 turn = turnOf(i, x);
       const Mat3 inverse = dexpInverse(turn);
       f[rows_[targets_.size() + i][0]] -= angularOf(i) * turn;
-      NodeGroupField::stiffness_[targets_.size() + i].blocks[0] = -angularOf(i) / 2 * (inverse + inverse.transpose());
+      NodeGroupField::stiffness_[targets_.size() + i].blocks[0] =
+          -angularOf(i) / 2 *
+          (turn_tangent_ == TurnTangent::unturned ? Mat3(2 * Mat3::Identity()) : Mat3(inverse + inverse.transpose()));
     }
   }
 
@@ -154,6 +169,14 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
   bool takesAllRows() const override { return true; }
 
  private:
+  bool hasRequiredPoints() const {
+    const auto outside = std::find_if(required_points_.begin(), required_points_.end(),
+                                      [this](int point) { return point < 0 || point >= state().nodes(); });
+    if (outside == required_points_.end()) return true;
+    warn(fmt::format("requiredPoints names node {} of {}, which has {} nodes: the springs do nothing", *outside, state().path(),
+                     state().nodes()));
+    return false;
+  }
   void spreadValues(std::vector<double>& values, const char* attribute) const {
     const std::size_t given = values.size(), count = nodes_.size();
     if (first_for_others_ && given > 1 && given != count) {
@@ -234,8 +257,9 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     }
   }
 
-  std::vector<int> points_, external_points_, pivot_points_;
+  std::vector<int> points_, external_points_, required_points_, pivot_points_;
   bool empty_is_all_ = false, first_for_others_ = false;
+  enum class TurnTangent { symmetric, unturned } turn_tangent_ = TurnTangent::symmetric;
   std::vector<double> given_targets_;
   std::vector<double> stiffness_constants_{100}, angular_stiffness_{100};
   std::vector<bool> directions_{true, true, true};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "tests/support/scene_text.h"
 
@@ -317,6 +318,52 @@ TEST(MovingConstraints, StaticsCarriesTheBodyAlong) {
   for (Index i = 0; i < system.x.count(); ++i)
     EXPECT_NEAR(system.x[i].x(), simulation.states().at(0)->rest_position[i].x() / 2, 1e-6);
   EXPECT_LE(report.newton_iterations, 2) << "with nu = 0 the tangent's answer is the answer";
+}
+
+/// late: where a step starts, however long it is.
+TEST(MovingConstraints, LateOnesFollowThePresentStep) {
+  const std::vector<std::pair<std::string, double (*)(double)>> movements = {
+      {"<LinearMovementProjectiveConstraint late='true' indices='0' keyTimes='0 9' movements='0 0 0 36 0 0'/>",
+       [](double t) { return 4 * t; }},
+      {"<ParabolicProjectiveConstraint late='true' indices='0' P1='0 0 0' P2='1 0 0' P3='2 0 0' EndTime='4'/>",
+       [](double t) { return t / 2; }},
+      {"<AffineMovementProjectiveConstraint late='true' indices='0' translation='3 0 0' endConstraintTime='6'/>",
+       [](double t) { return t / 2; }},
+      {"<PatchTestMovementProjectiveConstraint late='true' indices='0' cornerPoints='0 0 0 2 0 0 2 2 0 0 2 0' "
+       "cornerMovements='8 0 0 0 0 0 0 0 0 0 0 0' endConstraintTime='2'/>",
+       [](double t) { return 4 * t; }},
+      {"<OscillatorProjectiveConstraint late='true' oscillators='0  0 0 0  0.1 0 0  5 0'/>",
+       [](double t) { return 0.1 * std::sin(5 * t); }}};
+  for (const auto& [text, place] : movements) {
+    SCOPED_TRACE(text);
+    Simulation simulation = simulationFromText(implicitChain(text));
+    for (const std::string dt : {"0.1", "0.2", "0.05"}) {
+      simulation.setAttribute("/", "dt", dt);
+      for (int i = 0; i < 3; ++i) {
+        const double start = simulation.time();
+        ASSERT_FALSE(simulation.step().diverged);
+        EXPECT_NEAR(simulation.systems().at(0)->x[0].x(), place(start), 1e-13) << dt;
+      }
+    }
+  }
+}
+
+/// velocity="zero" is of the ends of steps; with "still" the neighbours feel nothing within the step either.
+TEST(MovingConstraints, NodesOfAPatchWithoutVelocityMoveWithinTheStep) {
+  const double h = 0.1, k = 20, speed = 4, felt = 1 + h * (h * h * k * speed) / (1 + 2 * h * h * k);
+  const std::vector<std::tuple<std::string, double, double>> all = {{"movement", felt, speed}, {"zero", felt, 0.}, {"still", 1., 0.}};
+  for (const auto& [velocity, x, v] : all) {
+    SCOPED_TRACE(velocity);
+    Simulation simulation = simulationFromText(implicitChain(fmt::format(
+        "<PatchTestMovementProjectiveConstraint velocity='{}' indices='0' cornerPoints='0 0 0 2 0 0 2 2 0 0 2 0' "
+        "cornerMovements='4 0 0 0 0 0 0 0 0 0 0 0' endConstraintTime='1'/>",
+        velocity)));
+    ASSERT_FALSE(simulation.step().diverged);
+    System& system = *simulation.systems().at(0);
+    EXPECT_NEAR(system.x[0].x(), h * speed, 1e-13);
+    EXPECT_NEAR(system.v[0].x(), v, 1e-13);
+    EXPECT_NEAR(system.x[1].x(), x, 1e-10);
+  }
 }
 
 TEST(MovingConstraints, SayWhatIsWrong) {

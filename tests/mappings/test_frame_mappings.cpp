@@ -56,6 +56,7 @@ std::vector<Case> cases() {
       {"RigidToFrames", underFrames("<MechanicalObject name=\"dofs\" template=\"Rigid3\" position=\"0.3 0 0  0 0.2 0 "
                                     "0.9   0 0.2 0.1  0.5 0 0 0.8\"/>"
                                     "<RigidRigidMapping rigidIndexPerPoint=\"0 2\"/>")},
+      {"RigidSharedOut", underFrames(points + "<RigidMapping repartition=\"1 0 2\"/>")},
       {"Skinning", underFrames(points + "<SkinningMapping nbRef=\"3\"/>")},
       {"BeamLinear", underFrames(points + "<BeamLinearMapping/>")},
       {"SkinningByHand",

@@ -105,7 +105,7 @@ TEST(Modules, TheIndexIsSortedByType) {
   Factory factory;
   const Modules modules(factory, {folder.path()});
   std::string order;
-  for (const Modules::IndexEntry& entry : modules.index()) order += entry.type + entry.module + " ";
+  for (const Modules::IndexEntry& entry : modules.index()) order += std::string(entry.type) + std::string(entry.module) + " ";
   EXPECT_EQ(order, "Ab Ba Bb Za ");
 }
 
@@ -250,7 +250,7 @@ TEST(ChangeTable, EveryReplacementExists) {
   Factory factory;
   Modules modules(factory, {STROMA_BINARY_DIR "/lib/stroma"});
   std::set<std::string> existing;
-  for (const Modules::IndexEntry& entry : modules.index()) existing.insert(entry.type);
+  for (const Modules::IndexEntry& entry : modules.index()) existing.emplace(entry.type);
   for (const TypeChange& change : typeChanges()) {
     EXPECT_TRUE(existing.count(std::string(change.new_type)) || to_come.count(change.new_type)) << change.new_type;
     EXPECT_FALSE(existing.count(std::string(change.old_type))) << change.old_type << " exists: it needs no row";

@@ -133,6 +133,14 @@ TEST(XmlReader, WhatIsWrittenReadsBack) {
   EXPECT_FALSE(sameText(root, other)) << "the comparison must be able to fail";
 }
 
+TEST(XmlReader, ADocumentTypeThatDefinesNothingIsPassedOver) {
+  Diagnostics diagnostics;
+  const NodeDescription root = read("<?xml version='1.0'?>\n<!DOCTYPE Node SYSTEM 'scene.dtd'>\n<Node><A x='1'/></Node>", diagnostics);
+  EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.text();
+  ASSERT_EQ(root.components.size(), 1u);
+  EXPECT_EQ(root.components[0].where.line, 3);
+}
+
 TEST(XmlReader, BrokenFilesGetOneSentenceWithLineAndColumn) {
   EXPECT_NE(refusal("<Node>\n  <Mesh a=\"1\"/>\n").text().find(":1:1: error: the file ends before <Node> is closed"),
             std::string::npos);
@@ -151,7 +159,8 @@ TEST(XmlReader, BrokenFilesGetOneSentenceWithLineAndColumn) {
   EXPECT_NE(refusal("<Node><A b='1' c='' b='2'/></Node>").message.find("'b' is written twice"), std::string::npos);
   EXPECT_EQ(refusal("<Node><A b='1' c='' b='2'/></Node>").where.column, 21);
   EXPECT_NE(refusal("<Node><A><B/></A></Node>").message.find("stands inside <A>"), std::string::npos);
-  EXPECT_NE(refusal("<!DOCTYPE x><Node/>").message.find("document type"), std::string::npos);
+  EXPECT_NE(refusal("<!DOCTYPE x [<!ENTITY a 'b'>]><Node/>").message.find("document type"), std::string::npos);
+  EXPECT_NE(refusal("<Node><!DOCTYPE x></Node>").message.find("document type"), std::string::npos);
   EXPECT_NE(refusal(std::string("\0\0\0\0", 4)).message.find("no element"), std::string::npos);
 }
 

@@ -476,7 +476,9 @@ SCENES = {
         ("QuadularBendingSprings", 'stiffness="10" damping="0"'), ("FastTriangularBendingSprings", 'bendingStiffness="10"'),
         ("TriangularQuadraticSpringsForceField", 'youngModulus="100" poissonRatio="0.3"'),
         ("TriangularBiquadraticSpringsForceField", 'youngModulus="100" poissonRatio="0.3"'))},
-    "SolidMechanics/Spring/GearSpringForceField": body(FRAMES + '<UniformMass/><GearSpringForceField spring="BEGIN_SPRING 0 1 0 2 END_SPRING"/>'),
+    # the damping that is taken where none is written grows a hundredfold per step: round-off says when numbers end
+    "SolidMechanics/Spring/GearSpringForceField":
+        body(FRAMES + '<UniformMass/><GearSpringForceField spring="BEGIN_SPRING 0 1 0 2 KD 1 END_SPRING"/>'),
     "SolidMechanics/Spring/VectorSpringForceField": block(
         '<VectorSpringForceField template="Vec3d" useTopology="1" stiffness="300" viscosity="1"/>', field=""),
     "SolidMechanics/Spring/AngularSpringForceField": body(FRAMES + '<UniformMass/><AngularSpringForceField indices="0 1" '
@@ -613,15 +615,13 @@ FILES = {
     "mesh/one.gid": "MESH dimension 3 ElemType Tetrahedra Nnode 4\nCoordinates\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\nEnd Coordinates\n\n"
                     "Elements\n1 1 2 3 4\nEnd Elements\n",
     "mesh/two.sph": "sph 1.0\nsphe 0 0 0 0 0.5\nsphe 1 3 0 0 0.25\n",
-    "mesh/changes.txt": "T= 0.2\nREMOVE Tetrahedron 1 0\n",
+    "mesh/changes.txt": "T= 0.05\nREMOVE= 1\n1\n",
     "Objects/BoxConstraint.xml": '<Node name="Group"><BoxROI name="box" box="0 0 0 1 1 1"/><FixedProjectiveConstraint '
                                  'indices="@box.indices"/></Node>\n',
 }
 
 # What a refusal must name, where a part of SOFA is not there.
 MISSING = {
-    **{folder + name: [name] for folder, names in (
-        ("SolidMechanics/FEM/", ["QuadBendingFEMForceField"]),
-        ("Topology/Container/Grid/", ["SparseGridMultipleTopology"])) for name in names},
+    "Topology/Container/Grid/SparseGridMultipleTopology": ["SparseGridMultipleTopology"],
     "SolidMechanics/FEM/HexahedronCompositeFEMForceFieldAndMass_large": ["HexahedronCompositeFEMForceFieldAndMass"],
 }

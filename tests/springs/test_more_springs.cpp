@@ -202,6 +202,36 @@ TEST(TriangularTensorMass, IsTautAcross) {
   EXPECT_NEAR(t.forceAt(x)[1].z(), -tension * 0.5 * 0.2, 1e-13);
 }
 
+/// Strains of a plate of rectangles in its plane, and shear across it by k G t; whichever way it lies.
+TEST(QuadBending, IsAMembraneWithShearAcross) {
+  const double young = 70, poisson = 0.3, thickness = 0.1, a = 2, b = 1;
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  const Vec3 rest[] = {{0, 0, 0}, {a, 0, 0}, {a, b, 0}, {0, b, 0}};
+  std::string places;
+  for (const Vec3& p : rest) {
+    const Vec3 q = turn * p;
+    places += fmt::format("{:.17g} {:.17g} {:.17g}  ", q[0], q[1], q[2]);
+  }
+  Start t(nodes(places, fmt::format("<MeshTopology position='{}' quads='0 1 2 3'/><QuadBendingFEMForceField youngModulus='{}' "
+                                    "poissonRatio='{}' thickness='{}'/>",
+                                    places, young, poisson, thickness)));
+  Mat3 gradient = Mat3::Zero();  // of displacements
+  gradient.topLeftCorner<2, 2>() << 0.07, 0.04, 0.02, -0.02;
+  gradient(2, 0) = 0.05, gradient(2, 1) = -0.03;
+  Vector x(4);
+  for (Index i = 0; i < 4; ++i) x[i] = turn * (rest[i] + gradient * rest[i]);
+  const double e = young * thickness / (1 - poisson * poisson), shear = 0.06, across = 5. / 6 * young * thickness / (2 * (1 + poisson));
+  const double plane = e * (0.07 * 0.07 + 0.02 * 0.02 - 2 * poisson * 0.07 * 0.02 + (1 - poisson) / 2 * shear * shear) / 2;
+  EXPECT_NEAR(t.field.energy(x), a * b * (plane + across * (0.05 * 0.05 + 0.03 * 0.03) / 2), 1e-14);
+  const Vector f = t.forceAt(x);
+  const Vec3 pull = turn.transpose() * (Vec3(f[1]) + Vec3(f[2]));  // on the side x = a
+  EXPECT_NEAR(pull[0], -b * e * (0.07 - poisson * 0.02), 1e-13);
+  EXPECT_NEAR(pull[2], -b * across * 0.05, 1e-13);
+  expectContains(problemsOf("<Node name='root'><EulerImplicitSolver/><CGLinearSolver/><MeshTopology position='0 0 0  1 0 0  1.2 1 0  "
+                            "0 1 0' quads='0 1 2 3'/><MechanicalObject/><UniformMass totalMass='1'/><QuadBendingFEMForceField/></Node>"),
+                 "quad 0 is no rectangle");
+}
+
 // ---- orientations ----
 
 const std::string three_frames = "0 0 0  0.1 0.2 0.3 0.9273618495495704   1 0 0  0 0 0.6 0.8   2 0 0  0.28 0 0 0.96";

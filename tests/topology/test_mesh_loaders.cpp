@@ -188,6 +188,14 @@ TEST_F(Loaders, ObjKeepsTheNodesOfTheFile) {
   EXPECT_EQ(mesh(split).triangles[0], (Triangle{0, 2, 1}));
 }
 
+TEST_F(Loaders, AFileMayHavePointsOnly) {
+  const std::string file = write("p.obj", "v 1 2 3\nv 4 5 6\n");
+  expectContains(errors(sceneText("MeshOBJLoader", file)), "has 2 nodes but no cell");
+  const Scene scene = sceneFromText(sceneText("MeshOBJLoader", file, R"(pointsOnly="true" translation="0 0 1")"));
+  ASSERT_EQ(mesh(scene).nodes(), 2);
+  EXPECT_EQ(mesh(scene).position[1], Vec3(4, 5, 7));
+}
+
 TEST_F(Loaders, ObjErrorsHaveTheLine) {
   expectContains(errors(sceneText("MeshOBJLoader", write("a.obj", "v 0 0 0\nv 0 x 0\n"))),
                  "a.obj:2: 'x' is not a number");

@@ -34,6 +34,7 @@ const std::vector<Quirk>& allQuirks() {
       {"centre-cells", "embedded points outside of a mesh, or off a surface, follow the cell with the nearest centre"},
       {"held-arms", "the arms of what follows frames are held in the tangent: it lacks how torques change as they turn"},
       {"one-sided-turns", "a spring between the orientations of two frames, or the teeth of wheels, turn one side alone"},
+      {"unturned-springs", "springs that turn frames back have a tangent that leaves out how their torques turn"},
       {"edge-bending", "bending springs have a stiffness that depends on the size of the triangles, not that of a plate"},
       {"torsion-tangent", "forces that turn nodes about an axis have a tangent that grows across it"},
       {"exact-borders", "what lies on the border of a region or of a load's box is compared exactly, without room for round-off"},

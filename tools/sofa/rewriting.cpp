@@ -64,6 +64,7 @@ void Rewriting::run() {
   acceptTypes();
   liftPlanes();
   divideSteps();
+  matchShapes();
   dropVisualMappings();
   dropVoids();
   dropUnheard();
@@ -87,6 +88,7 @@ void Rewriting::run() {
     if (element.is("MeshSpringForceField") || element.is("RegularGridSpringForceField") || element.is("QuadBendingSprings"))
       checkOneBody(element);
   });
+  takeExternalForces();
   tree_->forEach([this](Element& element) { rewriteAttributes(element); });
   tree_->forEach([this](Element& element) { applyMeaning(element); });
   tree_->finish();

@@ -89,6 +89,7 @@ class Rewriting {
   void meanStressFields(Element& element);
   void meanSprings(Element& element);
   void meanMembrane(Element& element);
+  void meanRestShape(Element& springs);
   void meanLoads(Element& element);
   bool mayLoadQuads(const Element& load) const;
   void meanConstantForce(Element& load);
@@ -120,6 +121,7 @@ class Rewriting {
 
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
+  void shareMass(Element& mass, const Element& state);
   void holdMassless(Place& place, bool is_moved);
   bool movesNodes() const;
   bool hasMass(const Place& place) const;
@@ -136,8 +138,12 @@ class Rewriting {
 
   // ---- rewritten_times.cpp ----
   double timeStep() const;
+  void takeExternalForces();
+  void matchShapes();  // rewritten_planes.cpp
   void meanTimes(Element& element);
   void shareMovement(Element& constraint);
+  void holdOtherAxes(Element& flow);
+  void warnOfTurns(const Element& movement);
 
   /// Unless the scene writes it.
   void setDefault(Element& element, const std::string& attribute, const std::string& value);

@@ -47,6 +47,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "engine" || role == "mesh engine") warnOfChance(element);
   for (const char* name : {"first", "last"})  // -1: not given
     if (element.is("SubsetMapping") && element.text(name).starts_with("-")) element.remove(name);
+  if (role == "mesh loader") setDefault(element, "pointsOnly", "true");
   if (role == "mesh loader" && element.writes("scale") && element.writes("scale3d")) {  // both count
     const Vec3 scale = std::atof(element.text("scale").c_str()) * numbersOf(element.text("scale3d"), Vec3::Ones());
     element.set("scale3d", print(scale)), element.remove("scale");
@@ -80,7 +81,10 @@ void Rewriting::meanMembrane(Element& element) {
   if (type == "TriangularAnisotropicFEMForceField" && method == "small")
     warn(element.written->where, element, "method",
          "of SOFA takes fibres in the axes of each first edge and strains in x and y: here both are in the same axes");
-  if (membrane || type == "TriangularFEMForceFieldOptim") setDefault(element, "thickness", "1");
+  if (type == "QuadBendingFEMForceField")
+    for (const auto& [attribute, word] : {std::pair("strain", "current"), std::pair("axes", "world")})
+      setQuirk(element, "membrane-shape", attribute, word);
+  if (membrane || type == "TriangularFEMForceFieldOptim" || type == "QuadBendingFEMForceField") setDefault(element, "thickness", "1");
 }
 
 void Rewriting::meanField(Element& element) {
@@ -112,9 +116,7 @@ void Rewriting::meanField(Element& element) {
   if (isOneOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
     setQuirk(element, "spring-length", "perLength", "true"), setDefault(element, "allowEmpty", "true");
   // without another body they count in the same rest shape
-  if (type == "RestShapeSpringsForceField" && !element.find("external_rest_shape") &&
-      element.text("external_points") == element.text("points"))
-    element.remove("external_points");
+  if (type == "RestShapeSpringsForceField") meanRestShape(element);
   if (type == "SurfacePressureForceField" && !saysYes(element.text("pulseMode")))
     for (const char* pulse : {"pressureLowerBound", "pressureSpeed"}) element.remove(pulse);
   if (type == "MeshSpringForceField") {

@@ -248,7 +248,8 @@ void Rewriting::meanLoads(Element& element) {
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
   if (element.text("materialName") == "BoyceAndArruda") element.set("materialName", "ArrudaBoyce");  // its name before 2023
   const std::string law = element.text("materialName");  // of SOFA's laws one has directions
-  if (type == "TetrahedronHyperelasticityFEMForceField" && element.find("AnisotropyDirections") && law != "Costa") {
+  const bool is_law = type == "TetrahedronHyperelasticityFEMForceField" || type == "StandardTetrahedralFEMForceField";
+  if (is_law && element.find("AnisotropyDirections") && law != "Costa") {
     element.remove("AnisotropyDirections");
     noEffect("AnisotropyDirections of an isotropic law");
   }
@@ -264,6 +265,21 @@ void Rewriting::meanLoads(Element& element) {
   element.place->added_components.push_back(std::move(box));
   SceneTree::linkTo(element);  // nodes above it have names from now on
   element.set("triangleList", "@" + joinPath(element.place->path(), name) + ".triangleIndices");
+}
+
+/// Without another body the points of one do not count, but that they are nodes and as many does.
+void Rewriting::meanRestShape(Element& springs) {
+  const Element* state = springs.place->nearest("mechanical state");
+  if (state && state->text("template").starts_with("Rigid3")) setQuirk(springs, "unturned-springs", "turnTangent", "unturned");
+  if (springs.find("external_rest_shape") || !springs.find("external_points")) return;
+  const std::string points = springs.text("points"), others = springs.text("external_points");
+  const bool is_written = points.find('@') == std::string::npos && others.find('@') == std::string::npos;
+  if (is_written && !points.empty() && writtenNumbers(points).size() != writtenNumbers(others).size()) {
+    springs.dropped = true;
+    return warn(springs.written->where, springs, "external_points", "are not as many as points: in SOFA the springs do nothing then");
+  }
+  springs.set("requiredPoints", others);
+  springs.remove("external_points");
 }
 
 /// What SOFA leaves to a generator of its own, and to an order of its own.

@@ -14,6 +14,7 @@ void Rewriting::meanMass(Element& element) {
   const Element* state = element.place->nearest("mechanical state");
   const bool of_frames = state && state->text("template").starts_with("Rigid3");
   if (type == "UniformMass" && of_frames) setQuirk(element, "fixed-inertia", "turns", "false");
+  if (type == "UniformMass" && of_frames && total && vertex) shareMass(element, *state);
   if (type == "UniformMass" && total && vertex && !of_frames && quirks_.use("total-mass", element.path())) {
     warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
     element.remove("vertexMass");
@@ -30,6 +31,22 @@ void Rewriting::meanMass(Element& element) {
       (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
   if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
+}
+
+/// The mass of all frames together wins over that of each, which keeps its inertia per mass.
+void Rewriting::shareMass(Element& mass, const Element& state) {
+  std::string text = mass.text("vertexMass");
+  std::replace_if(text.begin(), text.end(), [](char c) { return c == '[' || c == ']' || c == ','; }, ' ');
+  std::vector<double> numbers = writtenNumbers(text);
+  const std::string position = state.text("position");
+  const bool is_chosen = mass.find("indices") || mass.find("localRange") || state.find("size") || state.find("src");
+  if (numbers.empty() || is_chosen || position.find('@') != std::string::npos || !quirks_.use("total-mass", mass.path())) return;
+  constexpr std::size_t width = 7;
+  const std::size_t frames = std::max<std::size_t>(1, writtenNumbers(position).size() / width);
+  warn(mass.written->where, mass, "vertexMass", "totalMass is given too and wins");
+  numbers[0] = std::atof(mass.text("totalMass").c_str()) / double(frames);
+  mass.set("vertexMass", printed(numbers));
+  mass.remove("totalMass");
 }
 
 /// A force field, and a mass, whose cells are filled unevenly: the sparse grid counts the parts that it asks for.

@@ -359,7 +359,10 @@ void Rewriting::dropIdleEngines() {
   static const std::set<std::string_view> known = {"AverageCoord",      "DilateEngine",   "NormEngine",       "NormalsFromPoints",
                                                    "QuatToRigidEngine", "ROIValueMapper", "RigidToQuatEngine", "SumEngine",
                                                    "MeshSampler",       "Vertex2Frame",   "ValuesFromPositions",
-                                                   "GenerateSphere",    "RandomPointDistributionInSurface"};
+                                                   "GenerateSphere",    "RandomPointDistributionInSurface",
+                                                   "MergeROIs",         "SelectLabelROI", "SelectConnectedLabelsROI",
+                                                   "JoinPoints",        "MapIndices",     "GroupFilterYoungModulus",
+                                                   "MeshSplittingEngine", "ProjectiveTransformEngine", "ClusteringEngine"};
   const auto is_engine = [](const Element& element) {
     return !element.dropped && (!element.probe || known.count(element.written->type)) && isEngineOfSofa(element.written->type);
   };

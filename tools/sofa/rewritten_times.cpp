@@ -55,21 +55,6 @@ void cutAt(Table& table, double t, const std::vector<double>& value) {
   table.putLast(t, value);
 }
 
-/// A movement holds its nodes in the steps that begin from its first time on and before its last one.
-void delayMovement(Table& table, double h) {
-  const double first = table.times.front(), last = table.times.back();
-  const std::vector<double> start(table.values.begin(), table.values.begin() + std::ptrdiff_t(table.width));
-  const double steps = std::ceil(last / h - grace);
-  if (steps < 1) return;
-  const std::vector<double> end = table.at((steps - 1) * h);
-  table.delay(h);
-  cutAt(table, steps * h, end);
-  if (first <= 0 && table.times.front() > 0)
-    table.putFirst(0, start);
-  else if (first > 0)
-    table.putFirst(first + h / 2, start);
-}
-
 /// SOFA adds h v of the start of each step: the integral of the same velocities half a step later, but for steps with a key inside.
 void delayVelocity(Table& table, double h) {
   const double first = table.times.front(), steps = std::ceil(table.times.back() / h - grace);
@@ -88,6 +73,78 @@ double Rewriting::timeStep() const {
   const AttributeDescription* dt = scene_.root.find("dt");
   const double h = dt ? std::atof(dt->value.c_str()) : 0;
   return h > 0 ? h : 0.01;
+}
+
+/// Forces of a state, which SOFA forgets after the first step: a force on each node that ends then. (Within a step it would not do:
+/// integrators that ask inside of one keep what is refused.)
+void Rewriting::takeExternalForces() {
+  std::vector<Element*> states;
+  tree_->forEach([&states](Element& element) {
+    if (element.is("MechanicalObject") && element.writes("externalForce")) states.push_back(&element);
+  });
+  for (Element* state : states) {
+    const std::string text = state->text("externalForce"), kind = state->text("template");
+    const std::vector<double> numbers = writtenNumbers(text);
+    const Element* integrator = state->place->nearest("integrator");
+    const bool is_of_points = kind.empty() || kind.starts_with("Vec3");
+    if (text.find('@') != std::string::npos || !is_of_points || !integrator || numbers.size() % 3 != 0 ||
+        integrator->written->type.starts_with("RungeKutta"))
+      continue;
+    const double h = timeStep();
+    const std::string times = printed({0, h / 2, 3 * h / 4});
+    for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3) {
+      const std::vector<double> force(numbers.begin() + std::ptrdiff_t(i), numbers.begin() + std::ptrdiff_t(i) + 3);
+      if (force == std::vector<double>(3, 0)) continue;
+      const SourceLocation where = state->find("externalForce")->where;
+      tree_->add(*state->place, {"LinearForceField",
+                                 {{"name", state->name + "_force_" + std::to_string(i / 3), where},
+                                  {"mstate", SceneTree::linkTo(*state), where},
+                                  {"points", std::to_string(i / 3), where},
+                                  {"times", times, where},
+                                  {"forces", printed(force) + " " + printed(force) + " 0 0 0", where}},
+                                 where, state->written->folder});
+    }
+    state->remove("externalForce");
+  }
+}
+
+/// SOFA's turns are Euler angles about the axes of a frame, those here rotation vectors in fixed axes: the same about one axis of a
+/// frame that starts unturned.
+void Rewriting::warnOfTurns(const Element& movement) {
+  const Element* state = movement.place->nearest("mechanical state");
+  if (!state || !state->text("template").starts_with("Rigid3")) return;
+  const std::vector<double> numbers = writtenNumbers(movement.text("movements")), places = writtenNumbers(state->text("position"));
+  constexpr std::size_t width = 6, frame = 7;
+  bool turns[3] = {false, false, false}, is_turned = state->text("position").find('@') != std::string::npos;
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (i % width >= 3 && numbers[i] != 0) turns[i % width - 3] = true;
+  for (std::size_t i = 0; i < places.size(); ++i) is_turned = is_turned || (i % frame >= 3 && i % frame < 6 && places[i] != 0);
+  const int axes = turns[0] + turns[1] + turns[2];
+  if (axes > 1 || (axes == 1 && is_turned))
+    warn(movement.written->where, movement, "movements",
+         "turns frames by rotation vectors in fixed axes: in SOFA these are Euler angles about the axes of the frame");
+}
+
+/// Along axes that are not driven SOFA's nodes keep the velocity that they have, whatever pulls at them.
+void Rewriting::holdOtherAxes(Element& flow) {
+  const std::vector<double> driven = writtenNumbers(flow.text("coordinates")), times = writtenNumbers(flow.text("keyTimes"));
+  const Element* state = flow.place->nearest("mechanical state");
+  const bool is_of_points = !state || state->text("template").empty() || state->text("template").starts_with("Vec3");
+  if (driven.empty() || !is_of_points || times.empty()) return;
+  if (times.front() > 0)
+    return warn(flow.written->where, flow, "coordinates", "leaves the other axes free: SOFA holds them from the first key time on");
+  bool still[3] = {true, true, true};
+  for (const double axis : driven)
+    if (axis >= 0 && axis < 3) still[std::size_t(axis)] = false;
+  const SourceLocation& where = flow.written->where;
+  ComponentDescription held{"PartialFixedProjectiveConstraint", {{"name", flow.name + "_other_axes", where}}, where, flow.written->folder};
+  for (const char* name : {"indices", "mstate"})
+    if (flow.find(name)) held.attributes.push_back({name, flow.text(name), where});
+  std::string directions;
+  for (const bool each : still) directions += each ? "1 " : "0 ";
+  held.attributes.push_back({"fixedDirections", directions, where});
+  held.attributes.push_back({"endTime", printReal(times.back()), where});
+  flow.place->added_components.push_back(std::move(held));
 }
 
 /// Nodes that make a part of a movement, linear between the corners of a box; of lengths of which one is zero the others count.
@@ -112,6 +169,11 @@ void Rewriting::shareMovement(Element& constraint) {
                        "positive lengths, of which one may be zero");
   } else {
     numbers.resize(count);
+    if (!is_flat) {  // in the order of cells; in SOFA's y comes last
+      const std::vector<double> given = numbers;
+      constexpr std::size_t places[8] = {0, 3, 7, 4, 1, 2, 6, 5};
+      for (std::size_t i = 0; i < count; ++i) numbers[i] = given[places[i]];
+    }
     constraint.set("cornerBox", printed({a, b, is_flat ? 0 : c}));
     constraint.set("cornerShares", printed(numbers));
   }
@@ -129,10 +191,13 @@ void Rewriting::meanTimes(Element& element) {
   const bool turns = type == "OscillatingTorsionPressureForceField";
   if ((!moves && !spans && !bends && !turns && !swings && !loads && !flows) || !quirks_.use("late-times", element.path())) return;
   const double h = timeStep();
+  if (moves) warnOfTurns(element);
+  if (moves || bends || swings) return element.set("late", "true");
+  if (flows) holdOtherAxes(element);
   if (spans) {
-    for (const auto& [name, otherwise] : {std::pair("beginConstraintTime", 0.), std::pair("endConstraintTime", 20.)})
-      element.set(name, printReal((element.find(name) ? std::atof(element.text(name).c_str()) : otherwise) + h));
-    return;
+    if (type.starts_with("Affine") && element.find("meshIndices")) noEffect(type + ".meshIndices"), element.remove("meshIndices");
+    element.set("velocity", "still");
+    return element.set("late", "true");
   }
   const Element* integrator = element.place->nearest("integrator");
   const bool is_explicit = integrator && (integrator->is("EulerExplicitSolver") || integrator->is("CentralDifferenceSolver") ||
@@ -142,25 +207,16 @@ void Rewriting::meanTimes(Element& element) {
     const double frequency = element.find("frequency") ? std::atof(element.text("frequency").c_str()) : 1;
     return element.set("phase", printReal(-2 * std::numbers::pi * frequency * h));
   }
-  if (bends) {
-    for (const char* name : {"BeginTime", "EndTime"}) element.set(name, printReal(std::atof(element.text(name).c_str()) + h));
-    return;
-  }
-  if (swings) {
-    const Element* state = element.place->nearest("mechanical state");
-    const std::size_t width = state && state->text("template").starts_with("Rigid3") ? 16 : 9;
-    std::vector<double> numbers = writtenNumbers(element.text("oscillators"));
-    for (std::size_t i = width; i <= numbers.size(); i += width) numbers[i - 1] -= numbers[i - 2] * h;
-    if (!numbers.empty()) element.set("oscillators", printed(numbers));
-    return;
-  }
   const char* at = element.find("times") ? "times" : "keyTimes";
-  const char* values = moves ? "movements" : flows ? "velocities" : "forces";
+  const char* values = flows ? "velocities" : "forces";
   Table table(element.text(at), element.text(values));
   if (table.width == 0) return;
-  if (moves) {
-    delayMovement(table, h);
-  } else if (flows) {
+  if (flows) {
+    if (table.times.front() <= 0 && table.width == 3) {  // SOFA moves them by the first velocity before the first step too
+      std::vector<double> ahead = table.at(0);
+      for (double& number : ahead) number *= h;
+      if (ahead != std::vector<double>(3, 0)) element.set("ahead", printed(ahead));
+    }
     delayVelocity(table, h);
   } else {
     const double first = table.times.front();

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SOFA's ShapeMatching, an engine that follows a state as it moves: here what draws nodes to its goals matches the shapes itself.
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+void Rewriting::matchShapes() {
+  tree_->forEach([this](Element& element) {
+    if (!element.is("PositionBasedDynamicsProjectiveConstraint") || element.dropped) return;
+    const Element* state = element.place->nearest("mechanical state");
+    for (const auto& each : element.place->elements)
+      if (each->role() == "projective constraint" && !each->dropped)
+        warn(element.written->where, element, {},
+             "moves nodes that " + each->path() + " holds, in SOFA: here they stay where they are held");
+    const LinkTarget goal = tree_->follow(element, element.text("position"), true);
+    Element* shapes = goal.data == "targetPosition" ? goal.element : nullptr;
+    if (!shapes || !shapes->is("ShapeMatching")) return;
+    const LinkTarget source = tree_->follow(*shapes, shapes->text("position"), true);
+    const LinkTarget groups = tree_->follow(*shapes, shapes->text("cluster"), true);
+    const bool is_own = source.element && source.element == state && source.data == "position";
+    const bool is_fixed = shapes->find("fixedPosition") || shapes->find("fixedPosition0") || shapes->find("fixedweight");
+    if (!is_own || !groups.element || is_fixed)
+      return diagnostics_.error(shapes->written->where, shapes->path(),
+                                "ShapeMatching of other positions than those of the state that is drawn, or with fixed points, is not "
+                                "available here",
+                                "position=\"@" + (state ? state->name : "state") + ".position\" and cluster=\"@engine.cluster\"");
+    element.remove("position");
+    element.set("cluster", SceneTree::linkTo(*groups.element) + "." + groups.data);
+    for (const char* name : {"iterations", "affineRatio"})
+      if (shapes->find(name)) element.set(name, shapes->text(name));
+    shapes->dropped = shapes->without_effect = true;
+    diagnostics_.note(shapes->written->where, shapes->path(), "is a part of " + element.path() + " here");
+  });
+}
+
+}  // namespace stroma::sofa
