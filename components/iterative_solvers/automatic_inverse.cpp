@@ -3,80 +3,328 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
+#include <stdexcept>
+#include <utility>
 
 namespace stroma {
 namespace {
 
-/// Bodies of fewer nodes are solved before it matters.
-constexpr Index few_nodes = 2500;
 /// Back and forth, and then it stays.
-constexpr int most_changes = 2;
+constexpr int most_changes = 4;
+/// A change has to gain this much, as estimates are no better.
+constexpr double worth_changing = 1.15;
+
+// What is expected of ways that have not been tried.
+constexpr double multigrid_start = 1.25, multigrid_rate = 2;  // iterations, and more for a decade
+constexpr double fresh_rate = 0.3;                           // by the factors of the very matrix, in single precision
+constexpr double former_rate = 0.8;                          // by those of a former one,
+constexpr double former_matrices = 3;                        // which serve so many
+constexpr double direct_applications = 2.5;                  // of factors in single precision
+constexpr double turn = 430;                                 // ns: of a node, for each matrix
+constexpr double to_open_factors = 3e6;                      // ns: a module
 
 }  // namespace
 
-bool AutomaticInverse::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
-  costs_ = multigridCosts(matrix.rows(), product_);
-  if (matrix.rows() < few_nodes || !may_change_) now_.lost = 0;
-  const bool wrong = now_.lost > costs_.hierarchy && now_.changes < most_changes;
-  if (wrong) change();
-  if (!now_.has_multigrid) return blocks_.follow(matrix, report, stop);
-  SolveReport refused;
-  if (multigrid_.follow(matrix, refused, stop)) return true;
-  if (refused.stop != SolveStop::not_definite) {
-    report = refused;
-    return false;
+// ---- estimates, in nanoseconds ----
+
+double AutomaticInverse::iteration(Way way) const {
+  const double product = product_ > 0 ? product_ : IterationCosts::usual_product * rows_;
+  const double others = product + IterationCosts::vectors * rows_;
+  if (way == Way::block_jacobi) return others;
+  return others + (way == Way::multigrid ? IterationCosts::cycle(rows_) * rows_ : now_.factor_costs.application);
+}
+
+double AutomaticInverse::setup(Way way) const {
+  if (way == Way::multigrid) return IterationCosts::hierarchy * rows_;
+  return isFactored(way) ? now_.factor_costs.order + now_.factor_costs.factor + to_open_factors : 0;
+}
+
+/// With an ordering where patterns change.
+double AutomaticInverse::factorisation() const {
+  const double patterns = double(std::max(0, now_.patterns - 1)) / std::max(1, now_.matrices);
+  return now_.factor_costs.factor + patterns * now_.factor_costs.order;
+}
+
+/// One of the usual kind, with its share of what comes before.
+double AutomaticInverse::solve(Way way) const {
+  const double rate = now_.rates[at(way)], each = iteration(way);
+  if (way == Way::block_jacobi) return std::max(1.0, rate * decades()) * each;
+  if (way == Way::multigrid)
+    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + multigrid_rate * decades()) * each;
+  const bool is_constant = now_.matrices == 1 && now_.solves > 1;
+  const double factors = is_constant ? 0 : factorisation() / perMatrix();
+  if (way == Way::direct) return direct_applications * each + factors;
+  if (now_.factor_solves > 0) return now_.with_factors / now_.factor_solves;
+  const double fresh = std::max(1.0, fresh_rate * decades()) * each, former = std::max(1.0, former_rate * decades()) * each;
+  return std::min(fresh + factors, former + factors / former_matrices) + (is_constant ? 0 : turn * rows_ / perMatrix());
+}
+
+void AutomaticInverse::estimateFactors() {
+  if (now_.factor_costs.order > 0 || !mayBe(Way::factors)) return;
+  now_.factor_costs = factorCosts(rows_, extentsOf(rows_, matrix_->positions()));
+  now_.may_factor = factorsFit(now_.factor_costs.entries);
+}
+
+/// Sets `next` where another way is estimated to cost less, for `left` decades now and for later solves; the present way takes so
+/// many iterations for a decade.
+bool AutomaticInverse::findCheaper(double rate, double left) {
+  if (now_.changes >= most_changes || isRefused()) return false;
+  const double present = std::max(1.0, rate * decades()) * iteration(now_.way);
+  estimateFactors();
+  double best = 0;
+  for (const Way way : {Way::block_jacobi, Way::multigrid, Way::factors, Way::direct}) {
+    if (way == now_.way || !mayBe(way)) continue;
+    if (way == Way::block_jacobi && now_.rates[at(way)] == 0) continue;
+    const double other = solve(way);
+    if (present < worth_changing * other) continue;
+    const double gain = (present - other) * (horizon() + left / decades()) - setup(way);
+    if (gain > best) best = gain, now_.next = way;
   }
-  change();  // the conjugate gradients may come through
-  now_.changes = most_changes;
+  return best > 0;
+}
+
+// ---- in a solve ----
+
+/// Early iterations gain less than later ones.
+bool AutomaticInverse::isSlow(int iterations, double residual) {
+  constexpr double as_expected = 1.5, trial = 0.25;
+  constexpr int most_by_factors = 60;
+  const double all = std::log10(start_ / target_), known = now_.rates[at(now_.way)];
+  if (known > 0 && iterations < as_expected * known * all) return false;
+  if (now_.way == Way::factors && iterations < most_by_factors) return false;
+  const double gained = std::max(0.25, std::log10(start_ / residual));
+  const double rate = iterations / gained * (0.6 + 0.4 * std::min(1.0, gained / all));
+  if (!findCheaper(rate, std::max(0.0, all - gained))) return false;
+  leaves_ = iterations * iteration(now_.way) >= trial * setup(now_.next);
+  if (!leaves_) now_.next = now_.way;
+  return leaves_;
+}
+
+/// A solve of a matrix that is not definite says nothing of later ones.
+void AutomaticInverse::solved(const SolveReport& report) {
+  if (report.iterations == 0 || !report.usable() || by_blocks_) return;
+  if (now_.way != Way::block_jacobi) now_.refusals = 0;
+  SolveReport part = report;
+  part.relative_residual = std::max(report.relative_residual, 1e-16) / start_;
+  start_ = std::max(report.relative_residual, 1e-16);
+  const double gained = std::max(leaves_ ? 0.25 : 0.5, -std::log10(part.relative_residual));
+  const double rate = (isDirect() ? 0 : report.iterations) / gained * (leaves_ ? 0.7 : 1);
+  double& mean = now_.rates[at(now_.way)];
+  mean = mean == 0 ? rate : mean + (rate - mean) / 4;
+  if (now_.way == Way::multigrid) multigrid_.solved(part);
+  if (now_.way == Way::factors) factors_->solved(part);
+  if (leaves_ || rows_ < few_nodes || !may_change_) return;
+  const double decades = std::min(-std::log10(start_), -std::log10(target_));
+  now_.decades = now_.decades == 0 ? decades : now_.decades + (decades - now_.decades) / 4;
+  factored_ = factored_ || report.factored;
+  judge((report.iterations + (isDirect() ? direct_applications - 1 : 0)) * iteration(now_.way));
+}
+
+/// What the next solve should take.
+void AutomaticInverse::judge(double cost) {
+  constexpr int enough_solves = 6;
+  const Way way = now_.way;
+  if (!isFactored(way)) findCheaper(now_.rates[at(way)], 0);
+  if (way == Way::block_jacobi || now_.next != way) return;
+  if (isFactored(way)) {
+    const bool is_first = now_.factored_solves++ == 0;
+    if (factored_ && !is_first) cost += now_.factor_costs.factor + (now_.has_new_pattern ? now_.factor_costs.order : 0);
+    now_.has_new_pattern = false;
+    if (way == Way::factors) now_.with_factors += cost, ++now_.factor_solves;
+    if (is_first) return;
+    if (way == Way::factors && now_.factor_solves >= enough_solves && now_.changes < most_changes &&
+        solve(way) > worth_changing * solve(Way::direct)) {
+      now_.next = Way::direct;
+      return;
+    }
+  }
+  const bool knows_multigrid = isFactored(way) && now_.rates[at(Way::multigrid)] > 0;
+  const Way other = knows_multigrid && solve(Way::multigrid) < solve(Way::block_jacobi) ? Way::multigrid : Way::block_jacobi;
+  now_.lost = std::max(0.0, now_.lost + cost - solve(other));
+  if (now_.lost <= std::max(setup(way), setup(other)) || now_.changes >= most_changes) return;
+  now_.next = other;
+  now_.may_factor = now_.may_factor && !isFactored(way);
+}
+
+int AutomaticInverse::patience() const {
+  constexpr int usual = 100, most_times = 3;
+  if (by_blocks_) return int(most_times * std::max<double>(usual, now_.rates[at(Way::block_jacobi)] * decades()));
+  return now_.way == Way::factors ? factors_->patience() : ApproximateInverse::patience();
+}
+
+bool AutomaticInverse::giveUp() {
+  if (std::exchange(leaves_, false)) return now_.next != now_.way;
+  return !by_blocks_ && now_.way == Way::factors && factors_->giveUp();
+}
+
+// ---- between solves ----
+
+void AutomaticInverse::note(const SystemMatrix& matrix) {
+  const MatrixKey key = matrix.key();
+  matrix_ = &matrix, rows_ = matrix.rows();
+  leaves_ = false;
+  if (!has_begun_) return;
+  has_begun_ = false;
+  factored_ = by_blocks_ = false;
+  ++now_.solves;
+  const bool is_new = key != now_.key;
+  const bool has_new_pattern = now_.patterns == 0 || key.pattern != now_.key.pattern;
+  now_.has_new_pattern = has_new_pattern || (now_.has_new_pattern && isFactored(now_.way));
+  now_.matrices += is_new;
+  now_.patterns += is_new && has_new_pattern;
+  now_.key = key;
+}
+
+bool AutomaticInverse::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
+  note(matrix);
+  if (isFactored(now_.next) && !canFactor()) now_.next = isFactored(now_.way) ? Way::block_jacobi : now_.way;
+  if (now_.next != now_.way) {
+    change(now_.next);
+    if (now_.way == Way::multigrid) avoidMultigrid(matrix);
+  }
+  if (isDirect()) return true;
+  if (now_.way == Way::block_jacobi) return blocks_.follow(matrix, report, stop);
+  SolveReport refused;
+  if (followBy(now_.way, matrix, refused, stop)) {
+    report.factored = refused.factored;
+    return true;
+  }
+  report = refused;
+  return refuse(matrix, report, stop);
+}
+
+/// Factors, and blocks of the diagonal, are sure that the matrix is not definite. A coarse level of multigrid may be at its
+/// round-off, where conjugate gradients come through.
+bool AutomaticInverse::refuse(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
+  if (report.stop != SolveStop::not_definite && report.stop != SolveStop::breakdown) return false;
+  by_blocks_ = now_.way == Way::multigrid && report.row < 0;
+  noteRefusal();
+  if (!by_blocks_) return false;
+  report = {};
   return blocks_.follow(matrix, report, stop);
 }
 
-void AutomaticInverse::change() {
-  now_.has_multigrid = !now_.has_multigrid;
+void AutomaticInverse::noteRefusal() {
+  if (++now_.refusals == most_refusals) change(Way::block_jacobi);
+}
+
+/// Where it would need patches, its iterations are many and dear.
+void AutomaticInverse::avoidMultigrid(SystemMatrix& matrix) {
+  constexpr double dearer = 4;
+  estimateFactors();
+  if (!mayBe(Way::factors)) return;
+  const Way best = solve(Way::direct) < solve(Way::factors) ? Way::direct : Way::factors;
+  if (solve(best) > dearer * solve(Way::multigrid) || !amg::hardlySmooths(matrix.assemble()) || !canFactor()) return;
+  now_.way = now_.next = best;
+}
+
+bool AutomaticInverse::followBy(Way way, SystemMatrix& matrix, SolveReport& report, StopToken stop) {
+  if (way == Way::multigrid) return multigrid_.follow(matrix, report, stop);
+  WarpedFactor& former = factors();
+  if (!former.follow(matrix, report, stop)) return false;
+  factored_ = report.factored;
+  if (!factored_) return true;
+  const Factorisation::Cost cost = former.cost();
+  now_.factor_costs.factor = 1e9 * cost.factor, now_.factor_costs.application = 1e9 * cost.apply;
+  return true;
+}
+
+/// Whether there is a direct solver: it is made when it is first wanted.
+bool AutomaticInverse::canFactor() {
+  try {
+    if (make_factors_) return (void)make_factors_(), true;
+  } catch (const std::runtime_error&) {
+    make_factors_ = {};
+  }
+  return false;
+}
+
+WarpedFactor& AutomaticInverse::factors() {
+  if (!factors_) factors_ = std::make_unique<WarpedFactor>(make_factors_());
+  return *factors_;
+}
+
+void AutomaticInverse::change(Way way) {
+  now_.way = now_.next = way;
   now_.lost = 0;
   ++now_.changes;
   multigrid_.reset();
-}
-
-void AutomaticInverse::solved(const SolveReport& report) {
-  if (report.iterations == 0) return;
-  const double decades = std::max(0.5, -std::log10(std::max(report.relative_residual, 1e-16)));
-  const double rate = report.iterations / decades;
-  if (now_.has_multigrid) {
-    multigrid_.solved(report);
-    now_.multigrid_rate = rate;
-    now_.lost += costs_.iteration * report.iterations - now_.rate * decades;
-  } else {
-    now_.rate = now_.rate == 0 ? rate : now_.rate + (rate - now_.rate) / 4;
-    now_.lost += report.iterations - costs_.iteration * costs_.usual_rate * decades;
-  }
-  now_.lost = std::max(0.0, now_.lost);
+  if (factors_) factors_->reset();
 }
 
 void AutomaticInverse::reset() {
   blocks_.reset();
   multigrid_.reset();
+  if (factors_) factors_->reset();
   now_ = kept_ = {};
 }
 
+void AutomaticInverse::keep(const SystemMatrix& matrix) {
+  kept_ = now_;
+  multigrid_.keep(matrix);
+  if (factors_) factors_->keep(matrix);
+}
+
+void AutomaticInverse::takeBack(const SystemMatrix& matrix) {
+  now_ = kept_;
+  multigrid_.takeBack(matrix);
+  if (factors_) factors_->takeBack(matrix);
+}
+
+void AutomaticInverse::Memory::serialize(Archive& archive) {
+  archive.value("auto_way", way);
+  archive.value("auto_next", next);
+  archive.value("auto_changes", changes);
+  archive.value("auto_lost", lost);
+  archive.rows("auto_rates", rates.data(), rates.size());
+  archive.value("auto_decades", decades);
+  archive.value("auto_with_factors", with_factors);
+  archive.value("auto_factor_solves", factor_solves);
+  archive.value("auto_factored_solves", factored_solves);
+  archive.value("auto_solves", solves);
+  archive.value("auto_matrices", matrices);
+  archive.value("auto_patterns", patterns);
+  archive.value("auto_refusals", refusals);
+  archive.value("auto_may_factor", may_factor);
+  archive.value("auto_new_pattern", has_new_pattern);
+  archive.value("auto_order", factor_costs.order);
+  archive.value("auto_factor", factor_costs.factor);
+  archive.value("auto_application", factor_costs.application);
+}
+
 void AutomaticInverse::serialize(SystemMatrix& matrix, Archive& archive) {
-  archive.value("auto_has_multigrid", now_.has_multigrid);
-  archive.value("auto_changes", now_.changes);
-  archive.value("auto_lost", now_.lost);
-  archive.value("auto_rate", now_.rate);
-  archive.value("auto_multigrid_rate", now_.multigrid_rate);
-  if (now_.has_multigrid) multigrid_.serialize(matrix, archive);
+  bool has_same_pattern = now_.key.matrix && now_.key.pattern == matrix.key().pattern, is_current = now_.key == matrix.key();
+  archive.value("auto_pattern", has_same_pattern);
+  archive.value("auto_current", is_current);
+  now_.serialize(archive);
+  if (archive.isReading()) {
+    now_.key = has_same_pattern ? matrix.key() : MatrixKey{};
+    if (!is_current) now_.key.values = -1;
+  }
+  if (now_.way == Way::multigrid) multigrid_.serialize(matrix, archive);
+  if (now_.way == Way::factors) factors().serialize(matrix, archive);
 }
 
 std::string AutomaticInverse::choice() const {
-  if (now_.has_multigrid)
-    return fmt::format("preconditioned by multigrid: block Jacobi took {:.0f} iterations for a digit", now_.rate);
-  if (now_.changes == most_changes && now_.multigrid_rate > 0)
-    return fmt::format("preconditioned by block Jacobi: multigrid took {:.0f} iterations for a digit, at {:.0f} times the cost",
-                       now_.multigrid_rate, costs_.iteration);
-  return may_change_ ? "preconditioned by block Jacobi, or by multigrid once that costs less"
+  const double jacobi = now_.rates[at(Way::block_jacobi)];
+  if (isRefused())
+    return fmt::format("preconditioned by block Jacobi: the matrix was not definite in {} solves in a row", most_refusals);
+  if (now_.way == Way::multigrid)
+    return fmt::format("preconditioned by multigrid: block Jacobi took {:.0f} iterations for a digit", jacobi);
+  if (isFactored(now_.way))
+    return fmt::format("{}: block Jacobi took {:.0f} iterations for a digit",
+                       isDirect() ? "factors instead of iterations" : "preconditioned by factors of former matrices", jacobi);
+  if (now_.changes > 0) {
+    std::string others;
+    if (const double rate = now_.rates[at(Way::multigrid)]; rate > 0)
+      others = fmt::format("multigrid took {:.0f} iterations for a digit, at {:.0f} times the cost", rate,
+                           iteration(Way::multigrid) / iteration(Way::block_jacobi));
+    if (now_.factor_solves > 0)
+      others += fmt::format("{}a solve by factors cost {:.1f} times as much", others.empty() ? "" : ", and ",
+                            solve(Way::factors) / solve(Way::block_jacobi));
+    return "preconditioned by block Jacobi: " + (others.empty() ? "a direct solver cost more" : others);
+  }
+  return may_change_ ? "preconditioned by block Jacobi, or by multigrid or factors once these cost less"
                      : "preconditioned by block Jacobi, because the scene caps iterations or wants no matrix";
 }
 

@@ -1,53 +1,134 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
 #include <string>
 
 #include "components/iterative_solvers/multigrid.h"
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/sweeps.h"
+#include "components/iterative_solvers/warped_factor.h"
 
 namespace stroma {
 
-/// Block Jacobi until its iterations say that multigrid costs less, and back when that proves wrong. What iterations cost is
-/// counted in those of block Jacobi (MultigridCosts): the dearer a product of the elements is, the less is one with multigrid.
-/// No clock is read: each run does the same.
+/// Block Jacobi until its iterations say that multigrid, factors of former matrices or a direct solver cost less. Each way has an
+/// estimate of a solve and of what comes before the first one, in nanoseconds, from counts and from the size of the matrix. A
+/// change has to pay in as many solves as there have been, and in those of ten matrices more; a solve that gets on too slowly is
+/// ended for it, and goes on from where it is. What was chosen and costs more than another way did is given up once that has cost
+/// as much as a hierarchy or a factorisation. No clock is read: each run does the same.
+///
+/// A matrix that a way refuses as not definite is reported as such, and the next one goes the same way: Newton's method meets
+/// such matrices and adds to their diagonal. Only many refusals in a row bring block Jacobi for good.
 class AutomaticInverse final : public ApproximateInverse {
  public:
+  enum class Way : int { block_jacobi, multigrid, factors, direct };
+  using MakeFactors = std::function<DirectSolver&()>;
   /// `may_change`: false for a scene that caps iterations or wants no matrix.
-  explicit AutomaticInverse(bool may_change) : may_change_(may_change) {}
+  explicit AutomaticInverse(bool may_change, MakeFactors make_factors = {})
+      : may_change_(may_change), make_factors_(std::move(make_factors)) {}
 
+  /// Before follow(): nanoseconds of a product (0: not known) and the relative residual that is wanted.
+  void begin(double product, double target) {
+    product_ = product, target_ = std::max(target, 1e-16), start_ = 1, has_begun_ = true;
+  }
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
-  void apply(ConstRows r, Rows z) override { now_.has_multigrid ? multigrid_.apply(r, z) : blocks_.apply(r, z); }
+  void apply(ConstRows r, Rows z) override {
+    const Way way = by_blocks_ ? Way::block_jacobi : now_.way;
+    way == Way::multigrid ? multigrid_.apply(r, z) : way == Way::factors ? factors_->apply(r, z) : blocks_.apply(r, z);
+  }
+  /// After follow(): the direct solver solves, and not an iteration.
+  bool isDirect() const { return now_.way == Way::direct; }
+  /// The matrix has no factors, or no hierarchy.
+  void noteRefusal();
+  /// Multigrid refused this matrix, and block Jacobi tries it.
+  bool isSecondTry() const { return by_blocks_; }
+  /// Whether the solve should go on by another way than the present one, which giveUp() takes.
+  bool isLost(int iterations, double residual) {
+    const bool is_asked = may_change_ && !by_blocks_ && iterations % 8 == 0 && iterations >= 16 && rows_ >= few_nodes;
+    return is_asked && isSlow(iterations, residual);
+  }
   void solved(const SolveReport& report) override;
+  int patience() const override;
+  bool giveUp() override;
   void reset() override;
   void serialize(SystemMatrix& matrix, Archive& archive) override;
-  void keep(const SystemMatrix& matrix) override { kept_ = now_, multigrid_.keep(matrix); }
-  void takeBack(const SystemMatrix& matrix) override { now_ = kept_, multigrid_.takeBack(matrix); }
+  void keep(const SystemMatrix& matrix) override;
+  void takeBack(const SystemMatrix& matrix) override;
 
-  /// Nanoseconds of a product in the solves that follow, 0: not known.
-  void setProductCost(double nanoseconds) { product_ = nanoseconds; }
   /// What preconditions now, and why.
   std::string choice() const;
   int changes() const { return now_.changes; }
+  /// Another number where choice() has another reason.
+  int reason() const { return 8 * now_.changes + 2 * int(now_.way) + isRefused(); }
   /// Iterations of a usual solve.
-  int expectedIterations() const { return now_.has_multigrid ? 15 : 100; }
+  int expectedIterations() const {
+    return now_.way == Way::block_jacobi ? 100 : now_.way == Way::multigrid ? 15 : now_.way == Way::factors ? 8 : 1;
+  }
 
  private:
+  static constexpr std::size_t ways = 4;
+  /// Bodies of fewer nodes are solved before it matters.
+  static constexpr Index few_nodes = 500;
+  /// In a row. An iteration of Newton's method tries up to nine matrices until one is definite.
+  static constexpr int most_refusals = 20;
+
   /// What later solves depend on.
   struct Memory {
-    bool has_multigrid = false;
+    Way way = Way::block_jacobi, next = Way::block_jacobi;  ///< from the next matrix or solve on
     int changes = 0;
-    double lost = 0;            ///< iterations of block Jacobi more than the other choice would have cost
-    double rate = 0;            ///< iterations for a decade of the residual in the last solves by block Jacobi, a moving mean
-    double multigrid_rate = 0;  ///< the same in the last solve by multigrid
+    double lost = 0;                   ///< what the present way cost more than another would have [ns]
+    std::array<double, ways> rates{};  ///< iterations for a decade of the residual, a moving mean; 0: not known
+    double decades = 0;                ///< that a solve gains, a moving mean
+    double with_factors = 0;           ///< of all solves by factors, with factorisations [ns]
+    int factor_solves = 0;             ///< these
+    int factored_solves = 0;           ///< with those by the direct solver
+    int solves = 0, matrices = 0, patterns = 0;
+    int refusals = 0;                  ///< in a row
+    bool may_factor = true;
+    bool has_new_pattern = false;      ///< since the last solve by factors
+    FactorCosts factor_costs;          ///< estimated, and then those of the factors
+    MatrixKey key;                     ///< of the last solve
+    void serialize(Archive& archive);
   };
-  void change();
+  bool isRefused() const { return now_.refusals >= most_refusals; }
+  std::size_t at(Way way) const { return std::size_t(way); }
+  static bool isFactored(Way way) { return way == Way::factors || way == Way::direct; }
+  bool mayBe(Way way) const { return !isFactored(way) || (now_.may_factor && make_factors_); }
+  double iteration(Way way) const;
+  double setup(Way way) const;
+  double factorisation() const;
+  double solve(Way way) const;
+  double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
+  double perMatrix() const { return double(now_.solves) / std::max(1, now_.matrices); }
+  /// Solves that a change should pay in.
+  double horizon() const { return 10 * perMatrix() + now_.solves; }
+  bool isSlow(int iterations, double residual);
+  bool findCheaper(double rate, double left);
+  void estimateFactors();
+  void change(Way way);
+  void note(const SystemMatrix& matrix);
+  bool followBy(Way way, SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  WarpedFactor& factors();
+  bool canFactor();
+  bool refuse(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  void judge(double cost);
+  void avoidMultigrid(SystemMatrix& matrix);
 
   bool may_change_;
-  double product_ = 0;
-  MultigridCosts costs_;  ///< of the matrix that was followed last
+  MakeFactors make_factors_;
+  double product_ = 0, target_ = 1e-8;
+  double start_ = 1;        ///< relative residual that the present part of a solve starts from
+  bool has_begun_ = false;  ///< a solve that follow() has not counted
+  bool leaves_ = false;     ///< isLost() said so
+  bool factored_ = false;   ///< in the solve that runs
+  bool by_blocks_ = false;  ///< the solve that runs is a second try
+  Index rows_ = 0;
+  const SystemMatrix* matrix_ = nullptr;  ///< of the solve that runs
   BlockJacobiInverse blocks_;
   Multigrid multigrid_;
+  std::unique_ptr<WarpedFactor> factors_;  ///< null: not needed so far
   Memory now_, kept_;
 };
 

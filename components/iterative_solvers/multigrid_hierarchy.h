@@ -45,5 +45,7 @@ constexpr int smoother_steps = 2;
 /// or not finite, or it was stopped.
 std::shared_ptr<Hierarchy> makeHierarchy(const BlockMatrix& matrix, ConstRows positions, SolveReport& report,
                                          StopToken stop);
+/// Whether diagonal blocks hardly smooth it, so that its hierarchy would have patches.
+bool hardlySmooths(const BlockMatrix& matrix);
 
 }  // namespace stroma::amg

@@ -123,11 +123,12 @@ class PatchMaker {
   Patches<D>& made_;
 };
 
-/// Gives a level patches where its diagonal blocks hardly smooth, so that half of the iterations are left or fewer, or where
-/// `wanted`. Returns whether it has some.
+/// Where the diagonal blocks see less, half of the iterations are left with patches, or fewer.
+constexpr double hardly_seen = 0.03;
+
+/// Gives a level patches where its diagonal blocks hardly smooth, or where `wanted`. Returns whether it has some.
 template <int D>
 bool addPatches(const BlockView<D>& a, double scale, bool wanted, Level<D>& level) {
-  constexpr double hardly_seen = 0.03;
   constexpr std::size_t most = 16;  // times the numbers of the matrix
   PatchMaker<D> maker(a, scale, level.patches);
   const bool worth = wanted || maker.leastSeenUsually() < hardly_seen;

@@ -6,10 +6,11 @@
 //
 // B ~ A^-1 is the preconditioner, a word or a link to a component:
 //
-//   auto                 the default: block_jacobi, and multigrid from the solve on before which that would have cost less by
-//                        what a hierarchy costs. Both are counted in iterations, so that each run does the same; it goes
-//                        back where multigrid does not help. Bodies below 2,500 nodes, and scenes that write `iterations`
-//                        or template GraphScattered, stay with block_jacobi. `choice` says what preconditions, and why
+//   auto                 the default: block_jacobi, and multigrid, warped or a direct solver once that is estimated to cost
+//                        less, with what comes before its first solve. Estimates are from counts of iterations and the
+//                        size of the matrix, so that each run does the same. A solve that gets on slowly changes within;
+//                        what does not pay is given up. Bodies below 500 nodes, and scenes that write `iterations` or
+//                        template GraphScattered, stay with block_jacobi. `choice` says what preconditions, and why
 //   none                 plain conjugate gradients
 //   jacobi               the diagonal
 //   block_jacobi         the 3x3 diagonal blocks of the nodes; costs next to nothing
@@ -40,6 +41,7 @@
 #include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
 #include "components/iterative_solvers/warped_factor.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/usual_component.h"
 
 namespace stroma {
 namespace {
@@ -56,17 +58,15 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
     kept_.forEach([](Kept& kept) {
       if (kept.inverse) kept.inverse->reset();
     });
+    if (own_factors_) own_factors_->reset();
+    tellFirstChoice();
   }
-  void serializeFor(SystemMatrix& matrix, Archive& archive) override {
-    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->serialize(matrix, archive);
-  }
-  void keepFor(SystemMatrix& matrix) override {
-    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->keep(matrix);
-  }
-  void takeBackFor(SystemMatrix& matrix) override {
-    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->takeBack(matrix);
-  }
+  void serializeFor(SystemMatrix& matrix, Archive& archive) override;
+  void keepFor(SystemMatrix& matrix) override;
+  void takeBackFor(SystemMatrix& matrix) override;
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
+  SolveReport solveDirectly(SystemMatrix& matrix, ConstRows b, Rows x, AutomaticInverse& automatic, cg::Directions& work);
+  void refine(SystemMatrix& matrix, ConstRows b, Rows x, cg::Directions& work, SolveReport& report);
   SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, ApproximateInverse* inverse, cg::Directions& work, int most);
   Index mostRows() const override;
   bool usesFactorOf(const Component&) const override { return use_ && link_.path == "warped"; }
@@ -78,8 +78,10 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
     cg::Directions work;
   };
   std::unique_ptr<ApproximateInverse> makeInverse() const;
+  DirectSolver& ownFactors() const;
   /// Of preconditioner auto; the text is made when it changes.
   void tellChoice(const AutomaticInverse& inverse);
+  void tellFirstChoice();
   Kept& keptFor(const SystemMatrix& matrix) {
     return kept_.of(matrix, [this] { return std::make_unique<Kept>(Kept{makeInverse(), {}}); });
   }
@@ -87,12 +89,14 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   bool use_ = true, may_change_ = true;
   std::string choice_;
   int changes_ = 0;  ///< of the matrix solved last
+  int reason_ = 0;   ///< that choice_ tells
   Link<Preconditioner> link_{"preconditioner"};
   Link<DirectSolver> factors_{"direct solver"};
   double shift_ = 0;
   int factorisations_ = 0;
 
   DirectSolver* factor_source_ = nullptr;  ///< of warped
+  mutable std::unique_ptr<Component> own_factors_;  ///< of auto; null: not needed so far
   PerMatrix<Kept> kept_;
 };
 
@@ -111,7 +115,7 @@ void PCGLinearSolver::declare(DataTable& table) {
       .unit("-")
       .output();
   table.add("factorisations", factorisations_)
-      .help("how often warped factored so far, for all matrices")
+      .help("how often warped or auto factored so far, for all matrices")
       .unit("-")
       .output();
 }
@@ -121,7 +125,7 @@ void PCGLinearSolver::init() {
   KrylovSolver::init();
   if (use_) link_.get();  // ready before the first solve
   may_change_ = !data().find("iterations")->isSet() && data().find("template")->print() != "GraphScattered";
-  if (use_ && link_.path == "auto") choice_ = AutomaticInverse(may_change_).choice();
+  tellFirstChoice();
   if (use_ && link_.path == "warped") factor_source_ = &factorSource(*this, factors_);
 }
 
@@ -130,11 +134,18 @@ Index PCGLinearSolver::mostRows() const {
   return use_ && link_.target() ? link_.get()->mostRows() : KrylovSolver::mostRows();
 }
 
+/// Made when preconditioner auto first wants factors: their module is not opened before.
+DirectSolver& PCGLinearSolver::ownFactors() const {
+  if (!own_factors_) own_factors_ = makeUsual(Part::solver_of_equilibria);
+  return dynamic_cast<DirectSolver&>(*own_factors_);
+}
+
 std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {
   if (!use_) return nullptr;
   if (const Preconditioner* linked = link_.get()) return linked->makeInverse();
   const std::string& word = link_.path;
-  if (word == "auto") return std::make_unique<AutomaticInverse>(may_change_);
+  if (word == "auto")
+    return std::make_unique<AutomaticInverse>(may_change_, [this]() -> DirectSolver& { return ownFactors(); });
   if (word == "jacobi") return std::make_unique<Jacobi>();
   if (word == "block_jacobi") return std::make_unique<BlockJacobiInverse>();
   if (word == "ssor") return std::make_unique<Ssor>();
@@ -144,8 +155,34 @@ std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {
   return nullptr;
 }
 
+void PCGLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive) {
+  ApproximateInverse* const inverse = keptFor(matrix).inverse.get();
+  if (!inverse) return;
+  inverse->serialize(matrix, archive);
+  if (auto* automatic = dynamic_cast<AutomaticInverse*>(inverse)) {
+    if (automatic->isDirect()) ownFactors().serializeFor(matrix, archive);
+    if (archive.isReading()) tellChoice(*automatic);
+  }
+}
+
+void PCGLinearSolver::keepFor(SystemMatrix& matrix) {
+  if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->keep(matrix);
+  if (own_factors_) ownFactors().keepFor(matrix);
+}
+
+void PCGLinearSolver::takeBackFor(SystemMatrix& matrix) {
+  if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->takeBack(matrix);
+  if (own_factors_) ownFactors().takeBackFor(matrix);
+}
+
+void PCGLinearSolver::tellFirstChoice() {
+  changes_ = reason_ = 0;
+  if (use_ && link_.path == "auto") choice_ = AutomaticInverse(may_change_).choice();
+}
+
 void PCGLinearSolver::tellChoice(const AutomaticInverse& inverse) {
-  if (inverse.changes() == changes_) return;
+  if (inverse.reason() == reason_) return;
+  reason_ = inverse.reason();
   changes_ = inverse.changes();
   choice_ = inverse.choice();
 }
@@ -157,30 +194,57 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   if (automatic && may_change_) expected_iterations_ = automatic->expectedIterations();
   if (!begin(matrix, b, x, terms, report)) return report;
   work.resize(b.count);
-  if (automatic) automatic->setProductCost(productCost(matrix));
-  SolveReport prepared;
-  if (inverse && !inverse->follow(matrix, prepared, terms.stop)) {
-    prepared.relative_residual = 1;
-    return prepared;
-  }
-  factorisations_ += prepared.factored;
-  report = iterate(matrix, b, x, inverse.get(), work, iterations_);
-  if (inverse && report.stop == SolveStop::iteration_limit && inverse->giveUp()) {
+  if (automatic) automatic->begin(productCost(matrix), target() / norm_b_);
+  constexpr int most_renewals = 8;
+  bool factored = false;
+  for (int k = 0; k <= most_renewals; ++k) {
+    SolveReport prepared;
     const int before = report.iterations;
-    SolveReport renewed;
-    if (!inverse->follow(matrix, renewed, terms.stop)) {
-      renewed.relative_residual = report.relative_residual, renewed.iterations = before;
-      return renewed;
-    }
-    factorisations_ += renewed.factored;
-    prepared.factored = prepared.factored || renewed.factored;
-    report = iterate(matrix, b, x, inverse.get(), work, iterations_);
+    const bool is_ready = !inverse || inverse->follow(matrix, prepared, terms.stop);
+    if (!is_ready)
+      prepared.relative_residual = k == 0 ? 1 : report.relative_residual, prepared.iterations = 0, report = prepared;
+    else if (automatic && automatic->isDirect())
+      report = solveDirectly(matrix, b, x, *automatic, work);
+    else
+      report = iterate(matrix, b, x, inverse.get(), work, iterations_);
     report.iterations += before;
+    factorisations_ += prepared.factored || report.factored;
+    factored = factored || prepared.factored || report.factored;
+    if (!is_ready || !inverse || report.stop != SolveStop::iteration_limit || !inverse->giveUp()) break;
   }
   shift_ = inverse ? inverse->shift() : 0;
   if (automatic) tellChoice(*automatic);
-  report.factored = prepared.factored;
+  report.factored = factored;
   return report;
+}
+
+SolveReport PCGLinearSolver::solveDirectly(SystemMatrix& matrix, ConstRows b, Rows x, AutomaticInverse& automatic,
+                                           cg::Directions& work) {
+  SolveReport report = ownFactors().solve(matrix, b, x, terms_);
+  if (report.stop == SolveStop::not_definite || report.stop == SolveStop::breakdown) {
+    automatic.noteRefusal();
+  } else if (report.usable()) {
+    if (report.relative_residual * norm_b_ > 1.1 * target()) refine(matrix, b, x, work, report);
+    automatic.solved(report);
+  }
+  return report;
+}
+
+/// Goes on from the x of a direct solve to the tolerance, by conjugate gradients with its factors.
+void PCGLinearSolver::refine(SystemMatrix& matrix, ConstRows b, Rows x, cg::Directions& work, SolveReport& report) {
+  constexpr int most = 20;
+  SolveReport kept;
+  Factorisation* const factors = ownFactors().factor(matrix, kept, terms_.stop);
+  if (!factors) return;
+  const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
+  const auto precondition = [&](ConstRows r, Rows z) { factors->apply(r, z); };
+  const auto note = [&](double residual) { record(residual / norm_b_); };
+  const cg::Limits limits{most, std::max(target(), 1e-16 * norm_b_), terms_.stop};
+  const SolveReport further = cg::preconditioned(multiply, precondition, note, limits, b, work, x);
+  const bool ends_so = further.stop == SolveStop::converged || !further.usable();
+  report.stop = ends_so ? further.stop : SolveStop::stagnated;
+  report.relative_residual = further.relative_residual / norm_b_;
+  report.iterations += further.iterations;
 }
 
 /// From x on, with at most so many products, or as many as the inverse has patience for.
@@ -188,10 +252,17 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
                                      cg::Directions& work, int most) {
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   const auto precondition = [&](ConstRows r, Rows z) { inverse ? inverse->apply(r, z) : copy(r, z); };
-  const auto note = [&](double residual) { record(residual / norm_b_); };
   if (inverse) most = std::min(most, inverse->patience());
-  SolveReport report = cg::preconditioned(multiply, precondition, note, {most, target(), terms_.stop}, b, work, x);
+  cg::Limits limits{most, target(), terms_.stop};
+  auto* const automatic = dynamic_cast<AutomaticInverse*>(inverse);
+  int iterations = 0;
+  const auto note = [&](double residual) {
+    record(residual / norm_b_);
+    if (automatic && residual > target() && automatic->isLost(++iterations, residual / norm_b_)) limits.iterations = iterations;
+  };
+  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, work, x);
   report.relative_residual /= norm_b_;
+  if (automatic && automatic->isSecondTry() && report.stop == SolveStop::iteration_limit) report.stop = SolveStop::not_definite;
   if (inverse && report.stop != SolveStop::stopped) inverse->solved(report);
   return report;
 }

@@ -20,9 +20,14 @@ constexpr double flops_a_second = 40e9, seconds_an_entry = 8e-9, seconds_to_orde
 // Per 3x3 block of the matrix; from the same cubes.
 constexpr double setup_seconds = 0.6e-6, iteration_seconds = 30e-9;
 constexpr int usual_iterations = 15;
-// Nanoseconds for a row, of cubes of 9,261 nodes of tetrahedra (a V-cycle 270, the vectors of an iteration 17) and 5,481 of
-// hexahedra (360, 22). A product takes 20 to 160.
-constexpr double cycle = 300, vectors = 20, hierarchy = 8000;
+double entriesOf(const Extents& e) {
+  const double separator = e.width * e.height, flatness = e.width / e.height;
+  return entries_each * (1 + 0.7 * std::log(flatness)) * e.length / e.width * separator * separator;
+}
+double flopsOf(const Extents& e) {
+  const double separator = e.width * e.height, flatness = e.width / e.height;
+  return flops_each * (1 + 2.4 * (1 - 1 / flatness)) * e.length / e.width * separator * separator * separator;
+}
 
 /// Numbers that fit into half of the machine's memory.
 double mostEntries() {
@@ -60,21 +65,29 @@ Extents extentsOf(Index nodes, ConstRows positions) {
   return extents;
 }
 
-MultigridCosts multigridCosts(Index rows, double product) {
-  if (!(product > 0) || rows == 0) return {};
-  const double block_jacobi = product / rows + vectors;
-  return {1 + cycle / block_jacobi, hierarchy / block_jacobi};
-}
+bool factorsFit(double entries) { return entries <= mostEntries(); }
 
 SolverCosts solverCosts(const BlockMatrix& pattern, const Extents& e) {
-  const double separator = e.width * e.height, parts = e.length / e.width, flatness = e.width / e.height;
   SolverCosts costs;
-  costs.factor_entries = entries_each * (1 + 0.7 * std::log(flatness)) * parts * separator * separator;
-  const double flops = flops_each * (1 + 2.4 * (1 - 1 / flatness)) * parts * separator * separator * separator;
-  costs.direct = flops / flops_a_second +
+  costs.factor_entries = entriesOf(e);
+  costs.direct = flopsOf(e) / flops_a_second +
                  seconds_an_entry * costs.factor_entries + seconds_to_order_a_node * pattern.rows();
   costs.setup = setup_seconds * pattern.blocks();
   costs.iteration = iteration_seconds * pattern.blocks();
+  return costs;
+}
+
+// Small and slender ones are factored in double precision. Ordering, analysis, assembly and the turning of vectors are in
+// nanoseconds for a row.
+FactorCosts factorCosts(Index rows, const Extents& e) {
+  constexpr double order = 8000, assembly = 1500, turning = 40;
+  const double entries = entriesOf(e), flops = flopsOf(e);
+  const bool is_single = flops >= std::max(5e7, 180 * entries);
+  FactorCosts costs;
+  costs.order = order * rows;
+  costs.factor = (is_single ? flops / 115 + 1.5 * entries : flops / 40 + 2.5 * entries) + assembly * rows;
+  costs.application = (is_single ? 0.65 : 1) * entries + turning * rows;
+  costs.entries = entries;
   return costs;
 }
 

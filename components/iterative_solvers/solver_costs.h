@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
+
 #include "framework/algebra/block_matrix.h"
 
 namespace stroma {
@@ -28,13 +30,24 @@ Extents extentsOf(Index nodes, ConstRows positions);
 
 SolverCosts solverCosts(const BlockMatrix& pattern, const Extents& extents);
 
-/// What multigrid costs in iterations of block Jacobi on the same matrix, and iterations of it for a decade of the residual.
-struct MultigridCosts {
-  double iteration = 10, hierarchy = 150;
-  static constexpr double usual_rate = 2;
+/// Of factors that precondition, in nanoseconds, by the same laws.
+struct FactorCosts {
+  double order = 0;        ///< once for a pattern, with the analysis; 0: not estimated
+  double factor = 0;       ///< with the assembly
+  double application = 0;  ///< with turned nodes
+  double entries = 0;      ///< numbers in the factors
 };
-/// `product`: nanoseconds of one, 0 where they are not known.
-MultigridCosts multigridCosts(Index rows, double product);
+FactorCosts factorCosts(Index rows, const Extents& extents);
+/// Whether so many numbers fit into half of the machine's memory.
+bool factorsFit(double entries);
+
+/// Nanoseconds for a row: what an iteration of conjugate gradients takes besides its product, and a product where its cost is not
+/// known. Of cubes of 9,261 nodes of tetrahedra (a V-cycle 270, the vectors 17) and 5,481 of hexahedra (360, 22).
+struct IterationCosts {
+  static constexpr double vectors = 20, hierarchy = 8000, usual_product = 20;
+  /// Less where its levels fit into a cache.
+  static double cycle(Index rows) { return 180 + 120 * std::min(1.0, rows / 8000.0); }
+};
 /// Nanoseconds of a product with an assembled matrix, out of cache.
 inline double assembledProductCost(const BlockMatrix& matrix) { return 2.9 * matrix.blocks(); }
 

@@ -38,6 +38,8 @@ class WarpedFactor final : public ApproximateInverse {
   void takeBack(const SystemMatrix& matrix) override;
   /// With the values that were factored: they are factored again when they are needed.
   void serialize(SystemMatrix& matrix, Archive& archive) override;
+  /// Of the factors that follow() has left.
+  Factorisation::Cost cost() const { return factors_->cost(); }
   void reset() override {
     now_ = kept_ = {};
     origins_ = {}, factored_ = none;

@@ -170,6 +170,8 @@ std::string slowSolver(const System& system, const RunStatistics& statistics) {
   constexpr Index always_factored = 2500;
   const LinearSolver* solver = system.linearSolver();
   if (!solver || !choiceOf(*solver).empty() || system.independentRows() < always_factored) return {};
+  const Data* preconditioner = solver->data().find("preconditioner");
+  if (preconditioner && preconditioner->print() == "multigrid") return {};
   // products that a solver by products asked for are its time too
   const double spent = system.times.solve + (system.integrator().movesInTime() ? system.times.product : 0);
   const long solves = std::max({1L, statistics.newton_iterations, long(statistics.step_ms.size())});
