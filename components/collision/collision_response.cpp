@@ -303,6 +303,7 @@ void CollisionResponse::takeForces(std::span<const double> forces) {
       for (int k = 0; k < 2; ++k) force += l[1 + k] * tangents(pushes_[i].n)[std::size_t(k)];
     report_.setForce(i, force);
   }
+  report_.sumForces();
 }
 
 double CollisionResponse::energy(ConstRows x) const {
@@ -328,6 +329,7 @@ void CollisionResponse::addForce(ConstRows x, ConstRows, Rows f) {
     for (std::size_t i = 0; i < 6; ++i)
       if (push.rows[i] >= 0) f[push.rows[i]] += push.c[i] * push.k * pen * push.n;
   }
+  report_.sumForces();
 }
 
 void CollisionResponse::addStiffnessProduct(ConstRows dx, double factor, Rows df) const {

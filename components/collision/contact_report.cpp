@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/collision/contact_report.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "framework/scene/archive.h"
@@ -44,6 +45,10 @@ void ContactReport::declare(DataTable& table) {
       .help("with friction: that force of each contact, along the normal and two tangents; along the normal alone where mu is 0")
       .unit("N")
       .output();
+  table.add("modelPairs", pair_names_).help("the collision models of each pair that may meet, two paths for each").output();
+  table.add("pairWrenches", pair_wrenches_)
+      .help("of each of modelPairs: the force of the second on the first, with friction [N], and its moment about the origin [N m]")
+      .output();
 }
 
 void ContactReport::compile(const std::vector<ModelPair>& pairs) {
@@ -52,6 +57,13 @@ void ContactReport::compile(const std::vector<ModelPair>& pairs) {
     for (const CollisionModel* model : {pair.a, pair.b})
       if (std::find(models_.begin(), models_.end(), model) == models_.end())
         models_.push_back(model), names_.push_back(model->path());
+  pair_of_.assign(models_.size() * models_.size(), -1), pair_names_.clear();
+  for (const ModelPair& pair : pairs) {
+    Index& place = pair_of_[std::size_t(numberOf(*pair.a)) * models_.size() + std::size_t(numberOf(*pair.b))];
+    if (place >= 0) continue;
+    place = Index(pair_names_.size() / 2);
+    pair_names_.push_back(pair.a->path()), pair_names_.push_back(pair.b->path());
+  }
   clear();
 }
 
@@ -75,7 +87,21 @@ void ContactReport::note(const std::vector<Contact>& contacts) {
   forces_.resize(contacts.size(), Vec3::Zero());
 }
 
+void ContactReport::sumForces() {
+  pair_wrenches_.assign(pair_names_.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const std::size_t a = std::size_t(pairs_[i][0]), b = std::size_t(pairs_[i][2]);
+    const Index direct = pair_of_[a * models_.size() + b], turned = pair_of_[b * models_.size() + a];
+    if (direct < 0 && turned < 0) continue;
+    const Vec3 force = direct >= 0 ? Vec3(-forces_[i]) : forces_[i];
+    const std::size_t at = 2 * std::size_t(direct >= 0 ? direct : turned);
+    pair_wrenches_[at] += force;
+    pair_wrenches_[at + 1] += (direct >= 0 ? first_points_ : second_points_)[i].cross(force);
+  }
+}
+
 void ContactReport::clear() {
+  pair_wrenches_.assign(pair_names_.size(), Vec3::Zero());
   pairs_.clear(), normals_.clear(), first_points_.clear(), second_points_.clear(), gaps_.clear(), forces_.clear();
   multipliers_.clear();
   is_restored_ = false;
@@ -88,6 +114,7 @@ void ContactReport::serialize(Archive& archive) {
   archive.list("first_points", first_points_), archive.list("second_points", second_points_);
   archive.list("normals", normals_), archive.list("gaps", gaps_);
   archive.list("forces", forces_), archive.list("multipliers", multipliers_);
+  archive.list("pair_wrenches", pair_wrenches_);
   if (!archive.isReading()) return;
   pairs_.resize(numbers.size() / 4);
   for (std::size_t i = 0; i < 4 * pairs_.size(); ++i) pairs_[i / 4][i % 4] = numbers[i];

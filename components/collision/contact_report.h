@@ -22,6 +22,8 @@ class ContactReport {
   /// Where a step starts; none of them pushes yet.
   void note(const std::vector<Contact>& contacts);
   void setForce(std::size_t contact, const Vec3& force) { forces_[contact] = force; }
+  /// All forces are set.
+  void sumForces();
   void setMultipliers(std::span<const double> forces) { multipliers_.assign(forces.begin(), forces.end()); }
   void clear();
   void serialize(Archive& archive);
@@ -38,6 +40,9 @@ class ContactReport {
   std::vector<double> gaps_;                                  ///< [m]
   std::vector<Vec3> forces_;                                  ///< [N]
   std::vector<double> multipliers_;                           ///< [N]
+  std::vector<std::string> pair_names_;                       ///< two of each pair of models
+  std::vector<Index> pair_of_;                                ///< by two numbers of models; -1: they do not meet
+  std::vector<Vec3> pair_wrenches_;                           ///< of each pair [N], [N m]
   bool is_restored_ = false;
   mutable std::size_t last_ = 0;  ///< model that was looked for
 };

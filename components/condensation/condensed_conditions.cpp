@@ -205,7 +205,8 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopT
       c.solve.l.setZero(Eigen::Index(c.rows.rows().size()));
       if (c.taken.size() == c.rows.rows().size()) c.solve.l = Eigen::Map<Eigen::VectorXd>(c.taken.data(), c.solve.l.size());
     }
-    c.solve.solve(c.rows.rows(), stop);
+    findTolerances(c.constraints, c.ends, false, c.allowed);
+    c.solve.solve(c.rows.rows(), stop, c.allowed);
     report.stopped = stop.isStopAsked();
     if (report.stopped) break;
     last = step;

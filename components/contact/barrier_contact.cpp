@@ -27,15 +27,16 @@
 //
 // Every iterate is shortened where something would pass through something, and round-off is taken into account. After each step an
 // exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps. A start with
-// surfaces in one another is refused, or pushed apart by resolveStart (contact_start.h). Integrators that do not ask how far they
-// may step are refused, explicit ones and those with one linear solve: EulerImplicitSolver with newtonIterations, or StaticSolver.
+// surfaces in one another is refused, or pushed apart by resolveStart (contact_start.h). Integrators with one linear solve are refused:
+// newtonIterations it is. Explicit ones divide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
 //
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count
 // as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A
 // state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz
 // o: bodies are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They stand, or
 // move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is solved again until they
-// have come all the way.
+// have come all the way. What `offset` adds while the scene runs, as a hand that holds a tool, leads them: what they have not come
+// of it in a dozen solves is left for the next step.
 //
 // Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier); Fang, Li,
 // Cao, Li, Wolper, Yang and Jiang 2023 (adhesion).
@@ -59,7 +60,6 @@
 #include "components/contact/contact_field.h"
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_start.h"
-#include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -70,7 +70,7 @@ namespace {
 
 using namespace contact;
 
-class BarrierContact final : public ContactField, public StepLimiter, public OpenChoices, public PlacesStart {
+class BarrierContact final : public ContactField, public StepLimiter, public PlacesStart {
  public:
   void declare(DataTable& table) override;
   ForceTraits traits() const override {
@@ -91,22 +91,33 @@ class BarrierContact final : public ContactField, public StepLimiter, public Ope
   void checkStart(ConstRows x) override;
   double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
-  void wantStartForces(bool wanted) override { holds_nothing_ = wanted; }
+  void wantStartForces(bool wanted) override;
+  void setTime(double t) override { law_.moved = is_explicit_ && is_in_step_ ? placeAt(t) : law_.moved; }
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
   std::string worstElement(ConstRows x) const override;
   bool useDefiniteTangent(bool definite) override { return definite_ = friction_.definite = definite, true; }
-  void reset() override;
+  void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(); }
   void serialize(Archive& archive) override;
 
  private:
+  void startObstacles();
   void follow(ConstRows x);
   void beginRounds();
+  void putBack() { moved_first_ = std::exchange(law_.moved, moved_at_start_), is_put_back_ = true; }
+  void beginPart(double t, double t_end);
+  /// Of obstacles in explicit steps; a hand leads them by an eighth of the mean edge per step, and not faster than barriers stop.
+  Vec3 ledTo() const { return obstacles_.ledFrom(arrived_, std::min(0.125 * mean_edge_, fastest_ * (to_ - from_))); }
+  Vec3 placeAt(double t) const { return obstacles_.pathAt(t) + arrived_ + (t - from_) / (to_ - from_) * (ledTo() - arrived_); }
+  void rub(ConstRows v, Rows f);
+  bool hasArrived() const { return (goal_ - law_.moved).isZero(0); }
+  bool isLed() const { return arrived_ != obstacles_.offset(); }
   double leastMargin() const { return 0.5 * law_.range; }
   BarrierLaw lawAt(const std::vector<Vec3>& x) const;
   void lookAgain(const std::vector<Vec3>& x) const;
   void slideTo(const std::vector<Vec3>& x) {
-    friction_.compute(law_.surfaces, x, start_, law_.moved - moved_at_start_);
+    const Vec3 way = law_.moved - moved_at_start_;
+    is_explicit_ ? friction_.stretch(law_, law_.touches(x), x, start_, way) : friction_.compute(law_.surfaces, x, start_, way);
   }
   bool frictionChanges(bool was_held);
   bool sharesChange();
@@ -119,9 +130,12 @@ class BarrierContact final : public ContactField, public StepLimiter, public Ope
   mutable bool has_new_pairs_ = false;  ///< others push since the pattern was last said to be another
   std::vector<Vec3> way_, forces_, forces_before_;
   std::vector<double> bend_;
-  Vec3 goal_ = Vec3::Zero();
-  bool is_in_step_ = false;
-  bool is_carried_ = false;  ///< what is moved has gone on since the last force
+  Vec3 goal_ = Vec3::Zero(), moved_first_ = Vec3::Zero();  ///< where obstacles are to come; have come before the first solve
+  double fastest_ = 0;  ///< a hand leads obstacles in explicit steps [m/s]
+  Vec3 arrived_ = Vec3::Zero();  ///< the offset that obstacles have come to last
+  bool is_in_step_ = false, is_explicit_ = false;  ///< steps solve nothing: forces are those where parts of them start
+  double from_ = 0, to_ = 0, duration_ = 0;  ///< times of the step; its length, or that of a part of an explicit one [s]
+  bool is_carried_ = false, is_put_back_ = false;  ///< what is moved has gone on since the last force; see moved_first_
   bool left_start_ = false, holds_nothing_ = false;  ///< bodies have been elsewhere than at start_; see wantStartForces()
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
   bool definite_ = false;  ///< the derivative of terms_, see contact_terms.h
@@ -140,9 +154,8 @@ void BarrierContact::compile() {
   finishAdhesion(law_.adhesion, friction_, law_.range);
   friction_.farthest = std::max(law_.range, 0.25 * mean_edge_);
   law_.compile();
-  goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
-  start_.clear(), terms_.clear(), friction_.clear();
-  ++pattern_revision_;
+  fastest_ = fastestLead(law_, bodies_);
+  startObstacles();
   way_.resize(law_.surfaces.rows.size());
   for (std::vector<Vec3>* forces : {&forces_, &forces_before_}) forces->resize(law_.surfaces.rows.size());
 }
@@ -187,32 +200,56 @@ std::string BarrierContact::worstElement(ConstRows x) const {
   return describeWorst(lawAt(x_), x_, names());
 }
 
-void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
+void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
   follow(x);
   lookAgain(x_);
   pattern_revision_ += std::exchange(has_new_pairs_, false);
   // energies along a line have the shares of its start, so that these may follow at first; forces along a line have not
   constexpr int most_weighings = 6;
   const bool begins = std::exchange(is_carried_, false);
-  if (friction_.acts() ? begins : ++weighings_ <= most_weighings) law_.weigh(x_);
+  if (is_explicit_ || (friction_.acts() ? begins : ++weighings_ <= most_weighings)) law_.weigh(x_);
   terms_.clear();
-  for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_));
+  for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_ || is_explicit_));
   terms_.addForce(f);
-  if (!friction_.acts()) return;
-  if (!holds_nothing_ && friction_rounds_ + 1 < friction_iterations_) friction_.hold(x_, start_, law_.moved - moved_at_start_);
-  slideTo(x_), friction_.terms().addForce(f);
+  if (friction_.acts() && start_.size() == x_.size()) rub(v, f);
+}
+
+void BarrierContact::rub(ConstRows v, Rows f) {
+  if (!is_explicit_ && !holds_nothing_ && friction_rounds_ + 1 < friction_iterations_)
+    friction_.hold(x_, start_, law_.moved - moved_at_start_);
+  if (!is_explicit_ && holds_nothing_ && !left_start_)  // where a step starts
+    friction_.computeAtSpeed(law_.surfaces, v, duration_, start_, goal_ - moved_at_start_, way_);
+  else
+    slideTo(x_);
+  friction_.terms().addForce(f);
 }
 
 // ---- steps ----
 
+/// Of an explicit step. What is moved goes along with the bodies, and is where it was at t until they have gone.
+void BarrierContact::beginPart(double t, double t_end) {
+  if (friction_.acts() && start_.size() == x_.size() && !law_.surfaces.areBodiesAt(x_, start_)) {
+    law_.weigh(x_);
+    slideTo(x_);
+    friction_.keepStretched(x_, start_, law_.moved - moved_at_start_);
+  }
+  law_.moved = moved_at_start_ = placeAt(t), goal_ = placeAt(t_end);
+}
+
 void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
+  is_explicit_ = holds_nothing_;
+  if (!is_in_step_ || t_end > to_) from_ = t, to_ = t_end;
   follow(x);
   if (law_.candidates.isNew()) has_new_pairs_ = true, law_.candidates.find(x_, leastMargin()), law_.candidates.crossings(x_);
   lookAgain(x_);  // whether or not somebody has asked between steps
   law_.candidates.stepBegins();
   is_in_step_ = true;
-  friction_.slip = slip_velocity_ * (t_end - t);
+  law_.small_range = is_explicit_ ? 0.5 : 0.1, law_.small_share = is_explicit_ ? 1 : 0.1;
+  if (is_explicit_) beginPart(t, t_end), law_.surfaces.gather(x, law_.moved, x_);
+  duration_ = t_end - t;
+  friction_.slip = slip_velocity_ * duration_;
   friction_.begin(x_.size());
+  if (is_explicit_) return void(start_ = x_);
   if (friction_.acts() && start_.size() == x_.size()) {
     lookAgain(x_), law_.weigh(x_);
     friction_.note(law_, law_.touches(x_));
@@ -227,7 +264,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 
 void BarrierContact::beginRounds() {
   obstacle_rounds_ = friction_rounds_ = share_rounds_ = weighings_ = 0;
-  left_start_ = is_carried_ = false;
+  left_start_ = is_carried_ = is_put_back_ = false;
   friction_.beginAgain();
   lookAgain(x_);
   law_.weigh(x_);
@@ -238,32 +275,42 @@ void BarrierContact::beginRounds() {
 /// x_ become positions at x. Where an integrator takes bodies back to the start of a step, obstacles begin theirs again.
 void BarrierContact::follow(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
+  if (is_explicit_) return;
   const bool is_back = law_.surfaces.areBodiesAt(x_, start_);
   if (is_back && left_start_) {
     law_.moved = moved_at_start_;
     law_.surfaces.gather(x, law_.moved, x_);
     beginRounds();
+    if (holds_nothing_) putBack(), law_.surfaces.gather(x, law_.moved, x_);
   }
   left_start_ = !is_back;
 }
 
+/// Obstacles have gone on for the first solve. The force where the step starts is that of where they were.
+void BarrierContact::wantStartForces(bool wanted) {
+  holds_nothing_ = wanted;
+  if (wanted && is_in_step_ && !is_explicit_) return putBack();
+  if (std::exchange(is_put_back_, false)) law_.moved = moved_first_;
+}
+
 double BarrierContact::longestStep(ConstRows x, const Way& way) {
   way.is_carried ? void(is_carried_ = true) : friction_.lineStarts();
-  law_.surfaces.gather(x, law_.moved, x_);
+  const Vec3 from = is_explicit_ ? moved_at_start_ : law_.moved, along = law_.moved - from;
+  law_.surfaces.gather(x, from, x_);
   bend_.assign(way.bend ? way_.size() : 0, 0);
   for (std::size_t v = 0; v < way_.size(); ++v) {
     const Index row = law_.surfaces.rows[v];
-    way_[v] = row >= 0 ? Vec3(way.dx[row]) : Vec3(Vec3::Zero());
+    way_[v] = row >= 0 ? Vec3(way.dx[row]) : along;
     if (way.bend && row >= 0) bend_[v] = way.bend[row];
   }
-  return law_.longestStep(x_, way_, bend_, Vec3::Zero());
+  return law_.longestStep(x_, way_, bend_, along);
 }
 
 bool BarrierContact::movesOn(ConstRows x) {
-  constexpr int most_rounds = 1000;
+  constexpr int most_rounds = 1000, most_led = 12;
+  if (is_explicit_) return law_.moved = goal_, false;
   law_.surfaces.gather(x, law_.moved, x_);
-  const bool arrived = (goal_ - law_.moved).isZero(0);
-  if (!arrived && obstacle_rounds_++ < most_rounds) {
+  if (!hasArrived() && obstacle_rounds_++ < (isLed() ? most_led : most_rounds)) {
     law_.weigh(x_);
     weighings_ = 0;
     friction_.note(law_, law_.touches(x_));
@@ -313,7 +360,8 @@ std::string BarrierContact::overlap(ConstRows x) {
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);
   is_in_step_ = false;
   const std::string found = outputs_.overlap(path(), crossings, law_.surfaces, names());
-  if (found.empty() && !(goal_ - law_.moved).isZero(0))
+  if (hasArrived()) arrived_ = is_explicit_ ? ledTo() : obstacles_.offset();
+  if (found.empty() && !hasArrived() && !isLed())
     return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(),
                        (goal_ - law_.moved).norm());
   outputs_.crossings += !found.empty();
@@ -321,11 +369,11 @@ std::string BarrierContact::overlap(ConstRows x) {
   return found;
 }
 
-void BarrierContact::reset() {
-  law_.candidates.forget();
-  goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
+void BarrierContact::startObstacles() {
+  goal_ = law_.moved = moved_at_start_ = obstacles_.startAt(state().node().root().root_time);
+  arrived_ = obstacles_.startOffset();
   start_.clear(), terms_.clear(), friction_.clear();
-  is_in_step_ = left_start_ = is_carried_ = false, outputs_.reset();
+  is_in_step_ = left_start_ = is_carried_ = is_put_back_ = false;
   ++pattern_revision_;
 }
 
@@ -335,12 +383,12 @@ void BarrierContact::serialize(Archive& archive) {
   for (int k = 0; k < 3; ++k) {
     archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
     archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
+    archive.value(std::string("arrived_") + char('x' + k), arrived_[k]);
   }
   friction_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
-  goal_ = law_.moved, left_start_ = is_in_step_ = false;
-  ++pattern_revision_;
+  goal_ = law_.moved, left_start_ = is_in_step_ = false, ++pattern_revision_;
 }
 
 }  // namespace

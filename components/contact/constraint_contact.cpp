@@ -11,13 +11,15 @@
 // What sticks does not creep. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb): condensed
 // bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for each
 // condition. Distances and normals are those of the end of the step. Gaps and slides that are off by `toleratedError`, a thousandth
-// of contactDistance by default, hold; mostly they are off by round-off. The gap of edges over flat faces is kept to a hundredth of
-// it (kept_gaps.h). Forces of a pair are equal and opposite.
+// of contactDistance by default, hold; mostly they are off by round-off. Edges whose bend is not higher
+// than that count as flat (kept_gaps.h). Forces of a pair are equal and opposite.
 //
 // Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
 // in the last step, as its speed would take it, or as an eighth of the mean edge. Each step is proved besides (kept_gaps.h): every
 // pair may go straight from where the step starts to where it ends without touching (Li, Kaufman and Jiang 2021), and nothing has
 // moved farther than pairs were looked for. What is not proved refuses the step; BarrierContact is for such.
+//
+// What `offset` adds while the scene runs leads obstacles by at most an eighth of the mean edge per step.
 //
 // A body meets itself with `selfContact`, but for places that are nearer than contactDistance at rest.
 //
@@ -43,8 +45,10 @@
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_obstacles.h"
 #include "components/contact/kept_gaps.h"
+#include "components/contact/wrenches.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
+#include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
@@ -57,7 +61,10 @@ namespace {
 
 using namespace contact;
 
-class ConstraintContact final : public Component, public LagrangianConstraint, public HearsSteps {
+constexpr double of_edge = 0.125;  ///< as far as pairs are looked for at least
+
+class ConstraintContact final : public Component, public LagrangianConstraint, public HearsSteps, public DrawnObstacles,
+                                public OpenChoices {
  public:
   std::string roleText() const override { return "contact"; }
   void declare(DataTable& table) override;
@@ -70,6 +77,12 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void constrainedStepBegins(ConstRows x, double t_end) override;
   void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
   void takeForces(std::span<const double> forces) override;
+  std::string choice() const override {
+    return fmt::format("{}, which keep a gap of {:.4g} m{}", namesOf(law_, bodies_, self_), law_.range,
+                       friction_ > 0 ? fmt::format(", friction {:g}", friction_) : "");
+  }
+  void addShapes(std::vector<Shape>& shapes) const override { contact::addShapes(law_, shapes); }
+  Vec3 shapesMovedBy() const override { return moved_at_start_; }
   Tolerance tolerance() const override { return {toleratedError(), toleratedError()}; }
   void reset() override;
   void serialize(Archive& archive) override;
@@ -80,9 +93,10 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void checkStart();
   void checkFirstStep(ConstRows x);
   void refuseOverlaps() const;
-  void refuseNear() const;
+  void refuseNear() const { contact::refuseNear(law_, x_, [this](int vertex) { return nameOf(vertex); }); }
   void checkMoves() const;
   void measureTravel();
+  void startObstacles();
   void expectWays(double dt);
   double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
@@ -97,7 +111,8 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   int contacts_ = 0;
   double smallest_gap_ = 0;
   std::vector<double> forces_;
-  std::vector<Vec3> contact_forces_, friction_forces_, wrenches_;
+  std::vector<Vec3> contact_forces_, friction_forces_;
+  Wrenches wrenches_;
 
   std::vector<State*> bodies_;
   bool is_built_ = false;
@@ -106,6 +121,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   mutable KeptGaps gaps_;
   ExpectedWays ways_;
   Vec3 moved_at_start_ = Vec3::Zero();
+  Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come; at the end of the step
   double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
   double way_ = 0;     ///< up to which pairs were looked for in it [m]
 };
@@ -132,11 +148,11 @@ void ConstraintContact::declare(DataTable& table) {
   table.add("contactForces", contact_forces_)
       .help("normal contact force on each node of mstate in the last step")
       .unit("N")
-      .output();
-  table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output();
-  table.add("wrenches", wrenches_)
-      .help("on each body, mstate first: the sum of its contact forces with friction [N], and their moment about the origin [N m]")
-      .output();
+      .output()
+      .ofNodes();
+  table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output().ofNodes();
+  wrenches_.declare(table);
+  table.add("moved", moved_at_start_).help("how far obstacles have come from where they are written").unit("m").output();
 }
 
 void ConstraintContact::init() {
@@ -160,7 +176,8 @@ void ConstraintContact::build() {
   if (law_.range == 0) law_.range = small * law_.surfaces.meanEdge();
   law_.candidates.self_contact = self_;
   law_.compile();
-  gaps_.compile(law_);
+  gaps_.compile(law_, toleratedError());
+  wrenches_.compile(law_, bodies_);
 }
 
 /// With the rows of the system; refuses a start in which surfaces are in one another.
@@ -179,37 +196,13 @@ void ConstraintContact::refuseOverlaps() const {
   refuseInside(path(), law_.surfaces, x_, [this](int vertex) { return nameOf(vertex); });
 }
 
-/// What starts nearer than the gap that is kept would be thrown out to it.
-void ConstraintContact::refuseNear() const {
-  constexpr double rounding = 1e-6;
-  const Surfaces& s = law_.surfaces;
-  double nearest = (1 - rounding) * law_.range;
-  int at = -1, from = -1;
-  const auto look = [&](double gap, int vertex, int other) {
-    if (gap < nearest) nearest = gap, at = vertex, from = other;
-  };
-  for (const Candidate& pair : law_.candidates.pairs()) {
-    if (!pair.pushes) continue;
-    const double apart = closestPoints(pair.kind, law_.candidates.pointsOf(pair, x_)).distance();
-    const bool is_first = s.moves(pair.v[0]);
-    look(apart - pair.radius - law_.thickness, is_first ? pair.v[0] : pair.v[3], is_first ? pair.v[3] : pair.v[0]);
-  }
-  for (std::size_t p = 0; p < law_.planes.size(); ++p)
-    for (int v = 0; v < int(x_.size()); ++v)
-      if (s.moves(v)) look(law_.gapToPlane(p, x_[std::size_t(v)]), v, -1);
-  if (at >= 0)
-    throw ComponentError(fmt::format("{} starts with a gap of {:.4g} m{}, and contactDistance is {:.4g} m", nameOf(at), nearest,
-                                     from >= 0 && s.moves(from) ? " from the surface at " + nameOf(from) : "", law_.range),
-                         "gaps that are not smaller than contactDistance");
-}
-
 /// As it is written; where mapped nodes are is known when a system has been compiled (stepBegins()).
 void ConstraintContact::checkStart() {
   std::vector<Mapping*> mappings;
   node().root().collect(mappings);
   for (Mapping* mapping : mappings) mapping->ensureReady();  // then it knows what it places
   if (std::any_of(bodies_.begin(), bodies_.end(), [](const State* body) { return body->isBound(); })) return;
-  moved_at_start_ = law_.moved = obstacles_.displacement(node().root().root_time);
+  startObstacles();
   for (const State* body : bodies_)
     if (std::any_of(mappings.begin(), mappings.end(), [&](Mapping* m) { return &m->output() == body; })) return;
   const Surfaces& s = law_.surfaces;
@@ -251,7 +244,8 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
     throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
   }
-  const Vec3 goal = obstacles_.displacement(t_end), way = goal - moved_at_start_;
+  led_next_ = obstacles_.ledFrom(led_, of_edge * law_.surfaces.meanEdge());
+  const Vec3 goal = obstacles_.pathAt(t_end) + led_next_, way = goal - moved_at_start_;
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
   measureTravel();
@@ -262,6 +256,11 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
     if (!law_.surfaces.moves(int(v))) ways_.last[v] = ways_.straight[v] = way;
   gaps_.begin(law_, x_, ways_, way_ + way.norm());
   law_.moved = goal;
+}
+
+void ConstraintContact::startObstacles() {
+  moved_at_start_ = law_.moved = obstacles_.startAt(node().root().root_time);
+  led_ = led_next_ = obstacles_.startOffset();
 }
 
 /// How far the step before has moved a vertex.
@@ -284,7 +283,6 @@ void ConstraintContact::expectWays(double dt) {
     if (start_.size() == x_.size()) ways_.last[v] = x_[v] - start_[v];
     fastest = std::max(fastest, ways_.straight[v].norm());
   }
-  constexpr double of_edge = 0.125;
   way_ = std::max({2 * travel_, 2 * fastest, of_edge * s.meanEdge()});
   ways_.other = 2 * of_edge * s.meanEdge();
 }
@@ -327,13 +325,13 @@ void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& ro
 }
 
 void ConstraintContact::takeForces(std::span<const double> forces) {
-  moved_at_start_ = law_.moved;
+  moved_at_start_ = law_.moved, led_ = led_next_;
   forces_.assign(forces.begin(), forces.end());
   end_ = x_;
   contacts_ = 0;
   smallest_gap_ = std::numeric_limits<double>::infinity();
   contact_forces_.assign(std::size_t(bodies_.front()->size()), Vec3::Zero()), friction_forces_ = contact_forces_;
-  wrenches_.assign(2 * bodies_.size(), Vec3::Zero());
+  wrenches_.begin();
   const std::size_t each = friction_ > 0 ? 3 : 1;
   for (std::size_t i = 0; i < gaps_.all().size(); ++i) {
     const KeptGap& gap = gaps_.all()[i];
@@ -343,29 +341,29 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
     ++contacts_;
     const Vec3 normal = l[0] * gap.n;
     const Vec3 rubbing = each == 3 ? Vec3(l[1] * gap.tangent + l[2] * gap.n.cross(gap.tangent)) : Vec3::Zero();
+    wrenches_.add(law_.surfaces, gap.v, gap.c, x_, normal + rubbing);
     for (std::size_t k = 0; k < 4; ++k) {
-      if (gap.v[k] < 0 || !law_.surfaces.moves(gap.v[k])) continue;
-      const std::size_t v = std::size_t(gap.v[k]), body = std::size_t(law_.surfaces.bodyOf(gap.v[k]));
-      const Vec3 force = gap.c[k] * (normal + rubbing);
-      const std::size_t node = std::size_t(law_.surfaces.rows[v] - bodies_[body]->firstRow());
-      if (body == 0) contact_forces_[node] += gap.c[k] * normal, friction_forces_[node] += gap.c[k] * rubbing;
-      wrenches_[2 * body] += force;
-      wrenches_[2 * body + 1] += x_[v].cross(force);
+      if (gap.v[k] < 0 || !law_.surfaces.moves(gap.v[k]) || law_.surfaces.bodyOf(gap.v[k]) != 0) continue;
+      const std::size_t node = std::size_t(law_.surfaces.rows[std::size_t(gap.v[k])] - bodies_.front()->firstRow());
+      contact_forces_[node] += gap.c[k] * normal, friction_forces_[node] += gap.c[k] * rubbing;
     }
   }
   if (gaps_.all().empty()) smallest_gap_ = 0;
 }
 
 void ConstraintContact::reset() {
-  moved_at_start_ = law_.moved = obstacles_.displacement(node().root().root_time);
+  startObstacles();
   start_.clear(), end_.clear(), gaps_.clear();
-  forces_.clear(), contact_forces_.clear(), friction_forces_.clear(), wrenches_.clear();
+  forces_.clear(), contact_forces_.clear(), friction_forces_.clear(), wrenches_.begin();
   travel_ = way_ = smallest_gap_ = 0;
   contacts_ = 0;
 }
 
 void ConstraintContact::serialize(Archive& archive) {
-  for (int k = 0; k < 3; ++k) archive.value(std::string("moved_") + char('x' + k), moved_at_start_[k]);
+  for (int k = 0; k < 3; ++k) {
+    archive.value(std::string("moved_") + char('x' + k), moved_at_start_[k]);
+    archive.value(std::string("led_") + char('x' + k), led_[k]);
+  }
   archive.list("start", start_);
   archive.value("travel", travel_);
   archive.value("way", way_);
@@ -374,7 +372,7 @@ void ConstraintContact::serialize(Archive& archive) {
   archive.list("forces", forces_);
   archive.list("contact_forces", contact_forces_);
   archive.list("friction_forces", friction_forces_);
-  archive.list("wrenches", wrenches_);
+  wrenches_.serialize(archive);
   if (archive.isReading()) end_.clear();
 }
 

@@ -56,6 +56,17 @@ double largestYoungModulus(const std::vector<State*>& bodies) {
   return largest;
 }
 
+std::string namesOf(const BarrierLaw& law, const std::vector<State*>& bodies, bool self) {
+  const auto& all = law.surfaces.bodies();
+  const auto obstacles =
+      long(law.planes.size()) + std::count_if(all.begin(), all.end(), [](const Surfaces::Body& body) { return !body.moves; });
+  std::string text;
+  for (const State* body : bodies) text += (text.empty() ? "" : ", ") + body->path();
+  if (obstacles > 0) text += fmt::format(" and {} obstacle{}", obstacles, obstacles == 1 ? "" : "s");
+  if (self) text += bodies.size() == 1 && obstacles == 0 ? " with itself" : ", each body with itself too";
+  return text;
+}
+
 std::string nameOfVertex(const Surfaces& surfaces, const std::vector<State*>& bodies, int vertex) {
   if (!surfaces.moves(vertex)) return "an obstacle";
   const State& body = *bodies[std::size_t(surfaces.bodyOf(vertex))];

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "components/contact/contact_surfaces.h"
+#include "components/contact/contact_terms.h"
 #include "framework/mechanics/state_topology.h"
 
 namespace stroma::contact {
@@ -21,6 +21,9 @@ const Mesh& meshOfBody(const State& body, bool is_first, const TopologyLink& top
 /// The largest youngModulus of the force fields below the nodes of these states, or of the nearest nodes above that have
 /// one below; 0: none has [Pa].
 double largestYoungModulus(const std::vector<State*>& bodies);
+
+/// "/a/dofs, /b/dofs and 2 obstacles", for what meets what; `self`: each body meets itself too.
+std::string namesOf(const BarrierLaw& law, const std::vector<State*>& bodies, bool self);
 
 /// "node 3 of /body/dofs", or "an obstacle". `bodies`: the states of the surfaces, in their order.
 std::string nameOfVertex(const Surfaces& surfaces, const std::vector<State*>& bodies, int vertex);

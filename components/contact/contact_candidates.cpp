@@ -211,9 +211,9 @@ bool Candidates::needsPattern() {
     if (pair.pushes) pushing_.push_back({pair.kind, pair.first, pair.second});
   const std::size_t enough = most * pushing_.size();
   if (pattern_.size() <= enough && std::includes(pattern_.begin(), pattern_.end(), pushing_.begin(), pushing_.end())) return false;
-  std::vector<PairName> both;
-  std::set_union(pushing_.begin(), pushing_.end(), pattern_.begin(), pattern_.end(), std::back_inserter(both));
-  pattern_ = both.size() <= enough ? both : pushing_;
+  both_.clear();
+  std::set_union(pushing_.begin(), pushing_.end(), pattern_.begin(), pattern_.end(), std::back_inserter(both_));
+  std::swap(pattern_, both_.size() <= enough ? both_ : pushing_);
   return true;
 }
 

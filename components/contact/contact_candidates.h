@@ -156,7 +156,7 @@ class Candidates {
   std::vector<char> looks_, searched_;  ///< of each meeting: at its pairs; they are found anew
   std::vector<std::vector<std::array<int, 2>>> face_pairs_;
   std::vector<Candidate> pairs_, old_pairs_, found_;
-  std::vector<PairName> pattern_, pushing_;  ///< in order; work space
+  std::vector<PairName> pattern_, pushing_, both_;  ///< in order; the last two: work space
   std::vector<Vec3> found_at_;  ///< motion is measured from there
   std::vector<Vec3> followed_;  ///< where motion was asked for last
   bool is_followed_ = false, is_all_known_ = false;  ///< it is of now; it is within all budgets

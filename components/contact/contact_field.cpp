@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/contact/contact_field.h"
 
+#include <fmt/format.h>
+
 #include "components/contact/contact_bodies.h"
 
 namespace stroma::contact {
@@ -16,6 +18,7 @@ void ContactField::declare(DataTable& table) {
   table.add("slipVelocity", slip_velocity_).help("what sticks may creep as fast").unit("m/s").min(0, false);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
   obstacles_.declare(table);
+  table.add("moved", law_.moved).help("how far obstacles have come from where they are written").unit("m").output();
 }
 
 void ContactField::init() {
@@ -37,6 +40,16 @@ void ContactField::compileSurfaces() {
   mean_edge_ = law_.surfaces.meanEdge();
   if (law_.range == 0) law_.range = 0.1 * mean_edge_;
   law_.candidates.self_contact = self_;
+  outputs_.compile(law_, bodies_);
+}
+
+std::string ContactField::choice() const {
+  std::string text = fmt::format("{}, which push below a gap of {:.4g} m with a stiffness of {:.4g} Pa", namesOf(law_, bodies_, self_),
+                                 law_.range, law_.stiffness);
+  if (friction_.mu_static > friction_.mu) text += fmt::format(", static friction {:g}", friction_.mu_static);
+  if (friction_.acts()) text += fmt::format(", friction {:g}", friction_.mu);
+  if (law_.adhesion.strength > 0) text += fmt::format(", adhesion {:.4g} Pa", law_.adhesion.strength);
+  return text;
 }
 
 void ContactField::addStiffnessProduct(ConstRows dx, double factor, Rows df) const {

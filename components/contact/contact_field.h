@@ -4,12 +4,13 @@
 #include "components/contact/contact_obstacles.h"
 #include "components/contact/contact_outputs.h"
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
 
 namespace stroma::contact {
 
 /// A contact by forces: its bodies and obstacles as attributes, and the derivatives of what it has done in the last addForce().
-class ContactField : public ForceField {
+class ContactField : public ForceField, public OpenChoices, public DrawnObstacles {
  public:
   /// mstate, other, topology, contactDistance, stiffness, thickness, coefficients of friction, selfContact and obstacles.
   void declare(DataTable& table) override;
@@ -20,6 +21,9 @@ class ContactField : public ForceField {
   void addStiffness(double factor, BlockMatrix& matrix) const override;
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
   long patternRevision() const override { return pattern_revision_; }
+  std::string choice() const override;
+  void addShapes(std::vector<Shape>& shapes) const override { contact::addShapes(law_, shapes); }
+  Vec3 shapesMovedBy() const override { return law_.moved; }
 
  protected:
   /// Rows are known: the law gets its surfaces, and contactDistance where it is not given.

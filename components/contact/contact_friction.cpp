@@ -8,15 +8,15 @@
 
 namespace stroma::contact {
 
-namespace {
 /// u of a slide.
-Vec3 wayOf(const Friction::Slide& slide, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
+Vec3 Friction::wayOf(const Slide& slide, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
   Vec3 u = slide.on_plane ? Vec3(-moved) : Vec3(Vec3::Zero());
   for (std::size_t i = 0; i < 4; ++i)
     if (const int v = slide.v[i]; v >= 0) u += slide.c[i] * (x[std::size_t(v)] - start[std::size_t(v)]);
   return u - slide.n.dot(u) * slide.n;
 }
 
+namespace {
 /// Of a slide at a u: 1/rho, and the derivative of rho by |u|.
 struct Law {
   double one_over, slope;
@@ -84,7 +84,7 @@ void Friction::remember(const std::vector<Vec3>& x, const std::vector<Vec3>& sta
   }
 }
 
-void Friction::serialize(Archive& archive) { archive.list("slid", slid_); }
+void Friction::serialize(Archive& archive) { archive.list("slid", slid_), archive.list("sticking", sticking_); }
 
 void Friction::hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
   if (!std::exchange(looks_, false)) return;
@@ -133,6 +133,16 @@ void Friction::compute(const Surfaces& surfaces, const std::vector<Vec3>& x, con
     term.m *= law.one_over * (definite ? std::max(0.0, slide.force) : slide.force);
     terms_.push_back(term);
   }
+}
+
+void Friction::computeAtSpeed(const Surfaces& surfaces, ConstRows v, double dt, const std::vector<Vec3>& start,
+                              const Vec3& moved, std::vector<Vec3>& x) {
+  x = start;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Index row = surfaces.rows[i];
+    x[i] += row >= 0 ? Vec3(dt * v[row]) : moved;
+  }
+  compute(surfaces, x, start, moved);
 }
 
 /// t at u, by the equation linearised where the line starts.

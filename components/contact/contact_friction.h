@@ -70,21 +70,36 @@ class Friction {
   void lineStarts();
   /// Forces at x of what began the step at `start` while obstacles have moved by `moved`.
   void compute(const Surfaces& surfaces, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
+  /// The same where a step of dt [s] starts, with the velocities v there. `x`: work space.
+  void computeAtSpeed(const Surfaces& surfaces, ConstRows v, double dt, const std::vector<Vec3>& start, const Vec3& moved,
+                      std::vector<Vec3>& x);
+  // ---- in explicit steps, instead (contact_springs.cpp) ----
+  /// Forces at x of the touches there.
+  void stretch(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x, const std::vector<Vec3>& start,
+               const Vec3& moved);
+  /// A part of a step ends at the x of the last stretch(): springs stay as they are now.
+  void keepStretched(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
+  bool isSliding(const Slide& slide) const { return are_springs_ ? !slide.held : slide.u.norm() > slip; }
   const Terms& terms() const { return terms_; }
   /// On all vertices, of the last compute(); `out` has that many.
   void forces(std::vector<Vec3>& out) const;
-  void clear() { slides.clear(), terms_.clear(), slid_.clear(); }
+  void clear() { slides.clear(), terms_.clear(), slid_.clear(), sticking_.clear(); }
   void serialize(Archive& archive);
 
  private:
   void followLine(Slide& slide) const;
   void add(const BarrierLaw& law, const Touch& touch, double sticking);
   double stickingAt(double way) const;
+  static Vec3 wayOf(const Slide& slide, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
 
   Terms terms_;
   std::vector<bool> met_;   ///< of each vertex: it has been held in this step
   std::vector<Vec3> slid_;  ///< of each vertex: u in the step before; zero where it has stuck [m]
   std::vector<Vec3> slid_before_;  ///< work space
+  // ---- in explicit steps slid_ is what springs are stretched by ----
+  bool are_springs_ = false;
+  std::vector<double> sticking_;  ///< of each vertex: 1 has stuck, 0 has slid; empty: all stick
+  std::vector<double> weights_;   ///< work space
   bool looks_ = false;      ///< slides have been noted since hold()
   bool is_computed_ = false, is_on_line_ = false;  ///< slides have their u and t; those of the start of a line
 };

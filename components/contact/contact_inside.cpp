@@ -46,4 +46,28 @@ void refuseInside(const std::string& path, const Surfaces& surfaces, const std::
   }
 }
 
+/// What starts nearer than the gap that is kept would be thrown out to it.
+void refuseNear(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& nameOf) {
+  constexpr double rounding = 1e-6;
+  const Surfaces& s = law.surfaces;
+  double nearest = (1 - rounding) * law.range;
+  int at = -1, from = -1;
+  const auto look = [&](double gap, int vertex, int other) {
+    if (gap < nearest) nearest = gap, at = vertex, from = other;
+  };
+  for (const Candidate& pair : law.candidates.pairs()) {
+    if (!pair.pushes) continue;
+    const double apart = closestPoints(pair.kind, law.candidates.pointsOf(pair, x)).distance();
+    const bool is_first = s.moves(pair.v[0]);
+    look(apart - pair.radius - law.thickness, is_first ? pair.v[0] : pair.v[3], is_first ? pair.v[3] : pair.v[0]);
+  }
+  for (std::size_t p = 0; p < law.planes.size(); ++p)
+    for (int v = 0; v < int(x.size()); ++v)
+      if (s.moves(v)) look(law.gapToPlane(p, x[std::size_t(v)]), v, -1);
+  if (at >= 0)
+    throw ComponentError(fmt::format("{} starts with a gap of {:.4g} m{}, and contactDistance is {:.4g} m", nameOf(at), nearest,
+                                     from >= 0 && s.moves(from) ? " from the surface at " + nameOf(from) : "", law.range),
+                         "gaps that are not smaller than contactDistance");
+}
+
 }  // namespace stroma::contact

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "components/contact/contact_surfaces.h"
+#include "components/contact/contact_terms.h"
 
 namespace stroma::contact {
 
@@ -16,5 +16,8 @@ bool isInside(const Vec3& place, const Surfaces& surfaces, const std::vector<Vec
 /// what a vertex is, bodies inside of others are refused too.
 void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x,
                   const std::function<std::string(int)>& name = {});
+
+/// Throws ComponentError where bodies start nearer to each other than the gap that is kept, the range of the law.
+void refuseNear(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& nameOf);
 
 }  // namespace stroma::contact

@@ -6,7 +6,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+
+#include "framework/mechanics/mass.h"
+#include "framework/scene/node.h"
 
 namespace stroma::contact {
 
@@ -21,6 +25,11 @@ void Obstacles::declare(DataTable& table) {
   table.addLink("meshes", meshes_).help("topologies: the boundary of their volume cells, or their triangles and quads");
   table.add("keyTimes", times_).help("times of movements, ascending").unit("s");
   table.add("movements", movements_).help("displacement of all obstacles at keyTimes, linear between them").unit("m");
+  table.add("offset", offset_)
+      .help("displacement of all obstacles besides, as of a tool in a hand. What changes it while the scene runs leads them there, "
+            "within a step or in several")
+      .unit("m")
+      .atOnce();
 }
 
 void Obstacles::init(bool bodies_meet, const std::string& expected) {
@@ -30,6 +39,7 @@ void Obstacles::init(bool bodies_meet, const std::string& expected) {
     throw ComponentError("nothing meets: there is no obstacle and no other body", expected);
   if (none && !movements_.empty())
     throw ComponentError("movements move obstacles, and there is none", "planes, spheres, capsules, cylinders, boxes or meshes");
+  start_offset_ = offset_;
   path_.assign(times_, movements_, "keyTimes", "movements");
   if (!times_.empty() || !movements_.empty()) path_.check();
 }
@@ -103,6 +113,54 @@ void Obstacles::addTo(BarrierLaw& law) const {
     if (law.surfaces.faces.size() == before)
       throw ComponentError(fmt::format("{} has no triangle, quad or volume cell", mesh->path()), "a surface");
   }
+}
+
+void addShapes(const BarrierLaw& law, std::vector<DrawnObstacles::Shape>& shapes) {
+  for (const Plane& plane : law.planes) shapes.push_back({{plane.offset * plane.normal}, {}, 0, plane.normal});
+  const Surfaces& s = law.surfaces;
+  for (const Surfaces::Body& body : s.bodies()) {
+    if (body.moves || body.faces == 0) continue;
+    DrawnObstacles::Shape shape;
+    const auto first = s.rest.begin() + body.first_vertex;
+    shape.points.assign(first, first + body.vertices);
+    shape.radius = s.radius[std::size_t(body.first_face)];
+    for (int f = body.first_face; shape.radius == 0 && f < body.first_face + body.faces; ++f) {
+      const auto& [a, b, c] = s.faces[std::size_t(f)];
+      shape.triangles.push_back({a - body.first_vertex, b - body.first_vertex, c - body.first_vertex});
+    }
+    shapes.push_back(std::move(shape));
+  }
+}
+
+namespace {
+/// That surfaces of bodies enclose at rest, or their area times the range.
+double volumeOf(const BarrierLaw& law) {
+  const Surfaces& s = law.surfaces;
+  double sum = 0;
+  for (const Surfaces::Body& body : s.bodies()) {
+    if (!body.moves) continue;
+    const Vec3 origin = s.rest[std::size_t(body.first_vertex)];
+    double area = 0, volume = 0;
+    for (int f = body.first_face; f < body.first_face + body.faces; ++f) {
+      const auto at = [&](std::size_t k) { return Vec3(s.rest[std::size_t(s.faces[std::size_t(f)][k])] - origin); };
+      area += s.area[std::size_t(f)], volume += at(0).dot(at(1).cross(at(2))) / 6;
+    }
+    sum += std::max(std::abs(volume), law.range * area);
+  }
+  return sum;
+}
+}  // namespace
+
+double fastestLead(const BarrierLaw& law, const std::vector<State*>& bodies) {
+  std::vector<Mass*> masses;
+  bodies.front()->node().root().collect(masses);
+  double own = 0, all = 0;
+  for (const Mass* mass : masses) {
+    all += mass->totalMass();
+    if (std::find(bodies.begin(), bodies.end(), &mass->state()) != bodies.end()) own += mass->totalMass();
+  }
+  const double mass = own > 0 ? own : all;  // of what carries mapped surfaces
+  return mass > 0 ? 0.1 * std::sqrt(law.stiffness * volumeOf(law) / mass) : std::numeric_limits<double>::infinity();
 }
 
 void moveObstacles(BarrierLaw& law, const Vec3& goal, std::vector<Vec3>& x, std::vector<Vec3>& way) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "components/contact/contact_terms.h"
+#include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/key_times.h"
 #include "framework/mesh/topology.h"
 
@@ -16,14 +17,33 @@ class Obstacles {
   /// Throws ComponentError. `bodies_meet`: so that something does without obstacles.
   void init(bool bodies_meet, const std::string& expected);
   void addTo(BarrierLaw& law) const;
-  Vec3 displacement(double t) const { return times_.empty() ? Vec3(Vec3::Zero()) : path_.at(t); }  ///< [m]
+  Vec3 pathAt(double t) const { return times_.empty() ? Vec3(Vec3::Zero()) : path_.at(t); }  ///< [m]
+  /// What a hand has set, and where it leads [m].
+  const Vec3& offset() const { return offset_; }
+  Vec3 displacement(double t) const { return pathAt(t) + offset_; }
+  /// The offset that the scene was written with, where a run starts, also after a reset.
+  const Vec3& startOffset() const { return start_offset_; }
+  Vec3 startAt(double t) const { return pathAt(t) + start_offset_; }
+  /// From where a hand has led them, by `most` [m] towards the offset.
+  Vec3 ledFrom(const Vec3& there, double most) const {
+    const Vec3 left = offset_ - there;
+    return left.norm() > most ? Vec3(there + most * left.normalized()) : offset_;
+  }
 
  private:
   LinkList<Topology> meshes_{"topology"};
   std::vector<double> planes_, spheres_, capsules_, cylinders_, boxes_, times_;
   std::vector<Vec3> movements_;
+  Vec3 offset_ = Vec3::Zero(), start_offset_ = Vec3::Zero();
   KeyTimes<Vec3> path_;
 };
+
+/// The obstacles of a law where they are written, for who draws them.
+void addShapes(const BarrierLaw& law, std::vector<DrawnObstacles::Shape>& shapes);
+
+/// The fastest that obstacles may be led in explicit steps [m/s]: a barrier stops what is a few times faster. Between it and the speed of
+/// sound stands the density of the bodies, which is that of sheets as thick as contactDistance where they enclose less.
+double fastestLead(const BarrierLaw& law, const std::vector<State*>& bodies);
 
 /// Moves obstacles towards `goal` as far as bodies at x let them, with their vertices in x. `way`: of all vertices, work space.
 void moveObstacles(BarrierLaw& law, const Vec3& goal, std::vector<Vec3>& x, std::vector<Vec3>& way);

@@ -43,26 +43,27 @@ void Outputs::declareForces(DataTable& table) {
   table.add("contactForces", contact_forces_)
       .help("normal contact force on each node of mstate after the last step")
       .unit("N")
-      .output();
-  table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output();
+      .output()
+      .ofNodes();
+  table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output().ofNodes();
   table.add("pressures", pressures_)
       .help("of each node of mstate: its normal force over its contactAreas; where only others push it, over its part of the surface. "
             "Below zero where adhesion pulls more")
       .unit("Pa")
-      .output();
+      .output()
+      .ofNodes();
   table.add("contactAreas", areas_)
       .help("of each node of mstate: the part of the surface for which it is pushed")
       .unit("m^2")
-      .output();
+      .output()
+      .ofNodes();
   table.add("gaps", gaps_)
       .help("of each node of mstate: the smallest gap; the largest that counts where nothing is nearer")
       .unit("m")
-      .output();
-  table.add("contactStates", states_).help("of each node of mstate: 0: nothing pushes, 1: it sticks, 2: it slides").output();
-  table.add("wrenches", wrenches_)
-      .help("on each body, mstate first: the sum of its contact forces with friction [N], and their moment about the "
-            "origin [N m]")
-      .output();
+      .output()
+      .ofNodes();
+  table.add("contactStates", states_).help("of each node of mstate: 0: nothing pushes, 1: it sticks, 2: it slides").output().ofNodes();
+  wrenches_.declare(table);
 }
 
 void Outputs::clearNodes(std::size_t nodes, double far) {
@@ -93,7 +94,7 @@ void Outputs::noteSlides(const Surfaces& s, const Friction& friction, const Stat
       if (v < 0 || !s.moves(v) || s.bodyOf(v) != 0 || slide.c[i] == 0) continue;
       const std::size_t node = std::size_t(s.rows[std::size_t(v)] - first.firstRow());
       const double rub = std::abs(slide.c[i] * slide.force);
-      if (rub > rubs_[node]) rubs_[node] = rub, states_[node] = slide.u.norm() > friction.slip ? 2 : 1;
+      if (rub > rubs_[node]) rubs_[node] = rub, states_[node] = friction.isSliding(slide) ? 2 : 1;
     }
 }
 
@@ -107,33 +108,28 @@ void Outputs::note(const BarrierLaw& law, const std::vector<Touch>& touches, con
   const bool is_clear = touches.empty() && friction.slides.empty();
   if (is_clear && is_clear_ && gaps_.size() == std::size_t(first.size())) return;
   clearNodes(std::size_t(first.size()), law.far());
-  wrenches_.assign(2 * bodies.size(), Vec3::Zero());
+  wrenches_.begin();
   if ((is_clear_ = is_clear)) return;
   forces_.resize(x.size());
   friction.forces(forces_);
+  for (std::size_t k = 0; k < friction.terms().size(); ++k)
+    wrenches_.add(s, friction.slides[k].v, friction.terms()[k].c, x, friction.terms()[k].force);
   for (std::size_t v = 0; v < x.size(); ++v)
     if (s.moves(int(v)) && s.bodyOf(int(v)) == 0) friction_forces_[std::size_t(s.rows[v] - first.firstRow())] += forces_[v];
   for (const Touch& touch : touches) {
     smallest = std::min(smallest, touch.gap);
     noteNodes(law, touch, first);
     const Vec3 whole = law.forceOf(touch);
+    wrenches_.add(s, touch.v, touch.c, x, whole);
     for (std::size_t i = 0; i < 4; ++i) {
-      if (touch.v[i] < 0 || !s.moves(touch.v[i])) continue;
-      const std::size_t v = std::size_t(touch.v[i]);
-      const Vec3 force = touch.c[i] * whole;
-      forces_[v] += force;
-      if (s.bodyOf(touch.v[i]) != 0) continue;
-      const std::size_t node = std::size_t(s.rows[v] - first.firstRow());
-      contact_forces_[node] += force, pressures_[node] += std::abs(touch.c[i]) * whole.dot(touch.n);
+      if (touch.v[i] < 0 || !s.moves(touch.v[i]) || s.bodyOf(touch.v[i]) != 0) continue;
+      const std::size_t node = std::size_t(s.rows[std::size_t(touch.v[i])] - first.firstRow());
+      contact_forces_[node] += touch.c[i] * whole, pressures_[node] += std::abs(touch.c[i]) * whole.dot(touch.n);
     }
   }
   noteSlides(s, friction, first);
   for (std::size_t v = 0; v < x.size(); ++v) {
-    if (!s.moves(int(v))) continue;
-    const std::size_t body = std::size_t(s.bodyOf(int(v)));
-    wrenches_[2 * body] += forces_[v];
-    wrenches_[2 * body + 1] += x[v].cross(forces_[v]);
-    if (body != 0) continue;
+    if (!s.moves(int(v)) || s.bodyOf(int(v)) != 0) continue;
     const std::size_t node = std::size_t(s.rows[v] - first.firstRow());
     const double area = areas_[node] > 0 ? areas_[node] : s.vertex_area[v];
     pressures_[node] = area > 0 ? std::copysign(contact_forces_[node].norm() / area, pressures_[node]) : 0;
@@ -176,8 +172,8 @@ void Outputs::serialize(Archive& archive) {
   archive.value("friction_change", friction_change), archive.value("smallest_gap", smallest_gap_);
   archive.value("queries", queries_), archive.value("touched", touched_);
   archive.list("contact_forces", contact_forces_), archive.list("friction_forces", friction_forces_);
-  archive.list("wrenches", wrenches_), archive.list("pressures", pressures_), archive.list("areas", areas_);
-  archive.list("gaps", gaps_), archive.list("states", states_);
+  archive.list("pressures", pressures_), archive.list("areas", areas_);
+  archive.list("gaps", gaps_), archive.list("states", states_), wrenches_.serialize(archive);
   is_clear_ = false;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "components/contact/contact_friction.h"
+#include "components/contact/wrenches.h"
 
 namespace stroma::contact {
 
@@ -13,7 +14,9 @@ class Outputs {
   void declare(DataTable& table);
   /// Those that do not depend on how bodies are kept apart.
   void declareForces(DataTable& table);
-  /// Touches at the positions x of all vertices; `bodies` are the states that surfaces are of, in order.
+  /// `bodies` are the states that the surfaces of the law are of, in order; obstacles come after them.
+  void compile(const BarrierLaw& law, const std::vector<State*>& bodies) { wrenches_.compile(law, bodies); }
+  /// Touches at the positions x of all vertices; `bodies` as in compile().
   void note(const BarrierLaw& law, const std::vector<Touch>& touches, const Friction& friction, const std::vector<Vec3>& x,
             const std::vector<State*>& bodies);
   /// After a step: whether its friction has settled.
@@ -36,7 +39,8 @@ class Outputs {
   int unsettled_ = 0;        ///< steps
   double worst_change_ = 0;  ///< of friction_change
   bool touched_ = false;  ///< something is in reach
-  std::vector<Vec3> contact_forces_, friction_forces_, wrenches_, forces_;
+  std::vector<Vec3> contact_forces_, friction_forces_, forces_;
+  Wrenches wrenches_;
 
   void clearNodes(std::size_t nodes, double far);
   void noteNodes(const BarrierLaw& law, const Touch& touch, const State& first);

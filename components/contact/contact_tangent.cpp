@@ -12,12 +12,16 @@ static Slopes pushing(const BarrierLaw& law, const Touch& touch) {
 }
 
 Slopes BarrierLaw::slopesOf(const Touch& touch) const {
-  Slopes sum = pushing(*this, touch);
-  const double scale = stiffness * touch.share;
-  sum = {scale * sum.value, scale * sum.slope, scale * sum.curvature};
+  const Slopes sum = pushingOf(touch);
   if (!touch.of_surface || !(adhesion.strength > 0)) return sum;
   const Slopes pull = adhesion.at(touch.gap);
   return {sum.value + touch.share * pull.value, sum.slope + touch.share * pull.slope, sum.curvature + touch.share * pull.curvature};
+}
+
+Slopes BarrierLaw::pushingOf(const Touch& touch) const {
+  const Slopes push = pushing(*this, touch);
+  const double scale = stiffness * touch.share;
+  return {scale * push.value, scale * push.slope, scale * push.curvature};
 }
 
 double BarrierLaw::pushOf(const Touch& touch) const { return -stiffness * touch.share * pushing(*this, touch).slope; }

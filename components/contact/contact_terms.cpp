@@ -11,8 +11,6 @@ namespace stroma::contact {
 
 namespace {
 
-constexpr double small_range = 0.1, small_share = 0.1;
-
 /// A point against an edge: weights of its ends, difference.
 Vec3 toEdge(const Vec3& p, const Vec3& a, const Vec3& b, double& of_b) {
   const Vec3 along = b - a;

@@ -12,7 +12,7 @@
 // that faces the other surface, A = sum a/3 max(0, -n.u), u towards the vertex. Two edges count where both are ridges
 // towards each other, so that flat surfaces are pressed by their vertices alone. A, ridges and the factor m of parallel
 // edges are those of the last force. Every pair has a tenth of its share besides with a tenth of dh: nothing comes so
-// near unless it has no other share.
+// near unless it has no other share. In explicit steps it is the whole share with half of dh, as nothing else stops what is fast.
 //
 // Adhesion (Fang, Li and others 2023) is a tension Y of vertices over surfaces that has its largest value where the gap is dp:
 //   Y d/dp for d < dp,   Y (da - d)/(da - dp) for dp <= d < da, else 0
@@ -84,6 +84,7 @@ class BarrierLaw {
  public:
   double range = 0, thickness = 0;  ///< dh [m]; distance of surfaces at which the gap is zero [m]
   double stiffness = 0;             ///< kappa [Pa]
+  double small_range = 0.1, small_share = 0.1;  ///< of every pair: parts of dh and of its share
   bool is_penalty = false;          ///< it pushes as Penalty, not as Barrier
   Adhesion adhesion;
   double alarm = 0;  ///< gap up to which places count although nothing acts between them [m]
@@ -104,6 +105,7 @@ class BarrierLaw {
   Vec3 forceOf(const Touch& touch) const { return -slopesOf(touch).slope * touch.n; }  ///< on the first side [N]
   /// Of the energy of a touch [J], [N], [N/m].
   Slopes slopesOf(const Touch& touch) const;
+  Slopes pushingOf(const Touch& touch) const;  ///< that of the pressure, without adhesion
   /// Two parts of the force along n: with which both sides push, and with which adhesion pulls [N]; both have the sign of the share.
   double pushOf(const Touch& touch) const;
   double pullOf(const Touch& touch) const;

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace stroma::contact {
@@ -26,23 +27,30 @@ bool isOfParallelEdges(const Candidate& pair, const FourPoints& p) {
   return a.cross(b).squaredNorm() <= least * a.squaredNorm() * b.squaredNorm();
 }
 
-/// Its triangles do not lie in one plane, or it has not got two. In one plane are those whose bend takes less than a hundredth of
-/// the gap to keep.
-bool isRidge(const Surfaces& s, int edge, const std::vector<Vec3>& x, double range) {
-  constexpr double most = 1e-3, part = 0.04;  // rad; a bend a over a length h is up to a h/4 high
+/// How high [m] the bend of an edge is, which its triangles make: infinity for a ridge, or where it has not got two of them.
+double heightOfBend(const Surfaces& s, int edge, const std::vector<Vec3>& x) {
+  constexpr double of_ridge = 1e-3, rounding = 1e-7;  // rad
+  constexpr double high = std::numeric_limits<double>::infinity();
   const auto& [p, q] = s.edges[std::size_t(edge)];
   const auto& [first, second] = s.edge_tips[std::size_t(edge)];
-  if (first < 0 || second < 0 || s.edge_surplus[std::size_t(edge)] > 1) return true;
+  if (first < 0 || second < 0 || s.edge_surplus[std::size_t(edge)] > 1) return high;
   const Vec3 along = x[std::size_t(q)] - x[std::size_t(p)];
-  const double length = along.norm(), least = length > 0 ? std::min(most, part * range / length) : most;
   const Vec3 a = along.cross(x[std::size_t(first)] - x[std::size_t(p)]);
   const Vec3 b = (x[std::size_t(second)] - x[std::size_t(p)]).cross(along);
-  return !(a.dot(b) > 0) || a.cross(b).norm() > least * a.norm() * b.norm();
+  const double product = a.norm() * b.norm();
+  if (!(a.dot(b) > 0) || !(product > 0)) return high;
+  const double angle = a.cross(b).norm() / product;
+  return angle > of_ridge ? high : angle > rounding ? angle * along.norm() / 4 : 0;
 }
 
-bool pushes(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) {
-  return gap.passing() < 4 || (isRidge(law.surfaces, gap.pair->first, x, law.range) &&
-                               isRidge(law.surfaces, gap.pair->second, x, law.range));
+/// How far the gap may be below zero before its condition comes: not at all where it is of a vertex or of ridges, by what is
+/// tolerated where the vertices around nearly keep it, by any length over a flat surface.
+double allowance(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x, double tolerated) {
+  constexpr double low = 0.01;  // of the gap to keep
+  if (gap.passing() < 4) return 0;
+  const double bend = std::min(heightOfBend(law.surfaces, gap.pair->first, x), heightOfBend(law.surfaces, gap.pair->second, x));
+  if (bend <= tolerated) return std::numeric_limits<double>::infinity();
+  return bend <= low * law.range ? tolerated : 0;
 }
 
 }  // namespace
@@ -137,7 +145,8 @@ KeptGap::Turns KeptGap::turns(const BarrierLaw& law, const std::vector<Vec3>& x)
   return turns;
 }
 
-void KeptGaps::compile(const BarrierLaw& law) {
+void KeptGaps::compile(const BarrierLaw& law, double tolerated) {
+  tolerated_ = tolerated;
   bodies_.clear();
   for (const Surfaces::Body& body : law.surfaces.bodies()) {
     bodies_.emplace_back();
@@ -169,7 +178,7 @@ void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways)
   const double most = 2 * std::max(against(ways.last), against(ways.straight)) + ways.other;
   const bool has_condition =
       gap.pair->pushes && gap.gap <= most && !isOfParallelEdges(*gap.pair, law.candidates.pointsOf(*gap.pair, start_));
-  gap.acts = has_condition && gap.gap < rounding * law.range && pushes(gap, law, start_);
+  gap.acts = has_condition && gap.gap < rounding * law.range && allowance(gap, law, start_, tolerated_) == 0;
   (has_condition ? all_ : watched_).push_back(gap);
 }
 
@@ -177,10 +186,16 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
   if (start_.size() != x.size()) return;  // between a restored state and its first step
   unproved_ = beyond(law, x);
   findFirstTouches(law, x);
+  bool are_kept = true;
   for (KeptGap& gap : all_) {
     const bool anew = tells(gap, law, x);
     gap.look(law, start_, x, anew);
-    gap.counts = gap.acts = gap.acts || (anew && gap.gap < 0 && pushes(gap, law, x));
+    gap.acts = gap.acts || (anew && gap.gap < 0 && allowance(gap, law, x, tolerated_) == 0);
+    are_kept = are_kept && !(gap.acts && gap.gap < -tolerated_);
+  }
+  for (KeptGap& gap : all_) {  // over faces that are nearly flat only what is left when the others hold
+    const bool is_left = are_kept && !gap.acts && gap.gap < -tolerated_ && tells(gap, law, x);
+    gap.counts = gap.acts = gap.acts || (is_left && gap.gap < -allowance(gap, law, x, tolerated_));
   }
   ignoreDoubles();
 }

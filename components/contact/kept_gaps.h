@@ -8,8 +8,9 @@
 // what they were when last looked at. The step is proved where at its end the way of every pair is free and nothing has moved
 // farther than pairs were looked for.
 //
-// Two edges have a condition where both are ridges: over a flat surface their distance is that of the vertices around. Nearly
-// parallel edges have none, because their distance has no one direction; the ways of all of them are looked at.
+// Two edges have a condition where both are ridges: over a flat surface their distance is that of the vertices around. Over a low
+// bend it is nearly so, and their condition is made only where the others hold and leave a smaller gap than is tolerated.
+// Nearly parallel edges have none, because their distance has no one direction; the ways of all of them are looked at.
 // A condition is made when its pair first comes nearer than the gap that is kept, and lasts for the step. Of pairs with the same
 // closest points one counts.
 #pragma once
@@ -59,8 +60,8 @@ struct ExpectedWays {
 
 class KeptGaps {
  public:
-  /// After `surfaces` of the law have been finished.
-  void compile(const BarrierLaw& law);
+  /// After `surfaces` of the law have been finished. Gaps may be off by `tolerated` [m].
+  void compile(const BarrierLaw& law, double tolerated);
   /// A step starts at x. Pairs are looked for up to twice `way`; conditions are those that may come near.
   void begin(const BarrierLaw& law, const std::vector<Vec3>& x, const ExpectedWays& ways, double way);
   /// All of them at x, while obstacles are where they will be at the end of the step.
@@ -97,7 +98,7 @@ class KeptGaps {
   Vec3 moved_at_start_ = Vec3::Zero();
   std::vector<double> first_;  ///< of each vertex, the part of its way to its first touch; above 1: none
   std::vector<Key> keys_;
-  double way_ = 0, unproved_ = 0;
+  double way_ = 0, unproved_ = 0, tolerated_ = 0;
   const Candidate* not_free_ = nullptr;
 };
 

@@ -11,7 +11,8 @@
 // so that forces hardly depend on the mesh: under kappa/10 surfaces rest at 0.9 contactDistance, under kappa they touch, and under more
 // they are in one another. Nothing keeps them from going through: what is deeper than its distance from the other side, or moves
 // farther than alarmDistance in a step, may come out there. BarrierContact and ConstraintContact do not let it. Every integrator
-// in time takes it, explicit ones with a step below 2/sqrt(k/m). StaticSolver refuses a body that
+// in time takes it, explicit ones with a step below 2/sqrt(k/m). What `offset` adds while the scene runs leads obstacles by at most
+// half of alarmDistance per step. StaticSolver refuses a body that
 // only its contacts hold.
 //
 // Friction: with l the force of a contact where the step starts and u its way along the surfaces since then, mu l f against u,
@@ -32,6 +33,7 @@
 //   <PenaltyContact contactDistance="0.162" planes="-0.19 0.29 0.94 -0.35"/>
 // </Node>
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "components/contact/contact_field.h"
@@ -66,9 +68,13 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   Touch at(const Touch& start, const std::vector<Vec3>& x) const;
   Term termOf(const Touch& touch) const;
 
+  void startObstacles();
+
   bool is_found_ = false, has_new_ = false;  ///< contacts are those of a step; of other rows than those of the last force
   std::vector<Touch> found_, touches_;       ///< where the step starts; at the x of the last force
   Terms contacts_;                           ///< of all that were found
+  Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come where the step starts, and ends
+  double began_ = 0;                                   ///< when it starts; not a number before the first one [s]
 };
 
 void PenaltyContact::declare(DataTable& table) {
@@ -90,7 +96,10 @@ void PenaltyContact::compile() {
 
 /// Contacts at x, where the step begins.
 void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
-  law_.moved = obstacles_.displacement(t);
+  if (t != began_) led_ = led_next_;  // else the same step again
+  began_ = t;
+  led_next_ = obstacles_.ledFrom(led_, 0.5 * law_.alarm);
+  law_.moved = obstacles_.pathAt(t) + led_;
   law_.surfaces.gather(x, law_.moved, x_);
   law_.candidates.stepBegins();
   law_.candidates.findAgain(x_, 0.5 * law_.range, 0.25 * mean_edge_);
@@ -104,7 +113,7 @@ void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
   }
   friction_.note(law_, found_);
   start_ = x_, moved_at_start_ = law_.moved;
-  law_.moved = obstacles_.displacement(t_end);
+  law_.moved = obstacles_.pathAt(t_end) + led_next_;
   const auto rowsOf = [](const Term& term) { return term.rows; };
   Terms before = std::exchange(contacts_, {});
   for (const Touch& touch : found_) contacts_.push_back(termOf(touch));
@@ -162,9 +171,15 @@ void PenaltyContact::addForce(ConstRows x, ConstRows, Rows f) {
   outputs_.note(law_, touches_, friction_, x_, bodies_);
 }
 
+void PenaltyContact::startObstacles() {
+  law_.moved = moved_at_start_ = obstacles_.startAt(state().node().root().root_time);
+  led_ = led_next_ = obstacles_.startOffset();
+  began_ = std::numeric_limits<double>::quiet_NaN();
+}
+
 void PenaltyContact::reset() {
   law_.candidates.forget();
-  law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
+  startObstacles();
   start_.clear(), found_.clear(), touches_.clear(), terms_.clear(), contacts_.clear(), friction_.clear();
   is_found_ = false, outputs_.reset();
   ++pattern_revision_;
@@ -172,11 +187,15 @@ void PenaltyContact::reset() {
 
 void PenaltyContact::serialize(Archive& archive) {
   archive.list("start", start_);
-  for (int k = 0; k < 3; ++k) archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
+  for (int k = 0; k < 3; ++k) {
+    archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
+    archive.value(std::string("led_") + char('x' + k), led_next_[k]);
+    archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
+  }
   friction_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
-  is_found_ = false;
+  is_found_ = false, led_ = led_next_, began_ = std::numeric_limits<double>::quiet_NaN();
   ++pattern_revision_;
 }
 

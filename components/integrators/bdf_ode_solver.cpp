@@ -35,8 +35,10 @@
 namespace stroma {
 namespace {
 
-class BDFOdeSolver final : public Integrator, public FindsMultipliers {
+class BDFOdeSolver final : public Integrator, public HeedsStepLimits, public FindsMultipliers {
  public:
+  bool heedsStepLimits() const override { return implicit_.iterates(); }
+  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;

@@ -10,7 +10,8 @@
 // firstStep = whole, as in SOFA, it has H = h, as if that velocity were half a step older: first order. What the
 // scene shows as velocity after a step belongs to its middle, as in SOFA; NewtonCotesSolver (degree 1) has the same
 // positions without damping and velocities at the end of steps. Stable while h w < 2, w the highest angular frequency
-// of the body, whatever rM is. A scene above the estimated limit is warned of.
+// of the body, whatever rM is. A scene above the estimated limit is warned of. Beside BarrierContact a step is made in parts where that
+// is stiff; h and h_last are then theirs.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -21,6 +22,7 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
+#include "components/integrators/explicit_parts.h"
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/sleep.h"
 #include "components/integrators/stable_step.h"
@@ -31,26 +33,27 @@
 namespace stroma {
 namespace {
 
-class CentralDifferenceSolver final : public Integrator {
+class CentralDifferenceSolver final : public Integrator, public HeedsStepLimits {
  public:
+  bool heedsStepLimits() const override { return true; }
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext& context) override {
-    sleep_.stepTaken(context.dt);
-    last_step_ = context.dt;
+    parts_.stepTaken();
+    last_step_ = sleep_.stepTaken(context.dt) || !parts_.areNeeded() ? context.dt : parts_.before(context.dt);
   }
   void sceneChanged() override { sleep_.wake(); }
   std::string describe() const override {
     return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe() +
-           sleep_.describe();
+           parts_.describe() + sleep_.describe();
   }
   void reset() override {
     last_step_ = 0;
-    sleep_.reset();
+    sleep_.reset(), parts_.reset();
   }
   void serialize(Archive& archive) override {
-    archive.value("last_step", last_step_);
+    archive.value("last_step", last_step_), parts_.serialize(archive);
     sleep_.serialize(archive);
   }
 
@@ -58,9 +61,11 @@ class CentralDifferenceSolver final : public Integrator {
   enum class FirstStep : int { half, whole };
   double rayleigh_mass_ = 0;
   FirstStep first_step_ = FirstStep::half;
+  StepReport makePart(System& system, const StepContext& part);
   void turnBodies(System& system, double h, double before);
 
   Acceleration acceleration_;
+  ExplicitParts parts_;
   VelocityDamping velocity_damping_;
   Sleep sleep_;
   Vector middle_;  ///< x, with the bodies as they are at the middle of a step
@@ -102,6 +107,7 @@ void CentralDifferenceSolver::compile(System& system) {
     for (Index i = first; i < std::min(first + mass->state().size(), system.independentRows()); ++i)
       damping_[i] += mass->rayleigh_mass;
   }
+  parts_.compile(system, acceleration_, name, 2);
   warnAboveStableStep(*this, system, acceleration_, name, {.largest_angle = 2, .grows = false});
 }
 
@@ -122,12 +128,22 @@ void CentralDifferenceSolver::turnBodies(System& system, double h, double before
 
 StepReport CentralDifferenceSolver::step(System& system, const StepContext& context) {
   if (sleep_.passesOver(context)) return {};
+  StepReport report = parts_.areNeeded() ? parts_.run(context, [&](const StepContext& part) { return makePart(system, part); })
+                                         : makePart(system, context);
+  if (report.failed()) return report;
+  velocity_damping_.apply(system, context.dt);
+  return sleep_.judged(report);
+}
+
+StepReport CentralDifferenceSolver::makePart(System& system, const StepContext& context) {
   if (depends_on_time_) system.setTime(context.t);
   StepReport report;
   system.computeForce(system.x, system.v, system.f);
   if (!acceleration_.solveForMomenta(system.x, system.independent(system.f), a_, context.stop, report)) return report;
   if (depends_on_time_) system.setTime(context.t_end);
-  const double h = context.dt, before = last_step_ == 0 && first_step_ == FirstStep::whole ? h : last_step_;
+  parts_.setTime(context.t_end);
+  const double h = context.dt, last = parts_.areNeeded() ? parts_.before(last_step_) : last_step_;
+  const double before = last == 0 && first_step_ == FirstStep::whole ? h : last;
   const double between = (before + h) / 2;
   // a becomes v+ - v-, of which constraints let through what they leave free
   for (Index row = 0; row < system.independentRows(); ++row) {
@@ -139,8 +155,7 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   turnBodies(system, h, before);
   axpy(1, a_, v);
   system.motion().advance(h, v, system.x);
-  velocity_damping_.apply(system, h);
-  return sleep_.judged(report);
+  return report;
 }
 
 }  // namespace

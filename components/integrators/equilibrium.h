@@ -85,13 +85,9 @@ class Equilibrium final : public NonlinearProblem {
   ConstRows positions() const override { return rows(); }
   double travelled() const override { return distance(rows(), start_); }
   bool restsWithoutForces() const override { return true; }
-  /// Gravity or fields without stiffness give forces now.
   bool isLoaded() override {
-    if (system_->hasGravity()) return true;
     Vector loads(system_->allRows());
-    for (ForceField* field : system_->forceFields())
-      if (!field->traits().has_stiffness) field->addForce(system_->x, system_->v, loads);
-    return largest(loads) > 0;
+    return stroma::isLoaded(*system_, loads);
   }
   RoundOff roundOff() override {
     const Index rows = start_.count();

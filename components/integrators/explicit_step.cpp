@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "components/integrators/explicit_parts.h"
 #include "components/integrators/newton.h"
 #include "components/integrators/stable_step.h"
 #include "framework/mechanics/frames.h"
@@ -129,9 +131,17 @@ StabilityLimit stabilityLimit(const ExplicitScheme& scheme) {
 
 // ---- the step ----
 
+ExplicitStep::ExplicitStep() : parts_(std::make_unique<ExplicitParts>()) {}
+ExplicitStep::~ExplicitStep() = default;
+void ExplicitStep::stepTaken() { parts_->stepTaken(); }
+void ExplicitStep::reset() { parts_->reset(); }
+void ExplicitStep::serialize(Archive& archive) { parts_->serialize(archive); }
+
 void ExplicitStep::compile(Integrator& integrator, System& system) {
   refuseRayleighFactors(system, scheme.name);
   acceleration_.compile(system, scheme.name);
+  const StabilityLimit limit = stabilityLimit(scheme);
+  parts_->compile(system, acceleration_, scheme.name, limit.largest_angle);
   accelerations_.clear();
   for (std::size_t j = 0; j < scheme.stages.size(); ++j) accelerations_.emplace_back(system.independentRows());
   for (Vector* vector : {&stage_x_, &stage_v_}) vector->resize(system.allRows());
@@ -142,18 +152,26 @@ void ExplicitStep::compile(Integrator& integrator, System& system) {
   std::size_t turning = 0;
   for (const Index row : system.motion().turningRows()) turning += row < system.independentRows();
   if (scheme.stages.size() > 1 && turning > 0) rates_.assign(scheme.stages.size(), std::vector<Vec3>(turning));
-  warnAboveStableStep(integrator, system, acceleration_, scheme.name, stabilityLimit(scheme));
+  warnAboveStableStep(integrator, system, acceleration_, scheme.name, limit);
 }
 
 StepReport ExplicitStep::step(System& system, const StepContext& context) {
+  if (!parts_->areNeeded()) return makePart(system, context, context);
+  const auto make = [&](const StepContext& part) { return makePart(system, context, part); };
+  return parts_->run(context, std::cref(make));  // takes no memory
+}
+
+StepReport ExplicitStep::makePart(System& system, const StepContext& whole, const StepContext& context) {
   StepReport report;
   const double h = context.dt;
   for (std::size_t i = 0; i < scheme.stages.size(); ++i) {
     const ExplicitScheme::Stage& stage = scheme.stages[i];
     if (depends_on_time_) system.setTime(context.t + stage.time * h);
+    parts_->setTime(context.t + stage.time * h);
     // beginStep() has given what is moved the mean velocity of the step
     const bool is_start = i == 0 && !system.constraints().hasPrescribed();
-    if (!is_start) placeStage(system, context, stage);
+    if (!is_start) placeStage(system, whole, context, stage);
+    if (!is_start && parts_->areNeeded() && !parts_->isFree(system.independent(stage_x_))) return report;
     if (is_start && !rates_.empty())
       for (std::size_t k = 0; k < rates_[0].size(); ++k) rates_[0][k] = system.v[system.motion().turningRows()[k]];
     const ConstRows x = is_start ? system.x : stage_x_, v = is_start ? system.v : stage_v_;
@@ -165,11 +183,14 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
       return report;
   }
   if (depends_on_time_) system.setTime(context.t_end);
-  finish(system, h);
+  parts_->setTime(context.t_end);
+  const bool is_symplectic = scheme.stages.size() == 1 && scheme.x == scheme.v;
+  finish(system, h, parts_->areNeeded() && is_symplectic ? (parts_->before(h) + h) / 2 : h);
   return report;
 }
 
-void ExplicitStep::placeStage(System& system, const StepContext& context, const ExplicitScheme::Stage& stage) {
+void ExplicitStep::placeStage(System& system, const StepContext& whole, const StepContext& context,
+                              const ExplicitScheme::Stage& stage) {
   const double h = context.dt;
   const Rows x = system.independent(stage_x_), v = system.independent(stage_v_);
   copy(system.independent(system.x), x);
@@ -189,7 +210,7 @@ void ExplicitStep::placeStage(System& system, const StepContext& context, const 
   // by more than what makes two times the same (key_times.h)
   const double margin = std::min(1e-10 * h + 1e-11 * std::abs(context.t_end), h / 4);
   const double inside = std::clamp(stage.time * h, margin, h - margin);
-  system.constraints().placePrescribed(context, context.t + inside, stage_x_, stage_v_);
+  system.constraints().placePrescribed(whole, context.t + inside, stage_x_, stage_v_);
 }
 
 void ExplicitStep::setTurns(const System& system, double h, const std::vector<double>& weights, Rows x) const {
@@ -207,10 +228,11 @@ void ExplicitStep::noteRates(const System& system, std::size_t stage) {
     rates_[stage][i] = dexpInverse(stage_x_[rows[i]]) * stage_v_[rows[i]];
 }
 
-/// The first acceleration together with h v0 in one pass, because most schemes have no other.
-void ExplicitStep::finish(System& system, double h) {
+/// The first acceleration together with h v0 in one pass, because most schemes have no other. `between`: h, or the time between two
+/// velocities at the middle of parts.
+void ExplicitStep::finish(System& system, double h, double between) {
   const Rows x = system.independent(system.x), v = system.independent(system.v);
-  const double for_v = h * scheme.v[0], for_x = h * (h * scheme.x[0] - for_v);
+  const double for_v = between * scheme.v[0], for_x = h * (between * scheme.x[0] - for_v);
   const double* __restrict a = accelerations_[0].rows().data;
   double* __restrict velocity = v.data;
   double* __restrict position = x.data;
@@ -236,8 +258,8 @@ void ExplicitStep::finish(System& system, double h) {
 
 std::string ExplicitStep::describe() const {
   const std::size_t count = scheme.stages.size();
-  return fmt::format("{}: {} force evaluation{}, {}", scheme.name, count, count == 1 ? "" : "s",
-                     acceleration_.describe());
+  return fmt::format("{}: {} force evaluation{}, {}{}", scheme.name, count, count == 1 ? "" : "s", acceleration_.describe(),
+                     parts_->describe());
 }
 
 // ---- the integrator ----

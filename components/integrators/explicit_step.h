@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What explicit integrators share: accelerations from forces, and the steps that are sums of them.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "components/integrators/turning_bodies.h"
 #include "components/integrators/velocity_damping.h"
 #include "framework/algebra/linear_solver.h"
+#include "framework/mechanics/step_limiter.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
 
@@ -65,22 +67,32 @@ StabilityLimit stabilityLimit(const ExplicitScheme& scheme);
 ExplicitScheme fromRungeKutta(std::string name, const std::vector<std::vector<double>>& a,
                               const std::vector<double>& b);
 
+class ExplicitParts;
+
 class ExplicitStep {
  public:
   ExplicitScheme scheme;
 
-  /// Allocates; warns when the time step is too large for the highest frequency of the elements.
+  ExplicitStep();
+  ~ExplicitStep();
+  /// Allocates; warns when the time step is too large for the highest frequency of the elements. Fields that limit steps, where
+  /// there are some, divide them (explicit_parts.h), if the integrator heeds them.
   void compile(Integrator& integrator, System& system);
   StepReport step(System& system, const StepContext& context);
   std::string describe() const;
+  void stepTaken();
+  void reset();
+  void serialize(Archive& archive);
 
  private:
-  void placeStage(System& system, const StepContext& context, const ExplicitScheme::Stage& stage);
-  void finish(System& system, double h);
+  StepReport makePart(System& system, const StepContext& whole, const StepContext& part);
+  void placeStage(System& system, const StepContext& whole, const StepContext& part, const ExplicitScheme::Stage& stage);
+  void finish(System& system, double h, double between);
   void noteRates(const System& system, std::size_t stage);
   void setTurns(const System& system, double h, const std::vector<double>& weights, Rows x) const;
 
   Acceleration acceleration_;
+  std::unique_ptr<ExplicitParts> parts_;
   std::vector<Vector> accelerations_;  ///< a_j, each of shape (independentRows())
   Vector stage_x_, stage_v_;           ///< shape (allRows())
   Orientations orientations_;
@@ -92,15 +104,18 @@ class ExplicitStep {
 };
 
 /// An integrator that is a scheme; a component supplies the scheme and its own attributes. Bodies at rest may sleep (sleep.h).
-class ExplicitIntegrator : public Integrator {
+class ExplicitIntegrator : public Integrator, public HeedsStepLimits {
  public:
+  bool heedsStepLimits() const final { return true; }
   void declare(DataTable& table) override;  ///< linearSolver, and those of VelocityDamping and Sleep
   void compile(System& system) final;
   StepReport step(System& system, const StepContext& context) final;
-  void stepTaken(const StepContext& context) final { sleep_.stepTaken(context.dt); }
+  void stepTaken(const StepContext& context) final {
+    if (!sleep_.stepTaken(context.dt)) explicit_.stepTaken();
+  }
   void sceneChanged() final { sleep_.wake(); }
-  void reset() final { sleep_.reset(); }
-  void serialize(Archive& archive) final { sleep_.serialize(archive); }
+  void reset() final { sleep_.reset(), explicit_.reset(); }
+  void serialize(Archive& archive) final { sleep_.serialize(archive), explicit_.serialize(archive); }
   std::string describe() const final { return explicit_.describe() + sleep_.describe(); }
 
  protected:

@@ -50,7 +50,9 @@ void ImplicitStep::addDamping(double factor, Rows out) {
 
 void ImplicitStep::wholeForce(double time, Rows out) {
   setTime(time);
+  limits_.wantStartForces(true);
   system_->computeForce(system_->x, system_->v, system_->f);
+  limits_.wantStartForces(false);
   copy(system_->independent(system_->f), out);
   addDamping(1, out);
 }
@@ -229,9 +231,7 @@ void ImplicitStep::startIterating() {
   has_constant_ = scheme_.old_weight != 0 || !multipliers_.empty();
   clear(constant_);
   if (scheme_.old_weight != 0) {
-    limits_.wantStartForces(true);
     wholeForce(scheme_.old_time, constant_);
-    limits_.wantStartForces(false);
     scale(scheme_.old_weight, constant_);
   }
   if (!multipliers_.empty()) multipliers_.addCarried(constant_);

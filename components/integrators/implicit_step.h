@@ -102,6 +102,7 @@ class ImplicitStep final : public NonlinearProblem {
   ConstRows positions() const override { return x(); }
   double travelled() const override;
   double loadScale() const override;
+  bool isLoaded() override { return stroma::isLoaded(*system_, right_side_); }
   RoundOff roundOff() override;
 
  private:

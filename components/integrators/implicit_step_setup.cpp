@@ -119,7 +119,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   multipliers_.compile(system);
   if (solvesOnce()) return;
   newton_.compile(system.independentRows());
-  if (iterates()) limits_.compile(system);
+  if (iterates()) limits_.compile(system), limits_.wantStartForces(false);
   for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());
   if (!limits_.empty()) carried_.resize(system.independentRows());
   if (!multipliers_.empty()) conditions_.compile(system, *this, multipliers_, constant_);

@@ -23,7 +23,8 @@ void Multipliers::takeBends() {
 bool Multipliers::respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   const auto count = Eigen::Index(bend_count_);
   if (count == 0) return true;
-  Eigen::MatrixXd small(count, count);
+  Eigen::MatrixXd& small = bend_matrix_;
+  small.resize(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     Bend& bend = bends_[std::size_t(i)];
     copy(bend.b, right_side_);
@@ -40,8 +41,8 @@ void Multipliers::takeBendsFrom(Rows response) {
   if (bend_count_ == 0) return;
   along_bends_.resize(Eigen::Index(bend_count_));
   for (std::size_t i = 0; i < bend_count_; ++i) along_bends_[Eigen::Index(i)] = dot(bends_[i].b, response);
-  along_bends_ = bent_.solve(along_bends_).eval();
-  for (std::size_t i = 0; i < bend_count_; ++i) axpy(-along_bends_[Eigen::Index(i)], bends_[i].y, response);
+  bend_shares_.noalias() = bent_.solve(along_bends_);
+  for (std::size_t i = 0; i < bend_count_; ++i) axpy(-bend_shares_[Eigen::Index(i)], bends_[i].y, response);
 }
 
 }  // namespace stroma

@@ -214,8 +214,8 @@ bool Multipliers::answerCarried(LinearSolver& solver, SystemMatrix& matrix, Cons
 
 void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
                           StepReport& report) {
-  constexpr int most_rounds = 100, most_idle = 10;
-  constexpr double close = 1e-13;  // of the place
+  constexpr int most_rounds = 100, most_idle = 10, few_idle = 2;
+  constexpr double close = 1e-13, far_less = 1e-5;  // of the place; of what is tolerated
   System& s = *system_;
   copy(s.independent(s.x), free_);
   clear(whole_);
@@ -246,7 +246,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     for (Eigen::Index i = 0; i < solve_.g.size(); ++i)
       for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
         solve_.g[i] -= rule_.displacement * gradient.dot(along[row]);
-    solve_.solve(rows_.rows(), stop);
+    const double little = far_less * leastTolerance(false);
+    solve_.solve(rows_.rows(), stop, allowed_);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     sumResponses();
@@ -254,7 +255,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     step = rule_.displacement * distance(whole_, before_);
     // two places that share a force may pass it to and fro for ever, by round-off of their directions
     if (!(step > 0.5 * least)) least = step, least_round = round;
-    const bool is_idle = step <= exact * size && round > least_round + most_idle;
+    const int idle = round - least_round;
+    const bool is_idle = (step <= exact * size && idle > most_idle) || (step <= little && idle > few_idle);
     const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle;
     // forces that turn much in a step swing
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last);

@@ -106,7 +106,8 @@ class Multipliers {
   std::vector<Bend> bends_;  ///< the first bend_count_ of them
   std::size_t bend_count_ = 0;
   Eigen::PartialPivLU<Eigen::MatrixXd> bent_;  ///< S^-1 + B^T Y
-  Eigen::VectorXd along_bends_;
+  Eigen::VectorXd along_bends_, bend_shares_;  ///< work space, as is
+  Eigen::MatrixXd bend_matrix_;
   bool knows_forces_ = false;  ///< of the rows of this step
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried

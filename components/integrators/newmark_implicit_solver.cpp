@@ -40,8 +40,10 @@
 namespace stroma {
 namespace {
 
-class NewmarkImplicitSolver final : public Integrator {
+class NewmarkImplicitSolver final : public Integrator, public HeedsStepLimits {
  public:
+  bool heedsStepLimits() const override { return implicit_.iterates(); }
+  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
   void declare(DataTable& table) override;
   void init() override;
   void compile(System& system) override;

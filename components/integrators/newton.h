@@ -56,6 +56,9 @@ class NonlinearProblem {
 /// one rounding error of each coordinate, with signs that follow no pattern of the mesh. `work`, `product`: shape (independentRows()).
 RoundOff positionRoundOff(const System& system, Rows work, Rows product);
 
+/// Gravity or fields without stiffness give forces now. `work`: shape (allRows()).
+bool isLoaded(System& system, Rows work);
+
 struct NewtonSettings {
   int iterations = 25;
   int patience =

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "components/integrators/newton.h"
+#include "framework/mechanics/force_field.h"
 
 namespace stroma {
 
@@ -28,6 +29,14 @@ RoundOff positionRoundOff(const System& system, Rows work, Rows product) {
   const double sums = 4 * std::numeric_limits<double>::epsilon() * norm(system.independent(system.f));
   // an energy is a sum of stiffness times volume that nearly cancels where the body is near its rest shape
   return {norm(product) + sums, 0.5 * std::abs(dot(work, product)) + cell * norm(product)};
+}
+
+bool isLoaded(System& system, Rows work) {
+  if (system.hasGravity()) return true;
+  clear(work);
+  for (ForceField* field : system.forceFields())
+    if (!field->traits().has_stiffness) field->addForce(system.x, system.v, work);
+  return largest(work) > 0;
 }
 
 }  // namespace stroma

@@ -9,9 +9,7 @@
 #include "framework/scene/node.h"
 
 namespace stroma {
-namespace {
 
-/// Numbers between -1/2 and 1/2 without an order that a mesh could share.
 void fillAtRandom(Rows rows) {
   std::uint64_t seed = 88172645463325252ull;
   for (Index i = 0; i < rows.count; ++i)
@@ -20,6 +18,8 @@ void fillAtRandom(Rows rows) {
       rows[i][c] = double(seed >> 11) * 0x1p-53 - 0.5;
     }
 }
+
+namespace {
 
 /// "element 12 of /beam/fem": where the strain of the motion p is largest; empty where no force field knows strains.
 std::string mostStrained(const System& system, const Vector& p) {

@@ -13,6 +13,9 @@ struct HighestFrequency {
   std::string element;  ///< the element that the motion strains most, "element 12 of /beam/fem"; empty: none known
 };
 
+/// Numbers between -1/2 and 1/2 without an order that a mesh could share.
+void fillAtRandom(Rows rows);
+
 /// By power iteration on M^-1 K, which stays a few per cent below the true one at most of its starts.
 HighestFrequency highestFrequency(System& system, Acceleration& acceleration);
 

@@ -323,8 +323,8 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
   report.diverged = (failed.diverged && done == 0) || system.constraints().hasPrescribed();
   report.newton_converged = false;
   report.reason = fmt::format(
-      "{}; divided, the step reached an equilibrium under {:.3g} of its loads, and no part of {:.2g} beyond: {}",
-      failed.reason, done, part, report.reason);
+      "{}; divided, the step reached an equilibrium under {:.3g} of its loads, and no part of {:.2g} beyond{}{}",
+      failed.reason, done, part, report.reason.empty() ? "" : ": ", report.reason);
   return report;
 }
 

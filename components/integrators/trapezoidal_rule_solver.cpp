@@ -30,8 +30,10 @@
 namespace stroma {
 namespace {
 
-class TrapezoidalRuleSolver final : public Integrator, public FindsMultipliers {
+class TrapezoidalRuleSolver final : public Integrator, public HeedsStepLimits, public FindsMultipliers {
  public:
+  bool heedsStepLimits() const override { return implicit_.iterates(); }
+  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
   void declare(DataTable& table) override {
     implicit_.declareDamping(table);
     implicit_.declareNewton(table);

@@ -15,7 +15,7 @@ constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;
 constexpr double none = std::numeric_limits<double>::infinity();
 }  // namespace
 
-void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop) {
+void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
   stop_ = stop;
   live_.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -31,15 +31,17 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop) {
   newton();
   note();
   if (unsettled_ > rounded && unsettled_ < coarse) settle();
-  if (unsettled_ > near) {
+  const auto search = [&](auto way) {
     const double before = std::exchange(unsettled_, none);
     const Eigen::VectorXd q = least_;
-    searchInside();
+    way();
     newton();
     note();
     settle();
     if (!(unsettled_ < before)) unsettled_ = before, least_ = q;
-  }
+  };
+  if (unsettled_ > near && !isLittle(allowed)) search([this] { searchInside(); });
+  if (unsettled_ > coarse && !isLittle(allowed)) search([this] { searchWithSlides(); });
   l.setZero();
   for (std::size_t k = 0; k < live_.size(); ++k)
     l[Eigen::Index(live_[k])] = std::isfinite(unsettled_) ? scale_[Eigen::Index(k)] * least_[Eigen::Index(k)] : unsettled_;
@@ -67,7 +69,7 @@ void ConditionForces::scaleRows(const std::vector<Row>& rows) {
       q_[k] = l[Eigen::Index(row)] / scale_[k];
   }
   scaled_ = scale_.asDiagonal() * w * scale_.asDiagonal();
-  offset_ = scale_.cwiseProduct(g(live_));
+  offset_ = Eigen::VectorXd::NullaryExpr(count, [&](Eigen::Index k) { return scale_[k] * g[Eigen::Index(live_[std::size_t(k)])]; });
 }
 
 void ConditionForces::findGroups(const std::vector<Row>& rows) {
@@ -134,6 +136,19 @@ double ConditionForces::residual() {
 
 void ConditionForces::note() {
   if (const double now = residual(); now < unsettled_) unsettled_ = now, least_ = q_;
+}
+
+bool ConditionForces::isLittle(const std::vector<double>& allowed) {
+  constexpr double part = 1e-5;
+  if (allowed.empty() || !std::isfinite(unsettled_)) return false;
+  restart(least_);
+  const auto holds = [&](const Group& group, int at, double off) {
+    const std::size_t row = live_[std::size_t(at)];
+    return off <= part * allowed[row] * sizes[row] * scale_[group.first];
+  };
+  return std::all_of(groups_.begin(), groups_.end(), [&](const Group& group) {
+    return holds(group, group.first, offAt(group)) && (group.tangents() == 0 || holds(group, group.first + 1, offAlong(group)));
+  });
 }
 
 /// Newton steps from q_ while they help, and back to the best of them.

@@ -38,8 +38,9 @@ class ConditionForces {
   Eigen::VectorXd l;          ///< forces [N], shape (rows); where the search begins
   std::vector<double> sizes;  ///< lengths of the gradients: what moves less than round-off of this is held
 
-  /// A stop is heeded within it; forces are then those of the best place so far.
-  void solve(const std::vector<Row>& rows, StopToken stop = {});
+  /// A stop is heeded within it; forces are then those of the best place so far. `allowed`: by how much each row may be off [m];
+  /// what is off by a hundred thousandth of it is not searched for again. Empty: nothing is allowed.
+  void solve(const std::vector<Row>& rows, StopToken stop = {}, const std::vector<double>& allowed = {});
   /// By how much the functions above are off, of the largest condition that does not hold without forces.
   double unsettled() const { return unsettled_; }
   /// The functions above, where the rows of the last solve() have come to (Row::value). `allowed`: by how much each row may be
@@ -70,9 +71,11 @@ class ConditionForces {
   double offAlong(const Group& group);
   double residual();
   void note();
+  bool isLittle(const std::vector<double>& allowed);
   void newton();
   void settle();
-  void searchInside();
+  void searchInside(const Eigen::VectorXd* slides = nullptr);
+  void searchWithSlides();
   bool newtonStep();
   void findActive();
   Square linearise();

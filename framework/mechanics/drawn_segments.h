@@ -39,4 +39,18 @@ class DrawnSolids {
   virtual void addSolids(std::vector<const State*>& bodies, std::vector<Sphere>& spheres) const = 0;
 };
 
+/// Implemented by what has solids that no state has: obstacles, which move together.
+class DrawnObstacles {
+ public:
+  struct Shape {
+    std::vector<Vec3> points;           ///< of triangles; else one, or two that are joined [m]
+    std::vector<Triangle> triangles{};  ///< none: the points are rounded by `radius`
+    double radius = 0;                  ///< [m]
+    Vec3 normal = Vec3::Zero();         ///< not zero: a plane through the one point
+  };
+  virtual ~DrawnObstacles() = default;
+  virtual void addShapes(std::vector<Shape>& shapes) const = 0;
+  virtual Vec3 shapesMovedBy() const = 0;  ///< now [m]
+};
+
 }  // namespace stroma

@@ -5,6 +5,8 @@
 //   (W + F) dx = share nu x^-1 - z - (z(x) - z),   F x = z,   F = e (2 w w^T - J),   J = diag(1, -1, -1),   e = |z| / |x|
 // with |x|^2 = x_0^2 - |x_t|^2 and w the middle of z / |z| and J x / |x|, |w| = 1 (Nesterov and Todd 1998). Of rows that are equal
 // z = 0 and x is free. Where nothing decides between sticking and slipping, half of the digits are found.
+// Where |r_t| of the last round leads nowhere, each search has them fixed, which is a convex problem: at first zero, then halfway to
+// those that the search before has found (Acary, Cadoux, Lemarechal and Malick 2011).
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -44,8 +46,8 @@ bool addScaling(const auto& x, const auto& z, double goal, Eigen::Ref<Eigen::Mat
 
 }  // namespace
 
-/// Notes the best place.
-void ConditionForces::searchInside() {
+/// Notes the best place. `slides`: |r_t| at the first row of each group; null: those of the last round.
+void ConditionForces::searchInside(const Eigen::VectorXd* slides) {
   constexpr int most_rounds = 60;
   constexpr double enough = 1e-13, least_way = 1e-8, regular = 1e-12, shorter = 0.95;
   const Eigen::Index count = offset_.size();
@@ -65,7 +67,7 @@ void ConditionForces::searchInside() {
     off = by.cwiseProduct(r_) - z;
     double nu = 0;
     for (const auto& [at, size] : cones) {
-      off[at] += z.segment(at + 1, size - 1).norm();
+      off[at] += slides ? (*slides)[at] : z.segment(at + 1, size - 1).norm();
       nu += x.segment(at, size).dot(z.segment(at, size)) / double(cones.size());
     }
     a = w, target.setZero(count);
@@ -84,6 +86,18 @@ void ConditionForces::searchInside() {
     x += way * dx;
     for (const auto& [at, size] : cones) z.segment(at, size) += way * dz.segment(at, size);
     share = way > 0.9 ? 0.01 : way > 0.5 ? 0.1 : 0.5;
+  }
+}
+
+void ConditionForces::searchWithSlides() {
+  constexpr double near = 1e-9;
+  Eigen::VectorXd slides = Eigen::VectorXd::Zero(offset_.size());
+  for (int k = 0; k < 20 && unsettled_ > near && !stop_.isStopAsked(); ++k) {
+    searchInside(&slides);
+    for (const Group& group : groups_) {
+      const double now = r_.segment(group.first + 1, group.tangents()).norm();
+      slides[group.first] = k == 0 ? now : 0.5 * (slides[group.first] + now);
+    }
   }
 }
 

@@ -62,6 +62,7 @@ class Data {
   Data& required();    ///< not giving it is an error
   Data& physical();    ///< not giving it is a warning that states the default used
   Data& output();      ///< computed by the component: can be linked from, not written
+  Data& ofNodes() { return of_nodes_ = true, *this; }  ///< a list with a value for each node of the component's state
   Data& input();       ///< FileName only: the file must exist
   Data& shorthand();   ///< read by the component into another attribute; not in the manual's main table
   Data& atOnce();      ///< ChangeEffect::at_once
@@ -76,6 +77,7 @@ class Data {
   bool isRequired() const { return required_; }
   bool isPhysical() const { return physical_; }
   bool isOutput() const { return output_; }
+  bool isOfNodes() const { return of_nodes_; }
   bool isInputFile() const { return input_; }
   bool isShorthand() const { return shorthand_; }
   ChangeEffect changeEffect() const { return change_effect_; }
@@ -106,7 +108,7 @@ class Data {
   DataPointer pointer_;
   double min_ = -std::numeric_limits<double>::infinity(), max_ = std::numeric_limits<double>::infinity();
   bool min_inclusive_ = true, max_inclusive_ = true;
-  bool required_ = false, physical_ = false, output_ = false, input_ = false, shorthand_ = false;
+  bool required_ = false, physical_ = false, output_ = false, input_ = false, shorthand_ = false, of_nodes_ = false;
   DataOrigin origin_ = DataOrigin::by_default;
   ChangeEffect change_effect_ = ChangeEffect::restart;
   std::size_t value_width_ = 0;  ///< 0: as the type says

@@ -165,7 +165,7 @@ TEST(PenaltyContact, RefusesWhatCanNeverAct) {
                                    Vec3::Zero(), "<EulerExplicitSolver/>"));
   };
   expectContains(with("selfContact=\"0\""), "nothing meets");
-  expectContains(with("keyTimes=\"0 1\" movements=\"0 0 0  0 0 1\""), "movements move obstacles, and there is none");
+  expectContains(with("keyTimes=\"0 1\" movements=\"0 0 0  0 0 1\""), "move obstacles, and there is none");
   EXPECT_EQ(with("selfContact=\"0\" planes=\"0 0 1 -1\""), "");
 }
 

@@ -86,3 +86,49 @@ TEST(NewtonOnTetrahedra, HugeDampedStepsEndInTheStaticEquilibrium) {
   }
   EXPECT_NEAR(lowest(still), lowest(moving), 1e-5);
 }
+
+/// Of six steps of a cube: the first that did not converge, or the last.
+static StepReport reportOfCube(const std::string& integrator, double speed, double gravity, const std::string& more = {}) {
+  std::string velocity;
+  for (int i = 0; i < 64; ++i) velocity += fmt::format("{} 0 0 ", speed);
+  Simulation simulation = simulationFromText(fmt::format(
+      R"(<Node name="root" dt="0.01" gravity="0 {} 0"><{} newtonIterations="30" newtonTolerance="1e-8"/><SparseLDLSolver/>
+           <RegularGridTopology name="grid" min="0.3 0.2 0.1" max="0.41 0.3 0.2" n="4 4 4"/>
+           <MechanicalObject name="dofs" velocity="{}"/>
+           <UniformMass totalMass="1.2"/>
+           {}
+           <Node name="cells">
+             <TetrahedronSetTopologyContainer name="tetrahedra"/>
+             <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra"/>
+             <TetrahedronFEMForceField mstate="@../dofs" topology="@tetrahedra" youngModulus="1e4" poissonRatio="0.45"
+                                       method="svd"/>
+           </Node></Node>)",
+      gravity, integrator, velocity, more));
+  StepReport report = simulation.step();
+  for (int n = 1; n < 6 && report.newton_converged; ++n) report = simulation.step();
+  return report;
+}
+
+/// Round-off is then all that there is of forces, and no part of it can be told from another.
+TEST(NewtonOnTetrahedra, StepsConvergeWhereNothingActs) {
+  for (const char* integrator : {"EulerImplicitSolver", "TrapezoidalRuleSolver", "NewmarkImplicitSolver", "BDFOdeSolver"})
+    for (const double speed : {0., 1e-14, 1e-12, 1e-6, 0.1}) {
+      const StepReport report = reportOfCube(integrator, speed, 0);
+      EXPECT_TRUE(report.newton_converged) << integrator << " at " << speed << " m/s: " << report.reason;
+      EXPECT_FALSE(report.diverged);
+    }
+}
+
+TEST(NewtonOnTetrahedra, ALoadThatRoundOffHidesIsSaid) {
+  const std::string held =
+      R"(<BoxROI name="end" box="0.29 0 0  0.301 1 1"/><FixedProjectiveConstraint indices="@end.indices"/>)";
+  const StepReport weight = reportOfCube("EulerImplicitSolver", 0, -2e-12, held);
+  EXPECT_FALSE(weight.newton_converged);
+  expectContains(weight.reason, "the loads are too small for this stiffness");
+  const std::string push = R"(<ConstantForceField indices="63" forces="0 1e-15 0"/>)";
+  const StepReport force = reportOfCube("EulerImplicitSolver", 0, 0, held + push);
+  EXPECT_FALSE(force.newton_converged);
+  expectContains(force.reason, "the loads are too small for this stiffness");
+  EXPECT_TRUE(reportOfCube("EulerImplicitSolver", 0, 0, held).newton_converged);
+  EXPECT_TRUE(reportOfCube("EulerImplicitSolver", 0, -1, held).newton_converged);
+}

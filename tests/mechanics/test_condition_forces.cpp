@@ -74,10 +74,9 @@ double offTheLaws(const ConditionForces& forces, const Eigen::VectorXd& g, const
   return size > 0 ? off / size : off;
 }
 
-/// Fewer ways to move than conditions; some say what others say, or nearly: forces are many, and where things come to is one.
-TEST(ConditionForces, OfRowsThatSayNearlyTheSame) {
+void expectForcesOfDependentRows(unsigned seed) {
   constexpr double mu = 0.3;
-  std::mt19937 random(3);
+  std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
   double pushed = 0;
@@ -111,6 +110,15 @@ TEST(ConditionForces, OfRowsThatSayNearlyTheSame) {
     pushed += forces.l.cwiseAbs().maxCoeff() > 0;
   }
   EXPECT_GT(pushed, 400);
+}
+
+/// Fewer ways to move than conditions; some say what others say, or nearly: forces are many, and where things come to is one. The
+/// second seed has 14 contacts with 9 ways to move that an interior-point method finds only where slides are fixed.
+TEST(ConditionForces, OfRowsThatSayNearlyTheSame) {
+  for (const unsigned seed : {3u, 8u}) {
+    SCOPED_TRACE(seed);
+    expectForcesOfDependentRows(seed);
+  }
 }
 
 /// Rows that say the same many times cost seconds: a wish to stop ends that with what there is.

@@ -125,5 +125,34 @@ TEST(Shots, FieldsHaveTitlesForPeople) {
   EXPECT_EQ(titleOf("displacement"), "displacement");
 }
 
+/// Few nodes are pressed, and their largest value is seen; obstacles go their way, unless they are hidden.
+TEST(Shots, ContactPressuresAreOfNodesAndObstaclesMove) {
+  Simulation simulation = simulationFromText(
+      "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><EulerImplicitSolver newtonIterations=\"30\"/><SparseLDLSolver/>"
+      "<RegularGridTopology n=\"7 7 3\" min=\"0 0 0\" max=\"1 1 0.3\"/><MechanicalObject name=\"dofs\"/>"
+      "<UniformMass totalMass=\"10\"/><HexahedronFEMForceField youngModulus=\"1e4\" poissonRatio=\"0.3\"/>"
+      "<BarrierContact name=\"contact\" contactDistance=\"0.01\" spheres=\"0.5 0.5 0.508 0.2\" keyTimes=\"0 0.1\" "
+      "movements=\"0 0 0  0 0 -0.05\"/></Node>");
+  PictureRequest request;
+  request.field = "pressures";
+  request.flat = true;
+  ShotTaker taker(simulation, request);
+  for (int i = 0; i < 2; ++i) simulation.step();
+  const Shot shot = taker.take(simulation.time());
+  EXPECT_EQ(taker.valuesAt(0), ValuesAt::nodes);
+  int pressed = 0;
+  float largest = 0;
+  for (const float value : shot.bodies[0].values) pressed += value > 0, largest = std::max(largest, value);
+  EXPECT_GT(pressed, 0);
+  EXPECT_LT(pressed, 10);
+  EXPECT_EQ(taker.bulk().low, 0);
+  EXPECT_EQ(taker.bulk().high, double(largest));
+  ASSERT_EQ(shot.moved.size(), 1u);
+  EXPECT_NEAR(shot.moved[0].z(), -0.01, 1e-12);
+  EXPECT_TRUE(taker.isObstacleDrawn(0));
+  request.hidden = {"/contact"};
+  EXPECT_FALSE(ShotTaker(simulation, request).isObstacleDrawn(0));
+}
+
 }  // namespace
 }  // namespace stroma::picture

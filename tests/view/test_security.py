@@ -23,13 +23,13 @@ MESSAGES, SEED = 20000, 1
 
 # Every verb with values that are right in this scene, and verbs that are none.
 GOOD = [
-    {"do": "hello"}, {"do": "want", "nodes": "surface", "fields": [1], "loads": True, "format": "f32", "fps": 60},
+    {"do": "hello"}, {"do": "want", "nodes": "surface", "fields": [1], "loads": True, "contacts": True, "format": "f32", "fps": 60},
     {"do": "watch", "values": ["energy", "solver", "node.0.1.position"]}, {"do": "drawn", "frame": 1}, {"do": "control"},
     {"do": "run"}, {"do": "pause"}, {"do": "step", "count": 1}, {"do": "reset"}, {"do": "pace", "pace": "fast", "factor": 1},
     {"do": "pull", "hand": "h", "body": 0, "nodes": [1, 2], "targets": [[0, 0, 0], [0, 0, 0]], "stiffness": 1, "kind": "pull", "sequence": 1},
     {"do": "force", "hand": "f", "body": 0, "nodes": [3], "force": [0, 0, 0], "sequence": 2},
     {"do": "push", "hand": "p", "body": 0, "centre": [0, 0, 0], "radius": 0.01, "stiffness": 1, "sequence": 3},
-    {"do": "release", "hand": "h"}, {"do": "key", "key": "a", "pressed": True}, {"do": "set", "path": "/organ/fem", "attribute": "youngModulus", "value": "10000"},
+    {"do": "move", "hand": "o", "obstacle": 0, "offset": [0, 0, 0], "sequence": 4}, {"do": "release", "hand": "h"}, {"do": "key", "key": "a", "pressed": True}, {"do": "set", "path": "/organ/fem", "attribute": "youngModulus", "value": "10000"},
     {"do": "seek", "index": 0}, {"do": "components"}, {"do": "explain"}, {"do": "xml"}, {"do": "actions"}, {"do": "hash"},
     {"do": "attach"}, {"do": "leave"}, {"do": "show"}, {"do": "doubts"}, {"do": "nothing"}]
 WRONG = [None, True, False, 0, -1, 1, 0.5, 1e300, -1e300, 2**31, 2**53 + 1, 2**63, 2**64, -2**63, 10**40, "", "x", "\u0000", "é" * 50,

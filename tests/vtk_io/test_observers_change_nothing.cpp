@@ -12,6 +12,7 @@ namespace STROMA_TEST_FILE {
 
 /// What each observer is asked for: everything, forces too. One that is not here fails the test.
 const std::map<std::string, std::string> asked_for = {
+    {"CarvingRegion", "sphere='99 99 99 1'"},
     {"CollisionPipeline", ""},
     {"Expect", "of='/dofs.displacement' axis='norm' below='9' when='always'"},
     {"EnergyMonitor", "filename='energies.txt'"},

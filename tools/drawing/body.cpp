@@ -8,6 +8,7 @@
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "tools/drawing/beams.h"
+#include "tools/drawing/contacts.h"
 
 namespace stroma::drawing {
 namespace {
@@ -242,7 +243,7 @@ void addLinks(Drawing& drawing, const std::vector<std::array<Place, 2>>& pairs, 
 
 void addFields(Drawing& drawing) {
   const auto add = [&drawing](std::size_t body, std::string name, const ForceField* source) {
-    drawing.fields.push_back({int(drawing.fields.size()) + 1, Index(body), std::move(name), source});
+    drawing.fields.push_back({int(drawing.fields.size()) + 1, Index(body), std::move(name), source, nullptr});
   };
   for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
     if (!drawing.bodies[b].system) continue;  // it has no force fields, and its velocity is zero
@@ -336,7 +337,8 @@ Drawing drawingOf(const Simulation& simulation) {
   addLinks(drawing, springs, false);
   addLinks(drawing, ties, true);
   std::erase_if(drawing.links, [](const BodyLink& link) { return link.node_a < 0 || link.node_b < 0; });
-  addFields(drawing);
+  addFields(drawing), addNodeFields(simulation, drawing);
+  addContacts(simulation, drawing);
   return drawing;
 }
 
@@ -376,6 +378,11 @@ std::string unitOfField(const std::string& name) {
       {"strain", "-"},    {"principalStrain", "-"}, {"velocity", "m/s"},       {"displacement", "m"}};
   const auto found = units.find(name);
   return found == units.end() ? std::string() : found->second;
+}
+
+std::string unitOf(const Field& field) {
+  if (!field.data) return unitOfField(field.name);
+  return field.data->unitText().empty() ? "-" : field.data->unitText();
 }
 
 }  // namespace stroma::drawing

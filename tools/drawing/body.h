@@ -75,6 +75,23 @@ struct Field {
   Index body = 0;
   std::string name;
   const ForceField* source = nullptr;  ///< of a field of cells; null: a field of nodes
+  const Data* data = nullptr;          ///< of a field of nodes that a component computes; null: the velocity
+};
+
+/// The obstacles of a component as triangles, where they are written. They move together.
+struct Obstacle {
+  const Component* owner = nullptr;
+  const DrawnObstacles* drawn = nullptr;
+  std::vector<Vec3> points;         ///< [m]
+  std::vector<Triangle> triangles;  ///< planes come last
+  std::size_t solid = 0;            ///< triangles before those of planes
+};
+
+/// A component that computes forces of contact.
+struct Contact {
+  const Component* owner = nullptr;
+  Index body = -1;                    ///< whose nodes have the forces; -1: they are between nodes
+  std::vector<std::string> bodies{};  ///< paths of the states that its sums are of
 };
 
 /// A simulation as a page or a picture draws it. Made once for a scene.
@@ -82,8 +99,12 @@ struct Drawing {
   std::vector<Body> bodies;
   std::vector<BodyLink> links;
   std::vector<Field> fields;
+  std::vector<Obstacle> obstacles;
+  std::vector<Contact> contacts;
 };
 Drawing drawingOf(const Simulation& simulation);
+/// Obstacles, for the bodies that there are.
+void addObstacles(const Simulation& simulation, Drawing& drawing);
 /// The pairs of nodes that force fields join: the part of a drawing that an edit can change.
 std::vector<DrawnSegments::Segment> segmentsOf(const Simulation& simulation);
 
@@ -94,5 +115,6 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
 
 /// "Pa" for stresses and pressures, "-" for pure numbers, empty when not known.
 std::string unitOfField(const std::string& name);
+std::string unitOf(const Field& field);
 
 }  // namespace stroma::drawing

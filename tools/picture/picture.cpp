@@ -211,7 +211,7 @@ class VtkPictureMaker final : public PictureMaker {
       FieldWord word;
       for (const FieldWord& one : ShotTaker::fieldsOf(taker_->drawing(), taker_->units()))
         if (one.name == taker_->field()) word = one;
-      const bool is_mean = !request_.flat && word.name != "displacement" && word.name != "velocity";
+      const bool is_mean = !request_.flat && word.of_cells;
       legend_ = std::make_unique<Legend>(*map_, range, taker_->extremes(), word, is_mean ? "mean at the nodes" : "");
     }
     stage_->build(*taker_, request_, *map_, range, eyes_.front());

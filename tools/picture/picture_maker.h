@@ -50,6 +50,7 @@ struct PictureRequest {
 /// A field that can be asked for.
 struct FieldWord {
   std::string name, title, unit;
+  bool of_cells = false;
 };
 
 /// Takes states of a simulation, and draws them when all are known: the same range of colours and the same camera for all.

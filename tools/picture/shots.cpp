@@ -8,6 +8,7 @@
 #include <map>
 
 #include "framework/mesh/cell_lists.h"
+#include "tools/drawing/contacts.h"
 #include "tools/drawing/held_nodes.h"
 #include "tools/picture/frames.h"
 
@@ -53,7 +54,9 @@ void widen(Range& range, const Range& by) { range = {std::min(range.low, by.low)
 std::string titleOf(const std::string& field) {
   static const std::map<std::string, std::string> titles{
       {"vonMises", "von Mises stress"}, {"J", "volume ratio J"}, {"strain", "strain (norm)"}, {"stress", "stress (norm)"},
-      {"principalStress", "largest principal stress"}, {"principalStrain", "largest principal strain"}};
+      {"principalStress", "largest principal stress"}, {"principalStrain", "largest principal strain"},
+      {"pressures", "contact pressure"}, {"gaps", "contact gap"}, {"contactAreas", "contact area"},
+      {"contactStates", "sticks 1, slides 2"}, {"contactForces", "contact force"}, {"frictionForces", "friction force"}};
   const auto found = titles.find(field);
   if (found != titles.end()) return found->second;
   std::string spaced;
@@ -71,14 +74,30 @@ ShotTaker::ShotTaker(const Simulation& simulation, const PictureRequest& request
       units_(unitsOf(simulation.scene())) {
   if (drawing_.bodies.empty()) throw std::runtime_error("nothing in the scene has positions: there is nothing to draw");
   drawn_.assign(drawing_.bodies.size(), true);
+  hidden_obstacles_.assign(drawing_.obstacles.size(), false);
   hide(request.hidden);
   choose();
   hideOneOfTwo();
 }
 
 void ShotTaker::hide(const std::vector<std::string>& paths) {
-  for (const std::string& path : paths)
+  for (const std::string& path : paths) {
+    bool is_obstacle = false;
+    for (std::size_t k = 0; k < drawing_.obstacles.size(); ++k)
+      if (drawing_.obstacles[k].owner->path() == path) hidden_obstacles_[k] = is_obstacle = true;
+    if (is_obstacle) continue;
     for (const std::size_t b : bodiesAt(path, "hidden")) drawn_[b] = false;
+  }
+}
+
+bool ShotTaker::isObstacleDrawn(std::size_t obstacle) const {
+  constexpr double most = 2;  // times the size of the bodies
+  const drawing::Obstacle& of = drawing_.obstacles[obstacle];
+  if (hidden_obstacles_[obstacle] || of.solid == 0) return false;
+  Box box;
+  for (std::size_t t = 0; t < of.solid; ++t)
+    for (const Index point : of.triangles[t]) box.add(of.points[std::size_t(point)]);
+  return box.size() <= most * restSize().norm();
 }
 
 std::vector<std::size_t> ShotTaker::bodiesAt(std::string path, const char* to_be) const {
@@ -140,7 +159,7 @@ std::vector<FieldWord> ShotTaker::fieldsOf(const drawing::Drawing& drawing, cons
   std::vector<FieldWord> words{{"displacement", titleOf("displacement"), units.unit("m")}};
   for (const Field& field : drawing.fields)
     if (std::none_of(words.begin(), words.end(), [&](const FieldWord& word) { return word.name == field.name; }))
-      words.push_back({field.name, titleOf(field.name), units.unit(drawing::unitOfField(field.name))});
+      words.push_back({field.name, titleOf(field.name), units.unit(drawing::unitOf(field)), field.source != nullptr});
   return words;
 }
 
@@ -163,10 +182,15 @@ void ShotTaker::choose() {
 ValuesAt ShotTaker::valuesAt(std::size_t body) const {
   if (field_ == "none") return ValuesAt::none;
   if (isOnNodes(field_)) return ValuesAt::nodes;
-  const bool has_it = std::any_of(drawing_.fields.begin(), drawing_.fields.end(), [&](const Field& field) {
+  const Field* found = fieldOf(body);
+  return !found ? ValuesAt::none : request_.flat && !found->data ? ValuesAt::cells : ValuesAt::nodes;
+}
+
+const Field* ShotTaker::fieldOf(std::size_t body) const {
+  const auto found = std::find_if(drawing_.fields.begin(), drawing_.fields.end(), [&](const Field& field) {
     return std::size_t(field.body) == body && field.name == field_;
   });
-  return !has_it ? ValuesAt::none : request_.flat ? ValuesAt::cells : ValuesAt::nodes;
+  return found == drawing_.fields.end() ? nullptr : &*found;
 }
 
 Index ShotTaker::nodesOf(const Body& body) const { return request_.cut ? Index(body.node.size()) : body.surface; }
@@ -183,7 +207,8 @@ Points ShotTaker::rest(std::size_t body) const {
 
 Shot ShotTaker::take(double time) {
   simulation_.complete();
-  Shot shot{time, {}};
+  Shot shot{time, {}, {}};
+  for (const drawing::Obstacle& obstacle : drawing_.obstacles) shot.moved.push_back(obstacle.drawn->shapesMovedBy());
   const auto holdings = drawing::holdingsOf(simulation_, drawing_, time);
   for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) {
     BodyShot& of_body = shot.bodies.emplace_back();
@@ -210,8 +235,12 @@ Shot ShotTaker::take(double time) {
 
 void ShotTaker::addValues(std::size_t b, BodyShot& shot) {
   if (valuesAt(b) == ValuesAt::none) return;
-  if (!isOnNodes(field_)) return addCellValues(b, shot);
   const Body& body = drawing_.bodies[b];
+  if (const Field* field = fieldOf(b); field && field->data) {
+    if (drawing::nodeValues(*field, body, shot.values)) shot.values.resize(std::size_t(nodesOf(body)));
+    return;
+  }
+  if (!isOnNodes(field_)) return addCellValues(b, shot);
   const ConstRows x = body.x(), v = body.v();
   for (Index i = 0; i < nodesOf(body); ++i) {
     const Index row = body.node[std::size_t(i)];
@@ -260,7 +289,8 @@ void ShotTaker::measure(std::size_t b, const BodyShot& shot) {
   for (const float value : seen)
     if (std::isfinite(value)) all = {std::min(all.low, double(value)), std::max(all.high, double(value))};
   widen(extremes_, all);
-  widen(bulk_, isOnNodes(field_) ? Range{0, all.high} : bulkOf(std::move(seen)));
+  const bool of_few = fieldOf(b) && fieldOf(b)->data;  // few nodes touch: most values are zeros
+  widen(bulk_, of_few ? Range{std::min(0., all.low), all.high} : isOnNodes(field_) ? Range{0, all.high} : bulkOf(std::move(seen)));
 }
 
 }  // namespace stroma::picture

@@ -23,6 +23,7 @@ struct BodyShot {
 struct Shot {
   double time = 0;
   std::vector<BodyShot> bodies{};
+  std::vector<Vec3> moved{};  ///< how far the obstacles of each component have come [m]
 };
 
 /// Where the values of a body are.
@@ -38,11 +39,15 @@ class ShotTaker {
 
   const drawing::Drawing& drawing() const { return drawing_; }
   bool isDrawn(std::size_t body) const { return drawn_[body]; }
+  /// Those that are not hidden and not much larger than the bodies.
+  bool isObstacleDrawn(std::size_t obstacle) const;
   const std::string& field() const { return field_; }  ///< its name; "none"
   /// Those below a node, by their numbers. Throws ComponentError with the nearest path when there are none, which are `to_be`
   /// hidden or framed.
   std::vector<std::size_t> bodiesAt(std::string path, const char* to_be) const;
   ValuesAt valuesAt(std::size_t body) const;
+  /// That colours a body; null: none of cells, or of nodes that a component computes.
+  const drawing::Field* fieldOf(std::size_t body) const;
   Points rest(std::size_t body) const;  ///< of as many nodes as the shots have [m]
   Vec3 restSize() const;                ///< of the box around what is drawn, at rest [m]
   /// Of the values that are seen in all shots so far: of stresses and the like from the lowest to the highest percentile but
@@ -66,7 +71,7 @@ class ShotTaker {
   const Simulation& simulation_;
   const PictureRequest& request_;
   drawing::Drawing drawing_;
-  std::vector<bool> drawn_;
+  std::vector<bool> drawn_, hidden_obstacles_;
   std::string field_;
   UnitSystem units_;  ///< of the scene
   std::vector<double> work_;

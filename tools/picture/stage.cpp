@@ -92,11 +92,13 @@ struct Stage::Parts {
   Style style;
   const ShotTaker* taker = nullptr;
   std::vector<std::unique_ptr<BodyActors>> bodies;  ///< null for one that is not drawn
+  std::vector<vtkSmartPointer<vtkActor>> obstacles;  ///< the same
 
   void setColours(const ColourMap& map, const Range& range);
   void setCut(const Cut& cut, const Eye& eye);
   void addLinks();
   void showLinks();
+  void addObstacle(const drawing::Obstacle* obstacle);
 };
 
 Stage::Stage() : parts_(std::make_unique<Parts>()) {
@@ -122,7 +124,7 @@ Stage::Stage() : parts_(std::make_unique<Parts>()) {
 }
 
 Stage::~Stage() {
-  parts_->bodies.clear();
+  parts_->bodies.clear(), parts_->obstacles.clear();
   parts_->renderer->RemoveAllViewProps();
   parts_->window->Finalize();
   vtkOutputWindow::SetInstance(nullptr);
@@ -164,6 +166,40 @@ void Stage::build(const ShotTaker& taker, const PictureRequest& request, const C
                            : std::make_unique<BodyActors>(taker.drawing().bodies[b], taker.valuesAt(b), taker.rest(b),
                                                           bodyColour(b), p.style, *p.renderer));
   p.addLinks();
+  for (std::size_t k = 0; k < taker.drawing().obstacles.size(); ++k)
+    p.addObstacle(taker.isObstacleDrawn(k) ? &taker.drawing().obstacles[k] : nullptr);
+}
+
+/// Without its planes.
+void Stage::Parts::addObstacle(const drawing::Obstacle* obstacle) {
+  obstacles.emplace_back();
+  if (!obstacle) return;
+  vtkNew<vtkPoints> points;
+  for (const Vec3& p : obstacle->points) points->InsertNextPoint(p.data());
+  vtkNew<vtkCellArray> triangles;
+  for (std::size_t t = 0; t < obstacle->solid; ++t) {
+    triangles->InsertNextCell(3);
+    for (const Index point : obstacle->triangles[t]) triangles->InsertCellPoint(point);
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(triangles);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(data);
+  if (style.plane) {  // VTK keeps what is before a plane, where a cut keeps what is behind it
+    double normal[3];
+    vtkNew<vtkPlane> kept;
+    style.plane->GetNormal(normal);
+    kept->SetNormal(-normal[0], -normal[1], -normal[2]);
+    kept->SetOrigin(style.plane->GetOrigin());
+    mapper->AddClippingPlane(kept);
+  }
+  obstacles.back() = vtkSmartPointer<vtkActor>::New();
+  obstacles.back()->SetMapper(mapper);
+  obstacles.back()->GetProperty()->SetColor(0.62, 0.64, 0.67);
+  obstacles.back()->GetProperty()->SetAmbient(0.42);
+  obstacles.back()->GetProperty()->SetDiffuse(0.64);
+  renderer->AddActor(obstacles.back());
 }
 
 void Stage::Parts::addLinks() {
@@ -203,6 +239,8 @@ void Stage::show(const Shot& shot) {
   for (std::size_t b = 0; b < parts_->bodies.size(); ++b)
     if (parts_->bodies[b]) parts_->bodies[b]->show(shot.bodies[b]);
   parts_->showLinks();
+  for (std::size_t k = 0; k < parts_->obstacles.size(); ++k)
+    if (parts_->obstacles[k]) parts_->obstacles[k]->SetPosition(shot.moved[k][0], shot.moved[k][1], shot.moved[k][2]);
 }
 
 void Stage::include(const Shot& shot, const std::vector<std::size_t>& bodies, const Eye& eye, Extent& extent) const {
@@ -222,6 +260,10 @@ void Stage::include(const Shot& shot, const std::vector<std::size_t>& bodies, co
     for (std::size_t i = 0; request.ghost && i < rest.size(); i += 3)
       extent.include(eye, Vec3(rest[i], rest[i + 1], rest[i + 2]));
   }
+  const auto drawn = std::count_if(parts_->bodies.begin(), parts_->bodies.end(), [](const auto& body) { return body != nullptr; });
+  for (std::size_t k = 0; k < parts_->obstacles.size(); ++k)
+    if (parts_->obstacles[k] && bodies.size() == std::size_t(drawn))  // not of a part of the scene
+      for (const Vec3& p : parts_->taker->drawing().obstacles[k].points) add(p + shot.moved[k], 0);
 }
 
 Image Stage::draw(const Eye& eye, const Extent& extent, double metres_per_pixel, int width, int height) {

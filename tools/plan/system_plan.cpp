@@ -84,6 +84,12 @@ void addConstraints(const System& system, std::vector<PlanItem>& items) {
                      {{"nodes", double(held)}, {"relations", double(relations)}},
                      {}});
   }
+  for (const LagrangianConstraint* constraint : system.actors().lagrangian_constraints) {
+    const auto* open = dynamic_cast<const OpenChoices*>(constraint);
+    const std::string choice = open ? open->choice() : std::string();
+    items.push_back(itemFor("constraint", dynamic_cast<const Component&>(*constraint), PlanWhen::each_step,
+                            "each step, by forces that are found with it" + (choice.empty() ? choice : "; " + choice)));
+  }
   for (const PositionConstraint* constraint : system.actors().position_constraints)
     items.push_back(itemFor("position constraint", *constraint, PlanWhen::after_each_step,
                             "after each step; " + constraint->describe()));

@@ -29,6 +29,7 @@ struct Demand {
   bool can_draw = false;   ///< somebody has drawn what was sent before
   bool all_nodes = false;  ///< those inside too
   bool loads = false;      ///< forces of the scene's loads
+  bool contacts = false;   ///< forces of contact
   double fps = 60;
   std::set<int> fields{};          ///< numbers of Drawing::fields
   std::set<std::string> values{};  ///< words of "watch"

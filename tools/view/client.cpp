@@ -163,8 +163,10 @@ void Client::setWants(const json& message, const LiveRun& run) {
   for (const json& field : fields) wanted.fields.insert(int(integer(field, "fields", 1, 1 << 20)));
   const json loads = message.value("loads", json(false));
   if (!loads.is_boolean()) throw ComponentError("'loads' is neither true nor false");
+  const json contacts = message.value("contacts", json(false));
+  if (!contacts.is_boolean()) throw ComponentError("'contacts' is neither true nor false");
   wanted.fps = view::number(message.value("fps", json(60)), "fps", 0.1, 240);
-  wanted.all_nodes = nodes == "all", wanted.loads = loads.get<bool>();
+  wanted.all_nodes = nodes == "all", wanted.loads = loads.get<bool>(), wanted.contacts = contacts.get<bool>();
   run.checkWanted(wanted.fields, {});
   short_positions_ = format == "u16";
   demand_ = std::move(wanted);

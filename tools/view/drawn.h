@@ -12,6 +12,5 @@ using drawing::Drawing;
 using drawing::drawingOf;
 using drawing::Field;
 using drawing::segmentsOf;
-using drawing::unitOfField;
 
 }  // namespace stroma::view

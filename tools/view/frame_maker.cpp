@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "framework/mechanics/local_load.h"
+#include "tools/drawing/contacts.h"
+#include "tools/view/contact_packets.h"
 
 namespace stroma::view {
 namespace {
@@ -49,6 +51,13 @@ void FrameMaker::addVelocities(Packet& packet, const Field& field, bool all) con
   packet.add("f" + std::to_string(field.id), std::move(speed));
 }
 
+void FrameMaker::addNodeField(Packet& packet, const Field& field, bool all) {
+  const Body& body = drawing_.bodies[std::size_t(field.body)];
+  if (!drawing::nodeValues(field, body, cell_values_)) return;
+  if (!all) cell_values_.resize(std::size_t(body.surface));
+  packet.add("f" + std::to_string(field.id), cell_values_);
+}
+
 void FrameMaker::addCellField(Packet& packet, const Field& field, bool all) {
   const Body& body = drawing_.bodies[std::size_t(field.body)];
   if (!cellValues(field, body, work_, cell_values_)) return;
@@ -85,12 +94,16 @@ std::shared_ptr<Packet> FrameMaker::make(const Demand& demand, long number, doub
                                                         {"nodes", demand.all_nodes ? "all" : "surface"},
                                                         {"format", "f32"}});
   for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) addPositions(*packet, b, demand.all_nodes);
+  addObstaclePlaces(drawing_, *packet);
+  if (demand.contacts) addContactForces(drawing_, *packet);
   const auto start = Clock::now();
   const bool with_cells = still || start >= fields_due_ || demand.fields != fields_before_;
   bool computed = false;
   for (const Field& field : drawing_.fields) {
     if (!demand.fields.contains(field.id)) continue;
-    if (!field.source) {
+    if (field.data) {
+      addNodeField(*packet, field, demand.all_nodes);
+    } else if (!field.source) {
       addVelocities(*packet, field, demand.all_nodes);
     } else if (with_cells) {
       addCellField(*packet, field, demand.all_nodes);

@@ -19,6 +19,7 @@ class FrameMaker {
  private:
   void addPositions(Packet& packet, std::size_t body, bool all) const;
   void addVelocities(Packet& packet, const Field& field, bool all) const;
+  void addNodeField(Packet& packet, const Field& field, bool all);
   void addCellField(Packet& packet, const Field& field, bool all);
   void addLoads(Packet& packet, bool all);
 

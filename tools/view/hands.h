@@ -34,6 +34,8 @@ class Hands {
   void forget() { hands_.clear(); }
   /// Of every hand, where it is and its force on the body [N] at the present state; for frames.
   nlohmann::json describe() const;
+  /// An order of a client that is no hand's.
+  void ordered(int client, long sequence) { ordered_[client] = sequence; }
   /// After a step, or without one when the run stands still: the last order of each client takes effect in what is drawn.
   void orderedIsDrawn() { drawn_ = ordered_; }
   /// By client: the "sequence" of its last order that has taken effect.

@@ -98,6 +98,8 @@ std::string LiveRun::carryOut(const Order& order) {
     hands_.apply(order.client, message);
     if (!running_) hands_.orderedIsDrawn();
     dirty_ = true;
+  } else if (verb == "move") {
+    moveObstacle(order.client, message);
   } else if (verb == "key") {
     session_.key(text(member(message, "key"), "key", 20), message.value("pressed", true));
     dirty_ = true;
@@ -236,6 +238,19 @@ void LiveRun::tellXml(int client) {
   for (const std::string& name : changed.changed)
     if (name != file) others.push_back({{"name", fileName(name)}, {"text", changed.texts.at(name)}});
   audience_.send(client, {{"is", "xml"}, {"name", fileName(file)}, {"text", own->second}, {"included", others}});
+}
+
+/// The step filter lets obstacles go where their offset leads them: as far as nothing is in their way.
+void LiveRun::moveObstacle(int client, const json& message) {
+  if (!request_.recording.empty()) throw ComponentError("no hand reaches into a recording");
+  if (drawing_.obstacles.empty()) throw ComponentError("the scene has no obstacles");
+  const long number = integer(member(message, "obstacle"), "obstacle", 0, long(drawing_.obstacles.size()) - 1);
+  const Vec3 offset = place(member(message, "offset"), "offset");
+  simulation_.setAttribute(drawing_.obstacles[std::size_t(number)].owner->path(), "offset",
+                           fmt::format("{} {} {}", offset[0], offset[1], offset[2]));
+  if (message.contains("sequence")) hands_.ordered(client, integer(message["sequence"], "sequence", 0, 1L << 52));
+  if (!running_) hands_.orderedIsDrawn();
+  dirty_ = true;
 }
 
 void LiveRun::setAttribute(const json& message) {

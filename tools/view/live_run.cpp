@@ -30,7 +30,7 @@ bool isQuestion(const json& message) { return !needsControl(message.value("do", 
 
 bool isOfHand(const json& message) {
   const std::string verb = message.value("do", "");
-  return verb == "pull" || verb == "force" || verb == "push";
+  return verb == "pull" || verb == "force" || verb == "push" || verb == "move";
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ class LiveRun {
   void tell(int client, const std::string& verb);
   void tellXml(int client);
   void setAttribute(const nlohmann::json& message);
+  void moveObstacle(int client, const nlohmann::json& message);
   void seek(long index);
   void reset();
   void startRunning();

@@ -16,7 +16,7 @@ using nlohmann::json;
 const std::map<std::string, std::vector<std::string>>& verbs() {
   static const std::map<std::string, std::vector<std::string>> table{
       {"hello", {"build"}},
-      {"want", {"nodes", "fields", "loads", "format", "fps"}},
+      {"want", {"nodes", "fields", "loads", "contacts", "format", "fps"}},
       {"watch", {"values"}},
       {"drawn", {"frame"}},
       {"control", {}},
@@ -30,6 +30,7 @@ const std::map<std::string, std::vector<std::string>>& verbs() {
       {"force", {"hand", "body", "nodes", "force"}},
       {"push", {"hand", "body", "centre", "radius", "stiffness"}},
       {"release", {"hand"}},
+      {"move", {"hand", "obstacle", "offset"}},
       {"key", {"key", "pressed"}},
       {"mouse", {"state", "x", "y", "wheel"}},
       {"set", {"path", "attribute", "value"}},

@@ -5,6 +5,7 @@
 
 #include "tools/drawing/held_nodes.h"
 #include "tools/units/unit_system.h"
+#include "tools/view/contact_packets.h"
 
 namespace stroma::view {
 namespace {
@@ -26,7 +27,22 @@ std::string whyNoHand(const Body& body) {
   return {};
 }
 
-json describe(const Body& body) {
+/// The number of the body that carries this one by mappings; -1: none is drawn.
+Index carrierOf(const Body& body, const Drawing& drawing) {
+  if (!body.system) return -1;
+  const State* state = body.state;
+  for (bool found = true; found && state->firstRow() >= body.system->independentRows();) {
+    found = false;
+    for (const auto* mappings : {&body.system->actors().mappings, &body.system->actors().passive_mappings})
+      for (const Mapping* mapping : *mappings)
+        if (!found && &mapping->output() == state) state = &mapping->input(), found = true;
+  }
+  for (std::size_t b = 0; b < drawing.bodies.size(); ++b)
+    if (state != body.state && drawing.bodies[b].state == state && whyNoHand(drawing.bodies[b]).empty()) return Index(b);
+  return -1;
+}
+
+json describe(const Body& body, const Drawing& drawing) {
   const std::string why = whyNoHand(body);
   json out{{"path", body.state->path()},
            {"node", body.state->node().path()},
@@ -38,6 +54,7 @@ json describe(const Body& body) {
              {"hexahedra", body.mesh ? body.mesh->hexahedra.size() : 0}}},
            {"interactive", why.empty()},
            {"why", why},
+           {"carrier", why.empty() ? -1 : carrierOf(body, drawing)},
            {"frames", json::array()},
            {"beams", json::array()},
            {"balls", json::array()},
@@ -91,13 +108,13 @@ Packet scenePacket(const Simulation& simulation, const Drawing& drawing, int gen
               {"units", namesIn(units)},
               {"bodies", json::array()},
               {"fields", json::array()}};
-  for (const Body& body : drawing.bodies) header["bodies"].push_back(describe(body));
+  for (const Body& body : drawing.bodies) header["bodies"].push_back(describe(body, drawing));
   for (const Field& field : drawing.fields)
     header["fields"].push_back({{"id", field.id},
                                 {"body", field.body},
                                 {"name", field.name},
                                 {"on", field.source ? "cells" : "nodes"},
-                                {"unit", units.unit(unitOfField(field.name))},
+                                {"unit", units.unit(drawing::unitOf(field))},
                                 {"source", field.source ? field.source->path() : ""}});
   Packet packet(std::move(header));
   for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
@@ -119,6 +136,7 @@ Packet scenePacket(const Simulation& simulation, const Drawing& drawing, int gen
   }
   packet.add("links", std::move(links));
   packet.add("link_kind", std::move(kinds));
+  describeContacts(drawing, packet);
   return packet;
 }
 

@@ -157,6 +157,7 @@ void Server::demandChanged() {
     all.connected = true;
     all.can_draw = all.can_draw || client->wantsFrames();
     all.all_nodes = all.all_nodes || one.all_nodes, all.loads = all.loads || one.loads;
+    all.contacts = all.contacts || one.contacts;
     all.fps = std::max(all.fps, one.fps);
     all.fields.insert(one.fields.begin(), one.fields.end());
     all.values.insert(one.values.begin(), one.values.end());

@@ -16,7 +16,7 @@
 namespace stroma::view {
 namespace {
 
-/// Numbers of the fields of cells with these names.
+/// Numbers of the fields with these names.
 std::set<int> fieldsCalled(const std::vector<std::string>& names, const Drawing& drawing) {
   std::set<int> numbers;
   for (const std::string& name : names) {
@@ -41,10 +41,12 @@ class PageMaker {
     demand_.all_nodes = request.inside;
     demand_.fields = fieldsCalled(request.fields, drawing_);
     Packet scene = scenePacket(simulation, drawing_, 1, "recording");
-    if (!request.fields.empty())
-      scene.header()["view"] = {{"colour", request.fields.front() + "|cells|" +
-                                               unitsOf(simulation.scene()).unit(unitOfField(request.fields.front()))},
-                                {"range", "most"}};
+    demand_.contacts = !drawing_.contacts.empty();
+    for (const Field& field : drawing_.fields)  // of several with the name any will do
+      if (!request.fields.empty() && field.name == request.fields.front())
+        scene.header()["view"] = {{"colour", field.name + (field.source ? "|cells|" : "|nodes|") +
+                                                 unitsOf(simulation.scene()).unit(drawing::unitOf(field))},
+                                  {"range", "most"}};
     page_.add(scene.bytes());
     page_.add(heldPacket(simulation, drawing_, 1, simulation.time()).bytes());
     if (request.inside) page_.add(cellsPacket(drawing_, 1).bytes());

@@ -23,6 +23,7 @@ export class Colouring {
     /** The largest value of the frame, whatever the range. */
     this.largest = NaN;
     this.last = '';
+    this.isOfContact = false;
     this.lastStep = this.lastRun = 0;
   }
 
@@ -45,10 +46,13 @@ export class Colouring {
       this.lastRun = run;
     }
     this.largest = NaN;
+    this.isOfContact = false;
     if (!view.colour) return;
     const all = [Infinity, -Infinity];
     const range = [Infinity, -Infinity];
     const fields = this.store.chosenFields();
+    // Few nodes touch: most values would be zeros.
+    this.isOfContact = [...fields.values()].some((field) => field.on === 'nodes' && field.name !== 'velocity');
     for (const body of this.store.bodies) {
       if (!body.visible) continue;
       const coloured = view.colour === 'displacement' ? { ...PLAIN, kind: 'displacement' } : this.fromField(body, fields.get(body.index));
@@ -57,7 +61,7 @@ export class Colouring {
       else if (coloured.surface) extremes(coloured.cells ?? coloured.nodes ?? coloured.surface, all);
       if (view.range === 'fixed') continue;
       if (coloured.kind === 'displacement') displacementRange(body, range);
-      else if (coloured.surface) (view.range === 'most' ? bulk : extremes)(view.cut.on && coloured.cells ? coloured.cells : coloured.surface, range);
+      else if (coloured.surface) (view.range === 'most' && !this.isOfContact ? bulk : extremes)(view.cut.on && coloured.cells ? coloured.cells : coloured.surface, range);
     }
     this.largest = all[1];
     this.setRange(range);

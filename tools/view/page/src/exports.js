@@ -129,8 +129,8 @@ export class ExportPanel {
   async html() {
     this.note.textContent = 'Writing the page.';
     const { camera, controls } = this.stage;
-    const { colour, map, range, low, high, exaggeration, wireframe, loads, cut } = this.store.view;
-    const view = { colour, map, range, low, high, exaggeration, wireframe, loads, cut,
+    const { colour, map, range, low, high, exaggeration, wireframe, loads, contacts, obstacles, cut } = this.store.view;
+    const view = { colour, map, range, low, high, exaggeration, wireframe, loads, contacts, obstacles, cut,
       camera: { position: camera.position.toArray(), target: controls.target.toArray() } };
     const { frames, count } = this.frames();
     const text = await exportedPage(this.store, await ownText(), view, frames, count, this.stride);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Hands: what the pointer does to a body. It pulls a node or a face with a spring, leaves it held, or pushes with a ball. A rigid
-// frame is pulled by its centre and turned by the end of one of its axes.
+// frame is pulled by its centre, also by a surface that it carries, and turned by the end of one of its axes. An obstacle is moved.
 import * as THREE from 'three';
 import { quantity } from './formats.js';
 import { h } from './dom.js';
@@ -97,8 +97,10 @@ export class Hands {
       return;
     }
     if (this.mode === 'look' || this.drag || event.button !== 0 || !this.store.following || !this.commands.connection) return;
+    const tool = this.obstacleAt(event.clientX, event.clientY);
     const axis = this.mode === 'push' ? null : pickAxis(this.stage, event.clientX, event.clientY);
-    const picked = axis ?? pick(this.stage, event.clientX, event.clientY);
+    const seen = axis ?? pick(this.stage, event.clientX, event.clientY);
+    const picked = tool && !axis && !(seen?.distance < tool.distance) ? tool : seen;
     const again = axis || this.mode === 'push' ? null : this.heldAt(event.clientX, event.clientY);
     if (!picked && !again) return; // beside the bodies the pointer turns the view
     event.stopImmediatePropagation();
@@ -116,7 +118,9 @@ export class Hands {
 
   /** Takes what was picked, or a hold again. @param {any} picked @param {any} again @returns {boolean} whether it may be moved now */
   begin(picked, again) {
+    picked = this.onCarrier(picked);
     const body = this.store.bodies[(again ?? picked).body];
+    if (picked?.obstacle !== undefined && !again) return this.beginMove(picked);
     if (!body.interactive) this.store.notify(body.why || `${body.name} cannot be pulled.`, 'warning');
     else if (!this.commands.mayCommand()) this.store.emit('control-needed');
     else {
@@ -128,6 +132,38 @@ export class Hands {
       return true;
     }
     return false;
+  }
+
+  /** The obstacle under the pointer. @param {number} x @param {number} y */
+  obstacleAt(x, y) {
+    const ray = this.stage.ray(x, y);
+    const hit = this.stage.contacts.hit(ray);
+    return hit && { ...hit, point: ray.at(hit.distance, new THREE.Vector3()).toArray() };
+  }
+
+  /** An obstacle is led by the pointer; contact lets it go as far as nothing is in its way. @param {any} picked */
+  beginMove({ obstacle, point }) {
+    const { movable, name } = this.store.obstacles[obstacle];
+    if (!movable) this.store.notify(`${name} does not let its obstacles be moved.`, 'warning');
+    else if (!this.commands.mayCommand()) this.store.emit('control-needed');
+    else {
+      const start = this.store.shown?.header.offsets?.[obstacle] ?? [0, 0, 0];
+      this.drag = { hand: `o${obstacle}`, kind: 'move', obstacle, start, anchor: point, moved: new THREE.Vector3(), keys: false, byPointer: new THREE.Vector3(), byKeys: new THREE.Vector3() };
+      return true;
+    }
+    return false;
+  }
+
+  /** Of a surface that another body carries, the nearest frame or node of that body. @param {any} picked */
+  onCarrier(picked) {
+    const body = picked && this.store.bodies[picked.body];
+    const carrier = body && !body.interactive ? this.store.bodies[body.carrier ?? -1] : undefined;
+    if (!carrier || this.mode === 'push') return picked;
+    const nodes = carrier.frames.length ? carrier.frames.map(([place]) => place) : Array.from({ length: carrier.surface || carrier.count }, (_, n) => n);
+    const view = this.stage.views[carrier.index];
+    const away = (/** @type {number} */ n) => Math.hypot(...view.drawnAt(n).map((c, i) => c - picked.point[i]));
+    const node = nodes.reduce((best, n) => (away(n) < away(best) ? n : best), nodes[0]);
+    return { ...picked, body: carrier.index, node, nodes: [node], sceneNode: carrier.sceneNode[node] };
   }
 
   /** Takes a picked node without a pointer; keys move it. A hand that only looks pulls. @param {{body: number, node: number} | null} picked */
@@ -154,7 +190,7 @@ export class Hands {
    * ball instead would add the body's answer to the order that caused it, which grows without end. @param {number} time of the event */
   update(time) {
     const { drag } = this;
-    drag.moved.addVectors(drag.byPointer, drag.byKeys).divideScalar(drag.kind !== 'push' && drag.arm ? 1 : shared.exaggeration.value || 1);
+    drag.moved.addVectors(drag.byPointer, drag.byKeys).divideScalar(drag.kind === 'move' || (drag.kind !== 'push' && drag.arm) ? 1 : shared.exaggeration.value || 1);
     if (drag.before) drag.moved.add(drag.before);
     this.send(time, false);
   }
@@ -284,7 +320,7 @@ export class Hands {
     if (drag.kind === 'hold' && !letGo) {
       this.kept ??= new Map();
       this.kept.set(drag.hand, drag);
-    } else this.release(drag.hand);
+    } else if (drag.kind !== 'move') this.release(drag.hand);
     this.stage.requestDraw();
     return true;
   }
@@ -317,8 +353,8 @@ export class Hands {
     const moved = drag.moved.toArray();
     const stiffness = this.stiffness === null ? {} : { stiffness: this.stiffness };
     const move = (/** @type {number[]} */ p) => p.map((c, i) => c + moved[i]);
-    const message = drag.kind === 'push'
-      ? { do: 'push', hand: drag.hand, body: drag.body, centre: move(drag.centre), radius: drag.radius, ...stiffness, sequence }
+    const message = drag.kind === 'move' ? { do: 'move', hand: drag.hand, obstacle: drag.obstacle, offset: drag.start.map((c, i) => c + moved[i]), sequence }
+      : drag.kind === 'push' ? { do: 'push', hand: drag.hand, body: drag.body, centre: move(drag.centre), radius: drag.radius, ...stiffness, sequence }
       : drag.arm ? { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, frames: [drag.frame], targets: [turnTowards(drag.start, drag.arm, move(drag.arm))], ...stiffness, sequence }
       : { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, nodes: drag.nodes, targets: drag.starts.map(move), ...stiffness, sequence };
     if (first) this.commands.tell(message).then((reply) => !reply.ok && this.drag === drag && this.end(true));

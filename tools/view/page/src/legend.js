@@ -36,7 +36,7 @@ export class Legend {
     return {
       caption: titleOf(view.colour) + (scale.unit ? ` [${scale.unit}]` : ''), map: view.map,
       maximum: Number.isFinite(most) ? `Maximum ${number(most / scale.factor)}${unit}` : '',
-      note: view.range === 'most' && view.colour !== 'displacement' ? '98 % of the values' : '',
+      note: view.range === 'most' && view.colour !== 'displacement' && !this.stage.colouring.isOfContact ? '98 % of the values' : '',
       marks: places.map((place, i) => ({ at: high > low ? (place - low) / (high - low) : 0.5, text: texts[i] })),
     };
   }
@@ -93,9 +93,13 @@ export class Legend {
   }
 }
 
+/** @type {Record<string, string>} */
+const TITLES = { pressures: 'Contact pressure', gaps: 'Contact gap', contactAreas: 'Contact area', contactStates: 'Sticks 1, slides 2', contactForces: 'Contact force', frictionForces: 'Friction force' };
+
 /** The name of a choice of colour for people. @param {string} key */
 export function titleOf(key) {
-  const name = key.split('|')[0];
+  const [name, ...more] = key.split('|')[0].split(' ');
+  if (TITLES[name]) return [TITLES[name], ...more].join(' ');
   const spaced = name.replace(/([a-z])([A-Z])/g, '$1 $2');
   return spaced.charAt(0).toUpperCase() + spaced.slice(1);
 }

@@ -2,6 +2,7 @@
 // The panel at the right: one tab for each kind of control.
 import { Attributes } from './attributes.js';
 import { ColourPanel } from './colour_panel.js';
+import { ContactPanel } from './contact_panel.js';
 import { CutPanel } from './cut_panel.js';
 import { ExportPanel } from './exports.js';
 import { HandsPanel } from './hands_panel.js';
@@ -9,7 +10,7 @@ import { Log } from './log.js';
 import { Plots } from './plots.js';
 import { h } from './dom.js';
 
-const TABS = /** @type {const} */ ([['colour', 'Colour', ColourPanel], ['cut', 'Cut', CutPanel], ['hands', 'Hands', HandsPanel],
+const TABS = /** @type {const} */ ([['colour', 'Colour', ColourPanel], ['cut', 'Cut', CutPanel], ['contact', 'Contact', ContactPanel], ['hands', 'Hands', HandsPanel],
   ['attributes', 'Attributes', Attributes], ['plots', 'Plots', Plots], ['log', 'Log', Log], ['export', 'Export', ExportPanel]]);
 
 export class Panels {

@@ -83,7 +83,7 @@ function hitFaces(body, o, d, limit) {
  * Distance along the ray to a triangle, or NaN (Möller and Trumbore).
  * @param {Float64Array} p nine coordinates @param {number[]} o @param {number[]} d
  */
-function hitTriangle(p, o, d) {
+export function hitTriangle(p, o, d) {
   const e1x = p[3] - p[0], e1y = p[4] - p[1], e1z = p[5] - p[2];
   const e2x = p[6] - p[0], e2y = p[7] - p[1], e2z = p[8] - p[2];
   const hx = d[1] * e2z - d[2] * e2y, hy = d[2] * e2x - d[0] * e2z, hz = d[0] * e2y - d[1] * e2x;

@@ -46,9 +46,11 @@ export function openingPackets(store, view) {
       kinds.push(store.linkKinds[k / 4]);
     }
   Object.assign(arrays, { links: Int32Array.from(links), link_kind: Uint8Array.from(kinds) });
+  store.obstacles.forEach((obstacle, k) => Object.assign(arrays, { [`o${k}.points`]: obstacle.points, [`o${k}.triangles`]: obstacle.triangles }));
+  const obstacles = store.obstacles.map(({ path, name, solid }) => ({ path, name, solid, movable: false }));
   const { name, dt, gravity, build } = store.scene;
   const fields = [...store.chosenFields().values()];
-  const packets = [writePacket({ is: 'scene', generation: 1, client: 0, build, name, mode: 'recording', dt, gravity, bodies, fields, view }, arrays),
+  const packets = [writePacket({ is: 'scene', generation: 1, client: 0, build, name, mode: 'recording', dt, gravity, bodies, fields, obstacles, contacts: store.contacts, view }, arrays),
     writePacket({ is: 'held', generation: 1 }, held)];
   if (inside) packets.push(writePacket({ is: 'cells', generation: 1 }, cells));
   return packets;
@@ -84,8 +86,11 @@ export function framePacket(store, packet, number) {
     else if (field.on === 'nodes') out[`f${field.id}`] = values.subarray(0, body.surface);
     else out[`f${field.id}`] = body.cells.tetrahedra + body.cells.hexahedra ? Float32Array.from(body.owner, (cell) => values[cell]) : values;
   }
+  const contacts = header.contacts && store.view.contacts ? { contacts: header.contacts } : {};
+  if (header.contacts && store.view.contacts)
+    for (const name of Object.keys(arrays)) if (/^c\d+\./.test(name)) out[name] = arrays[name];
   return writePacket({ is: 'frame', generation: 1, frame: number, step: header.step, time: header.time, run: header.run ?? 0, nodes: inside && whole ? 'all' : 'surface', format: 'u16',
-    applied: {}, hands: header.hands ?? [], values: header.values ?? {}, boxes }, out);
+    applied: {}, hands: header.hands ?? [], values: header.values ?? {}, boxes, ...(header.moved ? { moved: header.moved } : {}), ...contacts }, out);
 }
 
 /**

@@ -4,6 +4,7 @@ import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { BodyView } from './body.js';
 import { Colouring } from './colouring.js';
+import { Contacts } from './contacts.js';
 import { Cut } from './cut.js';
 import { setColourMap, shared } from './gpu.js';
 import { Growing } from './shapes.js';
@@ -27,6 +28,7 @@ export class Stage {
     this.colouring = new Colouring(store);
     this.links = new Growing('lines', { mode: 2, lift: 0.00003 }, true);
     this.world.add(...this.cut.objects, this.links.object);
+    this.contacts = new Contacts(store, this.world);
     this.restBox = new THREE.Box3();
     this.asked = false;
     this.frameChanged = this.choicesChanged = false;
@@ -82,6 +84,7 @@ export class Stage {
     this.views = this.store.bodies.map((body) => new BodyView(body, this.store));
     for (const view of this.views) this.world.add(view.group);
     for (const view of this.views) view.setConstraints();
+    this.contacts.build();
     if (!this.store.continued) this.colouring.reset();
     this.measure();
     // The same scene sent again, after a lost connection or a change of topology, keeps the camera.
@@ -106,8 +109,19 @@ export class Stage {
   box(isMeant = () => true) {
     const box = new THREE.Box3();
     for (const view of this.views) if (view.body.visible && isMeant(view.body)) view.extend(box);
+    if (this.store.view.obstacles && this.views.every(({ body }) => isMeant(body))) this.extendByObstacles(box);
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, -0.5, -0.5), new THREE.Vector3(0.5, 0.5, 0.5));
     return box;
+  }
+
+  /** By those that are not much larger than the bodies. @param {THREE.Box3} box */
+  extendByObstacles(box) {
+    const size = box.getSize(new THREE.Vector3()).length();
+    for (const view of this.contacts.obstacles) {
+      const own = new THREE.Box3();
+      view.extend(own);
+      if (!own.isEmpty() && own.getSize(new THREE.Vector3()).length() < 2 * size && own.distanceToPoint(box.getCenter(new THREE.Vector3())) < 2 * size) box.union(own);
+    }
   }
 
   /** Whether the camera goes where the bodies go. @param {boolean} on */
@@ -306,6 +320,7 @@ export class Stage {
     }
     if (store.view.cut.on || shared.cut.value) this.cut.update(this.restBox, (body) => this.colouring.of(body));
     this.updateLinks();
+    this.contacts.update(this.views);
     this.frameChanged = this.choicesChanged = false;
   }
 

@@ -17,6 +17,7 @@ const MOST_MESSAGES = 2000;
  * @property {{tetrahedra: number, hexahedra: number}} cells
  * @property {boolean} interactive
  * @property {string} why
+ * @property {number} [carrier] the body that carries this one, which a hand can take; -1: none
  * @property {number[][]} frames rigid frames: the first number is the node of the place
  * @property {number[][]} beams round beams: nodes and frames of both ends, radius, chord at rest in the axes of both ends
  * @property {number[][]} balls nodes at their centres, radius
@@ -52,6 +53,10 @@ export class Store {
     this.bodies = [];
     /** @type {any[]} */
     this.fields = [];
+    /** Obstacles of components, with their triangles. @type {any[]} */
+    this.obstacles = [];
+    /** Components that compute forces of contact. @type {any[]} */
+    this.contacts = [];
     /** @type {Map<number, Float32Array>} newest values of each field as they came */
     this.values = new Map();
     /** Fields whose newest values came with all nodes: one value per cell, not per triangle. */
@@ -81,7 +86,7 @@ export class Store {
     this.selected = '';
     this.view = {
       colour: '', map: 'viridis', range: 'most', low: 0, high: 1, exaggeration: 1, legend: true,
-      surface: true, wireframe: false, points: true, springs: true, held: true, loads: false, frames: true, opacity: 1,
+      surface: true, wireframe: false, points: true, springs: true, held: true, loads: false, contacts: false, obstacles: true, frames: true, opacity: 1,
       cut: { on: false, normal: [1, 0, 0], place: 0.5, flip: false, outlines: true, fill: true },
       theme: 'auto', remote: false,
     };
@@ -210,6 +215,8 @@ export class Store {
     this.links = arrays.links ?? new Int32Array(0);
     this.linkKinds = arrays.link_kind ?? new Uint8Array(0);
     this.fields = header.fields ?? [];
+    this.obstacles = (header.obstacles ?? []).map((/** @type {any} */ info, /** @type {number} */ k) => ({ ...info, points: arrays[`o${k}.points`], triangles: arrays[`o${k}.triangles`] }));
+    this.contacts = header.contacts ?? [];
     if (!this.continued) {
       this.values.clear();
       this.newestWith.clear();

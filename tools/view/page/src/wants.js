@@ -11,6 +11,8 @@ export class Wants {
     this.lastWatch = '';
     /** Values that the plots want: "energy", "solver". @type {Set<string>} */
     this.groups = new Set();
+    /** Who looks at numbers of contacts besides arrows. @type {Set<string>} */
+    this.contacts = new Set();
     store.on('scene', () => {
       this.last = this.lastWatch = '';
       this.tell();
@@ -26,7 +28,7 @@ export class Wants {
     const { view } = this.store;
     const fields = [...this.store.chosenFields().values()].map((field) => field.id);
     const want = JSON.stringify({
-      do: 'want', nodes: this.stage.cut.needsInside ? 'all' : 'surface', fields, loads: view.loads, format: view.remote ? 'u16' : 'f32', fps: 60,
+      do: 'want', nodes: this.stage.cut.needsInside ? 'all' : 'surface', fields, loads: view.loads, contacts: view.contacts || this.contacts.size > 0, format: view.remote ? 'u16' : 'f32', fps: 60,
     });
     if (want !== this.last && this.connection.send(JSON.parse(want))) this.last = want;
     const values = [...this.groups];

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Steps with contact take memory only where there are more pairs than ever before: all memory of the program is counted.
+#include <cstdlib>
+
+#include "tests/contact/contact_scenes.h"
+
+#if !defined(__SANITIZE_ADDRESS__)  // which has a malloc of its own
+namespace {
+long allocations = 0;
+}
+
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" __attribute__((visibility("default"))) void* malloc(std::size_t size) noexcept {
+  ++allocations;
+  return __libc_malloc(size);
+}
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+/// Of five steps, after thirty: a sphere is pressed into a block, and drawn along.
+long allocationsWith(const std::string& integrator, const std::string& contact, const std::string& way, double dt) {
+  Simulation simulation = simulationFromText(fmt::format(
+      "<Node name=\"root\" dt=\"{}\" gravity=\"0 0 -9.81\">{}<CGLinearSolver iterations=\"300\" tolerance=\"1e-11\"/>"
+      "<RegularGridTopology n=\"6 6 4\" min=\"0 0 0\" max=\"0.1 0.1 0.05\"/><MechanicalObject/><UniformMass "
+      "totalMass=\"0.5\"/>"
+      "<BoxROI name=\"floor\" box=\"-1 -1 -0.001 1 1 0.001\"/><FixedProjectiveConstraint indices=\"@floor.indices\"/>"
+      "<HexahedronFEMForceField youngModulus=\"1e4\" poissonRatio=\"0.4\" method=\"polar\"/>"
+      "<{} friction=\"0.3\" spheres=\"0.05 0.05 0.0815 0.03\" keyTimes=\"0 {} 1\" movements=\"0 0 0  0 0 -0.008  {}\" "
+      "selfContact=\"0\"/></Node>",
+      dt, integrator, contact, 20 * dt, way));
+  for (int i = 0; i < 30; ++i) simulation.step();
+  const long before = allocations;
+  for (int i = 0; i < 5; ++i) {
+    const StepReport report = simulation.step();
+    EXPECT_FALSE(report.failed()) << report.reason;
+    EXPECT_TRUE(report.constraints_converged) << report.constraint_reason;
+  }
+  return allocations - before;
+}
+
+TEST(ContactAllocations, ThereAreNoneInASteadyStep) {
+  const std::string barrier = "BarrierContact contactDistance=\"1e-3\" stiffness=\"1e4\"", stays = "0 0 -0.008",
+                    drawn = "0.1 0 -0.008",
+                    newton = "<EulerImplicitSolver newtonIterations=\"40\" rayleighMass=\"10\"/>";
+  EXPECT_EQ(allocationsWith(newton, barrier, stays, 0.01), 0);
+  EXPECT_EQ(allocationsWith("<EulerExplicitSolver vdamping=\"10\"/>", barrier, drawn, 5e-4), 0);
+  EXPECT_EQ(allocationsWith(newton, "ConstraintContact contactDistance=\"1e-3\"", stays, 0.01), 0);
+  EXPECT_LT(allocationsWith(newton, barrier, "0.01 0 -0.008", 0.01), 20)
+      << "only where there are more pairs than before";
+  EXPECT_GT(allocations, 0) << "the counter counts";
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
+#endif
