@@ -13,6 +13,13 @@
 
 namespace stroma::hexahedron {
 
+/// Calls f(mode of a, mode of b) for each of the seven.
+template <class A, class B, class F>
+void forEachMode(A& a, B& b, F&& f) {
+  f(a.xi, b.xi), f(a.eta, b.eta), f(a.zeta, b.zeta), f(a.xi_eta, b.xi_eta), f(a.eta_zeta, b.eta_zeta),
+      f(a.zeta_xi, b.zeta_xi), f(a.all, b.all);
+}
+
 /// R m
 template <class T>
 Modes<T> rotated(const M3<T>& r, const Modes<T>& m) {

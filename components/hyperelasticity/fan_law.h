@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Linear tetrahedra of a law in the forms standard and projected, compiled once for all laws: products read tangents that are the
-// same for all, and the law's part of a force is behind functions (point_functions.h).
+// same for all, and the law's force is behind a function (point_functions.h) that has the loop in it.
 #pragma once
 #include "components/hyperelasticity/hyperelastic_tetrahedron.h"
 #include "components/hyperelasticity/point_functions.h"
@@ -14,10 +14,7 @@ struct LawlessTetrahedron {
   static constexpr bool reads_position = true;
   using Frame = Frame_;
   template <class T>
-  struct Rest {
-    typename Frame::template Gradients<T> g;  ///< [1/m]
-    T weight;                                 ///< -V_0 [m^3]
-  };
+  using Rest = FanCell<Frame, T>;
   template <class T>
   using Tangent = typename Form::template Tangent<T>;
 
@@ -59,15 +56,7 @@ class FanLaw final : public ElementKernels {
   void addForce(ConstRows x, Rows f) override {
     if (x_.count() != x.count) x_.resize(x.count);
     copy(x, x_);
-    storage_.loop.template run<1, 1>({x}, {f}, [&](Index b, const auto& in, auto& out) {
-      Model::template gatherForces<true>(out[0], [&](int i, V3<Pack>(&own)[4]) {
-        const auto& rest = storage_.rest[b].of[i];
-        M3<Pack> stress;
-        law_.stress(parameters(b, i), rest.weight, deformation(in[0], rest, i),
-                    reinterpret_cast<Pack*>(&storage_.tangent[b].of[i]), stress);
-        Frame::forces(stress, rest.g, own);
-      });
-    });
+    law_.fans(storage_.loop, parameters_.data(), storage_.rest.data(), storage_.tangent.data(), x, f);
   }
   void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override {
     addForce(x, f);
@@ -111,7 +100,8 @@ class FanLaw final : public ElementKernels {
         for (int i = 0; i < tetrahedron::fan_size; ++i) {
           const Index f = storage_.loop.elementOf(b, l);
           const tetrahedron::Fan& fan = fans[f >= 0 ? f : storage_.loop.elementOf(b, 0)];
-          law_.read(cells.parameters(std::size_t(fan.element[i] >= 0 ? fan.element[i] : fan.element[0])), values.data());
+          law_.read(cells.parameters(std::size_t(fan.element[i] >= 0 ? fan.element[i] : fan.element[0])),
+                    values.data());
           Pack* const packs = parameters_.data() + (parameters(b, i) - parameters_.data());
           for (std::size_t k = 0; k < values.size(); ++k) setLane(packs[k], l, values[k]);
         }

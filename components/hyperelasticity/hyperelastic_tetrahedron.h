@@ -57,10 +57,18 @@ struct MaterialFrame {
   }
 };
 
+/// A tetrahedron of a fan whose law's numbers lie elsewhere (fan_law.h).
+template <class Frame, class T>
+struct FanCell {
+  typename Frame::template Gradients<T> g;  ///< [1/m]
+  T weight;                                 ///< -V_0 [m^3]
+};
+using FanLoop = ElementLoop<tetrahedron::fan_nodes, tetrahedron::FanCoupling>;
+
 /// Gradients [1/m] and weight -V_0 [m^3] of a cell with its vertices in the order of `order`; a padding lane has no volume.
 template <class Frame>
-void setTetrahedron(const Cells& cells, std::size_t cell, const stroma::Tetrahedron& order, bool anisotropic, bool padding,
-                    typename Frame::template Gradients<double>& g, double& weight) {
+void setTetrahedron(const Cells& cells, std::size_t cell, const stroma::Tetrahedron& order, bool anisotropic,
+                    bool padding, typename Frame::template Gradients<double>& g, double& weight) {
   const auto at = [&](int a) -> const Vec3& { return (*cells.rest)[order[a]]; };
   Mat3 edges;
   edges << at(1) - at(0), at(2) - at(0), at(3) - at(0);

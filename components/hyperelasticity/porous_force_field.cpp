@@ -64,7 +64,7 @@ void PorousForceField::declare(DataTable& table) {
       .help("semi_implicit: forces see the pressure before the step; implicit: that of their own shape");
   table.addChoice("tangent", tangent_, {"coupled", "undrained"})
       .help("of implicit coupling: with the pressure that follows, or of fluid that stays in each element");
-  table.add("pressure", pressure_).unit("Pa").help("of each node, at the start (zero when not given) and then now");
+  table.add("pressure", pressure_).unit("Pa").ofNodes().help("of each node, at the start (zero when not given) and then now");
 }
 
 void PorousForceField::declareModuli(DataTable& table) {

@@ -10,8 +10,8 @@
 #include <algorithm>
 
 #include "components/shape_memory/neighbourhoods.h"
+#include "components/shape_memory/spin.h"
 #include "framework/algebra/parallel.h"
-#include "framework/fem/local_frame.h"
 
 namespace stroma {
 

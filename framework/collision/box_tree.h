@@ -2,8 +2,11 @@
 // Boxes around things, in a binary tree: which of them are near a box, in the time of their number's logarithm. A tree
 // with a new place for each box keeps its shape: refit() costs a fraction of build().
 #pragma once
+#include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "framework/scene/types.h"
@@ -20,6 +23,7 @@ struct Box {
   bool meets(const Box& other) const {
     return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
   }
+  double distanceTo(const Vec3& p) const { return (p - p.cwiseMax(low).cwiseMin(high)).norm(); }
   /// Nearer than `margin` along every axis.
   bool isNear(const Box& other, double margin) const {
     return (low.array() - margin <= other.high.array()).all() && (other.low.array() - margin <= high.array()).all();
@@ -49,6 +53,26 @@ class BoxTree {
         waiting[count++] = node.right;
         waiting[count++] = node.left;
       }
+    }
+  }
+  /// visit(i, distance) for the boxes by ascending distance from p, as long as it returns true.
+  template <class Visit>
+  void forEachByDistance(const Vec3& p, Visit&& visit) const {
+    std::vector<std::pair<double, Index>> heap;  // of nodes
+    const auto add = [&](Index node) {
+      heap.emplace_back(nodes_[std::size_t(node)].box.distanceTo(p), node);
+      std::push_heap(heap.begin(), heap.end(), std::greater<>());
+    };
+    if (!empty()) add(0);
+    while (!heap.empty()) {
+      std::pop_heap(heap.begin(), heap.end(), std::greater<>());
+      const double distance = heap.back().first;
+      const Node& node = nodes_[std::size_t(heap.back().second)];
+      heap.pop_back();
+      if (node.item < 0)
+        add(node.left), add(node.right);
+      else if (!visit(node.item, distance))
+        return;
     }
   }
   /// visit(i, j) for each box i of this tree and j of `other` that are nearer than `margin` along every axis; of a tree

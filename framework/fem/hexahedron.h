@@ -28,13 +28,6 @@ struct Modes {
   V3<T> xi, eta, zeta, xi_eta, eta_zeta, zeta_xi, all;
 };
 
-/// Calls f(mode of a, mode of b) for each of the seven.
-template <class A, class B, class F>
-void forEachMode(A& a, B& b, F&& f) {
-  f(a.xi, b.xi), f(a.eta, b.eta), f(a.zeta, b.zeta), f(a.xi_eta, b.xi_eta), f(a.eta_zeta, b.eta_zeta),
-      f(a.zeta_xi, b.zeta_xi), f(a.all, b.all);
-}
-
 /// 8 u_m of the positions, or of any vector at the nodes. 23 sums per component.
 template <class T>
 Modes<T> modesOf(const V3<T> (&x)[8]) {

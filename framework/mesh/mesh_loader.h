@@ -46,7 +46,7 @@ class MeshLoader : public MeshSource {
   FileName filename_;
   std::string unit_;
   Mesh mesh_;
-  bool flip_normals_ = false, triangulate_ = false, only_attached_points_ = false;
+  bool flip_normals_ = false, triangulate_ = false, only_attached_points_ = false, points_only_ = false;
   Vec3 translation_ = Vec3::Zero(), rotation_ = Vec3::Zero(), scale3d_ = Vec3::Ones();
   double scale_ = 1;
   std::array<double, 16> transformation_{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};

@@ -67,46 +67,38 @@ Adjacency nodesAroundNodes(const std::vector<Edge>& edges, std::size_t nodes) {
   return out;
 }
 
+/// The table, made when it is asked for first.
+template <class Table, class Make>
+const Table& made(std::optional<Table>& table, Make&& make) {
+  if (!table) table = make();
+  return *table;
+}
+
 }  // namespace
 
 const std::vector<Edge>& Mesh::allEdges() const {
-  if (!all_edges_) all_edges_ = uniqueEdges(*this);
-  return *all_edges_;
+  return made(all_edges_, [&] { return uniqueEdges(*this); });
 }
-
 const std::vector<Triangle>& Mesh::tetrahedronFaces() const {
-  if (!tetrahedron_faces_) tetrahedron_faces_ = uniqueFaces(tetrahedra, false);
-  return *tetrahedron_faces_;
+  return made(tetrahedron_faces_, [&] { return uniqueFaces(tetrahedra, false); });
 }
-
 const std::vector<Triangle>& Mesh::boundaryTriangles() const {
-  if (!boundary_triangles_) boundary_triangles_ = uniqueFaces(tetrahedra, true);
-  return *boundary_triangles_;
+  return made(boundary_triangles_, [&] { return uniqueFaces(tetrahedra, true); });
 }
-
 const std::vector<Quad>& Mesh::boundaryQuads() const {
-  if (!boundary_quads_) boundary_quads_ = uniqueFaces(hexahedra, true);
-  return *boundary_quads_;
+  return made(boundary_quads_, [&] { return uniqueFaces(hexahedra, true); });
 }
-
 const std::vector<QuadraticTriangle>& Mesh::boundaryQuadraticTriangles() const {
-  if (!boundary_quadratic_triangles_) boundary_quadratic_triangles_ = uniqueFaces(quadratic_tetrahedra, true);
-  return *boundary_quadratic_triangles_;
+  return made(boundary_quadratic_triangles_, [&] { return uniqueFaces(quadratic_tetrahedra, true); });
 }
-
 const Adjacency& Mesh::tetrahedraAroundNode() const {
-  if (!tetrahedra_around_node_) tetrahedra_around_node_ = cellsAroundNodes(tetrahedra, position.size());
-  return *tetrahedra_around_node_;
+  return made(tetrahedra_around_node_, [&] { return cellsAroundNodes(tetrahedra, position.size()); });
 }
-
 const Adjacency& Mesh::hexahedraAroundNode() const {
-  if (!hexahedra_around_node_) hexahedra_around_node_ = cellsAroundNodes(hexahedra, position.size());
-  return *hexahedra_around_node_;
+  return made(hexahedra_around_node_, [&] { return cellsAroundNodes(hexahedra, position.size()); });
 }
-
 const Adjacency& Mesh::nodesAroundNode() const {
-  if (!nodes_around_node_) nodes_around_node_ = nodesAroundNodes(allEdges(), position.size());
-  return *nodes_around_node_;
+  return made(nodes_around_node_, [&] { return nodesAroundNodes(allEdges(), position.size()); });
 }
 
 int Mesh::derivedTables() const {

@@ -11,16 +11,14 @@ namespace stroma {
 namespace {
 
 /// How the numbers of a type are grouped: width 0 means that it holds none.
-template <class T>
-struct Shape {
-  static constexpr std::size_t width = 0;
-};
 template <class N, std::size_t w, bool list>
 struct NumberShape {
   using Number = N;
   static constexpr std::size_t width = w;
   static constexpr bool is_list = list;
 };
+template <class T>
+struct Shape : NumberShape<void, 0, false> {};
 template <>
 struct Shape<int> : NumberShape<int, 1, false> {};
 template <>
@@ -30,18 +28,7 @@ struct Shape<Vec3> : NumberShape<double, 3, false> {};
 template <class T, std::size_t n>
 struct Shape<std::array<T, n>> : NumberShape<T, n, false> {};
 template <class T>
-struct Shape<std::vector<T>> {
-  static constexpr std::size_t width = Shape<T>::width;
-  static constexpr bool is_list = true;
-};
-template <>
-struct Shape<std::vector<int>> : NumberShape<int, 1, true> {};
-template <>
-struct Shape<std::vector<double>> : NumberShape<double, 1, true> {};
-template <>
-struct Shape<std::vector<Vec3>> : NumberShape<double, 3, true> {};
-template <std::size_t n>
-struct Shape<std::vector<std::array<Index, n>>> : NumberShape<Index, n, true> {};
+struct Shape<std::vector<T>> : NumberShape<typename Shape<T>::Number, Shape<T>::width, true> {};
 
 template <class T, class F>
 void forNumbers(T& value, F&& f) {

@@ -39,14 +39,7 @@ bool startsWithIgnoringCase(std::string_view text, std::string_view start) {
 }
 
 const char* severityText(Severity severity) {
-  switch (severity) {
-    case Severity::note:
-      return "note";
-    case Severity::warning:
-      return "warning";
-    default:
-      return "error";
-  }
+  return severity == Severity::note ? "note" : severity == Severity::warning ? "warning" : "error";
 }
 
 }  // namespace

@@ -217,7 +217,7 @@ std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescripti
     return std::make_unique<UnknownComponent>();
   }
   std::vector<std::string> names{"Node", "include"};
-  for (const Modules::IndexEntry& entry : modules_.index()) names.push_back(entry.type);
+  for (const Modules::IndexEntry& entry : modules_.index()) names.emplace_back(entry.type);
   for (const ComponentEntry* entry : factory_.entries()) names.push_back(entry->type);
   for (const TypeChange& change : typeChanges()) names.emplace_back(change.old_type);
   const std::string guess(presentType(nearest(description.type, names)));

@@ -2,8 +2,6 @@
 #include "framework/scene/load.h"
 
 #include <algorithm>
-#include <memory>
-#include <unordered_set>
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/dialect.h"
@@ -27,12 +25,11 @@ Scene instantiate(SceneDescription description, Factory& factory, Modules& modul
 }
 
 KnownType knownTypes(const Factory& factory, const Modules& modules) {
-  const auto types = std::make_shared<std::unordered_set<std::string_view>>();
-  for (const Modules::IndexEntry& entry : modules.index()) types->insert(entry.type);
-  for (const TypeChange& change : typeChanges()) types->insert(change.old_type);
-  for (const TypeRemoval& removal : typeRemovals()) types->insert(removal.type);
-  types->insert(acceptedWithoutEffect().begin(), acceptedWithoutEffect().end());
-  return [types, &factory](const std::string& type) { return types->count(type) > 0 || factory.find(type); };
+  return [&factory, &modules](const std::string& type) {
+    return std::ranges::binary_search(modules.index(), std::string_view(type), {}, &Modules::IndexEntry::type) ||
+           presentType(type) != type || std::ranges::count(typeRemovals(), type, &TypeRemoval::type) > 0 ||
+           std::ranges::count(acceptedWithoutEffect(), type) > 0 || factory.find(type);
+  };
 }
 
 namespace {

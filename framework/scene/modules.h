@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Modules: shared libraries of components, opened only when a scene names something in them.
 #pragma once
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "framework/scene/factory.h"
@@ -28,7 +30,7 @@ class Modules {
   ~Modules();
 
   struct IndexEntry {
-    std::string type, module, help;
+    std::string_view type, module, help;  ///< parts of texts that the Modules keep
   };
   /// By type; of two modules with the same type the first one is opened.
   const std::vector<IndexEntry>& index() const { return index_; }

@@ -54,17 +54,18 @@ TEST_F(EmptySelections, AreSaidOfEveryComponentThatHasThem) {
   writeExampleFiles(folder_ / "meshes");
   int tried = 0;
   for (const auto& entry : modules().index()) {
-    const std::string example = exampleIn(modules().manual(entry.type));
+    const std::string type(entry.type);
+    const std::string example = exampleIn(modules().manual(type));
     const Simulation whole(loadSceneText(example, file("example.xml"), {}, factory(), modules()));
     std::vector<Component*> components;
     whole.root().collect(components);
-    const auto found = std::ranges::find(components, entry.type, &Component::type);
+    const auto found = std::ranges::find(components, type, &Component::type);
     if (found == components.end() || holdsCells(**found)) continue;
     for (const Data& data : (*found)->data().all()) {
       if (!isSelection(data)) continue;
       ++tried;
       const std::string said = saidOf(example, (*found)->path(), data.name());
-      EXPECT_FALSE(said.empty()) << entry.type << "." << data.name();
+      EXPECT_FALSE(said.empty()) << type << "." << data.name();
       EXPECT_NE(said.find("example.xml:"), std::string::npos) << said;
     }
   }

@@ -30,13 +30,14 @@ TEST(GivenStiffness, EveryNumberThatAForceFieldHasByDefaultIsToldOf) {
   Modules modules(factory);
   int told = 0;
   for (const auto& entry : modules.index()) {
-    ASSERT_TRUE(modules.provide(entry.type)) << entry.type;
-    const auto component = factory.make(entry.type);
+    const std::string type(entry.type);
+    ASSERT_TRUE(modules.provide(type)) << type;
+    const auto component = factory.make(type);
     if (!dynamic_cast<ForceField*>(component.get())) continue;
     for (const Data& data : component->data().all()) {
       const std::string& unit = data.unitText();
       if (!(unit == "N/m" || unit == "N m" || unit == "Pa") || !hasNumber(data.defaultText()) || data.isRequired()) continue;
-      const std::string name = entry.type + "." + data.name();
+      const std::string name = type + "." + data.name();
       EXPECT_NE(data.isPhysical(), of_some_scenes.contains(name)) << name << " is " << data.defaultText() << " " << unit;
       told += data.isPhysical();
     }

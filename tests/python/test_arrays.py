@@ -197,6 +197,9 @@ def test_forces_of_a_contact_are_its_arrays():
     assert contact.gaps == pytest.approx(numpy.zeros(2), abs=1e-9) and contact.normals == pytest.approx(numpy.array([[0, -1, 0]] * 2))
     assert contact.forces == pytest.approx(numpy.array([-weight] * 2), abs=1e-6), "on the floor"
     assert contact.secondPoints[:, 1] == pytest.approx(numpy.zeros(2)) and contact.firstPoints[:, 1] == pytest.approx(numpy.full(2, 0.1))
+    assert contact.modelPairs == ["/body/points", "/floor/surface"]
+    lever = sum(numpy.cross(point, weight) for point in contact.firstPoints)
+    assert contact.pairWrenches == pytest.approx(numpy.array([2 * weight, lever]), abs=1e-6), "of the floor on the body"
     assert contact.multipliers.reshape(2, 3)[:, 0] == pytest.approx([20, 20], abs=1e-6)
     assert simulation.state("/body").constraint_forces == pytest.approx(numpy.array([weight, weight, 0 * weight]), abs=1e-6)
     told = [getattr(contact, name).copy() for name in ("pairs", "normals", "gaps", "forces", "firstPoints", "secondPoints", "multipliers")]
@@ -338,6 +341,8 @@ def test_matrices_are_those_of_the_forces(simulation):
         assert held[3 * node, 3 * node] == 1
     with pytest.raises(stroma.SceneError, match="did you mean '?stiffness"):
         twin.matrix("stifness")
+    with pytest.raises(stroma.SceneError, match="stiffness"):
+        twin.matrix("nothing")
     assert abs(twin.matrix_of("/body/fem") - stiffness).max() == 0 == abs(twin.matrix_of(twin["/body/mass"]) - mass).max()
     assert twin.hash != before, "the state was set"
     before = twin.hash

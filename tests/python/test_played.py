@@ -142,6 +142,14 @@ def test_wrong_shapes_are_told():
         stroma.load(scene(Wrong())).step()
 
 
+def test_complex_forces_are_refused():
+    class Wrong(stroma.ForceField):
+        def force(self, x, v, t):
+            return x + 1j
+    with pytest.raises(TypeError, match="complex"):
+        stroma.load(scene(Wrong())).step()
+
+
 def test_a_field_sees_no_memory_of_the_engine():
     kept = []
 

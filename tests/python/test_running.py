@@ -108,6 +108,10 @@ def test_a_run_is_stopped_by_a_function(simulation):
     simulation.run(100)
     assert simulation.steps == 4 and simulation.stop_reason == "far enough"
     simulation.run(1)
+    assert simulation.stop_reason == ""  # that of the last run
+    simulation.stop("before a run")
+    simulation.run(1)
+    assert simulation.stop_reason == ""
 
 
 def test_ctrl_c_ends_a_run(folder):
@@ -451,7 +455,7 @@ def test_a_view_is_linked_below_its_cell(simulation, shown, monkeypatch, tmp_pat
 def headers_of(address, **sent):
     """Status and headers of an answer, without following it."""
     at = urllib.parse.urlsplit(address)
-    connection = http.client.HTTPConnection(at.hostname, at.port, timeout=60)
+    connection = http.client.HTTPConnection(at.hostname, at.port, timeout=PATIENCE)
     connection.request("GET", at.path + ("?" + at.query if at.query else ""), headers=sent)
     answer = connection.getresponse()
     answer.read()
@@ -563,5 +567,38 @@ def test_what_refuses_a_step_does_so_without_observers(folder):
             report = simulation.run(10)
             assert report.end != "done", simulation.time
         except stroma.StepError as error:
-            assert "changes a mesh" in str(error)
+            assert "a mesh is to change and cannot" in str(error)
         assert simulation.time < 0.07
+
+
+def test_states_follow_a_mesh_that_changes(folder):
+    root = stroma.Node("root", dt=0.01, gravity=[0, -10, 0])
+    root.add("EulerImplicitSolver")
+    root.add("SparseLDLSolver")
+    root.add("RegularGridTopology", n=[4, 2, 2], min=[0, 0, 0], max=[3, 1, 1])
+    root.add("MechanicalObject", name="dofs")
+    root.add("MeshMatrixMass", massDensity=1)
+    root.add("CarvingRegion", box=[2.1, 0, 0, 3, 1, 1], begin=0.02)
+    simulation = stroma.load(root)
+    state = simulation.state("/dofs")
+    before = state.x
+    start = numpy.array(before)
+    simulation.run(5)
+    assert state.nodes == 12 and state.x.shape == (12, 3) and state.size == 12
+    assert before.shape == (16, 3) and numpy.isfinite(before).all(), "the view of before is that of the mesh before"
+    left = start[start[:, 0] < 2.5]
+    assert numpy.allclose(sorted(map(tuple, state.rest)), sorted(map(tuple, left)), atol=1e-14)
+    assert numpy.allclose(state.x - state.rest, [0, -10 * 0.01**2 * 15, 0], atol=1e-12)
+    later = state.x
+    simulation.run(1)
+    assert not numpy.allclose(later, state.x), "a copy, once meshes have changed"
+    simulation.reset()
+    assert state.nodes == 16 and numpy.array_equal(state.x, start)
+
+    del state
+    simulation = stroma.load(root)
+    simulation.run(5)
+    state = simulation.state("/dofs")
+    assert state.nodes == 12, "asked for once its mesh has changed"
+    simulation.reset()
+    assert state.nodes == 16 and numpy.array_equal(state.x, start)

@@ -290,6 +290,7 @@ TEST_P(ChangedExample, EveryChangeableAttributeIsTheNewOneAndAllOthersAreTheSame
     for (const Data& data : edited[i]->data().all()) {
       const std::string name = edited[i]->path() + "." + data.name();
       if (not_written.find(name + " ") != std::string::npos) continue;
+      if (data.isOutput() && data.name() == "moved") continue;  // obstacles go there in the next step; what is read starts there
       EXPECT_EQ(read[i]->data().find(data.name())->print(), data.print()) << name;
     }
   EXPECT_EQ(again.dt(), simulation.dt());

@@ -23,6 +23,8 @@ std::string chosenValue(const std::string& name) {
   if (name.starts_with("SpringForceField.springsIndices")) return "2 0";
   if (name.ends_with("LagrangianConstraint.activate")) return "false";
   if (name == "RestShapeSpringsForceField.targets") return "0.1 0 0  1 0 0.2  2 0.3 0";
+  if (name == "BarrierContact.offset") return "0 0 0.16";  // it has been thrown out of reach
+  if (name.ends_with("Contact.offset")) return "0 0 -0.05";  // towards the body it would start too near
   if (name == "BeamHookeLawForceField.innerRadius") return "0.005";
   if (name == "FormulaForceField.force") return "0; 3 * x; 40 * t";
   return {};

@@ -171,8 +171,9 @@ TEST_F(Placements, EverythingActsOrIsRefused) {
   modules().openAll();
   std::map<std::string, std::vector<std::string>> types_of;
   for (const auto& entry : modules().index()) {
-    const std::string example = exampleIn(modules().manual(entry.type));
-    if (!example.empty()) types_of[example].push_back(entry.type);
+    const std::string type(entry.type);
+    const std::string example = exampleIn(modules().manual(type));
+    if (!example.empty()) types_of[example].push_back(type);
   }
   const std::string folder = folder_.string();
   std::filesystem::create_directory_symlink(STROMA_SOURCE_DIR "/scenes", folder_ / "scenes");

@@ -337,7 +337,8 @@ std::vector<Row> makeRows() {
       for (const char* variant : {"method=\"large\" tangent=\"warped\"", "method=\"large\" tangent=\"exact\"",
                                   "method=\"small\" tangent=\"warped\""})
         addExample(out, type, variant);
-    } else if (component->data().find("dampingRatio") || type == "TriangularTensorMassForceField") {  // of triangles
+    } else if (component->data().find("dampingRatio") || type == "TriangularTensorMassForceField" ||
+               type == "QuadBendingFEMForceField") {  // of surfaces
       addExample(out, type);
     } else if (type == "TriangularAnisotropicFEMForceField") {
       addExample(out, type, "transverseYoungModulus=\"5e3\"");

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tools/sweep/common_points.h"
 #include "tools/sweep/error_measure.h"
@@ -73,6 +75,21 @@ TEST(CellFinder, ContinuesTheNearestCellOutside) {
   const Place place = CellFinder(body).find({0.5, 0.5, 1.25});
   EXPECT_NEAR(place.distance, 0.25, 1e-12);
   EXPECT_LT((place.of(body.rest) - Vec3(0.5, 0.5, 1.25)).norm(), 1e-12);
+}
+
+TEST(CellFinder, NoCellIsNearerThanTheOneFound) {
+  const Body body = cube(3, true);
+  const CellFinder finder(body);
+  for (int i = 0; i < 50; ++i) {
+    const Vec3 p = Vec3(0.5, 0.5, 0.5) + (0.2 * i - 3) * Vec3(std::sin(i), std::sin(2.1 * i), std::cos(3.7 * i));
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Tetrahedron& cell : body.tetrahedra) {
+      Body alone = body;
+      alone.tetrahedra = {cell};
+      nearest = std::min(nearest, CellFinder(alone).find(p).distance);
+    }
+    EXPECT_NEAR(finder.find(p).distance, nearest, 1e-12) << p.transpose();
+  }
 }
 
 TEST(CommonPoints, LinearFieldsAreExactBetweenAllMeshes) {

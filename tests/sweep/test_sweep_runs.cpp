@@ -10,9 +10,9 @@ std::string manySteps(int times = 1) {
   return "sweep oscillator.xml --vary dt=4e-6,2.5e-6,2e-6,1e-6 --vary /spring.stiffness=90,100 --until " +
          std::to_string(0.5 * times) + " ";
 }
-/// A loop of the shell that ends when `condition` holds, or after ten minutes: nothing takes so long but a hang.
-std::string waitFor(const std::string& condition) {
-  return "for try in $(seq 60000); do " + condition + " && break; sleep 0.01; done\n";
+/// A loop of the shell that ends when `condition` holds, the process is over, or after ten minutes: only a hang takes so long.
+std::string waitFor(const std::string& condition, const std::string& process) {
+  return "for try in $(seq 60000); do " + condition + " && break; [ -e /proc/" + process + "/exe ] || break; sleep 0.01; done\n";
 }
 constexpr int longest[] = {1, 8, 64};  ///< on a machine that is done before anything can happen to the work
 
@@ -23,7 +23,7 @@ TEST_F(Sweep, ASecondSweepAtOnceIsRefusedAndRemovesNothing) {
     const std::string line = "'" STROMA_COMMAND "' sweep oscillator.xml --vary dt=4e-6,2e-6 --repeat 1 -o out --until " +
                              std::to_string(0.5 * times);
     // the first one stands still, with its runs before it, while the second one tries
-    shell("exec 3>.codes\n" + line + " 2>.first & first=$!\n" + waitFor("ls out/runs/* >.found 2>&1") +
+    shell("exec 3>.codes\n" + line + " 2>.first & first=$!\n" + waitFor("ls out/runs/* >.found 2>&1", "$first") +
           "kill -STOP $first\n" + line +
           " 2>.second; echo second $? >&3; kill -CONT $first; wait $first; echo first $? >&3");
     if (readText(folder_ / ".codes") != "second 0\nfirst 0\n") break;  // else the first one was over
@@ -50,7 +50,7 @@ TEST_F(Sweep, AKilledSweepGoesOnAndRunsNothingTwice) {
   for (const int times : longest) {
     std::filesystem::remove_all(folder_ / "out");
     arguments = manySteps(times) + "-o out --repeat 2";
-    shell("'" STROMA_COMMAND "' " + arguments + " & sweep=$!\n" + waitFor("ls out/runs/*/*.outcome.json >.found 2>&1") +
+    shell("'" STROMA_COMMAND "' " + arguments + " & sweep=$!\n" + waitFor("ls out/runs/*/*.outcome.json >.found 2>&1", "$sweep") +
           "kill -KILL $sweep; wait $sweep");
     before = outcomes("out");
     if (before.size() < 16) break;
@@ -74,7 +74,7 @@ TEST_F(Sweep, AKilledWorkerIsRunAgain) {
   for (const int times : longest) {
     std::filesystem::remove_all(folder_ / "out");
     run = shell("'" STROMA_COMMAND "' " + manySteps(times) + "-o out --repeat 1 & sweep=$!\n" +
-                waitFor("{ [ -d out/runs ] && pkill -KILL -P $sweep || [ ! -e /proc/$sweep/exe ]; }") + "wait $sweep");
+                waitFor("[ -d out/runs ] && pkill -KILL -P $sweep", "$sweep") + "wait $sweep");
     if (has(run.err, "killed by signal 9")) break;
   }
   EXPECT_EQ(run.code, 0) << run.err;

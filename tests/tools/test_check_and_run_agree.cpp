@@ -232,7 +232,7 @@ TEST_F(CheckAndRunAgree, OnTheExampleOfEveryManualPage) {
   Factory factory;
   const Modules modules(factory);
   std::set<std::string> examples;
-  for (const auto& entry : modules.index()) examples.insert(exampleIn(modules.manual(entry.type)));
+  for (const auto& entry : modules.index()) examples.insert(exampleIn(modules.manual(std::string(entry.type))));
   ASSERT_GT(examples.size(), 50u);
   for (const std::string& example : examples) {
     write("example.xml", example);

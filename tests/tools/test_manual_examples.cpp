@@ -19,9 +19,10 @@ TEST_F(ManualExamples, EveryComponentHasOneAndItRuns) {
   ASSERT_FALSE(modules.index().empty());
   std::map<std::string, std::vector<std::string>> types_of;  // several names of one component share a page
   for (const auto& entry : modules.index()) {
-    const std::string example = exampleIn(modules.manual(entry.type));
-    EXPECT_FALSE(example.empty()) << entry.type << " has no example in its manual page";
-    if (!example.empty()) types_of[example].push_back(entry.type);
+    const std::string type(entry.type);
+    const std::string example = exampleIn(modules.manual(type));
+    EXPECT_FALSE(example.empty()) << type << " has no example in its manual page";
+    if (!example.empty()) types_of[example].push_back(type);
   }
   std::filesystem::create_directory_symlink(STROMA_SOURCE_DIR "/scenes", folder_ / "scenes");
   writeExampleFiles(folder_ / "meshes");

@@ -56,7 +56,7 @@ std::set<std::string> allComponents() {
   Factory factory;
   const Modules modules(factory);
   std::set<std::string> types;
-  for (const auto& entry : modules.index()) types.insert(entry.type);
+  for (const auto& entry : modules.index()) types.emplace(entry.type);
   return types;
 }
 

@@ -101,7 +101,7 @@ std::vector<Candidate> componentNames() {
   Factory factory;
   const Modules modules(factory);
   std::vector<Candidate> list;
-  for (const auto& entry : modules.index()) list.push_back({entry.type, entry.help});
+  for (const auto& entry : modules.index()) list.push_back({std::string(entry.type), std::string(entry.help)});
   return list;
 }
 

@@ -64,7 +64,7 @@ Json listedJson(const Component& component, const ComponentEntry& entry) {
 
 std::vector<std::string> namesIn(const Modules& modules) {
   std::vector<std::string> names;
-  for (const Modules::IndexEntry& entry : modules.index()) names.push_back(entry.type);
+  for (const Modules::IndexEntry& entry : modules.index()) names.emplace_back(entry.type);
   return names;
 }
 
@@ -82,8 +82,9 @@ std::string kindOf(const Data& data) { return std::visit(Kinds(), data.pointer()
 Json listJson(Session& session, const std::vector<Modules::IndexEntry>& entries) {
   Json list = Json::array();
   for (const Modules::IndexEntry& entry : entries) {
-    session.modules().provide(entry.type);
-    list.push_back(listedJson(*session.factory().make(entry.type), *session.factory().find(entry.type)));
+    const std::string type(entry.type);
+    session.modules().provide(type);
+    list.push_back(listedJson(*session.factory().make(type), *session.factory().find(type)));
   }
   return list;
 }

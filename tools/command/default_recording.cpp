@@ -80,12 +80,19 @@ void DefaultRecording::begin() {
 
 void DefaultRecording::keep() {
   if (last_ == simulation_.steps()) return;
+  if (simulation_.hasChangedMeshes()) return giveUp();
   last_ = simulation_.steps();
   if (every_ != never && long(count_) >= mostStrided()) thin();
   next_ = every_ == never ? never : last_ + every_;
   simulation_.complete();
   appendInstant(bytes_, simulation_.time(), states_);
   ++count_;
+}
+
+/// Instants are of one mesh.
+void DefaultRecording::giveUp() {
+  reason_ = "a mesh has changed in the run, and such recordings are of one mesh (--record DIR keeps positions and velocities)";
+  next_ = never, write_every_ = never_seconds;
 }
 
 /// Every second instant, and twice the stride: room for as many again.
@@ -107,6 +114,7 @@ bool DefaultRecording::write(bool is_needed, bool may_go_on) {
   }
   every_ = never;
   keep();
+  if (!reason_.empty()) return false;
   // a run that fails does not take away what it went on from
   const bool with_checkpoint = may_go_on && !(goes_on_in_place_ && is_needed);
   try {
@@ -134,6 +142,7 @@ void DefaultRecording::putInPlace(bool with_checkpoint) {
 void DefaultRecording::writeMeanwhile() {
   seconds_ = 0;
   const std::size_t bytes = bytes_.size();
+  if (simulation_.hasChangedMeshes()) return giveUp();
   if (last_ != simulation_.steps()) {
     simulation_.complete();
     appendInstant(bytes_, simulation_.time(), states_);

@@ -44,6 +44,7 @@ class DefaultRecording {
   /// Beside them there is room for the last instant. Even, so that every second one leaves even strides.
   long mostStrided() const { return (long(most_) - 1) / 2 * 2; }
   void keep();
+  void giveUp();
   void thin();
   void checkPlace();
   void putInPlace(bool with_checkpoint);

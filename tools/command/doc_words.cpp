@@ -63,7 +63,7 @@ void printScenePage(const std::string& about) {
 
 [[noreturn]] void unknown(const std::string& word, const Modules& modules) {
   std::vector<std::string> names;
-  for (const auto& entry : modules.index()) names.push_back(entry.type);
+  for (const auto& entry : modules.index()) names.emplace_back(entry.type);
   std::string near = nearest(word, names);
   if (near.empty()) near = nearest(word, topicWords());
   throw UsageError(fmt::format("there is no component or topic '{}' ({})", word,

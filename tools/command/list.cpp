@@ -18,7 +18,7 @@ const Manual list_manual{
     "boundary conditions. Upper and lower case are the\nsame. `stroma doc TOPIC` tells more of a topic.",
     "  stroma list\n  stroma list solver\n  stroma list boundary conditions\n"};
 
-bool has(const std::vector<std::string>& list, const std::string& word) {
+bool has(const std::vector<std::string>& list, std::string_view word) {
   return std::ranges::find(list, word) != list.end();
 }
 
@@ -35,7 +35,7 @@ std::vector<const Topic*> topicsAbout(const std::string& word) {
 
 [[noreturn]] void nothingFound(const std::string& word, const Modules& modules) {
   std::vector<std::string> names = topicWords();
-  for (const Modules::IndexEntry& entry : modules.index()) names.push_back(entry.type);
+  for (const Modules::IndexEntry& entry : modules.index()) names.emplace_back(entry.type);
   const std::string near = nearest(word, names);
   throw UsageError(
       fmt::format("no component matches '{}'{}", word, near.empty() ? "" : "; did you mean " + near + "?"));

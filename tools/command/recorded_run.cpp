@@ -9,6 +9,7 @@
 #include "tools/command/instants.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/drawing/contacts.h"
 #include "tools/session/checkpoint.h"
 
 namespace stroma::command {
@@ -101,9 +102,15 @@ drawing::Recording recordingIn(const std::string& folder, const Simulation& simu
     recording.push_back(std::move(one.frames));
   }
   if (recording.empty()) throw UsageError("nothing in the scene moves: there is nothing to show");
+  for (const Component* component : drawing::withNodeValues(simulation)) {  // recordings of earlier versions have none
+    const std::string file = (fs::path(folder) / drawing::valuesFileName(component->path())).string();
+    recording.push_back(fs::exists(file) ? readRecording(file).frames : std::vector<StateFrame>());
+  }
   std::size_t least = recording.front().size();
-  for (const auto& frames : recording) least = std::min(least, frames.size());
-  for (auto& frames : recording) frames.resize(least);
+  for (const auto& frames : recording)
+    if (!frames.empty()) least = std::min(least, frames.size());
+  for (auto& frames : recording)
+    if (!frames.empty()) frames.resize(least);
   return recording;
 }
 

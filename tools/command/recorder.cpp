@@ -9,6 +9,8 @@
 
 #include "framework/scene/output_file.h"
 #include "tools/command/instants.h"
+#include "tools/drawing/contacts.h"
+#include "tools/drawing/recording.h"
 
 namespace stroma::command {
 
@@ -17,18 +19,20 @@ namespace fs = std::filesystem;
 std::vector<std::string> recordedFiles(const Simulation& simulation, const std::string& folder) {
   std::vector<std::string> files;
   std::set<std::string> names;
-  for (const State* state : simulation.states()) {
-    const std::string name = stateFileName(state->path());
+  const auto add = [&](const Component& component, const std::string& name) {
     if (!names.insert(name).second)
-      throw std::runtime_error(fmt::format("two states would be recorded in {}: rename {}", name, state->path()));
+      throw std::runtime_error(fmt::format("two states would be recorded in {}: rename {}", name, component.path()));
     files.push_back((fs::path(folder) / name).string());
-  }
+  };
+  for (const State* state : simulation.states()) add(*state, stateFileName(state->path()));
+  for (const Component* component : drawing::withNodeValues(simulation)) add(*component, drawing::valuesFileName(component->path()));
   files.push_back((fs::path(folder) / "last.checkpoint").string());
   return files;
 }
 
 Recorder::Recorder(Session& session, const std::string& folder, long every)
-    : session_(session), every_(every), states_(session.simulation().states()), folder_(folder) {
+    : session_(session), every_(every), states_(session.simulation().states()),
+      components_(drawing::withNodeValues(session.simulation())), folder_(folder) {
   std::vector<std::string> files = recordedFiles(session.simulation(), folder);
   checkpoint_ = std::move(files.back());
   files.pop_back();
@@ -56,13 +60,13 @@ void Recorder::goOn() {
   bool all_have_it = true;
   std::size_t i = 0;
   for (StateWriter& writer : writers_) {
-    const std::optional<double> last = writer.goOn(simulation.time(), is_due, states_[i++]);
+    const std::optional<double> last = writer.goOn(simulation.time(), is_due, stateOf(i++));
     is_empty_ = is_empty_ && !last;
     all_have_it = all_have_it && last == simulation.time();
   }
   if (is_due && all_have_it) last_step_ = simulation.steps();
   if (is_due && !all_have_it)
-    for (i = 0; i < writers_.size(); ++i) writers_[i].goOn(simulation.time(), false, states_[i]);
+    for (i = 0; i < writers_.size(); ++i) writers_[i].goOn(simulation.time(), false, stateOf(i));
 }
 
 void Recorder::write() {
@@ -75,12 +79,15 @@ void Recorder::record() {
   last_step_ = simulation.steps();
   is_empty_ = false;
   simulation.complete();
+  if (simulation.hasChangedMeshes()) states_ = simulation.states(), components_ = drawing::withNodeValues(simulation);
   std::size_t i = 0;
   forEachWriter([&](StateWriter& writer) {
-    const State& state = *states_[i++];
+    const State* state = stateOf(i);
     writer.time(simulation.time());
-    writer.rows("X", state, state.x());
-    writer.rows("V", state, state.v());
+    if (state) writer.rows("X", *state, state->x()), writer.rows("V", *state, state->v());
+    if (!state)
+      for (const auto& [name, numbers] : drawing::valuesOf(*components_[i - states_.size()])) writer.values(name, numbers);
+    ++i;
     writer.finish();
   });
 }

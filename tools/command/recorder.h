@@ -8,12 +8,13 @@
 
 namespace stroma::command {
 
-/// What a Recorder writes in `folder`: a file for each state, and the checkpoint. Throws std::runtime_error when two
-/// states would share a file.
+/// What a Recorder writes in `folder`: a file for each state and for each component that computes something for its nodes, and the
+/// checkpoint. Throws std::runtime_error when two would share a file.
 std::vector<std::string> recordedFiles(const Simulation& simulation, const std::string& folder);
 
-/// Writes positions and velocities of every state to one file each in `folder`, and a checkpoint: now and then, and of
-/// the end. Throws OutputError; a file that cannot be written does not keep the others from what they have to write.
+/// Writes positions and velocities of every state to one file each in `folder`, what components compute for nodes, and a
+/// checkpoint: now and then, and of the end. Throws OutputError; a file that cannot be written does not keep the
+/// others from what they have to write.
 class Recorder {
  public:
   /// Opens the files; instants are recorded every `every` steps.
@@ -33,6 +34,8 @@ class Recorder {
   std::vector<std::string> files() const;
 
  private:
+  /// Of a file; null: it is that of a component.
+  State* stateOf(std::size_t file) const { return file < states_.size() ? states_[file] : nullptr; }
   void record();
   void takeOver();
   template <class Act>
@@ -41,6 +44,7 @@ class Recorder {
   Session& session_;
   long every_;
   std::vector<State*> states_;
+  std::vector<Component*> components_;  ///< their files come after those of the states
   std::vector<StateWriter> writers_;
   std::string folder_, checkpoint_;  ///< folder and file
   long last_step_ = -1;

@@ -104,6 +104,7 @@ std::vector<StateFrame> besideReference(const StoredState& stored, const std::ve
 Recording runCase(const RegressionCase& test, Session& session) {
   Simulation& simulation = session.load(test.scene, parseOverrides(test.overrides));
   dropWriters(simulation);
+  session.followMeshChanges();
   const std::set<long> stored = storedSteps(test.steps);
   Recording recording;
   store(simulation, test, recording);
@@ -130,10 +131,15 @@ Recording runCase(const RegressionCase& test, Session& session) {
 constexpr const char* origin_file = "origin";
 
 void writeReference(const RegressionCase& test, const fs::path& folder, const Recording& recording) {
+  for (const auto& [file, stored] : recording.states)
+    for (const StateFrame& frame : stored.frames)
+      if (frame.x.size() != stored.frames.front().x.size())
+        throw std::runtime_error(file + ": its points change in the run, and a reference has as many all the time");
   fs::remove_all(folder);
   for (const auto& [file, stored] : recording.states) {
     StateWriter writer((folder / file).string());
-    Vector x(stored.state->size()), v(stored.state->size());
+    const Index rows = stored.frames.empty() ? 0 : Index(stored.frames.front().x.size());
+    Vector x(rows), v(rows);
     for (const StateFrame& frame : stored.frames) {
       for (Index i = 0; i < x.count(); ++i)
         placeRow(stored.state->kindOf(i), frame.x[std::size_t(i)], x, i), v[i] = frame.v[std::size_t(i)];

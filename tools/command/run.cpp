@@ -212,6 +212,7 @@ struct Run {
     warnings = reportProblems(simulation.scene(), request.quiet);
     if (!request.measure_file.empty()) dropReaders(simulation);
     if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
+    if (!measured) session.followMeshChanges();
     checkpoint = request.checkpointToGoOnFrom();
     if (request.resume && checkpoint.empty() && !request.quiet)
       fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
@@ -277,6 +278,7 @@ int runScene(const RunRequest& request, const Values& values) {
     });
   if (outcome.end == RunEnd::done) tellExpectations(run.session.simulation(), request.quiet, outcome);
   std::vector<std::string> found = doubtsOf(run.session.simulation());
+  std::ranges::copy(run.session.meshNotes(), std::back_inserter(found));
   if (!outcome.failed()) std::ranges::move(refusedFromHere(run.session.simulation()), std::back_inserter(found));
   const bool doubts = tellWarnings(outcome.statistics, found, run.warnings);
   if (!outcome.failed()) {

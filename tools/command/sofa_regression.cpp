@@ -79,10 +79,10 @@ std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>
   Session session;
   Simulation& simulation = session.load(test.scene, {{"/", "dialect", "sofa"}});
   dropWriters(simulation);
-  std::vector<const State*> states;
+  session.followMeshChanges();
   double last = 0;
   for (const SofaReference& reference : references) {
-    states.push_back(&stateOf(reference, simulation.root()));
+    stateOf(reference, simulation.root());  // or there is none
     last = std::max(last, reference.positions.rbegin()->first);
   }
   if (shift != 0) moveALittle(simulation, shift);
@@ -93,9 +93,9 @@ std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>
     for (std::size_t r = 0; r < references.size(); ++r)
       for (const auto& [time, values] : references[r].positions)
         if (std::abs(time - begin - t) < 0.01 * h || std::abs(time - t) < 0.01 * h)
-          if (states[r]->isBound()) found[r][time] = numbersOf(*states[r]);
+          if (const State& state = stateOf(references[r], simulation.root()); state.isBound()) found[r][time] = numbersOf(state);
     if (t > last - 0.5 * h) return found;
-    const StepReport report = simulation.step();
+    const StepReport report = session.step();
     if (report.failed())
       throw std::runtime_error(fmt::format("ended at t = {:g} of {:g}: {}", simulation.time(), last, report.reason));
   }

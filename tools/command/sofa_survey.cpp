@@ -57,12 +57,13 @@ std::string look(const std::string& scene, long steps) {
     Session session;
     Simulation& simulation = session.load(scene, {{"/", "dialect", "sofa"}});
     dropWriters(simulation);
+    session.followMeshChanges();
     result["without"] = simulation.scene().no_effect;
     int warnings = 0;
     for (const Problem& problem : simulation.scene().diagnostics.problems()) warnings += problem.severity == Severity::warning;
     result["warnings"] = warnings;
     StepReport report;
-    while (simulation.steps() < steps && !report.failed()) report = simulation.step();
+    while (simulation.steps() < steps && !report.failed()) report = session.step();
     result["runs"] = !report.failed();
     if (report.failed()) result["reasons"].push_back(report.reason);
   } catch (const SceneError& error) {

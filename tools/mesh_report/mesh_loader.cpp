@@ -76,6 +76,7 @@ void MeshLoader::declare(DataTable& table) {
   table.add("flipNormals", flip_normals_).help("turn triangles and quads over");
   table.add("triangulate", triangulate_).help("split quads into triangles");
   table.add("createSubelements", create_subelements_).help("add the faces and edges of the volume cells");
+  table.add("pointsOnly", points_only_).help("a file of nodes without cells is no error");
   table.add("onlyAttachedPoints", only_attached_points_)
       .help("leave nodes without cells out: later ones get new numbers");
   table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
@@ -115,7 +116,8 @@ void MeshLoader::declareGroups(DataTable& table, const std::string& word) {
 void MeshLoader::init() {
   read(filename_.found, mesh_);
   if (mesh_.position.empty()) throw ComponentError(fmt::format("{} has no nodes", filename_.given), "a mesh");
-  if (highestDimension(mesh_) == 0)
+  const bool has_cells = highestDimension(mesh_) > 0;
+  if (!has_cells && !points_only_)
     throw ComponentError(fmt::format("{} has {} nodes but no cell that can be used", filename_.given, mesh_.nodes()),
                          "edges, triangles, quads, tetrahedra or hexahedra");
   if (const std::string error = mesh_.firstError(); !error.empty())
@@ -126,7 +128,7 @@ void MeshLoader::init() {
   if (triangulate_) splitQuads();
   if (flip_normals_) flipFaces();
   // The complaint is about what the file has: faces added below would use every node of a cell anyway.
-  if (const std::string complaint = meshComplaint(mesh_); !complaint.empty())
+  if (const std::string complaint = has_cells ? meshComplaint(mesh_) : ""; !complaint.empty())
     warn(fmt::format("{}: {}", filename_.given, complaint));
   if (create_subelements_) addSubelements(mesh_);
 }

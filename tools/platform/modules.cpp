@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <deque>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <sstream>
@@ -99,8 +102,9 @@ struct Modules::Impl {
     std::string folder;  ///< that holds the index
     bool opened = false;
   };
-  std::map<std::string, Source> modules;  ///< by name
-  std::vector<std::string> folders;       ///< of the indexes
+  std::map<std::string, Source, std::less<>> modules;  ///< by name
+  std::deque<std::string> texts;                       ///< of the indexes, which their entries are parts of
+  std::vector<std::string> folders;                    ///< of the indexes
   std::vector<std::string> opened;
   std::vector<std::string> manual_files;
   std::map<std::string, std::string> pages;
@@ -113,19 +117,25 @@ struct Modules::Impl {
   void warnOfEmptyFolders();
 };
 
+/// Each start of a program reads them all: nothing is copied.
 void Modules::Impl::readIndex(const fs::path& file, std::vector<IndexEntry>& index) {
   std::ifstream in(file);
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream fields(line);
+  std::string_view left = texts.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  const auto cut = [](std::string_view& text, char end) {
+    const std::string_view part = text.substr(0, text.find(end));
+    text.remove_prefix(std::min(part.size() + 1, text.size()));
+    return part;
+  };
+  while (!left.empty()) {
+    const std::string_view line = cut(left, '\n');
+    std::string_view fields = line;
     IndexEntry entry;
-    std::getline(fields, entry.type, '\t');
-    std::getline(fields, entry.module, '\t');
-    std::getline(fields, entry.help);
+    entry.type = cut(fields, '\t'), entry.module = cut(fields, '\t'), entry.help = fields;
     if (entry.type.empty() || entry.module.empty())
       throw std::runtime_error(file.string() + " is not an index of modules: the line " + inQuotes(line) +
                                " lacks a type or a module");
-    modules.emplace(entry.module, Source{file.parent_path().string()});
-    index.push_back(std::move(entry));
+    if (!modules.contains(entry.module)) modules.emplace(entry.module, Source{file.parent_path().string()});
+    index.push_back(entry);
   }
   manual_files.push_back(fs::path(file).replace_extension(".manual").string());
 }
@@ -214,7 +224,8 @@ bool Modules::provide(const std::string& type) {
   if (factory_.find(type) || factory_.find(present)) return true;
   for (const IndexEntry& entry : index_) {
     if (entry.type != type && entry.type != present) continue;
-    if (!impl_->modules.at(entry.module).opened) open(impl_->libraryOf(entry.module));
+    const auto& [module, source] = *impl_->modules.find(entry.module);
+    if (!source.opened) open(impl_->libraryOf(module));
     return factory_.find(type) || factory_.find(present);
   }
   impl_->refuseUnbuilt(present);

@@ -57,6 +57,7 @@ Engine::~Engine() {
 void Engine::load(Diagnostics diagnostics, bool observed) {
   const EndingSignals signals;
   py::gil_scoped_release unlocked;
+  session_.followMeshChanges();
   session_.load(source_, overrides_, std::move(diagnostics));
   simulation_ = session_.shared();
   if (!observed) dropReaders(*simulation_);

@@ -242,6 +242,8 @@ class Heir {
 void bindGoOn(py::module_& module) {
   module.def("go_on", [](const std::shared_ptr<Engine>& heir, const std::shared_ptr<Engine>& before,
                          const std::map<std::string, std::string>& same, const std::set<std::string>& owned) {
+    if (before->simulation().hasChangedMeshes())
+      throw std::runtime_error("meshes have changed in the run: it cannot go on in a scene that is made anew of its tree");
     std::vector<std::string> anew = Heir(heir->between(), before->between(), same, owned).takeAll();
     heir->forcesAreOld();
     return anew;

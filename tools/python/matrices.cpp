@@ -41,7 +41,7 @@ MatrixFactors factorsOf(const std::string& kind) {
     factors.mass = 1;
   } else if (kind == "damping") {
     factors.damping = 1;
-  } else if (kind != "nothing") {
+  } else if (kind != "-held-") {
     throw ComponentError("there is no matrix '" + kind + "'", "stiffness, mass or damping",
                          nearest(kind, {"stiffness", "mass", "damping"}));
   }

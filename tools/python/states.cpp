@@ -19,14 +19,19 @@ enum class What { position, velocity, force };
 
 struct StateRef {
   std::shared_ptr<Engine> engine;
-  State* state;
+  State* first;  ///< before meshes have changed, it lives as long as the engine; null when looked for after that
+  std::string path;
 
-  bool hasPoints() const { return state->hasPointsOnly(); }
+  State& state() const {
+    const bool is_first = first && !engine->simulation().hasChangedMeshes();
+    return is_first ? *first : dynamic_cast<State&>(engine->component(path));
+  }
+  bool hasPoints() const { return state().hasPointsOnly(); }
   ConstRows rows(What what) const {
-    if (what == What::force && !state->forceRequested())
-      throw ComponentError("the force on " + state->path() + " was not asked for: it takes an evaluation of its own",
-                           "request_forces()");
-    return what == What::position ? ConstRows(state->x()) : what == What::velocity ? ConstRows(state->v()) : state->f();
+    State& own = state();
+    if (what == What::force && !own.forceRequested())
+      throw ComponentError("the force on " + path + " was not asked for: it takes an evaluation of its own", "request_forces()");
+    return what == What::position ? ConstRows(own.x()) : what == What::velocity ? ConstRows(own.v()) : own.f();
   }
 };
 
@@ -35,19 +40,21 @@ py::array readOnly(py::array array) {
   return array;
 }
 
-/// `columns` numbers of each row, in the engine's memory.
+/// `columns` numbers of each row, in the engine's memory; a copy once meshes have changed, as they may again.
 py::array view(const StateRef& self, ConstRows rows, py::ssize_t first_step, std::vector<py::ssize_t> shape) {
   using Shared = std::shared_ptr<Simulation>;
+  const bool is_copied = self.engine->simulation().hasChangedMeshes();
   const py::capsule owner(new Shared(self.engine->shared()), [](void* held) { delete static_cast<Shared*>(held); });
   const std::size_t second_step = (self.hasPoints() ? 1 : row_doubles) * sizeof(double);
   std::vector<py::ssize_t> strides{first_step, py::ssize_t(second_step)};
-  return readOnly(py::array(py::dtype::of<double>(), std::move(shape), std::move(strides), rows.data, owner));
+  return readOnly(py::array(py::dtype::of<double>(), std::move(shape), std::move(strides), rows.data,
+                            is_copied ? py::handle() : py::handle(owner)));
 }
 
 py::array frames(const StateRef& self, ConstRows rows, What what) {
   const py::ssize_t width = what == What::position ? 7 : 6;
-  py::array_t<double> out({py::ssize_t(self.state->nodes()), width});
-  for (Index node = 0; node < self.state->nodes(); ++node) {
+  py::array_t<double> out({py::ssize_t(self.state().nodes()), width});
+  for (Index node = 0; node < self.state().nodes(); ++node) {
     double* to = out.mutable_data() + node * width;
     const double* from = rows.data + std::size_t(node) * 2 * row_doubles;
     std::copy_n(from, 3, to);
@@ -60,19 +67,20 @@ py::array arrayOf(const StateRef& self, What what) {
   self.engine->use().complete();
   if (what == What::force) self.engine->presentForces();
   const ConstRows rows = self.rows(what);
-  const py::ssize_t row = row_doubles * sizeof(double), per_node = self.state->rows_per_node;
-  if (self.state->hasFrames()) return frames(self, rows, what);
+  const py::ssize_t row = row_doubles * sizeof(double), per_node = self.state().rows_per_node;
+  if (self.state().hasFrames()) return frames(self, rows, what);
   if (self.hasPoints()) return view(self, rows, row, {rows.count, 3});
-  return view(self, rows, row * per_node, {self.state->nodes(), per_node});
+  return view(self, rows, row * per_node, {self.state().nodes(), per_node});
 }
 
 /// Initial or rest values as positions() has them.
 py::array listed(const StateRef& self, const std::vector<Vec3>& values) {
   Vector rows(Index(values.size()));
-  for (std::size_t i = 0; i < values.size(); ++i) placeRow(self.state->kindOf(Index(i)), values[i], rows, Index(i));
-  if (self.state->hasFrames()) return frames(self, rows, What::position);
-  const py::ssize_t width = self.hasPoints() ? 3 : self.state->rows_per_node;
-  py::array_t<double> out({py::ssize_t(self.state->nodes()), width});
+  const State& state = self.state();
+  for (std::size_t i = 0; i < values.size(); ++i) placeRow(state.kindOf(Index(i)), values[i], rows, Index(i));
+  if (self.state().hasFrames()) return frames(self, rows, What::position);
+  const py::ssize_t width = self.hasPoints() ? 3 : self.state().rows_per_node;
+  py::array_t<double> out({py::ssize_t(self.state().nodes()), width});
   for (Index i = 0; i < rows.count(); ++i)
     for (int c = 0; c < (self.hasPoints() ? 3 : 1); ++c)
       out.mutable_data()[self.hasPoints() ? 3 * i + c : i] = rows.rows().data[std::size_t(i) * row_doubles + std::size_t(c)];
@@ -84,13 +92,13 @@ py::array constraintForces(const StateRef& self) {
   const Systems& systems = self.engine->use().systems();
   const auto system = std::find_if(systems.begin(), systems.end(), [&](const auto& each) {
     const auto& states = each->actors().states;
-    return std::find(states.begin(), states.end(), self.state) != states.end();
+    return std::find(states.begin(), states.end(), &self.state()) != states.end();
   });
-  if (system == systems.end()) throw ComponentError("nothing moves " + self.state->path(), "a state below an integrator");
+  if (system == systems.end()) throw ComponentError("nothing moves " + self.state().path(), "a state below an integrator");
   Vector all = self.engine->constraintForces(std::size_t(system - systems.begin()));
   if (all.count() == 0) all.resize((*system)->allRows());
   (*system)->mappingChain().pullBack(all);
-  const State& state = *self.state;
+  const State& state = self.state();
   const ConstRows own = all.rows().segment(state.firstRow(), state.size());
   if (state.hasFrames()) return frames(self, own, What::force);
   const py::ssize_t width = self.hasPoints() ? 3 : state.rows_per_node;
@@ -104,18 +112,19 @@ py::array constraintForces(const StateRef& self) {
 void take(const StateRef& self, const py::object& given, What what, Vector& rows) {
   if (given.is_none()) return;
   const py::array_t<double, py::array::c_style | py::array::forcecast> numbers(given);
-  const py::ssize_t nodes = self.state->nodes();
-  const py::ssize_t width = self.state->hasFrames() ? (what == What::position ? 7 : 6) : self.hasPoints() ? 3 : self.state->rows_per_node;
+  const py::ssize_t nodes = self.state().nodes();
+  const py::ssize_t width = self.state().hasFrames() ? (what == What::position ? 7 : 6) : self.hasPoints() ? 3 : self.state().rows_per_node;
   if (numbers.ndim() != 2 || numbers.shape(0) != nodes || numbers.shape(1) != width)
     throw py::value_error("expected an array of shape (" + std::to_string(nodes) + ", " + std::to_string(width) + ")");
-  rows.resize(self.state->size());
+  const State& state = self.state();
+  rows.resize(state.size());
   double* out = rows.rows().data;
   for (py::ssize_t node = 0; node < nodes; ++node) {
     const double* from = numbers.data() + node * width;
-    double* to = out + std::size_t(node * self.state->rows_per_node) * row_doubles;
-    if (self.hasPoints()) {
+    double* to = out + std::size_t(node * state.rows_per_node) * row_doubles;
+    if (state.hasPointsOnly()) {
       std::copy_n(from, 3, to);
-    } else if (self.state->hasFrames()) {
+    } else if (state.hasFrames()) {
       std::copy_n(from, 3, to), std::copy_n(from + 3, width - 3, to + row_doubles);
     } else {
       for (py::ssize_t i = 0; i < width; ++i) to[std::size_t(i) * row_doubles] = from[i];
@@ -129,7 +138,7 @@ Index set(const StateRef& self, const py::object& x, const py::object& v) {
   take(self, x, What::position, new_x);
   take(self, v, What::velocity, new_v);
   const auto rows = [](const Vector& vector) { return vector.count() > 0 ? vector.rows() : ConstRows(); };
-  const Index kept = simulation.setState(*self.state, rows(new_x), rows(new_v));
+  const Index kept = simulation.setState(self.state(), rows(new_x), rows(new_v));
   self.engine->forcesAreOld();
   return kept;
 }
@@ -144,7 +153,7 @@ void addCells(py::dict& out, const char* name, const Cells& cells) {
 /// Cells by the names that meshio and VTK know: "tetra", "hexahedron", ...
 py::object meshOf(const StateRef& self) {
   self.engine->use();
-  const Topology* topology = topologyOf(*self.state);
+  const Topology* topology = topologyOf(self.state());
   if (!topology) return py::none();
   const Mesh& mesh = topology->mesh();
   py::dict cells;
@@ -164,7 +173,8 @@ py::object meshOf(const StateRef& self) {
 
 std::vector<StateRef> statesOf(const std::shared_ptr<Engine>& engine) {
   std::vector<StateRef> out;
-  for (State* state : engine->simulation().states()) out.push_back({engine, state});
+  const bool changed = engine->simulation().hasChangedMeshes();
+  for (State* state : engine->simulation().states()) out.push_back({engine, changed ? nullptr : state, state->path()});
   return out;
 }
 
@@ -172,20 +182,20 @@ std::vector<StateRef> statesOf(const std::shared_ptr<Engine>& engine) {
 
 void bindStates(py::module_& module) {
   py::class_<StateRef>(module, "State")
-      .def_property_readonly("path", [](const StateRef& self) { return self.state->path(); })
-      .def_property_readonly("nodes", [](const StateRef& self) { return self.state->nodes(); })
+      .def_property_readonly("path", [](const StateRef& self) { return self.state().path(); })
+      .def_property_readonly("nodes", [](const StateRef& self) { return self.state().nodes(); })
       .def_property_readonly("kind",
                              [](const StateRef& self) {
-                               return self.hasPoints() ? "points" : self.state->hasFrames() ? "frames" : "numbers";
+                               return self.hasPoints() ? "points" : self.state().hasFrames() ? "frames" : "numbers";
                              })
       .def_property_readonly("x", [](const StateRef& self) { return arrayOf(self, What::position); })
       .def_property_readonly("v", [](const StateRef& self) { return arrayOf(self, What::velocity); })
       .def_property_readonly("f", [](const StateRef& self) { return arrayOf(self, What::force); })
       .def_property_readonly("constraint_forces", &constraintForces)
-      .def_property_readonly("rest", [](const StateRef& self) { return listed(self, self.state->rest_position); })
-      .def_property_readonly("start", [](const StateRef& self) { return listed(self, self.state->position); })
+      .def_property_readonly("rest", [](const StateRef& self) { return listed(self, self.state().rest_position); })
+      .def_property_readonly("start", [](const StateRef& self) { return listed(self, self.state().position); })
       .def_property_readonly(
-          "address", [](const StateRef& self) { return reinterpret_cast<std::uintptr_t>(self.state->x().data); })
+          "address", [](const StateRef& self) { return reinterpret_cast<std::uintptr_t>(self.state().x().data); })
       .def("set", &set, py::arg("x") = py::none(), py::arg("v") = py::none())
       .def("mesh", &meshOf);
   module.def("states_of", &statesOf);

@@ -2,8 +2,6 @@
 #include "tools/sweep/cell_finder.h"
 
 #include <Eigen/LU>
-#include <boost/geometry.hpp>
-#include <boost/geometry/index/rtree.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -12,12 +10,6 @@
 
 namespace stroma::sweep {
 namespace {
-
-namespace bg = boost::geometry;
-using Point = bg::model::point<double, 3, bg::cs::cartesian>;
-using Box = bg::model::box<Point>;
-
-Point toPoint(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 /// x(xi) of a cell, and what goes with it.
 struct CellMap {
@@ -63,35 +55,25 @@ Place placeIn(const CellKind& kind, const Vec3* corner, const Vec3& p) {
 
 }  // namespace
 
-struct CellFinder::Tree {
-  using Entry = std::pair<Box, std::size_t>;
-  bg::index::rtree<Entry, bg::index::quadratic<16>> cells;
-};
-
 Vec3 Place::of(const std::vector<Vec3>& values) const {
   Vec3 sum = Vec3::Zero();
   for (std::size_t a = 0; a < std::size_t(corners); ++a) sum += weights[a] * values[std::size_t(nodes[a])];
   return sum;
 }
 
-CellFinder::CellFinder(const Body& body) : body_(&body), tree_(std::make_unique<Tree>()) {
-  std::vector<Tree::Entry> boxes;
+CellFinder::CellFinder(const Body& body) : body_(&body) {
+  std::vector<Box> boxes;
   const auto add = [&](const auto& cells) {
     for (const auto& cell : cells) {
-      Vec3 from = Vec3::Constant(std::numeric_limits<double>::infinity()), to = -from;
-      for (const Vec3& p : cornersOf(cell, body.rest)) from = from.cwiseMin(p), to = to.cwiseMax(p);
-      boxes.emplace_back(Box(toPoint(from), toPoint(to)), boxes.size());
+      Box& box = boxes.emplace_back();
+      for (const Vec3& p : cornersOf(cell, body.rest)) box.add(p);
     }
   };
   add(body.tetrahedra), add(body.hexahedra);
-  tree_->cells = decltype(tree_->cells)(boxes);
+  tree_.build(std::move(boxes));
 }
 
-CellFinder::~CellFinder() = default;
-CellFinder::CellFinder(CellFinder&&) noexcept = default;
-
 Place CellFinder::find(const Vec3& point) const {
-  const Point p = toPoint(point);
   Place best;
   best.distance = std::numeric_limits<double>::infinity();
   const auto look = [&](const CellKind& kind, const auto& cell) {
@@ -101,16 +83,15 @@ Place CellFinder::find(const Vec3& point) const {
     best = place;
   };
   const std::size_t tetrahedra = body_->tetrahedra.size();
-  for (auto found = tree_->cells.qbegin(bg::index::nearest(p, unsigned(body_->cells()))); found != tree_->cells.qend();
-       ++found) {
-    if (bg::distance(found->first, p) >= best.distance) break;
-    const std::size_t cell = found->second;
+  tree_.forEachByDistance(point, [&](Index number, double distance) {
+    if (distance >= best.distance) return false;
+    const auto cell = std::size_t(number);
     if (cell < tetrahedra)
       look(cell_kinds::tetrahedron, body_->tetrahedra[cell]);
     else
       look(cell_kinds::hexahedron, body_->hexahedra[cell - tetrahedra]);
-    if (best.distance == 0) break;
-  }
+    return best.distance > 0;
+  });
   if (!std::isfinite(best.distance)) throw std::runtime_error("no cell can hold a point: all are flat at rest");
   return best;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <memory>
 #include <utility>
 #include <vector>
 
+#include "framework/collision/box_tree.h"
 #include "framework/mesh/cell_kind.h"
 #include "tools/sweep/end_state.h"
 
@@ -25,14 +25,11 @@ struct Place {
 class CellFinder {
  public:
   explicit CellFinder(const Body& body);
-  ~CellFinder();
-  CellFinder(CellFinder&&) noexcept;
   Place find(const Vec3& point) const;
 
  private:
-  struct Tree;
   const Body* body_;
-  std::unique_ptr<Tree> tree_;
+  BoxTree tree_;  ///< of tetrahedra, then hexahedra
 };
 
 }  // namespace stroma::sweep

@@ -63,6 +63,8 @@ class Scanner {
         const std::size_t start = at_;
         good = skip("?>", is_declaration ? "a declaration" : "a processing instruction");
         if (!is_declaration) positions_.instructions.emplace_back(start, at_);
+      } else if (rest.starts_with("<!DOCTYPE") && isBare(rest)) {
+        good = skip(">", "a document type");
       } else if (rest.starts_with("<!")) {
         return fail(here(), "a document type definition is not part of a scene", "elements only");
       } else {
@@ -100,6 +102,12 @@ class Scanner {
   bool fail(TextPosition where, std::string message, std::string expected = {}) {
     diagnostics_.error({file_, where.line, where.column}, {}, std::move(message), std::move(expected));
     return false;
+  }
+
+  /// A document type that names a file at most, before the outermost element, and defines nothing itself.
+  bool isBare(std::string_view rest) const {
+    const auto end = rest.find_first_of("[>");
+    return positions_.tags.empty() && end != std::string_view::npos && rest[end] == '>';
   }
 
   bool skip(std::string_view end, const std::string& what) {

@@ -113,7 +113,10 @@ class _Seen:
         self.is_looked_at = not self.symmetric
 
     def force(self, x, v, t):
-        return self.field.force(x, v, t)
+        force = self.field.force(x, v, t)
+        if numpy.iscomplexobj(force):  # else the imaginary part would be dropped
+            raise TypeError(f"the force of {type(self.field).__name__} is complex: expected real numbers, (n, 3) [N]")
+        return force
 
     def energy(self, x):
         return float(self.field.energy(x))

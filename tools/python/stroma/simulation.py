@@ -151,6 +151,7 @@ class Simulation:
 
     def _run(self, steps, until, check):
         is_main = threading.current_thread() is threading.main_thread()
+        self.stop_reason = ""
         report = self._engine.run(steps, until, self._begin, self._end, self, is_main)
         if check and report.end not in ("done", "stopped"):
             if report.end == "output failed":
@@ -423,7 +424,7 @@ class Simulation:
         found = of(kind)
         if not constrained:
             return found
-        held = of("nothing")  # I - P; what `found` has there is in the size of its other numbers
+        held = of("-held-")  # I - P; what `found` has there is in the size of its other numbers
         free = identity(held.shape[0], format="bsr") - held
         return bsr_matrix(free @ found @ free + held, blocksize=(3, 3))
 
@@ -596,8 +597,12 @@ class State:
     def __init__(self, simulation: Simulation, state: Any):
         self.simulation, self._state = simulation, state
         self.path: str = state.path
-        self.nodes: int = state.nodes
         self.kind: str = state.kind  #: "points", "frames" or "numbers"
+
+    @property
+    def nodes(self) -> int:
+        """How many there are; others, and x a copy, where a mesh has changed in the run."""
+        return self._state.nodes
 
     @property
     def size(self) -> int:
