@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A step of a condensed body with contacts allocates no more than one without, as long as the number of conditions stays: all memory
 // of the program is counted.
-#include <cstdlib>
-
 #include "tests/condensation/bodies.h"
+#include "tests/support/counted_allocations.h"
 
-#if !defined(__SANITIZE_ADDRESS__)  // which has a malloc of its own
-namespace {
-long allocations = 0;
-}
-
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" __attribute__((visibility("default"))) void* malloc(std::size_t size) noexcept {
-  ++allocations;
-  return __libc_malloc(size);
-}
-
+#if defined(STROMA_COUNTS_ALLOCATIONS)
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 

@@ -168,4 +168,13 @@ inline std::vector<double> numbersOf(Simulation& simulation, const char* name) {
 }
 inline double outputOf(Simulation& simulation, const char* name) { return numbersOf(simulation, name).at(0); }
 
+/// [N s], of points alone.
+inline Vec3 momentumOf(System& system) {
+  Vector product(system.allRows());
+  system.addMassProduct(system.v, 1, product);
+  Vec3 sum = Vec3::Zero();
+  for (Index i = 0; i < product.count(); ++i) sum += product[i];
+  return sum;
+}
+
 }  // namespace stroma::test

@@ -1,20 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Steps with contact take memory only where there are more pairs than ever before: all memory of the program is counted.
-#include <cstdlib>
-
 #include "tests/contact/contact_scenes.h"
+#include "tests/support/counted_allocations.h"
 
-#if !defined(__SANITIZE_ADDRESS__)  // which has a malloc of its own
-namespace {
-long allocations = 0;
-}
-
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" __attribute__((visibility("default"))) void* malloc(std::size_t size) noexcept {
-  ++allocations;
-  return __libc_malloc(size);
-}
-
+#if defined(STROMA_COUNTS_ALLOCATIONS)
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 

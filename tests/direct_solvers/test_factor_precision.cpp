@@ -12,19 +12,8 @@
 
 #include "framework/algebra/parallel.h"
 #include "framework/scene/archive.h"
+#include "tests/support/counted_allocations.h"
 #include "tests/support/solver_fixture.h"
-
-#if !defined(__SANITIZE_ADDRESS__)  // which has a malloc of its own
-namespace {
-long allocations = 0;
-}
-
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" __attribute__((visibility("default"))) void* malloc(std::size_t size) noexcept {
-  ++allocations;
-  return __libc_malloc(size);
-}
-#endif
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
@@ -273,7 +262,7 @@ TEST(FactorPrecision, ManySystemsWithOneMatrixGetDouble) {
   EXPECT_TRUE(sameBits(again, x)) << "and so it is after a restart";
 }
 
-#if !defined(__SANITIZE_ADDRESS__)
+#if defined(STROMA_COUNTS_ALLOCATIONS)
 /// Memory that is allocated, in bytes.
 double allocated() {
   const struct mallinfo2 all = mallinfo2();

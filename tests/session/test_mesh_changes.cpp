@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Meshes that change while a scene runs. References: SOFA's rule of numbers by hand; the scene without the cells, started from the
 // state that the run has then; and bodies that the change does not touch, which must move as if it had not been.
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
-
-#include <algorithm>
 
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/mass.h"
+#include "tests/session/seen_runs.h"
 #include "tests/support/folder_fixture.h"
-#include "tests/support/scene_fixture.h"
 #include "tools/session/mesh_edit.h"
-#include "tools/session/session.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
@@ -71,27 +66,10 @@ TEST(MeshEdit, RefusesWhatIsNotThereAndWhatIsStillNeeded) {
 
 // ---- runs ----
 
-struct Told {
-  RunReport report;
-  std::vector<Vec3> rest, x, v;
-};
-
-Told ran(Session& session, const std::string& state, long steps) {
-  session.followMeshChanges();
-  Told told;
-  told.report = session.run({.steps = steps});
-  const auto* found = dynamic_cast<const State*>(findComponent(session.simulation().root(), state));
-  for (Index i = 0; found && i < found->size(); ++i) {
-    told.rest.push_back(found->rest_position[std::size_t(i)]);
-    told.x.emplace_back(found->x()[i]), told.v.emplace_back(found->v()[i]);
-  }
-  return told;
-}
-
-Told ran(const std::string& text, long steps, const std::string& state = "/dofs") {
+Seen ran(const std::string& text, long steps, const std::string& state = "/dofs") {
   Session session;
   session.loadText(text, "scene.xml");
-  return ran(session, state, steps);
+  return runFor(session, steps, state);
 }
 
 std::string scene(const std::string& content,
@@ -104,26 +82,13 @@ const std::string hexes =
     "poissonRatio=\"0.4\"/><BoxROI name=\"end\" "
     "box=\"-1 -1 -1 0.001 1 1\"/><FixedProjectiveConstraint indices=\"@end.indices\"/>";
 
-/// The states of two runs where their rest positions are the same.
-double largestDifference(const Told& a, const Told& b) {
-  EXPECT_EQ(a.x.size(), b.x.size());
-  double largest = 0;
-  for (std::size_t i = 0; i < a.x.size(); ++i) {
-    std::size_t j = 0;
-    while (j < b.x.size() && (b.rest[j] - a.rest[i]).norm() > 1e-12) ++j;
-    if (j == b.x.size()) return 1e300;
-    largest = std::max({largest, (b.x[j] - a.x[i]).norm(), (b.v[j] - a.v[i]).norm()});
-  }
-  return largest;
-}
-
 TEST(MeshChanges, WhatIsLeftOfABarMovesAsTheSceneWithoutTheCells) {
   const std::string bar =
       "<RegularGridTopology name=\"grid\" n=\"5 2 3\" min=\"0 0 0\" max=\"0.4 0.1 0.2\"/><MechanicalObject "
       "name=\"dofs\"/>";
   const std::string knife =
       "<TopologicalChangeProcessor useDataInputs=\"true\" timeToRemove=\"0.035\" hexahedraToRemove=\"3 7\"/>";
-  const Told at_change = ran(scene(bar + hexes), 4), cut = ran(scene(bar + hexes + knife), 20);
+  const Seen at_change = ran(scene(bar + hexes), 4), cut = ran(scene(bar + hexes + knife), 20);
   ASSERT_EQ(cut.report.end, RunEnd::done) << cut.report.reason;
   EXPECT_EQ(at_change.x.size(), 30u);
   EXPECT_EQ(cut.x.size(), 24u);
@@ -141,7 +106,7 @@ TEST(MeshChanges, WhatIsLeftOfABarMovesAsTheSceneWithoutTheCells) {
       if ((at_change.rest[j] - state.rest_position[std::size_t(i)]).norm() < 1e-12)
         x[i] = at_change.x[j], v[i] = at_change.v[j];
   short_bar.setState(state, x, v);
-  EXPECT_LT(largestDifference(ran(session, "/dofs", 16), cut), 1e-11);
+  EXPECT_LT(farthest(runFor(session, 16, "/dofs"), cut), 1e-11);
 }
 
 /// Two bodies in one mesh that share nothing: a tetrahedron that goes, and a strip that stays.
@@ -179,7 +144,7 @@ TEST(MeshChanges, WhatIsNotTouchedKeepsEveryMemory) {
            {"<TrapezoidalRuleSolver/>" + direct, viscous},
            {"<CentralDifferenceSolver/>", elastic},
            {"<RungeKutta4Solver/>", viscous}}) {
-    const Told whole = ran(twoBodies(fields, solvers, ""), 15), cut = ran(twoBodies(fields, solvers, gone), 15);
+    const Seen whole = ran(twoBodies(fields, solvers, ""), 15), cut = ran(twoBodies(fields, solvers, gone), 15);
     ASSERT_EQ(cut.report.end, RunEnd::done) << solvers << cut.report.reason;
     ASSERT_EQ(cut.x.size(), 5u) << solvers;
     double largest = 0, moved = 0;
@@ -210,7 +175,7 @@ TEST(MeshChanges, TheMassOfWhatGoesGoesAndResetBringsItBack) {
       "scene.xml");
   const std::uint64_t start = simulation.stateHash();
   EXPECT_NEAR(massOf(simulation), 2, 1e-12);
-  const Told first = ran(session, "/dofs", 6);
+  const Seen first = runFor(session, 6, "/dofs");
   EXPECT_EQ(first.report.end, RunEnd::done) << first.report.reason;
   EXPECT_NEAR(massOf(simulation), 1, 1e-12);
   EXPECT_EQ(first.x.size(), 8u);
@@ -220,7 +185,7 @@ TEST(MeshChanges, TheMassOfWhatGoesGoesAndResetBringsItBack) {
   EXPECT_EQ(simulation.stateHash(), start);
   EXPECT_NEAR(massOf(simulation), 2, 1e-12);
   EXPECT_FALSE(simulation.hasChangedMeshes());
-  ran(session, "/dofs", 6);
+  runFor(session, 6, "/dofs");
   EXPECT_EQ(simulation.stateHash(), hash);
 }
 
@@ -234,7 +199,7 @@ TEST(MeshChanges, AMassAndALoadGivenAsAWholeKeepTheirShares) {
                                                    {"<MeshMatrixMass totalMass=\"6\"/>", 3.}}) {
     Session session;
     session.loadText(scene(bar + mass + "<ConstantForceField totalForce=\"0 12 0\"/>" + knife), "scene.xml");
-    const Told told = ran(session, "/dofs", 5);
+    const Seen told = runFor(session, 5, "/dofs");
     ASSERT_EQ(told.report.end, RunEnd::done) << told.report.reason;
     EXPECT_NEAR(massOf(session.simulation()), left, 1e-12) << mass;
     const Data& force = *findComponent(session.simulation().root(), "/ConstantForceField")->data().find("totalForce");
@@ -246,7 +211,7 @@ TEST(MeshChanges, PointsThatStayKeepTheirNumbersAndAreHeld) {
   const std::string bar =
       "<RegularGridTopology n=\"3 2 2\" min=\"0 0 0\" max=\"0.2 0.1 0.1\"/><MechanicalObject name=\"dofs\"/>" + hexes;
   const std::string knife = "<CarvingRegion box=\"0.1 0 0 0.3 1 1\" begin=\"0.02\" ";
-  const Told stay = ran(scene(bar + knife + "keepsPoints=\"true\"/>"), 10), go = ran(scene(bar + knife + "/>"), 10);
+  const Seen stay = ran(scene(bar + knife + "keepsPoints=\"true\"/>"), 10), go = ran(scene(bar + knife + "/>"), 10);
   ASSERT_EQ(stay.report.end, RunEnd::done) << stay.report.reason;
   ASSERT_EQ(stay.x.size(), 12u);
   double largest = 0;
@@ -271,8 +236,8 @@ TEST(MeshChanges, SurfacesAndWhatFollowsThemFollow) {
             "<Node name=\"probe\"><MechanicalObject name=\"dofs\" position=\"0.15 0.05 "
             "0.05\"/><BarycentricMapping/></Node>"),
       "scene.xml");
-  const Told body = ran(session, "/dofs", 4), skin = ran(session, "/skin/dofs", 0),
-             probe = ran(session, "/probe/dofs", 0);
+  const Seen body = runFor(session, 4, "/dofs"), skin = runFor(session, 0, "/skin/dofs"),
+             probe = runFor(session, 0, "/probe/dofs");
   ASSERT_EQ(body.report.end, RunEnd::done) << body.report.reason;
   EXPECT_EQ(body.x.size(), 12u);
   EXPECT_EQ(skin.x, body.x);
@@ -296,20 +261,20 @@ TEST_F(ChangeFiles, BringCellsAndPoints) {
       "name=\"dofs\" velocity=\"1 0 0  0 1 0  0 0 2  0 0 0\"/><UniformMass vertexMass=\"1\"/>";
   const std::string file = "<TopologicalChangeProcessor filename=\"" + path + "\"/>";
   const std::string free = "<EulerExplicitSolver/>";
-  const Told four = ran(scene(sheet + file, free), 4);
+  const Seen four = ran(scene(sheet + file, free), 4);
   ASSERT_EQ(four.report.end, RunEnd::done) << four.report.reason;
   ASSERT_EQ(four.x.size(), 5u);
   const Vec3 v = Vec3(0.25, 0.25, 1) + 0.04 * Vec3(1, -9.81, 2);
   EXPECT_LT((four.v[4] - v).norm(), 1e-13) << "it moves as its shares of the corners";
   EXPECT_LT((four.x[4] - (four.x[0] / 4 + four.x[1] / 4 + four.x[2] / 2)).norm(), 1e-13);
-  const Told six = ran(scene(sheet + file, free), 6);
+  const Seen six = ran(scene(sheet + file, free), 6);
   EXPECT_EQ(six.x.size(), 5u) << "the new cells need all points of the one that went";
 }
 
 // ---- what cannot be ----
 
 std::string endOf(const std::string& more, long steps = 5) {
-  const Told told = ran(
+  const Seen told = ran(
       scene("<RegularGridTopology n=\"3 2 2\" min=\"0 0 0\" max=\"0.2 0.1 0.1\"/><MechanicalObject name=\"dofs\"/>" +
             hexes + more),
       steps);
@@ -350,7 +315,7 @@ TEST(MeshChanges, ACheckpointOfAChangedMeshSaysThatItIsOne) {
       scene("<RegularGridTopology n=\"3 2 2\" min=\"0 0 0\" max=\"0.2 0.1 0.1\"/><MechanicalObject name=\"dofs\"/>" +
             hexes + "<CarvingRegion box=\"0.1 0 0 0.3 1 1\" begin=\"0.02\"/>"),
       "scene.xml");
-  ran(session, "/dofs", 5);
+  runFor(session, 5, "/dofs");
   const Checkpoint checkpoint = session.checkpoint();
   try {
     session.restore(checkpoint, "it");

@@ -1,43 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What follows a mesh that changes, and what must not. References: the scene that should result, written by hand and started
 // from the state that the run has at the change; bodies that are not concerned; closed forms.
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <functional>
 
-#include "framework/mechanics/state.h"
+#include "tests/session/seen_runs.h"
 #include "tests/support/folder_fixture.h"
-#include "tests/support/scene_fixture.h"
-#include "tools/session/session.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
-
-struct Seen {
-  RunReport report;
-  std::vector<Vec3> rest, x, v;
-};
-
-Seen see(Session& session, const std::string& path) {
-  Seen seen;
-  const auto* state = dynamic_cast<const State*>(findComponent(session.simulation().root(), path));
-  for (Index i = 0; state && i < state->size(); ++i) {
-    seen.rest.push_back(state->rest_position[std::size_t(i)]);
-    seen.x.emplace_back(state->x()[i]), seen.v.emplace_back(state->v()[i]);
-  }
-  return seen;
-}
-
-Seen runFor(Session& session, long steps, const std::string& path) {
-  session.followMeshChanges();
-  const RunReport report = session.run({.steps = steps});
-  Seen seen = see(session, path);
-  seen.report = report;
-  return seen;
-}
 
 std::string root(const std::string& content) {
   return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/><SparseLDLSolver/>" + content + "</Node>";
@@ -58,19 +30,6 @@ std::string shortBar(const std::string& more, const std::string& fields) {
   return root("<RegularGridTopology name=\"g\" n=\"5 2 2\" min=\"1 0 0\" max=\"5 1 1\"/><MechanicalObject name=\"s\"/>"
               "<DiagonalMass name=\"m\" massDensity=\"1\"/>" +
               fields + more);
-}
-
-double farthest(const Seen& a, const Seen& b) {
-  EXPECT_EQ(a.x.size(), b.x.size());
-  EXPECT_FALSE(a.x.empty());
-  double largest = 0;
-  for (std::size_t i = 0; i < a.x.size(); ++i) {
-    std::size_t j = 0;
-    while (j < b.x.size() && (b.rest[j] - a.rest[i]).norm() > 1e-12) ++j;
-    if (j == b.x.size()) return 1e300;
-    largest = std::max({largest, (b.x[j] - a.x[i]).norm(), (b.v[j] - a.v[i]).norm()});
-  }
-  return largest;
 }
 
 /// The run of `text` after its change at step 2 against `reference`, started from the state of `text` there.

@@ -12,23 +12,11 @@
 #include "framework/scene/archive.h"
 #include "framework/simulation/observer.h"
 #include "tools/python/engine.h"
+#include "tools/session/owned_values.h"
 
 namespace stroma::python {
 namespace {
 
-using Entries = std::map<std::string, Archive::Entry>;
-
-/// All values of an owner. Those of its matrix, its system and its state are other owners.
-Entries of(const std::string& owner, const Entries& all) {
-  Entries found;
-  const std::string start = owner + ":";
-  for (auto at = all.lower_bound(start); at != all.end() && at->first.starts_with(start); ++at) {
-    const std::string name = at->first.substr(start.size());
-    if (name.starts_with("state:") || name.starts_with("system:") || name.starts_with("linear solver:")) continue;
-    found.insert(*at);
-  }
-  return found;
-}
 
 /// Numbers that the new simulation has already are as many.
 bool isAsMany(const Archive::Entry& fresh, const Archive::Entry& kept) {
@@ -129,8 +117,8 @@ class Heir {
   }
 
   void replace(const std::string& owner) {
-    for (const auto& entry : of(owner, values_)) values_.erase(entry.first);
-    values_.merge(of(owner, kept_));
+    for (const auto& entry : valuesOf(owner, values_)) values_.erase(entry.first);
+    values_.merge(valuesOf(owner, kept_));
   }
 
   void takeStates() {
@@ -160,7 +148,7 @@ class Heir {
   void takeComponent(Component& component) {
     const std::string path = component.path();
     const auto old = olds_.find(path);
-    const Entries kept = of(path, kept_), fresh = of(path, values_);
+    const Entries kept = valuesOf(path, kept_), fresh = valuesOf(path, values_);
     if (old == olds_.end() || kept.empty()) return;
     if (old->second->type() != component.type() || !means(component, *old->second) || !reads(component, kept, fresh)) {
       if (old->second->type() == component.type() && !isContact(component)) anew_.push_back(path);
@@ -215,15 +203,7 @@ class Heir {
   static bool reads(Component& component, const Entries& kept, const Entries& fresh) {
     if (dynamic_cast<Integrator*>(&component)) return true;
     if (!isAsMany(fresh, kept)) return false;
-    try {
-      Archive archive(kept);
-      archive.enter(component.path());
-      component.serialize(archive);
-      archive.checkAllRead();
-      return true;
-    } catch (const std::runtime_error&) {
-      return false;  // restore() makes the component begin anew
-    }
+    return takesAll(component, kept);  // else it begins anew
   }
 
   Simulation& heir_;

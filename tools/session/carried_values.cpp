@@ -11,24 +11,12 @@
 
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/state_topology.h"
+#include "tools/session/owned_values.h"
 
 namespace stroma {
 namespace {
 
-using Entries = std::map<std::string, Archive::Entry>;
 using Shares = std::vector<std::vector<std::pair<Index, double>>>;
-
-/// All values of an owner. Those of its matrix, its system and its state are other owners.
-Entries of(const std::string& owner, const Entries& all) {
-  Entries found;
-  const std::string start = owner + ":";
-  for (auto at = all.lower_bound(start); at != all.end() && at->first.starts_with(start); ++at) {
-    const std::string name = at->first.substr(start.size());
-    if (!name.starts_with("state:") && !name.starts_with("system:") && !name.starts_with("linear solver:"))
-      found.insert(*at);
-  }
-  return found;
-}
 
 /// Numbers of `width` doubles each, of which each new one is a sum of old ones; one without shares is zero.
 std::string sums(const std::string& bytes, const Shares& shares, std::size_t width) {
@@ -56,7 +44,7 @@ class Carrier {
 
   Archive run(std::vector<std::string>& anew) {
     values_ = after_.checkpoint().entries(), kept_ = before_.checkpoint().entries();
-    for (const char* owner : {"simulation", "inputs"}) replace(owner, of(owner, kept_));
+    for (const char* owner : {"simulation", "inputs"}) replace(owner, valuesOf(owner, kept_));
     takeEdits();
     refuseInputs();
     for (const State* state : after_.states()) takeState(*state);
@@ -76,7 +64,7 @@ class Carrier {
   }
 
   void replace(const std::string& owner, Entries entries) {
-    for (const auto& entry : of(owner, values_)) values_.erase(entry.first);
+    for (const auto& entry : valuesOf(owner, values_)) values_.erase(entry.first);
     values_.merge(std::move(entries));
   }
 
@@ -109,7 +97,7 @@ class Carrier {
 
   /// Forces from outside name nodes.
   void refuseInputs() const {
-    for (const auto& [name, entry] : of("inputs", kept_)) {
+    for (const auto& [name, entry] : valuesOf("inputs", kept_)) {
       if (!name.ends_with(" state")) continue;
       const ChangedMesh* mesh = meshOf(entry.bytes);
       if (mesh && !mesh->edit.points().areTheSame())
@@ -186,7 +174,7 @@ class Carrier {
 
   void takeSystem(const System& system) {
     const std::string owner = system.integrator().path() + ":system";
-    for (auto& [name, entry] : of(owner, values_)) {
+    for (auto& [name, entry] : valuesOf(owner, values_)) {
       const auto kept = kept_.find(name);
       if (kept != kept_.end() && kept->second.bytes.size() == entry.bytes.size()) values_[name] = kept->second;
     }
@@ -195,7 +183,7 @@ class Carrier {
   /// False: it remembered something, and begins anew.
   bool takeComponent(Component& component) {
     const std::string path = component.path();
-    Entries kept = of(path, kept_);
+    Entries kept = valuesOf(path, kept_);
     const Component* old = findComponent(before_.root(), path);
     if (!old || old->type() != component.type() || kept.empty()) return true;
     if (component.roleText() == "contact" || component.type() == "CollisionResponse")
@@ -310,15 +298,7 @@ class Carrier {
 
   static bool reads(Component& component, const Entries& kept) {
     if (dynamic_cast<Integrator*>(&component)) return true;
-    try {
-      Archive archive(kept);
-      archive.enter(component.path());
-      component.serialize(archive);
-      archive.checkAllRead();
-      return true;
-    } catch (const std::runtime_error&) {
-      return false;  // what is read later makes the component begin anew
-    }
+    return takesAll(component, kept);  // else it begins anew
   }
 
   Simulation& before_;
