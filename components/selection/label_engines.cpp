@@ -122,6 +122,8 @@ class SelectConnectedLabelsROI final : public Engine {
   }
   void init() override {
     indices_.clear();
+    if (pairs_.size() % 2 != 0)
+      throw ComponentError(fmt::format("connectLabels has {} numbers: one has no other", pairs_.size()), "pairs of labels");
     std::set<std::pair<int, int>> pairs;
     for (std::size_t i = 0; i + 1 < pairs_.size(); i += 2)
       pairs.emplace(pairs_[i], pairs_[i + 1]), pairs.emplace(pairs_[i + 1], pairs_[i]);
@@ -163,17 +165,24 @@ class GroupFilterYoungModulus final : public Engine {
   }
   void init() override {
     const std::vector<int>& groups = groups_.empty() ? others_ : groups_;
+    constexpr double none = -1;
     std::vector<int> order;
     std::map<int, double> modulus;
     for (const int group : groups)
-      if (modulus.emplace(group, otherwise_).second) order.push_back(group);
+      if (modulus.emplace(group, none).second) order.push_back(group);
     if (!moduli_.empty() && !groups_.empty()) {
       for (std::size_t i = 0; i < std::min(order.size(), moduli_.size()); ++i) modulus[order[i]] = moduli_[i];
     } else {
       readMap(modulus);
     }
+    if (moduli_.size() > (groups_.empty() ? 0 : order.size()))
+      warn(groups_.empty() ? "groupModulus counts with groups alone"
+                           : fmt::format("groupModulus has {} values for {} groups", moduli_.size(), order.size()));
+    const auto without = std::ranges::find(order, none, [&modulus](int group) { return modulus[group]; });
+    if (without != order.end() && !data().find("defaultYoungModulus")->isSet())
+      warn(fmt::format("groups without a modulus, as {}, have {:g} Pa, as defaultYoungModulus is not given", *without, otherwise_));
     values_.clear();
-    for (const int group : groups) values_.push_back(modulus[group]);
+    for (const int group : groups) values_.push_back(modulus[group] == none ? otherwise_ : modulus[group]);
   }
 
  private:

@@ -21,6 +21,8 @@ TEST(LabelEngines, ListsInBrackets) {
     expectContains(problemsOf("<Node name='root'><SelectLabelROI labels='" + std::string(wrong) + "'/></Node>"), "in brackets");
   expectContains(problemsOf("<Node name='root'><SelectConnectedLabelsROI nbLabels='2' labels1='[1]' labels2='[1] [2]'/></Node>"),
                  "labels2 has 2 lists, and labels1 has 1");
+  expectContains(problemsOf("<Node name='root'><SelectConnectedLabelsROI labels1='[1]' labels2='[1]' connectLabels='1 2 3'/></Node>"),
+                 "connectLabels has 3 numbers");
 }
 
 TEST(LabelEngines, ModuliOfGroups) {
@@ -30,6 +32,13 @@ TEST(LabelEngines, ModuliOfGroups) {
   EXPECT_EQ(moduli("groups='5 3 5' mapGroupModulus='3 20; 5 10;' defaultYoungModulus='7'"), (std::vector<double>{10, 20, 10}));
   EXPECT_EQ(moduli("groups='5 3 5' mapGroupModulus='3 20;' defaultYoungModulus='7'"), (std::vector<double>{7, 20, 7}));
   EXPECT_EQ(moduli("groups='5 3 5 4' groupModulus='1 2'"), (std::vector<double>{1, 2, 1, 10000}));
+  const auto said = [](const std::string& attributes) {
+    return engine("<GroupFilterYoungModulus name='e' " + attributes + "/>").diagnostics.text();
+  };
+  expectContains(said("groups='5 3' mapGroupModulus='3 20;'"), "groups without a modulus, as 5, have 10000 Pa");
+  EXPECT_EQ(said("groups='5 3' mapGroupModulus='3 20; 5 10000;'").find("without a modulus"), std::string::npos);
+  expectContains(said("groups='5 3' groupModulus='1 2 3'"), "3 values for 2 groups");
+  expectContains(said("elementsGroup='5 3' groupModulus='1 2'"), "with groups alone");
   for (const char* wrong : {"3;", "3 -1;", "a 1;", "3 20"})
     expectContains(
         problemsOf("<Node name='root'><GroupFilterYoungModulus groups='3' mapGroupModulus='" + std::string(wrong) + "'/></Node>"),

@@ -22,10 +22,7 @@ std::vector<MeshChanger*> changersOf(const Simulation& simulation) {
   return changers;
 }
 
-const std::string& pathOf(MeshChanger* changer) {
-  static thread_local std::string path;
-  return path = dynamic_cast<Component&>(*changer).path();
-}
+std::string pathOf(const MeshChanger* changer) { return dynamic_cast<const Component&>(*changer).path(); }
 
 /// What is due, and who wants it.
 struct Due {
