@@ -54,7 +54,7 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
         .help("D of all tetrahedra: flow through an area over the gradient of the values")
         .unit("-")
         .min(0);
-    table.add("tetrahedronDiffusionCoefficient", coefficients_).help("D of each tetrahedron, instead").unit("-").min(0);
+    table.add("tetrahedronDiffusionCoefficient", coefficients_).ofCells().help("D per cell, a tetrahedron, instead").unit("-").min(0);
     table.add("anisotropyRatio", ratio_).help("D along fibres over that across; only 1 is available").unit("-");
     for (const char* name : {"tagMechanics", "transverseAnisotropyArray", "drawConduc", "tetraInfo", "edgeInfo", "scalarDiffusion"})
       table.addVisualOnly(name);

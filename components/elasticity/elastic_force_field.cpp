@@ -104,6 +104,7 @@ void ElasticForceField::declare(DataTable& table) {
       .unit("Pa")
       .min(0, false)
       .physical()
+      .ofCells()
       .help("Young's modulus: one value, or one per cell");
   table.add("poissonRatio", poisson_ratio_)
       .recompiled()
@@ -111,6 +112,7 @@ void ElasticForceField::declare(DataTable& table) {
       .min(-1, false)
       .max(0.5, false)
       .physical()
+      .ofCells()
       .help("Poisson's ratio: one value, or one per cell");
   table.add("firstForOthers", first_for_others_)
       .help("cells beyond the end of a list of youngModulus or poissonRatio take its first value, as in SOFA");
@@ -118,6 +120,7 @@ void ElasticForceField::declare(DataTable& table) {
       .recompiled()
       .unit("-")
       .min(0)
+      .ofCells()
       .help("factor on Young's modulus, one per cell; empty: 1");
   table
       .addChoice("method", method_word,
@@ -136,8 +139,7 @@ void ElasticForceField::declare(DataTable& table) {
       .help(
           "volume change: that at each integration point, or its mean (over a hexahedron, around a node of "
           "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean from 0.4 on for hexahedra, "
-          "above "
-          "0.45 for tetrahedra");
+          "above 0.45 for tetrahedra");
   table.addChoice("polarOf", polar_of_, {"gradient", "edges"})
       .help("of tetrahedra and hexahedra, method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its "
             "edges");

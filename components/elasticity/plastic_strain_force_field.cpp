@@ -72,13 +72,16 @@ class PlasticStrainForceField final : public ForceField, public History {
     topology_.declare(table, "mesh of tetrahedra");
     table.addChoice("method", method_, {"small", "large", "polar", "svd"}).help("rotation of a cell, as that of its elastic forces");
     table.addChoice("polarOf", polar_of_, {"gradient", "edges"}).help("of what polar and svd are the factor");
-    table.add("youngModulus", young_modulus_).help("Young's modulus, one for all or one per cell").unit("Pa").min(0, false).physical();
-    table.add("poissonRatio", poisson_ratio_).help("Poisson's ratio, one for all or one per cell").unit("-").min(0).max(0.5, false);
+    table.add("youngModulus", young_modulus_).ofCells().unit("Pa").min(0, false).physical().help(
+        "Young's modulus, one for all or one per cell");
+    table.add("poissonRatio", poisson_ratio_).ofCells().unit("-").min(0).max(0.5, false).help(
+        "Poisson's ratio, one for all or one per cell");
     table.add("firstForOthers", first_for_others_).help("cells beyond the end of a list take its first value, as in SOFA");
     table.add("plasticYieldThreshold", yield_).help("elastic strain beyond which a cell creeps").unit("-").min(0);
     table.add("plasticMaxThreshold", most_).help("largest plastic strain; 0: none, it stays at the start's").unit("-").min(0);
     table.add("plasticCreep", creep_).help("share of the elastic strain that becomes plastic per step").unit("-").min(0).max(1);
-    table.add("initialStrain", initial_).help("xx yy zz xy yz zx (engineering) at the start, one for all or one per cell").unit("-");
+    table.add("initialStrain", initial_).ofCells(6).unit("-").help(
+        "xx yy zz xy yz zx (engineering) at the start, one for all or one per cell");
     table.add("scaledByVolume", scaled_).help("thresholds are of 6 V times the strain, as SOFA's");
   }
 

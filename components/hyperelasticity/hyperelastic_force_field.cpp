@@ -39,6 +39,7 @@ void HyperelasticForceField::declare(DataTable& table) {
       .recompiled()
       .unit("Pa")
       .min(0, false)
+      .ofCells()
       .help("Young's modulus at small strains, for the parameters that are not given: one value, or one per cell");
   table.add("poissonRatio", poisson_ratio_)
       .recompiled()
@@ -49,7 +50,8 @@ void HyperelasticForceField::declare(DataTable& table) {
   declareParameters(table);
   table.add("AnisotropyDirections", directions_)
       .unit("-")
-      .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
+      .ofCells()
+      .help("fibre, or fibre and sheet (and normal): for all cells, or one after the other per cell or per node");
   table.addChoice("discretization", discretization, {"mjed", "standard"})
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
   table.addChoice("dilatation", dilatation_, {"auto", "local", "mean"})
@@ -90,6 +92,7 @@ void HyperelasticForceField::declareParameters(DataTable& table) {
       meanings.push_back(fmt::format("{} ({})", meaning, fmt::join(laws, ", ")));
     table.add(name, named_[name])
         .unit(units[name].size() > 1 ? "" : *units[name].begin())
+        .ofCells()
         .help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
   }
 }

@@ -61,6 +61,7 @@ void MeshMass::declare(DataTable& table) {
           "density, one for all cells or one per cell (tetrahedra, then hexahedra); per area on meshes without volumes, that of a "
           "sheet times its thickness, and per length on lines")
       .unit("kg/m^3 or kg/m^2 or kg/m")
+      .ofCells()
       .min(0, false);
   table.add("totalMass", total_mass_)
       .help("mass of the body; wins over massDensity and vertexMass")

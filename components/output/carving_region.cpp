@@ -2,7 +2,9 @@
 // CarvingRegion: tissue that is taken away. Cells whose centre, the mean of their nodes where they are now, lies in a box or a ball
 // go between two steps. The region may move: a tool that is drawn through a body.
 //
-//   c + velocity (t - begin)   is its centre,   begin <= t <= end,   looked at every `every` seconds
+//   c + velocity (t - begin) + offset   is its centre,   begin <= t <= end,   looked at every `every` seconds
+//
+// `offset` may change while the scene runs: in the live view the pointer takes the region and leads it.
 //
 // The mass and the forces of a cell go with it, and so do what it remembers (plastic or viscous strains), faces and edges of
 // no other cell, and points that lose their last cell. With keepsPoints such points stay, held where they are, so that all numbers of
@@ -24,25 +26,29 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "components/output/mesh_change_plan.h"
+#include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
+#include "framework/simulation/simulation.h"
 
 namespace stroma {
 namespace {
 
-class CarvingRegion final : public MeshChangePlan {
+class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
  public:
   void declare(DataTable& table) override {
     MeshChangePlan::declare(table);
     table.add("box", box_).unit("m").help("two corners of a box: xmin ymin zmin xmax ymax zmax");
     table.add("sphere", sphere_).unit("m").help("centre and radius of a ball: x y z r");
     table.add("velocity", velocity_).unit("m/s").help("of the region");
+    table.add("offset", offset_).atOnce().unit("m").help("of the region from where it is else: a hand that leads a tool");
     table.add("begin", begin_).unit("s").help("when the region is where it is given, and carves first");
     table.add("end", end_).unit("s").help("when it carves last; below begin: it does not end");
     table.add("every", every_).unit("s").min(0).help("time between looks; 0: every step");
@@ -61,7 +67,7 @@ class CarvingRegion final : public MeshChangePlan {
     reset();
   }
 
-  void reset() override { next_ = begin_, looked_ = -std::numeric_limits<double>::infinity(); }
+  void reset() override { now_ = 0, next_ = begin_, looked_ = -std::numeric_limits<double>::infinity(); }
   void serialize(Archive& archive) override {
     archive.value("next", next_);
     archive.value("looked", looked_);
@@ -70,13 +76,36 @@ class CarvingRegion final : public MeshChangePlan {
     return fmt::format("carves {} from t = {:g} s on", topology().path(), begin_);
   }
 
+  void begin(const Simulation& simulation) override { now_ = simulation.time(); }
+  void afterStep(const Simulation& simulation, const StepContext&) override { now_ = simulation.time(); }
+  Vec3 shapesMovedBy() const override {
+    const double until = end_ >= begin_ ? std::min(now_, end_) : now_;
+    return std::max(0., until - begin_) * velocity_ + offset_;
+  }
+  void addShapes(std::vector<Shape>& shapes) const override {
+    if (!sphere_.empty()) {
+      shapes.push_back({{Vec3(sphere_[0], sphere_[1], sphere_[2])}, {}, sphere_[3]});
+      return;
+    }
+    const Vec3 low(box_[0], box_[1], box_[2]), high(box_[3], box_[4], box_[5]);
+    Shape shape;
+    for (int corner = 0; corner < 8; ++corner)
+      shape.points.emplace_back((corner & 1 ? high : low)[0], (corner & 2 ? high : low)[1], (corner & 4 ? high : low)[2]);
+    for (const auto& [a, b, c, d] : {Quad{0, 2, 3, 1}, Quad{4, 5, 7, 6}, Quad{0, 1, 5, 4}, Quad{2, 6, 7, 3},
+                                     Quad{0, 4, 6, 2}, Quad{1, 3, 7, 5}}) {
+      shape.triangles.push_back({a, b, c});
+      shape.triangles.push_back({a, c, d});
+    }
+    shapes.push_back(std::move(shape));
+  }
+
   std::vector<MeshChange> changesAt(double t, double dt) override {
     constexpr double slack = 1e-6;  // of a step
     if (!state_->isBound() || t < next_ - slack * dt || t == looked_ || (end_ >= begin_ && t > end_ + slack * dt))
       return {};
     std::vector<MeshChange> changes;
     MeshChange change{&topology(), &mainKind(), {}, {}, {}, keeps_points_, true};
-    const Vec3 way = (t - begin_) * velocity_;
+    const Vec3 way = (t - begin_) * velocity_ + offset_;
     forEachCellList(
         [&](const CellKind& kind, const auto& cells) {
           for (std::size_t c = 0; kind.type == change.kind->type && c < cells.size(); ++c)
@@ -110,10 +139,11 @@ class CarvingRegion final : public MeshChangePlan {
   }
 
   std::vector<double> box_, sphere_;
-  Vec3 velocity_ = Vec3::Zero();
+  Vec3 velocity_ = Vec3::Zero(), offset_ = Vec3::Zero();
   double begin_ = 0, end_ = -1, every_ = 0;
   const State* state_ = nullptr;
   double next_ = 0, looked_ = 0;  ///< when it looks next, and looked last [s]
+  double now_ = 0;                ///< [s]
 };
 
 }  // namespace

@@ -63,6 +63,7 @@ class Data {
   Data& physical();    ///< not giving it is a warning that states the default used
   Data& output();      ///< computed by the component: can be linked from, not written
   Data& ofNodes() { return of_nodes_ = true, *this; }  ///< a list with a value for each node of the component's state
+  Data& ofCells(std::size_t width = 1) { return cell_width_ = width, *this; }  ///< a list that may have `width` numbers per cell
   Data& input();       ///< FileName only: the file must exist
   Data& shorthand();   ///< read by the component into another attribute; not in the manual's main table
   Data& atOnce();      ///< ChangeEffect::at_once
@@ -78,6 +79,7 @@ class Data {
   bool isPhysical() const { return physical_; }
   bool isOutput() const { return output_; }
   bool isOfNodes() const { return of_nodes_; }
+  std::size_t cellWidth() const { return cell_width_; }  ///< 0: not of cells
   bool isInputFile() const { return input_; }
   bool isShorthand() const { return shorthand_; }
   ChangeEffect changeEffect() const { return change_effect_; }
@@ -112,6 +114,7 @@ class Data {
   DataOrigin origin_ = DataOrigin::by_default;
   ChangeEffect change_effect_ = ChangeEffect::restart;
   std::size_t value_width_ = 0;  ///< 0: as the type says
+  std::size_t cell_width_ = 0;
 };
 
 /// All attributes of a component, in the order of declaration.

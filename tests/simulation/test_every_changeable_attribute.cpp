@@ -57,6 +57,7 @@ std::string exception(const std::string& name) {
       {"OscillatingTorsionPressureForceField.rayleighStiffness", "no stiffness"},
       {"SurfacePressureForceField.pressure", "the far end of a pulse; see LiveAttributes"},
       {"UniformMass.totalMass", "every mass falls alike"},
+      {"CarvingRegion.offset", "without observers nothing is carved (view.carving leads one)"},
       {"UniformMass.vertexMass", "every mass falls alike"},
       {"UniformVelocityDampingForceField.rayleighStiffness", "no stiffness"}};
   const auto found = reasons.find(name);

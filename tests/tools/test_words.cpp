@@ -185,6 +185,25 @@ TEST_F(Words, PeopleFindWhatTheySearchFor) {
   EXPECT_TRUE(has(misspelt.err, "did you mean contact?")) << misspelt.err;
 }
 
+/// A list that has values per cell is declared so, and says so: meshes that change follow the declaration.
+TEST_F(Words, ListsOfCellsAreDeclaredAndSaidToBe) {
+  Factory factory;
+  Modules modules(factory);
+  modules.openAll();
+  std::set<std::string> found;
+  for (const ComponentEntry* entry : factory.entries())
+    if (const auto component = factory.make(entry->type))
+      for (const Data& data : component->data().all()) {
+        const bool is_list = std::holds_alternative<std::vector<double>*>(data.pointer()) ||
+                             std::holds_alternative<std::vector<Vec3>*>(data.pointer());
+        if (!is_list || data.isOutput()) continue;
+        EXPECT_EQ(data.cellWidth() > 0, has(data.helpText(), "per cell")) << entry->type << "." << data.name();
+        if (data.cellWidth() > 0) found.insert(data.name());
+      }
+  for (const char* name : {"youngModulus", "massDensity", "initialStrain", "AnisotropyDirections"})
+    EXPECT_EQ(found.count(name), 1u) << name;
+}
+
 /// Every field of cells that some component offers is a word of the topic on them.
 TEST_F(Words, FieldsOfCellsAreNamed) {
   Factory factory;

@@ -23,6 +23,8 @@ const char* Outcome::word() const {
   switch (end) {
     case RunEnd::diverged:
       return "diverged";
+    case RunEnd::mesh_refused:
+      return "ended by a change of mesh";
     case RunEnd::stopped:
       return "interrupted";
     case RunEnd::not_converged:

@@ -14,8 +14,8 @@ struct Outcome : RunReport {
   std::vector<std::string> unexpected;  ///< a sentence for each expectation of the scene that was not met
 
   bool failed() const {
-    return end == RunEnd::diverged || end == RunEnd::not_converged || end == RunEnd::not_replayed ||
-           end == RunEnd::program_failed;
+    return end == RunEnd::diverged || end == RunEnd::mesh_refused || end == RunEnd::not_converged ||
+           end == RunEnd::not_replayed || end == RunEnd::program_failed;
   }
   const char* word() const;
   int exitCode() const;

@@ -21,6 +21,7 @@ const char* wordFor(RunEnd end) {
     case RunEnd::done: return "done";
     case RunEnd::stopped: return "stopped";
     case RunEnd::diverged: return "diverged";
+    case RunEnd::mesh_refused: return "mesh not changed";
     case RunEnd::not_converged: return "not converged";
     case RunEnd::not_replayed: return "not replayed";
     case RunEnd::program_failed: return "program failed";

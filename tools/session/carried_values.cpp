@@ -44,9 +44,9 @@ class Carrier {
 
   Archive run(std::vector<std::string>& anew) {
     values_ = after_.checkpoint().entries(), kept_ = before_.checkpoint().entries();
-    for (const char* owner : {"simulation", "inputs"}) replace(owner, valuesOf(owner, kept_));
+    replace("simulation", valuesOf("simulation", kept_));
     takeEdits();
-    refuseInputs();
+    takeInputs();
     for (const State* state : after_.states()) takeState(*state);
     for (const auto& system : after_.systems()) takeSystem(*system);
     std::vector<Component*> components;
@@ -95,15 +95,49 @@ class Carrier {
     });
   }
 
-  /// Forces from outside name nodes.
-  void refuseInputs() const {
-    for (const auto& [name, entry] : valuesOf("inputs", kept_)) {
-      if (!name.ends_with(" state")) continue;
-      const ChangedMesh* mesh = meshOf(entry.bytes);
-      if (mesh && !mesh->edit.points().areTheSame())
-        throw ComponentError("forces from outside act on points of " + entry.bytes + ", whose mesh loses some",
-                             "a body that is not pulled meanwhile");
+  /// Forces from outside act on what is left of their nodes; those of none end.
+  void takeInputs() {
+    Archive archive(valuesOf("inputs", kept_)), followed;
+    archive.enter("inputs"), followed.enter("inputs");
+    std::vector<long> numbers, left;
+    long next = 0;
+    archive.list("numbers", numbers), archive.value("next", next);
+    Entries entries = valuesOf("inputs", kept_);
+    for (const long number : numbers) {
+      const std::string name = std::to_string(number) + " ";
+      std::string state;
+      archive.value(name + "state", state);
+      const ChangedMesh* mesh = meshOf(state);
+      std::vector<Index> nodes;
+      archive.list(name + "nodes", nodes);
+      if (mesh && !nodes.empty() && !followInput(archive, name, mesh->edit.points().now(), nodes, entries)) {
+        std::erase_if(entries, [&name](const auto& entry) { return entry.first.starts_with("inputs:" + name); });
+      } else {
+        left.push_back(number);
+      }
     }
+    followed.list("numbers", left);
+    for (const auto& [name, entry] : followed.entries()) entries[name] = entry;
+    replace("inputs", std::move(entries));
+  }
+
+  /// False: none of its nodes is left.
+  static bool followInput(Archive& archive, const std::string& name, const std::vector<Index>& now,
+                          const std::vector<Index>& nodes, Entries& entries) {
+    std::vector<Vec3> targets, targets_left;
+    archive.list(name + "targets", targets);
+    std::vector<Index> left;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const Index node = now.at(std::size_t(nodes[i]));
+      if (node < 0) continue;
+      left.push_back(node);
+      if (!targets.empty()) targets_left.push_back(targets.at(i));
+    }
+    Archive followed;
+    followed.enter("inputs");
+    followed.list(name + "nodes", left), followed.list(name + "targets", targets_left);
+    for (const auto& [key, entry] : followed.entries()) entries[key] = entry;
+    return !left.empty();
   }
 
   /// Rows of a state now, as sums of its rows before; none: it has none of them. But for their places, points that are held

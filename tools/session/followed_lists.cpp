@@ -34,14 +34,6 @@ constexpr std::string_view of_nodes[] = {"indices",
 constexpr std::string_view of_all_nodes[] = {"vertexMass", "property", "stiffness", "angularStiffness"};
 /// Attributes, of text or of numbers, that name nodes among other things.
 constexpr std::string_view mixed[] = {"spring", "springs", "oscillators", "cluster"};
-/// Attributes that have a value for each cell, if their help does not say so, and of how many numbers it is.
-struct PerCell {
-  std::string_view name;
-  std::size_t width;
-};
-constexpr PerCell per_cell[] = {
-    {"initialStrain", 6}, {"massDensity", 1}, {"tetrahedronDiffusionCoefficient", 1}, {"AnisotropyDirections", 1}};
-
 /// Lists of one length: what goes from one that numbers nodes goes from all.
 struct Together {
   std::string_view type;
@@ -135,13 +127,6 @@ bool isText(const Data& data) {
   return text && !(*text)->empty();
 }
 
-/// Numbers that one value of an attribute has; 0: none that is known.
-std::size_t widthPerCell(const Data& data) {
-  for (const PerCell& each : per_cell)
-    if (each.name == data.name()) return each.width;
-  return data.helpText().find("per cell") != std::string::npos ? 1 : 0;
-}
-
 /// An entry less would change what the others mean.
 bool needsAll(const Component& component) {
   const std::string type = component.type();
@@ -199,7 +184,7 @@ const ListOrigins* FollowedLists::numbered(const Component& component, const Dat
 /// Of what an attribute with `count` values has one for each; null: of nothing that changes. By what it is declared to be.
 FollowedLists::Valued FollowedLists::valued(const Component& component, const Data& data, std::size_t count) const {
   Valued found;
-  std::size_t width = widthPerCell(data);
+  std::size_t width = data.cellWidth();
   if (data.isOfNodes() || isIn(data.name(), of_all_nodes)) {
     width = 0;
     if (count > 1 && count == edit_.points().before) found = {&edit_.points(), 1};

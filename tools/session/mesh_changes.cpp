@@ -72,9 +72,11 @@ void addWarnings(const Simulation& before, const Simulation& after, std::vector<
 
 }  // namespace
 
-bool makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules, std::vector<std::string>& notes) {
+MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules) {
+  MeshChangesMade made;
+  std::vector<std::string>& notes = made.notes;
   const std::vector<Due> all = dueOf(simulation);
-  if (all.empty()) return false;
+  if (all.empty()) return made;
   const Span span("change meshes");
   std::vector<ChangedMesh> meshes;
   std::vector<const Topology*> topologies;
@@ -109,7 +111,10 @@ bool makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules,
     throw ComponentError(std::string("the run cannot go on with the other mesh: ") + error.what());
   }
   for (MeshChanger* changer : changersOf(simulation)) changer->changesMade(simulation.time(), simulation.dt());
-  return true;
+  made.any = true;
+  for (const ChangedMesh& mesh : meshes)
+    for (const std::string& state : mesh.followed.states) made.nodes[state] = mesh.edit.points().now();
+  return made;
 }
 
 }  // namespace stroma

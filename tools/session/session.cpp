@@ -176,15 +176,15 @@ std::string Session::changeMeshes() {
   if (!follows_mesh_changes_) return {};
   Simulation& running = simulation();
   try {
-    std::vector<std::string> notes;
-    makeMeshChanges(running, factory_, modules_, notes);
-    for (std::string& note : notes) {
+    MeshChangesMade made = makeMeshChanges(running, factory_, modules_);
+    for (std::string& note : made.notes) {
       const std::string path = note.substr(0, note.find_first_of(",:"));
       const auto is_of_it = [&path](const std::string& other) {
         return other.starts_with(path + ",") || other.starts_with(path + ":");
       };
       if (std::none_of(mesh_notes_.begin(), mesh_notes_.end(), is_of_it)) mesh_notes_.push_back(std::move(note));
     }
+    if (made.any && mesh_changed_) mesh_changed_(made.nodes);
     return {};
   } catch (const ComponentError& error) {
     const std::string expected = error.expected.empty() ? "" : " (expected " + error.expected + ")";
@@ -195,10 +195,14 @@ std::string Session::changeMeshes() {
 
 StepReport Session::step(StopToken stop) {
   Simulation& running = simulation();
+  mesh_refused_ = false;
   if (!program_) {
+    running.begin();
+    // what a replay does before this step may move a region, and numbers nodes as they were then
+    if (follows_mesh_changes_ && running.director()) running.director()->beforeStep(running);
     StepReport refused;
     refused.reason = changeMeshes();
-    refused.diverged = !refused.reason.empty();
+    mesh_refused_ = refused.diverged = !refused.reason.empty();
     return refused.diverged ? refused : running.step(stop);
   }
   program_->beforeStep(running);
@@ -235,7 +239,7 @@ RunReport Session::run(const RunLimits& limits) {
       }();
       if (step.stopped) break;
       report.last = std::move(step);
-      report.end = endAfter(report.last);
+      report.end = mesh_refused_ ? RunEnd::mesh_refused : endAfter(report.last);
       if (report.last.diverged) break;
       const double seconds = secondsSince(step_start);
       report.statistics.add(report.last, seconds);
@@ -260,7 +264,8 @@ RunReport Session::run(const RunLimits& limits) {
   }
   if (stop_.take() && report.end == RunEnd::done) report.end = RunEnd::stopped;
   if (report.end == RunEnd::done && report.last.unsolved) report.end = RunEnd::not_converged;
-  if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged) report.reason = reasonOf(report.last);
+  if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged || report.end == RunEnd::mesh_refused)
+    report.reason = reasonOf(report.last);
   if (!report.reason.empty() && report.end != RunEnd::program_failed)
     report.reason = unitsOf(running.scene()).sentence(report.reason);
   report.statistics.unconverged = unconverged_;

@@ -10,6 +10,7 @@
 
 #include "framework/scene/modules.h"
 #include "tools/session/checkpoint.h"
+#include "tools/session/mesh_changes.h"
 #include "tools/session/statistics.h"
 
 namespace stroma {
@@ -32,6 +33,7 @@ enum class RunEnd {
   done,           ///< a limit was reached
   stopped,        ///< requestStop(): the state is that after the last whole step
   diverged,       ///< the state is that before the step that failed
+  mesh_refused,   ///< a mesh was to change and could not: the state is that before the step
   not_converged,  ///< no equilibrium, or a position constraint that does not hold: the state is no result
   not_replayed,   ///< an event of a replay was refused: the state is that before its step
   program_failed,  ///< the scene's own program: the state is that of the last whole step
@@ -92,9 +94,12 @@ class Session {
   RunReport run(const RunLimits& limits);
   /// One step of the simulation, in which a scene that is a program takes part. Throws ProgramError.
   StepReport step(StopToken stop = {});
-  /// From now on meshes may change in steps (tools/session/mesh_changes.h): who holds on to states or components of the scene beyond a
-  /// step must look them up again. Else a step in which a mesh would change is refused. Without effect on a program.
-  void followMeshChanges() { follows_mesh_changes_ = true; }
+  /// From now on meshes may change at the start of steps (tools/session/mesh_changes.h): who holds on to states or components of the
+  /// scene beyond a step must look them up again; `changed` is called when they are others, before the step is made. Else a step
+  /// in which a mesh would change is refused. Without effect on a program.
+  void followMeshChanges(std::function<void(const NodesNow&)> changed = {}) {
+    follows_mesh_changes_ = true, mesh_changed_ = std::move(changed);
+  }
   /// What such changes have left to say, each component once.
   const std::vector<std::string>& meshNotes() const { return mesh_notes_; }
   /// Whether the scene is a program, which hears keys.
@@ -135,7 +140,9 @@ class Session {
   UnconvergedSteps unconverged_;  ///< since the scene was loaded, or before the checkpoint
   StopRequest stop_;
   bool follows_mesh_changes_ = false;
+  std::function<void(const NodesNow&)> mesh_changed_;
   std::vector<std::string> mesh_notes_;
+  bool mesh_refused_ = false;  ///< in the last step
   SceneProgram* program_ = nullptr;  ///< the scene is one, and takes part in its steps
 };
 

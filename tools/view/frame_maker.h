@@ -14,6 +14,7 @@ class FrameMaker {
 
   /// Frame number `number` at time `time` [s]. `still`: nothing moves, so that fields are always wanted.
   std::shared_ptr<Packet> make(const Demand& demand, long number, double time, bool still);
+  void forget() { fields_due_ = {}; }  ///< pages have no values of fields any more
   double fieldSeconds() const { return field_seconds_; }  ///< spent on fields so far
 
  private:

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "framework/mechanics/frames.h"
@@ -183,6 +184,31 @@ void Hands::apply(int client, const json& order) {
     hands_[key] = std::move(hand);
   }
   if (sequence >= 0) ordered_[client] = sequence;
+}
+
+void Hands::follow(const NodesNow& now) {
+  for (auto it = hands_.begin(); it != hands_.end();) {
+    Hand& hand = it->second;
+    Input& what = hand.what;
+    const auto body = std::find_if(drawing_.bodies.begin(), drawing_.bodies.end(),
+                                   [&what](const Body& each) { return each.state->path() == what.state; });
+    hand.body = Index(body - drawing_.bodies.begin());
+    bool is_there = body != drawing_.bodies.end();
+    if (const auto numbers = now.find(what.state); is_there && !what.ball && numbers != now.end()) {
+      std::size_t left = 0;
+      for (std::size_t i = 0; i < what.nodes.size(); ++i) {
+        const Index node = numbers->second.at(std::size_t(what.nodes[i]));
+        if (node < 0) continue;
+        what.nodes[left] = node;
+        if (!what.targets.empty()) what.targets[left] = what.targets[i];
+        ++left;
+      }
+      what.nodes.resize(left);
+      if (!what.targets.empty()) what.targets.resize(left);
+      is_there = left > 0;
+    }
+    it = is_there ? std::next(it) : hands_.erase(it);
+  }
 }
 
 void Hands::releaseAll(int client) {

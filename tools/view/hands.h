@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/session/mesh_changes.h"
 #include "tools/view/drawn.h"
 
 namespace stroma::view {
@@ -30,6 +31,8 @@ class Hands {
   void apply(int client, const nlohmann::json& order);
   /// A page is gone: so are its hands.
   void releaseAll(int client);
+  /// Meshes have changed, and with them the drawing: hands hold what is left of their nodes, as their inputs do.
+  void follow(const NodesNow& now);
   /// The simulation has dropped all inputs.
   void forget() { hands_.clear(); }
   /// Of every hand, where it is and its force on the body [N] at the present state; for frames.

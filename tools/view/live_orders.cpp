@@ -95,6 +95,7 @@ std::string LiveRun::carryOut(const Order& order) {
     dirty_ = true;
   } else if (verb == "pull" || verb == "force" || verb == "push" || verb == "release") {
     if (!request_.recording.empty()) throw ComponentError("no hand reaches into a recording");
+    if (isOutdated(message)) return {};
     hands_.apply(order.client, message);
     if (!running_) hands_.orderedIsDrawn();
     dirty_ = true;
@@ -164,6 +165,12 @@ void LiveRun::sendScene(int client) {
   if (client != Audience::everybody) scene.header()["client"] = client;
   scene.header()["build"] = request_.build;
   scene.header()["keys"] = session_.isProgram();
+  if (client == Audience::everybody && numbers_.isUntold()) {
+    scene.header()["follows"] = numbers_.toldGeneration();
+    for (std::size_t b = 0; b < drawing_.bodies.size(); ++b)
+      scene.add(std::to_string(b) + ".before", numbers_.before(drawing_.bodies[b]));
+  }
+  if (client == Audience::everybody || !numbers_.isUntold()) numbers_.told(drawing_, generation_);
   audience_.sendPacket(client, scene);
   audience_.sendPacket(client, heldPacket(simulation_, drawing_, generation_, time()));
   if (client == Audience::everybody) held_revision_ = heldRevision(simulation_);
@@ -183,6 +190,31 @@ void LiveRun::redraw() {
   if (generation_ == 0) return;
   ++generation_;
   sendScene(Audience::everybody);
+}
+
+void LiveRun::meshChanged(const NodesNow& now) {
+  {
+    Drawing drawing = drawingOf(simulation_);
+    const std::lock_guard lock(mutex_);
+    drawing_ = std::move(drawing);
+    has_changed_meshes_ = true;
+  }
+  segments_ = segmentsOf(simulation_);
+  hands_.follow(now);
+  numbers_.follow(drawing_, now);
+  frames_.forget();
+  held_revision_ = -1;
+  dirty_ = true;
+  if (generation_ == 0) return numbers_.told(drawing_, 0);
+  ++generation_;
+  json lines = json::array();
+  const std::vector<std::string>& notes = session_.meshNotes();
+  for (; notes_told_ < notes.size(); ++notes_told_) lines.push_back({{"severity", "warning"}, {"text", notes[notes_told_]}});
+  if (!lines.empty()) audience_.send(Audience::everybody, {{"is", "messages"}, {"lines", lines}});
+}
+
+bool LiveRun::isOutdated(const json& message) const {
+  return message.contains("generation") && integer(message["generation"], "generation", 0, 1L << 52) != generation_;
 }
 
 void LiveRun::introduce(int client) {
@@ -275,6 +307,7 @@ void LiveRun::reset() {
     return;
   }
   std::string failure;
+  const bool is_of_changed_mesh = simulation_.hasChangedMeshes();
   try {
     simulation_.reset();
   } catch (const OutputError& error) {  // of an observer that ends; all others have ended
@@ -282,7 +315,12 @@ void LiveRun::reset() {
     simulation_.reset();
   }
   hands_.forget();
-  redraw();
+  if (is_of_changed_mesh) {
+    meshChanged(NodesNow(numbers_.firstNodes()));
+    numbers_.restart();
+  } else {
+    redraw();
+  }
   ++run_;
   ended_.clear();
   last_ = {}, last_step_seconds_ = 0;

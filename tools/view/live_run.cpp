@@ -44,8 +44,10 @@ LiveRun::LiveRun(Session& session, const ViewRequest& request, Audience& audienc
       hands_(simulation_, drawing_),
       values_(simulation_, drawing_),
       frames_(simulation_, drawing_),
-      segments_(segmentsOf(simulation_)) {
+      segments_(segmentsOf(simulation_)),
+      numbers_(drawing_) {
   simulation_.computeOnDemand(true);
+  session_.followMeshChanges([this](const NodesNow& now) { meshChanged(now); });
 }
 
 // ---- other threads ----
@@ -105,6 +107,7 @@ void LiveRun::setDemand(const Demand& demand) {
 
 void LiveRun::checkWanted(const std::set<int>& fields, const std::set<std::string>& values) const {
   const std::lock_guard lock(mutex_);  // an edit may replace the drawing
+  if (has_changed_meshes_) return;
   for (const int field : fields)
     if (field < 1 || field > int(drawing_.fields.size()))
       throw ComponentError(fmt::format("there is no field {}", field),
@@ -253,6 +256,7 @@ void LiveRun::showIfDue() {
 void LiveRun::show(const Demand& wanted) {
   const auto start = Clock::now();
   const double fields_before = frames_.fieldSeconds();
+  if (numbers_.isUntold()) sendScene(Audience::everybody);
   if (wanted.all_nodes && !cells_sent_) {
     audience_.sendPacket(Audience::everybody, cellsPacket(drawing_, generation_));
     cells_sent_ = true;

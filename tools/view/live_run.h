@@ -8,6 +8,7 @@
 
 #include "framework/mechanics/drawn_segments.h"
 #include "tools/view/frame_maker.h"
+#include "tools/view/page_numbers.h"
 #include "tools/view/viewer.h"
 
 namespace stroma::view {
@@ -24,6 +25,7 @@ class LiveRun {
  public:
   /// Everything outlives this.
   LiveRun(Session& session, const ViewRequest& request, Audience& audience);
+  ~LiveRun() { session_.followMeshChanges(); }
 
   /// Runs until stop(). Its thread alone uses the session meanwhile.
   void loop();
@@ -55,6 +57,10 @@ class LiveRun {
   void introduce(int client);
   void sendScene(int client);
   void redraw();
+  /// The tree is another one, and all that is drawn is made anew. Pages learn it with the next picture.
+  void meshChanged(const NodesNow& now);
+  /// It names nodes of a scene that has changed since: what the page does next will be in the numbers of the present one.
+  bool isOutdated(const nlohmann::json& message) const;
   void tell(int client, const std::string& verb);
   void tellXml(int client);
   void setAttribute(const nlohmann::json& message);
@@ -89,12 +95,15 @@ class LiveRun {
   WatchedValues values_;
   FrameMaker frames_;
   std::vector<DrawnSegments::Segment> segments_;  ///< that the drawing was made with
+  PageNumbers numbers_;
+  std::size_t notes_told_ = 0;  ///< of those that changes of meshes have left
 
   // ---- shared with the other threads ----
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Order> orders_;
   Demand demand_;
+  bool has_changed_meshes_ = false;  ///< pages may want what is no more
   std::atomic<bool> stopping_ = false, ordered_ = false, can_draw_ = false, connected_ = false;
 
   // ---- of the thread that steps ----

@@ -35,19 +35,19 @@ long wholeNumber(const std::string& text) {
 
 }  // namespace
 
-WatchedValues::NodeWord WatchedValues::nodeOf(const std::string& word) const {
+std::optional<WatchedValues::NodeWord> WatchedValues::find(const std::string& word) const {
   const std::vector<std::string> parts = partsOf(word);
-  if (parts.size() != 4 || parts[0] != "node") unknown(word);
+  if (parts.size() != 4 || parts[0] != "node") return {};
   const long body = wholeNumber(parts[1]), node = wholeNumber(parts[2]);
-  if (body < 0 || body >= long(drawing_.bodies.size())) unknown(word);
+  if (body < 0 || body >= long(drawing_.bodies.size())) return {};
   const Body& found = drawing_.bodies[std::size_t(body)];
-  if (node < 0 || node >= found.state->size() || found.page[std::size_t(node)] < 0) unknown(word);
-  if (parts[3] != "position" && parts[3] != "velocity" && parts[3] != "reaction") unknown(word);
-  return {&found, Index(node), parts[3]};
+  if (node < 0 || node >= long(found.page.size()) || found.page[std::size_t(node)] < 0) return {};
+  if (parts[3] != "position" && parts[3] != "velocity" && parts[3] != "reaction") return {};
+  return NodeWord{&found, Index(node), parts[3]};
 }
 
 void WatchedValues::check(const std::string& word) const {
-  if (word != "energy" && word != "solver") nodeOf(word);
+  if (word != "energy" && word != "solver" && !find(word)) unknown(word);
 }
 
 Vec3 WatchedValues::reaction(const Body& body, Index row) {
@@ -81,11 +81,11 @@ json WatchedValues::read(const std::set<std::string>& words, const StepReport& l
       values["newton"] = last.newton_iterations;
       values["residual"] = last.linear_residual;
     } else {
-      const NodeWord node = nodeOf(word);
-      if (node.what == "reaction" && !with_costly) continue;
-      const Vec3 value = node.what == "position"   ? node.body->x()[node.row]
-                         : node.what == "velocity" ? node.body->v()[node.row]
-                                                   : reaction(*node.body, node.row);
+      const auto node = find(word);
+      if (!node || (node->what == "reaction" && !with_costly)) continue;
+      const Vec3 value = node->what == "position"   ? node->body->x()[node->row]
+                         : node->what == "velocity" ? node->body->v()[node->row]
+                                                    : reaction(*node->body, node->row);
       for (int k = 0; k < 3; ++k) values[word + "." + "xyz"[k]] = value[k];
     }
   }

@@ -49,7 +49,7 @@ export class Hands {
     this.overlay = /** @type {HTMLElement} */ (document.getElementById('overlay'));
     stage.afterDraw.push(() => this.afterDraw());
     store.on('frame', () => this.show());
-    store.on('scene', () => (store.continued ? this.show() : this.forget()));
+    store.on('scene', () => (store.continued ? this.show() : store.changed ? this.follow() : this.forget()));
     store.on('connection', () => this.store.connection.state !== 'open' && this.forget());
     this.listen(stage.canvas);
   }
@@ -344,6 +344,21 @@ export class Hands {
     this.show();
   }
 
+  /** A mesh has changed: hands have what is left of their nodes, as they have in the run. */
+  follow() {
+    const moved = (/** @type {any} */ hand) => {
+      const at = hand.body === undefined ? -1 : this.store.bodies.findIndex(({ path }) => path === this.store.pathsBefore[hand.body]);
+      if (hand.kind === 'move') return hand;
+      const now = (hand.nodes ?? []).map((/** @type {number} */ node) => this.store.nodeNow({ body: hand.body, node }));
+      if (at < 0 || (hand.nodes && !now.some(Boolean))) return null;
+      const left = (/** @type {any[]} */ list) => list?.filter((_, i) => now[i]);
+      return Object.assign(hand, { body: at }, hand.nodes ? { nodes: left(now).map(({ node }) => node), starts: left(hand.starts) } : {});
+    };
+    if (this.drag && !moved(this.drag)) this.end(true);
+    for (const [name, hand] of this.kept ?? []) if (!moved(hand)) this.kept.delete(name);
+    this.show();
+  }
+
   /** @param {number} time of the event @param {boolean} first */
   send(time, first) {
     const { drag } = this;
@@ -351,12 +366,13 @@ export class Hands {
     this.sent.set(sequence, time);
     if (this.sent.size > MOST_WAITING) this.sent.delete(this.sent.keys().next().value); // refused ones are never applied
     const moved = drag.moved.toArray();
+    const { generation } = this.store.scene;
     const stiffness = this.stiffness === null ? {} : { stiffness: this.stiffness };
     const move = (/** @type {number[]} */ p) => p.map((c, i) => c + moved[i]);
     const message = drag.kind === 'move' ? { do: 'move', hand: drag.hand, obstacle: drag.obstacle, offset: drag.start.map((c, i) => c + moved[i]), sequence }
-      : drag.kind === 'push' ? { do: 'push', hand: drag.hand, body: drag.body, centre: move(drag.centre), radius: drag.radius, ...stiffness, sequence }
-      : drag.arm ? { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, frames: [drag.frame], targets: [turnTowards(drag.start, drag.arm, move(drag.arm))], ...stiffness, sequence }
-      : { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, nodes: drag.nodes, targets: drag.starts.map(move), ...stiffness, sequence };
+      : drag.kind === 'push' ? { do: 'push', hand: drag.hand, body: drag.body, centre: move(drag.centre), radius: drag.radius, ...stiffness, generation, sequence }
+      : drag.arm ? { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, frames: [drag.frame], targets: [turnTowards(drag.start, drag.arm, move(drag.arm))], ...stiffness, generation, sequence }
+      : { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, nodes: drag.nodes, targets: drag.starts.map(move), ...stiffness, generation, sequence };
     if (first) this.commands.tell(message).then((reply) => !reply.ok && this.drag === drag && this.end(true));
     else this.commands.send(message);
   }

@@ -46,7 +46,7 @@ export function showPicked(parent, { store, stage, hands, panels }) {
     stage.requestDraw();
   };
   store.on('picked', choose);
-  store.on('scene', () => store.sameScene || choose(null));
+  store.on('scene', () => store.sameScene || choose(store.changed ? store.nodeNow(picked) : null));
   store.on('frame', update);
   stage.canvas.addEventListener('pointerdown', (/** @type {PointerEvent} */ event) => (pressed = event.isPrimary && event.button === 0 ? { x: event.clientX, y: event.clientY } : null), { capture: true });
   stage.canvas.addEventListener('pointerup', (/** @type {PointerEvent} */ event) => {

@@ -20,6 +20,9 @@ const KINDS = [
   { key: 'hands', title: 'Force of hands', unit: 'N', group: '', lines: [] },
 ];
 
+/** What the values of a node are called. @param {import('./store.js').Store} store @param {{body: number, node: number}} place */
+const nameOf = (store, { body, node }) => `node.${body}.${store.bodies[body].sceneNode[node]}`;
+
 export class Plots {
   /** @param {HTMLElement} body @param {any} parts */
   constructor(body, { store, wants, history, commands }) {
@@ -51,6 +54,7 @@ export class Plots {
     store.on('arrived', (/** @type {any} */ packet) => this.take(packet));
     store.on('scene', () => {
       if (store.sameScene) return;
+      if (store.changed) return this.follow();
       store.watched = [];
       this.clear();
       this.listNodes();
@@ -86,12 +90,28 @@ export class Plots {
   /** Plots a node. @param {number} body @param {number} node number of the page */
   watch(body, node) {
     const { watched } = this.store;
-    if (!watched.some((/** @type {any} */ w) => w.body === body && w.node === node)) watched.push({ body, node });
+    if (!watched.some((/** @type {any} */ w) => w.body === body && w.node === node)) watched.push({ body, node, name: nameOf(this.store, { body, node }) });
     if (watched.length > MOST_NODES) watched.shift();
     if (!this.commands.connection) this.fromHistory();
     this.store.emit('watched');
     this.listNodes();
     this.rebuild();
+  }
+
+  /** A mesh has changed: curves of nodes go on under their numbers now, and those of nodes that are gone end. */
+  follow() {
+    /** @type {Map<string, string>} */
+    const names = new Map();
+    const { store } = this;
+    store.watched = store.watched.flatMap((/** @type {any} */ old) => {
+      const now = store.nodeNow(old);
+      if (now) names.set(old.name, (now.name = nameOf(store, now)));
+      return now ? [now] : [];
+    });
+    this.series.rename(names);
+    store.emit('watched');
+    this.listNodes();
+    if (this.isOpen) this.rebuild();
   }
 
   listNodes() {

@@ -29,6 +29,14 @@ export class Series {
     if (this.times.length > MOST_ROWS) this.thin();
   }
 
+  /** Columns of nodes, "node.BODY.NODE", have other names now. @param {Map<string, string>} names */
+  rename(names) {
+    this.columns = new Map([...this.columns].map(([name, column]) => {
+      const of = name.split('.').slice(0, 3).join('.');
+      return [names.has(of) ? names.get(of) + name.slice(of.length) : name, column];
+    }));
+  }
+
   drop() {
     this.times.pop();
     for (const column of this.columns.values()) column.pop();

@@ -85,7 +85,7 @@ export class Stage {
     for (const view of this.views) this.world.add(view.group);
     for (const view of this.views) view.setConstraints();
     this.contacts.build();
-    if (!this.store.continued) this.colouring.reset();
+    if (!this.store.continued && !this.store.changed) this.colouring.reset();
     this.measure();
     // The same scene sent again, after a lost connection or a change of topology, keeps the camera.
     if (this.fitPending || this.name !== this.store.scene.name) this.view();

@@ -73,6 +73,10 @@ export class Store {
     /** Whether this page holds its recording itself. */
     this.exported = false;
     this.ready = false;
+    /** @type {string[]} */
+    this.pathsBefore = [];
+    /** @type {Map<number, number>[]} */
+    this.nodesNow = [];
     /** @type {any} */
     this.status = { running: false, pace: 'real', factor: 1, time: 0, step: 0, doubts: [], ended: '', control: null };
     /** @type {{severity: string, text: string}[]} */
@@ -188,6 +192,8 @@ export class Store {
 
   /** @param {import('./messages.js').Packet} packet */
   takeScene({ header, arrays }) {
+    // A mesh has changed, and this page was told of it already with its own scene.
+    if (header.follows !== undefined && header.generation === this.scene?.generation && !this.isNewConnection) return;
     const hidden = new Set(this.bodies.filter((body) => !body.visible).map((body) => body.path));
     const kind = JSON.stringify([header.name, header.mode, header.bodies.map((/** @type {any} */ b) => [b.path, b.nodes, b.surface]),
       (header.fields ?? []).map((/** @type {any} */ f) => [f.id, f.body, f.name, f.on, f.unit])]);
@@ -196,10 +202,14 @@ export class Store {
     this.sameScene = kind === this.kindOfScene && before.every((body, b) => sameNumbers(body.sceneNode, arrays[`${b}.node`]));
     /** Whether it is sent again within a connection, as after a change of springs: even hands go on. */
     this.continued = this.sameScene && !this.isNewConnection;
+    /** Whether meshes of it have changed: nodes have other numbers, which nodeNow() knows, and everything else goes on. */
+    this.changed = !this.continued && !this.isNewConnection && header.follows !== undefined && header.follows === this.scene?.generation;
+    const known = this.changed ? new Map(before.map((body) => [body.path, body])) : new Map();
+    this.pathsBefore = before.map((body) => body.path);
     this.isNewConnection = false;
     this.kindOfScene = kind;
     // What is sent to all pages at once names none of them.
-    this.scene = this.continued && header.client === undefined ? { ...header, client: this.scene.client } : header;
+    this.scene = (this.continued || this.changed) && header.client === undefined ? { ...header, client: this.scene.client } : header;
     this.build ||= header.build;
     this.bodies = header.bodies.map((/** @type {any} */ info, /** @type {number} */ b) => {
       const count = info.nodes ?? arrays[`${b}.rest`].length / 3;
@@ -212,6 +222,7 @@ export class Store {
         load: null, turn: null, visible: !hidden.has(info.path), ...(this.continued ? stateOf(before[b]) : {}),
       };
     });
+    if (this.changed) this.takePlaces(known, arrays);
     this.links = arrays.links ?? new Int32Array(0);
     this.linkKinds = arrays.link_kind ?? new Uint8Array(0);
     this.fields = header.fields ?? [];
@@ -224,6 +235,26 @@ export class Store {
       this.following = true;
     }
     this.emit('scene');
+  }
+
+  /** Nodes stay where they are until the next frame. @param {Map<string, Body>} known by path @param {any} arrays */
+  takePlaces(known, arrays) {
+    /** @type {Map<number, number>[]} of each body now, its nodes by their numbers before */
+    this.nodesNow = this.bodies.map((body, b) => {
+      const from = arrays[`${b}.before`] ?? new Int32Array(0);
+      const old = known.get(body.path);
+      for (let n = 0; old && n < from.length; n++)
+        if (from[n] >= 0) body.x.set(old.x.subarray(3 * from[n], 3 * from[n] + 3), 3 * n);
+      if (old) body.inside = old.inside;
+      return new Map([...from].map((node, n) => [node, n]));
+    });
+  }
+
+  /** Where a node of the scene before is now, when meshes have changed; null: it is gone. @param {{body: number, node: number} | null} place */
+  nodeNow(place) {
+    const body = place ? this.bodies.findIndex(({ path }) => path === this.pathsBefore[place.body]) : -1;
+    const node = body < 0 || !place ? undefined : this.nodesNow[body].get(place.node);
+    return node === undefined ? null : { body, node };
   }
 
   /** @param {import('./messages.js').Packet} packet */

@@ -9,6 +9,8 @@ export class Wants {
     this.connection = connection;
     this.last = '';
     this.lastWatch = '';
+    /** @type {any} */
+    this.asking = 0;
     /** Values that the plots want: "energy", "solver". @type {Set<string>} */
     this.groups = new Set();
     /** Who looks at numbers of contacts besides arrows. @type {Set<string>} */
@@ -16,7 +18,9 @@ export class Wants {
     store.on('scene', () => {
       this.last = this.lastWatch = '';
       this.tell();
-      connection?.send({ do: 'components' });
+      if (!store.changed) return connection?.send({ do: 'components' });
+      clearTimeout(this.asking); // a tool that carves changes the mesh in every step
+      this.asking = setTimeout(() => connection?.send({ do: 'components' }), 500);
     });
     store.on('view', () => this.tell());
     store.on('visible', () => this.tell());

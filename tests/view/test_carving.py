@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Meshes that change in `stroma view`: a region that a hand leads carves, pages follow, and the run is repeated to the bit.
+Usage: test_carving.py TREE STROMA [names of tests]"""
+import sys
+import tempfile
+import unittest
+
+import numpy
+
+from server import Server
+from test_protocol import STROMA, check_scene, hash_of_run, replayed_hash, write
+
+SCENE = """<Node gravity="0 0 0" dt="0.01"><EulerImplicitSolver/><SparseLDLSolver/>
+  <RegularGridTopology n="6 3 3" min="0 0 0" max="0.1 0.04 0.04"/><MechanicalObject name="dofs"/><MeshMatrixMass massDensity="1000"/>
+  <FixedProjectiveConstraint indices="0 6 12 18 24 30 36 42 48"/><HexahedronFEMForceField method="svd" youngModulus="3000" poissonRatio="0.4"/>
+  <CarvingRegion name="tool" sphere="0.15 0.02 0.02 0.025"/></Node>"""
+
+
+class Carving(unittest.TestCase):
+    """A bar of 20 hexahedra whose last eight nodes lie at x = 0.1 m, and a ball beside them."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.scene = write(self.folder.name, "bar.xml", SCENE)
+
+    def test_a_region_is_led_and_the_page_gets_the_other_mesh(self):
+        with Server(STROMA, self.scene, "--paused") as viewed:
+            page = viewed.page()
+            first = page.scene
+            page.do("step", count=3)
+            page.do("watch", values=["node.0.53.position", "node.0.52.position", "energy"])
+            page.do("move", hand="o0", obstacle=0, offset=[-0.04, 0, 0])
+            page.do("step")
+            page.until(lambda: page.frame["step"] == 4, "the step that cuts")
+            self.assertEqual((first["bodies"][0]["nodes"], page.scene["bodies"][0]["nodes"]), (54, 45))
+            check_scene(self, page.scene)
+            self.assertEqual(page.frame["generation"], page.scene["generation"])
+            self.assertEqual(page.scene["follows"], first["generation"])
+            numpy.testing.assert_allclose(page.frame["moved"][0], [-0.04, 0, 0])
+            before = page.scene.arrays["0.before"]
+            numpy.testing.assert_array_equal(page.scene.arrays["0.rest"].reshape(-1, 3), first.arrays["0.rest"].reshape(-1, 3)[before])
+            self.assertNotIn("node.0.53.position.x", page.frame["values"])  # it has another number now
+            # another page sees the same, and the first one is back after a reset
+            other = viewed.page()
+            self.assertEqual(other.scene["bodies"][0]["nodes"], 45)
+            page.do("move", hand="o0", obstacle=0, offset=[0, 0, 0])
+            page.do("reset")
+            page.until(lambda: page.frame["step"] == 0 and page.frame["generation"] == page.scene["generation"], "the start")
+            self.assertEqual(page.scene["bodies"][0]["nodes"], 54)
+            back = page.scene.arrays["0.before"]
+            self.assertEqual((back >= 0).sum(), 45)
+            other.until(lambda: other.scene["bodies"][0]["nodes"] == 54, "the first mesh on the other page")
+
+    def test_a_hand_keeps_what_is_left_and_the_run_is_repeated(self):
+        """It pulls the end, some of whose nodes go."""
+        with Server(STROMA, self.scene, "--paused") as viewed:
+            page = viewed.page()
+            places = page.scene.arrays["0.rest"].reshape(-1, 3)
+            nodes = numpy.flatnonzero(places[:, 0] > 0.079)
+            order = {"hand": "h", "kind": "hold", "body": 0, "nodes": nodes.tolist(), "targets": (places[nodes] + [0, 0.02, 0]).tolist(),
+                     "generation": page.scene["generation"]}
+            page.do("pull", **order)
+            page.do("step", count=3)
+            page.do("move", hand="o0", obstacle=0, offset=[-0.055, 0, 0])
+            page.do("step", count=3)
+            page.until(lambda: page.frame["step"] == 6, "the steps")
+            self.assertLess(page.scene["bodies"][0]["nodes"], 54)
+            left = (page.scene.arrays["0.rest"].reshape(-1, 3)[:, 0] > 0.079).sum()
+            self.assertEqual(page.frame["hands"][0]["nodes"], left)
+            self.assertLess(left, len(nodes))
+            page.do("pull", **{**order, "targets": places[nodes].tolist()})  # of the mesh before: not heeded
+            page.do("step", count=2)
+            page.do("release", hand="h")
+            page.do("step", count=2)
+            step, found = page.hash()
+            self.assertEqual(step, 10)
+            self.assertEqual(replayed_hash(page, self.scene, 10), found)
+            self.assertNotEqual(hash_of_run(self.scene, 10), found)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
