@@ -2,6 +2,7 @@
 #include "components/iterative_solvers/multigrid.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
@@ -29,6 +30,19 @@ BlockMatrix symmetricPart(const BlockMatrix& a) {
   return part;
 }
 
+/// sum (x_j - x_i) (X_j - X_i)^T over the neighbours j of a node, X where they were.
+Mat3 spreadAround(const amg::Blocks<3, 3>& a, Index i, ConstRows x, const Vector& before) {
+  const ConstRows was = before;
+  const double *now_i = x.data + std::size_t(i) * row_doubles, *was_i = was.data + std::size_t(i) * row_doubles;
+  std::array<double, 9> sum{};
+  for (Index s = a.start[std::size_t(i)]; s < a.start[std::size_t(i) + 1]; ++s) {
+    const std::size_t j = std::size_t(a.columns[std::size_t(s)]) * row_doubles;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t r = 0; r < 3; ++r) sum[3 * c + r] += (x.data[j + r] - now_i[r]) * (was.data[j + c] - was_i[c]);
+  }
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::ColMajor>>(sum.data());
+}
+
 std::shared_ptr<amg::Hierarchy> hierarchyOf(SystemMatrix& matrix, ConstRows positions, SolveReport& report, StopToken stop) {
   const BlockMatrix& a = matrix.assemble();
   auto made = matrix.symmetric() ? amg::makeHierarchy(a, positions, report, stop)
@@ -45,11 +59,23 @@ std::shared_ptr<amg::Hierarchy> hierarchyOf(SystemMatrix& matrix, ConstRows posi
 bool Multigrid::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   const bool same = now_.hierarchy && isCurrent(matrix);
   taken_back_ = {};
-  if (!fits(matrix) || (now_.renew && !same)) return make(matrix, report, stop);
+  if (!fits(matrix) || (now_.renew && !same)) return make(matrix, report, stop) && followByProducts(matrix, report);
   now_.fresh = now_.fresh && same;
   if (!same) turn(matrix);
   now_.key = matrix.key();
-  return true;
+  return followByProducts(matrix, report);
+}
+
+/// Chooses the finest level. True also where blocks are it.
+bool Multigrid::followByProducts(const SystemMatrix& matrix, SolveReport& report) {
+  by_products_ = amg::ProductLevel::isWorth(matrix, *now_.hierarchy);
+  if (!by_products_) return true;
+  now_.hierarchy->dropFineBlocks();
+  Index row = -1;
+  if (products_.follow(matrix, *now_.hierarchy, now_.fresh, now_.stiffest, row)) return true;
+  report.stop = SolveStop::not_definite;
+  report.row = row;
+  return false;
 }
 
 /// From the places alone: a run that is taken up again has the same turns. A node turns much as the one before it.
@@ -62,22 +88,17 @@ void Multigrid::turn(const SystemMatrix& matrix) {
   if (turns && turns.use_count() > 1) std::swap(turns, spare_turns_);  // those of the step before stay
   if (!turns || turns.use_count() > 1 || turns->count() != x.count) turns = std::make_shared<Vector>(x.count);
   const auto& a = now_.hierarchy->fine.a;
+  const std::vector<Index>& held = now_.hierarchy->held;  // a direction that is held must stay where it is
   std::atomic<bool> has_turned = false;
   amg::forPieces(x.count, amg::piecesOf(x.count), [&](int, Index first, Index end) {
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+    auto next_held = std::ranges::lower_bound(held, first);
     for (Index i = first; i < end; ++i) {
-      Mat3 spread = Mat3::Zero(), coupled = Mat3::Zero();
-      for (Index s = a.start[std::size_t(i)]; s < a.start[std::size_t(i) + 1]; ++s) {
-        const Index j = a.columns[std::size_t(s)];
-        if (j == i) continue;
-        const Mat3 block = Eigen::Map<const Eigen::Matrix3f>(a.at(s)).cast<double>();
-        coupled.noalias() += block * block.transpose();
-        spread.noalias() += (Vec3(x[j]) - Vec3(x[i])) * (Vec3(before[j]) - Vec3(before[i])).transpose();
-      }
-      // a direction that is held is in no coupling, and must stay where it is
-      coupled /= std::max(coupled.trace(), 1e-300);
-      const bool may_turn = coupled.determinant() > 1e-8;
-      if (may_turn) followRotation(spread, q, enough);
+      const bool may_turn = next_held == held.end() || *next_held != i;
+      if (may_turn)
+        followRotation(spreadAround(a, i, x, before), q, enough);
+      else
+        ++next_held;
       if (may_turn && q.vec().squaredNorm() > least * least / 4) has_turned.store(true, std::memory_order_relaxed);
       const Eigen::Quaterniond turned = may_turn ? q : Eigen::Quaterniond::Identity();
       Eigen::Map<Eigen::Quaterniond>(turns->rows().data + std::size_t(i) * row_doubles) = turned;
@@ -118,6 +139,7 @@ void Multigrid::serialize(SystemMatrix& matrix, Archive& archive, bool never_cha
   archive.value("renew", now_.renew);
   archive.value("rate", now_.rate);
   archive.value("lost", now_.lost);
+  archive.value("stiffest", now_.stiffest);
   taken_back_ = archive.isReading() ? MatrixKey{} : taken_back_;
   bool is_remade = never_changes && is_current && now_.hierarchy->made_of == now_.key;
   archive.value("remade", is_remade);

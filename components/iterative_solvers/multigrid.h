@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 
-#include "components/iterative_solvers/multigrid_hierarchy.h"
+#include "components/iterative_solvers/multigrid_products.h"
 #include "components/iterative_solvers/preconditioner.h"
 
 namespace stroma {
@@ -14,11 +14,11 @@ namespace stroma {
 /// same. Of a matrix that is not symmetric the symmetric part gets the hierarchy.
 ///
 /// A hierarchy of former values is turned with the body, B = R B_0 R^T: R_i is how much the surroundings of node i have turned
-/// since, as in WarpedFactor.
+/// since, as in WarpedFactor. Where products cost little the finest level goes by them, and is of the matrix as it is.
 class Multigrid final : public ApproximateInverse {
  public:
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
-  void apply(ConstRows r, Rows z) override { now_.hierarchy->apply(r, z, now_.turns.get()); }
+  void apply(ConstRows r, Rows z) override { now_.hierarchy->apply(r, z, now_.turns.get(), by_products_ ? &products_ : nullptr); }
   void solved(const SolveReport& report) override;
   bool giveUp() override { return now_.fresh ? false : (now_ = {}, true); }
   void reset() override { now_ = kept_ = {}; }
@@ -42,13 +42,16 @@ class Multigrid final : public ApproximateInverse {
     bool renew = false;                         ///< the next one that sees other values does
     double rate = 0;                            ///< iterations for a decade with the fresh one; 0: not known yet
     double lost = 0;                            ///< iterations more than with a fresh one, since it was made
+    double stiffest = 0;                        ///< see amg::ProductLevel::follow()
     std::shared_ptr<Vector> turns;              ///< of nodes since it was made, see amg::Hierarchy::apply(); null: none
   };
   bool fits(const SystemMatrix& matrix) const {
-    return now_.hierarchy && now_.hierarchy->fine.a.rows() == matrix.rows();
+    return now_.hierarchy && now_.hierarchy->fine.a.rows() == matrix.rows() &&
+           (now_.hierarchy->hasFineBlocks() || amg::ProductLevel::isWorth(matrix, *now_.hierarchy));
   }
   bool isCurrent(const SystemMatrix& matrix) const { return now_.key == matrix.key() || taken_back_ == matrix.key(); }
   bool make(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  bool followByProducts(const SystemMatrix& matrix, SolveReport& report);
   void turn(const SystemMatrix& matrix);
   void readHierarchy(SystemMatrix& matrix, Archive& archive, bool is_remade, bool is_current);
 
@@ -57,6 +60,8 @@ class Multigrid final : public ApproximateInverse {
   MatrixKey taken_back_;  ///< what a step that was taken back left of the matrix of now_
   std::shared_ptr<Vector> spare_turns_;  ///< for the next ones: a step allocates none
   int made_ = 0;
+  amg::ProductLevel products_;  ///< of the matrix followed last
+  bool by_products_ = false;    ///< it is the finest level
 };
 
 }  // namespace stroma

@@ -7,6 +7,7 @@
 
 #include "components/iterative_solvers/multigrid_galerkin.h"
 #include "components/iterative_solvers/multigrid_patch_build.h"
+#include "components/iterative_solvers/multigrid_products.h"
 
 namespace stroma::amg {
 namespace {
@@ -44,8 +45,8 @@ Mat3 coupledDirections(const BlockView<3>& a, Index row) {
   return kept;
 }
 
-/// Translations, and rotations about the middle in units of the body's size.
-void rigidMotions(const BlockView<3>& a, ConstRows x, Motions<3>& motions) {
+/// Translations, and rotations about the middle in units of the body's size. Returns the rows that are held.
+std::vector<Index> rigidMotions(const BlockView<3>& a, ConstRows x, Motions<3>& motions) {
   motions.resize(std::size_t(a.rows));
   const bool known = x.count == a.rows;
   Vec3 middle = Vec3::Zero();
@@ -54,14 +55,20 @@ void rigidMotions(const BlockView<3>& a, ConstRows x, Motions<3>& motions) {
     for (Index i = 0; i < a.rows; ++i) middle += x[i] / double(a.rows);
     for (Index i = 0; i < a.rows; ++i) size = std::max(size, (x[i] - middle).norm());
   }
+  std::vector<char> is_held(std::size_t(a.rows), 0);
   forRows(a.rows, [&](Index i) {
     const Mat3 free = coupledDirections(a, i);
+    is_held[std::size_t(i)] = free != Mat3::Identity();
     auto block = motions.at(i);
     block.leftCols<3>() = free;
     if (!(size > 0)) return;
     const Vec3 arm = (x[i] - middle) / size;
     for (int k = 0; k < 3; ++k) block.col(3 + k) = free * Vec3(Vec3::Unit(k)).cross(arm);
   });
+  std::vector<Index> held;
+  for (Index i = 0; i < a.rows; ++i)
+    if (is_held[std::size_t(i)]) held.push_back(i);
+  return held;
 }
 
 /// Makes the levels one after the other.
@@ -210,12 +217,13 @@ void Hierarchy::cycle(Level<D>& level, std::size_t below) {
   level.smooth(smoother_steps);
 }
 
-void Hierarchy::apply(ConstRows r, Rows z, const Vector* turns) {
+void Hierarchy::apply(ConstRows r, Rows z, const Vector* turns, ProductLevel* products) {
   std::array<double, 32> part{};
   forPieces(r.count, piecesOf(r.count), [&](int k, Index first, Index end) {
     part[std::size_t(k)] = largest(r.segment(first, end - first));
   });
   const double size = std::max(*std::ranges::max_element(part), std::numeric_limits<double>::min());
+  if (products) return applyWithProducts(r, z, turns, *products, size);
   const double in = 1 / size;
   const double* const given_turns = turns ? turns->rows().data : nullptr;
   const auto turnOf = [given_turns](Index i) {
@@ -237,10 +245,19 @@ void Hierarchy::apply(ConstRows r, Rows z, const Vector* turns) {
   });
 }
 
+void Hierarchy::applyWithProducts(ConstRows r, Rows z, const Vector* turns, ProductLevel& products, double size) {
+  products.smoothFromZero(r, z);
+  products.residual(r, z, turns, size, fine.y);
+  fine.restrictTo(coarse[0].b);
+  cycle(coarse[0], 1);
+  products.correct(fine.p, coarse[0].x, turns, size * scale, z);
+  products.smooth(r, z);
+}
+
 double Hierarchy::complexity() const {
-  double numbers = double(fine.a.values.size());
+  double numbers = 9.0 * double(fine.a.blocks());
   for (const Level<modes>& level : coarse) numbers += double(level.a.values.size());
-  return numbers / double(std::max<std::size_t>(fine.a.values.size(), 1));
+  return numbers / std::max(9.0 * double(fine.a.blocks()), 1.0);
 }
 
 std::size_t Hierarchy::bytes() const {
@@ -253,6 +270,7 @@ void Hierarchy::serialize(Archive& archive) {
   std::int64_t count = std::int64_t(coarse.size());
   archive.value("levels", count);
   archive.value("scale", scale);
+  archive.list("held", held);
   archive.value("last_unknowns", last.unknowns);
   archive.list("last_order", last.order);
   archive.list("last_first", last.first);
@@ -276,7 +294,7 @@ std::shared_ptr<Hierarchy> makeHierarchy(const BlockMatrix& matrix, ConstRows po
   made->scale = 1 / largest;
   made->coarse.reserve(30);  // levels stay where they are while the next ones are made
   Motions<3> motions;
-  rigidMotions(viewOf(matrix), positions, motions);
+  made->held = rigidMotions(viewOf(matrix), positions, motions);
   Builder builder(*made, report, stop);
   if (!builder.build(viewOf(matrix), motions, made->fine, weak_link)) return nullptr;
   return made;

@@ -10,6 +10,8 @@
 
 namespace stroma::amg {
 
+class ProductLevel;
+
 /// Levels of a smoothed aggregation (Vanek, Mandel, Brezina 1996), the first for the nodes of a system and the others for
 /// groups of them, which move like rigid bodies.
 struct Hierarchy {
@@ -19,9 +21,14 @@ struct Hierarchy {
   double scale = 1;  ///< levels hold A times this
   MatrixKey made_of;  ///< and with these positions, none where they were not known
   Vector positions;
+  std::vector<Index> held;  ///< rows with a direction that nothing couples to others, ascending
 
-  /// z = B r, one V-cycle: symmetric. With `turns`, unit quaternions (x, y, z, w) of shape (rows), z = R B R^T r.
-  void apply(ConstRows r, Rows z, const Vector* turns = nullptr);
+  /// z = B r, one V-cycle: symmetric. With `turns`, unit quaternions (x, y, z, w) of shape (rows), z = R B R^T r. With
+  /// `products` these are the first level, of another matrix.
+  void apply(ConstRows r, Rows z, const Vector* turns = nullptr, ProductLevel* products = nullptr);
+  /// The numbers of the first level: apply() goes by products from now on.
+  void dropFineBlocks() { fine.a.values = {}; }
+  bool hasFineBlocks() const { return !fine.a.values.empty(); }
   /// Numbers of all levels' matrices over those of the first.
   double complexity() const;
   int levels() const { return 1 + int(coarse.size()); }
@@ -33,6 +40,7 @@ struct Hierarchy {
   void serialize(Archive& archive);
 
  private:
+  void applyWithProducts(ConstRows r, Rows z, const Vector* turns, ProductLevel& products, double size);
   template <int D>
   void cycle(Level<D>& level, std::size_t below);
 };

@@ -17,6 +17,9 @@
 // mesh of tetrahedra altogether. Products of the conjugate gradients outside remain those of the force fields. Threads share
 // the rows of a level: no bit depends on their number.
 //
+// Where products of the force fields cost less than reading the blocks (corotational hexahedra), the first level has three
+// steps by products of the matrix as it is now, with its present diagonal blocks; the other levels stay those of the hierarchy.
+//
 // Near incompressibility a node that moves alone changes volumes; motions that do not need several nodes, and the diagonal
 // blocks hardly see them. Where the least eigenvalue of D^-1 A in the neighbourhood of a node is usually below 0.03 (0.3 to
 // 0.5 in an ordinary body; with mean dilatation 0.009 at 0.499, 0.0009 at 0.4999), patches take the place of D in the
