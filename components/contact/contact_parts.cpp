@@ -270,16 +270,17 @@ double leastDistance(PairKind kind, const FourPoints& x) {
 
 double leastApart(const Surfaces& s, int f, int g, const std::vector<Vec3>& x, double least) {
   const auto &p = s.faces[std::size_t(f)], &q = s.faces[std::size_t(g)];
-  // boxes of the edges and of the whole of both, which are compared often
-  std::array<std::array<Box, 3>, 2> edges;
+  // boxes of the whole of both and of the edges, which are compared often
   std::array<Box, 2> whole;
+  for (std::size_t i = 0; i < 3; ++i) whole[0].add(x[std::size_t(p[i])]), whole[1].add(x[std::size_t(q[i])]);
+  if (squareBetween(whole[0], whole[1]) > least * least) return least;
+  std::array<std::array<Box, 3>, 2> edges;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t side = 0; side < 2; ++side) {
       const auto& face = side == 0 ? p : q;
       const Vec3 &from = x[std::size_t(face[i])], &to = x[std::size_t(face[(i + 1) % 3])];
-      edges[side][i] = {from.cwiseMin(to), from.cwiseMax(to)}, whole[side].add(edges[side][i]);
+      edges[side][i] = {from.cwiseMin(to), from.cwiseMax(to)};
     }
-  if (squareBetween(whole[0], whole[1]) > least * least) return least;
   const auto look = [&](PairKind kind, const Box& a, const Box& b, const std::array<int, 4>& v) {
     if (squareBetween(a, b) > least * least) return;
     const auto at = [&](std::size_t i) -> const Vec3& { return x[std::size_t(v[i])]; };

@@ -89,6 +89,7 @@ class ImplicitStep final : public NonlinearProblem {
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
   double energy() override;
   Rows unknowns() override { return v(); }
+  bool guess(Rows d) override;
   Rows sinceStart() override {
     takeChange();
     return change_;
@@ -152,6 +153,7 @@ class ImplicitStep final : public NonlinearProblem {
   Vector carried_;         ///< way of what is moved [m], shape (independentRows()); only with limits
   double lack_ = 0;        ///< the part of it that has not been made yet
   int carries_ = 0;
+  bool is_to_guess_ = false;  ///< no solve of the step has begun
   Orientations orientations_;
   TurningBodies bodies_;
   std::vector<Vec3> start_momenta_, end_momenta_;

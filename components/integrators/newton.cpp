@@ -195,6 +195,11 @@ double Newton::forcingTerm(double now) const {
   return std::min(term, settings.forcing);
 }
 
+/// The tolerance stays that of where the step starts. A guess that the line search refuses is left.
+void Newton::goToGuess(NonlinearProblem& problem, double& now) {
+  if (scale_ > 0 && problem.guess(direction_) && search(problem, now) == 0) problem.residual(residual_);
+}
+
 void Newton::keepIfBest(NonlinearProblem& problem, double now) {
   if (settings.use_energy || !(now < best_norm_)) return;
   if (best_.count() != base_.count()) best_.resize(base_.count());
@@ -234,6 +239,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
     parts_ = std::numeric_limits<double>::infinity();
     best_norm_ = std::numeric_limits<double>::infinity();
     if (!std::exchange(keeps_scale_, false)) scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
+    goToGuess(problem, now);
   }
   for (;;) {
     const int done = int(history_.size());

@@ -28,6 +28,8 @@ class NonlinearProblem {
   virtual bool useDefiniteTangent(bool) { return false; }
   virtual double energy() = 0;  ///< E(u); called only when NewtonSettings::use_energy
   virtual Rows unknowns() = 0;  ///< u, for Newton to write; shape (rows)
+  /// d becomes a way from u to where the step may end, which is tried before the first iteration. False: none is known.
+  virtual bool guess(Rows /*d*/) { return false; }
   virtual Rows sinceStart() { return unknowns(); }  ///< u less that where the step starts, for forces of constraint
   /// The largest s <= 1 up to which positions may move along d; nothing passes through anything before that.
   virtual double longestStep(ConstRows /*d*/) { return 1; }
@@ -126,6 +128,7 @@ class Newton {
   bool isAtRest(NonlinearProblem& problem);
   bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double norm, StepReport& report);
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
+  void goToGuess(NonlinearProblem& problem, double& norm);
   void keepIfBest(NonlinearProblem& problem, double norm);
   void leaveBest(NonlinearProblem& problem, double norm, StepReport& report);
   void move(NonlinearProblem& problem, double step);
