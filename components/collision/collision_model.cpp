@@ -21,6 +21,7 @@ void CollisionModel::declare(DataTable& table) {
   table.add("selfCollision", self_collision_).help("it may meet the other models of its node");
   table.add("contactDistance", contact_distance_).alias("proximity").help("added to that of the method").unit("m").min(0);
   table.add("group", groups_).help("models with a number in common do not meet");
+  table.add("contactResponse", response_).help("how its contacts are answered, whatever the CollisionResponse says of all");
   table.add("bothSide", both_sides_).help("a LocalMinDistance keeps the contacts of its back; other methods know no sides");
   table.add("contactStiffness", stiffness_)
       .help("the stiffness of a contact is the product of both models' over its contact distance")
@@ -115,12 +116,12 @@ std::span<const Vec3> CollisionModel::corners(const Part& part, std::array<Vec3,
   return {out.data(), std::size_t(part.corners)};
 }
 
+bool CollisionModel::isInGroup(int number) const { return std::find(groups_.begin(), groups_.end(), number) != groups_.end(); }
+
 bool CollisionModel::mayMeet(const CollisionModel& a, const CollisionModel& b) {
   if (!a.active_ || !b.active_ || (!a.simulated_ && !b.simulated_)) return false;
   if (&a.node() == &b.node() && !(a.self_collision_ && b.self_collision_)) return false;
-  return std::none_of(a.groups_.begin(), a.groups_.end(), [&b](int group) {
-    return std::find(b.groups_.begin(), b.groups_.end(), group) != b.groups_.end();
-  });
+  return std::none_of(a.groups_.begin(), a.groups_.end(), [&b](int group) { return b.isInGroup(group); });
 }
 
 }  // namespace stroma::collision

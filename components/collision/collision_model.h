@@ -42,6 +42,8 @@ class CollisionModel : public Component, public DrawnSolids {
   double contactDistance() const { return contact_distance_; }
   double contactStiffness() const { return stiffness_; }
   bool isActive() const { return active_; }
+  bool isInGroup(int number) const;
+  const std::string& response() const { return response_; }  ///< empty: that of the scene
   State& state() const { return *state_; }
   /// Something moves its state.
   bool isMoved() const;
@@ -64,6 +66,7 @@ class CollisionModel : public Component, public DrawnSolids {
   bool active_ = true, moving_ = true, simulated_ = true, self_collision_ = false, both_sides_ = false;
   double contact_distance_ = 0, stiffness_ = 10, friction_ = 0, restitution_ = 0;
   std::vector<int> groups_;
+  std::string response_;
 };
 
 }  // namespace stroma::collision

@@ -23,6 +23,8 @@
 // evaluates them once where the step starts, but for those with models that are not `simulated`. With explicitBetween they are no
 // part of the matrix here either.
 //
+// Pairs of models may have responses of their own: `rules` names them, and a model's contactResponse goes before these.
+//
 // It needs a CollisionPipeline, which is a watch where a response is asked for that is none of the two.
 //
 // Source: the formulas are SOFA's (PenalityContactForceField, BarycentricPenalityContact, FrictionContact), as are the names.
@@ -49,11 +51,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstdlib>
 #include <map>
-#include <sstream>
 
 #include "components/collision/contact_report.h"
+#include "components/collision/contact_rules.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/step_limiter.h"
@@ -74,6 +75,8 @@ struct Push {
   double d = 0, k = 0;
   bool acts = false;    ///< at the last force
   bool joined = false;  ///< a part of the matrix
+  bool rubs = false;    ///< by a force of constraint, which addForce() knows nothing of
+  double mu = 0;        ///< of friction
 };
 
 class CollisionResponse final : public ForceField,
@@ -83,8 +86,7 @@ class CollisionResponse final : public ForceField,
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("response", response_).help("how contacts are answered: PenalityContactForceField or FrictionContactConstraint");
-    table.add("responseParams", parameters_).help("mu=... of friction; 0.8 when not given");
+    rules_.declare(table);
     table.add("explicitBetween", explicit_between_)
         .help("penalties between bodies of different integrators are no part of the matrix, as in SOFA");
     table.add("toleratedError", tolerated_error_)
@@ -97,16 +99,16 @@ class CollisionResponse final : public ForceField,
   void init() override;
   std::vector<State*> states() const override { return states_; }
   std::string idle() const override {
-    return acts() ? std::string() : fmt::format("there is no response {} here", response_);
+    return rules_.act() ? std::string() : fmt::format("there is no response {} here", rules_.response());
   }
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.symmetric = traits.lagged = true;
     traits.conservative = traits.exact_tangent = !explicit_between_;
-    traits.has_stiffness = !rubs();
+    traits.has_stiffness = rules_.mayPush();
     return traits;
   }
-  std::vector<State*> constrainedStates() const override { return rubs() ? states_ : std::vector<State*>(); }
+  std::vector<State*> constrainedStates() const override { return rules_.anyRubs() ? states_ : std::vector<State*>(); }
   void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
   void takeForces(std::span<const double> forces) override;
   Tolerance tolerance() const override { return {.kept = tolerated_error_}; }
@@ -126,7 +128,7 @@ class CollisionResponse final : public ForceField,
   void addStiffness(double factor, BlockMatrix& matrix) const override;
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
   void reset() override {
-    found_ = false, acting_ = 0;
+    found_ = false, acting_ = pushing_ = rubbing_ = 0;
     report_.clear();
   }
   void serialize(Archive& archive) override {
@@ -144,11 +146,6 @@ class CollisionResponse final : public ForceField,
     node().root().collect(pipelines);
     return !pipelines.empty();
   }
-  bool rubs() const { return response_ == "FrictionContactConstraint" || response_ == "FrictionContact"; }
-  bool acts() const {
-    return rubs() || response_.empty() || response_ == "PenalityContactForceField" || response_ == "default";
-  }
-  void readParameters();
   static Vec3 wayOf(const Push& push, ConstRows x);
   void find();
   bool joins(const CollisionModel& a, const CollisionModel& b) const;
@@ -156,13 +153,12 @@ class CollisionResponse final : public ForceField,
   static double depth(const Push& push, ConstRows x);
   static std::array<Vec3, 2> tangents(const Vec3& n);
 
-  std::string response_ = "PenalityContactForceField", parameters_;
-  int acting_ = 0;
+  ContactRules rules_;
+  int acting_ = 0, pushing_ = 0, rubbing_ = 0;  ///< contacts with a force: all, and of each kind
   bool explicit_between_ = false;
   double tolerated_error_ = 0;
   std::map<const CollisionModel*, const Integrator*> movers_;
 
-  double mu_ = 0.8;
   const Method* method_ = nullptr;
   std::vector<ModelPair> pairs_;
   std::vector<State*> states_;
@@ -174,25 +170,6 @@ class CollisionResponse final : public ForceField,
   bool found_ = false, has_new_ = false;  ///< new: rows are others than those of the last force
   long revision_ = 0;
 };
-
-/// "mu=0.6&tol=1e-3": each a name and a number; tol is SOFA's, a tolerance of its solvers.
-void CollisionResponse::readParameters() {
-  constexpr const char* expected = "mu=NUMBER, zero or more; several are joined by &";
-  std::istringstream parts(parameters_);
-  for (std::string part; std::getline(parts, part, '&');) {
-    const auto at = part.find('=');
-    const std::string name = part.substr(0, at), text = at == std::string::npos ? "" : part.substr(at + 1);
-    char* end = nullptr;
-    const double number = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != 0) throw ComponentError(fmt::format("responseParams has \"{}\"", part), expected);
-    if (name == "mu") {
-      if (!(number >= 0)) throw ComponentError(fmt::format("mu is {:g}", number), expected);
-      mu_ = number;
-    } else if (name != "tol") {
-      throw ComponentError(fmt::format("responseParams has \"{}\", which nothing reads", part), expected);
-    }
-  }
-}
 
 /// The integrator in the model's node or above; null: nothing moves it.
 static const Integrator* moverOf(const CollisionModel& model) {
@@ -206,8 +183,8 @@ void CollisionResponse::init() {
   std::vector<State*> all;
   node().root().collect(all);
   method_ = Method::of(node().root());
-  pairs_ = acts() && method_ && hasPipeline() ? modelPairs(node().root(), method_) : std::vector<ModelPair>();
-  if (rubs()) readParameters();
+  pairs_ = rules_.act() && method_ && hasPipeline() ? modelPairs(node().root(), method_) : std::vector<ModelPair>();
+  rules_.read(pairs_);
   std::vector<CollisionResponse*> responses;
   node().root().collect(responses);
   if (responses.size() > 1) throw ComponentError(fmt::format("the scene has {} of these", responses.size()), "one");
@@ -251,7 +228,9 @@ void CollisionResponse::find() {
     push.k = contact.model_a->contactStiffness() * contact.model_b->contactStiffness() / (push.d > 0 ? push.d : 1);
     addSide(*contact.model_a, contact.a, -1, push);
     addSide(*contact.model_b, contact.b, 1, push);
-    push.joined = joins(*contact.model_a, *contact.model_b);
+    const Answer& answer = rules_.of(*contact.model_a, *contact.model_b);
+    push.rubs = answer.rubs, push.mu = answer.mu;
+    push.joined = !push.rubs && joins(*contact.model_a, *contact.model_b);
     has_new_ = has_new_ || pattern_[i] != push.rows;
     pattern_[i] = push.rows;
   }
@@ -280,55 +259,60 @@ void CollisionResponse::addConditions(ConstRows x, ConstRows x_start, Lagrangian
       if (push.rows[i] >= 0 && push.c[i] != 0) rows.add(push.rows[i], push.c[i] * along);
   };
   for (const Push& push : pushes_) {
+    if (!push.rubs) continue;
     rows.begin(LagrangianRows::Kind::push, -depth(push, x));
     add(push, push.n);
-    if (mu_ == 0) continue;
+    if (push.mu == 0) continue;
     const Vec3 slid = wayOf(push, x) - wayOf(push, x_start);
     for (const Vec3& tangent : tangents(push.n)) {
-      rows.begin(LagrangianRows::Kind::rub, tangent.dot(slid), mu_);
+      rows.begin(LagrangianRows::Kind::rub, tangent.dot(slid), push.mu);
       add(push, tangent);
     }
   }
 }
 
 void CollisionResponse::takeForces(std::span<const double> forces) {
-  acting_ = 0;
+  rubbing_ = 0;
   report_.setMultipliers(forces);
-  const bool slides = mu_ != 0;
+  const double* l = forces.data();
   for (std::size_t i = 0; i < pushes_.size(); ++i) {
-    const double* l = forces.data() + i * (slides ? 3 : 1);
-    acting_ += l[0] > 0;
-    Vec3 force = l[0] * pushes_[i].n;
-    if (slides)
-      for (int k = 0; k < 2; ++k) force += l[1 + k] * tangents(pushes_[i].n)[std::size_t(k)];
+    const Push& push = pushes_[i];
+    if (!push.rubs) continue;
+    rubbing_ += l[0] > 0;
+    Vec3 force = l[0] * push.n;
+    if (push.mu != 0)
+      for (int k = 0; k < 2; ++k) force += l[1 + k] * tangents(push.n)[std::size_t(k)];
     report_.setForce(i, force);
+    l += push.mu != 0 ? 3 : 1;
   }
+  acting_ = pushing_ + rubbing_;
   report_.sumForces();
 }
 
 double CollisionResponse::energy(ConstRows x) const {
   double sum = 0;
-  if (rubs()) return sum;
   for (const Push& push : pushes_)
-    if (const double pen = depth(push, x); pen > 0) sum += 0.5 * push.k * pen * pen;
+    if (const double pen = depth(push, x); !push.rubs && pen > 0) sum += 0.5 * push.k * pen * pen;
   return sum;
 }
 
 void CollisionResponse::addForce(ConstRows x, ConstRows, Rows f) {
-  if (rubs()) return;
+  if (!rules_.anyPushes()) return;
   if (!found_) find();
   revision_ += has_new_, has_new_ = false;
-  acting_ = 0;
+  pushing_ = 0;
   for (std::size_t at = 0; at < pushes_.size(); ++at) {
     Push& push = pushes_[at];
+    if (push.rubs) continue;
     const double pen = depth(push, x);
     push.acts = pen > 0;
     report_.setForce(at, push.acts ? Vec3(push.k * pen * push.n) : Vec3::Zero());
     if (!push.acts) continue;
-    ++acting_;
+    ++pushing_;
     for (std::size_t i = 0; i < 6; ++i)
       if (push.rows[i] >= 0) f[push.rows[i]] += push.c[i] * push.k * pen * push.n;
   }
+  acting_ = pushing_ + rubbing_;
   report_.sumForces();
 }
 
@@ -345,7 +329,6 @@ void CollisionResponse::addStiffnessProduct(ConstRows dx, double factor, Rows df
 
 void CollisionResponse::addPattern(BlockPattern& pattern) const {
   for (const Push& push : pushes_) {
-    if (rubs()) break;
     if (!push.joined) continue;
     std::array<Index, 6> rows;
     int count = 0;

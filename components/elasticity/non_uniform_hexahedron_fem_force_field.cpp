@@ -8,12 +8,21 @@
 // by eight Gauss points in each part. That is what a fine mesh of the parts has when its nodes follow those of the cell: coarse
 // cells feel where the body lies in them, and lock all the same.
 //
+// HexahedronCompositeFEMForceField lets the parts yield to each other: from the finest level on, the 27 nodes of eight cells that
+// lie in one follow its eight corners, and K of the one is W^T K W. W is where the 19 others come to rest when the corners
+// move, of which each node keeps what moves it along the same axis, from the ends of its edge, the corners of its face or all
+// eight; the weights of a node are then divided by their sum. What is empty counts as rigid there, and for nothing in K. Full
+// cells are the same as those above; a cell of a soft and a hard half is as soft as it should be, and so are two thin rods in one.
+// Where weights are uneven K resists small turns too, by the shares of the weights that were left out: the tangent -R K R^T is
+// then not the derivative of the force, even at rest, but with method small.
+//
 // R belongs to F = [means of the four edges in each direction, now] [at rest]^-1: method large takes its QR factor, polar its polar
 // factor, small none. With polarOf = edges it is the product of the polar factors of the edges now and, transposed, at rest. The
 // tangent is -R K R^T.
 //
 // Source: M. Nesme, Y. Payan, F. Faure: Animating shapes at arbitrary resolution with non-uniform stiffness (2006). SOFA's
-// NonUniformHexahedronFEMForceFieldAndMass is this field and a MeshMatrixMass with the same factors.
+// NonUniformHexahedronFEMForceFieldAndMass is this field and a MeshMatrixMass with the same factors. Composite cells: M. Nesme,
+// P. Kry, L. Jerabkova, F. Faure: Preserving topology and elasticity for embedded deformable models (2009), by SOFA's rules.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -25,17 +34,22 @@
 //   <UniformMass totalMass="1"/>
 //   <NonUniformHexahedronFEMForceField youngModulus="1e4" poissonRatio="0.3" partFactors="@grid.partFactors"/>
 //   <FixedProjectiveConstraint indices="0 1"/>
+//   <Node name="soft">
+//     <RegularGridTopology n="2 2 2" min="2 0 0" max="3 1 1"/>
+//     <MechanicalObject/>
+//     <UniformMass totalMass="1"/>
+//     <HexahedronCompositeFEMForceField method="small" youngModulus="1e4" poissonRatio="0.3"
+//       partFactors="1 0.01 1 0.01 1 0.01 1 0.01"/>
+//   </Node>
 // </Node>
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <cmath>
 
+#include "components/elasticity/parts_of_cells.h"
 #include "components/elasticity/rotation_methods.h"
 #include "framework/fem/eigen_matrix.h"
-#include "framework/fem/isotropic.h"
 #include "framework/mechanics/node_group_field.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
@@ -44,45 +58,9 @@
 namespace stroma {
 namespace {
 
-using CellStiffness = Eigen::Matrix<double, 24, 24>;
-using Corners = std::array<Vec3, 8>;
-constexpr int corner_places[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-
-/// The gradients of the shape functions by xi, in [0, 1] along each axis.
-std::array<Vec3, 8> slopesAt(const Vec3& xi) {
-  std::array<Vec3, 8> slopes;
-  for (std::size_t a = 0; a < 8; ++a)
-    for (int axis = 0; axis < 3; ++axis) {
-      double slope = corner_places[a][axis] ? 1 : -1;
-      for (int other = 0; other < 3; ++other)
-        if (other != axis) slope *= corner_places[a][other] ? xi[other] : 1 - xi[other];
-      slopes[a][axis] = slope;
-    }
-  return slopes;
-}
-
-/// Of a part with its lowest corner at `low`, of the size 1 / n; throws where the cell is inverted.
-CellStiffness partStiffness(const Corners& rest, const Vec3& low, int n, const Lame& material) {
-  CellStiffness k = CellStiffness::Zero();
-  for (int point = 0; point < 8; ++point) {
-    Vec3 xi = low;
-    for (int axis = 0; axis < 3; ++axis) xi[axis] += (0.5 + (point >> axis & 1 ? 0.5 : -0.5) / std::sqrt(3.)) / n;
-    std::array<Vec3, 8> g = slopesAt(xi);
-    Mat3 jacobian = Mat3::Zero();
-    for (std::size_t a = 0; a < 8; ++a) jacobian += rest[a] * g[a].transpose();
-    const double weight = jacobian.determinant() / (8. * n * n * n);
-    if (!(weight > 0)) throw ComponentError("a cell is flat or inverted at rest", "hexahedra that are not");
-    const Mat3 inverse = jacobian.inverse().transpose();
-    for (Vec3& gradient : g) gradient = inverse * gradient;
-    for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b) {
-        const Vec3 &ga = g[std::size_t(a)], &gb = g[std::size_t(b)];
-        k.block<3, 3>(3 * a, 3 * b) += weight * (material.lambda * ga * gb.transpose() + material.mu * gb * ga.transpose() +
-                                                 material.mu * ga.dot(gb) * Mat3::Identity());
-      }
-  }
-  return k;
-}
+using parts::CellStiffness;
+using parts::corner_places;
+using parts::Corners;
 
 /// Means of the four edges in each direction.
 template <class At>
@@ -95,6 +73,8 @@ Mat3 meanEdgesOf(At&& at) {
 
 class NonUniformHexahedra final : public NodeGroupField<8> {
  public:
+  bool condenses = false;  ///< set by the registration of a name
+
   void declare(DataTable& table) override {
     ForceField::declare(table);
     topology_.declare(table, "mesh of hexahedra");
@@ -196,9 +176,10 @@ class NonUniformHexahedra final : public NodeGroupField<8> {
   void findStiffness() {
     const Lame material = Lame::from(young_, poisson_);
     const int n = partsAlong();
-    const auto parts = std::size_t(n * n * n);
+    const auto count = std::size_t(n * n * n);
     own_.assign(cells_.size(), CellStiffness::Zero());
     rest_edges_.clear();
+    if (condenses && n > 1) return condense(material, n);
     std::vector<CellStiffness> of_parts;
     CellStiffness whole = CellStiffness::Zero();
     Corners shape;  // whose parts these are
@@ -207,20 +188,39 @@ class NonUniformHexahedra final : public NodeGroupField<8> {
       rest_edges_.push_back(meanEdgesOf([&](int a) { return corners[std::size_t(a)]; }).inverse());
       if (of_parts.empty() || !isMoved(shape, corners)) {
         shape = corners, of_parts.clear();
-        for (std::size_t p = 0; p < parts; ++p) {
+        for (std::size_t p = 0; p < count; ++p) {
           const int at = int(p);
-          of_parts.push_back(partStiffness(corners, Vec3(at % n, at / n % n, at / n / n) / n, n, material));
+          of_parts.push_back(parts::partStiffness(corners, Vec3(at % n, at / n % n, at / n / n) / n, n, material));
         }
         whole.setZero();
         for (const CellStiffness& k : of_parts) whole += k;
       }
-      const double* factor = factors_.empty() ? nullptr : factors_.data() + e * parts;
-      if (!factor || std::all_of(factor, factor + parts, [&](double s) { return s == factor[0]; })) {
+      const double* factor = factors_.empty() ? nullptr : factors_.data() + e * count;
+      if (!factor || std::all_of(factor, factor + count, [&](double s) { return s == factor[0]; })) {
         own_[e] = (factor ? factor[0] : 1) * whole;
         continue;
       }
-      for (std::size_t p = 0; p < parts; ++p)
+      for (std::size_t p = 0; p < count; ++p)
         if (factor[p] != 0) own_[e] += factor[p] * of_parts[p];
+    }
+  }
+  void condense(const Lame& material, int n) {
+    const auto count = std::size_t(n * n * n);
+    const std::vector<double> full(count, 1);
+    CellStiffness whole = CellStiffness::Zero();
+    Corners shape;  // whose matrix that is
+    bool has_whole = false;
+    for (std::size_t e = 0; e < cells_.size(); ++e) {
+      const Corners corners = cornersOf(e);
+      rest_edges_.push_back(meanEdgesOf([&](int a) { return corners[std::size_t(a)]; }).inverse());
+      const double* factor = factors_.data() + e * count;
+      if (!std::all_of(factor, factor + count, [&](double s) { return s == factor[0]; })) {
+        own_[e] = parts::Composite(corners, factor, n, material).stiffness();
+        continue;
+      }
+      if (!has_whole || isMoved(shape, corners))
+        whole = parts::Composite(corners, full.data(), n, material).stiffness(), shape = corners, has_whole = true;
+      own_[e] = factor[0] * whole;
     }
   }
   /// The same shape in another place, but for round-off.
@@ -265,4 +265,6 @@ class NonUniformHexahedra final : public NodeGroupField<8> {
 
 STROMA_COMPONENT(non_uniform_hexahedron_fem_force_field) {
   factory.add<stroma::NonUniformHexahedra>("NonUniformHexahedronFEMForceField", "trilinear hexahedra that are filled unevenly");
+  factory.add<stroma::NonUniformHexahedra>("HexahedronCompositeFEMForceField", "hexahedra of parts that yield to each other",
+                                           [](stroma::NonUniformHexahedra& field) { field.condenses = true; });
 }

@@ -4,12 +4,15 @@
 //   p = p0 - B ((V / V_0)^gamma - 1),   f_a = p A_a   on all triangles and quads of the mesh
 //   E = -(p0 + B) V + B V_0 / (gamma + 1) (V / V_0)^(gamma + 1),   dE/dV = -p
 //
-// V is the volume behind the surface, A_a the area vector of a node; V_0 is the volume at rest plus injectedVolume. B and gamma
-// say how stiff the content is (water: gamma 7). The tangent is that of a fixed pressure: what p gains by the change
-// of V couples all nodes, and is left out.
+// V is the volume behind the surface, A_a the area vector of a node; V_0 is the volume at rest plus injectedVolume, at once, or
+// with a maxInjectionRate q from t = 0 on until it is in: min(injectedVolume, q t). B and gamma say how stiff the content is
+// (water: gamma 7). The tangent is the derivative,
 //
-// Source: P. G. Tait 1888; names and attributes are SOFA's, whose tangent this is too. There the injected volume comes in at
-// most at maxInjectionRate, here at once.
+//   K_ab = p dA_a/dx_b + p' A_a A_b^T,   p' = dp/dV = -B gamma (V / V_0)^gamma / V
+//
+// whose second part couples all nodes of the surface. An assembled matrix has it up to a thousand nodes, products always.
+//
+// Source: P. G. Tait 1888; names and attributes are SOFA's, as is the tangent.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -23,6 +26,7 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "components/loads/surface_load.h"
@@ -39,9 +43,10 @@ class TaitSurfacePressureForceField final : public SurfaceLoad {
     table.add("B", bulk_).recompiled().help("how much it falls where the volume grows").unit("Pa").min(0);
     table.add("gamma", exponent_).recompiled().help("exponent").unit("-");
     table.add("injectedVolume", injected_).recompiled().help("more than the volume at rest").unit("m^3");
+    table.add("maxInjectionRate", rate_).recompiled().help("how fast it comes in; 0: at once").unit("m^3/s").min(0);
     for (const char* name : {"drawForceScale", "drawForceColor", "initialVolume", "currentInjectedVolume", "v0", "currentVolume",
                              "currentPressure", "currentStiffness", "initialSurfaceArea", "currentSurfaceArea",
-                             "pressureTriangles", "maxInjectionRate", "volumeAfterTC", "surfaceAreaAfterTC"})
+                             "pressureTriangles", "volumeAfterTC", "surfaceAreaAfterTC"})
       table.addVisualOnly(name);
   }
   void init() override {
@@ -55,14 +60,76 @@ class TaitSurfacePressureForceField final : public SurfaceLoad {
     if (!isClosed())
       throw ComponentError(fmt::format("the surface is open at the edge of nodes {}, so it holds no volume", openEdge()),
                            "a closed surface");
-    volume_ = restVolume() + injected_;
-    if (!(volume_ > 0))
-      throw ComponentError(fmt::format("the volume behind the surface is {:g} with {:g} injected", volume_, injected_),
-                           "normals that point outward, and a positive volume");
+    for (const double in : {0., injected_})
+      if (volume_ = restVolume() + in; !(volume_ > 0))
+        throw ComponentError(fmt::format("the volume behind the surface is {:g} with {:g} injected", volume_, in),
+                             "normals that point outward, and a positive volume");
+    if (rate_ > 0) setTime(0);
+    nodes_.clear();
+    for (const Face& face : this->faces()) nodes_.insert(nodes_.end(), face.nodes.begin(), face.nodes.begin() + face.corners);
+    std::sort(nodes_.begin(), nodes_.end());
+    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+    if (!isAssembled())
+      inform(fmt::format("with more than {} nodes an assembled matrix takes the pressure as it is, and Newton's method may take "
+                         "many iterations with it: CGLinearSolver takes products, which know how it falls", most_assembled));
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits = SurfaceLoad::traits();
+    traits.exact_tangent = isAssembled();
+    traits.time_dependent = rate_ > 0;
+    return traits;
+  }
+  void setTime(double t) override {
+    if (rate_ > 0) volume_ = restVolume() + std::copysign(std::min(std::abs(injected_), rate_ * std::max(t, 0.)), injected_);
+  }
+  void compile() override {
+    SurfaceLoad::compile();
+    slope_.assign(std::size_t(state().firstRow() + state().nodes()), Vec3::Zero());
+    fall_ = 0;
   }
   double energy(ConstRows x) const override {
     const double v = volume(x), grown = std::pow(std::max(v, 0.) / volume_, exponent_ + 1);
     return -(pressure_ + bulk_) * v + (exponent_ == -1 ? 0 : bulk_ * volume_ / (exponent_ + 1) * grown);
+  }
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    SurfaceLoad::addForce(x, v, f);
+    const double now = volume(x);
+    fall_ = now > 0 ? -bulk_ * exponent_ * std::pow(now / volume_, exponent_) / now : 0;
+    if (fall_ == 0) return;
+    for (const Index node : nodes_) slope_[std::size_t(row(node))].setZero();
+    for (const Face& face : faces()) {
+      area_vectors::Corners at;
+      for (std::size_t a = 0; a < at.size(); ++a) at[a] = x[row(face.nodes[a])];
+      const area_vectors::Corners areas = area_vectors::of(at, face.corners);
+      for (int a = 0; a < face.corners; ++a) slope_[std::size_t(row(face.nodes[std::size_t(a)]))] += areas[std::size_t(a)];
+    }
+  }
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
+    SurfaceLoad::addStiffnessProduct(dx, factor, df);
+    if (fall_ == 0) return;
+    double change = 0;
+    for (const Index node : nodes_) change += slope(node).dot(dx[row(node)]);
+    for (const Index node : nodes_) df[row(node)] += factor * fall_ * change * slope(node);
+  }
+  void addPattern(BlockPattern& pattern) const override {
+    SurfaceLoad::addPattern(pattern);
+    if (!isAssembled()) return;
+    std::vector<Index> rows;
+    for (const Index node : nodes_) rows.push_back(row(node));
+    pattern.addClique(rows.data(), int(rows.size()));
+  }
+  void addStiffness(double factor, BlockMatrix& matrix) const override {
+    SurfaceLoad::addStiffness(factor, matrix);
+    if (fall_ == 0 || !isAssembled()) return;
+    for (const Index a : nodes_)
+      for (const Index b : nodes_) matrix.add(row(a), row(b), factor * fall_ * slope(a) * slope(b).transpose());
+  }
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
+    SurfaceLoad::addStiffnessDiagonal(factor, blocks);
+    if (fall_ == 0 || !isAssembled()) return;
+    for (const Index node : nodes_)
+      for (int k = 0; k < 9; ++k)
+        blocks[std::size_t(row(node)) * 9 + std::size_t(k)] += factor * fall_ * slope(node)[k / 3] * slope(node)[k % 3];
   }
 
  protected:
@@ -73,8 +140,16 @@ class TaitSurfacePressureForceField final : public SurfaceLoad {
   bool hasPotential() const override { return true; }
 
  private:
-  double pressure_ = 0, bulk_ = 0, exponent_ = 0, injected_ = 0;
-  double volume_ = 1;  ///< V_0 [m^3]
+  static constexpr std::size_t most_assembled = 1000;  ///< nodes: a million blocks
+  bool isAssembled() const { return nodes_.size() <= most_assembled; }
+  Index row(Index node) const { return state().firstRow() + node; }
+  const Vec3& slope(Index node) const { return slope_[std::size_t(row(node))]; }
+
+  double pressure_ = 0, bulk_ = 0, exponent_ = 0, injected_ = 0, rate_ = 0;
+  double volume_ = 1;         ///< V_0 [m^3]
+  std::vector<Index> nodes_;  ///< of the surface
+  std::vector<Vec3> slope_;   ///< dV/dx by rows of the system [m^2]
+  double fall_ = 0;           ///< p' of the last force [Pa/m^3]
 };
 
 }  // namespace

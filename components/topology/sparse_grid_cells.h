@@ -39,6 +39,13 @@ class Cells {
         places_(std::size_t(count[0]) * std::size_t(count[1]) * std::size_t(count[2]), Place::unknown) {}
   Place& at(int i, int j, int k) { return places_[index(i, j, k)]; }
   Place placeOf(std::size_t cell) const { return places_[cell]; }
+  void setPlace(std::size_t cell, Place place) { places_[cell] = place; }
+  /// The same cells, with nothing known of them.
+  Cells empty() const {
+    Cells other = *this;
+    std::fill(other.places_.begin(), other.places_.end(), Place::unknown);
+    return other;
+  }
   std::size_t index(int i, int j, int k) const {
     return std::size_t(i) + std::size_t(count_[0]) * (std::size_t(j) + std::size_t(count_[1]) * std::size_t(k));
   }

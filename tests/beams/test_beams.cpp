@@ -24,6 +24,13 @@ const std::string joints =
     <JointSpringForceField spring="BEGIN_SPRING 0 1 KS_T 3 200 KS_R 5 60 FREE_AXIS 1 0 0 1 0 1 R_LIM_X -0.05 0.1 KS_B 40 END_SPRING
       BEGIN_SPRING 2 1 REST_T 0.5 0 0 REST_R 0 0 0.1 1 KS_R 0 100 FREE_AXIS 0 0 0 0 0 0 END_SPRING"/></Node>)";
 
+const std::string frame_springs =
+    R"(<Node name="root" gravity="0 0 0"><EulerImplicitSolver/><SparseLDLSolver/>
+    <MechanicalObject template="Rigid3" position="0 0 0  0.1 0.2 0.3 0.9   1 0.2 0  0 0 0 1   2 0 0.3  -0.2 0 0.1 0.9"/>
+    <UniformMass totalMass="3" inertia="1 1 1"/>
+    <FrameSpringForceField spring="BEGIN_SPRING 0 1 KS_T 200 KS_R 60 VEC1 0.4 0.1 0 VEC2 -0.3 0.2 0.5 END_SPRING
+      BEGIN_SPRING 2 1 KS_T 30 VEC2 0 0 0.7 END_SPRING"/></Node>)";
+
 struct Field {
   Simulation simulation;
   System& system;
@@ -102,8 +109,8 @@ TEST_P(FrameFields, NothingPullsAtRestNorAfterARigidMotion) {
   if (GetParam() == two_beams) EXPECT_LT(at_rest, 1e-9);
 }
 
-INSTANTIATE_TEST_SUITE_P(Fields, FrameFields, testing::Values(two_beams, joints),
-                         [](const auto& values) { return values.index == 0 ? "Beams" : "Joints"; });
+INSTANTIATE_TEST_SUITE_P(Fields, FrameFields, testing::Values(two_beams, joints, frame_springs),
+                         [](const auto& values) { return values.index == 0 ? "Beams" : values.index == 1 ? "Joints" : "Springs"; });
 
 std::string cantilever(int beams, double length, const std::string& load, const std::string& more = "") {
   std::string position, edges;
@@ -281,6 +288,22 @@ TEST(Joints, LimitsPushBackFromBothSides) {
   EXPECT_NEAR(torque("R_LIM_Z -1 0.1"), -50 * 0.2, 1e-6);
   EXPECT_NEAR(torque("R_LIM_Z 0.5 1"), 50 * 0.2, 1e-6);
   EXPECT_NEAR(torque("R_LIM_Z 0 0"), -50 * 0.3, 1e-6) << "no play at all";
+}
+
+TEST(FrameSprings, SayWhatIsWrong) {
+  const auto problems = [](const std::string& spring) {
+    return problemsOf(
+        "<Node name=\"root\"><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject template=\"Rigid3\" "
+        "position=\"0 0 0 0 0 0 1  1 0 0 0 0 0 1\"/><UniformMass totalMass=\"1\"/><FrameSpringForceField spring=\"" +
+        spring + "\"/></Node>");
+  };
+  EXPECT_EQ(problems("BEGIN_SPRING 0 1 KS_T 1 KD 2 VEC1 0 0 1 END_SPRING"), "");
+  expectContains(problems("BEGIN_SPRING 0 1 KS_X 1 END_SPRING"), "'KS_X' is not a word");
+  expectContains(problems("BEGIN_SPRING 0 1 VEC1 1 2"), "VEC1 is not followed by its numbers");
+  expectContains(problems("BEGIN_SPRING 0 1 KS_T 1"), "has no end");
+  expectContains(problems("BEGIN_SPRING 0 1 KS_R -1 END_SPRING"), "KS_R is -1");
+  expectContains(problems("BEGIN_SPRING 1 1 END_SPRING"), "joins frame 1 to itself");
+  expectContains(problems("SPRING"), "'SPRING' is not a word");
 }
 
 TEST(Joints, SayWhatIsWrong) {

@@ -221,6 +221,19 @@ TEST(CollisionResponse, ParametersThatNothingReadsAreSaid) {
   expectContains(with("mu=-1"), "mu is -1");
 }
 
+TEST(CollisionResponse, WordsOfRulesAreChecked) {
+  const auto with = [](const std::string& rules, const std::string& of_model = "") {
+    return problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<PointCollisionModel contactResponse=\"" + of_model + "\"/>") +
+                                         still(plate, "<TriangleCollisionModel simulated=\"0\"/>"),
+                                     near_half, "0 0 0", "<CollisionResponse rules=\"" + rules + "\"/>"));
+  };
+  EXPECT_EQ(with("* 3 FrictionContactConstraint?mu=0.3"), "");
+  expectContains(with("* 3"), "rules has 2 words");
+  expectContains(with("* 3 Glue"), "rules has \"Glue\", which is no response");
+  expectContains(with("* 3 FrictionContactConstraint?mu=much"), "mu=much");
+  expectContains(with("", "Glue"), "contactResponse has \"Glue\", which is no response");
+}
+
 TEST(CollisionResponse, ASurfaceWithoutAMeshIsRefused) {
   for (const char* model : {"<TriangleCollisionModel/>", "<LineCollisionModel/>"})
     expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", model), near_half)), "no mesh says what this surface is made of");

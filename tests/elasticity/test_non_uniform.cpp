@@ -36,6 +36,36 @@ TEST(NonUniformHexahedra, FullCellsAreHexahedra) {
     }
 }
 
+/// Parts that yield to each other as those of full cells do.
+TEST(NonUniformHexahedra, FullCellsOfPartsThatYieldAreHexahedra) {
+  for (const int n : {2, 4}) {
+    const std::string full = factors(n, [](int, int, int) { return 1.; });
+    FieldUnderTest parts(cell("method='polar' " + full, "HexahedronCompositeFEMForceField"), "HexahedronCompositeFEMForceField");
+    FieldUnderTest whole(cell("method='polar' dilatation='local'", "HexahedronFEMForceField"), "HexahedronFEMForceField");
+    parts.deform(0.1), whole.deform(0.1);
+    EXPECT_LT(relativeDifference(parts.force(), whole.force()), 1e-12) << n;
+  }
+}
+
+/// A cell of two layers across x, of moduli 1 and 0.1 without contraction, pulled along x: springs in a row, 2 / (1 + 10) of the
+/// stiffness to 0.3 %, where parts that do not yield have the mean 0.55. Along the layers it is the mean.
+TEST(NonUniformHexahedra, LayersOfPartsThatYieldAreSpringsInARow) {
+  const auto pulled = [](const std::string& type, int axis) {
+    std::string text = "partFactors='";
+    for (int p = 0; p < 16; ++p) text += p % 2 == 0 ? "1 " : "0.1 ";
+    FieldUnderTest t("<Node name='root'><EulerImplicitSolver/><SparseLDLSolver/><RegularGridTopology n='3 2 2' min='0 0 0' max='2 1 1'/>"
+                     "<MechanicalObject/><UniformMass totalMass='1'/><" + type + " youngModulus='3000' poissonRatio='0' method='small' " +
+                         text + "'/></Node>",
+                     type);
+    constexpr double e = 0.01;
+    for (Index i = 0; i < t.x.count(); ++i) t.x[i][axis] += e * t.x[i][axis];
+    return t.field().energy(t.x) / (2 * 3000 * e * e / 2);
+  };
+  EXPECT_NEAR(pulled("HexahedronCompositeFEMForceField", 0), 2 / 11., 1e-3) << "middles of faces follow their own corners alone";
+  EXPECT_NEAR(pulled("NonUniformHexahedronFEMForceField", 0), 0.55, 1e-9);
+  EXPECT_NEAR(pulled("HexahedronCompositeFEMForceField", 1), 0.55, 1e-9);
+}
+
 /// u_x = c y z in the first cell: E = mu/2 c^2 times the integral of y^2 + z^2 over what is filled. Where the upper half is empty
 /// that is 1/6 + 1/24. The second cell is empty.
 TEST(NonUniformHexahedra, EnergyIsThatOfWhatIsFilled) {

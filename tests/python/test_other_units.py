@@ -17,7 +17,7 @@ OF_FRAMES = {"position": PLACE, "rest_position": PLACE, "velocity": [SPEED] * 3 
 MIXED = {"planes": [NUMBER] * 3 + [LENGTH], "spring": [NUMBER, NUMBER, (0, 1, -2), (0, 1, -1), LENGTH],
          "oscillators": [NUMBER] + [LENGTH] * 6 + [TURN, NUMBER]}
 # examples with numbers whose dimension no attribute tells: text of formulas, lists of values, nodes that are angles, square roots
-UNTOLD = {"FormulaForceField", "Expect", "GearSpringForceField", "JointSpringForceField", "SphereCollisionModel", "MathOp",
+UNTOLD = {"FormulaForceField", "Expect", "FrameSpringForceField", "GearSpringForceField", "JointSpringForceField", "SphereCollisionModel", "MathOp",
           "MergeVectors", "ValuesFromLabels", "ROIValueMapper", "Indices2ValuesMapper", "IndexValueMapper", "DifferenceEngine",
           "StopperLagrangianConstraint", "BeamHookeLawForceField", "DiscreteCosseratMapping"}
 # examples that rely on a default with a unit

@@ -109,6 +109,9 @@ SCENES = {
     "Collision/Response/FrictionContactConstraint": touching(
         answer='<CollisionResponse response="FrictionContactConstraint" responseParams="mu=0.3"/>', loop=FREE,
         more="<UncoupledConstraintCorrection/>"),
+    "Collision/Response/RuleBasedContactManager_rules": touching(
+        answer='<RuleBasedContactManager variables="law" law="FrictionContactConstraint?mu=0.2" rules="model * $law$"/>', loop=FREE,
+        more="<LinearSolverConstraintCorrection/>"),
     "Collision/Response/RuleBasedContactManager": touching(
         answer='<RuleBasedContactManager responseParams="mu=0" response="PenalityContactForceField"/>'),
     "Collision/Response/CollisionGroupManager": touching(more="<CollisionGroupManager/>"),
@@ -311,6 +314,11 @@ SCENES = {
         '<MechanicalObject name="dofs" position="0 3 0"/><UniformMass totalMass="1"/></Node><Node name="c"><MechanicalObject '
         'name="centre" position="0 0 0"/><CenterOfMassMultiMapping template="Vec3d,Vec3d" input="@../a @../b" output="@."/>'
         '<RestShapeSpringsForceField stiffness="100"/></Node>'),
+    "Engine/Generate/MeshTetraStuffing": body(
+        '<MeshOBJLoader name="loader" filename="mesh/ball.obj"/><MeshTetraStuffing name="e" inputPoints="@loader.position" inputTriangles='
+        '"@loader.triangles" inputQuads="@loader.quads" size="-4" snapPoints="true" splitTetras="true" draw="0"/>'
+        '<TetrahedronSetTopologyContainer name="cells" position="@e.outputPoints" tetrahedra="@e.outputTetrahedra"/><MechanicalObject/>'
+        '<UniformMass totalMass="1"/><TetrahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>'),
     "Engine/Generate/GenerateSphere": body(
         '<GenerateSphere name="e" radius="1" tessellationDegree="2"/><TetrahedronSetTopologyContainer name="cells" '
         'position="@e.output_TetrahedraPosition" tetrahedra="@e.tetrahedra"/><MechanicalObject/><DiagonalMass massDensity="1"/>'
@@ -468,6 +476,9 @@ SCENES = {
         '<RestShapeSpringsForceField points="3" stiffness="100" external_rest_shape="@../goal/dofs" external_points="0"/>',
         more='<Node name="goal"><MechanicalObject name="dofs" position="4 0 0"/></Node>'),
     "SolidMechanics/Spring/FixedWeakConstraint": body(POINTS + '<FixedWeakConstraint indices="0" stiffness="1000"/>'),
+    "SolidMechanics/Spring/FrameSpringForceField": body(
+        FRAMES + '<UniformMass/><FixedConstraint indices="0"/><FrameSpringForceField spring="BEGIN_SPRING 0 1 KS_T 100 KS_R 50 KD 1 VEC1 '
+        '0.5 0 0 VEC2 -0.5 0 0 END_SPRING BEGIN_SPRING 1 2 KS_T 100 KS_R 50 END_SPRING"/>'),
     "SolidMechanics/Spring/JointSpringForceField": body(
         FRAMES + '<UniformMass/><FixedConstraint indices="0"/><JointSpringForceField spring="BEGIN_SPRING 0 1 FREE_AXIS 0 0 0 1 1 1 '
         'KS_T 0 1e4 KS_R 10 100 KS_B 100 KD 1 R_LIM_X -1 1 R_LIM_Y -1 1 R_LIM_Z -1 1 REST_T 1 0 0 END_SPRING"/>', ODE + LDL),
@@ -621,7 +632,4 @@ FILES = {
 }
 
 # What a refusal must name, where a part of SOFA is not there.
-MISSING = {
-    "Topology/Container/Grid/SparseGridMultipleTopology": ["SparseGridMultipleTopology"],
-    "SolidMechanics/FEM/HexahedronCompositeFEMForceFieldAndMass_large": ["HexahedronCompositeFEMForceFieldAndMass"],
-}
+MISSING = {}

@@ -60,6 +60,14 @@ class Run:
                 assert done.returncode == 0, done.stderr
                 self.native = states_in(os.path.join(folder, "out"))
 
+    @classmethod
+    def of_native(cls, scene, steps):
+        """Of a scene that is none of SOFA's, and is not migrated."""
+        run = cls(scene, steps, name="scene.xml")
+        if run in RUNS:
+            RUNS.remove(run)
+        return run
+
     def x(self, name="dofs", width=3):
         if name not in self.states:
             raise AssertionError(f"no state {name} of {sorted(self.states)}:\n{self.text}")
@@ -3673,6 +3681,287 @@ def points_of_no_other_body():
         outside = Run(root(EXACT + grid + body.format('external_points="2 3"').replace('position="0 0 0  1 0 0  2 0 0"', position)), 10)
         falls(outside)
         outside.says("node 3", "which has 3 nodes: the springs do nothing")
+
+
+# ---- contacts by pairs, contents of surfaces ----
+
+@case
+def contacts_that_rules_answer():
+    """Points on a floor: the first rule that fits says with how much friction they slide, and a model's own response goes before."""
+    floor = ('<Node name="floor"><MeshTopology position="-9 0 -9  9 0 -9  9 0 9  -9 0 9" triangles="0 2 1  0 3 2"/><MechanicalObject/>'
+             '<TriangleCollisionModel name="ground" group="7" moving="0" simulated="0"/></Node>')
+    model = {"slow": 'group="1"', "fast": 'group="1 2"', "soft": 'group="1" contactResponse="PenalityContactForceField" contactStiffness="20"'}
+    balls = "".join(f'<Node name="{name}"><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject name="dofs" position="0 0.1 {i}" '
+                    'velocity="1 0 0"/><UniformMass totalMass="1"/><UncoupledConstraintCorrection/>'
+                    f'<PointCollisionModel name="{name}" {more}/></Node>' for i, (name, more) in enumerate(model.items()))
+
+    def scene(solver, rules):
+        return root(f'<FreeMotionAnimationLoop/>{solver}<CollisionPipeline/><BruteForceBroadPhase/><BVHNarrowPhase/><LocalMinDistance '
+                    'alarmDistance="0.3" contactDistance="0.1"/><RuleBasedContactManager responseParams="mu=0.9" response='
+                    f'"FrictionContactConstraint" {rules}/>' + floor + balls)
+    rules = ('variables="law" law="FrictionContactConstraint?mu=0.7" rules="slow ground AugmentedLagrangianResponseConstraint?mu=0.2&amp;'
+             'epsilon=3  2 7 $law$  * * FrictionContactConstraint?mu=0.5"')
+    many = '<GenericConstraintSolver maxIterations="1000" tolerance="1e-9"/>'
+    run = Run(scene(many, rules), 8)
+    y, v, k = 0.1, 0.0, 20 * 10 / 0.1
+    for _ in range(8):
+        pen = 0.1 - y
+        v += 0.01 * (-10 + (k * pen - 0.01 * k * v if pen > 0 else 0)) / (1 + (1e-4 * k if pen > 0 else 0))
+        y += 0.01 * v
+    slid = {mu: sum(0.01 * (1 - mu * 10 * 0.01 * (i + 1)) for i in range(8)) for mu in (0.2, 0.6, 0.7)}
+    agree(run.x("slow.dofs")[0], [slid[0.2], 0.1, 0], 1e-5)
+    agree(run.x("fast.dofs")[0], [slid[0.7], 0.1, 1], 1e-5)
+    agree(run.x("soft.dofs")[0], [0.08, y, 2], 1e-5)
+    run.says("comes near the forces of constraint")
+    run = Run(scene('<LCPConstraintSolver tolerance="1e-9" maxIt="1000"/>', rules), 8)
+    agree(run.x("fast.dofs")[0], [slid[0.6], 0.1, 1], 1e-5)
+    Run(scene(many, 'rules="slow ground"'), 1).says("the last rule lacks some")
+
+
+def tait(p0, bulk, gamma, injected, faces, rest, rate=1000.0, h=0.01):
+    """Pressure behind a closed surface with what comes in until the end of each step."""
+    def volume(x):
+        return sum(np.linalg.det(x[list(face)]) for face in faces) / 6
+    count = itertools.count(1)
+
+    def field(x, v):
+        v0, now = volume(rest) + min(injected, rate * h * next(count)), volume(x)
+        g, H = np.zeros(x.shape), np.zeros((x.size, x.size))
+        for a, b, c in (face[i:] + face[:i] for face in faces for i in range(3)):
+            g[a] += np.cross(x[b], x[c]) / 6
+            H[3 * a:3 * a + 3, 3 * b:3 * b + 3] += np.cross(np.eye(3), x[c]).T / 6  # of x_b cross x_c by x_b
+            H[3 * a:3 * a + 3, 3 * c:3 * c + 3] += np.cross(x[b], np.eye(3)).T / 6
+        p = p0 - bulk * ((now / v0) ** gamma - 1)
+        fall = -bulk * gamma * (now / v0) ** gamma / now
+        return p * g, p * H + fall * np.outer(g.ravel(), g.ravel())
+    return field
+
+
+@case
+def content_of_a_surface():
+    """The tangent knows how the pressure falls where the volume grows, with products and with a matrix; volume comes in at a rate."""
+    rest = np.array([[0, 0, 0], [1.0, 0, 0], [0, 1.2, 0], [0.1, 0, 0.9]])
+    faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+    for more, rate in (('', 1000.0), ('maxInjectionRate="0.8"', 0.8)):
+        for solver in (EXACT, '<EulerImplicitSolver/><CGLinearSolver iterations="200" tolerance="1e-14" threshold="0"/>'):
+            scene = node(solver + f'<MeshTopology position="{" ".join(map(str, rest.ravel()))}" triangles='
+                         f'"{" ".join(str(corner) for face in faces for corner in face)}"/>' + '<MechanicalObject name="dofs"/><UniformMass '
+                f'totalMass="0.4"/><TaitSurfacePressureForceField p0="3" B="20" gamma="1.4" injectedVolume="0.06" {more}/>')
+            x = euler(rest, 0.1 * np.eye(4), tait(3, 20, 1.4, 0.06, faces, rest, rate), 10, 0.01)
+            agree(Run(scene, 10).x(), x, 1e-9)
+
+
+CUBE_PLACES = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+
+
+def cube_stiffness(size, lam, mu):
+    """Of a cube with eight corners, from integrals of products of shape functions: along an axis those of N N, N' N and N' N'."""
+    mass, slope, bend = np.array([[2, 1], [1, 2]]) / 6, np.array([[-1, -1], [1, 1]]) / 2, np.array([[1, -1], [-1, 1]])
+
+    def integral(a, b, i, j):
+        value = 1.0
+        for axis in range(3):
+            at = CUBE_PLACES[a][axis], CUBE_PLACES[b][axis]
+            value *= (bend[at] if i == j == axis else slope[at] if i == axis else slope.T[at] if j == axis else mass[at])
+        return size * value
+    K = np.zeros((24, 24))
+    for a, b, i, j in itertools.product(range(8), range(8), range(3), range(3)):
+        K[3 * a + i, 3 * b + j] = lam * integral(a, b, i, j) + mu * integral(a, b, j, i)
+        if i == j:
+            K[3 * a + i, 3 * b + j] += mu * sum(integral(a, b, k, k) for k in range(3))
+    return K
+
+
+def condensed(factors, size, lam, mu):
+    """factors[z, y, x] of the parts of a cube: eight children in one, of which the empty ones are rigid where the others yield."""
+    n = len(factors)
+    if n == 1:
+        return factors[0, 0, 0] * cube_stiffness(size, lam, mu)
+    h = n // 2
+    filled, yields = np.zeros((81, 81)), np.zeros((81, 81))
+    for at in CUBE_PLACES:
+        part = factors[tuple(slice(h * at[k], h * at[k] + h) for k in (2, 1, 0))]
+        K = condensed(part, size / 2, lam, mu)
+        rows = [3 * sum((at[k] + corner[k]) * 3 ** k for k in range(3)) + i for corner in CUBE_PLACES for i in range(3)]
+        filled[np.ix_(rows, rows)] += K
+        yields[np.ix_(rows, rows)] += K if part.any() else cube_stiffness(size / 2, 0, 1e7 * (lam + 2 * mu) / 2)
+    corner = [3 * sum(2 * c[k] * 3 ** k for k in range(3)) + i for c in CUBE_PLACES for i in range(3)]
+    others = [i for i in range(81) if i not in corner]
+    W = np.zeros((81, 24))
+    W[corner] = np.eye(24)
+    W[others] = -np.linalg.solve(yields[np.ix_(others, others)], yields[np.ix_(others, corner)])
+    for row in range(81):
+        place = [row // 3 // 3 ** k % 3 for k in range(3)]
+        for a, i in itertools.product(range(8), range(3)):
+            if i != row % 3 or any(place[k] not in (1, 2 * CUBE_PLACES[a][k]) for k in range(3)):
+                W[row, 3 * a + i] = 0
+        W[row] /= W[row].sum()
+    return W.T @ filled @ W
+
+
+@case
+def cells_of_parts_that_yield():
+    """A cube of 64 parts, an eighth of it empty, small strains; and SOFA's field on a grid is that field and a mass."""
+    factors = np.array([0.2 + (3 * i + 5 * j + 7 * k) % 4 for k in range(4) for j in range(4) for i in range(4)]).reshape(4, 4, 4)
+    factors[2:, 2:, :2] = 0
+    lam, mu = 2000 * 0.3 / (1.3 * 0.4), 2000 / 2.6
+    rest = np.array([[i, j, k] for k in (0, 2.0) for j in (0, 2.0) for i in (0, 2.0)])
+    order = np.array([2 * (c[0] + 2 * c[1] + 4 * c[2]) // 2 for c in CUBE_PLACES])
+    K = np.zeros((24, 24))
+    rows = (3 * order[:, None] + np.arange(3)).ravel()
+    K[np.ix_(rows, rows)] = condensed(factors, 2.0, lam, mu)
+
+    def field(x, v):
+        return -(K @ (x - rest).ravel()).reshape(-1, 3), -K
+    held = [0, 2, 4, 6]
+    scene = ('<Node name="root" dt="0.02" gravity="0 -10 3"><EulerImplicitSolver newtonIterations="1"/><SparseLDLSolver/>'
+             '<RegularGridTopology n="2 2 2" min="0 0 0" max="2 2 2"/><MechanicalObject name="dofs"/><UniformMass totalMass="8"/>'
+             '<FixedProjectiveConstraint indices="0 2 4 6"/>'
+             '<HexahedronCompositeFEMForceField method="small" youngModulus="2000" poissonRatio="0.3" partFactors="'
+             + " ".join(f"{s:.17g}" for s in factors.ravel()) + '"/></Node>')
+    x = euler(rest, np.eye(8), together(field, gravity(np.ones(8), (0, -10, 3))), 8, 0.02, held=held)
+    assert abs(x - rest).max() > 0.01
+    agree(Run.of_native(scene, 8).x(), x, 1e-7)
+
+    surface = 'position="0 0 0  1 0 0  0 1 0  0 0 1" triangles="0 2 1  0 1 3  1 2 3  2 0 3"'
+    grid = f'<SparseGridTopology name="grid" n="3 3 3" nbVirtualFinerLevels="2" {surface} %s/><MechanicalObject name="dofs"/>'
+    hold = '<FixedProjectiveConstraint indices="0 1"/>'
+    solver = '<EulerImplicitSolver %s/><SparseLDLSolver/>'
+    foreign = Run(root(solver % "" + grid % "" + '<HexahedronCompositeFEMForceFieldAndMass method="large" youngModulus="2000" '
+                       'poissonRatio="0.3" density="2" nbVirtualFinerLevels="2" drawType="1"/>' + hold), 8)
+    mass = '<MeshMatrixMass massDensity="2" matrix="pairs" computeMassOnRest="true" cellFactors="@grid.partFactors"/>'
+    native = Run.of_native(root(solver % 'newtonIterations="1"' + grid % 'partLevels="2"' + mass + '<HexahedronCompositeFEMForceField '
+                      'method="large" youngModulus="2000" poissonRatio="0.3" partFactors="@grid.partFactors"/>' + hold), 8)
+    agree(foreign.x(), native.x(), 1e-12)
+    foreign.says("follow the weights of its parts")
+
+
+@case
+def grids_in_several_surfaces():
+    """Files are surfaces, in their order; a field that is a mass too has the factors of the mass (closed forms: tests/topology)."""
+    box = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4),
+           (3, 4, 7)]
+
+    def corners(low, high):
+        return [[high if c[0] else low, 0.5 + 2 * c[1], 0.5 + 2 * c[2]] for c in CUBE_PLACES]
+
+    def file(low, high):
+        return ("".join("v {} {} {}\n".format(*p) for p in corners(low, high)) +
+                "".join("f {} {} {}\n".format(*(i + 1 for i in face)) for face in box))
+    files = {"one.obj": file(0.5, 5.5), "two.obj": file(2.5, 7.5)}
+    grid = '<SparseGridMultipleTopology name="grid" n="9 4 4" min="0 0 0" max="8 3 3" stiffnessCoefs="2 8" massCoefs="1 3" %s/>'
+    body = '<MechanicalObject name="dofs"/>%s<HexahedronFEMForceField%s method="large" youngModulus="1000" poissonRatio="0.3" %s/>'
+    hold = '<FixedProjectiveConstraint indices="0"/>'
+    solver = '<EulerImplicitSolver %s/><SparseLDLSolver/>'
+    foreign = Run(root(solver % "" + grid % 'fileTopologies="one.obj two.obj"' + body % ("", "AndMass", 'density="2"') + hold), 5, files)
+    surfaces = " ".join(f'position{i}="{" ".join(str(v) for p in corners(*ends) for v in p)}" triangles{i}="'
+                        f'{" ".join(str(node) for face in box for node in face)}"' for i, ends in ((1, (0.5, 5.5)), (2, (2.5, 7.5))))
+    mass = '<MeshMatrixMass massDensity="2" matrix="pairs" computeMassOnRest="true" cellFactors="@grid.massFactors"/>'
+    native = Run.of_native(root(solver % 'newtonIterations="1"' + grid % surfaces + body % (
+        mass, "", 'localStiffnessFactor="@grid.cellFactors" dilatation="local"') + hold), 5)
+    agree(foreign.x(), native.x(), 1e-12)
+    Run(root(grid % 'fileTopologies="one.ply"'), 1).fails(2, "there is no loader for 'one.ply'")
+
+
+@case
+def lattices_in_a_surface():
+    """Corners and middles of cubes, of the tetrahedra with a node inside of an octahedron, in the order of the lattice."""
+    r, cubes = 1.0, 5
+    corners = [r * s * np.eye(3)[a] for a in range(3) for s in (1, -1)]
+    faces = [(2 * 0 + i, 2 * 1 + j, 2 * 2 + k) if (i + j + k) % 2 == 0 else (2 * 0 + i, 2 * 2 + k, 2 * 1 + j)
+             for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+    size = 2.04 * r / cubes
+    half = int(1.02 * r / size) + 2
+
+    def place(q):
+        return np.array(q) * size / 2
+
+    def is_inside(q):
+        return np.abs(place(q)).sum() < r
+    used = set()
+    evens = range(-2 * half, 2 * half + 1, 2)
+    for p in itertools.product(evens, evens, evens):
+        for axis in range(3):
+            q = tuple(c - 2 * (i == axis) for i, c in enumerate(p))
+            across = [i for i in range(3) if i != axis]
+            ring = []
+            for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+                m = list(p)
+                m[axis] -= 1
+                m[across[0]] += a
+                m[across[1]] += b
+                ring.append(tuple(m))
+            for m, n in zip(ring, ring[1:] + ring[:1]):
+                if any(map(is_inside, (p, q, m, n))):
+                    used |= {p, q, m, n}
+    nodes = sorted(used, key=lambda q: (q[0] % 2, q[2], q[1], q[0]))
+    expected = np.array([place(q) for q in nodes])
+    expected[:, 1] += fallen(4)
+    surface = (f'inputPoints="{" ".join(str(c) for p in corners for c in p)}" '
+               f'inputTriangles="{" ".join(str(n) for face in faces for n in face)}"')
+    body = ('<Node name="body"><EulerImplicitSolver/><SparseLDLSolver/><TetrahedronSetTopologyContainer position="@../e.outputPoints" '
+            'tetrahedra="@../e.outputTetras"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/><TetrahedronFEMForceField '
+            'method="svd" youngModulus="1000" poissonRatio="0.3"/></Node>')
+    agree(Run(root(f'<MeshTetraStuffing name="e" size="-{cubes}" {surface} draw="1"/>' + body), 4).x("body.dofs"), expected, 1e-7)
+    run = Run(root(f'<MeshTetraStuffing name="e" size="-{cubes}" {surface} snapPoints="1" splitTetras="1"/>' + body), 4)
+    x = run.x("body.dofs") - [0, fallen(4), 0]
+    distances = np.abs(x).sum(axis=1)
+    assert (distances < r + 1e-6).all() and (abs(distances - r) < 1e-6).sum() > 50, distances
+    run.says("along other diagonals than SOFA")
+
+
+@case
+def a_node_that_no_solver_moves_holds_by_constraints():
+    free = '<FreeMotionAnimationLoop/><GenericConstraintSolver tolerance="1e-12" maxIterations="1000"/>'
+    still = ('<Node name="still"><MechanicalObject name="dofs" position="-1 1 0  2 1 0" free_position="-1 1 0  2 1 0"/>'
+             '<UncoupledConstraintCorrection/></Node>')
+    body = (f'<Node name="body">{EXACT}<MechanicalObject name="dofs" position="0 1 0  5 0 0"/><UniformMass totalMass="2"/>'
+            '<UncoupledConstraintCorrection/></Node>')
+    gravity_of = 'gravity="3 -10 0"'
+    slide = '<SlidingLagrangianConstraint object1="@body/dofs" object2="@still/dofs" sliding_point="0" axis_1="0" axis_2="1"/>'
+    run = Run(root(free + still + body + slide, gravity_of), 10)
+    agree(run.x("body.dofs"), [[-fallen(10, g=3), 1, 0], [5 - fallen(10, g=3), fallen(10), 0]])
+    agree(run.x("still.dofs"), [[-1, 1, 0], [2, 1, 0]])
+    hold = '<BilateralInteractionConstraint object1="@still/dofs" object2="@body/dofs" first_point="1" second_point="1"/>'
+    run = Run(root(free + still + body + hold, gravity_of), 10)
+    agree(run.x("body.dofs"), [[-fallen(10, g=3), 1 + fallen(10), 0], [2, 1, 0]])
+
+
+@case
+def angles_that_choose_among_cells():
+    """A SphereROI's normal and angles count for edges and triangles: where nodes alone are asked for they do nothing."""
+    scene = ('<RegularGridTopology name="grid" n="3 3 1" min="0 0 0" max="2 2 0"/><MechanicalObject name="dofs"/><UniformMass totalMass="9"/>'
+             '<SphereROI name="roi" centers="0 0 0" radii="1.1" normal="0 0 1" edgeAngle="30" triAngle="20"/>'
+             '<FixedProjectiveConstraint indices="@roi.indices"/>{}')
+    run = Run(root(EXACT + scene.format("")), 10)
+    y = np.repeat([0.0, 1.0, 2.0], 3) + fallen(10)
+    y[[0, 1, 3]] = 0, 0, 1
+    agree(run.x()[:, 1], y)
+    load = '<TrianglePressureForceField triangleList="@roi.triangleIndices" pressure="0 0 1"/>'
+    Run(root(EXACT + scene.format(load)), 1).fails(2, "SOFA's SphereROI reads 'normal'")
+
+
+@case
+def springs_between_frames():
+    """A frame whose point is drawn to one of a frame that is held, and one that turns back: oscillators, each step in closed form."""
+    def scene(start, words):
+        return node(EXACT + f'<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  {start}"/><UniformMass '
+                    'vertexMass="2 1 [0.5 0 0 0 0.5 0 0 0 0.5]"/><FixedConstraint indices="0"/><FrameSpringForceField spring="BEGIN_SPRING '
+                    f'0 1 {words} END_SPRING"/>')
+
+    def oscillated(way, k, m, c=0.0, h=0.01):
+        v = 0.0
+        for _ in range(20):
+            v += h * (-k * way - c * v - h * k * v) / (m + h * c + h * h * k)
+            way += h * v
+        return way
+    run = Run(scene("1.5 0.2 0 0 0 0 1", "KS_T 300 KD 3 VEC1 0.75 0 0"), 20)
+    agree(run.x(width=7)[1, :3], [0.75 + oscillated(0.75, 300, 2, 3), oscillated(0.2, 300, 2, 3), 0], 1e-9)
+    turn = 0.4
+    run = Run(scene(f"0 0 0 {np.sin(turn / 2)} 0 0 {np.cos(turn / 2)}", "KS_R 40"), 20)
+    half = oscillated(turn, 40, 2 * 0.5) / 2
+    agree(run.x(width=7)[1], [0, 0, 0, np.sin(half), 0, 0, np.cos(half)], 1e-7)
+    run.says("SOFA's torques stay in fixed axes")
 
 
 @case

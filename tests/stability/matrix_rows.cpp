@@ -308,7 +308,8 @@ std::vector<Row> makeRows() {
     const auto component = factory().make(entry->type);
     if (!dynamic_cast<ForceField*>(component.get())) continue;
     const std::string& type = entry->type;
-    if (type == "BeamFEMForceField" || type == "JointSpringForceField") continue;  // of frames: tests/beams
+    if (type == "BeamFEMForceField" || type == "JointSpringForceField" ||
+        type == "FrameSpringForceField") continue;  // of frames: tests/beams
     if (type == "BeamHookeLawForceField") continue;  // linear, of curvatures: tests/sofa
     if (type == "AngularSpringForceField" || type == "GearSpringForceField") continue;  // of frames: tests/springs
     if (type == "InteractionEllipsoidForceField") continue;                             // of frames: tests/loads
@@ -344,7 +345,7 @@ std::vector<Row> makeRows() {
       addExample(out, type, "transverseYoungModulus=\"5e3\"");
     } else if (type == "PlasticStrainForceField") {  // what has flowed rests elsewhere: here nothing flows
       addExample(out, type, "plasticYieldThreshold=\"1e9\"");
-    } else if (type == "NonUniformHexahedronFEMForceField") {
+    } else if (type == "NonUniformHexahedronFEMForceField" || type == "HexahedronCompositeFEMForceField") {
       for (const char* variant : {"method=\"small\"", "method=\"large\"", "method=\"polar\""}) addExample(out, type, variant);
     } else if (component->data().find("youngModulus")) {
       addBlock(out, type.find("Tetra") != std::string::npos ? Cells::tetrahedra : Cells::boxes, type, "", "");

@@ -195,5 +195,62 @@ TEST(SphereQuad, ItsNodesLieOnTheSphere) {
   EXPECT_GT(volume, 0.7 * ball) << "outwards, and closed";
 }
 
+// ---- several surfaces ----
+
+/// Boxes of 2 x 2 along a row of eight cells: one from 0.5 to 5.5, the other from 2.5 to 7.5, in 8 x 3 x 3 cells of size 1. Factors
+/// of cells inside are taken, those on borders halved with what was there.
+std::vector<double> rowOfTwo(const std::string& more, const std::string& data,
+                             const std::string& size = "n='9 4 4' max='8 3 3'") {
+  const std::string attributes = size + " " + more;
+  const std::string box = "0 2 1 0 3 2 4 5 6 4 6 7 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7";
+  std::string surfaces;
+  for (const auto& [number, low] : {std::pair(1, 0.5), std::pair(2, 2.5)})
+    surfaces += fmt::format(" triangles{0}='{1}' position{0}='{2} 0.5 0.5 {3} 0.5 0.5 {3} 2.5 0.5 {2} 2.5 0.5 {2} 0.5 2.5 {3} 0.5 2.5 "
+                            "{3} 2.5 2.5 {2} 2.5 2.5'", number, box, low, low + 5);
+  const Scene scene = sceneFromText(fmt::format(
+      "<Node name='root'><SparseGridMultipleTopology {} min='0 0 0' stiffnessCoefs='2 8' massCoefs='1 3' {}/></Node>", attributes,
+      surfaces));
+  std::istringstream words(scene.root->components().front()->data().find(data)->print());
+  std::vector<double> numbers;
+  for (double number = 0; words >> number;) numbers.push_back(number);
+  return numbers;
+}
+
+TEST(SparseGridMultiple, FactorsAreOfTheLastInsideAndHalvedOnBorders) {
+  const std::vector<double> sides = {1, 1, 4.5, 4.5, 4.5, 4.5, 4, 4}, inner = {2, 5, 8, 8, 8, 8};
+  const auto whole = [](const std::vector<double>& side, double first, double last, const std::vector<double>& middle) {
+    std::vector<double> all;  // cells on borders in the order of the grid, then those inside
+    for (int row = 0; row < 9; ++row)
+      if (row == 4)
+        all.push_back(first), all.push_back(last);
+      else
+        all.insert(all.end(), side.begin(), side.end());
+    all.insert(all.end(), middle.begin(), middle.end());
+    return all;
+  };
+  EXPECT_EQ(rowOfTwo("", "cellFactors"), whole(sides, 1, 4, inner));
+  EXPECT_EQ(rowOfTwo("", "massFactors"), whole({0.5, 0.5, 1.75, 1.75, 1.75, 1.75, 1.5, 1.5}, 0.5, 1.5, {1, 2, 3, 3, 3, 3}));
+  EXPECT_EQ(rowOfTwo("erasePreviousCoef='true'", "cellFactors"), whole({2, 2, 8, 8, 8, 8, 8, 8}, 2, 8, {2, 8, 8, 8, 8, 8}));
+  const std::vector<double> filled = rowOfTwo("fillWeighted='false'", "cellFactors");
+  ASSERT_EQ(filled.size(), 72u);
+  for (std::size_t cell = 0; cell < 72; ++cell) EXPECT_EQ(filled[cell], cell % 8 < 2 ? 2 : 8) << cell;
+}
+
+/// With cells of twice the size: means of eight.
+TEST(SparseGridMultiple, CoarseCellsHaveMeans) {
+  const std::vector<double> fine = rowOfTwo("fillWeighted='false'", "massFactors");
+  const std::vector<double> coarse = rowOfTwo("fillWeighted='false' nbVirtualFinerLevels='1'", "massFactors", "n='5 3 3' max='8 4 4'");
+  double sum_fine = 0, sum_coarse = 0;
+  for (const double factor : fine) sum_fine += factor;
+  for (const double factor : coarse) sum_coarse += 8 * factor;
+  EXPECT_NEAR(sum_fine, sum_coarse, 1e-12 * sum_fine) << "the same cells, and empty ones";
+}
+
+TEST(SparseGridMultiple, SaysWhatBelongsToNoSurface) {
+  expectContains(problemsOf("<Node name='root'><SparseGridMultipleTopology position='0 0 0'/></Node>"), "position belongs to no surface");
+  expectContains(problemsOf("<Node name='root'><SparseGridMultipleTopology position1='0 0 0' triangles1='0 1 2'/></Node>"),
+                 "a face of surface 1 names node 1 of 1");
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

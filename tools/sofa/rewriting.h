@@ -74,6 +74,7 @@ class Rewriting {
   void rewriteAttributes(Element& element);
   bool keepsAttribute(Element& element, AttributeDescription& attribute);
   bool keepsValue(Element& element, Data& data, AttributeDescription& attribute);
+  bool choosesCellsOfNobody(const Element& region) const;
   bool keepsUnknown(Element& element, const AttributeDescription& attribute);
   void rewriteTemplate(Element& element);
 
@@ -91,6 +92,7 @@ class Rewriting {
   void meanMembrane(Element& element);
   void meanRestShape(Element& springs);
   void meanLoads(Element& element);
+  void tellSpringsOfFrames(const Element& element);
   bool mayLoadQuads(const Element& load) const;
   void meanConstantForce(Element& load);
   void meanPlane(Element& plane);
@@ -116,6 +118,7 @@ class Rewriting {
   void readMeshFile(Element& element, const std::string& attribute);
   // ---- rewritten_files.cpp ----
   void readOwnFile(Element& element);
+  void readSurfaces(Element& grid);
   void takeOfFile(Element& element, const std::string& numbers);
   void replaceByFile(Element& element, const std::string& attribute, const std::string& numbers);
 
@@ -134,6 +137,9 @@ class Rewriting {
   void meanNewton(Element& newton);
   void warnOfAccepted(const Element& element);
   void takeFriction(Element& response);
+  static void fillVariables(Element& response);
+  void meanRules(Element& response, const std::string& mu);
+  std::string answerHere(const Element& element, const std::string& attribute, const std::string& word, const std::string& mu);
   bool isIdleSwitch(std::string_view name, const Element& system) const;
 
   // ---- rewritten_times.cpp ----

@@ -118,7 +118,8 @@ class Bodies {
     bool is_named = false;
     if (states.size() != 1 || place.has("mapping")) return false;
     tree_.forEach([&](Element& element) {
-      if (!isAnyOf(element.role(), {"force field", "position constraint", "projective constraint"})) return;
+      if (!isAnyOf(element.role(), {"force field", "position constraint", "projective constraint", "Lagrangian constraint"}))
+        return;
       for (const char* name : {"object1", "object2"}) {
         if (!element.find(name)) continue;
         const LinkTarget target = tree_.follow(element, element.text(name), false);

@@ -99,7 +99,8 @@ void Rewriting::meanField(Element& element) {
   const std::string method = element.text("method");
   for (const char* name : {"youngModulus", "poissonRatio"})
     if (element.text(name).find_first_of("@ \t\n") != std::string::npos) setDefault(element, "firstForOthers", "true");
-  const bool is_box = isOneOf(type, {"HexahedronFEMForceField", "NonUniformHexahedronFEMForceField"}) && method == "polar";
+  const bool is_box = isOneOf(type, {"HexahedronFEMForceField", "NonUniformHexahedronFEMForceField",
+                                    "HexahedronCompositeFEMForceField"}) && method == "polar";
   const bool of_edges = is_box || (corotational && isOneOf(method, {"polar", "svd"}));
   if (of_edges && saysYes(element.text("updateStiffnessMatrix")))
     warn(element.written->where, element, "updateStiffnessMatrix", "takes polar factors of deformation gradients here, and SOFA of edges");
@@ -325,6 +326,7 @@ void Rewriting::joinCorners(Element& element) {
 
 /// Every topology of SOFA reads files; here loaders do.
 void Rewriting::readMeshFiles(Element& element) {
+  if (element.is("SparseGridMultipleTopology")) return readSurfaces(element);
   const std::string& type = element.written->type;
   for (const char* file : {"filename", "fileTopology"})
     if (element.probe && element.find(file) &&

@@ -206,15 +206,26 @@ bool Rewriting::mayLoadQuads(const Element& load) const {
   return is_source || !mesh->is("MeshTopology");
 }
 
+/// Springs of frames have forces of an energy, which SOFA's do not: their numbers differ.
+void Rewriting::tellSpringsOfFrames(const Element& element) {
+  const std::string& type = element.written->type;
+  if (type == "FrameSpringForceField")
+    warn(element.written->where, element, {},
+         "has forces of an energy here: SOFA's torques stay in fixed axes, its damping turns one of two frames on, and its matrix "
+         "does not know the step");
+  if (type == "JointSpringForceField")
+    warn(element.written->where, element, {},
+         "has forces of an energy here: SOFA's have none, its places at rest stay in fixed axes, and its damping is explicit");
+}
+
 void Rewriting::meanLoads(Element& element) {
   const std::string& type = element.written->type;
   for (const char* name : {"activeDirections", "initialLength", "zeroLength"})
     if (element.writes(name) && element.text(name).empty()) element.remove(name);
   if (type == "RestShapeSpringsForceField" || type == "ConstantForceField") setDefault(element, "emptyMeansAll", "true");
   if (type == "RestShapeSpringsForceField") setDefault(element, "firstForOthers", "true");
-  if (type == "JointSpringForceField")
-    warn(element.written->where, element, {},
-         "has forces of an energy here: SOFA's have none, its places at rest stay in fixed axes, and its damping is explicit");
+  tellSpringsOfFrames(element);
+  if (type == "TaitSurfacePressureForceField") setDefault(element, "maxInjectionRate", "1000");
   if (type == "ConstantForceField") meanConstantForce(element);
   if (type == "PlaneForceField") meanPlane(element);
   if (type == "ConstantForceField" && !element.find("forces") && !element.find("force") && !element.find("totalForce")) {
@@ -289,6 +300,8 @@ void Rewriting::warnOfChance(const Element& engine) {
   if (is_random) warn(engine.written->where, engine, {}, "has other random numbers than SOFA");
   if (engine.is("MeshSampler")) warn(engine.written->where, engine, {}, "begins with node 0: SOFA may choose other nodes");
   if (engine.is("GenerateSphere")) warn(engine.written->where, engine, {}, "has its nodes and cells in another order than SOFA");
+  if (engine.is("MeshTetraStuffing") && saysYes(engine.text("splitTetrahedra") + engine.text("splitTetras")))
+    warn(engine.written->where, engine, "splitTetrahedra", "cuts sides along other diagonals than SOFA");
 }
 
 /// How torques on frames in a body of points act on it is not known of SOFA.

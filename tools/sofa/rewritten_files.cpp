@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "framework/scene/files.h"
+#include "framework/scene/names.h"
 #include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
 
@@ -90,6 +91,28 @@ void Rewriting::takeOfFile(Element& element, const std::string& numbers) {
     warn(element.written->where, element, "", "reads points of a file: they count, and those that are written do not");
   element.remove("initialPoints");
   points->set("position", numbers);
+}
+
+/// The surfaces of a grid of several, each from a file.
+void Rewriting::readSurfaces(Element& grid) {
+  const std::string written = grid.text("fileTopologies");
+  Words files(written);
+  int count = 0;
+  for (std::string file(files.next()); !file.empty(); file = files.next()) {
+    const std::string_view type = loaderOf(file);
+    const SourceLocation& where = grid.find("fileTopologies")->where;
+    const std::string name = grid.name + "_file" + std::to_string(++count);
+    if (type.empty()) {
+      diagnostics_.error(where, grid.path() + ".fileTopologies", "there is no loader for " + inQuotes(file), "a file of OBJ or .trian");
+      continue;
+    }
+    grid.place->added_components.push_back(
+        {std::string(type), {{"name", name, where}, {"filename", file, where}}, where, grid.written->folder});
+    SceneTree::linkTo(grid);
+    for (const char* list : {"position", "triangles", "quads"})
+      grid.set(list + std::to_string(count), "@" + joinPath(grid.place->path(), name) + "." + list);
+  }
+  grid.remove("fileTopologies");
 }
 
 }  // namespace stroma::sofa

@@ -73,6 +73,13 @@ void Rewriting::fillParts(Element& field) {
     field.set("partFactors", SceneTree::linkTo(*mesh) + ".partFactors");
   }
   const bool is_mass = !saysNo(field.text("useMass"));
+  if (field.written->type.starts_with("HexahedronComposite")) {
+    if (is_mass && levels > 0)
+      warn(field.written->where, field, {},
+           "SOFA's masses follow the weights of its parts too: here they are shared out as the cells' shape functions do");
+    if (saysYes(field.text("finestToCoarse")))
+      warn(field.written->where, field, "finestToCoarse", "SOFA takes all levels at once then: here one after another yields");
+  }
   for (const char* read : {"nbVirtualFinerLevels", "useMass"}) field.remove(read);
   if (is_mass) return splitMass(field);
   for (const char* of_mass : {"density", "lumpedMass", "rayleighMass", "massMatrices", "totalMass"}) field.remove(of_mass);

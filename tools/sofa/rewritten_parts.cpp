@@ -81,7 +81,10 @@ void Rewriting::renameType(Element& element) {
   if (type == "SubsetTopology" && saysYes(element.text("localIndices"))) parts_.push_back(&element);
   if (type == "SubsetTopology") element.remove("localIndices");
   if (type == "HexahedronFEMForceFieldAndMass" || type == "HexahedralFEMForceFieldAndMass") splitMass(element);
-  if (type == "NonUniformHexahedronFEMForceFieldAndMass") fillParts(element);
+  if (type.starts_with("NonUniformHexahedronFEM") || type == "HexahedronCompositeFEMForceFieldAndMass") fillParts(element);
+  if (type == "HexahedronCompositeFEMMapping")
+    warn(element.written->where, element, {}, "SOFA's points follow the parts of the cells: here they follow the cells");
+  if (type == "RuleBasedContactManager") fillVariables(element);
   if (type == "RepulsiveSpringForceField") element.set("compressionOnly", "true");
   if (type == "TetrahedronFEMForceField") splitPlasticity(element);
   element.written->type = std::string(typeHere(type));
@@ -117,8 +120,11 @@ void Rewriting::splitMass(Element& field) {
   for (const char* copied : {"topology", "rayleighMass"})
     if (const AttributeDescription* found = field.find(copied)) mass.attributes.push_back(*found);
   if (Element* mesh = meshOf(field); mesh && mesh->written->type.starts_with("SparseGrid"))
-    mass.attributes.push_back(
-        {"cellFactors", SceneTree::linkTo(*mesh) + (field.find("partFactors") ? ".partFactors" : ".cellFactors"), where});
+    mass.attributes.push_back({"cellFactors",
+                               SceneTree::linkTo(*mesh) + (mesh->is("SparseGridMultipleTopology")
+                                                               ? field.find("partFactors") ? ".partMassFactors" : ".massFactors"
+                                                               : field.find("partFactors") ? ".partFactors" : ".cellFactors"),
+                               where});
   if (std::atof(field.text("totalMass").c_str()) > 0) mass.attributes.push_back({"totalMass", field.text("totalMass"), where});
   if (mass.find("totalMass")) std::erase_if(mass.attributes, [](const auto& each) { return each.name == "massDensity"; });
   for (const char* moved : {"density", "lumpedMass", "rayleighMass", "massMatrices", "totalMass"}) field.remove(moved);
@@ -362,7 +368,8 @@ void Rewriting::dropIdleEngines() {
                                                    "GenerateSphere",    "RandomPointDistributionInSurface",
                                                    "MergeROIs",         "SelectLabelROI", "SelectConnectedLabelsROI",
                                                    "JoinPoints",        "MapIndices",     "GroupFilterYoungModulus",
-                                                   "MeshSplittingEngine", "ProjectiveTransformEngine", "ClusteringEngine"};
+                                                   "MeshSplittingEngine", "ProjectiveTransformEngine", "ClusteringEngine",
+                                                   "MeshTetraStuffing"};
   const auto is_engine = [](const Element& element) {
     return !element.dropped && (!element.probe || known.count(element.written->type)) && isEngineOfSofa(element.written->type);
   };

@@ -105,13 +105,76 @@ void Rewriting::meanNewton(Element& newton) {
   }
 }
 
+/// Of "NAME?mu=0.6&epsilon=3" what there is here, or empty; `mu`: that of all contacts, where a solver has one.
+std::string Rewriting::answerHere(const Element& element, const std::string& attribute, const std::string& word,
+                                  const std::string& mu) {
+  const auto mark = word.find('?');
+  std::string name = word.substr(0, mark), parameters;
+  if (mark != std::string::npos)
+    for (std::size_t at = mark + 1; at < word.size();) {  // of augmented Lagrangians also epsilon, how fast they get there
+      const std::size_t end = std::min(word.find('&', at), word.size());
+      if (const std::string part = word.substr(at, end - at); !part.starts_with("epsilon="))
+        parameters += (parameters.empty() ? "" : "&") + part;
+      at = end + 1;
+    }
+  if (name.starts_with("AugmentedLagrangian")) {
+    warn(element.written->where, element, attribute, "SOFA comes near the forces of constraint step by step: here they hold");
+    name = "FrictionContactConstraint";
+  } else if (name == "StickContactConstraint") {
+    warn(element.written->where, element, attribute,
+         "keeps together in SOFA what has touched: here friction holds it, and it may come apart again");
+    name = "FrictionContactConstraint", parameters = "mu=100";
+  } else if (!isAnyOf(name, {"", "default", "PenalityContactForceField", "FrictionContactConstraint", "FrictionContact"})) {
+    return {};
+  }
+  if (name.starts_with("Friction") && !mu.empty()) parameters = "mu=" + mu;
+  return parameters.empty() ? name : name + "?" + parameters;
+}
+
+/// In rules $NAME$ stands for the word that is the attribute NAME.
+void Rewriting::fillVariables(Element& response) {
+  std::string text = response.text("rules");
+  const std::string names = response.text("variables");
+  Words variables(names);
+  for (std::string name(variables.next()); !name.empty(); name = variables.next()) {
+    const std::string value = response.text(name), mark = "$" + name + "$";
+    for (auto at = text.find(mark); at != std::string::npos; at = text.find(mark, at + value.size()))
+      text.replace(at, mark.size(), value);
+    response.remove(name);
+  }
+  response.remove("variables");
+  if (response.find("rules")) response.set("rules", text);
+}
+
+/// The responses of pairs of models, by rules, and those of models.
+void Rewriting::meanRules(Element& response, const std::string& mu) {
+  std::vector<std::string> words;
+  const std::string text = response.text("rules");
+  Words written(text);
+  for (std::string word(written.next()); !word.empty(); word = written.next()) words.push_back(word);
+  if (words.size() % 3 != 0)
+    warn(response.written->where, response, "rules",
+         "has " + std::to_string(words.size()) + " words: the last rule lacks some and does not count");
+  std::string rules;
+  for (std::size_t i = 2; i < words.size(); i += 3)
+    if (const std::string answer = answerHere(response, "rules", words[i], mu); !answer.empty())
+      rules += (rules.empty() ? "" : " ") + words[i - 2] + " " + words[i - 1] + " " + answer;
+    else
+      warn(response.written->where, response, "rules",
+           inQuotes(words[i]) + " is no response here: those that it names have that of all");
+  if (response.find("rules")) response.set("rules", rules);
+  tree_->forEach([&](Element& model) {
+    if (model.role() != "collision model" || !model.find("contactResponse")) return;
+    const std::string word = model.text("contactResponse");
+    const std::string answer = word.empty() ? word : answerHere(model, "contactResponse", word, mu);
+    if (answer.empty() && !word.empty())
+      warn(model.written->where, model, "contactResponse", inQuotes(word) + " is no response here: it has that of all");
+    answer.empty() ? model.remove("contactResponse") : model.set("contactResponse", answer);
+  });
+}
+
 /// SOFA's LCPConstraintSolver has one coefficient of friction for all contacts, whatever they were given.
 void Rewriting::takeFriction(Element& response) {
-  const std::string answer = response.text("response");  // an older way: "FrictionContactConstraint?mu=0.7"
-  if (const auto mark = answer.find('?'); mark != std::string::npos) {
-    response.set("response", answer.substr(0, mark));
-    if (!response.find("responseParams")) response.set("responseParams", answer.substr(mark + 1));
-  }
   const Element *solver = nullptr, *method = nullptr;
   bool groups = false;  // bodies that touch have one solver then
   tree_->forEachPlace([&](Place& place) {  // accepted, and no part any more
@@ -121,13 +184,28 @@ void Rewriting::takeFriction(Element& response) {
       groups = groups || each->is("CollisionGroup") || each->written->type.ends_with("GroupManager");
     }
   });
+  const std::string mu = !solver ? "" : solver->find("mu") ? solver->text("mu") : "0.6";
+  meanRules(response, mu);
+  const std::string word = response.text("response");
+  const auto old = word.find('?');  // an older way: "FrictionContactConstraint?mu=0.7"
+  std::string parameters = response.text("responseParams");
+  if (parameters.empty() && old != std::string::npos) parameters = word.substr(old + 1);
+  const std::string answer =
+      word.empty() ? word : answerHere(response, "response", word.substr(0, old) + "?" + parameters, "");
+  if (!answer.empty()) {
+    const auto mark = answer.find('?');
+    response.set("response", answer.substr(0, mark));
+    if (mark != std::string::npos) response.set("responseParams", answer.substr(mark + 1));
+  }
   const bool pushes = isAnyOf(response.text("response"), {"", "default", "PenalityContactForceField"});
   if (pushes && !groups && !response.place->nearest("integrator")) setQuirk(response, "isolated-springs", "explicitBetween", "true");
-  if (response.text("response").find("Friction") == std::string::npos) return;
+  const bool rubs = response.text("response").find("Friction") != std::string::npos;
+  const bool some_rub = rubs || response.text("rules").find("Friction") != std::string::npos;
   // SOFA's solvers end at their maxIterations, and the run goes on
-  if (method) setDefault(response, "toleratedError", method->find("contactDistance") ? method->text("contactDistance") : "0.5");
-  if (!solver) return;
-  const std::string given = response.text("responseParams"), mu = solver->find("mu") ? solver->text("mu") : "0.6";
+  if (some_rub && method)
+    setDefault(response, "toleratedError", method->find("contactDistance") ? method->text("contactDistance") : "0.5");
+  if (!rubs || !solver) return;
+  const std::string given = response.text("responseParams");
   const auto at = given.find("mu=");
   const double own = at == std::string::npos ? -1 : std::atof(given.c_str() + at + 3);
   if (own == 0 || own == std::atof(mu.c_str())) return;

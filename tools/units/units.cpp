@@ -77,6 +77,7 @@ struct Kind {
 constexpr Kind kinds[] = {{"m", "a length", "m, cm, mm"},
                           {"m^2", "an area", "m^2, cm^2, mm^2"},
                           {"m^3", "a volume", "m^3, mL, mm^3"},
+                          {"m^3/s", "a volume per time", "m^3/s, mL/s"},
                           {"kg", "a mass", "kg, g, t"},
                           {"s", "a time", "s, ms, min"},
                           {"1/s", "a rate", "1/s, Hz, 1/min"},
