@@ -16,10 +16,11 @@ OF_FRAMES = {"position": PLACE, "rest_position": PLACE, "velocity": [SPEED] * 3 
              "movements": [LENGTH] * 3 + [NUMBER] * 3, "velocities": [SPEED] * 3 + [TURN] * 3}
 MIXED = {"planes": [NUMBER] * 3 + [LENGTH], "spring": [NUMBER, NUMBER, (0, 1, -2), (0, 1, -1), LENGTH],
          "oscillators": [NUMBER] + [LENGTH] * 6 + [TURN, NUMBER]}
-# examples with numbers whose dimension no attribute tells: text of formulas, lists of values, nodes that are angles, square roots
-UNTOLD = {"FormulaForceField", "Expect", "FrameSpringForceField", "GearSpringForceField", "JointSpringForceField", "SphereCollisionModel", "MathOp",
-          "MergeVectors", "ValuesFromLabels", "ROIValueMapper", "Indices2ValuesMapper", "IndexValueMapper", "DifferenceEngine",
-          "StopperLagrangianConstraint", "BeamHookeLawForceField", "DiscreteCosseratMapping"}
+# examples with numbers whose dimension no attribute tells: text of formulas, lists of values, nodes that are angles, square roots,
+# a size that is a count below zero
+UNTOLD = {"FormulaForceField", "Expect", "FrameSpringForceField", "GearSpringForceField", "JointSpringForceField", "SphereCollisionModel",
+          "MathOp", "MergeVectors", "ValuesFromLabels", "ROIValueMapper", "Indices2ValuesMapper", "IndexValueMapper", "DifferenceEngine",
+          "StopperLagrangianConstraint", "BeamHookeLawForceField", "DiscreteCosseratMapping", "MeshTetraStuffing"}
 # examples that rely on a default with a unit
 BY_DEFAULT = {"GridMeshCreator", "StringMeshCreator", "PolynomialRestShapeSpringsForceField"}
 # the exact number depends on the units of lengths and angles: a matrix with a negative direction gets more on its diagonal
