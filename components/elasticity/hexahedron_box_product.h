@@ -69,4 +69,34 @@ Modes<T> boxProduct(const BoxStiffness<T>& box, T factor, const Modes<T>& m) {
   return f;
 }
 
+/// The diagonal blocks of K, [node][row][column], of a box with these axes: boxProduct() of a node that moves alone. With
+/// a, b, c the axes times i, j, k and s the signs of a corner,
+///   K_n = -(lambda + 7/9 varying + 16/9 mu) (a a^T + b b^T + c c^T) - 16/9 mu (a.a + b.b + c.c)
+///         - (lambda + varying / 3 + 4/3 mu) (s_x s_y (a b^T + b a^T) + ...),
+/// and the last sum is g g^T - a a^T - b b^T - c c^T, g = s_x a + s_y b + s_z c.
+template <class T>
+void boxDiagonal(const BoxStiffness<T>& box, const M3<T>& axes, T (&k)[8 * 9]) {
+  const T i = box.inverse[0], j = box.inverse[1], l = box.inverse[2];
+  const V3<T> a = axes.c0 * i, b = axes.c1 * j, c = axes.c2 * l, sides[4] = {a + b + c, b + c - a, a + b - c, a - b + c};
+  const T shear = T(-16. / 9) * box.mu, rest = shear * (i * i + j * j + l * l);
+  const T mixed = -fma(T(4. / 3), box.mu, fma(T(1. / 3), box.varying, box.lambda));
+  const T along = shear - mixed - fma(T(7. / 9), box.varying, box.lambda);
+  const auto addSquare = [](T factor, const V3<T>& v, T(&to)[6]) {
+    const V3<T> left = v * factor;
+    to[0] = fma(left.x, v.x, to[0]), to[1] = fma(left.x, v.y, to[1]), to[2] = fma(left.x, v.z, to[2]);
+    to[3] = fma(left.y, v.y, to[3]), to[4] = fma(left.y, v.z, to[4]), to[5] = fma(left.z, v.z, to[5]);
+  };
+  const T none(0.);
+  T same[6] = {rest, none, none, rest, none, rest};
+  for (const V3<T>& side : {a, b, c}) addSquare(along, side, same);
+  for (int n = 0; n < 4; ++n) {
+    T own[6] = {same[0], same[1], same[2], same[3], same[4], same[5]};
+    addSquare(mixed, sides[n], own);
+    for (T* out : {k + 9 * n, k + 9 * ((n + 2) % 4 + 4)}) {  // this corner and the one across
+      out[0] = own[0], out[1] = out[3] = own[1], out[2] = out[6] = own[2];
+      out[4] = own[3], out[5] = out[7] = own[4], out[8] = own[5];
+    }
+  }
+}
+
 }  // namespace stroma::hexahedron

@@ -44,6 +44,10 @@ struct BoxModel : HexahedronModel {
     const T one(1.), roots[8] = {one, one, one, one, one, one, one, one};
     addMeanMatrix(g, roots, eighth * eighth * (s.lambda - s.varying), k);
   }
+  template <class T>
+  static void diagonal(const BoxTangent<T>& t, T (&k)[8 * 9]) {
+    boxDiagonal(t.stiffness, t.axes, k);
+  }
 
  protected:
   /// R^T u - X

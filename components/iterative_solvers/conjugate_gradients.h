@@ -33,6 +33,11 @@ Value sumOfPieces(Index rows, Part&& part) {
   return parts[0];
 }
 
+/// out = a
+inline void copyShared(ConstRows a, Rows out) {
+  forPieces(a.count, [&](int, Index first, Index size) { copy(a.segment(first, size), out.segment(first, size)); });
+}
+
 /// a.b
 [[gnu::noinline]] inline double innerOfPiece(ConstRows a, ConstRows b) { return dot(a, b); }
 inline double inner(ConstRows a, ConstRows b) {

@@ -117,8 +117,8 @@ bool Multigrid::make(SystemMatrix& matrix, SolveReport& report, StopToken stop) 
   return true;
 }
 
-void Multigrid::solved(const SolveReport& report) {
-  const double decades = std::max(0.5, -std::log10(std::max(report.relative_residual, 1e-16)));
+void Multigrid::solved(const SolveReport& report, double began) {
+  const double decades = std::max(0.5, std::log10(began / std::max(report.relative_residual, 1e-16)));
   const double rate = report.iterations / decades;
   if (now_.rate == 0) now_.rate = std::max(rate, 1.0);
   now_.lost += std::max(0.0, report.iterations - now_.rate * decades);

@@ -19,7 +19,9 @@ class Multigrid final : public ApproximateInverse {
  public:
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override { now_.hierarchy->apply(r, z, now_.turns.get(), by_products_ ? &products_ : nullptr); }
-  void solved(const SolveReport& report) override;
+  void solved(const SolveReport& report) override { solved(report, 1); }
+  /// Of a solve that began with this share of |b|.
+  void solved(const SolveReport& report, double began);
   bool giveUp() override { return now_.fresh ? false : (now_ = {}, true); }
   void reset() override { now_ = kept_ = {}; }
   /// The hierarchies themselves are shared, and never changed once made.

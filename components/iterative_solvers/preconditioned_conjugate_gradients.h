@@ -34,7 +34,7 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
   auto& [r, p, q, z] = work;
   precondition(r.rows(), z.rows());
   double rho = inner(r, z);
-  copy(z, p);
+  copyShared(z, p);
   for (;;) {
     product(p.rows(), q.rows());
     ++report.iterations;
@@ -66,17 +66,19 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
 /// The |r| of the recurrence leaves b - A x behind by round-off, so where an iteration ends the residual itself is
 /// computed, and the method starts anew from there when it is not small enough, as long as that helps.
 /// `report.relative_residual` is |b - A x| (the caller divides by |b|). A matrix that shows itself to be singular or
-/// not definite leaves the last iterate in x.
+/// not definite leaves the last iterate in x. `has_residual`: work.r is b - A x.
 template <class Product, class Precondition, class Record>
 SolveReport preconditioned(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits,
-                           ConstRows b, Directions& work, Rows x) {
+                           ConstRows b, Directions& work, Rows x, bool has_residual = false) {
   SolveReport report;
-  copy(b, work.r);
-  if (dot(x, x) != 0) {
-    product(x, work.q.rows());
-    axpy(-1, work.q, work.r);
+  if (!has_residual) {
+    copyShared(b, work.r);
+    if (inner(x, x) != 0) {
+      product(x, work.q.rows());
+      axpy(-1, work.q, work.r);
+    }
   }
-  double entered = norm(work.r);
+  double entered = std::sqrt(inner(work.r, work.r));
   report.relative_residual = entered;
   if (!std::isfinite(entered)) report.stop = SolveStop::not_finite;
   if (!(entered > limits.residual)) return report;
@@ -84,9 +86,8 @@ SolveReport preconditioned(Product&& product, Precondition&& precondition, Recor
     report.stop = descend(product, precondition, record, limits, work, x, report);
     if (report.stop != SolveStop::converged) return report;
     product(x, work.q.rows());
-    copy(b, work.r);
-    axpy(-1, work.q, work.r);
-    report.relative_residual = norm(work.r);
+    copyShared(b, work.r);
+    report.relative_residual = std::sqrt(reduceResidual(1, work.q, work.r));
     if (report.relative_residual <= 1.1 * limits.residual) return report;
     report.stop = report.iterations == limits.iterations ? SolveStop::iteration_limit : SolveStop::stagnated;
     // a restart that gains less than half fights round-off

@@ -82,13 +82,18 @@ class UniformMass final : public Mass {
 
   void addProduct(ConstRows p, double factor, Rows out) const override {
     if (!everywhere_) return Mass::addProduct(p, factor, out);
-    constexpr Index piece_rows = 16384;
-    const Index size = state().size();
     const ConstRows from = state().segment(p);
     const Rows to = state().segment(out);
-    parallelFor(int((size + piece_rows - 1) / piece_rows), [&](int piece) {
-      const Index first = piece * piece_rows, count = std::min(piece_rows, size - first);
-      axpy(factor * mass_, from.segment(first, count), to.segment(first, count));
+    forPieces([&](Index first, Index count) { axpy(factor * mass_, from.segment(first, count), to.segment(first, count)); });
+  }
+  bool setsProducts(Index rows) const override { return everywhere_ && state().size() == rows; }
+  void setProduct(ConstRows p, double factor, Rows out) const override {
+    const double each = factor * mass_;
+    forPieces([&](Index first, Index count) {
+      const double* __restrict from = p.segment(first, count).data;
+      double* __restrict to = out.segment(first, count).data;
+#pragma omp simd
+      for (std::size_t i = 0; i < std::size_t(count) * row_doubles; ++i) to[i] = each * from[i];
     });
   }
 
@@ -96,6 +101,15 @@ class UniformMass final : public Mass {
   bool takesAllRows() const override { return true; }
 
  private:
+  /// body(first row, rows)
+  template <class Body>
+  void forPieces(Body&& body) const {
+    constexpr Index piece_rows = 16384;
+    const Index size = state().size();
+    parallelFor(int((size + piece_rows - 1) / piece_rows), [&](int piece) {
+      body(piece * piece_rows, std::min(piece_rows, size - piece * piece_rows));
+    });
+  }
   /// m, or of frames m, V and I.
   void readVertexMass() {
     const std::size_t count = vertex_mass_.size();

@@ -133,17 +133,29 @@ class ElementLoop {
       }
     });
   }
-  /// blocks[row] += factor * diagonal blocks of K, shape (rows, 9).
+  /// blocks[row] += factor * diagonal blocks of K, shape (rows, 9), K from matrix(batch, out).
   template <class ElementMatrix>
   void assembleDiagonal(double factor, std::vector<double>& blocks, ElementMatrix&& matrix) const {
+    addDiagonal(factor, blocks, [&](Index b, Diagonal& out) {
+      Matrix k;
+      matrix(b, k);
+      for (int a = 0; a < N; ++a) std::copy_n(k + (a * N + a) * 9, 9, out + a * 9);
+    });
+  }
+  /// The diagonal blocks alone, [node][row][column].
+  using Diagonal = Pack[N * 9];
+  /// The same from diagonal(batch, out).
+  template <class ElementDiagonal>
+  void addDiagonal(double factor, std::vector<double>& blocks, ElementDiagonal&& diagonal) const {
     forEachBatch([&](Index b) __attribute__((flatten)) {
-      alignas(64) double element[N * N * 9][pack_lanes];
-      scaledMatrix(b, factor, matrix, element);
+      Diagonal k;
+      diagonal(b, k);
+      alignas(64) double element[N * 9][pack_lanes];
+      for (int i = 0; i < N * 9; ++i) (k[i] * Pack(factor)).store_aligned(element[i]);
       for (int l = 0; l < pack_lanes; ++l) {
         if (elementOf(b, l) < 0) break;
         for (int a = 0; a < N; ++a)
-          for (int k = 0; k < 9; ++k)
-            blocks[std::size_t(row(b, a, l)) * 9 + std::size_t(k)] += element[(a * N + a) * 9 + k][l];
+          for (int i = 0; i < 9; ++i) blocks[std::size_t(row(b, a, l)) * 9 + std::size_t(i)] += element[a * 9 + i][l];
       }
     });
   }

@@ -91,6 +91,7 @@ class StoredKernels : public ElementKernels {
 /// and may have
 ///   forceAndProduct(rest, tangent, factor, x, dx, f)   f = the forces and factor * K dx, sharing work
 ///   matrix(rest, tangent, x, k)  which is otherwise made of products
+///   diagonal(tangent, k)         its diagonal blocks, where these cost less than the whole
 ///   Coupling                     pairs of nodes without a block in the matrix (element_loop.h)
 ///   Forces, Products             models with the same data whose force and energy, or product and matrix, it has:
 ///                                their loops are then compiled once for all models that name them
@@ -165,7 +166,10 @@ struct ProductLoops {
     storage.loop.assemble(factor, slots, values, [&](Index b, Matrix& k) { matrix(storage, x, b, k); });
   }
   static void assembleDiagonal(const Storage& storage, const Vector& x, double factor, std::vector<double>& blocks) {
-    storage.loop.assembleDiagonal(factor, blocks, [&](Index b, Matrix& k) { matrix(storage, x, b, k); });
+    if constexpr (has_diagonal)
+      storage.loop.addDiagonal(factor, blocks, [&](Index b, auto& k) { Model::diagonal(storage.tangent[b], k); });
+    else
+      storage.loop.assembleDiagonal(factor, blocks, [&](Index b, Matrix& k) { matrix(storage, x, b, k); });
   }
 
  private:
@@ -174,6 +178,7 @@ struct ProductLoops {
   static constexpr bool has_matrix = requires(const Rest& rest, const Tangent& tangent, const Nodes& x, Matrix& k) {
     Model::matrix(rest, tangent, x, k);
   };
+  static constexpr bool has_diagonal = requires(const Tangent& tangent, Pack (&k)[9 * N]) { Model::diagonal(tangent, k); };
   /// Of a model that reads the position and whose matrix is made of products: such products are long, so once for both.
   [[gnu::noipa, gnu::flatten]] static void product(const Rest& rest, const Tangent& tangent, const Pack& factor,
                                                    const Nodes& x, const Nodes& dx, Nodes& df) {

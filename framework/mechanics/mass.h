@@ -33,6 +33,10 @@ class Mass : public Component {
   bool leavesMovedAlone() const { return moved_alone_; }
   /// out += factor * M p. The default uses lumped().
   virtual void addProduct(ConstRows p, double factor, Rows out) const;
+  /// Whether it has each of so many rows, and setProduct().
+  virtual bool setsProducts(Index /*rows*/) const { return false; }
+  /// out = factor * M p
+  virtual void setProduct(ConstRows, double, Rows) const {}
   virtual void addPattern(BlockPattern&) const {}
   virtual void prepareAssembly(const BlockMatrix&) {}
   /// matrix += factor * M. The default uses lumped().
