@@ -80,6 +80,9 @@ class LinearMovement : public HeldNodes, public StartVelocity {
     return ProjectiveConstraint::activeIn(t, t_end) && (outside_ == Outside::hold || movement_.touches(t, t_end));
   }
   bool keepsStartVelocity() const override { return late_; }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (late_ && activeIn(t, t)) prescribe(t, x, v);  // SOFA projects before the first step too
+  }
   bool isConstant() const override { return outside_ == Outside::hold; }
   bool prescribesMotion() const override { return true; }
   void reset() override { start_.clear(); }
@@ -116,7 +119,8 @@ class LinearMovement : public HeldNodes, public StartVelocity {
       const Vec3 slope = turns(k) ? Vec3(held * movement_.of(k).slope(at_slope)) : movement_.of(k).slope(at_slope);
       const Vec3 velocity = turns(k) ? angularVelocity(movement, slope) : slope;
       for (std::size_t i = 0; i < nodes().size(); ++i) {
-        const Vec3& start = start_[i * std::size_t(heldRows()) + std::size_t(k)];
+        const Vec3& start = start_.empty() ? state().position[std::size_t(nodes()[i] + k)]
+                                           : start_[i * std::size_t(heldRows()) + std::size_t(k)];
         Vec3 target = share(i) * movement;
         if (relative_) target = turns(k) ? rotationVector(turnedBy(movement) * turnedBy(start)) : Vec3(start + target);
         moveHeld(state().kindOf(k), target, held, x, row(i) + k);

@@ -97,6 +97,9 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public
       for (Index k = 0; k < state().rows_per_node; ++k) out.push_back({state().firstRow() + o.node + k, Mat3::Zero()});
   }
   bool keepsStartVelocity() const override { return late_; }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (late_ && activeIn(t, t)) prescribe(t, x, v);  // SOFA projects before the first step too
+  }
   void prescribe(double time, Rows x, Rows v) const override {
     const double t = std::max(time - (late_ ? node().dt() : 0), std::min(time, node().root().root_time));
     for (const Oscillator& o : oscillators_) {

@@ -35,8 +35,8 @@ class ElasticElements {
   virtual bool rotationHasPotential() const = 0;
   /// Do large, polar and svd have updateStiffnessMatrix?
   virtual bool updatesStrainDisplacement() const { return true; }
-  /// Before bind(): method polar takes the polar factor of the edges, not that of F. False: it cannot.
-  virtual bool usePolarOfEdges() { return false; }
+  /// Before bind(): of what method polar takes the factor, other than F. False: it cannot.
+  virtual bool usePolarOf(PolarOf) { return false; }
 
   /// Looks at the rest shapes; throws ComponentError for a cell without a volume. `rest` is kept by reference.
   virtual void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) = 0;

@@ -140,9 +140,9 @@ void ElasticForceField::declare(DataTable& table) {
           "volume change: that at each integration point, or its mean (over a hexahedron, around a node of "
           "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean from 0.4 on for hexahedra, "
           "above 0.45 for tetrahedra");
-  table.addChoice("polarOf", polar_of_, {"gradient", "edges"})
+  table.addChoice("polarOf", polar_of_, {"gradient", "edges", "nodes"})
       .help("of tetrahedra and hexahedra, method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its "
-            "edges");
+            "edges or the sum of (x - c)(X - C)^T over its nodes");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
@@ -213,10 +213,10 @@ void ElasticForceField::init() {
   variant_.own_matrix = assembling_ == Assembling::yes;
   method_.reset();
   compileMaterial();
-  if (polar_of_ == PolarOf::edges) {
+  if (polar_of_ != PolarOf::gradient) {
     const bool turns = variant_.method == ElasticMethod::polar || variant_.method == ElasticMethod::svd;
-    if (!turns || variant_.exact_tangent || variant_.mean_dilatation || update_b_ || !elements_->usePolarOfEdges())
-      throw ComponentError("polarOf=\"edges\" is of method polar of tetrahedra and hexahedra, with local dilatation and constant B",
+    if (!turns || variant_.exact_tangent || variant_.mean_dilatation || update_b_ || !elements_->usePolarOf(polar_of_))
+      throw ComponentError("polarOf is of method polar of tetrahedra and hexahedra, with local dilatation and constant B",
                            "polarOf=\"gradient\"");
   }
   elements_->bind(*mesh_, state().rest_position, variant_);

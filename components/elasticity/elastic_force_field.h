@@ -90,7 +90,7 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   Tangent tangent_ = Tangent::warped;
   Assembling assembling_ = Assembling::automatic;
   Dilatation dilatation_ = Dilatation::automatic;
-  enum class PolarOf : int { gradient, edges } polar_of_ = PolarOf::gradient;
+  PolarOf polar_of_ = PolarOf::gradient;
   double plastic_max_threshold_ = 0;
 
   /// Of the topology, which owns it.

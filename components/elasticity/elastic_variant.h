@@ -4,6 +4,9 @@
 
 namespace stroma {
 
+/// The matrix whose polar factor turns a cell: F, that of its edges, or sum (x_a - c)(X_a - C)^T of its nodes and their centres.
+enum class PolarOf : int { gradient, edges, nodes };
+
 enum class ElasticMethod : int { small, large, polar, svd, nodal, green };
 
 /// What a scene chooses; checked by ElasticForceField.

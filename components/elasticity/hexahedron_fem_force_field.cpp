@@ -13,7 +13,8 @@
 // (first mean edge, plane of the first two), which depends on the order of the nodes, so that elements of one strain
 // differ by its square: it fails the patch test by that; polar: nearest orthogonal matrix, the least stretched axis flipped in an
 // inverted element, or with polarOf = edges, as in SOFA, R = polar(mean edges now) polar(mean edges at rest)^T, another one unless
-// the cell is a cube; svd: the smallest inversion (Irving et al. 2004); green: no rotation, St. Venant-Kirchhoff,
+// the cell is a cube, or with polarOf = nodes that of sum (x - c)(X - C)^T, of parallelepipeds at rest; svd: the smallest
+// inversion (Irving et al. 2004); green: no rotation, St. Venant-Kirchhoff,
 //   E = (F^T F - I)/2,   S = lambda tr(E) I + 2 mu E,   f_a = -sum w F S grad N_a,   W = sum w (lambda/2 tr(E)^2 + mu E
 //   : E)
 // with F at each Gauss point: the nonlinear geometric reference, with a potential and an exact, symmetric tangent.
@@ -66,7 +67,10 @@ class Hexahedra final : public PointElements<Hexahedra> {
   const CellKind& kind() const override { return cell_kinds::hexahedron; }
   double meanDilatationFrom() const override { return 0.4; }
   bool rotationHasPotential() const override { return false; }
-  bool usePolarOfEdges() override { return polar_of_edges_ = true; }
+  bool usePolarOf(PolarOf what) override {
+    polar_of_ = what;
+    return true;
+  }
 
   std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
     return withOwnMatrix(variant_, makeMethod({*shapes_, first_row, lame}));
@@ -111,7 +115,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
     const bool boxes = shapes_->useBoxes();
     if (variant_.method == ElasticMethod::green)
       return boxes ? makeGreen<BoxShape>(elements) : makeGreen<PointShape>(elements);
-    if (polar_of_edges_) return edgePolarKernels(elements);
+    if (polar_of_ != PolarOf::gradient) return polarKernels(polar_of_, elements);
     if (variant_.mean_dilatation && !boxes) return meanKernels(elements);
     if (variant_.method == ElasticMethod::small)
       return boxes ? kernelsOf<BoxLinear>(elements) : kernelsOf<PointLinear<LocalDilatation>>(elements);
@@ -136,7 +140,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
     }
   }
 
-  bool polar_of_edges_ = false;
+  PolarOf polar_of_ = PolarOf::gradient;
   std::unique_ptr<HexahedronShapes> shapes_;
 };
 

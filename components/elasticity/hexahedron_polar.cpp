@@ -18,11 +18,28 @@ struct PolarOfEdges {
   }
 };
 
+/// polarOf = nodes, as in SOFA's CorotationalFEMForceField: the polar factor of sum (x_a - c)(X_a - C)^T, which of a parallelepiped
+/// at rest is twice that of its mean edges.
+struct PolarOfNodes {
+  template <class T>
+  static M3<T> of(const M3<T>& now, const M3<T>& then) {
+    return rotation::Polar::of(
+        M3<T>{fma(then.c0.x, now.c0, fma(then.c1.x, now.c1, now.c2 * then.c2.x)),
+              fma(then.c0.y, now.c0, fma(then.c1.y, now.c1, now.c2 * then.c2.y)),
+              fma(then.c0.z, now.c0, fma(then.c1.z, now.c1, now.c2 * then.c2.z))});
+  }
+};
+
+template <class Rotation>
+std::unique_ptr<ElementKernels> kernelsOfEdges(const Elements& elements) {
+  if (elements.shapes.useBoxes()) return kernelsOf<BoxCorotational<Rotation>>(elements);
+  return kernelsOf<PointCorotational<LocalDilatation, Rotation, Update::none>>(elements);
+}
+
 }  // namespace
 
-std::unique_ptr<ElementKernels> edgePolarKernels(const Elements& elements) {
-  if (elements.shapes.useBoxes()) return kernelsOf<BoxCorotational<PolarOfEdges>>(elements);
-  return kernelsOf<PointCorotational<LocalDilatation, PolarOfEdges, Update::none>>(elements);
+std::unique_ptr<ElementKernels> polarKernels(PolarOf what, const Elements& elements) {
+  return what == PolarOf::nodes ? kernelsOfEdges<PolarOfNodes>(elements) : kernelsOfEdges<PolarOfEdges>(elements);
 }
 
 }  // namespace stroma::hexahedron

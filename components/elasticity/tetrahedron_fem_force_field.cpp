@@ -11,8 +11,9 @@
 // order of the vertices, so that elements of one strain differ by its square: it fails the patch test by that; polar:
 // nearest orthogonal matrix, the least stretched axis flipped in an inverted element; svd: the smallest inversion
 // (Irving et al. 2004); nodal: one rotation per node (Mueller et al. 2002), which leaves ghost forces and is here for
-// comparison only. Other components' words qr, none, polar2, triangle, stable_polar and identity are taken as large,
-// small, polar, large, svd and small.
+// comparison only. With polarOf = nodes R is the polar factor of the sum of (x - c)(X - C)^T over the nodes. Other
+// components' words qr, none, polar2, triangle, stable_polar and identity are taken as large, small, polar, large, svd
+// and small.
 //
 // method = green is the nonlinear geometric reference without rotations: St. Venant-Kirchhoff,
 //   E = (F^T F - I)/2,   S = lambda tr(E) I + 2 mu E,   f_i = -V_0 F S G_i,   W = V_0 (lambda/2 tr(E)^2 + mu E : E)
@@ -64,19 +65,40 @@ using namespace stroma::tetrahedron;
 
 namespace {
 
+/// a b^T
+template <class T>
+M3<T> timesTransposed(const M3<T>& a, const M3<T>& b) {
+  return {fma(b.c0.x, a.c0, fma(b.c1.x, a.c1, a.c2 * b.c2.x)), fma(b.c0.y, a.c0, fma(b.c1.y, a.c1, a.c2 * b.c2.y)),
+          fma(b.c0.z, a.c0, fma(b.c1.z, a.c1, a.c2 * b.c2.z))};
+}
+
 /// method = polar with polarOf = edges, as in SOFA: with the edges D_s now and D_m at rest, R = polar(D_s) polar(D_m)^T.
 /// It depends on which node is the first of a cell.
-struct EdgePolar : ByStrain<EdgePolar> {
+struct OfEdges {
+  template <class T>
+  static M3<T> of(const M3<T>& now, const M3<T>& then) {
+    return timesTransposed(rotation::Polar::of(now), rotation::Polar::of(then));
+  }
+};
+
+/// polarOf = nodes, as in SOFA's CorotationalFEMForceField: R = polar(sum (x_a - c)(X_a - C)^T) = polar(D_s W^T), where W has the
+/// edges at rest less a quarter of their sum.
+struct OfNodes {
+  template <class T>
+  static M3<T> of(const M3<T>& now, const M3<T>& then) {
+    const V3<T> centre = (then.c0 + then.c1 + then.c2) * T(0.25);
+    return rotation::Polar::of(timesTransposed(now, M3<T>{then.c0 - centre, then.c1 - centre, then.c2 - centre}));
+  }
+};
+
+template <class Rotation>
+struct RestEdgePolar : ByStrain<RestEdgePolar<Rotation>> {
   template <class T>
   using Rest = RestShape<T>;
   template <class T>
   static S3<T> strain(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
     const Edges<T> edges(x);
-    const M3<T> now = rotation::Polar::of(M3<T>{edges.e[0], edges.e[1], edges.e[2]});
-    const M3<T> then = rotation::Polar::of(M3<T>{rest.edges[0], rest.edges[1], rest.edges[2]});
-    const M3<T> r{fma(then.c0.x, now.c0, fma(then.c1.x, now.c1, now.c2 * then.c2.x)),
-                  fma(then.c0.y, now.c0, fma(then.c1.y, now.c1, now.c2 * then.c2.y)),
-                  fma(then.c0.z, now.c0, fma(then.c1.z, now.c1, now.c2 * then.c2.z))};
+    const M3<T> r = Rotation::of(M3<T>{edges.e[0], edges.e[1], edges.e[2]}, M3<T>{rest.edges[0], rest.edges[1], rest.edges[2]});
     const Gradients<T> g = rotated(r, rest.g);
     t.g = {g.g1 * rest.root, g.g2 * rest.root, g.g3 * rest.root};
     return strainOfKinematics<Update::none>(edges.e, t.g, rest.root);
@@ -95,7 +117,10 @@ class Tetrahedra final : public ElasticElements {
   double meanDilatationFrom() const override { return std::nextafter(0.45, 1); }
   std::size_t mostMaterials() const override { return 100; }  // nodal_averages.cpp
   bool rotationHasPotential() const override { return true; }
-  bool usePolarOfEdges() override { return polar_of_edges_ = true; }
+  bool usePolarOf(PolarOf what) override {
+    polar_of_ = what;
+    return true;
+  }
 
   void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
     variant_ = variant;
@@ -144,7 +169,8 @@ class Tetrahedra final : public ElasticElements {
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
     if (variant_.method == ElasticMethod::nodal)
       return std::make_unique<NodalWarping>(oneByOne<StorageOf<NodalModel>>(elements));
-    if (polar_of_edges_) return std::make_unique<ModelKernels<EdgePolar>>(oneByOne<StorageOf<EdgePolar>>(elements));
+    if (polar_of_ == PolarOf::edges) return polarKernels<RestEdgePolar<OfEdges>>(elements);
+    if (polar_of_ == PolarOf::nodes) return polarKernels<RestEdgePolar<OfNodes>>(elements);
     if (variant_.method == ElasticMethod::green) return kernelsOf<Green>(elements);
     if (variant_.method == ElasticMethod::small)
       return variant_.mean_dilatation ? averagedKernelsOf<Deviatoric<Linear>>(elements) : kernelsOf<Linear>(elements);
@@ -152,6 +178,10 @@ class Tetrahedra final : public ElasticElements {
       return variant_.mean_dilatation ? averagedKernels<Rotation>(variant_, elements)
                                       : rotatedKernels<Rotation>(variant_, elements);
     });
+  }
+  template <class Model>
+  static std::unique_ptr<ElementKernels> polarKernels(const Elements& elements) {
+    return std::make_unique<ModelKernels<Model>>(oneByOne<StorageOf<Model>>(elements));
   }
   /// Not in fans, which change the order of the nodes of a cell.
   template <class Storage>
@@ -166,7 +196,7 @@ class Tetrahedra final : public ElasticElements {
   }
 
   ElasticVariant variant_;
-  bool polar_of_edges_ = false;
+  PolarOf polar_of_ = PolarOf::gradient;
   std::unique_ptr<TetrahedronShapes> shapes_;
 };
 

@@ -10,9 +10,14 @@
 //
 // For equal steps rho = 1/3, w = 2h/3: (3 x1 - 4 x0 + x_-1) / 2 = h v1. Order 2 is A-stable and damps fast motions away
 // (of slow ones it takes a share of order h^3 where backward Euler takes one of order h). Its first step is a
-// trapezoidal one, of order 2 as well. Where a force field's K is not the exact derivative of its force, order 2 makes two
-// linear solves in a step, without which it would be of order 1: see TrapezoidalRuleSolver. The differences of the last step
-// are kept, not its state, so that nodes moved from outside between steps keep a finite velocity.
+// trapezoidal one, of order 2 as well; firstStep = euler makes it one of order 1, as in SOFA. Where a force field's K is not the
+// exact derivative of its force, order 2 makes two linear solves in a step, without which it would be of order 1: see
+// TrapezoidalRuleSolver. The differences of the last step are kept, not its state, so that nodes moved from outside between
+// steps keep a finite velocity.
+//
+// With startFrom = predicted, as in SOFA, forces and K of a single linear solve, and the first iterate of Newton's method, are
+// those at x0 + h v0 and v0 instead of x0 and v0. SOFA then leaves a step as it is there where
+// |rho M (v0 - v_-1) + w F| <= restBelow, in N s: small bodies do not fall. Here restBelow is 0 unless it is given.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -62,19 +67,36 @@ class BDFOdeSolver final : public Integrator, public HeedsStepLimits, public Fin
   }
 
  private:
+  enum class FirstStep : int { trapezoidal, euler };
+  enum class StartFrom : int { state, predicted };
   ImplicitScheme schemeOfOrder2(System& system, double h);
+  void predict(System& system, ImplicitScheme& scheme);
+  bool rests(System& system, const ImplicitScheme& scheme);
 
   int order_ = 1;
+  FirstStep first_step_ = FirstStep::trapezoidal;
+  StartFrom start_from_ = StartFrom::state;
+  double rest_below_ = 0;
   ImplicitStep implicit_;
   Sleep sleep_;
   Vector way_, change_;                 ///< x0 - x_-1 and v0 - v_-1, shape (independentRows())
   Vector new_way_;                      ///< x1 - x0 of the step just made
+  Vector impulse_;                      ///< work space of rests()
+  bool rested_ = false;                 ///< the step just made changed no velocity
   std::vector<Vec3> momentum_changes_;  ///< L0 - L_-1 of turning bodies, which is stepped instead of w
   double last_step_ = 0;                ///< their h; 0: there is no step before
 };
 
 void BDFOdeSolver::declare(DataTable& table) {
   table.add("order", order_).help("1 (backward Euler) or 2").unit("-").min(1).max(2);
+  table.addChoice("firstStep", first_step_, {"trapezoidal", "euler"})
+      .help("of order 2, which has no step before: trapezoidal is of order 2; euler is of order 1, as in SOFA");
+  table.addChoice("startFrom", start_from_, {"state", "predicted"})
+      .help("where a step is linearised, and Newton's method begins: state at its start, or predicted, x + h v, as in SOFA");
+  table.add("restBelow", rest_below_)
+      .help("with startFrom=\"predicted\": a step that lacks no larger impulse there ends there; 0: not used")
+      .unit("N s")
+      .min(0);
   implicit_.declareDamping(table);
   implicit_.declareNewton(table);
   declareLinearSolver(table);
@@ -88,12 +110,23 @@ void BDFOdeSolver::compile(System& system) {
   sleep_.compile(system);
   if (order_ == 2)
     for (Vector* vector : {&way_, &change_, &new_way_}) vector->resize(system.independentRows());
+  impulse_.resize(system.independentRows());
+  if (start_from_ == StartFrom::predicted && implicit_.bodies().anyTurns())
+    throw ComponentError("startFrom=\"predicted\" of " + path() + " is not for frames whose inertia turns with them",
+                         "startFrom=\"state\", or UniformMass turns=\"false\"", "startFrom=\"state\"");
   momentum_changes_.assign(implicit_.bodies().count(), Vec3::Zero());
+}
+
+static ImplicitScheme backwardEuler(double h) {
+  ImplicitScheme scheme;
+  scheme.weight = scheme.displacement = scheme.drift = h;
+  return scheme;
 }
 
 ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
   ImplicitScheme scheme;
   if (last_step_ == 0) {
+    if (first_step_ == FirstStep::euler) return backwardEuler(h);
     scheme.weight = scheme.old_weight = scheme.displacement = h / 2;
     scheme.drift = h;
     return scheme;
@@ -112,17 +145,35 @@ ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
   return scheme;
 }
 
+/// The step goes on from the positions to which velocities lead.
+void BDFOdeSolver::predict(System& system, ImplicitScheme& scheme) {
+  system.motion().advance(scheme.drift, system.independent(system.v), system.independent(system.x));
+  scheme.drift = 0;
+}
+
+/// The step ends where velocities lead, by SOFA's absolute threshold.
+bool BDFOdeSolver::rests(System& system, const ImplicitScheme& scheme) {
+  if (start_from_ != StartFrom::predicted || rest_below_ == 0) return false;
+  const Rows lack = system.independent(impulse_);
+  implicit_.wholeForce(scheme.time, lack);
+  scale(scheme.weight, lack);
+  if (scheme.has_history) system.addMassProduct(implicit_.velocity_predictor, 1, lack);
+  system.constraints().project(lack);
+  return norm(lack) <= rest_below_;
+}
+
 StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
   if (sleep_.passesOver(context)) return {};
   const double h = context.dt;
-  ImplicitScheme scheme;
-  scheme.weight = scheme.displacement = scheme.drift = h;
-  if (order_ == 2) scheme = schemeOfOrder2(system, h);
+  ImplicitScheme scheme = order_ == 2 ? schemeOfOrder2(system, h) : backwardEuler(h);
   scheme.time = context.t_end;
   scheme.old_time = context.t;
   const ConstRows x = system.independent(system.x);
   if (order_ == 2) copy(x, new_way_);
-  StepReport report = implicit_.solve(scheme, context.stop);
+  StepReport report;
+  if (start_from_ == StartFrom::predicted) predict(system, scheme);
+  rested_ = rests(system, scheme);
+  if (!rested_) report = implicit_.solve(scheme, context.stop);
   if (order_ == 2 && !report.failed()) system.motion().difference(x, new_way_);
   return sleep_.judged(report);
 }
@@ -136,7 +187,7 @@ void BDFOdeSolver::stepTaken(const StepContext& context) {
   implicit_.stepTaken();
   if (order_ == 1) return;
   std::swap(way_, new_way_);
-  copy(implicit_.change(), change_);
+  rested_ ? clear(change_) : copy(implicit_.change(), change_);
   for (std::size_t b = 0; b < momentum_changes_.size(); ++b)
     momentum_changes_[b] = implicit_.endMomenta()[b] - implicit_.startMomenta()[b];
   last_step_ = context.dt;

@@ -76,6 +76,10 @@ void TurningBodies::compile(const System& system) {
   }
 }
 
+bool TurningBodies::anyTurns() const {
+  return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.turns; });
+}
+
 /// Tied bodies have one orientation: their inertias add up in their own axes. The first stays.
 void TurningBodies::join(const System& system, Index group, const std::vector<Index>& body_of_row) {
   const NodeGroups& groups = constraints_->groups();

@@ -22,6 +22,8 @@ class TurningBodies {
   void compile(const System& system);
   bool empty() const { return bodies_.empty(); }
   std::size_t count() const { return bodies_.size(); }
+  /// The inertia of one changes in fixed axes.
+  bool anyTurns() const;
   /// Of a body; of tied ones the first.
   Index row(std::size_t body) const { return bodies_[body].row; }
   /// The rows of a body get this velocity, or acceleration.

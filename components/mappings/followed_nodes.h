@@ -7,12 +7,18 @@
 
 namespace stroma {
 
+/// Nodes from a mesh beside it, of which only the cells may be asked for.
+inline bool hasNodesOfMesh(const State& child) {
+  const Data* use = child.data().find("useTopology");
+  return firstTopology(child, false) && !(use && use->print() == "false");
+}
+
 /// A state that follows, and of which a scene says neither places nor how many nodes it has, gets those that it follows; each
 /// is given by the first of its rows.
 inline void takeNodesOf(const State& followed, const std::vector<Index>& first_rows, State& child) {
   for (const char* name : {"position", "rest_position", "size"})
     if (const Data* data = child.data().find(name); data && data->isSet()) return;
-  if (child.nodes() == Index(first_rows.size()) || firstTopology(child, false) || followed.rows_per_node < child.rows_per_node) return;
+  if (child.nodes() == Index(first_rows.size()) || hasNodesOfMesh(child) || followed.rows_per_node < child.rows_per_node) return;
   std::vector<RowKind> kinds;
   std::vector<Vec3> position, rest, velocity;
   for (const Index first : first_rows)

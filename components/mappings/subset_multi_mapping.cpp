@@ -49,10 +49,10 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "components/mappings/followed_nodes.h"
 #include "components/mappings/weighted_mapping.h"
 #include "framework/mechanics/mass.h"
 #include "framework/mechanics/node_indices.h"
-#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -79,7 +79,7 @@ class MultiMapping : public WeightedMapping {
     for (const FollowedNode& node : nodes) addCopy(node.first_row, node.state);
   }
   static bool hasPlaces(const State& child) {
-    bool is_given = firstTopology(child, false) != nullptr;
+    bool is_given = hasNodesOfMesh(child);
     for (const char* name : {"position", "rest_position", "size"})
       if (const Data* data = child.data().find(name)) is_given = is_given || data->isSet();
     return is_given;

@@ -38,6 +38,8 @@ std::vector<State*> SpringField::states() const {
 void SpringField::declareDamping(DataTable& table) {
   table.add("explicitDamping", explicit_damping_)
       .help("damping adds to the tension of a spring and to no df/dv, as in SOFA: it is not stable for large ones");
+  table.addChoice("meetingEnds", meeting_ends_, {"stiff", "free"})
+      .help("a spring whose ends meet has no direction; stiff: it holds them all ways; free: it does nothing there, as in SOFA");
 }
 
 ForceTraits SpringField::traits() const {
@@ -56,8 +58,9 @@ void SpringField::compile() {
   setGroups(std::move(rows), damped_ && !explicit_damping_);
 }
 
+/// A spring without a length at rest is never shorter.
 static bool resists(const Spring& spring, double stretch) {
-  return !(stretch < 0 && spring.elongation_only) && !(stretch > 0 && spring.compression_only);
+  return !(stretch <= 0 && spring.length > 0 && spring.elongation_only) && !(stretch >= 0 && spring.compression_only);
 }
 
 double SpringField::energy(ConstRows x) const {
@@ -75,7 +78,8 @@ void SpringField::addForce(ConstRows x, ConstRows v, Rows f) {
     const auto [a, b] = rows_[s];
     const Vec3 d = x[b] - x[a];
     const double length = d.norm(), stretch = length - spring.length;
-    if (!resists(spring, stretch)) {
+    constexpr double met = 1e-9;  // SOFA's [m]
+    if (!resists(spring, stretch) || (meeting_ends_ == MeetingEnds::free && length <= met)) {
       stiffness_[s].setZero();
       if (!damping_.empty()) damping_[s].setZero();
       continue;

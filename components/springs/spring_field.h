@@ -5,8 +5,8 @@
 //   E = k/2 (L - L0)^2,   f_a = -f_b = (k (L - L0) + c u) n
 //   df_a/dx_a = -k [n n^T + (1 - L0/L) (I - n n^T)],   df_a/dv_a = -c n n^T
 //
-// A spring that only resists elongation has neither energy nor force while L < L0, one that only resists compression none
-// while L > L0. The direction n of a spring whose ends meet is not defined: with L0 = 0 force and stiffness are -k d and -k I
+// A spring that only resists elongation has no energy, force or stiffness while L <= L0, one that only resists compression none
+// while L >= L0. The direction n of a spring whose ends meet is not defined: with L0 = 0 force and stiffness are -k d and -k I
 // all the same; with L0 > 0 the force is zero there (it points every way) and the stiffness -k I. The turning of n is left out
 // of the derivative of the damping force with respect to x: it would make the stiffness unsymmetric.
 #pragma once
@@ -25,7 +25,8 @@ struct Spring {
 };
 
 // With `explicitDamping` the damping is that of SOFA: it adds c u to the tension t of f_a = t n, nothing to df/dv, and the
-// tangent is df_a/dx_a = -(k - t/L) n n^T - t/L I with that t.
+// tangent is df_a/dx_a = -(k - t/L) n n^T - t/L I with that t. With `meetingEnds` free, as in SOFA, a spring
+// does nothing where L is not above 1e-9 m, and has no stiffness there.
 
 /// Springs between nodes of one state or of two.
 class SpringField : public NodeGroupField<2, PairTangent>, public DrawnSegments {
@@ -39,7 +40,7 @@ class SpringField : public NodeGroupField<2, PairTangent>, public DrawnSegments 
   void addSegments(std::vector<Segment>& segments) const override;
 
  protected:
-  void declareDamping(DataTable& table);  ///< explicitDamping
+  void declareDamping(DataTable& table);  ///< explicitDamping, meetingEnds
   /// Called in init(), after ForceField::init(): the springs, and the state of their second ends when it is another.
   /// Throws ComponentError for a number that no spring can have.
   void setSprings(std::vector<Spring> springs, State* second = nullptr);
@@ -55,6 +56,8 @@ class SpringField : public NodeGroupField<2, PairTangent>, public DrawnSegments 
   State* second_ = nullptr;
   bool damped_ = false, rests_ = false;  ///< some spring has a damping; all have the length of the rest shape
   bool explicit_damping_ = false;
+  enum class MeetingEnds : int { stiff, free };
+  MeetingEnds meeting_ends_ = MeetingEnds::stiff;
 };
 
 }  // namespace stroma

@@ -43,6 +43,32 @@ def euler(x, mass, forces, steps, h, v=None, held=(), theta=1.0, rayleigh_mass=0
     return x
 
 
+def multistep(x, mass, forces, steps, h, order, held=(), rayleigh_mass=0.0, rayleigh_stiffness=0.0, iterations=1):
+    """Backward differentiation as SOFA has it: the first step is of order 1, and Newton's method begins at x + h v with v. The
+    unknowns are velocities; the residual r1 of positions is taken into the equation of momentum."""
+    x = np.array(x, float)
+    n = len(x)
+    v, older = np.zeros_like(x), None
+    M = np.kron(np.diag(np.asarray(mass, float)), np.eye(3))
+    free = np.repeat([i not in held for i in range(n)], 3)
+    for _ in range(steps):
+        share, w = (0.0, h) if order == 1 or older is None else (1 / 3, 2 * h / 3)
+        way, change = (np.zeros_like(x), np.zeros_like(x)) if older is None else (x - older[0], v - older[1])
+        x1, v1 = x + h * v, v.copy()
+        for _ in range(iterations):
+            f, K = forces(x1, v1)
+            force = f.ravel() - rayleigh_mass * M @ v1.ravel() + rayleigh_stiffness * K @ v1.ravel()
+            r1 = (x1 - x - share * way - w * v1).ravel()
+            r2 = M @ (v1 - v - share * change).ravel() - w * force
+            A = (1 + w * rayleigh_mass) * M - w * (rayleigh_stiffness + w) * K
+            r1[~free] = 0
+            d = np.zeros(3 * n)
+            d[free] = np.linalg.solve(A[np.ix_(free, free)], (-r2 - w * K @ r1)[free])
+            v1, x1 = v1 + d.reshape(-1, 3), x1 + (w * d - r1).reshape(-1, 3)
+        older, x, v = (x, v), x1, v1
+    return x
+
+
 def together(*fields):
     def all_of(x, v):
         parts = [field(x, v) for field in fields]
@@ -65,7 +91,7 @@ def load(forces):
     return field
 
 
-def springs(pairs, rest, k, d=0.0, per_length=True):
+def springs(pairs, rest, k, d=0.0, per_length=True, acts=lambda stretch: True):
     """Explicit damping, whose tension is in the tangent too; constants over the length at rest."""
     rest = np.array(rest, float)
 
@@ -76,6 +102,8 @@ def springs(pairs, rest, k, d=0.0, per_length=True):
             ks, ds = (k / length, d / length) if per_length else (k, d)
             e = x[b] - x[a]
             now = np.linalg.norm(e)
+            if not acts(now - length):
+                continue
             n = e / now
             t = (ks * (now - length) + ds * (v[b] - v[a]) @ n) / now
             f[a] += t * e
@@ -132,8 +160,9 @@ def mean_edges(x):
     return np.column_stack([np.mean([x[b] - x[a] for a, b in four], axis=0) for four in ends])
 
 
-def hexahedra(cells, rest, E, nu):
-    """f = R K (R_0^T X - R^T x) with R and R_0 the polar factors of the mean edges, K of the shape in R_0."""
+def hexahedra(cells, rest, E, nu, turn=None):
+    """f = R K (R_0^T X - R^T x) with R and R_0 the polar factors of the mean edges, K of the shape in R_0. turn(now, then) stands for
+    R R_0^T."""
     rest, D = np.array(rest, float), stiffness(E, nu)
     sides = np.array([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)], float)
     shapes = []
@@ -153,7 +182,7 @@ def hexahedra(cells, rest, E, nu):
     def field(x, v):
         f, K = np.zeros_like(x), np.zeros((x.size, x.size))
         for cell, X, Ke in shapes:
-            R = polar(mean_edges(x[cell]))
+            R = polar(mean_edges(x[cell])) if turn is None else turn(x[cell], rest[cell]) @ polar(mean_edges(rest[cell]))
             T = np.kron(np.eye(8), R)
             where = np.ravel([[3 * n, 3 * n + 1, 3 * n + 2] for n in cell])
             f.ravel()[where] += T @ Ke @ (X - x[cell] @ R).ravel()

@@ -40,7 +40,7 @@ def as_csv(values):
         f"{t}," + ",".join(str(c) for p in x for c in p) + "\n" for t, x in values.items())
 
 
-def run(reference, name, scene=SCENE, more=()):
+def run(reference, name, scene=SCENE, more=(), line=f"Mass/fall.scn {STEPS} 1e-4 1 0", where="examples/all.regression-tests"):
     with tempfile.TemporaryDirectory() as folder:
         os.makedirs(os.path.join(folder, "examples/Mass"))
         os.makedirs(os.path.join(folder, "references/Mass"))
@@ -50,8 +50,10 @@ def run(reference, name, scene=SCENE, more=()):
             with open(os.path.join(folder, "references/Mass", "fall.scn.reference_" + name), "wb") as out:
                 out.write(gzip.compress(reference.encode()) if name.endswith(".gz") else reference.encode())
         with open(os.path.join(folder, "examples/all.regression-tests"), "w") as out:
-            out.write(f"# State\n../references\nMass/fall.scn {STEPS} 1e-4 1 0\n")
-        done = subprocess.run([STROMA, "regress", "examples/all.regression-tests", "--json", "out.json", *more], cwd=folder,
+            out.write(f"# State\n../references\n{line}\n")
+        with open(os.path.join(folder, "examples/someTopology.regression-tests"), "w") as out:
+            out.write("../references\nnowhere.scn 10 1e-4\n")
+        done = subprocess.run([STROMA, "regress", where, "--json", "out.json", *more], cwd=folder,
                               capture_output=True, text=True, timeout=600)
         text = done.stdout + done.stderr
         path = os.path.join(folder, "out.json")
@@ -85,6 +87,37 @@ fails(as_json({t: [[c + 0.1 for c in p] for p in x] for t, x in frames().items()
 fails(as_json({t: positions(int(t / H + 1.5)) if t else positions(0) for t in frames()}), "mstate_0_dofs.json.gz", "relative")
 fails(as_json({t: x[:2] for t, x in frames().items()}), "mstate_0_dofs.json.gz", "numbers")
 fails(as_json(frames()), "mstate_0_other.json.gz", "other")
+
+# a list says what it means, or nothing is run
+good = as_json(frames()), "mstate_0_dofs.json.gz"
+for line in ("Mass/fall.scn 11 1e-4", "Mass/fall.scn 11 1e-4 1 0 0", "Mass/fall.scn 11 1e-4 1 1 0.05"):
+    code, text, result = run(*good, line=line)
+    assert code == 0 and result["verdict"] == "passed" and "ends at" not in text, f"{line}: {text}"
+for line, word in (("Mass/fall.scn eleven 1e-4 1", "'eleven' is no number of steps"), ("Mass/fall.scn 11 nan 1", "'nan' is no tolerance"),
+                   ("Mass/fall.scn 11 1e-4 2", "'2' is neither 0 nor 1"), ("Mass/fall.scn 11 1e-4 1 0 x", "'x' is no period"),
+                   ("Mass/fall.scn 11.5 1e-4", "'11.5' is no number of steps"), ("Mass/fall.scn 0 1e-4", "'0' is no number of steps"),
+                   ("Mass/fall.scn 11 -1", "'-1' is no tolerance"), ("Mass/fall.scn 11", "has 2 words"),
+                   ("Mass/fall.scn 11 1e-4 1 0 0.1 7", "has 7 words"), ("Mass/fall.scn 11 1e-4 1 yes", "'yes' is neither 0 nor 1")):
+    code, text, result = run(*good, line=line)
+    assert code == 2 and word in text and "regression-tests:3" in text and "SCENE STEPS EPSILON" in text, f"{line}: {code} {text}"
+code, text, result = run(*good, line="Mass/lost.scn 11 1e-4")
+assert code == 1 and "lost.scn is not there" in text, text
+
+# a reference that ends before the list's last step: said, unless a period explains it
+some = {t: x for k, (t, x) in enumerate(frames().items()) if k % 5 == 0}
+for reference, line, ends in ((frames(), "20 1e-4", "t = 0.1, and 20 steps at t = 0.19"), (frames(), "20 1e-4 1 0 0.1", ""),
+                              (some, "14 1e-4", ""), (some, "16 1e-4", "t = 0.1,"), (some, "11 1e-4 1 1", ""),
+                              (some, "14 1e-4 1 1", "t = 0.1,"), (some, "14 1e-4 1 0 0.02", "t = 0.1,")):
+    code, text, result = run(as_json(reference), "mstate_0_dofs.json.gz", line="Mass/fall.scn " + line)
+    assert code == 0 and result["verdict"] == "passed", text
+    assert (ends in text and ends in result["remark"]) if ends else "ends at" not in text, f"{line}: {text}"
+
+# a folder holds lists; those of topologies have no states
+for where in ("examples", "."):
+    code, text, result = run(*good, where=where)
+    assert code == 0 and "1 passed, 0 failed" in text, text
+code, text, result = run(*good, where="references")
+assert code == 2 and "a folder without lists of SOFA" in text, text
 
 # nobody can match it: neither passed nor failed
 wrong = as_json({round(k * 0.01, 10): [[0, 0, 0], [1, -1 if k > 40 else 0, 0], [2, 0, 0]] for k in range(60)})

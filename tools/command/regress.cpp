@@ -49,7 +49,8 @@ const Manual regress_manual{
     "wrote proves only that nothing has changed.\nWith --bits nothing is compared with references: each scene runs "
     "with one thread, once more after a reset, from a\ncheckpoint in the middle and with two threads, and every bit of "
     "every step must be the same; the hash of the last one must be\nthe stored one, where one is stored for this "
-    "compiler and instruction set.",
+    "compiler and instruction set.\nOf SOFA a list NAME.regression-tests is taken, or a folder with such lists, and the "
+    "references that SOFA stored.",
     "  stroma regress scenes/regression/list\n  stroma regress scenes/regression/list --filter cantilever --update\n"
     "  stroma regress scenes/regression/list --bits\n"};
 
@@ -345,8 +346,8 @@ CommandLine regressLine() { return {regress_manual, regressOptions(), {"LIST"}};
 int regress(const Arguments& arguments) {
   const auto values = parseOptions(regressLine(), arguments);
   if (!values) return exit_done;
-  if (const std::string file = required(*values, "LIST", regress_manual); isSofaList(file))
-    return regressSofaList(file, *values);
+  if (const std::string file = required(*values, "LIST", regress_manual); isSofaList(file) || fs::is_directory(file))
+    return regressSofaLists(file, *values);
   const RegressionList list = readRegressionList(required(*values, "LIST", regress_manual));
   const bool update = values->count("update") > 0;
   if (update && values->count("set"))

@@ -150,9 +150,49 @@ std::vector<std::string> referencesOf(const std::string& scene, const fs::path& 
   return files;
 }
 
+/// A line of a list: SOFA's reader needs three words of it.
+SofaCase caseOf(const std::string& line, const std::string& where) {
+  std::vector<std::string> words;
+  std::istringstream stream(line);
+  for (std::string word; stream >> word;) words.push_back(word);
+  const auto refuse = [&](const std::string& what) -> double {
+    throw std::runtime_error(fmt::format("{}: {}: expected SCENE STEPS EPSILON [0|1] [0|1] [PERIOD]", where, what));
+  };
+  if (words.size() < 3 || words.size() > 6) refuse(fmt::format("the line has {} words", words.size()));
+  const auto number = [&](std::size_t i, const char* what, const auto& fits) {
+    double value = 0;
+    const std::string& word = words[i];
+    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+    const bool is_number = code == std::errc() && end == word.data() + word.size() && std::isfinite(value);
+    return is_number && fits(value) ? value : refuse(fmt::format("'{}' is {}", word, what));
+  };
+  const auto is_sign = [](double value) { return value == 0 || value == 1; };
+  SofaCase one;
+  one.name = words[0];
+  constexpr double most_steps = 1e12;
+  one.steps = long(number(1, "no number of steps", [](double n) { return n >= 1 && n <= most_steps && n == std::floor(n); }));
+  one.epsilon = number(2, "no tolerance", [](double epsilon) { return epsilon >= 0; });
+  if (words.size() > 3) one.mapped_too = number(3, "neither 0 nor 1", is_sign) == 1;
+  if (words.size() > 4) one.last_only = number(4, "neither 0 nor 1", is_sign) == 1;
+  if (words.size() > 5) one.period = number(5, "no period", [](double period) { return period >= 0; });
+  return one;
+}
+
 }  // namespace
 
 bool isSofaList(const std::string& file) { return file.ends_with(".regression-tests"); }
+
+std::vector<std::string> sofaListsIn(const std::string& folder) {
+  std::vector<std::string> lists;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (const std::string name = entry.path().filename().string();
+        entry.is_regular_file() && isSofaList(name) && name.find("Topology") == std::string::npos)
+      lists.push_back(entry.path().string());
+  std::sort(lists.begin(), lists.end());
+  if (lists.empty())
+    throw std::runtime_error(folder + " is a folder without lists of SOFA: expected a list, or a folder with *.regression-tests in it");
+  return lists;
+}
 
 std::vector<SofaCase> readSofaList(const std::string& file) {
   std::ifstream stream(file);
@@ -168,17 +208,7 @@ std::vector<SofaCase> readSofaList(const std::string& file) {
       references = folder / fromEnvironment(line);
       continue;
     }
-    std::istringstream words(line);
-    SofaCase one;
-    words >> one.name;
-    double steps = 100;
-    if (words >> steps) one.steps = long(steps);
-    double epsilon = 0;
-    if (words >> epsilon) one.epsilon = epsilon;
-    int mapped = 0;
-    if (words >> mapped) one.mapped_too = mapped != 0;
-    if (one.steps < 1 || !(one.epsilon >= 0))
-      throw std::runtime_error(fmt::format("{}:{}: expected SCENE STEPS EPSILON [0|1] [0|1] [PERIOD]", file, number));
+    SofaCase one = caseOf(line, fmt::format("{}:{}", file, number));
     one.scene = findScene(one.name, folder);
     one.references = referencesOf(one.name, references);
     cases.push_back(std::move(one));

@@ -16,6 +16,8 @@ struct SofaCase {
   long steps = 100;
   double epsilon = 1e-4;
   bool mapped_too = false;
+  bool last_only = false;
+  double period = 0;                    ///< time between stored instants [s]; 0: not given
   std::vector<std::string> references;  ///< files, by the number in their name
 };
 
@@ -27,6 +29,8 @@ struct SofaReference {
 };
 
 bool isSofaList(const std::string& file);
+/// The lists below a folder, in the order of their names. What SOFA calls topology tests has no states, and is left out.
+std::vector<std::string> sofaListsIn(const std::string& folder);
 /// The scenes are looked for beside the list, in the folders of REGRESSION_SCENES_DIR and on the data paths. Throws
 /// std::runtime_error.
 std::vector<SofaCase> readSofaList(const std::string& file);

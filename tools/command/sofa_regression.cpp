@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "framework/mechanics/mapping.h"
@@ -74,8 +76,9 @@ void moveALittle(Simulation& simulation, double shift) {
   }
 }
 
-/// Runs as far as the references go. `shift`: how far positions are moved at the start, as a share of the body.
-std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>& references, double shift) {
+/// Runs as far as the references go. `shift`: how far positions are moved at the start, as a share of the body; `step`: set to
+/// the scene's.
+std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>& references, double shift, double& step) {
   Session session;
   Simulation& simulation = session.load(test.scene, {{"/", "dialect", "sofa"}});
   dropWriters(simulation);
@@ -87,7 +90,8 @@ std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>
   }
   if (shift != 0) moveALittle(simulation, shift);
   std::vector<Instants> found(references.size());
-  const double h = simulation.dt(), begin = simulation.time();
+  step = simulation.dt();
+  const double h = step, begin = simulation.time();
   for (long k = 0;; ++k) {
     const double t = double(k) * h;
     for (std::size_t r = 0; r < references.size(); ++r)
@@ -99,6 +103,25 @@ std::vector<Instants> run(const SofaCase& test, const std::vector<SofaReference>
     if (report.failed())
       throw std::runtime_error(fmt::format("ended at t = {:g} of {:g}: {}", simulation.time(), last, report.reason));
   }
+}
+
+/// What the list asks for and a reference lacks, or empty: a stored instant in the last period. A period that the list does not
+/// give is taken for the least time between two instants.
+std::string earlyEnd(const SofaCase& test, const std::vector<SofaReference>& references, double h) {
+  const double end = double(test.steps - 1) * h;
+  for (const SofaReference& reference : references) {
+    double period = test.period;
+    if (period == 0 && !test.last_only && reference.positions.size() > 2) {
+      period = std::numeric_limits<double>::infinity();
+      for (auto at = std::next(reference.positions.begin()); at != reference.positions.end(); ++at)
+        period = std::min(period, at->first - std::prev(at)->first);
+    }
+    const double last = reference.positions.rbegin()->first;
+    if (last < end - std::max(period, h) + 0.5 * h)
+      return fmt::format("the reference of {} ends at t = {:g}, and {} steps at t = {:g}: nothing is compared after it",
+                         reference.state, last, test.steps, end);
+  }
+  return {};
 }
 
 struct Difference {
@@ -154,6 +177,8 @@ std::string judge(const SofaCase& test, double tolerance) {
   const auto start = std::chrono::steady_clock::now();
   Json result{{"name", test.name}, {"verdict", "failed"}};
   try {
+    if (!std::filesystem::exists(test.scene))
+      throw std::runtime_error(test.scene + " is not there, nor in a folder of REGRESSION_SCENES_DIR or STROMA_DATA_PATH");
     if (test.references.empty()) throw std::runtime_error("there is no reference");
     std::vector<SofaReference> references;
     std::vector<Instants> wanted;
@@ -161,7 +186,9 @@ std::string judge(const SofaCase& test, double tolerance) {
       references.push_back(readSofaReference(file));
       wanted.push_back(references.back().positions);
     }
-    const std::vector<Instants> actual = run(test, references, 0);
+    double h = 0;
+    const std::vector<Instants> actual = run(test, references, 0, h);
+    if (const std::string early = earlyEnd(test, references, h); !early.empty()) result["remark"] = early;
     const Difference found = worstOf(references, wanted, actual);
     result["largest"] = found.largest;
     result["relative"] = found.relative;
@@ -171,7 +198,7 @@ std::string judge(const SofaCase& test, double tolerance) {
       result["verdict"] = "passed";
     } else {
       constexpr double nothing = 1e-9;
-      const double sensitivity = worstOf(references, actual, run(test, references, nothing)).relative;
+      const double sensitivity = worstOf(references, actual, run(test, references, nothing, h)).relative;
       result["sensitivity"] = sensitivity;
       if (sensitivity > tolerance) result["verdict"] = "undecided";
     }
@@ -192,14 +219,17 @@ std::string sentence(const Json& result, double epsilon) {
                        result["sofa_passes"].get<bool>() ? "passes" : "fails");
   if (result.contains("sensitivity"))
     text += fmt::format(", a start moved by 1e-9 changes {:.3g}", result["sensitivity"].get<double>());
-  if (result.contains("reason")) text += (text.empty() ? "" : "; ") + result["reason"].get<std::string>();
+  for (const char* more : {"remark", "reason"})
+    if (result.contains(more)) text += (text.empty() ? "" : "; ") + result[more].get<std::string>();
   return text;
 }
 
 }  // namespace
 
-int regressSofaList(const std::string& list, const Values& values) {
-  std::vector<SofaCase> cases = readSofaList(list);
+int regressSofaLists(const std::string& where, const Values& values) {
+  std::vector<SofaCase> cases;
+  for (const std::string& list : isSofaList(where) ? std::vector<std::string>{where} : sofaListsIn(where))
+    for (SofaCase& one : readSofaList(list)) cases.push_back(std::move(one));
   const std::string filter = textOf(values, "filter");
   std::erase_if(cases, [&](const SofaCase& test) { return test.name.find(filter) == std::string::npos; });
   if (cases.empty()) throw UsageError(fmt::format("--filter {}: no case of the list has that in its name", filter));

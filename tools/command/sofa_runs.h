@@ -15,7 +15,7 @@ void dropWriters(Simulation& simulation);
 
 /// `stroma check --sofa FOLDER|LIST`: a line for each scene and a summary. Returns the exit code.
 int surveySofaScenes(const std::string& where, const Values& values);
-/// `stroma regress LIST.regression-tests`. Returns the exit code.
-int regressSofaList(const std::string& list, const Values& values);
+/// `stroma regress LIST.regression-tests|FOLDER`. Returns the exit code.
+int regressSofaLists(const std::string& where, const Values& values);
 
 }  // namespace stroma::command

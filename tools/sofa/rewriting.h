@@ -89,7 +89,9 @@ class Rewriting {
   void meanOfNames(Element& element);
   void meanStressFields(Element& element);
   void meanSprings(Element& element);
+  bool haveMass(const Element& springs) const;
   void meanMembrane(Element& element);
+  void meanDirections(Element& field);
   void meanRestShape(Element& springs);
   void meanLoads(Element& element);
   void tellSpringsOfFrames(const Element& element);
@@ -113,6 +115,7 @@ class Rewriting {
   void leaveOtherCells(Element& container);
   bool hasOwnNodes(const Element& mesh) const;
   void takeNodesOfNeighbour(Element& container);
+  static void countNodes(Element& container, Element& state);  // rewritten_bodies.cpp
   void joinCorners(Element& mesh);
   void readMeshFiles(Element& element);
   void readMeshFile(Element& element, const std::string& attribute);
@@ -135,6 +138,7 @@ class Rewriting {
   void meanSolver(Element& element);
   void meanStatics(Element& solver);
   void meanNewton(Element& newton);
+  void meanMultiStep(Element& solver);
   void warnOfAccepted(const Element& element);
   void takeFriction(Element& response);
   static void fillVariables(Element& response);

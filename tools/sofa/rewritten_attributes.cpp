@@ -151,7 +151,8 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
   }
   std::optional<Problem> problem = data.parse(attribute.value, DataOrigin::written);
   if (!problem) return true;
-  const std::string other = repaired(data, text);
+  const bool is_linear = text == "linear" && element.written->type == "FastTetrahedralCorotationalForceField";
+  const std::string other = is_linear ? "none" : repaired(data, text);
   if (!other.empty() && other != text) {
     if (!data.parse(other, DataOrigin::written)) {
       attribute.value = other;

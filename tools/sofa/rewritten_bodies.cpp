@@ -275,6 +275,16 @@ class Bodies {
 
 }  // namespace
 
+/// Cells beside a state that a mapping places: SOFA counts the nodes that they name, and the mapping says where these are.
+void Rewriting::countNodes(Element& container, Element& state) {
+  double last = -1;
+  for (const char* name : {"edges", "lines", "triangles", "quads", "tetrahedra", "tetras", "hexahedra", "hexas"})
+    for (const double node : writtenNumbers(container.text(name))) last = std::max(last, node);
+  if (last < 0) return;
+  if (!container.find("nbPoints")) container.set("nbPoints", std::to_string(long(last) + 1));
+  state.set("useTopology", "false");
+}
+
 void Rewriting::joinBodies() { Bodies(*tree_, diagnostics_, quirks_.isOn("isolated-springs")).join(); }
 
 }  // namespace stroma::sofa

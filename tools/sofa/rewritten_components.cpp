@@ -93,19 +93,19 @@ void Rewriting::meanField(Element& element) {
   if (element.dropped) return;
   const bool corotational = isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField"});
   const bool elastic = corotational || isOneOf(type, {"HexahedronFEMForceField", "CorotationalFEMForceField",
-                                                      "FastTetrahedralCorotationalForceField",
-                                                      "LinearSmallStrainFEMForceField"});
+                                                      "FastTetrahedralCorotationalForceField", "LinearSmallStrainFEMForceField"});
   if (elastic && quirks_.use("local-dilatation", element.path())) setDefault(element, "dilatation", "local");
   const std::string method = element.text("method");
   for (const char* name : {"youngModulus", "poissonRatio"})
     if (element.text(name).find_first_of("@ \t\n") != std::string::npos) setDefault(element, "firstForOthers", "true");
   const bool is_box = isOneOf(type, {"HexahedronFEMForceField", "NonUniformHexahedronFEMForceField",
                                     "HexahedronCompositeFEMForceField"}) && method == "polar";
-  const bool of_edges = is_box || (corotational && isOneOf(method, {"polar", "svd"}));
+  const bool of_edges = is_box || (corotational && isOneOf(method, {"polar", "svd"})) || method == "polar2";
+  const bool of_nodes = type == "CorotationalFEMForceField" && isOneOf(element.text("rotationMethod"), {"polar", "stable_polar"});
   if (of_edges && saysYes(element.text("updateStiffnessMatrix")))
     warn(element.written->where, element, "updateStiffnessMatrix", "takes polar factors of deformation gradients here, and SOFA of edges");
-  else if (of_edges)
-    setQuirk(element, "edge-polar", "polarOf", "edges");
+  else if (of_edges || of_nodes)
+    setQuirk(element, "edge-polar", "polarOf", of_nodes ? "nodes" : "edges");
   if (type == "TetrahedronFEMForceField") cutHexahedra(element);
   if (const auto plastic = plasticity_.find(&element); plastic != plasticity_.end()) {
     if (const AttributeDescription* mesh = element.find("topology")) plastic->second.attributes.push_back(*mesh);
@@ -252,7 +252,7 @@ void Rewriting::takeNodesOfNeighbour(Element& container) {
   bool has_cells = false;
   for (const char* name : {"edges", "lines", "triangles", "quads", "tetrahedra", "tetras", "hexahedra", "hexas"})
     has_cells = has_cells || container.find(name);
-  const Element* state = container.place->firstOf("mechanical state");
+  Element* state = container.place->firstOf("mechanical state");
   const bool is_of_points = state && (!state->find("template") || state->text("template").starts_with("Vec3"));
   if (!has_cells || !is_of_points) return;
   for (const char* name : {"position", "rest_position", "src"}) {
@@ -262,6 +262,7 @@ void Rewriting::takeNodesOfNeighbour(Element& container) {
     if (!link.starts_with("@") || !source || source == &container || !source->probe || !source->probe->data().find("position")) return;
     return container.set("position", std::string_view(name) == "src" ? link + ".position" : link);
   }
+  if (container.place->has("mapping") && !state->find("topology")) return countNodes(container, *state);
   Element* mesh = state->find("topology") ? tree_->follow(*state, state->text("topology"), false).element : nullptr;
   for (const auto& each : container.place->elements)
     if (!mesh && !each->dropped && each->role() == "topology" && each.get() != &container && hasOwnNodes(*each)) mesh = each.get();

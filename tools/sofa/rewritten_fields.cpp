@@ -102,8 +102,30 @@ void Rewriting::meanOfNames(Element& element) {
   }
 }
 
+/// Some spring of the field may have no length at rest.
+static bool maySpringsMeet(const Element& field) {
+  const bool is_whole = field.find("spring");
+  const std::vector<double> numbers = writtenNumbers(field.text(is_whole ? "spring" : field.find("length") ? "length" : "lengths"));
+  bool is_zero = numbers.empty();
+  for (std::size_t i = is_whole ? 4 : 0; i < numbers.size(); i += is_whole ? 5 : 1) is_zero = is_zero || numbers[i] == 0;
+  return is_zero;
+}
+
+/// Both ends of a field between states have a mass: without one SOFA's matrix is singular where springs do nothing.
+bool Rewriting::haveMass(const Element& springs) const {
+  for (const char* name : {"object1", "object2"}) {
+    const std::string link = springs.text(name);
+    const LinkTarget end = link.empty() ? LinkTarget{nullptr, springs.place, {}} : tree_->follow(springs, link, false);
+    const Place* place = end.element ? end.element->place : end.place;
+    const Element* state = place ? place->nearest("mechanical state") : nullptr;
+    if (state && !state->place->has("mapping") && !hasMass(*state->place)) return false;
+  }
+  return true;
+}
+
 void Rewriting::meanSprings(Element& element) {
   if (!element.is("SpringForceField")) return;
+  if (maySpringsMeet(element) && haveMass(element)) setQuirk(element, "meeting-ends", "meetingEnds", "free");
   const bool has_pairs = element.find("springsIndices1") || element.find("indices1");
   if (!element.find("spring") && !has_pairs) {
     element.dropped = true;
@@ -258,12 +280,7 @@ void Rewriting::meanLoads(Element& element) {
   if (type == "SurfacePressureForceField" && element.find("min")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
   if (element.text("materialName") == "BoyceAndArruda") element.set("materialName", "ArrudaBoyce");  // its name before 2023
-  const std::string law = element.text("materialName");  // of SOFA's laws one has directions
-  const bool is_law = type == "TetrahedronHyperelasticityFEMForceField" || type == "StandardTetrahedralFEMForceField";
-  if (is_law && element.find("AnisotropyDirections") && law != "Costa") {
-    element.remove("AnisotropyDirections");
-    noEffect("AnisotropyDirections of an isotropic law");
-  }
+  if (type == "TetrahedronHyperelasticityFEMForceField" || type == "StandardTetrahedralFEMForceField") meanDirections(element);
   const auto layer = layers_.find(&element);
   if (layer == layers_.end()) return;
   const SourceLocation& where = element.written->where;
@@ -276,6 +293,16 @@ void Rewriting::meanLoads(Element& element) {
   element.place->added_components.push_back(std::move(box));
   SceneTree::linkTo(element);  // nodes above it have names from now on
   element.set("triangleList", "@" + joinPath(element.place->path(), name) + ".triangleIndices");
+}
+
+/// No law of SOFA reads directions; the axes of Costa's are those of space.
+void Rewriting::meanDirections(Element& field) {
+  const bool is_costa = field.text("materialName") == "Costa", is_given = field.find("AnisotropyDirections");
+  if (is_costa && !is_given) return field.set("AnisotropyDirections", "1 0 0  0 1 0");
+  if (is_costa) return setQuirk(field, "fixed-fibres", "AnisotropyDirections", "1 0 0  0 1 0");
+  if (!is_given) return;
+  field.remove("AnisotropyDirections");
+  noEffect("AnisotropyDirections of an isotropic law");
 }
 
 /// Without another body the points of one do not count, but that they are nodes and as many does.

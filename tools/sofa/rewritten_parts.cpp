@@ -220,7 +220,8 @@ void Rewriting::dropVoids() {
   });
 }
 
-/// What acts on nodes that follow others is heard by nobody where the mapping passes no forces: SOFA leaves it without effect.
+/// What acts on nodes that follow others is heard by nobody where the mapping passes no forces: SOFA goes no further then, and has
+/// neither their force fields nor their masses. It declares mapMasses, and asks for it nowhere.
 void Rewriting::dropUnheard() {
   const auto drop = [this](const auto& self, Place& place, const std::string& role, const Element& mapping) -> void {
     for (const auto& each : place.elements) {
@@ -232,9 +233,10 @@ void Rewriting::dropUnheard() {
   };
   tree_->forEach([&](Element& element) {
     if (element.role() != "mapping") return;
-    const bool is_silent = saysNo(element.text("isMechanical"));
-    if (is_silent || saysNo(element.text("mapForces"))) drop(drop, *element.place, "force field", element);
-    if (is_silent || saysNo(element.text("mapMasses"))) drop(drop, *element.place, "mass", element);
+    if (saysNo(element.text("isMechanical")) || saysNo(element.text("mapForces")))
+      for (const char* role : {"force field", "mass"}) drop(drop, *element.place, role, element);
+    if (saysNo(element.text("mapMasses")) && hasMass(*element.place))
+      warn(element.written->where, element, "mapMasses", "has no effect, as in SOFA: masses of the nodes that follow count");
     for (const char* name : {"isMechanical", "mapForces", "mapMasses", "mapConstraints"}) {
       if (!element.find(name)) continue;
       element.remove(name);

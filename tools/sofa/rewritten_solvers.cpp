@@ -24,6 +24,7 @@ void Rewriting::meanSolver(Element& element) {
     if (type == implicit) setDefault(element, "newtonIterations", "1");
   if (type == "EulerImplicitSolver" && saysYes(element.text("trapezoidalScheme")))
     setQuirk(element, "trapezoidal-positions", "moveByNewVelocity", "true");
+  if (type == "BDFOdeSolver") meanMultiStep(element);
   if (type == "CentralDifferenceSolver") setQuirk(element, "whole-first-step", "firstStep", "whole");
   if (type == "VariationalSymplecticSolver") {
     setDefault(element, "steps", "5");
@@ -89,6 +90,20 @@ void Rewriting::meanStatics(Element& solver) {
                                             solver.written->folder});
   SceneTree::linkTo(solver);  // nodes above it have names from now on
   solver.set("newtonSolver", "@" + joinPath(solver.place->path(), name));
+}
+
+/// A step of SOFA's begins at x + h v, and is over where its residual there is below Newton's absolute threshold.
+void Rewriting::meanMultiStep(Element& solver) {
+  const std::string link = solver.text("newtonSolver");
+  const Element* newton = link.empty() ? solver.place->firstOf("Newton solver") : tree_->follow(solver, link, false).element;
+  std::string threshold = "1e-05";
+  if (newton && newton->find("absoluteResidualStoppingThreshold")) threshold = newton->text("absoluteResidualStoppingThreshold");
+  if (!newton)
+    warn(solver.written->where, solver, "newtonSolver",
+         "leads to no NewtonRaphsonSolver: SOFA moves nothing then, and here the solver has its defaults");
+  if (std::atoi(solver.text("order").c_str()) == 2) setQuirk(solver, "predicted-start", "firstStep", "euler");
+  setQuirk(solver, "predicted-start", "startFrom", "predicted");
+  setQuirk(solver, "predicted-start", "restBelow", threshold.starts_with("-") ? "0" : threshold);
 }
 
 void Rewriting::meanNewton(Element& newton) {
