@@ -22,8 +22,8 @@
 //
 // l is then what pushes. adhesionFriction times the tension holds besides what sticks, and lets it go when it slides.
 //
-// Shares of the surface that vertices stand for follow the first six iterates of a solve and then stay; with friction, whose solves
-// compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
+// Shares of the surface that vertices stand for follow the first six forces of a solve and then stay (line_shares.h); with friction,
+// whose solves compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
 //
 // Every iterate is shortened where something would pass through something, and round-off is taken into account. After each step an
 // exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps. A start with
@@ -60,6 +60,7 @@
 #include "components/contact/contact_field.h"
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_start.h"
+#include "components/contact/line_shares.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -137,7 +138,8 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   double from_ = 0, to_ = 0, duration_ = 0;  ///< times of the step; its length, or that of a part of an explicit one [s]
   bool is_carried_ = false, is_put_back_ = false;  ///< what is moved has gone on since the last force; see moved_first_
   bool left_start_ = false, holds_nothing_ = false;  ///< bodies have been elsewhere than at start_; see wantStartForces()
-  int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
+  int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0;
+  LineShares shares_;
   bool definite_ = false;  ///< the derivative of terms_, see contact_terms.h
 };
 
@@ -204,10 +206,8 @@ void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
   follow(x);
   lookAgain(x_);
   pattern_revision_ += std::exchange(has_new_pairs_, false);
-  // energies along a line have the shares of its start, so that these may follow at first; forces along a line have not
-  constexpr int most_weighings = 6;
-  const bool begins = std::exchange(is_carried_, false);
-  if (is_explicit_ || (friction_.acts() ? begins : ++weighings_ <= most_weighings)) law_.weigh(x_);
+  const bool begins = std::exchange(is_carried_, false), are_free = !is_explicit_ && !friction_.acts();  // shares
+  if (const auto* place = are_free ? shares_.placeFor(x_) : is_explicit_ || begins ? &x_ : nullptr) law_.weigh(*place);
   terms_.clear();
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_ || is_explicit_));
   terms_.addForce(f);
@@ -263,7 +263,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 }
 
 void BarrierContact::beginRounds() {
-  obstacle_rounds_ = friction_rounds_ = share_rounds_ = weighings_ = 0;
+  obstacle_rounds_ = friction_rounds_ = share_rounds_ = 0, shares_.solveBegins();
   left_start_ = is_carried_ = is_put_back_ = false;
   friction_.beginAgain();
   lookAgain(x_);
@@ -295,6 +295,7 @@ void BarrierContact::wantStartForces(bool wanted) {
 
 double BarrierContact::longestStep(ConstRows x, const Way& way) {
   way.is_carried ? void(is_carried_ = true) : friction_.lineStarts();
+  shares_.lineBegins(way.is_carried);
   const Vec3 from = is_explicit_ ? moved_at_start_ : law_.moved, along = law_.moved - from;
   law_.surfaces.gather(x, from, x_);
   bend_.assign(way.bend ? way_.size() : 0, 0);
@@ -312,7 +313,7 @@ bool BarrierContact::movesOn(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
   if (!hasArrived() && obstacle_rounds_++ < (isLed() ? most_led : most_rounds)) {
     law_.weigh(x_);
-    weighings_ = 0;
+    shares_.solveBegins();
     friction_.note(law_, law_.touches(x_));
     moveObstacles(law_, goal_, x_, way_);
     return true;
@@ -320,8 +321,7 @@ bool BarrierContact::movesOn(ConstRows x) {
   const bool others = sharesChange(), held = friction_.release(), rubs = friction_.acts() && frictionChanges(held);
   const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
   if (!again && !others) return friction_.settle(), false;
-  weighings_ = 0;
-  return true;
+  return shares_.solveBegins(), true;
 }
 
 /// Shares that stayed in the solve, against those of where it has ended.

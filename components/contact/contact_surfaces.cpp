@@ -38,7 +38,10 @@ void Surfaces::addFaces(const Mesh& mesh, const State* state) {
   const bool hollow = mesh.tetrahedra.empty() && mesh.hexahedra.empty() && mesh.quadratic_tetrahedra.empty();
   bodies_.back().solid = !hollow;
   for (const Triangle& t : hollow ? mesh.triangles : mesh.boundaryTriangles()) add(t[0], t[1], t[2]);
-  for (const Quad& q : hollow ? mesh.quads : mesh.boundaryQuads()) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
+  for (const Quad& q : hollow ? mesh.quads : mesh.boundaryQuads()) {
+    halves_.push_back(int(faces.size()));
+    add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
+  }
   for (const auto& [a, b, c, ab, bc, ca] : hollow ? mesh.quadratic_triangles : mesh.boundaryQuadraticTriangles())
     add(a, ab, ca), add(ab, b, bc), add(ca, bc, c), add(ab, bc, ca);
   bodies_.back().faces = int(faces.size()) - bodies_.back().first_face;
@@ -61,13 +64,14 @@ void Surfaces::finish() {
     const Vec3 &p = rest[std::size_t(a)], &q = rest[std::size_t(b)], &r = rest[std::size_t(c)];
     area.push_back(0.5 * (q - p).cross(r - p).norm());
   }
+  findCorners();
   vertex_area.assign(rows.size(), 0);
   std::vector<std::vector<Index>> around(rows.size());
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k)
       if (auto& list = around[std::size_t(faces[f][k])]; list.empty() || list.back() != Index(f)) {
         list.push_back(Index(f));
-        vertex_area[std::size_t(faces[f][k])] += area[f] / 3;
+        vertex_area[std::size_t(faces[f][k])] += corner_area[f][k];
       }
   faces_around = {};
   for (const auto& list : around) {
@@ -78,6 +82,26 @@ void Surfaces::finish() {
   findOwners();
   findPieces();
   findSides();
+}
+
+/// A corner of a triangle has a third of it. A corner of a quad has the integral of its bilinear function, whichever way the quad is
+/// cut: a sixth of the quad and of the triangle of that corner and its two neighbours, as if each diagonal cut half of it.
+void Surfaces::findCorners() {
+  corner_area.clear();
+  for (const double whole : area) corner_area.push_back({whole / 3, whole / 3, whole / 3});
+  for (const int half : halves_) {
+    const std::size_t f = std::size_t(half), g = f + 1;  // (0, 1, 2) and (0, 2, 3)
+    const auto at = [&](std::size_t face, std::size_t k) -> const Vec3& { return rest[std::size_t(faces[face][k])]; };
+    const auto areaOf = [](const Vec3& p, const Vec3& q, const Vec3& r) { return 0.5 * (q - p).cross(r - p).norm(); };
+    const double quad = area[f] + area[g], at_0 = areaOf(at(g, 2), at(f, 0), at(f, 1)), at_2 = areaOf(at(f, 1), at(f, 2), at(g, 2));
+    if (!(quad > 0) || !(at_0 + at_2 > 0)) continue;
+    const double of_0 = (quad + at_0 * quad / (at_0 + at_2)) / 6, of_2 = (quad + at_2 * quad / (at_0 + at_2)) / 6;
+    for (const std::size_t half_of : {f, g}) {
+      const double part = area[half_of] / quad;
+      const bool is_first = half_of == f;
+      corner_area[half_of] = {part * of_0, is_first ? (quad + area[f]) / 6 : part * of_2, is_first ? part * of_2 : (quad + area[g]) / 6};
+    }
+  }
 }
 
 /// Triangles that a person has written may turn any way: where they enclose no positive volume, both sides count.

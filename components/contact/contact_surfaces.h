@@ -51,11 +51,12 @@ class Surfaces {
   std::vector<Index> rows;  ///< of the system; -1: of an obstacle
   std::vector<Vec3> rest;   ///< [m]
   std::vector<int> vertex_count;  ///< how often its own barrier counts, see contact_terms.h: 1 inside of a surface
-  std::vector<double> vertex_area;  ///< a third of its triangles' [m^2]
+  std::vector<double> vertex_area;  ///< the sum of its corners' [m^2]
   Adjacency faces_around;   ///< triangles of each vertex
   // ---- triangles ----
   std::vector<std::array<int, 3>> faces;
   std::vector<double> area;                                     ///< at rest [m^2]
+  std::vector<std::array<double, 3>> corner_area;               ///< what each corner stands for; sums up to `area` [m^2]
   std::vector<double> radius;                                   ///< [m]
   std::vector<std::array<int, 3>> face_edges;                   ///< edge from corner k to k + 1; -1: none
   std::vector<std::array<int, 3>> owned_vertices, owned_edges;  ///< each vertex and edge belongs to one triangle; -1
@@ -69,12 +70,14 @@ class Surfaces {
  private:
   int addVertex(Index row, const Vec3& x);
   void addFaces(const Mesh& mesh, const State* state);
+  void findCorners();
   void findEdges();
   void findOwners();
   void findPieces();
   void findSides();
 
   std::vector<Body> bodies_;
+  std::vector<int> halves_;        ///< first triangles of quads; each next one is the other half
   std::vector<int> body_, piece_;  ///< of each vertex
   std::vector<bool> one_sided_;    ///< of the first vertex of each piece
   std::vector<bool> disagree_;     ///< of each edge: its triangles are one, three, or turn different ways

@@ -101,7 +101,8 @@ double BarrierLaw::shareOf(int vertex, const Vec3& towards, const std::vector<Ve
     const auto& [a, b, c] = surfaces.faces[f];
     const Vec3 n = (x[std::size_t(b)] - x[std::size_t(a)]).cross(x[std::size_t(c)] - x[std::size_t(a)]).normalized();
     const double facing = -n.dot(towards);
-    sum += surfaces.area[f] / 3 * (closed ? std::max(0.0, facing) : std::abs(facing));
+    const double of_corner = surfaces.corner_area[f][vertex == a ? 0 : vertex == b ? 1 : 2];
+    sum += of_corner * (closed ? std::max(0.0, facing) : std::abs(facing));
   }
   return sum;
 }
@@ -134,13 +135,21 @@ double BarrierLaw::factorOf(const Candidate& pair, const ClosestPoints& closest,
 }
 
 void BarrierLaw::weigh(const std::vector<Vec3>& x) const {
-  std::fill(plane_share_.begin(), plane_share_.end(), not_weighed);
+  weighPlanes(x);
   weigh(x, Which::all);
 }
 
 void BarrierLaw::weighAgain(const std::vector<Vec3>& x) const {
-  std::fill(plane_share_.begin(), plane_share_.end(), not_weighed);
+  weighPlanes(x);
   weigh(x, Which::all_again);
+}
+
+void BarrierLaw::weighPlanes(const std::vector<Vec3>& x) const {
+  std::fill(plane_share_.begin(), plane_share_.end(), not_weighed);
+  for (std::size_t p = 0; p < planes.size(); ++p)
+    for (std::size_t v = 0; v < x.size(); ++v)
+      if (surfaces.moves(int(v)) && gapToPlane(p, x[v]) < far())
+        plane_share_[p * x.size() + v] = shareOf(int(v), planes[p].normal, x);
 }
 
 bool BarrierLaw::isOutOfReach(const std::vector<Vec3>& x) const {

@@ -8,8 +8,9 @@
 //     + kappa sum_edge-pairs A_e m b
 // with t_e and t_v the triangles of an edge and of a vertex: 2 and 1 in the inside of a surface, 1 and 0 at its rim. What
 // edges and vertices take away is what neighbouring triangles with one closest point would count twice. Against
-// obstacles, which have no vertices of their own in this sum, A/2 is A. A is the part of the triangles around a vertex
-// that faces the other surface, A = sum a/3 max(0, -n.u), u towards the vertex. Two edges count where both are ridges
+// obstacles, which have no vertices of their own in this sum, A/2 is A. A is the part of the surface around a vertex
+// that faces the other surface, A = sum a max(0, -n.u), u towards the vertex, a of a triangle a third and of a quad
+// the integral of its bilinear function (Surfaces::corner_area). Two edges count where both are ridges
 // towards each other, so that flat surfaces are pressed by their vertices alone. A, ridges and the factor m of parallel
 // edges are those of the last force. Every pair has a tenth of its share besides with a tenth of dh: nothing comes so
 // near unless it has no other share. In explicit steps it is the whole share with half of dh, as nothing else stops what is fast.
@@ -137,6 +138,7 @@ class BarrierLaw {
   void addTurning(const Touch& touch, const std::vector<Vec3>& x, double slope, Term& term) const;
   enum class Which { all, all_again, missing };  ///< of what is in reach
   void weigh(const std::vector<Vec3>& x, Which which) const;
+  void weighPlanes(const std::vector<Vec3>& x) const;
   double factorOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
   double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
   double ridge(int edge, const Vec3& towards, const std::vector<Vec3>& x) const;

@@ -243,7 +243,7 @@ void ImplicitStep::startIterating() {
   system_->constraints().project(work_);
   axpy(-1 / scheme_.displacement, work_, v());
   unknownsChanged();
-  lack_ = 0, carries_ = 0, is_to_guess_ = !limits_.empty() && newton_.settings.use_energy;
+  lack_ = 0, carries_ = 0, is_to_guess_ = !limits_.empty();
   if (limits_.empty()) return;
   // what has a prescribed motion goes as far as nothing is in its way, the rest of it after the next solve
   copy(x0_, carried_);
@@ -271,8 +271,7 @@ void ImplicitStep::carryOn() {
 }
 
 /// With contact: what is free goes on as it did, as far as nothing is in its way. A body that is drawn along, pressed or folded
-/// then has a part of the iterations to make, as where it starts all of its motion is missing. Only where an energy tells
-/// whether that is nearer to the end: with friction it is not tried.
+/// then has a part of the iterations to make, as where it starts all of its motion is missing.
 bool ImplicitStep::guess(Rows d) {
   if (!std::exchange(is_to_guess_, false)) return false;
   copy(v0_, d);

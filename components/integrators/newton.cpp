@@ -195,9 +195,21 @@ double Newton::forcingTerm(double now) const {
   return std::min(term, settings.forcing);
 }
 
-/// The tolerance stays that of where the step starts. A guess that the line search refuses is left.
+/// The tolerance stays that of where the step starts. A guess that the line search refuses is left. Without an energy it is left
+/// where something stands in its way or |R| grows: R.d, which then judges corrections, says little of a way that solves nothing.
 void Newton::goToGuess(NonlinearProblem& problem, double& now) {
-  if (scale_ > 0 && problem.guess(direction_) && search(problem, now) == 0) problem.residual(residual_);
+  if (!(scale_ > 0) || !problem.guess(direction_)) return;
+  if (settings.use_energy) {
+    if (search(problem, now) == 0) problem.residual(residual_);
+    return;
+  }
+  copy(problem.unknowns(), base_);
+  if (problem.longestStep(direction_) < 1) return;
+  move(problem, 1);
+  problem.residual(trial_);
+  if (const double there = norm(trial_); there < now) return std::swap(residual_, trial_), void(now = there);
+  move(problem, 0);
+  problem.residual(residual_);
 }
 
 void Newton::keepIfBest(NonlinearProblem& problem, double now) {

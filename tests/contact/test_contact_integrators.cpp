@@ -343,5 +343,33 @@ TEST(ContactIntegrators, OthersAreRefused) {
     expectContains(problemsOf(contactScene(body, 1e-3, Vec3::Zero(), integrator)), "newtonIterations");
 }
 
+/// What nothing acts on goes on as it did: Newton's method is to find that before its first linear solve. The barrier is at rest and
+/// out of reach, and says only that steps are limited.
+TEST(ContactIntegrators, WhatGoesOnEvenlyNeedsNoSolve) {
+  const Vec3 velocity(0.3, -0.2, 0.1);
+  const Body box = boxOf(Vec3(0, 0, 1), Vec3(1, 1, 2), {2, 2, 2});
+  std::string moving = "velocity=\"";
+  for (std::size_t i = 0; i < box.points.size(); ++i) moving += fmt::format("{} {} {}  ", velocity.x(), velocity.y(), velocity.z());
+  std::vector<std::string> integrators = implicit_ones;
+  integrators.push_back("<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-11\"/>");
+  for (const std::string& integrator : integrators)
+    for (const char* friction : {"", "friction=\"0.3\""}) {
+      SCOPED_TRACE(integrator + friction);
+      Simulation simulation = simulationFromText(contactScene(
+          bodyNode("a", box, "", moving + "\"") +
+              fmt::format("<BarrierContact mstate=\"@a/dofs\" topology=\"@a/mesh\" contactDistance=\"{}\" selfContact=\"0\" "
+                          "planes=\"0 0 1 0\" {}/>",
+                          range, friction),
+          0.01, Vec3::Zero(), integrator));
+      for (int step = 0; step < 5; ++step) {
+        const StepReport report = simulation.step();
+        EXPECT_TRUE(report.newton_converged) << report.reason;
+        EXPECT_EQ(report.newton_iterations, 0) << "step " << step;
+      }
+      const Vec3 end = simulation.systems()[0]->x[0] - Vec3(0, 0, 1);
+      EXPECT_LT((end - 5 * 0.01 * velocity).norm(), 1e-12);
+    }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

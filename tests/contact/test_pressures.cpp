@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Pressures that nodes report on faces of four corners, against closed forms. A quad is cut in two for the geometry of contact; what
+// its corners stand for must not depend on which way. Cells are numbered at random, so that it is cut either way.
+#include <Eigen/Geometry>
+
+#include "components/contact/contact_surfaces.h"
+#include "components/contact/contact_terms.h"
+#include "framework/simulation/simulation.h"
+#include "tests/contact/published_meshes.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+/// The same cells, whose upper and lower face begin at any of their corners.
+HexahedralMesh turnedAtRandom(HexahedralMesh mesh) {
+  std::mt19937 random(5);
+  for (std::array<int, 8>& cell : mesh.cells) {
+    const std::array<int, 8> was = cell;
+    const std::size_t by = std::uniform_int_distribution<std::size_t>(0, 3)(random);
+    for (std::size_t k = 0; k < 4; ++k) cell[k] = was[(k + by) % 4], cell[k + 4] = was[4 + (k + by) % 4];
+  }
+  return mesh;
+}
+
+/// The integral of the bilinear function of a corner over a flat quad, by Gauss points that are exact for it.
+double integralOf(const std::array<Vec3, 4>& corners, std::size_t corner) {
+  const double xi[4] = {-1, 1, 1, -1}, eta[4] = {-1, -1, 1, 1}, at = 1 / std::sqrt(3.0);
+  double sum = 0;
+  for (std::size_t p = 0; p < 4; ++p) {
+    const double u = at * xi[p], v = at * eta[p];
+    Vec3 along_u = Vec3::Zero(), along_v = Vec3::Zero();
+    for (std::size_t k = 0; k < 4; ++k)
+      along_u += 0.25 * xi[k] * (1 + eta[k] * v) * corners[k], along_v += 0.25 * eta[k] * (1 + xi[k] * u) * corners[k];
+    sum += 0.25 * (1 + xi[corner] * u) * (1 + eta[corner] * v) * along_u.cross(along_v).norm();
+  }
+  return sum;
+}
+
+TEST(Pressures, CornersOfQuadsStandForTheirBilinearFunctions) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> off(-0.25, 0.25);
+  constexpr int n = 4;
+  Mesh mesh;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) mesh.position.emplace_back(i + off(random), j + off(random), 0.2 * i);
+  for (Vec3& p : mesh.position) p.z() = 0.2 * p.x() - 0.1 * p.y();  // flat, and not across an axis
+  std::vector<double> expected(mesh.position.size(), 0);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) {
+      const Index at = i + (n + 1) * j;
+      const std::array<Index, 4> around{at, at + 1, at + n + 2, at + n + 1};
+      const std::size_t by = std::uniform_int_distribution<std::size_t>(0, 3)(random);
+      Quad quad{};
+      std::array<Vec3, 4> corners;
+      for (std::size_t k = 0; k < 4; ++k) quad[k] = around[(k + by) % 4], corners[k] = mesh.position[std::size_t(quad[k])];
+      for (std::size_t k = 0; k < 4; ++k) expected[std::size_t(quad[k])] += integralOf(corners, k);
+      mesh.quads.push_back(quad);
+    }
+  contact::Surfaces surfaces;
+  surfaces.addObstacle(mesh);
+  surfaces.finish();
+  double sum = 0, all = 0;
+  for (std::size_t f = 0; f < surfaces.faces.size(); ++f) {
+    all += surfaces.area[f];
+    for (const double part : surfaces.corner_area[f]) {
+      EXPECT_GT(part, 0);
+      sum += part;
+    }
+  }
+  EXPECT_NEAR(sum, all, 1e-12 * all);
+  ASSERT_EQ(surfaces.rows.size(), mesh.position.size());
+  for (std::size_t v = 0; v < surfaces.rows.size(); ++v)
+    for (std::size_t i = 0; i < mesh.position.size(); ++i)
+      if (surfaces.rest[v] == mesh.position[i]) {
+        EXPECT_NEAR(surfaces.vertex_area[v], expected[i], 1e-12) << "node " << i;
+      }
+}
+
+/// A search that asks for forces at one place with the shares of another one gets these, above planes too.
+TEST(Pressures, SharesAreThoseOfWhereTheyWereWeighed) {
+  Mesh mesh;
+  mesh.position = {Vec3(0, 0, 0.5), Vec3(1, 0, 0.5), Vec3(0, 1, 0.5)};
+  mesh.triangles = {{0, 1, 2}};
+  contact::BarrierLaw law;
+  law.range = 2, law.stiffness = 1;
+  law.surfaces.addObstacle(mesh);
+  law.surfaces.rows = {0, 1, 2};
+  law.surfaces.finish();
+  law.planes.push_back({Vec3::UnitZ(), 0});
+  law.compile();
+  std::vector<Vec3> tilted = mesh.position;
+  tilted[2] = Vec3(0, 0.6, 1.3);
+  const auto expectShares = [&](const std::vector<Vec3>& weighed, double share) {
+    law.weigh(weighed);
+    int count = 0;
+    for (const contact::Touch& touch : law.touches(tilted))
+      if (touch.of_surface) {
+        EXPECT_NEAR(touch.share, share, 1e-12);
+        ++count;
+      }
+    EXPECT_EQ(count, 3);
+  };
+  expectShares(mesh.position, 0.5 / 3);
+  expectShares(tilted, 0.6 * 0.5 / 3);
+}
+
+constexpr double young = 1e6, range = 1e-3, pressure = 1e4;
+
+/// 1 x 1 x 0.5 in n x n cells, nu = 0. The top of what begins above 0 goes down by `way`; the bottom of the other one is held.
+std::string block(const std::string& name, int n, double bottom, double way) {
+  const std::vector<double> x = evenly(0, 1, n);
+  const HexahedralMesh mesh = turnedAtRandom(brickOf(x, x, evenly(bottom, bottom + 0.5, std::max(2, n / 2))));
+  const double end = bottom == 0 ? 0 : bottom + 0.5;
+  const std::string nodes = mesh.where([end](const Vec3& p) { return std::abs(p.z() - end) < 1e-9; });
+  const std::string held =
+      bottom == 0 ? fmt::format("<FixedProjectiveConstraint indices=\"{}\"/>", nodes)
+                  : fmt::format("<LinearMovementProjectiveConstraint indices=\"{}\" keyTimes=\"0 1\" movements=\"0 0 0  0 0 {}\"/>",
+                                nodes, -way);
+  return fmt::format(
+      "<Node name=\"{}\">{}<MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"1e-6\"/>"
+      "<HexahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"0\" method=\"small\"/>"
+      "<PartialFixedProjectiveConstraint fixAll=\"true\" fixedDirections=\"1 1 0\"/>{}</Node>",
+      name, mesh.topology(), young, held);
+}
+
+/// Of the component "contact", whichever it is.
+std::vector<double> outputsOf(const Simulation& simulation, const char* name) {
+  std::vector<Component*> all;
+  simulation.root().collect(all);
+  std::vector<double> values;
+  for (const Component* component : all)
+    if (component->name() == "contact") {
+      std::istringstream text(component->data().find(name)->print());
+      for (double value = 0; text >> value;) values.push_back(value);
+    }
+  return values;
+}
+
+/// The least and the largest pressure on the face at z = 0.5, and all of its area.
+std::array<double, 3> pressuresOf(const std::string& scene) {
+  Simulation simulation = simulationFromText(contactScene(scene, 1, Vec3::Zero(), "<StaticSolver/>"));
+  expectCleanStep(simulation, 1);
+  const std::vector<double> pressures = outputsOf(simulation, "pressures"), areas = outputsOf(simulation, "contactAreas");
+  const State& state = *simulation.states().front();
+  std::array<double, 3> found{1e300, 0, 0};
+  for (std::size_t i = 0; i < state.rest_position.size(); ++i)
+    if (std::abs(state.rest_position[i].z() - 0.5) < 1e-9)
+      found = {std::min(found[0], pressures.at(i)), std::max(found[1], pressures.at(i)), found[2] + areas.at(i)};
+  return found;
+}
+
+/// 10 kPa at each node, at rims and corners too.
+TEST(Pressures, AreEvenBetweenBlocks) {
+  for (const char* method : {"BarrierContact", "PenaltyContact"})
+    for (const int n : {3, 6}) {
+      SCOPED_TRACE(fmt::format("{} {}", method, n));
+      const bool is_barrier = std::string(method) == "BarrierContact";
+      const double gap = is_barrier ? 0.8285 * range : 0.9 * range;  // under a tenth of kappa, young/10
+      const auto [least, most, area] = pressuresOf(
+          block("a", n, 0, 0) + block("b", n, 0.5 + gap, 0.01) +
+          fmt::format("<{} name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" other=\"@b/dofs\" contactDistance=\"{}\" "
+                      "selfContact=\"0\"/>",
+                      method, range));
+      EXPECT_NEAR(least, pressure, 2e-3 * pressure);
+      EXPECT_NEAR(most, pressure, 2e-3 * pressure);
+      EXPECT_NEAR(area, 1, 1e-6);
+    }
+}
+
+TEST(Pressures, AreEvenBelowAPlane) {
+  const double gap = 0.8285 * range, way = 0.005;
+  const auto [least, most, area] =
+      pressuresOf(block("a", 5, 0, 0) + fmt::format("<BarrierContact name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" "
+                                                    "contactDistance=\"{}\" planes=\"0 0 -1 {}\" keyTimes=\"0 1\" "
+                                                    "movements=\"0 0 0  0 0 {}\"/>",
+                                                    range, -0.5 - 1.01 * range, -way - 1.01 * range + gap));
+  EXPECT_NEAR(least, pressure, 2e-3 * pressure);
+  EXPECT_NEAR(most, pressure, 2e-3 * pressure);
+  EXPECT_NEAR(area, 1, 1e-6);
+}
+
+/// Hertz: p0 (1 - r^2/a^2)^1/2 below a rigid sphere. The bonded layer of height H shows a half-space pressed by more than D
+/// (Dimitriadis and others 2002, as in test_closed_forms.cpp), which is F; a^3 = 3 F R/(4 E*), p0 = 3 F/(2 pi a^2). What touches are
+/// nodes: with cells of a sixth of a the radius is a quarter of a cell larger and p0 less. The curve of that radius is met everywhere.
+TEST(Pressures, BelowASphereAreThoseOfHertz) {
+  constexpr double soft = 1e4, nu = 0.3, radius = 0.01, depth = 2e-4, height = 0.01414, h = 2.5e-4, gap = 3e-5;
+  const double reduced = soft / (1 - nu * nu), chi = std::sqrt(radius * depth) / height;
+  const double of_layer = (1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu), first = 2 * of_layer / M_PI * chi;
+  const double force = 4. / 3 * reduced * std::sqrt(radius) * std::pow(depth, 1.5) * (1 + first + first * first);
+  const double a = std::cbrt(3 * force * radius / (4 * reduced)), most = 3 * force / (2 * M_PI * a * a);
+  const std::vector<double> x = gradedUpTo(h, 0.0018, 1.7, 0.016);
+  HexahedralMesh mesh = turnedAtRandom(brickOf(x, x, downFrom(0, gradedUpTo(h, 0.0015, 1.7, height))));
+  const auto held = [&](int axis, const char* directions) {
+    return fmt::format("<PartialFixedProjectiveConstraint indices=\"{}\" fixedDirections=\"{}\"/>",
+                       mesh.where([axis](const Vec3& p) { return std::abs(p[axis]) < 1e-12; }), directions);
+  };
+  Simulation simulation = simulationFromText(contactScene(
+      mesh.topology() + "<MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"1\"/>" + held(0, "1 0 0") + held(1, "0 1 0") +
+          fmt::format("<HexahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"{}\"/><FixedProjectiveConstraint indices=\"{}\"/>"
+                      "<BarrierContact contactDistance=\"{}\" stiffness=\"1e5\" selfContact=\"0\" spheres=\"0 0 {} {}\" "
+                      "keyTimes=\"0 1\" movements=\"0 0 0  0 0 {}\"/>",
+                      soft, nu, mesh.where([](const Vec3& p) { return p.z() < -0.99 * 0.01414; }), gap, radius + 1.01 * gap, radius,
+                      -depth - 0.06 * gap),
+      1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-6\"/>"));
+  expectCleanStep(simulation, 1);
+  const std::vector<double> pressures = numbersOf(simulation, "pressures");
+  const double middle = pressures.at(std::size_t(std::stoi(mesh.where([](const Vec3& p) { return p.norm() < 1e-12; })))),
+               wider = std::sqrt(3 * force / (2 * M_PI * middle));
+  EXPECT_NEAR(wider / a, 1 + 0.25 * h / a, 0.01);
+  EXPECT_NEAR(middle / most, 1, 0.1);
+  int inside = 0;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    const Vec3& p = mesh.points[i];
+    const double r = std::hypot(p.x(), p.y());
+    if (p.z() < -1e-12 || r > 0.9 * a) continue;
+    ++inside;
+    EXPECT_NEAR(pressures.at(i) / middle, std::sqrt(1 - r * r / (wider * wider)), 0.025) << "r/a " << r / a;
+  }
+  EXPECT_GT(inside, 15);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
