@@ -17,7 +17,7 @@ constexpr double few_operations = 5e7, few_for_each_number = 180;
 constexpr double residual_left = 1e-11, error_left = 1e-11;
 /// Estimates for one core, fitted to 1,331 nodes of tetrahedra and to 1,331 and 15,625 of hexahedra: of factorisations, whose
 /// numbers take time too, of an application for each number, and of a product for each block.
-double secondsInSingle(const CholeskyFactor& of) { return of.flops() / 115e9 + 1.5e-9 * of.entries(); }
+double secondsInSingle(const CholeskyFactor& of) { return of.flops() / 115e9 + 2.3e-9 * of.entries(); }
 double secondsInDouble(const CholeskyFactor& of) { return of.flops() / 40e9 + 8e-9 * of.entries(); }
 constexpr double application_single = 0.65e-9, application_double = 1.3e-9, product_block = 3e-9;
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -17,10 +18,10 @@ constexpr double worth_changing = 1.15;
 // What is expected of ways that have not been tried.
 constexpr double multigrid_start = 1.25, multigrid_rate = 2;  // iterations, and more for a decade
 constexpr double fresh_rate = 0.3;                           // by the factors of the very matrix, in single precision
-constexpr double former_rate = 0.8;                          // by those of a former one,
-constexpr double former_matrices = 3;                        // which serve so many
+constexpr double former_rate = 0.8;                          // and more by those of a former one, for each matrix since
 constexpr double direct_applications = 2.5;                  // of factors in single precision
-constexpr double turn = 430;                                 // ns: of a node, for each matrix
+// ns: to turn a node with what surrounds it, for each matrix
+constexpr double turn_factors = 700, turn_hierarchy = 330;
 constexpr double to_open_factors = 3e6;                      // ns: a module
 
 }  // namespace
@@ -31,11 +32,11 @@ double AutomaticInverse::iteration(Way way) const {
   const double product = product_ > 0 ? product_ : IterationCosts::usual_product * rows_;
   const double others = product + IterationCosts::vectors * rows_;
   if (way == Way::block_jacobi) return others;
-  return others + (way == Way::multigrid ? IterationCosts::cycle(rows_) * rows_ : now_.factor_costs.application);
+  return others + (way == Way::multigrid ? IterationCosts::cycle(rows_, blocks()) : now_.factor_costs.application);
 }
 
 double AutomaticInverse::setup(Way way) const {
-  if (way == Way::multigrid) return IterationCosts::hierarchy * rows_;
+  if (way == Way::multigrid) return IterationCosts::hierarchy(rows_, blocks()) + IterationCosts::assembly(rows_);
   return isFactored(way) ? now_.factor_costs.order + now_.factor_costs.factor + to_open_factors : 0;
 }
 
@@ -45,42 +46,81 @@ double AutomaticInverse::factorisation() const {
   return now_.factor_costs.factor + patterns * now_.factor_costs.order;
 }
 
+/// In a direct solve.
+double AutomaticInverse::applications() const { return now_.factor_costs.is_single ? direct_applications : 1; }
+
+/// Of the matrices after the first one, a solve's share.
+double AutomaticInverse::turning(Way way) const {
+  if (now_.matrices < 2 || way == Way::block_jacobi || way == Way::direct) return 0;
+  return (way == Way::multigrid ? turn_hierarchy : turn_factors) * rows_ / perMatrix();
+}
+
+/// By factors that are renewed when that is cheapest: with F for a factorisation and s for an iteration more for each matrix since,
+/// after sqrt(2 F / s) matrices, and then a solve costs sqrt(2 F s) more than by fresh factors.
+double AutomaticInverse::solveByFormer(double each, double renewal) const {
+  const double more = former_rate * decades() * each;
+  const double served = std::max(1.0, std::sqrt(2 * renewal / more));
+  return std::max(1.0, fresh_rate * decades()) * each + renewal / served + more * (served - 1) / 2;
+}
+
 /// One of the usual kind, with its share of what comes before.
 double AutomaticInverse::solve(Way way) const {
   const double rate = now_.rates[at(way)], each = iteration(way);
   if (way == Way::block_jacobi) return std::max(1.0, rate * decades()) * each;
   if (way == Way::multigrid)
-    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + multigrid_rate * decades()) * each;
+    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + multigrid_rate * decades()) * each + turning(way);
   const bool is_constant = now_.matrices == 1 && now_.solves > 1;
   const double factors = is_constant ? 0 : factorisation() / perMatrix();
-  if (way == Way::direct) return direct_applications * each + factors;
+  if (way == Way::direct) return applications() * each + factors;
   if (now_.factor_solves > 0) return now_.with_factors / now_.factor_solves;
-  const double fresh = std::max(1.0, fresh_rate * decades()) * each, former = std::max(1.0, former_rate * decades()) * each;
-  return std::min(fresh + factors, former + factors / former_matrices) + (is_constant ? 0 : turn * rows_ / perMatrix());
+  return solveByFormer(each, factors) + turning(way);
 }
 
+/// From below: a body of few tetrahedra has a third of the numbers of the laws.
 void AutomaticInverse::estimateFactors() {
+  constexpr double less = 3.5;
   if (now_.factor_costs.order > 0 || !mayBe(Way::factors)) return;
-  now_.factor_costs = factorCosts(rows_, extentsOf(rows_, matrix_->positions()));
+  FactorCounts counts = factorCountsOf(extentsOf(rows_, matrix_->positions()));
+  now_.is_counted = false;
+  counts = {counts.entries / less, counts.flops / (less * std::sqrt(less))};
+  now_.factor_costs = factorCosts(rows_, counts, true);
   now_.may_factor = factorsFit(now_.factor_costs.entries);
 }
 
-/// Sets `next` where another way is estimated to cost less, for `left` decades now and for later solves; the present way takes so
-/// many iterations for a decade.
-bool AutomaticInverse::findCheaper(double rate, double left) {
-  if (now_.changes >= most_changes || isRefused()) return false;
-  const double present = std::max(1.0, rate * decades()) * iteration(now_.way);
-  estimateFactors();
+/// Takes the pattern of the matrix, and some milliseconds: for those whose factors might be worth their cost.
+void AutomaticInverse::countFactors() {
+  if (now_.is_counted || !mayBe(Way::factors)) return;
+  now_.is_counted = true;
+  const FactorCounts by_law = factorCountsOf(extentsOf(rows_, matrix_->positions()));
+  now_.factor_costs = factorCosts(rows_, fewer(stroma::countFactors(matrix_->pattern()), by_law));
+  now_.may_factor = factorsFit(now_.factor_costs.entries);
+}
+
+/// The way that gains most where it costs less than the present one, for `left` decades now and for later solves.
+AutomaticInverse::Way AutomaticInverse::cheapest(double present, double left) const {
   double best = 0;
+  Way cheapest = now_.way;
   for (const Way way : {Way::block_jacobi, Way::multigrid, Way::factors, Way::direct}) {
     if (way == now_.way || !mayBe(way)) continue;
     if (way == Way::block_jacobi && now_.rates[at(way)] == 0) continue;
     const double other = solve(way);
     if (present < worth_changing * other) continue;
     const double gain = (present - other) * (horizon() + left / decades()) - setup(way);
-    if (gain > best) best = gain, now_.next = way;
+    if (gain > best) best = gain, cheapest = way;
   }
-  return best > 0;
+  return cheapest;
+}
+
+/// Sets `next` where another way is estimated to cost less; the present way takes so many iterations for a decade.
+bool AutomaticInverse::findCheaper(double rate, double left) {
+  if (now_.changes >= most_changes || isRefused()) return false;
+  const double present = std::max(1.0, rate * decades()) * iteration(now_.way) + turning(now_.way);
+  estimateFactors();
+  Way way = cheapest(present, left);
+  if (isFactored(way) && !now_.is_counted) countFactors(), way = cheapest(present, left);
+  if (way == now_.way) return false;
+  now_.next = way;
+  return true;
 }
 
 // ---- in a solve ----
@@ -117,7 +157,7 @@ void AutomaticInverse::solved(const SolveReport& report) {
   const double decades = std::min(-std::log10(start_), -std::log10(target_));
   now_.decades = now_.decades == 0 ? decades : now_.decades + (decades - now_.decades) / 4;
   factored_ = factored_ || report.factored;
-  judge((report.iterations + (isDirect() ? direct_applications - 1 : 0)) * iteration(now_.way));
+  judge((report.iterations + (isDirect() ? applications() - 1 : 0)) * iteration(now_.way) + turning(now_.way));
 }
 
 /// What the next solve should take.
@@ -141,7 +181,8 @@ void AutomaticInverse::judge(double cost) {
   const bool knows_multigrid = isFactored(way) && now_.rates[at(Way::multigrid)] > 0;
   const Way other = knows_multigrid && solve(Way::multigrid) < solve(Way::block_jacobi) ? Way::multigrid : Way::block_jacobi;
   now_.lost = std::max(0.0, now_.lost + cost - solve(other));
-  if (now_.lost <= std::max(setup(way), setup(other)) || now_.changes >= most_changes) return;
+  const double to_lose = other == Way::multigrid ? setup(other) : std::max(setup(way), setup(other));
+  if (now_.lost <= to_lose || now_.changes >= most_changes) return;
   now_.next = other;
   now_.may_factor = now_.may_factor && !isFactored(way);
 }
@@ -159,7 +200,7 @@ bool AutomaticInverse::giveUp() {
 
 // ---- between solves ----
 
-void AutomaticInverse::note(const SystemMatrix& matrix) {
+void AutomaticInverse::note(SystemMatrix& matrix) {
   const MatrixKey key = matrix.key();
   matrix_ = &matrix, rows_ = matrix.rows();
   leaves_ = false;
@@ -211,7 +252,7 @@ void AutomaticInverse::noteRefusal() {
 /// Where it would need patches, its iterations are many and dear.
 void AutomaticInverse::avoidMultigrid(SystemMatrix& matrix) {
   constexpr double dearer = 4;
-  estimateFactors();
+  estimateFactors(), countFactors();
   if (!mayBe(Way::factors)) return;
   const Way best = solve(Way::direct) < solve(Way::factors) ? Way::direct : Way::factors;
   if (solve(best) > dearer * solve(Way::multigrid) || !amg::hardlySmooths(matrix.assemble()) || !canFactor()) return;
@@ -219,7 +260,11 @@ void AutomaticInverse::avoidMultigrid(SystemMatrix& matrix) {
 }
 
 bool AutomaticInverse::followBy(Way way, SystemMatrix& matrix, SolveReport& report, StopToken stop) {
-  if (way == Way::multigrid) return multigrid_.follow(matrix, report, stop);
+  if (way == Way::multigrid) {
+    const bool has_hierarchy = multigrid_.follow(matrix, report, stop);
+    if (has_hierarchy) now_.blocks = multigrid_.hierarchy()->fine.a.blocks();
+    return has_hierarchy;
+  }
   WarpedFactor& former = factors();
   if (!former.follow(matrix, report, stop)) return false;
   factored_ = report.factored;
@@ -285,8 +330,11 @@ void AutomaticInverse::Memory::serialize(Archive& archive) {
   archive.value("auto_matrices", matrices);
   archive.value("auto_patterns", patterns);
   archive.value("auto_refusals", refusals);
+  archive.value("auto_blocks", blocks);
   archive.value("auto_may_factor", may_factor);
   archive.value("auto_new_pattern", has_new_pattern);
+  archive.value("auto_counted", is_counted);
+  archive.value("auto_single", factor_costs.is_single);
   archive.value("auto_order", factor_costs.order);
   archive.value("auto_factor", factor_costs.factor);
   archive.value("auto_application", factor_costs.application);

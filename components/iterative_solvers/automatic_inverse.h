@@ -86,9 +86,11 @@ class AutomaticInverse final : public ApproximateInverse {
     int factored_solves = 0;           ///< with those by the direct solver
     int solves = 0, matrices = 0, patterns = 0;
     int refusals = 0;                  ///< in a row
+    Index blocks = 0;                  ///< of the matrix; 0: no hierarchy so far
     bool may_factor = true;
     bool has_new_pattern = false;      ///< since the last solve by factors
     FactorCosts factor_costs;          ///< estimated, and then those of the factors
+    bool is_counted = false;           ///< these are not the least that the laws allow
     MatrixKey key;                     ///< of the last solve
     void serialize(Archive& archive);
   };
@@ -99,16 +101,22 @@ class AutomaticInverse final : public ApproximateInverse {
   double iteration(Way way) const;
   double setup(Way way) const;
   double factorisation() const;
+  double turning(Way way) const;
+  double applications() const;
+  double solveByFormer(double each, double renewal) const;
+  double blocks() const { return now_.blocks > 0 ? double(now_.blocks) : IterationCosts::usual_blocks * rows_; }
   double solve(Way way) const;
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
   double perMatrix() const { return double(now_.solves) / std::max(1, now_.matrices); }
   /// Solves that a change should pay in.
   double horizon() const { return 10 * perMatrix() + now_.solves; }
   bool isSlow(int iterations, double residual);
+  Way cheapest(double present, double left) const;
   bool findCheaper(double rate, double left);
   void estimateFactors();
+  void countFactors();
   void change(Way way);
-  void note(const SystemMatrix& matrix);
+  void note(SystemMatrix& matrix);
   bool followBy(Way way, SystemMatrix& matrix, SolveReport& report, StopToken stop);
   WarpedFactor& factors();
   bool canFactor();
@@ -125,7 +133,7 @@ class AutomaticInverse final : public ApproximateInverse {
   bool factored_ = false;   ///< in the solve that runs
   bool by_blocks_ = false;  ///< the solve that runs is a second try
   Index rows_ = 0;
-  const SystemMatrix* matrix_ = nullptr;  ///< of the solve that runs
+  SystemMatrix* matrix_ = nullptr;  ///< of the solve that runs
   BlockJacobiInverse blocks_;
   Multigrid multigrid_;
   std::unique_ptr<WarpedFactor> factors_;  ///< null: not needed so far

@@ -9,9 +9,10 @@
 //   135 (w h)^3 l / w flops   and   81 (w h)^2 l / w numbers,
 //
 // the laws of nested dissection with factors from cubes, and in flat bodies 1 + 2.4 (1 - h / w) and 1 + 0.7 ln(w / h) times
-// as much. A hierarchy and its iterations take a time in proportion to the blocks of the matrix. l, w and h come from the
-// second moments of the nodes. Both times are estimated from counts, for a core of 40 Gflop/s: no clock is read, and each run
-// chooses the same on every machine and with every number of threads.
+// as much. A hierarchy and its iterations take a time in proportion to the blocks and rows of the matrix. l, w and h come from
+// the second moments of the nodes. Both times are estimated from counts, for a core of 115 Gflop/s in single precision: no clock
+// is read, and each run chooses the same on every machine and with every number of threads. Where forces are not linear, both
+// are those of six solves, which multigrid makes loosely.
 // Bodies of less than 2,500 nodes are always factored.
 //
 // A solve by multigrid that goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that
@@ -55,6 +56,13 @@ namespace stroma {
 namespace {
 
 constexpr Index always_factored = 2500;  // nodes
+constexpr int usual_solves = 6;          // by Newton's method
+
+/// Whether the laws of factors might choose wrongly.
+bool isClose(const SolverCosts& by_law) {
+  constexpr double too_high = 5, too_low = 2;
+  return by_law.multigrid < too_low * by_law.direct && by_law.direct < too_high * by_law.multigrid;
+}
 
 /// Whether some matrix of the scene may.
 bool dependsOnState(const Node& root) {
@@ -168,12 +176,17 @@ void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   kept.reason = fmt::format("{} nodes are few", rows);
   if (rows >= always_factored && rows <= direct_->mostRows()) {
     const Extents extents = extentsOf(rows, matrix.positions());
-    const SolverCosts costs = solverCosts(matrix.pattern(), extents);
+    const int solves = dependsOnState(node().root()) ? usual_solves : 1;
+    const auto costsOf = [&](const FactorCounts& counts) {
+      return solverCosts(matrix.pattern(), counts, matrix.productCost(), solves);
+    };
+    SolverCosts costs = costsOf(factorCountsOf(extents));
+    if (isClose(costs)) costs = costsOf(fewer(countFactors(matrix.pattern()), factorCountsOf(extents)));
     kept.reason =
         fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
                     rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
-                    costs.multigrid());
-    if (costs.multigrid() < costs.direct) kept.now = {.way = Way::multigrid, .patience = costs.patience()};
+                    costs.multigrid);
+    if (costs.multigrid < costs.direct) kept.now = {.way = Way::multigrid, .patience = costs.patience()};
   }
   tellChoice(kept);
 }

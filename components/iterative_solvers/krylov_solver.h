@@ -48,7 +48,7 @@ class KrylovSolver : public LinearSolver {
   }
   /// Nanoseconds of that, estimated; 0: not known.
   double productCost(const SystemMatrix& matrix) const {
-    return assembled_ ? assembledProductCost(*assembled_) : matrix.productCost();
+    return assembled_ ? assembledProductCost(assembled_->blocks()) : matrix.productCost();
   }
   /// r = b - A x; returns r.r. `work` has the shape of r.
   double residual(const SystemMatrix& matrix, ConstRows b, ConstRows x, Rows r, Rows work) const {

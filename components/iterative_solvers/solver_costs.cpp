@@ -16,19 +16,7 @@ namespace {
 // flat part, w > h, the cuts after the first ones count too: separators shorten along one axis alone. The laws of that are
 // fitted to plates of 17 to 101 nodes by 3 to 5.
 constexpr double flops_each = 135, entries_each = 81;
-constexpr double flops_a_second = 40e9, seconds_an_entry = 8e-9, seconds_to_order_a_node = 12e-6;
-// Per 3x3 block of the matrix; from the same cubes.
-constexpr double setup_seconds = 0.6e-6, iteration_seconds = 30e-9;
-constexpr int usual_iterations = 15;
-double entriesOf(const Extents& e) {
-  const double separator = e.width * e.height, flatness = e.width / e.height;
-  return entries_each * (1 + 0.7 * std::log(flatness)) * e.length / e.width * separator * separator;
-}
-double flopsOf(const Extents& e) {
-  const double separator = e.width * e.height, flatness = e.width / e.height;
-  return flops_each * (1 + 2.4 * (1 - 1 / flatness)) * e.length / e.width * separator * separator * separator;
-}
-
+constexpr double nanosecond = 1e-9;
 /// Numbers that fit into half of the machine's memory.
 double mostEntries() {
   const double bytes = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
@@ -36,8 +24,6 @@ double mostEntries() {
 }
 
 }  // namespace
-
-double SolverCosts::multigrid() const { return setup + usual_iterations * iteration; }
 
 int SolverCosts::patience() const {
   constexpr int least = 60;
@@ -65,29 +51,43 @@ Extents extentsOf(Index nodes, ConstRows positions) {
   return extents;
 }
 
+FactorCounts factorCountsOf(const Extents& e) {
+  const double separator = e.width * e.height, flatness = e.width / e.height, parts = e.length / e.width;
+  return {entries_each * (1 + 0.7 * std::log(flatness)) * parts * separator * separator,
+          flops_each * (1 + 2.4 * (1 - 1 / flatness)) * parts * separator * separator * separator};
+}
+
 bool factorsFit(double entries) { return entries <= mostEntries(); }
 
-SolverCosts solverCosts(const BlockMatrix& pattern, const Extents& e) {
+// Both ways assemble. Where forces are not linear, the solves of Newton's method are loose.
+SolverCosts solverCosts(const BlockMatrix& pattern, const FactorCounts& counts, double product, int solves) {
+  constexpr double to_tolerance = 15, loose = 7, applications = 3;
+  const double rows = pattern.rows(), blocks = pattern.blocks();
+  const FactorCosts factors = factorCosts(pattern.rows(), counts);
+  const double usual = solves > 1 ? loose : to_tolerance, each = factors.is_single ? applications : 1;
+  const double matrix_product = assembledProductCost(blocks);
+  if (product <= 0 || product > matrix_product) product = matrix_product;
   SolverCosts costs;
-  costs.factor_entries = entriesOf(e);
-  costs.direct = flopsOf(e) / flops_a_second +
-                 seconds_an_entry * costs.factor_entries + seconds_to_order_a_node * pattern.rows();
-  costs.setup = setup_seconds * pattern.blocks();
-  costs.iteration = iteration_seconds * pattern.blocks();
+  costs.factor_entries = factors.entries;
+  costs.direct = nanosecond * (factors.order + solves * (factors.factor + each * (factors.application + matrix_product)));
+  costs.setup = nanosecond * IterationCosts::hierarchy(rows, blocks);
+  costs.iteration = nanosecond * (IterationCosts::cycle(rows, blocks) + IterationCosts::vectors * rows + product);
+  costs.multigrid = costs.setup + solves * usual * costs.iteration;
   return costs;
 }
 
 // Small and slender ones are factored in double precision. Ordering, analysis, assembly and the turning of vectors are in
-// nanoseconds for a row.
-FactorCosts factorCosts(Index rows, const Extents& e) {
-  constexpr double order = 8000, assembly = 1500, turning = 40;
-  const double entries = entriesOf(e), flops = flopsOf(e);
-  const bool is_single = flops >= std::max(5e7, 180 * entries);
+// nanoseconds for a row. Operations are at the speed of large fronts; what goes with the numbers is to clear, add and divide them.
+// Of matrices of 729 to 12,005 nodes whose patterns had been factored before.
+FactorCosts factorCosts(Index rows, const FactorCounts& counts, bool in_single) {
+  constexpr double order = 8500, assembly = 1000, turning = 40;
+  const auto [entries, flops] = counts;
+  const bool is_single = in_single || flops >= std::max(5e7, 180 * entries);
   FactorCosts costs;
   costs.order = order * rows;
-  costs.factor = (is_single ? flops / 115 + 1.5 * entries : flops / 40 + 2.5 * entries) + assembly * rows;
-  costs.application = (is_single ? 0.65 : 1) * entries + turning * rows;
-  costs.entries = entries;
+  costs.factor = (is_single ? flops / 115 + 2.3 * entries : flops / 40 + 9 * entries) + assembly * rows;
+  costs.application = (is_single ? 0.65 * entries : 1.05 * entries + 130.0 * rows) + turning * rows;
+  costs.entries = entries, costs.is_single = is_single;
   return costs;
 }
 

@@ -172,15 +172,17 @@ struct LockedCube {
   Vector b;
 };
 
-/// Thirty times as long as wide: a direct solver costs least. `shift` times the identity makes
-/// it indefinite with a positive diagonal.
+/// Fifteen times as long as wide, and stiff in one half and then in the other: no former factors serve, and a direct solver costs
+/// least. `shift` times the identity makes it indefinite with a positive diagonal.
 struct Needle {
-  Needle() : matrix(made()), b(matrix.rows()) {
+  Needle() : matrix(made(false)), other(made(true).values), b(matrix.rows()) {
     for (Index i = 25; i < b.count(); ++i) b[i] = Vec3(0.1, 0, -1);
   }
-  static StoredMatrix made() {
+  static StoredMatrix made(bool is_stiff_above) {
     ElasticBlock block;
-    block.cells = {4, 4, 120};
+    block.cells = {4, 4, 60};
+    block.poisson = 0.49;
+    block.stiffer = [is_stiff_above](Vec3 at) { return (at.z() > 30) == is_stiff_above ? 10. : 1.; };
     StoredMatrix matrix = block.matrix();
     for (Index k = 0; k < block.nodes(2); ++k)
       for (Index j = 0; j < block.nodes(1); ++j)
@@ -189,6 +191,7 @@ struct Needle {
   }
   SolveReport solve(SolverInScene& solver, double shift = 0) {
     ++matrix.revision_number;
+    std::swap(matrix.values, other);
     for (Index i = 0; i < matrix.rows(); ++i) matrix.values.add(i, i, shift * Mat3::Identity());
     x = Vector(b.count());
     const SolveReport report = solver.solve(matrix, b, x);
@@ -199,6 +202,7 @@ struct Needle {
     return report;
   }
   StoredMatrix matrix;
+  BlockMatrix other;  ///< of the next solve
   Vector b, x;
   double residual = 0;
 };
