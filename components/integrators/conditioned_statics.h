@@ -54,6 +54,7 @@ class ConditionedStatics final : public NonlinearProblem {
   // ---- as equations for Newton's method ----
   void residual(Rows out) override;
   SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
+  void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
   double energy() override { return 0; }  // not asked for
   Rows unknowns() override { return way_; }
   void unknownsChanged() override;

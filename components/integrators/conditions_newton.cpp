@@ -95,6 +95,7 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
   const Rows u = problem_->unknowns();
   copy(u, last_);
   if (!solveOrShift(solver, problem_->tangent(), residual_, direction_, {.stop = stop}, report)) return false;
+  problem_->keepToFree(direction_);
   report.reason.clear();
   axpy(1, direction_, u);
   problem_->unknownsChanged();

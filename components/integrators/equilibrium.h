@@ -52,6 +52,7 @@ class Equilibrium final : public NonlinearProblem {
   void leaveOut(Rows out) const {
     if (share_ < 1) axpy(share_ - 1, start_force_, out);
   }
+  void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
   SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
   /// The gradient of the second part is (1 - s) f0.

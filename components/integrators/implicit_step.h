@@ -86,6 +86,7 @@ class ImplicitStep final : public NonlinearProblem {
   // ---- as equations for Newton's method ----
   void residual(Rows out) override;
   SystemMatrix& tangent() override;
+  void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
   double energy() override;
   Rows unknowns() override { return v(); }

@@ -50,6 +50,11 @@ bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop !=
 
 }  // namespace
 
+void keepToFree(const System& system, Rows d) {
+  const ConstraintSet& constraints = system.constraints();
+  if (constraints.change() || constraints.revision() > 1) constraints.project(d);
+}
+
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
                   StepReport& report, const std::function<SystemMatrix*()>& other) {
   clear(x);
@@ -297,6 +302,7 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
   };
   const bool found = solveOrShift(solver, problem.tangent(), residual_, direction_, {forcingTerm(now), stop_}, report,
                                   std::ref(definite));
+  problem.keepToFree(direction_);
   if (switched) problem.useDefiniteTangent(false);
   went_on_ = false;
   return found;

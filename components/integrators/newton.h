@@ -28,6 +28,9 @@ class NonlinearProblem {
   virtual bool useDefiniteTangent(bool) { return false; }
   virtual double energy() = 0;  ///< E(u); called only when NewtonSettings::use_energy
   virtual Rows unknowns() = 0;  ///< u, for Newton to write; shape (rows)
+  /// A direction that a linear solver has found, without what it has in directions that have been held since the solver kept
+  /// what it starts from.
+  virtual void keepToFree(Rows /*d*/) const {}
   /// d becomes a way from u to where the step may end, which is tried before the first iteration. False: none is known.
   virtual bool guess(Rows /*d*/) { return false; }
   virtual Rows sinceStart() { return unknowns(); }  ///< u less that where the step starts, for forces of constraint
@@ -86,6 +89,9 @@ struct NewtonSettings {
   bool keep_unconverged = true;  ///< for callers: an iterate that has not converged becomes the state
   bool fixed_count = false;      ///< where `iterations` end is the result, unless |R| is little before
 };
+
+/// d without what it has in directions that are held, where these may have changed since a solver kept what it starts from.
+void keepToFree(const System& system, Rows d);
 
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
 /// has reached is kept if it goes downhill, else a growing multiple of the matrix's own diagonal is added (Levenberg)

@@ -106,11 +106,35 @@ bool MechanicalMatrix::symmetric() const {
          std::all_of(actors_.damped_fields.begin(), actors_.damped_fields.end(), is_symmetric);
 }
 
+/// P p = p to round-off. Where nothing that is held changes it always is.
+static bool isFree(const ConstraintSet& constraints, ConstRows p) {
+  constexpr double round_off = 1e-12;
+  if (!constraints.change() && constraints.revision() <= 1) return true;
+  const auto differ = [](const Vec3& a, const Vec3& b) {
+    return (a - b).lpNorm<Eigen::Infinity>() > round_off * a.lpNorm<Eigen::Infinity>();
+  };
+  for (const NodeProjector& held : constraints.projectors())
+    if (const Vec3 whole = p[held.row]; differ(whole, held.projector * whole)) return false;
+  const NodeGroups& groups = constraints.groups();
+  for (Index group = 0; group < groups.count(); ++group)
+    for (const Index* row = groups.begin(group) + 1; row < groups.end(group); ++row)
+      if (differ(p[*groups.begin(group)], p[*row])) return false;
+  return true;
+}
+
 // Preconditioners by blocks of the diagonal keep to held nodes and groups but not to relations: with them the product
-// is P A P p + s (I - P) p, with the size s of the numbers in A.
+// is P A P p + s (I - P) p, with the size s of the numbers in A. Solutions and hierarchies that a solver has kept from before
+// something was held do not keep to that: then the product is P A P p, and the part (I - P) p means nothing.
 void MechanicalMatrix::multiply(ConstRows p, Rows out) const {
-  if (constraints_.relations().empty()) return multiplyFree(p, out);
+  const bool has_relations = !constraints_.relations().empty();
+  if (!has_relations && isFree(constraints_, p)) return multiplyFree(p, out);
   if (free_part_.count() != rows() + 1) free_part_.resize(rows() + 1);
+  if (!has_relations) {
+    const Rows free = free_part_.head(rows());
+    copy(p, free);
+    constraints_.project(free);
+    return multiplyFree(free, out);
+  }
   const auto size = free_part_[rows()];  // the last row keeps s, and for which values it holds
   if (const double values = double(valuesRevision() + 1); size[1] != values)
     free_part_[rows()] = Vec3(heldBeside(actors_, factors_, constraints_.relations().relations()), values, 0);

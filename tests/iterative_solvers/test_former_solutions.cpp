@@ -7,6 +7,7 @@
 #include "components/iterative_solvers/former_solutions.h"
 #include "framework/algebra/parallel.h"
 #include "tests/iterative_solvers/block_problem.h"
+#include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
 namespace {
@@ -133,6 +134,45 @@ TEST(FormerSolutions, RepeatToTheBitTakenUpAgainAndTakenBack) {
     setThreads(k - 7), swing.step(second, k), setThreads(1);
     EXPECT_TRUE(isSame(found[std::size_t(k - 8)])) << k << " taken up again, on " << k - 7 << " threads";
   }
+}
+
+/// A cube that falls on a wall, held at one face; from 0.1 s on the other face is led sideways.
+Simulation ledCube(const std::string& integrator, const std::string& solver, const std::string& method) {
+  return simulationFromText(fmt::format(
+      "<Node gravity='0 -9.81 0' dt='0.01'>{}{}"
+      "<RegularGridTopology n='9 9 9' min='0 0 0' max='0.1 0.1 0.1'/><MechanicalObject name='dofs'/>"
+      "<UniformMass totalMass='1'/>"
+      "<BoxROI name='wall' box='-0.001 -0.001 -0.001  0.001 0.101 0.101' position='@dofs.rest_position'/>"
+      "<BoxROI name='far' box='0.099 -0.001 -0.001  0.101 0.101 0.101' position='@dofs.rest_position'/>"
+      "<FixedProjectiveConstraint indices='@wall.indices'/>"
+      "<LinearMovementProjectiveConstraint indices='@far.indices' keyTimes='0.1 0.15 0.3' movements='0 0 0  0 0.002 0  0 0.002 0' "
+      "outside='free'/>"
+      "<HexahedronFEMForceField youngModulus='30000' poissonRatio='0.3' method='{}'/></Node>",
+      integrator, solver, method));
+}
+
+/// What begins to be held while a scene runs still moves in former solutions and in a hierarchy that is kept.
+TEST(FormerSolutions, StepsInWhichNodesBeginToBeHeldAreThoseOfADirectSolver) {
+  const std::string linear = "<EulerImplicitSolver/>", newton = "<EulerImplicitSolver newtonIterations='20' newtonTolerance='1e-9'/>";
+  for (const std::string& integrator : {linear, newton})
+    for (const std::string method : {"polar", "green"})
+      for (const std::string solver : {"<AutomaticLinearSolver tolerance='1e-10'/>",
+                                       "<PCGLinearSolver preconditioner='multigrid' tolerance='1e-10' iterations='400'/>"}) {
+        SCOPED_TRACE(integrator + solver + method);
+        Simulation direct = ledCube(integrator, "<SparseLDLSolver/>", method), iterated = ledCube(integrator, solver, method);
+        for (int step = 0; step < 14; ++step) {
+          direct.step();
+          const StepReport report = iterated.step();
+          EXPECT_TRUE(report.linear_converged);
+          const ConstRows expected = direct.systems().at(0)->v, found = iterated.systems().at(0)->v;
+          double most = 0, apart = 0;
+          for (Index i = 0; i < expected.count; ++i) {
+            most = std::max(most, Vec3(expected[i]).norm());
+            apart = std::max(apart, (Vec3(expected[i]) - Vec3(found[i])).norm());
+          }
+          ASSERT_LE(apart, 1e-6 * most) << "step " << step;
+        }
+      }
 }
 
 }  // namespace
