@@ -114,6 +114,12 @@ void BDFOdeSolver::compile(System& system) {
   if (start_from_ == StartFrom::predicted && implicit_.bodies().anyTurns())
     throw ComponentError("startFrom=\"predicted\" of " + path() + " is not for frames whose inertia turns with them",
                          "startFrom=\"state\", or UniformMass turns=\"false\"", "startFrom=\"state\"");
+  if (start_from_ == StartFrom::predicted && implicit_.isLimited())
+    throw ComponentError("startFrom=\"predicted\" of " + path() + " moves bodies before it looks what is in their way",
+                         "startFrom=\"state\" with contact that nothing passes", "startFrom=\"state\"");
+  if (start_from_ == StartFrom::state && rest_below_ > 0)
+    throw ComponentError("restBelow of " + path() + " is of steps that begin where velocities lead", "startFrom=\"predicted\" with it",
+                         "startFrom=\"predicted\"");
   momentum_changes_.assign(implicit_.bodies().count(), Vec3::Zero());
 }
 
@@ -189,7 +195,7 @@ void BDFOdeSolver::stepTaken(const StepContext& context) {
   std::swap(way_, new_way_);
   rested_ ? clear(change_) : copy(implicit_.change(), change_);
   for (std::size_t b = 0; b < momentum_changes_.size(); ++b)
-    momentum_changes_[b] = implicit_.endMomenta()[b] - implicit_.startMomenta()[b];
+    momentum_changes_[b] = rested_ ? Vec3(Vec3::Zero()) : Vec3(implicit_.endMomenta()[b] - implicit_.startMomenta()[b]);
   last_step_ = context.dt;
 }
 

@@ -43,6 +43,8 @@ class ImplicitStep final : public NonlinearProblem {
   /// has_history.
   std::vector<Vec3> momentum_predictor;
   const TurningBodies& bodies() const { return bodies_; }
+  /// Something may be in the way of a step.
+  bool isLimited() const { return !limits_.empty(); }
   /// Of bodies(): J w before the last solve(), and after it.
   const std::vector<Vec3>& startMomenta() const { return start_momenta_; }
   const std::vector<Vec3>& endMomenta() const { return end_momenta_; }

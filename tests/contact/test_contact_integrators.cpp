@@ -371,5 +371,15 @@ TEST(ContactIntegrators, WhatGoesOnEvenlyNeedsNoSolve) {
     }
 }
 
+TEST(ContactIntegrators, WhatMovesBeforeItLooksIsRefused) {
+  const auto problems = [](const std::string& attributes) {
+    const std::string integrator = "<BDFOdeSolver newtonIterations=\"9\" " + attributes + "/>";
+    return problemsOf(contactScene(masses(0.1, Vec3::Zero(), 1e4, ""), 0.01, Vec3::Zero(), integrator));
+  };
+  EXPECT_EQ(problems(""), "");
+  expectContains(problems("startFrom=\"predicted\""), "moves bodies before it looks what is in their way");
+  expectContains(problems("restBelow=\"1e-5\""), "is of steps that begin where velocities lead");
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

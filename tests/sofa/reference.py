@@ -43,9 +43,10 @@ def euler(x, mass, forces, steps, h, v=None, held=(), theta=1.0, rayleigh_mass=0
     return x
 
 
-def multistep(x, mass, forces, steps, h, order, held=(), rayleigh_mass=0.0, rayleigh_stiffness=0.0, iterations=1):
-    """Backward differentiation as SOFA has it: the first step is of order 1, and Newton's method begins at x + h v with v. The
-    unknowns are velocities; the residual r1 of positions is taken into the equation of momentum."""
+def multistep(x, mass, forces, steps, h, order, held=(), rayleigh_mass=0.0, rayleigh_stiffness=0.0, iterations=1, rest_below=0.0):
+    """Backward differentiation as SOFA has it: the first step is of order 1, and Newton's method begins at x + h v with v, and is
+    over there where |r2| <= rest_below. The unknowns are velocities; the residual r1 of positions is taken into the equation of
+    momentum."""
     x = np.array(x, float)
     n = len(x)
     v, older = np.zeros_like(x), None
@@ -55,11 +56,13 @@ def multistep(x, mass, forces, steps, h, order, held=(), rayleigh_mass=0.0, rayl
         share, w = (0.0, h) if order == 1 or older is None else (1 / 3, 2 * h / 3)
         way, change = (np.zeros_like(x), np.zeros_like(x)) if older is None else (x - older[0], v - older[1])
         x1, v1 = x + h * v, v.copy()
-        for _ in range(iterations):
+        for iteration in range(iterations):
             f, K = forces(x1, v1)
             force = f.ravel() - rayleigh_mass * M @ v1.ravel() + rayleigh_stiffness * K @ v1.ravel()
             r1 = (x1 - x - share * way - w * v1).ravel()
             r2 = M @ (v1 - v - share * change).ravel() - w * force
+            if iteration == 0 and np.linalg.norm(r2[free]) <= rest_below:
+                break
             A = (1 + w * rayleigh_mass) * M - w * (rayleigh_stiffness + w) * K
             r1[~free] = 0
             d = np.zeros(3 * n)

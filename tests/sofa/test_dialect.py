@@ -4052,6 +4052,23 @@ def frames_that_turn_as_they_are_predicted_to():
 
 
 @case
+def frames_that_swing_and_rest_for_some_steps():
+    """Where the torque of a spring is small a step ends as it begins: the one after it has no change of velocity behind it."""
+    inertia, k, angle, lack = 0.9, 40.0, 0.3, 0.02
+    def spring(x, v):
+        return -k * x, -k * np.eye(3)
+    for order in (1, 2):
+        scene = root(f'<BDFOdeSolver order="{order}"/><NewtonRaphsonSolver absoluteResidualStoppingThreshold="{lack}"/><SparseLDLSolver/>'
+                     f'<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 {np.sin(angle / 2)} {np.cos(angle / 2)}" '
+                     'rest_position="0 0 0 0 0 0 1"/><UniformMass vertexMass="1 1 [0.5 0 0 0 0.7 0 0 0 0.9]"/>'
+                     f'<RestShapeSpringsForceField stiffness="1" angularStiffness="{k}"/>', 'gravity="0 0 0"')
+        for steps in (5, 40):
+            turn, awake = (multistep([[0, 0, angle]], [inertia], spring, steps, 0.01, order, rest_below=below)[0] for below in (lack, 0))
+            agree(Run(scene, steps).x(width=7)[0], np.r_[0, 0, 0, turn_of(turn)], 1e-9)
+        differ(turn, awake, 1e-3)
+
+
+@case
 def steps_that_are_over_before_they_begin():
     """m g h sqrt(2) of a light body is below Newton's absolute threshold of 1e-5: in SOFA it does not fall."""
     light = '<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="1e-4"/><SparseLDLSolver/>'
@@ -4100,7 +4117,13 @@ def quirk_meeting_ends():
             run = Run(scene.format(words), steps)
             agree(run.x()[1], [0, drawn(steps, True), 0])
             agree(Run(scene.format(words), steps, args=["--without-quirk", "meeting-ends"]).x()[1], [0, drawn(steps, False), 0])
-        run.says("meeting-ends: springs without a length do nothing where their ends meet")
+        run.says("meeting-ends: springs do nothing where their ends meet")
+    longer = scene.format('springsIndices1="0" springsIndices2="1" stiffness="500" damping="0" lengths="0.5"')
+    agree(Run(longer, 1).x()[1], [0, drawn(1, True), 0])
+    agree(Run(longer, 1, args=["--without-quirk", "meeting-ends"]).x()[1], [0, drawn(1, False), 0])
+    apart = '<Node name="{}">{}<MechanicalObject name="dofs" position="0 0 0"/>{}</Node>'
+    Run(root(apart.format("a", EXACT, "<UniformMass/>") + apart.format("b", "", "") +
+             '<SpringForceField object1="@a" object2="@b" springsIndices1="0" springsIndices2="0"/>'), 1).says("holds nodes without mass")
 
 
 @case

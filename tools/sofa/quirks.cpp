@@ -12,7 +12,7 @@ const std::vector<Quirk>& allQuirks() {
       {"child-gravity", "gravity and dt of a child node do not count"},
       {"cg-threshold", "conjugate gradients stop at an absolute p.Ap, in the units of the scene"},
       {"spring-length", "the constants of springs of a mesh are divided by their length"},
-      {"meeting-ends", "springs without a length do nothing where their ends meet, and have no stiffness there"},
+      {"meeting-ends", "springs do nothing where their ends meet, and have no stiffness there"},
       {"explicit-damping", "damping of springs and obstacles is explicit, and its tension stiffens the tangent"},
       {"edge-mass", "the mass matrix of a mesh has entries at vertices and edges only"},
       {"pair-mass", "hexahedra that are a mass too couple all pairs of their corners alike, with 19 times their mass"},

@@ -103,7 +103,7 @@ void Rewriting::meanOfNames(Element& element) {
 }
 
 /// Some spring of the field may have no length at rest.
-static bool maySpringsMeet(const Element& field) {
+static bool hasZeroLengths(const Element& field) {
   const bool is_whole = field.find("spring");
   const std::vector<double> numbers = writtenNumbers(field.text(is_whole ? "spring" : field.find("length") ? "length" : "lengths"));
   bool is_zero = numbers.empty();
@@ -125,7 +125,11 @@ bool Rewriting::haveMass(const Element& springs) const {
 
 void Rewriting::meanSprings(Element& element) {
   if (!element.is("SpringForceField")) return;
-  if (maySpringsMeet(element) && haveMass(element)) setQuirk(element, "meeting-ends", "meetingEnds", "free");
+  if (haveMass(element))
+    setQuirk(element, "meeting-ends", "meetingEnds", "free");
+  else if (hasZeroLengths(element))
+    warn(element.written->where, element, {},
+         "holds nodes without mass: where the ends of a spring meet SOFA's matrix is singular, and here they keep their stiffness");
   const bool has_pairs = element.find("springsIndices1") || element.find("indices1");
   if (!element.find("spring") && !has_pairs) {
     element.dropped = true;
