@@ -115,9 +115,13 @@ for reference, line, ends in ((frames(), "20 1e-4", "t = 0.1, and 20 steps at t 
 # a folder holds lists; those of topologies have no states
 for where in ("examples", "."):
     code, text, result = run(*good, where=where)
-    assert code == 0 and "1 passed, 0 failed" in text, text
+    assert code == 0 and "1 passed, 0 failed" in text and "1 of topologies left out" in text, text
 code, text, result = run(*good, where="references")
 assert code == 2 and "a folder without lists of SOFA" in text, text
+
+for option, word in (("--update", "update"), ("--bits", "bits"), ("--threads=1", "threads")):
+    code, text, result = run(*good, more=[option])
+    assert code == 2 and f"--{word} is of the project's own lists" in text, text
 
 # nobody can match it: neither passed nor failed
 wrong = as_json({round(k * 0.01, 10): [[0, 0, 0], [1, -1 if k > 40 else 0, 0], [2, 0, 0]] for k in range(60)})

@@ -184,10 +184,11 @@ bool isSofaList(const std::string& file) { return file.ends_with(".regression-te
 
 std::vector<std::string> sofaListsIn(const std::string& folder) {
   std::vector<std::string> lists;
+  int without_states = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (const std::string name = entry.path().filename().string();
-        entry.is_regular_file() && isSofaList(name) && name.find("Topology") == std::string::npos)
-      lists.push_back(entry.path().string());
+    if (const std::string name = entry.path().filename().string(); entry.is_regular_file() && isSofaList(name))
+      name.find("Topology") == std::string::npos ? lists.push_back(entry.path().string()) : void(++without_states);
+  if (without_states > 0) fmt::print("{} of topologies left out: nothing in them is compared with states\n", without_states);
   std::sort(lists.begin(), lists.end());
   if (lists.empty())
     throw std::runtime_error(folder + " is a folder without lists of SOFA: expected a list, or a folder with *.regression-tests in it");

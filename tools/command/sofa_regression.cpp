@@ -227,6 +227,9 @@ std::string sentence(const Json& result, double epsilon) {
 }  // namespace
 
 int regressSofaLists(const std::string& where, const Values& values) {
+  for (const char* other : {"update", "bits", "set", "threads"})
+    if (values.count(other))
+      throw UsageError(fmt::format("--{} is of the project's own lists: what {} compares are states that SOFA stored", other, where));
   std::vector<SofaCase> cases;
   for (const std::string& list : isSofaList(where) ? std::vector<std::string>{where} : sofaListsIn(where))
     for (SofaCase& one : readSofaList(list)) cases.push_back(std::move(one));
