@@ -120,7 +120,7 @@ bool Multigrid::make(SystemMatrix& matrix, SolveReport& report, StopToken stop) 
 void Multigrid::solved(const SolveReport& report, double began) {
   const double decades = std::max(0.5, std::log10(began / std::max(report.relative_residual, 1e-16)));
   const double rate = report.iterations / decades;
-  if (now_.rate == 0) now_.rate = std::max(rate, 1.0);
+  if (now_.rate == 0 && report.iterations > 0) now_.rate = std::max(rate, 1.0);
   now_.lost += std::max(0.0, report.iterations - now_.rate * decades);
   now_.renew = !now_.fresh && now_.lost > iterations_worth;
 }

@@ -204,17 +204,22 @@ TEST(Pressures, BelowASphereAreThoseOfHertz) {
       1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-6\"/>"));
   expectCleanStep(simulation, 1);
   const std::vector<double> pressures = numbersOf(simulation, "pressures");
-  const double middle = pressures.at(std::size_t(std::stoi(mesh.where([](const Vec3& p) { return p.norm() < 1e-12; })))),
-               wider = std::sqrt(3 * force / (2 * M_PI * middle));
-  EXPECT_NEAR(wider / a, 1 + 0.25 * h / a, 0.01);
-  EXPECT_NEAR(middle / most, 1, 0.1);
+  const auto nodeAt = [&](const Vec3& at) {
+    return std::size_t(std::stoi(mesh.where([&](const Vec3& p) { return (p - at).norm() < 1e-12; })));
+  };
+  // a node has the mean of the cells around it, whose middle is a tenth too low at this size
+  constexpr double too_low = 0.1;
+  EXPECT_NEAR(pressures.at(nodeAt(Vec3::Zero())) / most, 1, too_low);
+  const auto hertz = [&](double r) { return std::sqrt(std::max(0.0, 1 - r * r / (a * a))); };
   int inside = 0;
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     const Vec3& p = mesh.points[i];
     const double r = std::hypot(p.x(), p.y());
     if (p.z() < -1e-12 || r > 0.9 * a) continue;
     ++inside;
-    EXPECT_NEAR(pressures.at(i) / middle, std::sqrt(1 - r * r / (wider * wider)), 0.025) << "r/a " << r / a;
+    EXPECT_LT(pressures.at(i) / most, hertz(std::max(0.0, r - h))) << "r/a " << r / a;
+    EXPECT_GT(pressures.at(i) / most, hertz(r + h) - too_low) << "r/a " << r / a;
+    EXPECT_NEAR(pressures.at(i) / most, pressures.at(nodeAt({p.y(), p.x(), p.z()})) / most, 0.02) << "r/a " << r / a;
   }
   EXPECT_GT(inside, 15);
 }

@@ -188,5 +188,41 @@ TEST(MeanDilatation, RefusesAMaterialForEachCell) {
   EXPECT_NE(problemsOf(scene).find("at most 100 materials"), std::string::npos) << problemsOf(scene);
 }
 
+/// Boxes make their diagonal blocks by themselves, and a uniform mass writes its product: both are those of the matrix.
+TEST(Boxes, DiagonalAndProductsAreThoseOfTheMatrix) {
+  for (const char* method : {"small", "polar", "svd"})
+    for (const char* nu : {"0.3", "0.45"}) {
+      SCOPED_TRACE(fmt::format("{} {}", method, nu));
+      Simulation simulation = simulationFromText(fmt::format(
+          "<Node gravity='0 -9.81 2' dt='0.02'><EulerImplicitSolver/><SparseLDLSolver/>"
+          "<RegularGridTopology n='7 3 3' min='0 0 0' max='0.6 0.1 0.16'/><MechanicalObject/><UniformMass totalMass='5'/>"
+          "<FixedProjectiveConstraint indices='0 7 14 21 28 35 42 49 56'/>"
+          "<HexahedronFEMForceField method='{}' youngModulus='2e4' poissonRatio='{}'/></Node>",
+          method, nu));
+      for (int step = 0; step < 20; ++step) simulation.step();
+      System& system = *simulation.systems()[0];
+      Vector f(system.allRows());
+      system.computeForce(system.x, system.v, f);
+      MechanicalMatrix& matrix = system.matrix().withFactors({.mass = 3, .stiffness = -2});
+      std::vector<double> blocks;
+      matrix.diagonalBlocks(blocks);  // before there is a matrix to take them from
+      Vector p(system.independentRows()), product(p.count()), assembled(p.count());
+      for (Index i = 0; i < p.count(); ++i) p[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(7 * i + 1));
+      system.constraints().project(p);
+      matrix.multiply(p, product);
+      const BlockMatrix& whole = matrix.assemble();
+      whole.multiply(p, assembled);
+      double most = 0, apart = 0;
+      for (Index i = 0; i < p.count(); ++i)
+        for (std::size_t k = 0; k < 9; ++k) {
+          const double here = whole.values()[std::size_t(whole.diagonal()[i]) * 9 + k];
+          most = std::max(most, std::abs(here)), apart = std::max(apart, std::abs(here - blocks[std::size_t(i) * 9 + k]));
+        }
+      EXPECT_LT(apart, 1e-13 * most);
+      axpy(-1, product, assembled);
+      EXPECT_LT(norm(assembled), 1e-13 * norm(product));
+    }
+}
+
 }  // namespace
 }  // namespace stroma::test
