@@ -21,9 +21,19 @@ struct Source {
 /// The smallest distance over grids of the closest points' parameters, refined where it is smallest: no less than the
 /// smallest there is, and uses nothing of the code under test.
 double searched(PairKind kind, const FourPoints& x) {
+  double place[4][3];  // numbers, not matrices: tests are compiled without optimisation
+  for (int k = 0; k < 4; ++k)
+    for (int c = 0; c < 3; ++c) place[k][c] = x[std::size_t(k)][c];
+  const double(&p)[4][3] = place;
+  const bool edges = kind == PairKind::edge_edge;
   const auto distance = [&](double s, double t) {
-    if (kind == PairKind::edge_edge) return ((1 - s) * x[0] + s * x[1] - (1 - t) * x[2] - t * x[3]).norm();
-    return (x[0] - (1 - s) * x[1] - s * ((1 - t) * x[2] + t * x[3])).norm();
+    double squared = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double d = edges ? (1 - s) * p[0][c] + s * p[1][c] - (1 - t) * p[2][c] - t * p[3][c]
+                             : p[0][c] - (1 - s) * p[1][c] - s * ((1 - t) * p[2][c] + t * p[3][c]);
+      squared += d * d;
+    }
+    return std::sqrt(squared);
   };
   double best = 1e300, s0 = 0.5, t0 = 0.5;
   for (double width = 0.5; width > 1e-9; width *= 0.5) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Numbers that carry their gradient and Hessian by nine variables, and the energies of all laws written with them from
-// the formulas of the literature: F, not J and invariants, is what is differentiated.
+// the formulas of the literature: F, not J and invariants, is what is differentiated. Their arithmetic is loops over numbers:
+// tests are compiled without optimisation, where an expression of matrices takes ten times as long.
 #pragma once
 #include <Eigen/Dense>
 #include <array>
@@ -26,21 +27,33 @@ struct Dual {
   /// f(this), from f, f', f''.
   Dual chain(double f, double f1, double f2) const {
     Dual out(f);
-    out.g = f1 * g, out.h = f1 * h + f2 * g * g.transpose();
+    const double *from = g.data(), *second = h.data();
+    double *first = out.g.data(), *to = out.h.data();
+    for (int j = 0, n = 0; j < 9; ++j) {
+      first[j] = f1 * from[j];
+      for (int i = 0; i < 9; ++i, ++n) to[n] = f1 * second[n] + f2 * from[i] * from[j];
+    }
     return out;
   }
 };
 inline Dual operator+(const Dual& a, const Dual& b) {
   Dual out(a.v + b.v);
-  out.g = a.g + b.g, out.h = a.h + b.h;
+  const double *ag = a.g.data(), *ah = a.h.data(), *bg = b.g.data(), *bh = b.h.data();
+  double *g = out.g.data(), *h = out.h.data();
+  for (int i = 0; i < 9; ++i) g[i] = ag[i] + bg[i];
+  for (int i = 0; i < 81; ++i) h[i] = ah[i] + bh[i];
   return out;
 }
 inline Dual operator-(const Dual& a) { return a.chain(-a.v, -1, 0); }
 inline Dual operator-(const Dual& a, const Dual& b) { return a + (-b); }
 inline Dual operator*(const Dual& a, const Dual& b) {
   Dual out(a.v * b.v);
-  out.g = a.v * b.g + b.v * a.g;
-  out.h = a.v * b.h + b.v * a.h + a.g * b.g.transpose() + b.g * a.g.transpose();
+  const double *ag = a.g.data(), *ah = a.h.data(), *bg = b.g.data(), *bh = b.h.data();
+  double *g = out.g.data(), *h = out.h.data();
+  for (int j = 0, n = 0; j < 9; ++j) {
+    g[j] = a.v * bg[j] + b.v * ag[j];
+    for (int i = 0; i < 9; ++i, ++n) h[n] = a.v * bh[n] + b.v * ah[n] + ag[i] * bg[j] + bg[i] * ag[j];
+  }
   return out;
 }
 inline Dual pow(const Dual& a, double e) {
