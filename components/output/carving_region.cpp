@@ -67,7 +67,7 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
     reset();
   }
 
-  void reset() override { now_ = 0, next_ = begin_, looked_ = -std::numeric_limits<double>::infinity(); }
+  void reset() override { now_ = 0, next_ = begin_, looked_ = std::numeric_limits<double>::lowest(); }
   void serialize(Archive& archive) override {
     archive.value("next", next_);
     archive.value("looked", looked_);
@@ -121,7 +121,8 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
   }
   void changesMade(double t, double dt) override {
     looked_ = t;
-    while (every_ > 0 && next_ <= t + 1e-6 * dt) next_ += every_;
+    const double late = t + 1e-6 * dt - next_;
+    if (every_ > 0 && late >= 0) next_ += late - std::fmod(late, every_) + every_;
   }
 
  private:

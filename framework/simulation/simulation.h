@@ -78,6 +78,8 @@ class Simulation {
   /// restore() throws, and nothing has changed.
   void become(std::unique_ptr<Simulation> changed, Archive values);
   bool hasChangedMeshes() const { return first_ != nullptr; }  ///< since the start of the run
+  /// The scene before its meshes changed, for its description and its edits; null: they have not.
+  const Simulation* first() const { return first_.get(); }
 
   /// Changes an attribute while the scene runs, as it was declared: at once, or by making the component anew. `path`
   /// names a component or a node (gravity, dt). The next step has the new value; x, v and histories stay. What needs a

@@ -511,6 +511,38 @@ class Recordings(Case):
         self.assertAlmostEqual(widths[1] / widths[0], 1.5, delta=0.02)
 
 
+CARVED = (CUBE % """<BoxROI name="below" box="-1 -1 -1 2 0.1 2"/><FixedProjectiveConstraint indices="@below.indices"/>
+  <CarvingRegion name="knife" box="0.6 0.6 -9 9 9 9" velocity="0 0 0" begin="0.02" end="0.02"/>
+  <TopologicalChangeProcessor useDataInputs="true" timeToRemove="0.045" hexahedraToRemove="3"/>""")
+
+
+class ChangedMeshes(Case):
+    """A cube of eight cells that stands still: a column of two goes before the third step, another cell before the sixth."""
+
+    def test_each_state_has_its_own_cells(self):
+        """Of one layer of four cells, seen from before it: three are left, then two."""
+        look = ("--view", "front", "--bare", "--size", "300x100", "--field", "displacement", "--hide", "/cube/knife")
+        scene = self.write("flat.xml", CARVED.replace('n="3 3 3"', 'n="3 3 2"').replace('hexahedraToRemove="3"', 'hexahedraToRemove="1"'))
+        self.picture(scene, "-n", 8, "--at", "end,0.03,start", *look)
+        image = body(pixels(self.path("flat.png")))
+        seen = [image[:, i * 100:(i + 1) * 100].sum() for i in range(3)]
+        self.assertAlmostEqual(seen[1] / seen[2], 3 / 4, delta=0.02)
+        self.assertAlmostEqual(seen[0] / seen[2], 2 / 4, delta=0.02)
+
+    def test_recordings_are_drawn_like_the_run(self):
+        scene = self.write("cube.xml", CARVED.replace('gravity="0 0 0"', 'gravity="2 0 0"'))
+        run("run", scene, "-n", 8, "--record", "kept", "--quiet", folder=self.folder)
+        look = ("--size", "480x120", "--hide", "/cube/knife")
+        for name, what in (("live", (scene, "-n", 8)), ("kept", ("kept",))):
+            self.picture(*what, "--at", "0.06,start,0.03,end", *look, "-o", f"{name}.png")
+            self.assertIn("9 frames", self.picture(*what, "--animate", *look, "-o", f"{name}_film.png"))
+        self.assertTrue((pixels(self.path("live.png")) == pixels(self.path("kept.png"))).all())
+        with Image.open(self.path("live_film.png")) as live, Image.open(self.path("kept_film.png")) as kept:
+            for i in range(9):
+                live.seek(i), kept.seek(i)
+                self.assertTrue((np.asarray(live.convert("RGB")) == np.asarray(kept.convert("RGB"))).all(), i)
+
+
 class Refusals(Case):
     def refused(self, *arguments, code=2):
         before = set(os.listdir(self.folder))

@@ -583,7 +583,8 @@ def test_states_follow_a_mesh_that_changes(folder):
     state = simulation.state("/dofs")
     before = state.x
     start = numpy.array(before)
-    simulation.run(5)
+    with pytest.warns(RuntimeWarning, match="arrays taken of a state before .* are of the mesh before"):
+        simulation.run(5)
     assert state.nodes == 12 and state.x.shape == (12, 3) and state.size == 12
     assert before.shape == (16, 3) and numpy.isfinite(before).all(), "the view of before is that of the mesh before"
     left = start[start[:, 0] < 2.5]
@@ -602,3 +603,63 @@ def test_states_follow_a_mesh_that_changes(folder):
     assert state.nodes == 12, "asked for once its mesh has changed"
     simulation.reset()
     assert state.nodes == 16 and numpy.array_equal(state.x, start)
+
+
+CARVED = """<Node name="root" dt="0.01" gravity="0 -10 0"><EulerImplicitSolver/><SparseLDLSolver/>
+  <RegularGridTopology n="6 2 2" min="0 0 0" max="5 1 1"/><MechanicalObject name="dofs"/><MeshMatrixMass massDensity="1"/>
+  <HexahedronFEMForceField name="fem" method="svd" youngModulus="3000" poissonRatio="0.3"/>
+  <BoxROI name="end" box="-1 -1 -1 0.1 2 2"/><FixedProjectiveConstraint indices="@end.indices"/>
+  <CarvingRegion name="knife" box="4.1 -9 -9 9 9 9" velocity="-50 0 0" begin="0.02" end="0.05"/></Node>"""
+
+
+def test_a_changed_mesh_goes_on_from_a_checkpoint_and_in_a_copy(folder):
+    """A cell goes before the third step, and one before the fifth."""
+    simulation = stroma.load(stroma.from_xml_text(CARVED))
+    simulation.request_forces()
+    state = simulation.state()
+    marks, ends = {}, []
+    for step in range(1, 9):
+        simulation.step()
+        marks[step] = simulation.checkpoint(), state.nodes, state.x.copy(), state.f.copy(), state.mesh()
+        assert state.f.shape == state.x.shape == state.v.shape == state.rest.shape == (state.nodes, 3)
+    assert [nodes for _, nodes, *_ in marks.values()] == [24, 24, 20, 20, 16, 16, 16, 16]
+    end = simulation.hash
+    for step in (5, 1, 7, 3, 2):
+        mark, nodes, x, f, _ = marks[step]
+        simulation.restore(mark)
+        assert state.nodes == nodes and numpy.array_equal(state.x, x) and numpy.array_equal(state.f, f), step
+        other = simulation.copy()
+        assert other.state().nodes == nodes and numpy.array_equal(other.state().x, x), step
+        for each in (other, simulation):
+            each.run(8 - step)
+            assert each.hash == end, step
+        fresh = stroma.load(stroma.from_xml_text(CARVED))
+        fresh.restore(mark)
+        fresh.run(8 - step)
+        assert fresh.hash == end, step
+    simulation.reset()
+    assert state.nodes == 24 and numpy.array_equal(state.x, state.start)
+
+
+def test_arrays_of_any_mesh_may_be_kept(folder):
+    """None reads memory that has been given back, whatever becomes of the simulation: each has its numbers to the end."""
+    simulation = stroma.load(stroma.from_xml_text(CARVED))
+    state = simulation.state()
+    kept, numbers = [], []
+    def keep():
+        for array in (state.x, state.v):
+            kept.append(array)
+            numbers.append(array.copy())
+    mark = simulation.checkpoint()
+    for _ in range(2):
+        for _ in range(7):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", RuntimeWarning)
+                simulation.step()
+            if state.nodes < 24:
+                keep()
+        simulation.restore(mark)
+    assert {array.shape for array in kept} == {(20, 3), (16, 3)}
+    del simulation, state
+    for array, before in zip(kept, numbers):
+        assert numpy.array_equal(array, before)

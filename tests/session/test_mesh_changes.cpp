@@ -309,21 +309,5 @@ TEST_F(ChangeFiles, WhatCannotFollowEndsTheRunWithASentence) {
   expectContains(report.reason, "does not follow");
 }
 
-TEST(MeshChanges, ACheckpointOfAChangedMeshSaysThatItIsOne) {
-  Session session;
-  session.loadText(
-      scene("<RegularGridTopology n=\"3 2 2\" min=\"0 0 0\" max=\"0.2 0.1 0.1\"/><MechanicalObject name=\"dofs\"/>" +
-            hexes + "<CarvingRegion box=\"0.1 0 0 0.3 1 1\" begin=\"0.02\"/>"),
-      "scene.xml");
-  runFor(session, 5, "/dofs");
-  const Checkpoint checkpoint = session.checkpoint();
-  try {
-    session.restore(checkpoint, "it");
-    ADD_FAILURE() << "restored";
-  } catch (const std::runtime_error& error) {
-    expectContains(error.what(), "meshes had changed");
-  }
-}
-
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -181,6 +181,17 @@ TEST(ChangedScenes, ListsThatAreAsLongAsTheCellsAreManyStay) {
   compare("<TetrahedronFEMForceField youngModulus=\"10000 20000 30000\" poissonRatio=\"0.3\"/>", 3);
 }
 
+TEST(ChangedScenes, NumbersOfNodesOfAnEngineAreNoNumbersOfANode) {
+  Session session;
+  session.loadText(root("<GridMeshCreator name=\"m\" resolution=\"3 3\"/><TriangleSetTopologyContainer src=\"@m\"/><MechanicalObject "
+                        "name=\"s\"/><DiagonalMass massDensity=\"1\"/><TriangularFEMForceField youngModulus=\"30\" "
+                        "poissonRatio=\"0.3\"/><TopologicalChangeProcessor useDataInputs=\"true\" timeToRemove=\"0.015\" "
+                        "trianglesToRemove=\"0\"/>"),
+                   "sheet.xml");
+  const Seen seen = runFor(session, 4, "/s");
+  EXPECT_EQ(seen.report.end, RunEnd::done) << seen.report.reason;
+}
+
 TEST(ChangedScenes, WhatNumbersNodesInOtherWaysIsRefused) {
   expectContains(reasonOf(bar(knife + "<OscillatorProjectiveConstraint name=\"o\" oscillators=\"18 0 1 1 0 1 0 1 0\"/>")),
                  "/o.oscillators numbers points");

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Meshes that change in `stroma view`: a region that a hand leads carves, pages follow, and the run is repeated to the bit.
 Usage: test_carving.py TREE STROMA [names of tests]"""
+import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -78,6 +80,48 @@ class Carving(unittest.TestCase):
             self.assertEqual(step, 10)
             self.assertEqual(replayed_hash(page, self.scene, 10), found)
             self.assertNotEqual(hash_of_run(self.scene, 10), found)
+
+
+class Recorded(unittest.TestCase):
+    """The bar, whose ball comes by itself."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.scene = write(self.folder.name, "bar.xml", SCENE.replace('0.025"/>', '0.025" velocity="-1 0 0"/>').replace("0 0 0\" dt", "0 -9 0\" dt"))
+        self.recorded = os.path.join(self.folder.name, "kept")
+
+    def test_a_recording_is_looked_at_with_the_mesh_of_each_instant(self):
+        with Server(STROMA, self.scene, "--paused", "--record", self.recorded) as viewed:
+            live = viewed.page()
+            wanted = []
+            for step in range(10):
+                if step:
+                    live.do("step")
+                live.picture(step)
+                live.until(lambda: live.frame["generation"] == live.scene["generation"], "its scene")
+                wanted.append((live.scene["bodies"][0]["nodes"], live.positions()))
+        counts = [count for count, _ in wanted]
+        self.assertGreater(len(set(counts)), 2, counts)
+        with Server(STROMA, self.recorded) as viewed:
+            page = viewed.page()
+            self.assertEqual(page.scene["mode"], "recording")
+            self.assertEqual(page.status["recording"]["count"], 10)
+            for index in (9, 0, 5, 5, 6, 9, 8, 7, 1):
+                page.do("seek", index=index)
+                page.until(lambda index=index: page.frame and page.frame["index"] == index
+                           and page.frame["generation"] == page.scene["generation"], f"instant {index}")
+                check_scene(self, page.scene)
+                self.assertEqual(page.scene["bodies"][0]["nodes"], counts[index], index)
+                numpy.testing.assert_array_equal(page.positions(), wanted[index][1])
+
+    def test_a_page_of_its_own_is_refused_with_a_sentence(self):
+        subprocess.run([STROMA, "run", self.scene, "-n", "9", "-q", "--record", self.recorded], check=True, stderr=subprocess.DEVNULL)
+        for what in (["view", self.recorded], ["view", self.scene, "-n", "9"]):
+            done = subprocess.run([STROMA, *what, "--export", "page.html"], cwd=self.folder.name, text=True, capture_output=True)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn("mesh", done.stderr)
+            self.assertFalse(os.path.exists(os.path.join(self.folder.name, "page.html")))
 
 
 if __name__ == "__main__":

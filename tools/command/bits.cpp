@@ -19,10 +19,11 @@ namespace {
 const std::string this_build = "gcc-" __VERSION__ "-" STROMA_BUILD_TYPE;
 
 /// The hash after each step, the start first.
-std::vector<std::uint64_t> run(Simulation& simulation, long steps, bool& factorised) {
+std::vector<std::uint64_t> run(Session& session, long steps, bool& factorised) {
+  const Simulation& simulation = session.simulation();
   std::vector<std::uint64_t> hashes{simulation.stateHash()};
   while (simulation.steps() < steps) {
-    const StepReport report = simulation.step();
+    const StepReport report = session.step();
     if (report.diverged) throw std::runtime_error("diverged: " + report.reason);
     hashes.push_back(simulation.stateHash());
     factorised = factorised || report.factorisations > 0;
@@ -43,28 +44,28 @@ void requireSame(const std::vector<std::uint64_t>& a, const std::vector<std::uin
 
 Bits bitsOfEveryRun(const RegressionCase& test, Session& session) {
   if (isSceneProgram(test.scene)) throw std::runtime_error("a scene in Python is compared by its states, without --bits");
-  const auto load = [&](int thread_count) -> Simulation& {
+  const auto load = [&](int thread_count) {
     setThreads(thread_count);
-    Simulation& simulation = session.load(test.scene, parseOverrides(test.overrides));
-    dropReaders(simulation);
-    return simulation;
+    dropReaders(session.load(test.scene, parseOverrides(test.overrides)));
   };
+  session.followMeshChanges();
   Bits bits;
   bits.factorised = test.bits_of_processor;
-  Simulation& one = load(1);
-  const auto first = run(one, test.steps, bits.factorised);
-  one.reset();
+  load(1);
+  const auto first = run(session, test.steps, bits.factorised);
+  session.simulation().reset();
   const long half = test.steps / 2;
-  const auto again = run(one, half, bits.factorised);
-  const Archive checkpoint = one.checkpoint();
+  const auto again = run(session, half, bits.factorised);
+  const Checkpoint checkpoint = session.checkpoint();
   requireSame(again, first, "the run after a reset");
-  requireSame(run(one, test.steps, bits.factorised), {first.begin() + half, first.end()}, "the run after a reset",
+  requireSame(run(session, test.steps, bits.factorised), {first.begin() + half, first.end()}, "the run after a reset",
               half);
-  Simulation& restored = load(1);
-  restored.restore(checkpoint);
-  requireSame(run(restored, test.steps, bits.factorised), {first.begin() + half, first.end()},
+  load(1);
+  session.restore(checkpoint, "the checkpoint");
+  requireSame(run(session, test.steps, bits.factorised), {first.begin() + half, first.end()},
               "the run from a checkpoint", half);
-  const auto parallel = run(load(2), test.steps, bits.factorised);
+  load(2);
+  const auto parallel = run(session, test.steps, bits.factorised);
   setThreads(1);
   requireSame(first, parallel, "the run with two threads");
   bits.hash = first.back();

@@ -37,9 +37,11 @@ class Writer {
   }
 
   std::string text() {
-    text_ = fmt::format("<?xml version=\"1.0\"?>\n<!-- Made from {} by stroma migrate.", fs::path(scene_.file).filename().string());
-    for (auto at = ways_.find("--"); at != std::string::npos; at = ways_.find("--")) ways_.replace(at, 2, "- ");
-    text_ += " It is " + ways_ + " -->\n";
+    std::string made = fmt::format("Made from {} by stroma migrate.", fs::path(scene_.file).filename().string());
+    if (const auto list = ways_.find("): "); list != std::string::npos)
+      made += " It has SOFA's ways as attributes: " + ways_.substr(list + 3);
+    for (auto at = made.find("--"); at != std::string::npos; at = made.find("--")) made.replace(at, 2, "- ");
+    text_ = fmt::format("<?xml version=\"1.0\"?>\n<!-- {} -->\n", made);
     write(scene_.root, 0);
     writeLines(layout_.atEnd({scene_.root.where.file, 0, 0}), "");
     return text_;

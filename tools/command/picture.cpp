@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
@@ -13,6 +14,7 @@
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
 #include "tools/command/shown_scene.h"
+#include "tools/session/drop_readers.h"
 #include "tools/units/unit_system.h"
 
 namespace stroma::command {
@@ -93,8 +95,62 @@ RunLimits limitsOf(const PictureCommand& command, const Session& session) {
 /// From frame to frame, of `intervals` steps or instants that make at most 100 of a film: 101 frames with the start.
 long usualEvery(long intervals) { return std::max(1L, (intervals + most_intervals - 1) / most_intervals); }
 
+/// The simulations whose states are drawn, which all stay until then: that of the run, or of the recording, and one that stands
+/// still for each change of its meshes.
+class Shown {
+ public:
+  Shown(const PictureCommand& command, const Values& values, Session& first, PictureMaker& maker)
+      : command_(command), values_(values), first_(first), maker_(maker) {
+    maker.begin(first.simulation(), command.look);
+  }
+
+  /// Takes the present state of the run.
+  void takeRun() {
+    if (first_.simulation().hasChangedMeshes()) {
+      if (changes_ != first_.meshChanges()) load();
+      changes_ = first_.meshChanges();
+      later_.back()->restore(first_.checkpoint(), "the run");
+      if (!is_followed_) follow();
+    }
+    maker_.take(first_.simulation().time());
+  }
+  /// Takes an instant of a recording.
+  void takeInstant(const drawing::Recording& recording, std::size_t instant, const Checkpoint* meshes) {
+    if (meshes && meshes != meshes_) {
+      load();
+      later_.back()->restore(*meshes, "the recording");
+      follow();
+    }
+    if (!meshes && meshes_) load(), follow();  // back to the first
+    meshes_ = meshes;
+    drawing::showInstant(later_.empty() ? first_.simulation() : later_.back()->simulation(), recording, instant);
+    maker_.take(recording.front()[instant].time);
+  }
+
+ private:
+  void load() {
+    later_.push_back(std::make_unique<Session>());
+    configureAsRecorded(*later_.back(), command_.recorded, values_);
+    dropReaders(later_.back()->load(command_.scene));
+    is_followed_ = false;
+  }
+  void follow() {
+    maker_.follow(later_.back()->simulation());
+    is_followed_ = true;
+  }
+
+  const PictureCommand& command_;
+  const Values& values_;
+  Session& first_;
+  PictureMaker& maker_;
+  std::vector<std::unique_ptr<Session>> later_;
+  long changes_ = 0;
+  const Checkpoint* meshes_ = nullptr;
+  bool is_followed_ = false;
+};
+
 /// Why there is no result, or empty.
-std::string run(const PictureCommand& command, Session& session, PictureMaker& maker) {
+std::string run(const PictureCommand& command, Session& session, PictureMaker& maker, Shown& shown) {
   using Kind = AskedTime::Kind;
   const Simulation& simulation = session.simulation();
   RunLimits limits = limitsOf(command, session);
@@ -103,7 +159,7 @@ std::string run(const PictureCommand& command, Session& session, PictureMaker& m
   Wanted wanted(command.at);
   long taken_at = -1;
   const auto take = [&] {
-    if (taken_at != simulation.steps()) maker.take(simulation.time());
+    if (taken_at != simulation.steps()) shown.takeRun();
     taken_at = simulation.steps();
   };
   const auto takeWanted = [&](std::optional<Kind> kind = {}) {
@@ -117,6 +173,7 @@ std::string run(const PictureCommand& command, Session& session, PictureMaker& m
     else if (simulation.steps() % every == 0)
       take();
   };
+  session.followMeshChanges();
   const RunReport report = session.run(limits);
   const bool is_whole = report.end == RunEnd::done;
   command.animates ? take() : takeWanted(Kind::end);
@@ -130,6 +187,7 @@ std::string run(const PictureCommand& command, Session& session, PictureMaker& m
   std::vector<std::string> warnings;
   std::vector<std::string> doubts = doubtsOf(simulation);
   std::ranges::move(refusedFromHere(simulation), std::back_inserter(doubts));
+  std::ranges::copy(session.meshNotes(), std::back_inserter(doubts));
   tellWarnings(report.statistics, doubts, warnings);
   if (const auto time = wanted.last(); time && !command.animates)
     throw UsageError(
@@ -151,8 +209,8 @@ std::size_t instantAt(const AskedTime& asked, const std::vector<StateFrame>& fra
   return std::size_t(nearest - frames.begin());
 }
 
-void showRecording(const PictureCommand& command, Simulation& simulation, PictureMaker& maker) {
-  const drawing::Recording recording = recordingIn(command.recording_folder, simulation);
+void showRecording(const PictureCommand& command, const Simulation& simulation, const RecordedMeshes& meshes, Shown& shown) {
+  const drawing::Recording recording = recordingIn(command.recording_folder, simulation, meshes);
   const std::vector<StateFrame>& frames = recording.front();
   std::vector<std::size_t> instants;
   if (command.animates) {
@@ -164,10 +222,7 @@ void showRecording(const PictureCommand& command, Simulation& simulation, Pictur
     for (const AskedTime& asked : command.at) instants.push_back(instantAt(asked, frames));
     if (instants.empty()) instants.push_back(frames.size() - 1);
   }
-  for (const std::size_t i : instants) {
-    drawing::showInstant(simulation, recording, i);
-    maker.take(frames[i].time);
-  }
+  for (const std::size_t i : instants) shown.takeInstant(recording, i, meshesAt(frames[i].time, meshes));
 }
 
 int listFields(const Simulation& simulation, const PictureMaker& maker) {
@@ -205,12 +260,15 @@ int picture(const Arguments& arguments) {
   reportProblems(simulation.scene(), command.quiet);
   leaveOutputs(simulation, command.quiet || command.isRecording() ? "" : "for a picture");
   checkOutputs(command, simulation);
-  maker->begin(simulation, command.look);
+  RecordedMeshes meshes;
+  Shown shown(command, *values, session, *maker);
   std::string no_result;
-  if (command.isRecording())
-    showRecording(command, simulation, *maker);
-  else
-    no_result = run(command, session, *maker);
+  if (command.isRecording()) {
+    meshes = recordedMeshes(command.recording_folder);
+    showRecording(command, simulation, meshes, shown);
+  } else {
+    no_result = run(command, session, *maker, shown);
+  }
   if (!no_result.empty()) {
     fmt::print(
         stderr, "the run has no result to draw: {}{}\n", no_result,

@@ -38,10 +38,19 @@ std::string foundScene(const std::string& scene, const std::string& file, const 
                   file, scene, folder));
 }
 
-void checkFrame(const StateFrame& frame, const std::string& file, const State& state) {
-  if (Index(frame.x.size()) != state.size() || (!frame.v.empty() && frame.v.size() != frame.x.size()))
+/// How many positions a state has at an instant.
+Index sizeAt(double time, const State& state, const RecordedMeshes& meshes) {
+  const Checkpoint* changed = meshesAt(time, meshes);
+  if (!changed) return state.size();
+  const auto found = changed->values.entries().find(state.path() + ":state:x");
+  return found == changed->values.entries().end() ? 0 : Index(found->second.bytes.size() / (row_doubles * sizeof(double)));
+}
+
+void checkFrame(const StateFrame& frame, const std::string& file, const State& state, const RecordedMeshes& meshes) {
+  const Index size = sizeAt(frame.time, state, meshes);
+  if (Index(frame.x.size()) != size || (!frame.v.empty() && frame.v.size() != frame.x.size()))
     throw UsageError(fmt::format("{}: at T = {:g} s there are {} positions (expected {}, as {} has nodes)", file,
-                                 frame.time, frame.x.size(), state.size(), state.path()));
+                                 frame.time, frame.x.size(), size, state.path()));
 }
 
 drawing::Recording instantsIn(const std::string& file, const Simulation& simulation) {
@@ -53,7 +62,7 @@ drawing::Recording instantsIn(const std::string& file, const Simulation& simulat
     if (found == recorded.end())
       throw UsageError(fmt::format("{}: there is nothing of {}: the scene has changed since", file, state->path()));
     recording.push_back(std::move(all[std::size_t(found - recorded.begin())]));
-    checkFrame(recording.back().front(), file, *state);
+    checkFrame(recording.back().front(), file, *state, {});
   }
   if (recording.empty()) throw UsageError("nothing in the scene moves: there is nothing to show");
   return recording;
@@ -90,7 +99,20 @@ void configureAsRecorded(Session& session, const RecordedRun& run, const Values&
   session.setOverrides(parseOverrides(texts));
 }
 
-drawing::Recording recordingIn(const std::string& folder, const Simulation& simulation) {
+RecordedMeshes recordedMeshes(const std::string& folder) {
+  RecordedMeshes meshes;
+  for (const std::string& file : meshFilesIn(folder)) {
+    Checkpoint checkpoint = Checkpoint::read(file);
+    double time = 0;
+    Archive clock = checkpoint.values.readable();
+    clock.enter("simulation");
+    clock.value("time", time);
+    meshes.emplace(time, std::move(checkpoint));
+  }
+  return meshes;
+}
+
+drawing::Recording recordingIn(const std::string& folder, const Simulation& simulation, const RecordedMeshes& meshes) {
   if (fs::exists(instantsFile(folder))) return instantsIn(instantsFile(folder), simulation);
   drawing::Recording recording;
   for (const State* state : simulation.states()) {
@@ -98,7 +120,7 @@ drawing::Recording recordingIn(const std::string& folder, const Simulation& simu
     StateRecording one = readRecording(file, state);
     if (!one.unfinished.empty()) fmt::print(stderr, "warning: {}\n", one.unfinished);
     if (one.frames.empty()) throw UsageError(file + ": the file holds no instant");
-    for (const StateFrame& frame : one.frames) checkFrame(frame, file, *state);
+    for (const StateFrame& frame : one.frames) checkFrame(frame, file, *state, meshes);
     recording.push_back(std::move(one.frames));
   }
   if (recording.empty()) throw UsageError("nothing in the scene moves: there is nothing to show");

@@ -25,8 +25,11 @@ RecordedRun recordedRun(const std::string& folder);
 /// As configure(), with what the run was given; the overrides of `values` come after those of the run.
 void configureAsRecorded(Session& session, const RecordedRun& run, const Values& values);
 
-/// The instants in the folder, which must fit the states of the scene. Throws std::runtime_error.
-drawing::Recording recordingIn(const std::string& folder, const Simulation& simulation);
+/// What the folder has of changes of meshes. Throws std::runtime_error.
+RecordedMeshes recordedMeshes(const std::string& folder);
+
+/// The instants in the folder, which must fit the states of the scene with these meshes. Throws std::runtime_error.
+drawing::Recording recordingIn(const std::string& folder, const Simulation& simulation, const RecordedMeshes& meshes);
 
 /// The files of a recording that are, or could be, in the folder: what must not be written over.
 std::vector<FileUse> filesOfRecording(const std::string& folder, const Simulation& simulation);

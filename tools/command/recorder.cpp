@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <set>
@@ -15,6 +16,24 @@
 namespace stroma::command {
 
 namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view mesh_file = "meshes.", mesh_ending = ".checkpoint";
+
+std::string meshFileName(long step) { return fmt::format("{}{:010}{}", mesh_file, step, mesh_ending); }
+
+}  // namespace
+
+std::vector<std::string> meshFilesIn(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (name.starts_with(mesh_file) && name.ends_with(mesh_ending)) files.push_back(at->path().string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
 
 std::vector<std::string> recordedFiles(const Simulation& simulation, const std::string& folder) {
   std::vector<std::string> files;
@@ -32,7 +51,8 @@ std::vector<std::string> recordedFiles(const Simulation& simulation, const std::
 
 Recorder::Recorder(Session& session, const std::string& folder, long every)
     : session_(session), every_(every), states_(session.simulation().states()),
-      components_(drawing::withNodeValues(session.simulation())), folder_(folder) {
+      folder_(folder) {
+  for (const Component* component : drawing::withNodeValues(session.simulation())) components_.push_back(component->path());
   std::vector<std::string> files = recordedFiles(session.simulation(), folder);
   checkpoint_ = std::move(files.back());
   files.pop_back();
@@ -48,14 +68,25 @@ void Recorder::takeOver() {
 
 void Recorder::dropCheckpoint() {
   takeOver();
+  dropMeshesAfter(-1);
   std::error_code error;
   fs::remove(checkpoint_, error);
   if (error) throw OutputError(checkpoint_, "cannot remove the checkpoint of a run before", error.value());
 }
 
+/// Of a run before, or of one that went on further.
+void Recorder::dropMeshesAfter(long step) const {
+  for (const std::string& file : meshFilesIn(folder_)) {
+    std::error_code error;
+    if (fs::path(file).filename().string() > meshFileName(step)) fs::remove(file, error);
+    if (error) throw OutputError(file, "cannot remove the meshes of a run before", error.value());
+  }
+}
+
 void Recorder::goOn() {
   takeOver();
   const Simulation& simulation = session_.simulation();
+  dropMeshesAfter(simulation.steps());
   const bool is_due = simulation.steps() % every_ == 0;
   bool all_have_it = true;
   std::size_t i = 0;
@@ -79,17 +110,26 @@ void Recorder::record() {
   last_step_ = simulation.steps();
   is_empty_ = false;
   simulation.complete();
-  if (simulation.hasChangedMeshes()) states_ = simulation.states(), components_ = drawing::withNodeValues(simulation);
+  if (meshes_ != session_.meshChanges()) writeMeshes();
   std::size_t i = 0;
   forEachWriter([&](StateWriter& writer) {
     const State* state = stateOf(i);
     writer.time(simulation.time());
     if (state) writer.rows("X", *state, state->x()), writer.rows("V", *state, state->v());
-    if (!state)
-      for (const auto& [name, numbers] : drawing::valuesOf(*components_[i - states_.size()])) writer.values(name, numbers);
+    if (!state)  // one that a change of meshes has left out computes nothing
+      if (const Component* component = findComponent(simulation.root(), components_[i - states_.size()]))
+        for (const auto& [name, numbers] : drawing::valuesOf(*component)) writer.values(name, numbers);
     ++i;
     writer.finish();
   });
+}
+
+/// Instants from here on are of these meshes.
+void Recorder::writeMeshes() {
+  meshes_ = session_.meshChanges();
+  states_ = session_.simulation().states();
+  if (!session_.simulation().hasChangedMeshes()) return;
+  session_.writeCheckpoint((fs::path(folder_) / meshFileName(session_.simulation().steps())).string());
 }
 
 template <class Act>
@@ -123,7 +163,7 @@ void Recorder::finish(bool is_whole) {
 }
 
 std::vector<std::string> Recorder::files() const {
-  std::vector<std::string> files;
+  std::vector<std::string> files = meshFilesIn(folder_);
   for (const StateWriter& writer : writers_) files.push_back(writer.path());
   if (fs::exists(checkpoint_)) files.push_back(checkpoint_);
   return files;

@@ -12,8 +12,11 @@ namespace stroma::command {
 /// checkpoint. Throws std::runtime_error when two would share a file.
 std::vector<std::string> recordedFiles(const Simulation& simulation, const std::string& folder);
 
+/// A checkpoint of each instant from which on the meshes are others: the files in the folder, in their order.
+std::vector<std::string> meshFilesIn(const std::string& folder);
+
 /// Writes positions and velocities of every state to one file each in `folder`, what components compute for nodes, and a
-/// checkpoint: now and then, and of the end. Throws OutputError; a file that cannot be written does not keep the
+/// checkpoint: now and then, of the end, and where meshes have changed. Throws OutputError; a file that cannot be written does not keep the
 /// others from what they have to write.
 class Recorder {
  public:
@@ -37,6 +40,8 @@ class Recorder {
   /// Of a file; null: it is that of a component.
   State* stateOf(std::size_t file) const { return file < states_.size() ? states_[file] : nullptr; }
   void record();
+  void writeMeshes();
+  void dropMeshesAfter(long step) const;
   void takeOver();
   template <class Act>
   void forEachWriter(Act&& act);
@@ -44,10 +49,10 @@ class Recorder {
   Session& session_;
   long every_;
   std::vector<State*> states_;
-  std::vector<Component*> components_;  ///< their files come after those of the states
+  std::vector<std::string> components_;  ///< paths; their files come after those of the states
   std::vector<StateWriter> writers_;
   std::string folder_, checkpoint_;  ///< folder and file
-  long last_step_ = -1;
+  long last_step_ = -1, meshes_ = -1;  ///< meshes: Session::meshChanges() when they were written last
   bool is_empty_ = true;  ///< nothing has been recorded
 };
 

@@ -75,8 +75,9 @@ void showInstant(Simulation& simulation, const Recording& recording, std::size_t
       if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];
     }
   }
-  for (const Component* component : withNodeValues(simulation)) {
-    if (i >= recording.size()) break;
+  const std::vector<Component*> computing = withNodeValues(simulation);
+  for (const Component* component : computing) {
+    if (i >= recording.size() || recording.size() != simulation.states().size() + computing.size()) break;
     const std::vector<StateFrame>& frames = recording[i++];
     if (instant >= frames.size()) continue;
     forEachOutput(*component, [&](const Data& data, auto* value) {

@@ -23,7 +23,7 @@ std::string valuesFileName(const std::string& component_path);
 std::map<std::string, std::vector<double>> valuesOf(const Component& component);
 
 /// Gives all states the positions of an instant of the recording, and its velocities where there are any; and components what they
-/// computed.
+/// computed, unless a change of meshes has left some out. The simulation has the meshes of the instant.
 void showInstant(Simulation& simulation, const Recording& recording, std::size_t instant);
 
 }  // namespace stroma::drawing

@@ -2,6 +2,7 @@
 // The module's door: pictures and films of a simulation.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -58,17 +59,22 @@ class VtkPictureMaker final : public PictureMaker {
   void begin(const Simulation& simulation, const PictureRequest& request) override {
     request_ = request;
     map_ = std::make_unique<ColourMap>(request.colours);
-    taker_ = std::make_unique<ShotTaker>(simulation, request_);
-    const bool third_axis_up = isThirdAxisUp(simulation, taker_->restSize());
-    frames_ = framesAsked(*taker_, request.framed);
+    takers_.push_back(std::make_unique<ShotTaker>(simulation, request_));
+    const bool third_axis_up = isThirdAxisUp(simulation, taker().restSize());
+    frames_ = framesAsked(taker(), request.framed);
     for (const std::string& view : request.views) eyes_.push_back(eyeOf(view, third_axis_up));
     if (eyes_.empty()) eyes_.push_back(eyeOf("oblique", third_axis_up));
     scene_ = std::filesystem::path(simulation.scene().description.file).filename().string();
     stage_ = std::make_unique<Stage>();
   }
 
+  void follow(const Simulation& simulation) override {
+    takers_.push_back(std::make_unique<ShotTaker>(simulation, *takers_.front()));
+  }
+
   void take(double time) override {
-    shots_.push_back(taker_->take(time));
+    shots_.push_back(takers_.back()->take(time));
+    shots_.back().taker = takers_.size() - 1;
     bytes_ += bytesOf(shots_.back());
     if (bytes_ > most_bytes)
       throw std::runtime_error(
@@ -91,7 +97,7 @@ class VtkPictureMaker final : public PictureMaker {
     const Composition composition(request_, remarks(), extents_, legend_.get(), order_.size() * extents_.size());
     std::vector<Panel> panels;
     std::vector<std::string> captions;
-    const std::vector<std::string> times = timesOf(shots_, taker_->units(), request_);
+    const std::vector<std::string> times = timesOf(shots_, taker().units(), request_);
     for (const std::size_t s : order_) addPanels(shots_.at(s), times[s], panels, captions);
     noteSmall(composition);
     return png(compose(composition, panels, captions), words());
@@ -100,7 +106,7 @@ class VtkPictureMaker final : public PictureMaker {
   std::string film(double fps) override {
     build(1);
     const Composition composition(request_, remarks(), extents_, legend_.get(), extents_.size());
-    const std::vector<std::string> times = timesOf(shots_, taker_->units(), request_);
+    const std::vector<std::string> times = timesOf(shots_, taker().units(), request_);
     AnimatedPng film(fps, request_.transparent, words());
     for (std::size_t s = 0; s < shots_.size(); ++s) {
       std::vector<Panel> panels;
@@ -112,6 +118,25 @@ class VtkPictureMaker final : public PictureMaker {
   }
 
  private:
+  const ShotTaker& taker() const { return *takers_.front(); }
+
+  /// Of all that has been taken.
+  Range seen(Range (ShotTaker::*of)() const) const {
+    Range all = (taker().*of)();
+    for (const auto& each : takers_)
+      all = {std::min(all.low, ((*each).*of)().low), std::max(all.high, ((*each).*of)().high)};
+    return all;
+  }
+
+  void putOnStage(std::size_t taker) {
+    standing_ = taker;
+    stage_->build(*takers_[taker], request_, *map_, range_, eyes_.front());
+  }
+  /// The stage has the bodies of a shot.
+  void stand(const Shot& shot) {
+    if (shot.taker != standing_) putOnStage(shot.taker);
+  }
+
   /// A plane that no shot reaches would leave an empty picture, or all of the body.
   void checkCut() const {
     if (!request_.cut) return;
@@ -143,18 +168,18 @@ class VtkPictureMaker final : public PictureMaker {
     const bool many = frames_.size() > 1;
     const std::string scales = "each panel has its own scale",
                       note = distance_.empty() ? scales : distance_ + "; " + scales;
-    return {warning_, many ? note : "", many, taker_->units().unit("m")};
+    return {warning_, many ? note : "", many, taker().units().unit("m")};
   }
 
   /// Of the bodies that are hardly seen where all are in one panel.
   void noteSmall(const Composition& composition) {
     constexpr double hardly = 6;  // [pixels]
     if (frames_.size() > 1 || !frames_.front().name.empty()) return;
-    const std::vector<Box> boxes = boxesOf(*taker_, shots_);
+    const std::vector<Box> boxes = boxesOf(taker(), shots_);
     for (const std::size_t b : frames_.front().bodies) {
       const double pixels = boxes[b].size() / composition.metresPerPixel(extents_.front());
       if (!(pixels > 0 && pixels < hardly)) continue;
-      const std::string path = taker_->drawing().bodies[b].state->node().path();
+      const std::string path = taker().drawing().bodies[b].state->node().path();
       notes_ = {
           fmt::format("{0} is less than {1:g} pixels large in the picture; --frame {0} draws it large", path, hardly)};
       return;
@@ -166,25 +191,25 @@ class VtkPictureMaker final : public PictureMaker {
     const bool is_asked = !frames_.empty();
     if (!is_asked) {
       constexpr int least = 160;  // [pixels] of a panel that is worth it
-      const std::vector<Box> boxes = boxesOf(*taker_, shots_);
+      const std::vector<Box> boxes = boxesOf(taker(), shots_);
       const auto room = std::size_t((request_.width > 0 ? request_.width : most_width) / least);
       // a cut through one group would leave another one whole, or nothing of it
-      frames_ = framesFound(*taker_, boxes, request_.cut ? 1 : room / (times * eyes_.size()));
-      if (frames_.size() > 1) distance_ = distanceBetween(frames_, boxes, taker_->units());
+      frames_ = framesFound(taker(), boxes, request_.cut ? 1 : room / (times * eyes_.size()));
+      if (frames_.size() > 1) distance_ = distanceBetween(frames_, boxes, taker().units());
     }
     std::vector<std::size_t> all;
-    for (std::size_t b = 0; b < taker_->drawing().bodies.size(); ++b) all.push_back(b);
+    for (std::size_t b = 0; b < taker().drawing().bodies.size(); ++b) all.push_back(b);
     for (const Frame& frame : frames_) {
       const std::size_t first = extents_.size();
       double largest = 0;
       for (const Eye& eye : eyes_) {
         Extent& extent = extents_.emplace_back();
         Extent whole;
-        for (const Shot& shot : shots_) stage_->include(shot, frame.bodies, eye, extent);
+        for (const Shot& shot : shots_) stand(shot), stage_->include(shot, frame.bodies, eye, extent);
         largest = std::max({largest, extent.width(), extent.height()});
         if (!is_asked) continue;
         // what stands before or behind is drawn too, as far as it is in sight
-        for (const Shot& shot : shots_) stage_->include(shot, all, eye, whole);
+        for (const Shot& shot : shots_) stand(shot), stage_->include(shot, all, eye, whole);
         extent.low[2] = whole.low[2], extent.high[2] = whole.high[2];
       }
       if (frames_.size() > 1 && largest > 0)
@@ -195,26 +220,27 @@ class VtkPictureMaker final : public PictureMaker {
   /// What depends on all shots: range, legend, and what the panels show.
   void build(std::size_t times) {
     checkCut();
-    Range range = request_.range.value_or(taker_->bulk());
+    Range range = request_.range.value_or(seen(&ShotTaker::bulk));
     if (!request_.range) {
       if (map_->isSigned()) {
-        const double middle = taker_->field() == "J" ? 1 : 0;
+        const double middle = taker().field() == "J" ? 1 : 0;
         const double reach = std::max(std::abs(range.low - middle), std::abs(range.high - middle));
         range = {middle - reach, middle + reach};
       }
       range = rounded(range);
     }
     bool coloured = false;
-    for (std::size_t b = 0; b < taker_->drawing().bodies.size(); ++b)
-      coloured = coloured || (taker_->isDrawn(b) && taker_->valuesAt(b) != ValuesAt::none);
+    for (std::size_t b = 0; b < taker().drawing().bodies.size(); ++b)
+      coloured = coloured || (taker().isDrawn(b) && taker().valuesAt(b) != ValuesAt::none);
     if (coloured) {
       FieldWord word;
-      for (const FieldWord& one : ShotTaker::fieldsOf(taker_->drawing(), taker_->units()))
-        if (one.name == taker_->field()) word = one;
+      for (const FieldWord& one : ShotTaker::fieldsOf(taker().drawing(), taker().units()))
+        if (one.name == taker().field()) word = one;
       const bool is_mean = !request_.flat && word.of_cells;
-      legend_ = std::make_unique<Legend>(*map_, range, taker_->extremes(), word, is_mean ? "mean at the nodes" : "");
+      legend_ = std::make_unique<Legend>(*map_, range, seen(&ShotTaker::extremes), word, is_mean ? "mean at the nodes" : "");
     }
-    stage_->build(*taker_, request_, *map_, range, eyes_.front());
+    range_ = range;
+    putOnStage(0);
     framePanels(times);
   }
 
@@ -222,6 +248,7 @@ class VtkPictureMaker final : public PictureMaker {
                 const std::vector<std::string>& captions) {
     const Shot* shown = nullptr;
     return composition.compose(panels, captions, [&](std::size_t i, int width, int height, double metres_per_pixel) {
+      stand(*panels[i].shot);
       if (panels[i].shot != shown) stage_->show(*panels[i].shot);
       shown = panels[i].shot;
       return stage_->draw(*panels[i].eye, *panels[i].extent, metres_per_pixel, width, height);
@@ -237,7 +264,9 @@ class VtkPictureMaker final : public PictureMaker {
   PictureRequest request_;
   std::unique_ptr<ColourMap> map_;
   std::vector<Eye> eyes_;
-  std::unique_ptr<ShotTaker> taker_;
+  std::vector<std::unique_ptr<ShotTaker>> takers_;  ///< one for each change of meshes
+  std::size_t standing_ = 0;                        ///< whose bodies the stage has
+  Range range_;                                     ///< of the colours
   std::string scene_, warning_;
   std::vector<Shot> shots_;
   std::vector<std::size_t> order_;  ///< of a still

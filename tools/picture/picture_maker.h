@@ -67,6 +67,8 @@ class PictureMaker {
   /// The simulation must outlive the states that are taken. Throws ComponentError for a field, a view, a colour map or a
   /// node that there is not, and std::runtime_error where nothing can be drawn on this machine.
   virtual void begin(const Simulation& simulation, const PictureRequest& request) = 0;
+  /// From now on states are those of this simulation: the same scene with other meshes. It must outlive them too.
+  virtual void follow(const Simulation& simulation) = 0;
   /// Keeps the present state. Throws std::runtime_error when all that is kept has more than 4 GB.
   virtual void take(double time) = 0;
   virtual std::size_t taken() const = 0;

@@ -80,6 +80,18 @@ ShotTaker::ShotTaker(const Simulation& simulation, const PictureRequest& request
   hideOneOfTwo();
 }
 
+ShotTaker::ShotTaker(const Simulation& simulation, const ShotTaker& first)
+    : simulation_(simulation),
+      request_(first.request_),
+      drawing_(drawing::drawingOf(simulation)),
+      drawn_(first.drawn_),
+      hidden_obstacles_(first.hidden_obstacles_),
+      field_(first.field_),
+      units_(first.units_) {
+  if (drawing_.bodies.size() != drawn_.size() || drawing_.obstacles.size() != hidden_obstacles_.size())
+    throw std::runtime_error("meshes have changed so that other bodies are to be drawn: no picture can show both");
+}
+
 void ShotTaker::hide(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     bool is_obstacle = false;
@@ -207,7 +219,8 @@ Points ShotTaker::rest(std::size_t body) const {
 
 Shot ShotTaker::take(double time) {
   simulation_.complete();
-  Shot shot{time, {}, {}};
+  Shot shot;
+  shot.time = time;
   for (const drawing::Obstacle& obstacle : drawing_.obstacles) shot.moved.push_back(obstacle.drawn->shapesMovedBy());
   const auto holdings = drawing::holdingsOf(simulation_, drawing_, time);
   for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) {

@@ -24,6 +24,7 @@ struct Shot {
   double time = 0;
   std::vector<BodyShot> bodies{};
   std::vector<Vec3> moved{};  ///< how far the obstacles of each component have come [m]
+  std::size_t taker = 0;      ///< of which one: meshes may be others from one shot to the next
 };
 
 /// Where the values of a body are.
@@ -34,6 +35,8 @@ class ShotTaker {
  public:
   /// Throws ComponentError for a field that no body has, or a hidden node that there is not.
   ShotTaker(const Simulation& simulation, const PictureRequest& request);
+  /// The same scene with other meshes, as `first` shows it. Throws std::runtime_error where that cannot be.
+  ShotTaker(const Simulation& simulation, const ShotTaker& first);
 
   Shot take(double time);
 

@@ -156,6 +156,8 @@ void Stage::Parts::setCut(const Cut& cut, const Eye& eye) {
 void Stage::build(const ShotTaker& taker, const PictureRequest& request, const ColourMap& map, const Range& range,
                   const Eye& first_eye) {
   Parts& p = *parts_;
+  p.bodies.clear(), p.obstacles.clear();
+  p.renderer->RemoveAllViewProps();
   p.taker = &taker;
   p.setColours(map, range);
   if (request.cut) p.setCut(*request.cut, first_eye);

@@ -16,7 +16,7 @@ class Stage {
   Stage();
   ~Stage();
 
-  /// What is drawn, and how. `range`: of the colours. What is referred to must outlive the drawing.
+  /// What is drawn, and how, in the place of what was before. `range`: of the colours. What is referred to must outlive the drawing.
   void build(const ShotTaker& taker, const PictureRequest& request, const ColourMap& map, const Range& range,
              const Eye& first_eye);
   void show(const Shot& shot);

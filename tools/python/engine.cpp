@@ -57,10 +57,29 @@ Engine::~Engine() {
 void Engine::load(Diagnostics diagnostics, bool observed) {
   const EndingSignals signals;
   py::gil_scoped_release unlocked;
-  session_.followMeshChanges();
+  session_.followMeshChanges([this](const NodesNow&) { meshChanged(); });
   session_.load(source_, overrides_, std::move(diagnostics));
   simulation_ = session_.shared();
   if (!observed) dropReaders(*simulation_);
+}
+
+/// States are others. Called before a step, without the interpreter's lock.
+void Engine::meshChanged() {
+  if (keeps_forces_)
+    for (State* state : simulation_->states()) state->requestForce();
+  forcesAreOld();
+}
+
+/// Whoever holds arrays of the first mesh learns it once.
+void Engine::tellOfOldArrays() {
+  constexpr long own_holders = 2;  // the session and this
+  if (told_of_old_arrays_ || !simulation_->hasChangedMeshes() || simulation_.use_count() <= own_holders) return;
+  told_of_old_arrays_ = true;
+  if (PyErr_WarnEx(PyExc_RuntimeWarning,
+                   "a mesh has changed: arrays taken of a state before (x, v, f) are of the mesh before, and follow the steps no "
+                   "more. Take them again after each run",
+                   1) != 0)
+    throw py::error_already_set();
 }
 
 std::shared_ptr<Engine> Engine::ofFile(const std::string& file, const std::vector<Override>& overrides, bool observed) {
@@ -161,6 +180,7 @@ RunReport Engine::run(std::optional<long> steps, std::optional<double> until, co
     session_.withdrawStop();  // of a signal that came when the run had ended
     throw py::error_already_set();
   }
+  tellOfOldArrays();
   return report;
 }
 

@@ -67,6 +67,8 @@ class Engine {
 
  private:
   void load(Diagnostics diagnostics, bool observed);
+  void meshChanged();
+  void tellOfOldArrays();
 
   std::unique_ptr<Session> own_;  ///< unless it is somebody else's
   Session& session_;
@@ -76,6 +78,7 @@ class Engine {
   std::shared_ptr<Engine> twin_;
   std::vector<Vector> restored_;  ///< constraintForces() of a checkpoint, until something steps
   bool keeps_forces_ = false;     ///< requestForces()
+  bool told_of_old_arrays_ = false;
   long old_at_ = 0;               ///< Simulation::steps() when State::f was last of another state; each step makes it anew
   friend class InUse;
   std::atomic<std::thread::id> user_{};  ///< the thread that steps it

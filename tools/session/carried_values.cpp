@@ -76,14 +76,7 @@ class Carrier {
       if (!isWritten(edit)) left.push_back(edit);
     Archive archive;
     archive.enter("edits");
-    std::size_t count = left.size();
-    archive.value("count", count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::string number = std::to_string(i) + " ";
-      archive.value(number + "path", left[i].path);
-      archive.value(number + "attribute", left[i].attribute);
-      archive.value(number + "text", left[i].value);
-    }
+    visitEdits(archive, left);
     replace("edits", archive.entries());
   }
   bool isWritten(const Override& edit) const {

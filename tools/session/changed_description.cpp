@@ -50,8 +50,9 @@ std::string textOfPlaces(const std::vector<Vec3>& places) {
   return text;
 }
 
-/// Whole numbers, or cells as numbers of nodes.
+/// Whole numbers, or cells as numbers of nodes. Counts have a unit.
 bool listsNumbers(const Data& data) {
+  if (!data.unitText().empty()) return false;
   const DataPointer& list = data.pointer();
   return std::holds_alternative<std::vector<int>*>(list) || std::holds_alternative<std::vector<Edge>*>(list) ||
          std::holds_alternative<std::vector<Triangle>*>(list) || std::holds_alternative<std::vector<Quad>*>(list) ||
@@ -319,17 +320,18 @@ class ChangedScene {
     const Place at = place(state);
     if (!at.node || topologyOf(state) == nullptr || !state.isBound() || isMapped(state)) return;
     std::vector<Index> held = edit_.loosePoints();
-    std::set<Index> used;
+    std::vector<bool> used(edit_.mesh().position.size(), false);
     forEachCellList(
         [&used](const CellKind&, const auto& cells) {
-          for (const auto& cell : cells) used.insert(cell.begin(), cell.end());
+          for (const auto& cell : cells)
+            for (const Index node : cell) used[std::size_t(node)] = true;
         },
         edit_.mesh());
     const std::string path = state.path().substr(0, state.path().rfind('/')) + "/" + held_name;
     if (Component* before = findComponent(simulation_.root(), path)) {
       const std::vector<Index> now = edit_.points().now();
       for (const int point : *std::get<std::vector<int>*>(before->data().find("indices")->pointer()))
-        if (const Index number = now.at(std::size_t(point)); number >= 0 && used.count(number) == 0) held.push_back(number);
+        if (const Index number = now.at(std::size_t(point)); number >= 0 && !used[std::size_t(number)]) held.push_back(number);
       if (held.empty() && std::count(done_.left_out.begin(), done_.left_out.end(), path) == 0) done_.left_out.push_back(path);
     }
     if (held.empty()) return;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <set>
 
@@ -11,6 +12,8 @@
 #include "framework/simulation/mesh_changer.h"
 #include "tools/session/carried_values.h"
 #include "tools/session/changed_description.h"
+#include "tools/session/changed_nodes.h"
+#include "tools/session/owned_values.h"
 
 namespace stroma {
 namespace {
@@ -115,6 +118,42 @@ MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Module
   for (const ChangedMesh& mesh : meshes)
     for (const std::string& state : mesh.followed.states) made.nodes[state] = mesh.edit.points().now();
   return made;
+}
+
+void writeChangedScene(const Simulation& simulation, Archive& archive) {
+  const Simulation* const first = simulation.first();
+  if (!first) return;
+  archive.enter(changed_scene_owner);
+  std::vector<Override> edits = first->edits();
+  visitEdits(archive, edits);
+  writeChangedNodes(first->scene().description.root, simulation.scene().description.root, archive);
+}
+
+void takeChangedScene(Simulation& simulation, Archive values, Factory& factory, Modules& modules) {
+  Archive present;
+  writeChangedScene(simulation, present);
+  const Entries &now = present.entries(), &wanted = values.entries();
+  if (std::equal(now.begin(), now.end(), wanted.begin(), wanted.end(),
+                 [](const auto& a, const auto& b) { return a.first == b.first && a.second.bytes == b.second.bytes; }))
+    return;
+  if (simulation.hasChangedMeshes()) simulation.reset();
+  if (wanted.empty()) return;
+  simulation.takeEditsBack();
+  values.enter(changed_scene_owner);
+  std::vector<Override> edits;
+  visitEdits(values, edits);
+  SceneDescription scene = simulation.scene().description;
+  readChangedNodes(values, scene.root);
+  values.checkAllRead();
+  std::unique_ptr<Simulation> changed = loaded(std::move(scene), factory, modules);
+  for (const Override& edit : edits) simulation.setAttribute(edit.path, edit.attribute, edit.value);  // reset() finds them
+  Archive start = changed->checkpoint().readable();
+  simulation.become(std::move(changed), std::move(start));
+}
+
+const Checkpoint* meshesAt(double time, const RecordedMeshes& meshes) {
+  const auto later = meshes.upper_bound(time);
+  return later == meshes.begin() ? nullptr : &std::prev(later)->second;
 }
 
 }  // namespace stroma

@@ -8,6 +8,7 @@
 
 #include "framework/scene/modules.h"
 #include "framework/simulation/simulation.h"
+#include "tools/session/checkpoint.h"
 
 namespace stroma {
 
@@ -24,5 +25,19 @@ struct MeshChangesMade {
 /// Makes the changes that components of the scene (MeshChanger) plan before the next step. Throws ComponentError with a sentence;
 /// nothing has changed then.
 MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules);
+
+/// What such changes have made of the scene, for another simulation of it: values of one owner of a checkpoint, and none where no mesh
+/// has changed.
+constexpr const char* changed_scene_owner = "changed scene";
+void writeChangedScene(const Simulation& simulation, Archive& archive);
+/// The scene with the meshes of such values, which are of this scene; without any, with its first ones.
+/// Nothing happens where it has them. Everything begins anew in it: Simulation::restore() is to follow. Throws std::runtime_error;
+/// the scene is then anywhere between.
+void takeChangedScene(Simulation& simulation, Archive values, Factory& factory, Modules& modules);
+
+/// Where the meshes of a recorded run have changed: from each of these times on they are those of a checkpoint [s].
+using RecordedMeshes = std::map<double, Checkpoint>;
+/// Null: the scene has the meshes that it was written with.
+const Checkpoint* meshesAt(double time, const RecordedMeshes& meshes);
 
 }  // namespace stroma

@@ -126,10 +126,16 @@ void MeshEdit::removeCells(const MeshChange& change) {
         }
       },
       mesh_, cells_);
+  // of what is left only cells near it are asked for
+  std::vector<bool> is_near(mesh_.position.size(), false);
+  for (const auto& [node, cells] : gone.nodes()) is_near[std::size_t(node)] = true;
+  const auto addNear = [&](const auto& list) {
+    for (const auto& cell : list)
+      if (std::any_of(cell.begin(), cell.end(), [&is_near](Index node) { return is_near[std::size_t(node)]; })) left.add(cell);
+  };
   forEachCellList(
       [&](const CellKind& kind, const auto& list) {
-        if (kind.dimension < change.kind->dimension) return;
-        for (const auto& cell : list) left.add(cell);
+        if (kind.dimension >= change.kind->dimension) addNear(list);
       },
       mesh_);
   // faces and edges of what has gone, and of nothing that is left
@@ -144,8 +150,7 @@ void MeshEdit::removeCells(const MeshChange& change) {
       mesh_, cells_);
   forEachCellList(
       [&](const CellKind& kind, const auto& list) {
-        if (kind.dimension >= change.kind->dimension) return;
-        for (const auto& cell : list) left.add(cell);
+        if (kind.dimension < change.kind->dimension) addNear(list);
       },
       mesh_);
   std::vector<Index> alone;

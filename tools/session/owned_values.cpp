@@ -27,4 +27,16 @@ bool takesAll(Component& component, const Entries& values) {
   }
 }
 
+void visitEdits(Archive& archive, std::vector<Override>& edits) {
+  std::size_t count = edits.size();
+  archive.value("count", count);
+  edits.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string number = std::to_string(i) + " ";
+    archive.value(number + "path", edits[i].path);
+    archive.value(number + "attribute", edits[i].attribute);
+    archive.value(number + "text", edits[i].value);
+  }
+}
+
 }  // namespace stroma

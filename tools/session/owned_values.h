@@ -3,9 +3,11 @@
 #pragma once
 #include <map>
 #include <string>
+#include <vector>
 
 #include "framework/scene/archive.h"
 #include "framework/scene/component.h"
+#include "framework/scene/load.h"
 
 namespace stroma {
 
@@ -17,5 +19,8 @@ Entries valuesOf(const std::string& owner, const Entries& all);
 /// The component takes all of these values, which are its own. False: it reads them when it runs, or they are others than it has;
 /// what it has taken of them until then stays.
 bool takesAll(Component& component, const Entries& values);
+
+/// Attributes that were set in a run, under the names that RunEdits has.
+void visitEdits(Archive& archive, std::vector<Override>& edits);
 
 }  // namespace stroma

@@ -184,6 +184,7 @@ std::string Session::changeMeshes() {
       };
       if (std::none_of(mesh_notes_.begin(), mesh_notes_.end(), is_of_it)) mesh_notes_.push_back(std::move(note));
     }
+    if (made.any) ++mesh_changes_;
     if (made.any && mesh_changed_) mesh_changed_(made.nodes);
     return {};
   } catch (const ComponentError& error) {
@@ -277,9 +278,28 @@ Checkpoint Session::checkpoint() {
   Checkpoint checkpoint{scene_file_, buildIdentity(), simulation().checkpoint()};
   checkpoint.values.enter("run");
   unconverged_.serialize(checkpoint.values);
-  bool changed = simulation().hasChangedMeshes();
-  if (changed) checkpoint.values.value("changed_meshes", changed);
+  writeChangedScene(simulation(), checkpoint.values);
   return checkpoint;
+}
+
+/// Simulation::restore(), in the meshes that the values are of.
+void Session::restoreMeshes(Archive values) {
+  Simulation& running = simulation();
+  Archive scene = values.take(changed_scene_owner);
+  if (scene.entries().empty() && !running.hasChangedMeshes()) return running.restore(std::move(values));
+  Archive before = running.checkpoint(), scene_before;
+  writeChangedScene(running, scene_before);
+  try {
+    takeChangedScene(running, std::move(scene), factory_, modules_);
+    running.restore(std::move(values));
+  } catch (const std::exception& error) {
+    const std::string why = error.what();
+    takeChangedScene(running, scene_before.readable(), factory_, modules_);
+    running.restore(before.readable());
+    throw std::runtime_error(why);
+  }
+  ++mesh_changes_;
+  if (mesh_changed_) mesh_changed_({});
 }
 
 std::vector<std::string> Session::restore(Checkpoint checkpoint, const std::string& path) {
@@ -289,11 +309,11 @@ std::vector<std::string> Session::restore(Checkpoint checkpoint, const std::stri
     for (const char* kept : {"constraint forces", "forces"}) checkpoint.values.take(kept);  // for Python (tools/python/engine.h)
     Archive run = checkpoint.values.take("run");
     tells_convergence = !run.entries().empty();
-    if (run.entries().count("run:changed_meshes") > 0 || simulation().hasChangedMeshes())
-      throw std::runtime_error("meshes had changed in that run: none goes on from there; run the scene from its start");
+    if (run.entries().count("run:changed_meshes") > 0)
+      throw std::runtime_error("meshes had changed in that run, and an earlier version wrote it, which did not keep them");
     if (tells_convergence) unconverged.serialize(run);
     run.checkAllRead();
-    simulation().restore(std::move(checkpoint.values));
+    restoreMeshes(std::move(checkpoint.values));
     unconverged_ = unconverged;
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", path, error.what()));

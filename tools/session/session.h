@@ -100,6 +100,8 @@ class Session {
   void followMeshChanges(std::function<void(const NodesNow&)> changed = {}) {
     follows_mesh_changes_ = true, mesh_changed_ = std::move(changed);
   }
+  /// How often the scene has had other meshes than before: who asks again knows whether it has since.
+  long meshChanges() const { return mesh_changes_; }
   /// What such changes have left to say, each component once.
   const std::vector<std::string>& meshNotes() const { return mesh_notes_; }
   /// Whether the scene is a program, which hears keys.
@@ -130,6 +132,7 @@ class Session {
  private:
   Simulation& take(const std::string& file, Scene scene);
   std::string changeMeshes();
+  void restoreMeshes(Archive values);
   std::vector<Override> with(const std::vector<Override>& more_overrides) const;
 
   Factory factory_;
@@ -142,6 +145,7 @@ class Session {
   bool follows_mesh_changes_ = false;
   std::function<void(const NodesNow&)> mesh_changed_;
   std::vector<std::string> mesh_notes_;
+  long mesh_changes_ = 0;
   bool mesh_refused_ = false;  ///< in the last step
   SceneProgram* program_ = nullptr;  ///< the scene is one, and takes part in its steps
 };

@@ -336,7 +336,19 @@ void LiveRun::reset() {
   }
 }
 
+void LiveRun::takeMeshes(const Checkpoint* meshes) {
+  if (meshes == meshes_) return;
+  meshes_ = meshes;
+  if (meshes) {
+    session_.restore(*meshes, "the recording");  // which tells meshChanged()
+  } else {
+    simulation_.reset();
+    meshChanged({});
+  }
+}
+
 void LiveRun::seek(long index) {
+  takeMeshes(meshesAt(request_.recording.front()[std::size_t(index)].time, request_.meshes));
   index_ = index;
   drawing::showInstant(simulation_, request_.recording, std::size_t(index));
   held_revision_ = -1;

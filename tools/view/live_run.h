@@ -66,6 +66,8 @@ class LiveRun {
   void setAttribute(const nlohmann::json& message);
   void moveObstacle(int client, const nlohmann::json& message);
   void seek(long index);
+  /// Of the instant of the recording that comes.
+  void takeMeshes(const Checkpoint* meshes);
   void reset();
   void startRunning();
   void advance(long steps);
@@ -97,6 +99,7 @@ class LiveRun {
   std::vector<DrawnSegments::Segment> segments_;  ///< that the drawing was made with
   PageNumbers numbers_;
   std::size_t notes_told_ = 0;  ///< of those that changes of meshes have left
+  const Checkpoint* meshes_ = nullptr;  ///< of the recording; null: those of the scene
 
   // ---- shared with the other threads ----
   mutable std::mutex mutex_;

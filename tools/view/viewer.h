@@ -21,6 +21,7 @@ struct ViewRequest {
   bool paused = false;             ///< wait for somebody to press "run"
   double fps = 60;                 ///< most pictures a second
   Recording recording{};           ///< not empty: these instants are shown, and nothing is run
+  RecordedMeshes meshes{};         ///< of the recording
   /// Origins of pages that may show this one in a frame, as http://localhost:8888 for a notebook; without any, no page may.
   std::vector<std::string> framed_by{};
   std::string build;               ///< of the program; a page of another build is told to load again
