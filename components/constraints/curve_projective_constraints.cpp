@@ -73,6 +73,9 @@ class CurveMovement : public HeldNodes, public StartVelocity {
   bool isConstant() const override { return outside_ == Outside::hold; }
   bool prescribesMotion() const override { return true; }
   bool keepsStartVelocity() const override { return late_; }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (late_ && activeIn(t, t)) prescribe(t, x, v);  // SOFA projects before the first step too
+  }
   void prescribe(double time, Rows x, Rows v) const override {
     const double lag = late_ ? node().dt() : 0;
     const double t = std::max(time - lag, std::min(time, node().root().root_time));

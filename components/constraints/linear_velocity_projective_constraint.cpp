@@ -7,6 +7,9 @@
 // every step. `coordinates` lists the axes that are driven (0, 1, 2; all when not given). Before the first key time the
 // nodes are free, and after the last too, unless continueAfterEnd keeps the last velocity.
 //
+// With late="true", for points, the way is a sum over the steps of h from t_i and the velocity that of a step's start, as SOFA's:
+//   x_{i+1} = x_i + h w(t_i),   v_{i+1} = w(t_i)
+//
 // Of a rigid frame a velocity has six numbers: of its centre, and its angular velocity [rad/s] in fixed axes, which are the
 // coordinates 3, 4 and 5. Nodes that are numbers have one each.
 //
@@ -25,13 +28,14 @@
 
 #include "components/constraints/held_nodes.h"
 #include "components/constraints/row_keys.h"
+#include "framework/mechanics/start_velocity.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class LinearVelocityProjectiveConstraint final : public HeldNodes {
+class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
@@ -40,12 +44,14 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
     table.add("ahead", ahead_)
         .help("by how much nodes that are driven from the start of a simulation are ahead of where they start, as SOFA's")
         .unit("m");
+    table.add("late", late_).help("in a step the nodes go on with the velocity of its start, as SOFA's; of points only");
     table.add("continueAfterEnd", continue_).help("keep the last velocity after the last key time");
   }
 
   void init() override {
     HeldNodes::init();
     velocity_.compile(state());
+    if (late_ && !state().hasPointsOnly()) throw ComponentError("late is of points", "a state of template Vec3");
     holdAllRows();
     if (data().find("coordinates")->isSet()) setProjectors(freeDirections(drivenAxes(), state(), "coordinates"));
     start_.reserve(nodes().size() * std::size_t(heldRows()));
@@ -53,27 +59,53 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
 
   bool activeIn(double t, double t_end) const override {
     const bool after = continue_ && (t > velocity_.last() || sameTime(t, velocity_.last()));
+    if (late_) {
+      const bool begun = t > velocity_.first() || sameTime(t, velocity_.first());
+      const bool over = !continue_ && (t > velocity_.last() || sameTime(t, velocity_.last()));
+      return ProjectiveConstraint::activeIn(t, t_end) && begun && !over;
+    }
     return ProjectiveConstraint::activeIn(t, t_end) && (after || velocity_.touches(t, t_end));
+  }
+  bool keepsStartVelocity() const override { return late_; }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (!late_ || t > node().root().root_time || !activeIn(t, t)) return;  // SOFA projects before the first step too
+    const Mat3 held = Mat3::Identity() - projector(0);
+    for (std::size_t i = 0; i < nodes().size(); ++i) {
+      moveHeld(state().kindOf(0), state().position[std::size_t(nodes()[i])] + ahead_, held, x, row(i));
+      v[row(i)] += held * (velocity_.of(0).at(t) - v[row(i)]);
+    }
   }
   bool isConstant() const override { return false; }
   bool prescribesMotion() const override { return true; }
-  void reset() override { start_.clear(); }
+  void reset() override {
+    start_.clear();
+    way_.setZero();
+  }
   void serialize(Archive& archive) override {
     archive.value("start_time", start_time_);
+    archive.value("last_start", last_start_);
+    for (const int axis : {0, 1, 2}) archive.value(fmt::format("way_{}", axis), way_[axis]);
     serializeStart(archive, start_);
   }
 
   void beginMotion(double t, ConstRows x) override {
+    if (late_ && !start_.empty() && t > last_start_) {
+      if (activeIn(last_start_, last_start_)) way_ += (t - last_start_) * velocity_.of(0).at(last_start_);
+      last_start_ = t;
+    }
     if (!start_.empty()) return;
+    last_start_ = t;
+    way_.setZero();
     start_time_ = std::max(t, velocity_.first());
     for (const Index node : nodes()) noteRows(state(), node, x, start_);
     // only what starts with the simulation: nodes that are found under way, as after a change of the mesh, are ahead already
-    if (t > node().root().root_time) return;
+    if (late_ || t > node().root().root_time) return;
     for (std::size_t i = 0; i < start_.size(); ++i)
       if (state().kindOf(Index(i) % heldRows()) != RowKind::turn) start_[i] += ahead_;
   }
 
   void prescribe(double t, Rows x, Rows v) const override {
+    if (late_) return prescribeLate(t, x, v);
     const double until = continue_ ? t : std::min(t, velocity_.last());
     for (Index k = 0; k < heldRows(); ++k) {
       const Mat3 held = Mat3::Identity() - projector(k);
@@ -94,6 +126,17 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   bool takesAllRows() const override { return true; }
 
  private:
+  void prescribeLate(double time, Rows x, Rows v) const {
+    const double t = std::max(time - node().dt(), std::min(time, node().root().root_time));
+    if (t < velocity_.first() && !sameTime(t, velocity_.first())) return;
+    const Mat3 held = Mat3::Identity() - projector(0);
+    const Vec3 movement = way_ + (time - last_start_) * velocity_.of(0).at(last_start_);
+    for (std::size_t i = 0; i < nodes().size(); ++i) {
+      moveHeld(state().kindOf(0), start_[i * std::size_t(heldRows())] + movement, held, x, row(i));
+      v[row(i)] += held * (velocity_.of(0).at(t) - v[row(i)]);
+    }
+  }
+
   std::vector<bool> drivenAxes() const {
     const int count = state().kindOf(0) == RowKind::value ? int(state().rows_per_node) : 3 * int(state().rows_per_node);
     if (axes_.empty()) throw ComponentError("coordinates lists no axis", fmt::format("0 to {}", count - 1));
@@ -108,9 +151,11 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
 
   RowKeys velocity_;
   std::vector<int> axes_;
-  bool continue_ = false;
+  bool continue_ = false, late_ = false;
   Vec3 ahead_ = Vec3::Zero();
   double start_time_ = 0;    ///< [s]
+  double last_start_ = 0;    ///< of the step, where late [s]
+  Vec3 way_ = Vec3::Zero();  ///< until then [m]
   std::vector<Vec3> start_;  ///< rows of the nodes at start_time_, as State::position has them; empty until then
 };
 

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "framework/mechanics/state_positions.h"
@@ -26,10 +27,29 @@ void simplexMatrix(int count, double size, CellMatrix& out) {
     for (int j = 0; j < count; ++j) out[std::size_t(i * count + j)] = i == j ? 2 * entry : entry;
 }
 
+/// A point of a rule, with what does not depend on the cell.
+struct TabledPoint {
+  double weight = 0;
+  std::array<double, most_cell_nodes> shape{};
+  std::array<LocalPoint, most_cell_nodes> slopes{};
+};
+
+/// Made once per kind: shapes and slopes cost more than the rest of the integral.
+const std::vector<TabledPoint>& pointsOf(const CellKind& kind) {
+  thread_local std::map<const CellKind*, std::vector<TabledPoint>> tables;
+  std::vector<TabledPoint>& table = tables[&kind];
+  if (!table.empty()) return table;
+  for (const QuadraturePoint& point : kind.rule(2 * kind.order).points) {
+    TabledPoint& tabled = table.emplace_back();
+    tabled.weight = point.weight;
+    kind.shapes(point.xi, tabled.shape.data());
+    kind.gradients(point.xi, tabled.slopes.data());
+  }
+  return table;
+}
+
 /// det dx/dxi of a volume, or the area over that of the reference cell.
-double measureAt(const CellKind& kind, const LocalPoint& xi, const Vec3* x) {
-  std::array<LocalPoint, most_cell_nodes> slopes;
-  kind.gradients(xi, slopes.data());
+double measureAt(const CellKind& kind, const std::array<LocalPoint, most_cell_nodes>& slopes, const Vec3* x) {
   Mat3 jacobian = Mat3::Zero();
   for (int a = 0; a < kind.nodes; ++a) jacobian += x[a] * Vec3(slopes[a][0], slopes[a][1], slopes[a][2]).transpose();
   return kind.dimension == 3 ? jacobian.determinant() : jacobian.col(0).cross(jacobian.col(1)).norm();
@@ -43,12 +63,10 @@ void cellMassMatrix(const MassCell& cell, const std::vector<Vec3>& position, Cel
   for (int a = 0; a < kind.nodes; ++a) x[a] = position[cell.nodes[a]];
   if (kind.affine) return simplexMatrix(kind.nodes, simplexSize(kind.dimension, x.data()), out);
   out.fill(0);
-  std::array<double, most_cell_nodes> shape;
-  for (const QuadraturePoint& point : kind.rule(2 * kind.order).points) {
-    kind.shapes(point.xi, shape.data());
-    const double measure = point.weight * measureAt(kind, point.xi, x.data());
+  for (const TabledPoint& point : pointsOf(kind)) {
+    const double measure = point.weight * measureAt(kind, point.slopes, x.data());
     for (int i = 0; i < kind.nodes; ++i)
-      for (int j = 0; j < kind.nodes; ++j) out[std::size_t(i * kind.nodes + j)] += measure * shape[i] * shape[j];
+      for (int j = 0; j < kind.nodes; ++j) out[std::size_t(i * kind.nodes + j)] += measure * point.shape[i] * point.shape[j];
   }
 }
 

@@ -82,6 +82,7 @@ class BendingSprings final : public SpringField {
     topology_.declare(table, "surface");
     table.add("stiffness", stiffness_).help("spring constant").unit("N/m").min(0).physical();
     table.add("damping", damping_).help("force along a spring over its speed of elongation").unit("N s/m").min(0).physical();
+    table.add("allowEmpty", allow_empty_).help("a mesh without inner edges of such cells is no error");
     table.add("localRange", range_).help("first and last node that springs may join; -1 -1: all nodes");
     for (const char* name : {"showSprings", "drawMode", "showArrowSize"}) table.addVisualOnly(name);
   }
@@ -89,7 +90,8 @@ class BendingSprings final : public SpringField {
   void init() override {
     ForceField::init();
     const CellKind& kind = std::tuple_size_v<Cell> == 3 ? cell_kinds::triangle : cell_kinds::quad;
-    const Mesh& mesh = topology_.meshWith(kind, *this, this->state());
+    const Topology* any = allow_empty_ ? topology_.find(*this, state()) : nullptr;
+    const Mesh& mesh = any ? any->mesh() : topology_.meshWith(kind, *this, state());
     if (range_.size() != 2) throw ComponentError(fmt::format("localRange has {} values", range_.size()), "2 values");
     std::map<Edge, bool> springs;
     for (const auto& [edge, wings] : wingsOf(cellsOf<Cell>(mesh)))
@@ -98,7 +100,8 @@ class BendingSprings final : public SpringField {
           addPair(wings[i].after_first, wings[j].after_first, springs);
           addPair(wings[i].after_second, wings[j].after_second, springs);
         }
-    if (springs.empty()) throw ComponentError("no two cells of the surface share an edge", "a connected surface");
+    if (springs.empty() && !allow_empty_) throw ComponentError("no two cells of the surface share an edge", "a connected surface");
+    if (springs.empty()) warn("there is no spring: no two cells of the surface share an edge", "a connected surface");
     std::vector<Spring> list;
     for (const auto& [pair, unused] : springs) {
       list.push_back({pair[0], pair[1], stiffness_, damping_, 0});
@@ -115,6 +118,7 @@ class BendingSprings final : public SpringField {
   }
 
   TopologyLink topology_;
+  bool allow_empty_ = false;
   double stiffness_ = 1e5, damping_ = 1;
   std::vector<int> range_{-1, -1};
 };

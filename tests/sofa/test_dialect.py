@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Scenes in SOFA's dialect against closed forms and reference.py. Usage: test_dialect.py STROMA [WORD]."""
+"""Scenes in SOFA's dialect against closed forms and reference.py. Usage: test_dialect.py STROMA [WORD].
+
+Where STROMA_TEST_SCENES names a folder, the scenes that leave a way of SOFA out are kept there: docs/plots/quirk_pictures.py draws them."""
 import gzip
 import itertools
+import json
 import os
 import re
 import subprocess
@@ -36,6 +39,15 @@ def states_in(folder):
     return states
 
 
+def keep(quirk, given):
+    folder = os.environ.get("STROMA_TEST_SCENES")
+    if not folder or any(isinstance(text, bytes) for text in (given["scene"], *given["files"].values())):
+        return
+    number = sum(file.startswith(quirk + ".") for file in os.listdir(folder))
+    with open(os.path.join(folder, f"{quirk}.{number}.json"), "w", encoding="utf-8") as out:
+        json.dump(given, out)
+
+
 class Run:
     def __init__(self, scene, steps, files=None, args=(), name="scene.scn", command="run"):
         with tempfile.TemporaryDirectory() as folder:
@@ -53,6 +65,8 @@ class Run:
             if command == "run" and self.code == 0:
                 RUNS.append(self)
             self.given = scene, steps, files, args, name
+            if command == "run" and args[:1] == ["--without-quirk"] and len(args) == 2:
+                keep(args[1], {"scene": scene, "steps": steps, "files": files or {}, "name": name})
             self.native = {}
             if command == "migrate" and self.code == 0:
                 done = subprocess.run([STROMA, "run", "native.xml", "-n", str(steps), "--record", "out"], cwd=folder,
@@ -412,6 +426,18 @@ def methods_of_fast_tetrahedra():
         expected = euler(X4, np.eye(4), fields, 30, 0.01, held=[0])
         for word in words:
             agree(Run(scene.replace("WORD", word), 30).x(), expected, 1e-7)
+
+
+@case
+def tangents_of_sofa_that_are_not_followed():
+    """Each is said: the results differ."""
+    for field, word in (('StandardTetrahedralFEMForceField materialName="MooneyRivlin" ParameterSet="30 20 300"', "lacks a part where c2"),
+                        ('FastTetrahedralCorotationalForceField youngModulus="300" poissonRatio="0.3"', "blocks are transposed")):
+        scene = node(EXACT + '<TetrahedronSetTopologyContainer position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>'
+                     f'<MechanicalObject name="dofs"/><UniformMass totalMass="2"/><FixedConstraint indices="0 1 2"/><{field}/>')
+        Run(scene, 1).says(word)
+        other = Run(scene.replace(EXACT, "<EulerImplicitSolver/><CGLinearSolver/>"), 1)
+        assert ("blocks are transposed" in other.text) is False, other.text
 
 
 @case
@@ -3652,6 +3678,8 @@ def moved_nodes_have_the_velocity_of_a_steps_start():
     curve = ('<HermiteSplineConstraint indices="0" BeginTime="0" EndTime="0.2" X0="0 0 0" dX0="0 0 0" X1="0.3 0 0" dX1="0 0 0" SX0="0 0" '
              'SX1="0 0"/>')
     agree(x(curve), led(lambda t: hermite(t)[0], lambda t: hermite(t)[1], 10))
+    elsewhere = curve.replace(' X0="0 0 0"', ' X0="0.05 0 0"').replace('X1="0.3', 'X1="0.35')  # from before the first step on
+    agree(x(elsewhere), led(lambda t: 0.05 + hermite(t)[0], lambda t: hermite(t)[1], 10))
     arc = '<ParabolicConstraint indices="0" P1="0 0 0" P2="0.1 0.2 0" P3="0.4 0 0" BeginTime="0" EndTime="0.2"/>'
     fallen_off = Run(node(EXACT + body.replace('<SpringForceField spring="0 1 100 0 1"/>', "") + arc), 23).x()[0]
 
@@ -3662,6 +3690,32 @@ def moved_nodes_have_the_velocity_of_a_steps_start():
     free = '<MechanicalObject name="dofs" position="0 0 0"/><UniformMass totalMass="2"/>'
     slide = '<PartialLinearMovementConstraint indices="0" keyTimes="0 1" movements="0 0 0  0 1 0.5" movedDirections="0 1 0"/>'
     agree(Run(root(EXACT + free + slide, 'gravity="3 0 0"'), 10).x(), [[10 * 3e-4, 0.09, 10 * 0.005]])
+
+
+@case
+def nodes_whose_velocity_is_given_go_on_with_that_of_a_steps_start():
+    """Where they are is a sum over the steps, whatever kinks their velocity has, and their neighbours feel that of the step before."""
+    body = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/><SpringForceField spring="0 1 100 0 1"/>')
+
+    def check(times, values, steps=17, more="", last=None):
+        first, last = times[0], times[-1] if last is None else last
+
+        def speed(t):
+            return np.interp(t, times, values)
+        places = [0.01 * speed(0) if first <= 0 else 0.0]
+        for n in range(steps):
+            places.append(places[-1] + (0.01 * speed(0.01 * n) if first <= 0.01 * n + 1e-12 < last else 0))
+        place = iter(places[first > 0:])
+        flow = (f'<LinearVelocityProjectiveConstraint indices="0" keyTimes="{" ".join(map(str, times))}" '
+                f'velocities="{"  ".join(f"{value} 0 0" for value in values)}" {more}/>')
+        if first > 0:
+            place = iter(places[1 + round(first / 0.01):])
+        agree(Run(node(EXACT + body + flow), steps).x()[:, 0], led(lambda t: next(place), speed, steps, first=first, last=last))
+    check([0, 0.05, 0.1, 0.3], [1, 3, -1, 2])
+    check([0, 0.05, 0.1, 0.13], [1, 3, -1, 2])
+    check([0.03, 0.05, 0.1, 0.13], [1, 3, -1, 2])
+    check([0, 0.05, 0.1], [1, 3, 3], more='continueAfterEnd="1"', last=np.inf)
+    check([0, 0.05, 0.1], [1, 3, 3], more='continueAfterEnd="0"')
 
 
 @case
@@ -4199,6 +4253,34 @@ def lines_between_nodes_that_several_bodies_have():
         fields = together(gravity(np.ones(4), [0, -10, 0]), springs([(1, 2)], x, 500))
         moved = euler(x, np.eye(4), fields, 20, 0.01, held=[0])
         agree(np.vstack([run.x("a.dofs"), run.x("b.dofs")]), moved)
+
+
+@case
+def surfaces_without_inner_edges_do_not_bend():
+    """Nor do surfaces without cells of the kind: there is no spring, as in SOFA."""
+    for kind in ("Quad", "Triangular"):
+        mesh = '<MeshTopology position="0 0 0  1 0 0  1 1 0  0 1 0" quads="0 1 2 3"/><MechanicalObject name="dofs"/><UniformMass totalMass="4"/>'
+        run = Run(root(EXACT + mesh + f'<{kind}BendingSprings stiffness="100"/>'), 10)
+        run.says("no two cells of the surface share an edge")
+        agree(run.x()[:, 1], [fallen(10), fallen(10), 1 + fallen(10), 1 + fallen(10)])
+
+
+@case
+def the_page_has_a_picture_of_each_quirk():
+    """The names in the table, and those in the titles of the pictures, are those that the program knows."""
+    said = Run(root(EXACT + BODY), 1, args=["--without-quirk", "none-such"]).text
+    known = sorted(re.search(r"expected one of: ([a-z, -]+)", said)[1].split(", "))
+    tutorials = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "tutorials")
+    with open(os.path.join(tutorials, "sofa.md"), encoding="utf-8") as file:
+        page = file.read()
+    assert sorted(re.findall(r"(?m)^\| `([a-z-]+)` \|", page)) == known
+    drawn = []
+    for picture in re.findall(r"!\[[^]]+\]\((quirks/\d+\.png)\)", page):
+        with open(os.path.join(tutorials, picture), "rb") as file:
+            chunks = file.read()
+        at = chunks.index(b"tEXtTitle\0")
+        drawn += chunks[at + 10:at + 4 + int.from_bytes(chunks[at - 4:at], "big")].decode().split()
+    assert sorted(drawn) == known, "docs/plots/quirk_pictures.py draws them"
 
 
 @case

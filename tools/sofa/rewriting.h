@@ -100,6 +100,7 @@ class Rewriting {
   void meanPlane(Element& plane);
   void includeLast(Element& element);
   void checkOneBody(Element& field);
+  void warnOfTangents(const Element& field);
   void warnOfFrames(const Element& mapping);
   void warnOfChance(const Element& engine);
   void holdArms(Element& mapping);

@@ -114,6 +114,7 @@ void Rewriting::meanField(Element& element) {
   if (type == "HexahedronFEMForceField")
     if (Element* mesh = meshOf(element); mesh && mesh->written->type.starts_with("SparseGrid"))
       setDefault(element, "localStiffnessFactor", SceneTree::linkTo(*mesh) + ".cellFactors");
+  if (isOneOf(type, {"TriangularBendingSprings", "QuadBendingSprings"})) setDefault(element, "allowEmpty", "true");
   if (isOneOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
     setQuirk(element, "spring-length", "perLength", "true"), setDefault(element, "allowEmpty", "true");
   // without another body they count in the same rest shape

@@ -285,6 +285,7 @@ void Rewriting::meanLoads(Element& element) {
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
   if (element.text("materialName") == "BoyceAndArruda") element.set("materialName", "ArrudaBoyce");  // its name before 2023
   if (type == "TetrahedronHyperelasticityFEMForceField" || type == "StandardTetrahedralFEMForceField") meanDirections(element);
+  warnOfTangents(element);
   const auto layer = layers_.find(&element);
   if (layer == layers_.end()) return;
   const SourceLocation& where = element.written->where;
@@ -297,6 +298,18 @@ void Rewriting::meanLoads(Element& element) {
   element.place->added_components.push_back(std::move(box));
   SceneTree::linkTo(element);  // nodes above it have names from now on
   element.set("triangleList", "@" + joinPath(element.place->path(), name) + ".triangleIndices");
+}
+
+/// Those of SOFA that are not the derivatives of the forces, and are not followed.
+void Rewriting::warnOfTangents(const Element& field) {
+  const std::string& type = field.written->type;
+  if (type == "StandardTetrahedralFEMForceField" && field.text("materialName") == "MooneyRivlin")
+    warn(field.written->where, field, "materialName",
+         "has its exact tangent: SOFA's lacks a part where c2 is not zero, and implicit steps differ by some thousandths");
+  const Element* solver = field.place->nearest("linear solver");
+  if (type == "FastTetrahedralCorotationalForceField" && solver && solver->is("SparseLDLSolver"))
+    warn(field.written->where, field, {},
+         "has its exact tangent: in SOFA's assembled matrix some blocks are transposed, and implicit steps differ by some hundredths");
 }
 
 /// No law of SOFA reads directions; the axes of Costa's are those of space.

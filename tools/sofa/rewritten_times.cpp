@@ -187,7 +187,7 @@ void Rewriting::meanTimes(Element& element) {
   const bool spans = type == "AffineMovementProjectiveConstraint" || type == "PatchTestMovementProjectiveConstraint";
   const bool bends = type == "ParabolicProjectiveConstraint" || type == "HermiteSplineProjectiveConstraint";
   const bool swings = type == "OscillatorProjectiveConstraint", loads = type == "LinearForceField";
-  const bool flows = type == "LinearVelocityProjectiveConstraint" && !element.find("continueAfterEnd");
+  const bool flows = type == "LinearVelocityProjectiveConstraint";
   const bool turns = type == "OscillatingTorsionPressureForceField";
   if ((!moves && !spans && !bends && !turns && !swings && !loads && !flows) || !quirks_.use("late-times", element.path())) return;
   const double h = timeStep();
@@ -211,12 +211,16 @@ void Rewriting::meanTimes(Element& element) {
   const char* values = flows ? "velocities" : "forces";
   Table table(element.text(at), element.text(values));
   if (table.width == 0) return;
-  if (flows) {
-    if (table.times.front() <= 0 && table.width == 3) {  // SOFA moves them by the first velocity before the first step too
+  if (flows && table.width == 3) {
+    if (table.times.front() <= 0) {  // SOFA moves them by the first velocity before the first step too
       std::vector<double> ahead = table.at(0);
       for (double& number : ahead) number *= h;
       if (ahead != std::vector<double>(3, 0)) element.set("ahead", printed(ahead));
     }
+    return element.set("late", "true");
+  }
+  if (flows) {  // of frames and numbers
+    if (saysYes(element.text("continueAfterEnd"))) return;
     delayVelocity(table, h);
   } else {
     const double first = table.times.front();
