@@ -55,7 +55,7 @@ Quaternion shortestTurn(const Vec3& from, const Vec3& to) {
   return {s * 0.5, axis.x(), axis.y(), axis.z()};
 }
 
-class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
+class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField, true> {
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);
@@ -105,6 +105,14 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
       for (const Pair& pair : this->pairs())
         beams_.emplace_back(axial_, bending_, twisting_, rest[std::size_t(pair.a)], turnedBy(rest[std::size_t(pair.a + 1)]),
                             rest[std::size_t(pair.b)], turnedBy(rest[std::size_t(pair.b + 1)]));
+  }
+
+  void compile() override {
+    FramePairField::compile();
+    const std::size_t lanes = std::size_t(pack_lanes);
+    batch_lengths_.resize((lengths_.size() + lanes - 1) / lanes);
+    for (std::size_t i = 0; i < batch_lengths_.size() * lanes; ++i)
+      batch_lengths_[i / lanes][0][i % lanes] = lengths_[std::min(i, lengths_.size() - 1)];
   }
 
   double energy(ConstRows x) const override {
@@ -159,11 +167,11 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
   /// dE/dp = dexp^-T(psi) s with s = dE/drho, and dE/dpsi has the change of rho with psi,
   ///   s.drho/dpsi = -1/2 p x s + c ((psi.s) p + (psi.p) s - 2 (p.s) psi) + 2 c' ((psi.p)(psi.s) - |psi|^2 (p.s)) psi
   template <class T>
-  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<double>& term) const {
-    const double length = lengths_[i], stretch = axial_ / length, bend = bending_ / length;
-    const double twist = twisting_ / length, shear = 12 * bend / (length * length);
+  Wrench<T> evaluate(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>& term) const {
+    const Pack length = packOf(batch_lengths_[batch][0]), stretch = axial_ / length, bend = bending_ / length;
+    const Pack twist = twisting_ / length, shear = 12. * bend / (length * length);
     const T square = dot(psi, psi);
-    const T c = chain(square, term.c, term.c1), slope = chain(square, 2 * term.c1, 2 * term.c2);
+    const T c = chain(square, term.c, term.c1), slope = chain(square, 2. * term.c1, 2. * term.c2);
     const Triple<T> rho = inverseTimes(psi, c, p);
     const Triple<T> s{T(stretch) * (rho.x - T(length)), T(shear) * rho.y, T(shear) * rho.z};
     const Triple<T> couple{T(twist) * psi.x, T(bend) * psi.y, T(bend) * psi.z};
@@ -185,6 +193,7 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
   std::vector<Mat3> turns_;          ///< R_a of the last addForce(), of these
   TopologyLink topology_;
   std::vector<double> lengths_;                    ///< [m]
+  std::vector<LanesOf<1>> batch_lengths_;          ///< the same of each batch of pairs
   double axial_ = 0, bending_ = 0, twisting_ = 0;  ///< EA [N], EI and GJ [N m^2]
 };
 

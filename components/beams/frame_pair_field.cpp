@@ -11,21 +11,6 @@ namespace {
 
 Vec3 vectorOf(const Triple<double>& a) { return {a.x, a.y, a.z}; }
 
-// ---- lanes to packs and back ----
-
-Pack packOf(const std::array<double, std::size_t(pack_lanes)>& lanes) { return Pack::load_aligned(lanes.data()); }
-template <class Lanes>
-V3<Pack> vectorIn(const Lanes& lanes, std::size_t first = 0) {
-  return {packOf(lanes[first]), packOf(lanes[first + 1]), packOf(lanes[first + 2])};
-}
-template <class Lanes>
-void put(const V3<Pack>& v, Lanes& lanes, std::size_t first = 0) {
-  v.x.store_aligned(lanes[first].data()), v.y.store_aligned(lanes[first + 1].data()), v.z.store_aligned(lanes[first + 2].data());
-}
-template <class Lanes>
-M3<Pack> axesIn(const Lanes& lanes) {
-  return {vectorIn(lanes, 0), vectorIn(lanes, 3), vectorIn(lanes, 6)};
-}
 Orientation<Pack> orientationsAt(const double* data, const Index* offset) {
   alignas(64) std::array<double, std::size_t(pack_lanes)> w;
   for (std::size_t lane = 0; lane < w.size(); ++lane) w[lane] = data[offset[lane] + 3];
@@ -88,7 +73,7 @@ void FramePairField::place(ConstRows x, std::vector<Batch>& batches) const {
     const M3<Pack> axes = a.axes();
     const V3<Pack> psi = (a.conjugate() * b).logarithm();
     const InverseTerm<Pack> term(dot(psi, psi));
-    put(axes.c0, batch.axes, 0), put(axes.c1, batch.axes, 3), put(axes.c2, batch.axes, 6);
+    put(axes, batch.axes);
     put(arm, batch.arm), put(transposedTimes(axes, arm), batch.p), put(psi, batch.psi);
     put(V3<Pack>{term.c, term.c1, term.c2}, batch.term);
   }
@@ -106,7 +91,7 @@ void FramePairField::addForce(ConstRows x, ConstRows v, Rows f) {
   for (std::size_t i = 0; i < batches_.size(); ++i) {
     const Batch& batch = batches_[i];
     const Fixed& fixed = fixed_[i];
-    const M3<Pack> axes = axesIn(batch.axes);
+    const M3<Pack> axes = matrixIn(batch.axes);
     const V3<Pack> psi = vectorIn(batch.psi), k = vectorIn(batch.k), once = cross(psi, k), arm = vectorIn(batch.arm);
     // R_a n and R_a dexp^-T(psi) k: what frame a gets; frame b gets the opposite
     const V3<Pack> force = axes * vectorIn(batch.n);
@@ -150,54 +135,93 @@ void FramePairField::damp(std::size_t pair, ConstRows v, const Vec3& arm, Rows f
     for (int c : {1, 3}) tangent.block(r, c) += (r == c ? -damping : damping) * one;
 }
 
-/// With d = c_b - c_a and turns th in space: dp = R_a^T (dd - th_a x d), dpsi = dexp^-1(psi) R_a^T (th_b - th_a); force and
-/// torque turn with th_a besides.
+namespace {
+
+/// A number of each pair with its derivatives.
+Triple<PackJet> jetsIn(const LanesOf<3>& values, const LanesOf<18>& slopes) {
+  Triple<PackJet> jets;
+  PackJet* rows[3] = {&jets.x, &jets.y, &jets.z};
+  for (std::size_t r = 0; r < 3; ++r) {
+    rows[r]->value = packOf(values[r]);
+    for (std::size_t k = 0; k < 6; ++k) rows[r]->slope[k] = packOf(slopes[6 * r + k]);
+  }
+  return jets;
+}
+Triple<PackJet> variables(const V3<Pack>& values, int first) {
+  return {{values.x, first}, {values.y, first + 1}, {values.z, first + 2}};
+}
+/// Minus the derivatives by three of the six.
+M3<Pack> fallOf(const Triple<PackJet>& of, std::size_t first) {
+  const auto column = [&](std::size_t k) { return -V3<Pack>{of.x.slope[k], of.y.slope[k], of.z.slope[k]}; };
+  return {column(first), column(first + 1), column(first + 2)};
+}
+/// m [a], with [a] v = a x v.
+M3<Pack> timesCross(const M3<Pack>& m, const V3<Pack>& a) {
+  return {m.c1 * a.z - m.c2 * a.y, m.c2 * a.x - m.c0 * a.z, m.c0 * a.y - m.c1 * a.x};
+}
+M3<Pack> crossTimes(const V3<Pack>& a, const M3<Pack>& m) { return {cross(a, m.c0), cross(a, m.c1), cross(a, m.c2)}; }
+M3<Pack> symmetric(const M3<Pack>& m) { return (m + transpose(m)) * Pack(0.5); }
+
+/// The blocks of a pair's tangent: of c_a and a the first end's rows, of c_b and b the second one's. The others are these,
+/// transposed or with the other sign.
+struct Blocks {
+  LanesOf<9> shift, turn;              ///< (c_b, c_b), (b, b)
+  LanesOf<9> turn_by_shift;            ///< (b, c_b)
+  LanesOf<9> shift_by_first, by_first; ///< (c_b, a), (b, a)
+  LanesOf<9> first;                    ///< (a, a)
+};
+
+Mat3 blockIn(const LanesOf<9>& lanes, std::size_t lane) {
+  Mat3 block;
+  for (std::size_t entry = 0; entry < 9; ++entry) block.data()[entry] = lanes[entry][lane];
+  return block;
+}
+
+void write(const Blocks& blocks, std::size_t lane, DenseTangent<4>& tangent) {
+  const Mat3 s = blockIn(blocks.shift, lane), h = blockIn(blocks.turn, lane), c = blockIn(blocks.turn_by_shift, lane);
+  const Mat3 e = blockIn(blocks.shift_by_first, lane), g = blockIn(blocks.by_first, lane);
+  tangent.block(0, 0) = tangent.block(2, 2) = s, tangent.block(0, 2) = tangent.block(2, 0) = -s;
+  tangent.block(3, 2) = c, tangent.block(3, 0) = -c, tangent.block(2, 3) = c.transpose(), tangent.block(0, 3) = -c.transpose();
+  tangent.block(2, 1) = e, tangent.block(0, 1) = -e, tangent.block(1, 2) = e.transpose(), tangent.block(1, 0) = -e.transpose();
+  tangent.block(3, 1) = g, tangent.block(1, 3) = g.transpose();
+  tangent.block(3, 3) = h, tangent.block(1, 1) = blockIn(blocks.first, lane);
+}
+
+}  // namespace
+
+/// With d = c_b - c_a and turns th in space: dp = R_a^T (dd - th_a x d), dpsi = dexp^-1(psi) R_a^T (th_b - th_a); force f and
+/// torque m on b turn with th_a besides. With K_xy = -R_a dx/dy R_a^T for p, and -R_a dx/dpsi dexp^-1(psi) R_a^T for psi, less
+/// skew parts, the blocks are S = K_np, C = (K_mp + K_npsi^T)/2, H = K_mpsi, and by th_a
+///   (c_b, a) = S [d] - C^T - [f],  (b, a) = C [d] - H - [m]/2,
+///   (a, a) = H - C [d] - (C [d])^T - [d] S [d] + (f d^T + d f^T)/2 - (d.f) I
 void FramePairField::computeTangents() const {
-  tangent_wrenches_.resize(pairs_.size());
-  evaluateAll(batches_, tangent_wrenches_);
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const Batch& batch = batches_[i / std::size_t(pack_lanes)];
-    const std::size_t lane = i % std::size_t(pack_lanes);
-    const Vec3 psi_value = vectorOf(batch.psi.of(lane));
-    const Triple<Jet> psi{{psi_value.x(), 3}, {psi_value.y(), 4}, {psi_value.z(), 5}};
-    const Wrench<Jet>& local = tangent_wrenches_[i];
-    const Jet c = chain(dot(psi, psi), batch.term[0][lane], batch.term[1][lane]);
-    const Triple<Jet> m = inverseTimes(psi, c, local.k, 1);
-    const Jet* rows[6] = {&local.n.x, &local.n.y, &local.n.z, &m.x, &m.y, &m.z};
-    Mat3 block[2][2];  // of (f, m) by (p, psi)
-    Vec3 force, torque;
-    for (int r = 0; r < 6; ++r) {
-      (r < 3 ? force : torque)[r % 3] = -rows[r]->value;
-      for (int k = 0; k < 6; ++k) block[r / 3][k / 3](r % 3, k % 3) = -rows[r]->slope[k];
-    }
-    Mat3 axes;
-    for (Index entry = 0; entry < 9; ++entry) axes(entry % 3, entry / 3) = batch.axes[std::size_t(entry)][lane];
-    force = axes * force, torque = axes * torque;
-    const Mat3 inverse = dexpInverse(psi_value) * axes.transpose(), to_p = axes.transpose();
-    const Mat3 arm = crossMatrix(vectorOf(batch.arm.of(lane)));
-    // of (force, torque) on b by the rows c_a, th_a, c_b, th_b
-    Mat3 of[2][4];
-    for (int r : {0, 1}) {
-      const Mat3 by_p = axes * block[r][0] * to_p, by_turn = axes * block[r][1] * inverse;
-      of[r][2] = by_p, of[r][0] = -by_p, of[r][3] = by_turn;
-      of[r][1] = by_p * arm - by_turn - crossMatrix(r == 0 ? force : torque);
-    }
-    DenseTangent<4>& tangent = stiffness_[i];
-    for (int k = 0; k < 4; ++k) {
-      tangent.block(2, k) = of[0][k];
-      tangent.block(0, k) = -of[0][k];
-      tangent.block(3, k) = of[1][k];
-      tangent.block(1, k) = -of[1][k] - arm * of[0][k];
-    }
-    // d (arm x force) by the ends of the arm
-    tangent.block(1, 2) += crossMatrix(force);
-    tangent.block(1, 0) -= crossMatrix(force);
-    for (int r = 0; r < 4; ++r)
-      for (int k = 0; k <= r; ++k) {
-        const Mat3 mean = 0.5 * (tangent.block(r, k) + tangent.block(k, r).transpose());
-        tangent.block(r, k) = mean;
-        tangent.block(k, r) = mean.transpose();
-      }
+  slopes_.resize(batches_.size());
+  evaluateAll(batches_, slopes_);
+  const std::size_t lanes = std::size_t(pack_lanes);
+  for (std::size_t i = 0; i < batches_.size(); ++i) {
+    const Batch& batch = batches_[i];
+    const V3<Pack> psi_value = vectorIn(batch.psi), arm = vectorIn(batch.arm);
+    const Triple<PackJet> psi = variables(psi_value, 3), n = jetsIn(batch.n, slopes_[i].n), k = jetsIn(batch.k, slopes_[i].k);
+    const Triple<PackJet> m = inverseTimes(psi, chain(dot(psi, psi), packOf(batch.term[0]), packOf(batch.term[1])), k, 1);
+    const M3<Pack> axes = matrixIn(batch.axes), to_p = transpose(axes);
+    const auto inverse = [&](const V3<Pack>& v) {
+      const V3<Pack> once = cross(psi_value, v);
+      return v - once * Pack(0.5) + cross(psi_value, once) * packOf(batch.term[0]);
+    };
+    const M3<Pack> to_psi{inverse(to_p.c0), inverse(to_p.c1), inverse(to_p.c2)};
+    const V3<Pack> force = -(axes * V3<Pack>{n.x.value, n.y.value, n.z.value});
+    const V3<Pack> torque = -(axes * V3<Pack>{m.x.value, m.y.value, m.z.value});
+    const M3<Pack> s = symmetric(axes * fallOf(n, 0) * to_p), h = symmetric(axes * fallOf(m, 3) * to_psi);
+    const M3<Pack> c = (axes * fallOf(m, 0) * to_p + transpose(axes * fallOf(n, 3) * to_psi)) * Pack(0.5);
+    const M3<Pack> turned = timesCross(c, arm), swung = timesCross(s, arm), one = identity<Pack>();
+    const M3<Pack> outer{force * arm.x, force * arm.y, force * arm.z};
+    Blocks blocks;
+    put(s, blocks.shift), put(h, blocks.turn), put(c, blocks.turn_by_shift);
+    put(swung - transpose(c) - timesCross(one, force), blocks.shift_by_first);
+    put(turned - h - timesCross(one, torque * Pack(0.5)), blocks.by_first);
+    put(h - symmetric(turned) * Pack(2.) - crossTimes(arm, swung) + symmetric(outer) - one * dot(arm, force), blocks.first);
+    for (std::size_t lane = 0; lane < std::min(lanes, pairs_.size() - i * lanes); ++lane)
+      write(blocks, lane, stiffness_[i * lanes + lane]);
   }
 }
 

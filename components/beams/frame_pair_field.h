@@ -9,7 +9,9 @@
 // up to zero over all that acts on a frame in equilibrium.
 #pragma once
 #include <array>
+#include <utility>
 
+#include "components/beams/pair_lanes.h"
 #include "components/beams/relative_motion.h"
 #include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/frames.h"
@@ -43,13 +45,7 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   template <class T>
   struct Wrench {
     Triple<T> n, k;  ///< dE/dp, dE/dpsi
-    double energy = 0;
-  };
-  /// A number of each pair of a batch.
-  using Lanes = std::array<double, std::size_t(pack_lanes)>;
-  template <std::size_t N>
-  struct alignas(64) LanesOf : std::array<Lanes, N> {
-    Triple<double> of(std::size_t lane) const requires(N == 3) { return {(*this)[0][lane], (*this)[1][lane], (*this)[2][lane]}; }
+    decltype(valueOf(std::declval<T>())) energy{};
   };
   /// How the frames b of a batch of pairs lie in the axes of the frames a, and what the energy says of them.
   struct Batch {
@@ -63,10 +59,13 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
       return of_lane;
     }
   };
+  /// Derivatives of n and k by (p, psi): six for each of the three numbers.
+  struct Slopes {
+    LanesOf<18> n, k;
+  };
   /// Writes n and k of each pair. Returns the energy.
   virtual double evaluateAll(std::vector<Batch>& batches) const = 0;
-  /// n and k with their derivatives by p and psi.
-  virtual void evaluateAll(const std::vector<Batch>& batches, std::vector<Wrench<Jet>>& out) const = 0;
+  virtual void evaluateAll(const std::vector<Batch>& batches, std::vector<Slopes>& out) const = 0;
 
  private:
   void place(ConstRows x, std::vector<Batch>& batches) const;
@@ -83,13 +82,14 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   bool damped_ = false;
   std::vector<Fixed> fixed_;
   mutable std::vector<Batch> batches_, work_batches_;  ///< of the last addForce(); of energy()
-  mutable std::vector<Wrench<Jet>> tangent_wrenches_;
+  mutable std::vector<Slopes> slopes_;
 };
 
-/// `Energy` has evaluate(pair, p, psi, term), once for all number types.
-template <class Energy>
+/// `Energy` has evaluate(pair, p, psi, term), once for all number types; in packs evaluate(batch, p, psi, term).
+template <class Energy, bool in_packs = false>
 class FramePairFieldOf : public FramePairField {
  private:
+  const Energy& energyOf() const { return static_cast<const Energy&>(*this); }
   /// visit(pair, batch, lane) for each pair.
   template <class Batches, class Visit>
   void forEach(Batches& batches, Visit&& visit) const {
@@ -97,24 +97,65 @@ class FramePairFieldOf : public FramePairField {
     for (auto& batch : batches)
       for (std::size_t lane = 0; lane < std::size_t(pack_lanes) && i < pairs().size(); ++lane) visit(i++, batch, lane);
   }
+  template <class Triple3>
+  static Triple<Pack> packsOf(const Triple3& lanes) {
+    return {packOf(lanes[0]), packOf(lanes[1]), packOf(lanes[2])};
+  }
+  static InverseTerm<Pack> termOf(const Batch& batch) {
+    InverseTerm<Pack> term;
+    term.c = packOf(batch.term[0]), term.c1 = packOf(batch.term[1]), term.c2 = packOf(batch.term[2]);
+    return term;
+  }
   double evaluateAll(std::vector<Batch>& batches) const final {
     double sum = 0;
-    forEach(batches, [&](std::size_t i, Batch& batch, std::size_t lane) {
-      const auto& energy = static_cast<const Energy&>(*this);
-      const Wrench<double> wrench = energy.evaluate(i, batch.p.of(lane), batch.psi.of(lane), batch.termOf(lane));
-      sum += wrench.energy;
-      batch.n[0][lane] = wrench.n.x, batch.n[1][lane] = wrench.n.y, batch.n[2][lane] = wrench.n.z;
-      batch.k[0][lane] = wrench.k.x, batch.k[1][lane] = wrench.k.y, batch.k[2][lane] = wrench.k.z;
-    });
-    return sum;
+    if constexpr (in_packs) {
+      for (std::size_t b = 0; b < batches.size(); ++b) {
+        Batch& batch = batches[b];
+        const Wrench<Pack> wrench = energyOf().evaluate(b, packsOf(batch.p), packsOf(batch.psi), termOf(batch));
+        put(wrench.n, batch.n), put(wrench.k, batch.k);
+        LanesOf<1> energy;
+        wrench.energy.store_aligned(energy[0].data());
+        const std::size_t left = pairs().size() - b * std::size_t(pack_lanes);
+        for (std::size_t lane = 0; lane < std::min(left, std::size_t(pack_lanes)); ++lane) sum += energy[0][lane];
+      }
+      return sum;
+    } else {
+      forEach(batches, [&](std::size_t i, Batch& batch, std::size_t lane) {
+        const Wrench<double> wrench = energyOf().evaluate(i, batch.p.of(lane), batch.psi.of(lane), batch.termOf(lane));
+        sum += wrench.energy;
+        batch.n[0][lane] = wrench.n.x, batch.n[1][lane] = wrench.n.y, batch.n[2][lane] = wrench.n.z;
+        batch.k[0][lane] = wrench.k.x, batch.k[1][lane] = wrench.k.y, batch.k[2][lane] = wrench.k.z;
+      });
+      return sum;
+    }
   }
-  void evaluateAll(const std::vector<Batch>& batches, std::vector<Wrench<Jet>>& out) const final {
-    forEach(batches, [&](std::size_t i, const Batch& batch, std::size_t lane) {
-      const auto& energy = static_cast<const Energy&>(*this);
-      const Triple<double> p = batch.p.of(lane), psi = batch.psi.of(lane);
-      out[i] = energy.evaluate(i, Triple<Jet>{{p.x, 0}, {p.y, 1}, {p.z, 2}}, Triple<Jet>{{psi.x, 3}, {psi.y, 4}, {psi.z, 5}},
-                               batch.termOf(lane));
-    });
+  void evaluateAll(const std::vector<Batch>& batches, std::vector<Slopes>& out) const final {
+    if constexpr (in_packs) {
+      for (std::size_t b = 0; b < batches.size(); ++b) {
+        const Triple<Pack> p = packsOf(batches[b].p), psi = packsOf(batches[b].psi);
+        const Wrench<PackJet> wrench = energyOf().evaluate(b, Triple<PackJet>{{p.x, 0}, {p.y, 1}, {p.z, 2}},
+                                                           Triple<PackJet>{{psi.x, 3}, {psi.y, 4}, {psi.z, 5}}, termOf(batches[b]));
+        putSlopes(wrench.n, out[b].n), putSlopes(wrench.k, out[b].k);
+      }
+    } else {
+      forEach(batches, [&](std::size_t i, const Batch& batch, std::size_t lane) {
+        const Triple<double> p = batch.p.of(lane), psi = batch.psi.of(lane);
+        const Wrench<Jet> wrench = energyOf().evaluate(i, Triple<Jet>{{p.x, 0}, {p.y, 1}, {p.z, 2}},
+                                                       Triple<Jet>{{psi.x, 3}, {psi.y, 4}, {psi.z, 5}}, batch.termOf(lane));
+        Slopes& slopes = out[i / std::size_t(pack_lanes)];
+        putSlopes(wrench.n, lane, slopes.n), putSlopes(wrench.k, lane, slopes.k);
+      });
+    }
+  }
+  static void putSlopes(const Triple<PackJet>& of, LanesOf<18>& out) {
+    const PackJet* rows[3] = {&of.x, &of.y, &of.z};
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t k = 0; k < 6; ++k) rows[r]->slope[k].store_aligned(out[6 * r + k].data());
+  }
+  static void putSlopes(const Triple<Jet>& of, std::size_t lane, LanesOf<18>& out) {
+    const Jet* rows[3] = {&of.x, &of.y, &of.z};
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t k = 0; k < 6; ++k) out[6 * r + k][lane] = rows[r]->slope[Index(k)];
   }
 };
 

@@ -2,16 +2,17 @@
 // Functions of the motion of one frame seen from another, with their derivatives carried along.
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 
 #include "framework/fem/pack.h"
 
 namespace stroma {
 
-/// A number and its derivatives with respect to the six numbers of a relative motion.
+/// A number and its derivatives with respect to the six numbers of a relative motion; there is room for eight, which fill registers.
 struct Jet {
   double value = 0;
-  Eigen::Matrix<double, 6, 1> slope = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 8, 1> slope = Eigen::Matrix<double, 8, 1>::Zero();
   Jet() = default;
   Jet(double number) : value(number) {}
   Jet(double number, int variable) : value(number) { slope[variable] = 1; }
@@ -22,6 +23,38 @@ inline Jet operator*(const Jet& a, const Jet& b) {
   Jet product(a.value * b.value);
   product.slope = a.value * b.slope + b.value * a.slope;
   return product;
+}
+/// The same of a pack of relative motions.
+struct PackJet {
+  Pack value{0.};
+  std::array<Pack, 6> slope;
+  PackJet() : PackJet(0.) {}
+  PackJet(double number) : PackJet(Pack(number)) {}
+  PackJet(Pack number) : value(number) { slope.fill(Pack(0.)); }
+  PackJet(Pack number, int variable) : PackJet(number) { slope[std::size_t(variable)] = Pack(1.); }
+};
+inline PackJet operator+(PackJet a, const PackJet& b) {
+  a.value += b.value;
+  for (std::size_t k = 0; k < 6; ++k) a.slope[k] += b.slope[k];
+  return a;
+}
+inline PackJet operator-(PackJet a, const PackJet& b) {
+  a.value -= b.value;
+  for (std::size_t k = 0; k < 6; ++k) a.slope[k] -= b.slope[k];
+  return a;
+}
+inline PackJet operator*(const PackJet& a, const PackJet& b) {
+  PackJet product(a.value * b.value);
+  for (std::size_t k = 0; k < 6; ++k) product.slope[k] = fma(a.value, b.slope[k], b.value * a.slope[k]);
+  return product;
+}
+inline Pack valueOf(Pack number) { return number; }
+inline Pack valueOf(const PackJet& jet) { return jet.value; }
+inline Pack chain(Pack, Pack value, Pack) { return value; }
+inline PackJet chain(const PackJet& at, Pack value, Pack derivative) {
+  PackJet result(value);
+  for (std::size_t k = 0; k < 6; ++k) result.slope[k] = derivative * at.slope[k];
+  return result;
 }
 inline double valueOf(double number) { return number; }
 inline double valueOf(const Jet& jet) { return jet.value; }
