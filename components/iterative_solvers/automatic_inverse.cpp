@@ -252,11 +252,14 @@ void AutomaticInverse::noteRefusal() {
 /// Where it would need patches, its iterations are many and dear.
 void AutomaticInverse::avoidMultigrid(SystemMatrix& matrix) {
   constexpr double dearer = 4;
-  estimateFactors(), countFactors();
-  if (!mayBe(Way::factors)) return;
-  const Way best = solve(Way::direct) < solve(Way::factors) ? Way::direct : Way::factors;
-  if (solve(best) > dearer * solve(Way::multigrid) || !amg::hardlySmooths(matrix.assemble()) || !canFactor()) return;
-  now_.way = now_.next = best;
+  const auto areFar = [&] {
+    return !mayBe(Way::factors) || std::min(solve(Way::direct), solve(Way::factors)) > dearer * solve(Way::multigrid);
+  };
+  estimateFactors();
+  if (areFar()) return;  // a large body is not counted in vain
+  countFactors();
+  if (areFar() || !amg::hardlySmooths(matrix.assemble()) || !canFactor()) return;
+  now_.way = now_.next = solve(Way::direct) < solve(Way::factors) ? Way::direct : Way::factors;
 }
 
 bool AutomaticInverse::followBy(Way way, SystemMatrix& matrix, SolveReport& report, StopToken stop) {

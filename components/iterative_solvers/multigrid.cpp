@@ -30,17 +30,24 @@ BlockMatrix symmetricPart(const BlockMatrix& a) {
   return part;
 }
 
-/// sum (x_j - x_i) (X_j - X_i)^T over the neighbours j of a node, X where they were.
-Mat3 spreadAround(const amg::Blocks<3, 3>& a, Index i, ConstRows x, const Vector& before) {
-  const ConstRows was = before;
-  const double *now_i = x.data + std::size_t(i) * row_doubles, *was_i = was.data + std::size_t(i) * row_doubles;
-  std::array<double, 9> sum{};
+/// sum (x_j - x_i) (X_j - X_i)^T over the neighbours j of a node, X where they were: by columns of four numbers.
+Eigen::Array<double, 4, 3> spreadAround(const amg::Blocks<3, 3>& a, Index i, ConstRows x, ConstRows was) {
+  static_assert(row_doubles == 4);
+  const auto at = [](ConstRows rows, Index j) {
+    return Eigen::Array4d(Eigen::Map<const Eigen::Array4d>(rows.data + std::size_t(j) * row_doubles));
+  };
+  const Eigen::Array4d now_i = at(x, i), was_i = at(was, i);
+  Eigen::Array4d first = Eigen::Array4d::Zero(), second = first, third = first;
   for (Index s = a.start[std::size_t(i)]; s < a.start[std::size_t(i) + 1]; ++s) {
-    const std::size_t j = std::size_t(a.columns[std::size_t(s)]) * row_doubles;
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t r = 0; r < 3; ++r) sum[3 * c + r] += (x.data[j + r] - now_i[r]) * (was.data[j + c] - was_i[c]);
+    const Index j = a.columns[std::size_t(s)];
+    const Eigen::Array4d now = at(x, j) - now_i, before = at(was, j) - was_i;
+    first += now * before[0];
+    second += now * before[1];
+    third += now * before[2];
   }
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::ColMajor>>(sum.data());
+  Eigen::Array<double, 4, 3> sum;
+  sum << first, second, third;
+  return sum;
 }
 
 std::shared_ptr<amg::Hierarchy> hierarchyOf(SystemMatrix& matrix, ConstRows positions, SolveReport& report, StopToken stop) {
@@ -78,7 +85,7 @@ bool Multigrid::followByProducts(const SystemMatrix& matrix, SolveReport& report
   return false;
 }
 
-/// From the places alone: a run that is taken up again has the same turns. A node turns much as the one before it.
+/// From the places alone: a run that is taken up again has the same turns. A node turns much as those before it.
 void Multigrid::turn(const SystemMatrix& matrix) {
   constexpr double least = 1e-3, enough = 1e-4;  // [rad]
   std::shared_ptr<Vector> turns = std::move(now_.turns);
@@ -91,17 +98,22 @@ void Multigrid::turn(const SystemMatrix& matrix) {
   const std::vector<Index>& held = now_.hierarchy->held;  // a direction that is held must stay where it is
   std::atomic<bool> has_turned = false;
   amg::forPieces(x.count, amg::piecesOf(x.count), [&](int, Index first, Index end) {
-    Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+    EightRotations eight;
     auto next_held = std::ranges::lower_bound(held, first);
-    for (Index i = first; i < end; ++i) {
-      const bool may_turn = next_held == held.end() || *next_held != i;
-      if (may_turn)
-        followRotation(spreadAround(a, i, x, before), q, enough);
-      else
-        ++next_held;
-      if (may_turn && q.vec().squaredNorm() > least * least / 4) has_turned.store(true, std::memory_order_relaxed);
-      const Eigen::Quaterniond turned = may_turn ? q : Eigen::Quaterniond::Identity();
-      Eigen::Map<Eigen::Quaterniond>(turns->rows().data + std::size_t(i) * row_doubles) = turned;
+    for (Index i = first; i < end; i += 8) {
+      for (Index k = 0; k < 8; ++k) {
+        const auto sum = spreadAround(a, std::min(i + k, end - 1), x, before);
+        for (Index c = 0; c < 3; ++c) eight.a.row(k).segment<3>(3 * c) = sum.col(c).head<3>();
+      }
+      eight.follow(enough);
+      for (Index k = 0; k < std::min<Index>(8, end - i); ++k) {
+        auto q = Eigen::Map<Eigen::Quaterniond>(turns->rows().data + std::size_t(i + k) * row_doubles);
+        q.coeffs() = eight.q.row(k).transpose();
+        if (next_held != held.end() && *next_held == i + k)
+          q.setIdentity(), ++next_held;
+        else if (q.vec().squaredNorm() > least * least / 4)
+          has_turned.store(true, std::memory_order_relaxed);
+      }
     }
   });
   (has_turned ? now_.turns : spare_turns_) = std::move(turns);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "framework/algebra/parallel.h"
 #include "tests/iterative_solvers/block_problem.h"
@@ -24,11 +25,15 @@ StoredMatrix cheapMatrixOf(const ElasticBlock& block) {
 double residual(const StoredMatrix& matrix, ConstRows b, ConstRows x) {
   double sum = 0, all = 0;
   for (Index i = 0; i < matrix.rows(); ++i) {
-    Vec3 rest = b[i];
-    for (Index s = matrix.values.rowStart()[i]; s < matrix.values.rowStart()[i + 1]; ++s)
-      rest -= Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.values.values().data() + 9 * s) *
-              x[matrix.values.columns()[s]];
-    sum += rest.squaredNorm(), all += b[i].squaredNorm();
+    double rest[3];  // in numbers: compiled without optimisation
+    for (int r = 0; r < 3; ++r) rest[r] = b.data[row_doubles * i + r];
+    for (Index s = matrix.values.rowStart()[i], end = matrix.values.rowStart()[i + 1]; s < end; ++s) {
+      const double *block = matrix.values.values().data() + 9 * s,
+                   *other = x.data + row_doubles * matrix.values.columns()[s];
+      for (int r = 0; r < 3; ++r)
+        rest[r] -= block[3 * r] * other[0] + block[3 * r + 1] * other[1] + block[3 * r + 2] * other[2];
+    }
+    for (int r = 0; r < 3; ++r) sum += rest[r] * rest[r], all += std::pow(b.data[row_doubles * i + r], 2);
   }
   return std::sqrt(sum / all);
 }

@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The scenes of solver_choice.py. `standing`: those that the estimates of a solver's time were made with. `fresh`: those that were
+written afterwards, without a look at the estimates, to be measured only. SI units."""
+import math
+import os
+import re
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+MESHES = os.path.join(ROOT, "scenes", "meshes")
+
+
+class Scene:
+    def __init__(self, name, set_name, about, steps, template, without=()):
+        self.name, self.set, self.about, self.steps, self.template, self.without = name, set_name, about, steps, template, without
+
+    def text(self, solver, forcing=None):
+        word = {"S": f'forcing_term="{forcing}"', "N": f'newtonForcing="{forcing}"'}
+        return re.sub(r"@FORCING_(.)@", lambda m: word[m.group(1)] if forcing else "", self.template.replace("@SOLVER@", solver))
+
+    def forcing(self, value):
+        return value if "@FORCING_" in self.template else None
+
+
+def root(inner, dt, gravity="0 -9.81 0"):
+    return f'<Node name="root" gravity="{gravity}" dt="{dt}">\n{inner}\n</Node>\n'
+
+
+EULER = '<EulerImplicitSolver name="solver"/>'
+STATIC = '<StaticSolver name="solver" @FORCING_S@/>'
+
+
+def newton(tolerance=1e-6, iterations=20):
+    return f'<EulerImplicitSolver name="solver" newtonIterations="{iterations}" newtonTolerance="{tolerance}" @FORCING_N@/>'
+
+
+def tets(young, poisson, method):
+    return f'<TetrahedronFEMForceField name="fem" youngModulus="{young}" poissonRatio="{poisson}" method="{method}"/>'
+
+
+def hexas(young, poisson, method, more=""):
+    return f'<HexahedronFEMForceField name="fem" youngModulus="{young}" poissonRatio="{poisson}" method="{method}" {more}/>'
+
+
+def law(name, parameters):
+    return f'<TetrahedronHyperelasticityFEMForceField name="fem" materialName="{name}" {parameters}/>'
+
+
+def numbers(values):
+    return " ".join(f"{v:.9g}" for v in values)
+
+
+def held(box):
+    return (f'<BoxROI name="wall" box="{box}" position="@dofs.rest_position"/>'
+            '<FixedProjectiveConstraint name="held" indices="@wall.indices"/>')
+
+
+def bent(n, place):
+    """A grid of hexahedra whose nodes `place` puts from 0..1 on each axis."""
+    points = [c for k in range(n[2]) for j in range(n[1]) for i in range(n[0])
+              for c in place(i / (n[0] - 1), j / (n[1] - 1), k / (n[2] - 1))]
+    at = lambda i, j, k: i + n[0] * (j + n[1] * k)  # noqa: E731
+    corners = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
+    places = [(i, j, k) for k in range(n[2] - 1) for j in range(n[1] - 1) for i in range(n[0] - 1)]
+    cells = [at(i + a, j + b, k + c) for i, j, k in places for a, b, c in corners]
+    return f'<MeshTopology name="grid" position="{numbers(points)}" hexahedra="{" ".join(map(str, cells))}"/>'
+
+
+def grid(n, size, start=(0, 0, 0)):
+    return f'<RegularGridTopology name="grid" n="{numbers(n)}" min="{numbers(start)}" max="{numbers(map(sum, zip(start, size)))}"/>'
+
+
+def body(mesh, field, integrator=EULER, cells="hexahedra", density=1000, wall="-0.0001 -10 -10 0.0001 10 10", more="",
+         solver="@SOLVER@"):
+    """A body in a node of its own; tetrahedra are five in each hexahedron. `more` may select nodes of @dofs."""
+    text = f'<Node name="body">{integrator}{solver}\n{mesh}\n<MechanicalObject name="dofs"/>{held(wall)}\n'
+    if cells == "tetrahedra":
+        text += ('<TetrahedronSetTopologyContainer name="tetrahedra"/>'
+                 '<Hexa2TetraTopologicalMapping name="cut" input="@grid" output="@tetrahedra" cutting="five"/>\n'
+                 f'<DiagonalMass massDensity="{density}" topology="@tetrahedra"/>\n'
+                 + field.replace("/>", ' topology="@tetrahedra"/>'))
+    else:
+        text += f'<DiagonalMass massDensity="{density}"/>\n{field}'
+    return f"{text}\n{more}</Node>"
+
+
+def inside(box, what, young, poisson, method, kind):
+    """Cells in a box that are stiffer."""
+    name = {"tetrahedra": "Tetrahedron", "hexahedra": "Hexahedron"}[kind]
+    return (f'<BoxROI name="core" box="{box}" position="@dofs.rest_position" {kind}="@{what}.{kind}"/><Node name="bone">'
+            f'<{name}SetTopologyContainer name="sub" position="@../grid.position" {kind}="@../core.{kind}InROI"/>'
+            f'<{name}FEMForceField name="stiff" youngModulus="{young}" poissonRatio="{poisson}" method="{method}" '
+            'mstate="@../dofs" topology="@sub"/></Node>')
+
+
+def cable(points, pull, how):
+    places = "  ".join(numbers(p) for p in points)
+    return (f'<Node name="cable"><MechanicalObject position="{places}"/><CableConstraint name="pull" '
+            f'indices="{" ".join(str(i) for i in range(len(points)))}" pullPoint="{pull}" {how}/>'
+            '<BarycentricMapping input="@../dofs"/></Node>')
+
+
+def standing():
+    t, h = "tetrahedra", "hexahedra"
+    soft = tets(3e4, .45, "svd")
+    yield "cube_small_short", "cube, `svd`, 729 nodes", 60, root(body(grid((9, 9, 9), (.1, .1, .1)), soft, cells=t), .005)
+    yield ("cube_small_long", "the same, stiffer, long steps", 40,
+           root(body(grid((9, 9, 9), (.1, .1, .1)), tets(3e5, .45, "svd"), cells=t), .04))
+    yield "cube_short", "cube, `svd`, 4,913 nodes", 30, root(body(grid((17, 17, 17), (.1, .1, .1)), soft, cells=t), .005)
+    yield ("cube_long", "the same, stiffer, long steps", 20,
+           root(body(grid((17, 17, 17), (.1, .1, .1)), tets(3e6, .3, "svd"), cells=t), .04))
+    yield ("cube_linear", "cube, `small`, 3,375 nodes", 60,
+           root(body(grid((15, 15, 15), (.1, .1, .1)), tets(3e5, .3, "small"), cells=t), .02))
+    yield ("cube_large", "cube, `large`, 17,576 nodes, long steps", 8,
+           root(body(grid((26, 26, 26), (.1, .1, .1)), tets(3e6, .3, "large"), cells=t), .2))
+    yield ("catheter", "catheter, `svd`, Newton's method, 3,775 nodes", 6,
+           root(body(grid((151, 5, 5), (.75, .01, .01)), tets(1e8, .4, "svd"), newton(1e-8, 30), cells=t), .02))
+    yield ("catheter_large", "catheter, `large`, 3,025 nodes", 15,
+           root(body(grid((121, 5, 5), (.6, .01, .01)), tets(1e8, .4, "large"), cells=t), .02))
+    pulled = cable([(.01 + .0125 * i, .019, .01) for i in range(8)], "-0.01 0.024 0.01", 'valueType="displacement" value="0.01"')
+    yield ("finger", "finger with a cable, `large`, 7,381 nodes", 12,
+           root(body(grid((61, 11, 11), (.12, .02, .02)), tets(6e5, .4, "large"), cells=t, more=pulled), .02))
+    yield "polar", "hexahedra, `polar`, 4,913 nodes", 15, root(body(grid((17, 17, 17), (.1, .1, .1)), hexas(3e5, .4, "polar")), .02)
+    yield ("incompressible", "hexahedra, Poisson's ratio 0.4999, 2,744 nodes", 20,
+           root(body(grid((14, 14, 14), (.08, .08, .08)), hexas(15e3, .4999, "svd", 'dilatation="mean"')), .01))
+    yield ("venant", "St. Venant-Kirchhoff, Newton's method, 3,375 nodes", 15,
+           root(body(grid((15, 15, 15), (.1, .1, .1)), law("StVenantKirchhoff", 'ParameterSet="10000 40000"'), newton(),
+                     cells=t), .02))
+    yield ("neo", "neo-Hookean, Newton's method, 2,541 nodes", 10,
+           root(body(grid((21, 11, 11), (.2, .1, .1)), law("NeoHookean", 'ParameterSet="100000 400000"'), newton(), cells=t), .05))
+    yield ("core", "stiff core in soft hexahedra, `polar`, 4,225 nodes", 12,
+           root(body(grid((25, 13, 13), (.2, .1, .1)), hexas(2e4, .45, "polar"),
+                     more=inside("-1 0.03 0.03 1 0.071 0.071", "grid", 2e8, .3, "polar", h)), .01))
+    yield ("bar", "bar of hexahedra, `large`, 6,561 nodes", 15,
+           root(body(grid((81, 9, 9), (.8, .08, .08)), hexas(2e6, .3, "large")), .03))
+    yield ("plate", "plate of tetrahedra, `svd`, 6,724 nodes", 12,
+           root(body(grid((41, 41, 4), (.4, .4, .03)), tets(1e6, .35, "svd"), cells=t), .03))
+    yield ("limb", "limb with a bone, Newton's method, 9,633 nodes", 10,
+           root(body(grid((57, 13, 13), (.5, .1, .1)), soft, newton(1e-5), cells=t,
+                     more=inside("-1 0.04 0.04 1 0.061 0.061", "tetrahedra", 1e8, .3, "svd", t)), .02))
+    drawn = cable([(.01 + .02 * i, .038, .02) for i in range(8)], "-0.01 0.045 0.02", 'valueType="force" value="5"')
+    yield ("arm", "arm with a cable, `svd`, 3,321 nodes", 12,
+           root(body(grid((41, 9, 9), (.2, .04, .04)), tets(2e5, .4, "svd"), cells=t, more=drawn), .05))
+    yield ("rod", "rod of hexahedra, `small`, 3,276 nodes", 20,
+           root(body(grid((91, 6, 6), (.45, .025, .025)), hexas(1e7, .35, "small")), .015))
+    yield ("slab", "slab of tetrahedra, `large`, 4,495 nodes", 15,
+           root(body(grid((31, 29, 5), (.3, .28, .04)), tets(8e4, .42, "large"), cells=t), .02))
+    yield ("static_cube", "statics: cube, `svd`, 3,360 nodes", 1,
+           root(body(grid((15, 14, 16), (.1, .09, .11)), tets(2e5, .4, "svd"), STATIC, cells=t), 1))
+    yield ("static_slab", "statics: slab of hexahedra, `large`, 5,175 nodes", 1,
+           root(body(grid((45, 23, 5), (.4, .2, .04)), hexas(5e5, .3, "large"), STATIC), 1))
+    yield ("static_bar", "statics: bar, `small`, 9,849 nodes", 1,
+           root(body(grid((201, 7, 7), (1, .03, .03)), tets(1e7, .35, "small"), STATIC, cells=t), 1))
+
+
+def contact():
+    tool = open(os.path.join(ROOT, "scenes", "examples", "contact_tool.xml")).read()
+    tip = re.search(r'<Node name="tip">.*?</Node>', tool, re.S).group(0)
+    soft = body(grid((25, 21, 9), (.12, .1, .04), (-.06, -.05, -.04)), tets(2e4, .45, "svd"), "", "tetrahedra",
+                wall="-1 -1 -0.0401 1 1 -0.0399", solver="")
+    return root(f'{newton(1e-4, 40)}@SOLVER@{soft}<Node name="tool">'
+                '<MechanicalObject name="frame" template="Rigid3" position="0.01 0 0.0165 0 0 0 1"/>'
+                '<UniformMass totalMass="0.05" inertia="1e-5 1e-5 1e-5"/>'
+                '<LinearMovementProjectiveConstraint name="hand" indices="0" '
+                'keyTimes="0 0.2 0.4" outside="hold" movements="0 0 0 0 0 0  0 0 -0.007 0 0 0  -0.006 0.003 -0.007 0 0 0.1"/>'
+                f'{tip}</Node><BarrierContact name="contact" mstate="@body/dofs" topology="@body/tetrahedra" '
+                'other="@tool/tip/dofs" '
+                'contactDistance="0.003" friction="0.2" slipVelocity="2e-3" selfContact="false"/>', .02, "0 0 -9.81")
+
+
+def between_frames():
+    n, length, width = (49, 7, 7), .4, .06
+    sides = [(j * width / 6, k * width / 6) for k in range(7) for j in range(7)]
+    points = [(-.03, y - .03, z - .03) for y, z in sides] + [(.03, y - .03, z - .03) for y, z in sides]
+    points = [(-p[0], p[1], p[2]) for p in points]
+    ends = [49 * m for m in range(49)] + [49 * m + 48 for m in range(49)]
+    glue = (f'<SpringForceField name="glue" object1="@dofs" object2="@../frames/points/dofs" lengths="0" '
+            f'stiffness="4000" damping="2" '
+            f'springsIndices1="{" ".join(map(str, ends))}" springsIndices2="{" ".join(map(str, range(98)))}"/>')
+    beam = body(grid(n, (length, width, width)), hexas(8e4, .42, "polar"), "", wall="-9 -9 -9 -8 -8 -8", more=glue, solver="")
+    beam = beam.replace(held("-9 -9 -9 -8 -8 -8"), "")
+    return root('<EulerImplicitSolver name="solver" rayleighStiffness="0.005"/>@SOLVER@<Node name="frames">'
+                '<MechanicalObject name="frames" template="Rigid3" position="-0.03 0.03 0.03 0 0 0 1 0.43 0.03 0.03 0 0 0 1"/>'
+                '<UniformMass vertexMass="0.2" inertia="0.0003 0.0005 0.0006"/><FixedProjectiveConstraint indices="0"/>'
+                f'<Node name="points"><MechanicalObject name="dofs" position="{numbers(c for p in points for c in p)}"/>'
+                f'<RigidMapping name="mapping" rigidIndexPerPoint="{" ".join(["0"] * 49 + ["1"] * 49)}"/></Node></Node>'
+                + beam, .01)
+
+
+def leg():
+    labels = ('<MeshGmshLoader name="loader" filename="{}/leg.msh"/><TetrahedronSetTopologyContainer name="grid" src="@loader"/>'
+              '<ValuesFromLabels name="stiffness" labels="@loader.tetrahedraGroups" table="1 2e4 2 2e7 3 2e7"/>'
+              '<ValuesFromLabels name="compression" labels="@loader.tetrahedraGroups" table="1 0.45 2 0.3 3 0.3"/>').format(MESHES)
+    push = ('<SphereROI name="calf" centers="0 -0.060 0.235" radii="0.020"/>'
+            '<ConstantForceField name="push" indices="@calf.indices" totalForce="0 2 0"/>')
+    return root(body(labels, tets("@stiffness.values", "@compression.values", "svd"), STATIC, density=1060,
+                     wall="-0.030 -0.015 0.320 0.016 0.032 0.346  -0.026 -0.016 0.018 0.030 0.026 0.040", more=push), 1)
+
+
+def organ():
+    mesh = (f'<MeshGmshLoader name="loader" filename="{MESHES}/organ_5000.msh"/>'
+            '<TetrahedronSetTopologyContainer name="grid" src="@loader"/>')
+    return root(body(mesh, law("StableNeoHookean", 'youngModulus="8000" poissonRatio="0.46"'), newton(1e-5), density=1060,
+                     wall="-1 0.03 -1 1 1 1"), .02)
+
+
+def quadratic():
+    inner = ('<RegularGridTopology name="grid" n="14 7 6" min="0 0 0" max="0.2 0.08 0.06"/><Node name="body">'
+             + newton(1e-5) + "@SOLVER@"
+             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
+             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
+             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
+             f'youngModulus="9e4" poissonRatio="0.44" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+    return root(inner, .02)
+
+
+def fresh():
+    def arch(u, v, w):
+        turn, r = math.pi * u, .1 + .025 * v
+        return -r * math.cos(turn), r * math.sin(turn), .03 * w
+
+    def cone(u, v, w):
+        r = 1 - .6 * u
+        return .2 * u, .03 * r * (2 * v - 1) * (1 + .3 * math.sin(3 * u)), .03 * r * (2 * w - 1)
+
+    t = "tetrahedra"
+    yield ("arch", "arch of hexahedra, `polar`, 3,843 nodes", 20,
+           root(body(bent((61, 9, 7), arch), hexas(2e5, .4, "polar"), wall="-1 -1 -1 1 0.0001 1"), .02))
+    yield ("dice", "block of tetrahedra, `large`, 336 nodes, 300 steps", 300,
+           root(body(grid((7, 6, 8), (.06, .05, .07)), tets(2e4, .45, "large"), cells=t), .01))
+    yield "organ", "organ, stable neo-Hookean, Newton's method, 1,400 nodes", 30, organ()
+    yield "leg", "statics: leg with bones 1:1,000, `svd`", 1, leg()
+    yield "quadratic", "quadratic tetrahedra, `svd`, Newton's method, 3,861 nodes", 8, quadratic()
+    yield ("block", "block of 975,560 tetrahedra, `svd`, 205,379 nodes", 3,
+           root(body(grid((59, 59, 59), (.2, .2, .2)), tets(1e5, .4, "svd"), cells=t), .01), ("SparseLDLSolver", "warped"))
+    yield ("incompressible_plate", "statics: plate, Poisson's ratio 0.4995, 4,950 nodes", 1,
+           root(body(grid((33, 25, 6), (.2, .15, .03)), hexas(5e4, .4995, "svd", 'dilatation="mean"'), STATIC), 1))
+    yield "contact", "block under a tool with friction, Newton's method, 4,725 nodes", 20, contact()
+    yield "frames", "beam between rigid frames on springs, `polar`, 2,403 nodes", 40, between_frames()
+    layers = [5e6 if (i // 12) % 2 else 5e3 for k in range(8) for j in range(8) for i in range(72)]
+    yield ("layers", "tower of layers 1:1,000, Newton's method, 5,913 nodes", 12,
+           root(body(grid((73, 9, 9), (.36, .04, .04)), hexas(numbers(layers), .4, "svd"), newton(1e-5)), .01, "-9.81 0 0"))
+    yield ("gel", "hexahedra, `small`, 4,845 nodes, 120 steps", 120,
+           root(body(grid((19, 17, 15), (.09, .08, .07)), hexas(3e4, .4, "small")), .01))
+    yield ("cone", "statics: cone, Mooney-Rivlin, 8,281 nodes", 1,
+           root(body(bent((49, 13, 13), cone), law("MooneyRivlin", 'youngModulus="1e5" poissonRatio="0.45" c2="2000"'), STATIC,
+                     cells=t), 1))
+
+
+def scenes():
+    for name, source in (("standing", standing), ("fresh", fresh)):
+        for found in source():
+            yield Scene(found[0], name, *found[1:])
