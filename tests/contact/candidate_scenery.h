@@ -3,6 +3,8 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <set>
 #include <tuple>
 
@@ -62,7 +64,9 @@ void forEachPair(const Surfaces& s, Visit&& visit) {
 }
 
 inline FourPoints at(const std::array<int, 4>& v, const std::vector<Vec3>& x) {
-  return {x[std::size_t(v[0])], x[std::size_t(v[1])], x[std::size_t(v[2])], x[std::size_t(v[3])]};
+  FourPoints out;
+  for (std::size_t i = 0; i < 4; ++i) std::memcpy(out[i].data(), x[std::size_t(v[i])].data(), 3 * sizeof(double));
+  return out;
 }
 
 inline std::set<std::pair<int, int>> edgesOf(const std::vector<Candidates::Crossing>& crossings) {
@@ -85,7 +89,10 @@ inline void expectLongestStep(const Surfaces& s, const std::vector<Vec3>& x, con
     const FourPoints start = at(v, x), along = at(v, way);
     const double radii = radiusAt(s, v[0]) + radiusAt(s, v[3]), room = closestPoints(kind, start).distance() - radii;
     double moves = 0;
-    for (const Vec3& each : along) moves = std::max(moves, each.norm());
+    for (const Vec3& each : along) {
+      const double* m = each.data();
+      moves = std::max(moves, std::sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]));
+    }
     if (2 * moves < 0.9 * room) return;
     const double first = stroma::longestStep(kind, start, along, {.thickness = radii, .left = 0.1 * (1 + round_off)});
     shortest = std::min(shortest, first);

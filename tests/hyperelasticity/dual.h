@@ -13,15 +13,13 @@
 namespace stroma::test {
 
 struct Dual {
-  using Gradient = Eigen::Matrix<double, 9, 1>;
-  using Hessian = Eigen::Matrix<double, 9, 9>;
   double v = 0;
-  Gradient g = Gradient::Zero();
-  Hessian h = Hessian::Zero();
+  std::array<double, 9> g{};
+  std::array<double, 81> h{};  ///< shape (9, 9)
   Dual(double value = 0) : v(value) {}  // NOLINT: a number is a dual without derivatives
   static Dual variable(double value, int index) {
     Dual d(value);
-    d.g[index] = 1;
+    d.g[std::size_t(index)] = 1;
     return d;
   }
   /// f(this), from f, f', f''.

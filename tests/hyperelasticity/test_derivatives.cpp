@@ -14,6 +14,21 @@ struct Reference {
   std::vector<Mat3> matrix;  ///< shape (rows, rows)
 };
 
+/// All that a reference depends on.
+std::vector<double> inputsOf(const FieldUnderTest& t, const HyperelasticForceField& field, const Mat3& axes) {
+  std::vector<double> numbers(axes.data(), axes.data() + 9);
+  const ConstRows x = t.x.rows();
+  numbers.insert(numbers.end(), x.data, x.data + x.doubles());
+  for (const Vec3& place : field.state().rest_position) numbers.insert(numbers.end(), place.data(), place.data() + 3);
+  for (std::size_t cell = 0; cell < field.mesh().tetrahedra.size(); ++cell) {
+    const Tetrahedron& n = field.mesh().tetrahedra[cell];
+    numbers.insert(numbers.end(), n.begin(), n.end());
+    const auto values = field.parameters(cell);
+    numbers.insert(numbers.end(), values.begin(), values.end());
+  }
+  return numbers;
+}
+
 Reference differentiated(const FieldUnderTest& t, const HyperelasticForceField& field, const Mat3& axes) {
   const std::vector<Vec3>& rest = field.state().rest_position;
   const Index rows = t.x.count();
@@ -60,7 +75,11 @@ void expectDerivatives(const std::string& scene, const std::string& type, const 
   FieldUnderTest t(scene, type);
   t.deform(0.04);
   const auto& field = dynamic_cast<const HyperelasticForceField&>(t.field());
-  const Reference reference = differentiated(t, field, axes);
+  // two types of component have the same one, which takes longest
+  static std::pair<std::string, std::vector<double>> known;
+  static Reference reference;
+  if (std::pair now(field.law().name, inputsOf(t, field, axes)); now != known)
+    reference = differentiated(t, field, axes), known = now;
   ASSERT_GT(reference.energy, 0);
   EXPECT_NEAR(t.field().energy(t.x), reference.energy, 1e-12 * reference.energy);
   const double force = relativeDifference(t.force(), reference.force);
@@ -70,12 +89,13 @@ void expectDerivatives(const std::string& scene, const std::string& type, const 
   for (Index row = 0; row < t.x.count(); ++row)
     for (Index column = 0; column < t.x.count(); ++column) {
       const Mat3& block = reference.matrix[std::size_t(row) * std::size_t(t.x.count()) + std::size_t(column)];
-      product[row] += block * Vec3(t.direction[column]);
-      largest = std::max(largest, block.cwiseAbs().maxCoeff());
-      const bool present = !block.isZero(0);
-      for (int i = 0; present && i < 9; ++i)
-        worst = std::max(
-            worst, std::abs(block(i / 3, i % 3) - k.values()[std::size_t(k.slot(row, column)) * 9 + std::size_t(i)]));
+      const double *entry = block.data(), *direction = t.direction.rows().data + std::size_t(column) * row_doubles;
+      double* sum = product.rows().data + std::size_t(row) * row_doubles;
+      double size = 0;  // entry (i, j) is the number 3 j + i
+      for (int n = 0; n < 9; ++n) sum[n % 3] += entry[n] * direction[n / 3], size = std::max(size, std::abs(entry[n]));
+      largest = std::max(largest, size);
+      const double* found = size == 0 ? nullptr : k.values().data() + std::size_t(k.slot(row, column)) * 9;
+      for (int n = 0; found && n < 9; ++n) worst = std::max(worst, std::abs(entry[n] - found[3 * (n % 3) + n / 3]));
     }
   const double along = relativeDifference(t.product(t.direction), product);
   std::printf("%-50s force %.1e matrix %.1e product %.1e\n", what.c_str(), force, worst / largest, along);

@@ -89,9 +89,12 @@ std::pair<double, double> fluid(const PorousKind& kind, FieldUnderTest& t, doubl
       LocalPoint slopes[8];
       kind.cell.shapes(point.xi, n), kind.cell.gradients(point.xi, slopes);
       Mat3 j = Mat3::Zero();
-      for (std::size_t a = 0; a < cell.size(); ++a) j += before[a] * Vec3(slopes[a].data()).transpose();
+      double* entry = j.data();  // in numbers: compiled without optimisation
+      for (std::size_t a = 0; a < cell.size(); ++a)
+        for (int k = 0; k < 9; ++k) entry[k] += before[a].data()[k % 3] * slopes[a][std::size_t(k / 3)];
+      const double weight = point.weight * j.determinant();
       for (std::size_t a = 0; a < cell.size(); ++a) {
-        const double share = point.weight * j.determinant() * n[a];
+        const double share = weight * n[a];
         sum += share * p[cell[a]] / modulus, size += share * std::abs(p[cell[a]]) / modulus;
       }
     }

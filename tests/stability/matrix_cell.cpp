@@ -194,17 +194,25 @@ class Run {
     const double needed = 20 * std::max(1 / slowest_, relaxation_) / condition_.dt;
     return needed > most_steps_ ? 300 : std::max(200, int(needed));
   }
+  // Loops over numbers: called after each step, and compiled without optimisation.
   bool finite() const {
+    double sum = 0;
     for (const State* state : simulation_->states())
-      for (Index i = 0; i < state->size(); ++i)
-        if (!state->x()[i].allFinite() || !state->v()[i].allFinite()) return false;
-    return true;
+      for (const ConstRows rows : {ConstRows(state->x()), ConstRows(state->v())})
+        for (const double *number = rows.data, *end = number + rows.doubles(); number != end; ++number)
+          sum += *number - *number;  // not a number where it is not finite
+    return sum == 0;
   }
   double distance() const {
-    double worst = 0;
-    for (std::size_t i = 0; i < target_.size(); ++i)
-      worst = std::max(worst, (system().x[Index(i)] - target_[i]).norm() / size_);
-    return worst;
+    double largest = 0;
+    const double* x = system().x.rows().data;
+    for (std::size_t i = 0; i < target_.size(); ++i, x += row_doubles) {
+      const double* target = target_[i].data();
+      const double dx = x[0] - target[0], dy = x[1] - target[1], dz = x[2] - target[2];
+      const double squared = dx * dx + dy * dy + dz * dz;
+      if (squared > largest) largest = squared;
+    }
+    return std::sqrt(largest) / size_;
   }
   /// Above that of rest.
   double energy() const { return system().kineticEnergy() + system().potentialEnergy(system().x) - energy_rest_; }

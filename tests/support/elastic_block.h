@@ -98,10 +98,16 @@ inline StoredMatrix ElasticBlock::matrix() const {
   const ElementMatrix mass = element(true);
   forEachCell([&](const std::array<Index, 8>& corners, const Vec3& centre) {
     const double factor = stiffer ? stiffer(centre) : 1;
+    const double *of_stiffness = stiffness.data(), *of_mass = mass.data();  // in numbers: compiled without optimisation
     for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b)
-        matrix.add(corners[a], corners[b],
-                   Mat3(factor * stiffness.block<3, 3>(3 * a, 3 * b) + mass.block<3, 3>(3 * a, 3 * b)));
+      for (int b = 0; b < 8; ++b) {
+        double* block = matrix.values().data() + 9 * std::size_t(matrix.slot(corners[a], corners[b]));
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) {
+            const int entry = 24 * (3 * b + j) + 3 * a + i;
+            block[3 * i + j] += factor * of_stiffness[entry] + of_mass[entry];
+          }
+      }
   });
   if (hold_floor)
     for (Index n = 0; n < nodes(0) * nodes(1); ++n) hold(matrix, n, Mat3::Zero());

@@ -38,6 +38,13 @@ inline Momentum momentumOf(ConstRows x, ConstRows f) {
   return magnitudes == 0 ? Momentum{} : Momentum{force.norm() / magnitudes, torque.norm() / lever};
 }
 
+/// Between -1 and 1, as std::uniform_real_distribution makes it; that takes logarithms for each number without optimisation.
+inline double betweenOnes(std::mt19937& random) {
+  const double low = double(random()), high = double(random());
+  return (low + high * 0x1p32) / 0x1p64 * 2 - 1;
+}
+
+// Over all nodes it calculates in numbers: tests are compiled without optimisation.
 class FieldUnderTest {
  public:
   /// The first force field of type `type` in the scene, with the vectors of its system.
@@ -51,27 +58,30 @@ class FieldUnderTest {
     if (field_->traits().time_dependent) field_->setTime(0.37);
     rest();
     std::mt19937 random(7);
-    std::uniform_real_distribution<double> uniform(-1, 1);
-    for (Index i = 0; i < rows; ++i) direction[i] = Vec3(uniform(random), uniform(random), uniform(random));
-    for (Index i = 0; i < rows; ++i) velocity[i] = Vec3(uniform(random), uniform(random), uniform(random));
+    for (Vector* v : {&direction, &velocity})
+      for (Index i = 0; i < rows; ++i)
+        for (int c = 0; c < 3; ++c) numbersOf(*v, i)[c] = betweenOnes(random);
   }
 
   void rest() {
     for (const State* state : system_->states())
-      for (Index i = 0; i < state->size(); ++i) x[state->firstRow() + i] = state->rest_position[i];
+      for (Index i = 0; i < state->size(); ++i) {
+        const double* place = state->rest_position[std::size_t(i)].data();
+        for (int c = 0; c < 3; ++c) numbersOf(x, state->firstRow() + i)[c] = place[c];
+      }
   }
   /// A smooth stretch and twist of the whole body, a rotation, and noise of `noise` times the shortest edge scale.
   void deform(double noise, unsigned seed = 1) {
     rest();
     std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(-1, 1);
     Mat3 f = Eigen::AngleAxisd(2, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-    for (int i = 0; i < 9; ++i) f(i / 3, i % 3) += 0.15 * uniform(random);
-    const double length = typicalEdge();
+    for (int i = 0; i < 9; ++i) f(i / 3, i % 3) += 0.15 * betweenOnes(random);
+    const double amount = noise * typicalEdge(), shift[] = {3, -2, 1}, *m = f.data();
     for (Index i = 0; i < x.count(); ++i) {
-      const Vec3 p = Vec3(x[i]);
-      const Vec3 n(uniform(random), uniform(random), uniform(random));
-      x[i] = f * p + Vec3(3, -2, 1) + noise * length * n;
+      double* p = numbersOf(x, i);
+      const double p0 = p[0], p1 = p[1], p2 = p[2];
+      for (int c = 0; c < 3; ++c)
+        p[c] = m[c] * p0 + m[c + 3] * p1 + m[c + 6] * p2 + shift[c] + amount * betweenOnes(random);
     }
   }
   void moveRigidly() {
@@ -128,7 +138,12 @@ class FieldUnderTest {
     const State& state = field_->state();
     const auto size = [](const std::vector<Vec3>& places) {
       Vec3 low = Vec3::Constant(1e300), high = -low;
-      for (const Vec3& p : places) low = low.cwiseMin(p), high = high.cwiseMax(p);
+      for (const Vec3& place : places)
+        for (int c = 0; c < 3; ++c) {
+          const double p = place.data()[c];
+          if (p < low.data()[c]) low.data()[c] = p;
+          if (p > high.data()[c]) high.data()[c] = p;
+        }
       return (high - low).norm();
     };
     const double rest = size(state.rest_position);  // zero where the rows are curvatures of a straight rod
@@ -143,6 +158,8 @@ class FieldUnderTest {
   Vector velocity;  ///< random [m/s]
 
  private:
+  static double* numbersOf(Vector& vector, Index row) { return vector.rows().data + std::size_t(row) * row_doubles; }
+
   Simulation simulation_;
   ForceField* field_ = nullptr;
   System* system_ = nullptr;

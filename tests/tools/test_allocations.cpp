@@ -15,12 +15,12 @@
 
 namespace {
 
-std::atomic<bool> counting{false};
+bool counting = false;  ///< read by a builtin: without optimisation std::atomic calls functions, and each malloc reads it
 /// By malloc and aligned_alloc, which C++ takes memory with; by the functions that only C libraries call.
 std::atomic<long> allocations{0}, in_libraries{0};
 
 void note(std::atomic<long>& kind = allocations) {
-  if (counting.load(std::memory_order_relaxed)) ++kind;
+  if (__atomic_load_n(&counting, __ATOMIC_RELAXED)) ++kind;
 }
 
 }  // namespace
