@@ -26,6 +26,8 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "components/constraints/held_nodes.h"
 #include "components/constraints/row_keys.h"
 #include "framework/mechanics/start_velocity.h"
@@ -80,21 +82,24 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
   void reset() override {
     start_.clear();
     way_.setZero();
+    last_start_ = never;
   }
   void serialize(Archive& archive) override {
     archive.value("start_time", start_time_);
     archive.value("last_start", last_start_);
+    archive.value("start_before", start_before_);
     for (const int axis : {0, 1, 2}) archive.value(fmt::format("way_{}", axis), way_[axis]);
     serializeStart(archive, start_);
   }
 
   void beginMotion(double t, ConstRows x) override {
-    if (late_ && !start_.empty() && t > last_start_) {
-      if (activeIn(last_start_, last_start_)) way_ += (t - last_start_) * velocity_.of(0).at(last_start_);
+    if (late_ && t > last_start_) {
+      if (!start_.empty() && activeIn(last_start_, last_start_)) way_ += (t - last_start_) * velocity_.of(0).at(last_start_);
+      const bool is_first = last_start_ == never;
+      start_before_ = !is_first ? last_start_ : t > node().root().root_time ? t - node().dt() : t;
       last_start_ = t;
     }
     if (!start_.empty()) return;
-    last_start_ = t;
     way_.setZero();
     start_time_ = std::max(t, velocity_.first());
     for (const Index node : nodes()) noteRows(state(), node, x, start_);
@@ -127,7 +132,8 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
 
  private:
   void prescribeLate(double time, Rows x, Rows v) const {
-    const double t = std::max(time - node().dt(), std::min(time, node().root().root_time));
+    // where a step starts, that of the start before it
+    const double t = time > last_start_ ? last_start_ : start_before_;
     if (t < velocity_.first() && !sameTime(t, velocity_.first())) return;
     const Mat3 held = Mat3::Identity() - projector(0);
     const Vec3 movement = way_ + (time - last_start_) * velocity_.of(0).at(last_start_);
@@ -154,7 +160,8 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
   bool continue_ = false, late_ = false;
   Vec3 ahead_ = Vec3::Zero();
   double start_time_ = 0;    ///< [s]
-  double last_start_ = 0;    ///< of the step, where late [s]
+  static constexpr double never = std::numeric_limits<double>::lowest();
+  double last_start_ = never, start_before_ = 0;  ///< of the step, and of the one before, where late [s]
   Vec3 way_ = Vec3::Zero();  ///< until then [m]
   std::vector<Vec3> start_;  ///< rows of the nodes at start_time_, as State::position has them; empty until then
 };
