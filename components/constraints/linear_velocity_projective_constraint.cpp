@@ -54,6 +54,10 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
     HeldNodes::init();
     velocity_.compile(state());
     if (late_ && !state().hasPointsOnly()) throw ComponentError("late is of points", "a state of template Vec3");
+    if (!ahead_.isZero() && velocity_.first() > node().root().root_time)
+      throw ComponentError(
+          fmt::format("ahead is of nodes that are driven from the start on, and the first key is at {:g} s", velocity_.first()),
+          "no ahead");
     holdAllRows();
     if (data().find("coordinates")->isSet()) setProjectors(freeDirections(drivenAxes(), state(), "coordinates"));
     start_.reserve(nodes().size() * std::size_t(heldRows()));
@@ -86,9 +90,11 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
   }
   void serialize(Archive& archive) override {
     archive.value("start_time", start_time_);
-    archive.value("last_start", last_start_);
-    archive.value("start_before", start_before_);
-    for (const int axis : {0, 1, 2}) archive.value(fmt::format("way_{}", axis), way_[axis]);
+    if (late_) {
+      archive.value("last_start", last_start_);
+      archive.value("start_before", start_before_);
+      for (const int axis : {0, 1, 2}) archive.value(fmt::format("way_{}", axis), way_[axis]);
+    }
     serializeStart(archive, start_);
   }
 

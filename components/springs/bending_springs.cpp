@@ -94,14 +94,18 @@ class BendingSprings final : public SpringField {
     const Mesh& mesh = any ? any->mesh() : topology_.meshWith(kind, *this, state());
     if (range_.size() != 2) throw ComponentError(fmt::format("localRange has {} values", range_.size()), "2 values");
     std::map<Edge, bool> springs;
+    bool shares_edges = false;
     for (const auto& [edge, wings] : wingsOf(cellsOf<Cell>(mesh)))
       for (std::size_t i = 0; i < wings.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) {
+          shares_edges = true;
           addPair(wings[i].after_first, wings[j].after_first, springs);
           addPair(wings[i].after_second, wings[j].after_second, springs);
         }
-    if (springs.empty() && !allow_empty_) throw ComponentError("no two cells of the surface share an edge", "a connected surface");
-    if (springs.empty()) warn("there is no spring: no two cells of the surface share an edge", "a connected surface");
+    const std::string why = shares_edges ? "localRange has both ends of no spring" : "no two cells of the surface share an edge";
+    const std::string wanted = shares_edges ? "a wider range" : "a connected surface";
+    if (springs.empty() && !allow_empty_) throw ComponentError(why, wanted);
+    if (springs.empty()) warn("there is no spring: " + why, wanted);
     std::vector<Spring> list;
     for (const auto& [pair, unused] : springs) {
       list.push_back({pair[0], pair[1], stiffness_, damping_, 0});

@@ -348,6 +348,26 @@ TEST(MovingConstraints, LateOnesFollowThePresentStep) {
   }
 }
 
+/// Late velocities: the place is the sum of h w(t_i), the velocity w(t_i), with steps of any length and across kinks.
+TEST(MovingConstraints, LateVelocitiesAreSumsOverTheSteps) {
+  Simulation simulation = simulationFromText(implicitChain(
+      "<LinearVelocityProjectiveConstraint late='true' indices='0' keyTimes='0 0.33 1 9' velocities='1 0 0 4 0 0 -2 0 0 6 0 0'/>"));
+  const auto speed = [](double t) {
+    return t < 0.33 ? 1 + 3 * t / 0.33 : t < 1 ? 4 - 6 * (t - 0.33) / 0.67 : -2 + 8 * (t - 1) / 8;
+  };
+  double place = simulation.systems().at(0)->x[0].x();
+  for (const std::string dt : {"0.1", "0.2", "0.05"}) {
+    simulation.setAttribute("/", "dt", dt);
+    for (int i = 0; i < 4; ++i) {
+      const double start = simulation.time();
+      place += std::stod(dt) * speed(start);
+      ASSERT_FALSE(simulation.step().diverged);
+      EXPECT_NEAR(simulation.systems().at(0)->x[0].x(), place, 1e-12) << dt;
+      EXPECT_NEAR(simulation.systems().at(0)->v[0].x(), speed(start), 1e-12) << dt;
+    }
+  }
+}
+
 /// velocity="zero" is of the ends of steps; with "still" the neighbours feel nothing within the step either.
 TEST(MovingConstraints, NodesOfAPatchWithoutVelocityMoveWithinTheStep) {
   const double h = 0.1, k = 20, speed = 4, felt = 1 + h * (h * h * k * speed) / (1 + 2 * h * h * k);
@@ -382,6 +402,8 @@ TEST(MovingConstraints, SayWhatIsWrong) {
       problems(
           "<LinearVelocityProjectiveConstraint indices='0' keyTimes='0 1' velocities='0 0 0 1 1 1' coordinates='3'/>"),
       "axis 3");
+  expectContains(problems("<LinearVelocityProjectiveConstraint ahead='1 0 0' indices='0' keyTimes='0.5 1' velocities='1 0 0 4 0 0'/>"),
+                 "the first key is at 0.5 s");
   expectContains(problems("<AffineMovementProjectiveConstraint indices='0' rotation='1 0 0 1'/>"), "4 numbers");
   expectContains(problems("<AffineMovementProjectiveConstraint indices='0' endConstraintTime='-1'/>"), "is not after");
   expectContains(problems("<ProjectToLineProjectiveConstraint indices='0' direction='0 0 0'/>"), "direction is zero");

@@ -641,6 +641,22 @@ def test_a_changed_mesh_goes_on_from_a_checkpoint_and_in_a_copy(folder):
     assert state.nodes == 24 and numpy.array_equal(state.x, state.start)
 
 
+def test_a_refused_checkpoint_leaves_a_changed_run_as_it_was(folder):
+    """Forces that were asked for are there, as before and after the next step."""
+    other = stroma.load(stroma.from_xml_text(CARVED.replace('max="5 1 1"', 'max="5 1.5 1"')))
+    simulation, same = (stroma.load(stroma.from_xml_text(CARVED)) for _ in range(2))
+    for each in (other, simulation, same):
+        each.request_forces()
+        each.run(4)
+    before, forces = simulation.hash, simulation.state().f.copy()
+    with pytest.raises(Exception, match="than when its mesh changed"):
+        simulation.restore(other.checkpoint())
+    assert simulation.hash == before and simulation.state().f.shape == forces.shape
+    for each in (simulation, same):
+        each.run(3)
+    assert simulation.hash == same.hash and numpy.array_equal(simulation.state().f, same.state().f)
+
+
 def test_arrays_of_any_mesh_may_be_kept(folder):
     """None reads memory that has been given back, whatever becomes of the simulation: each has its numbers to the end."""
     simulation = stroma.load(stroma.from_xml_text(CARVED))

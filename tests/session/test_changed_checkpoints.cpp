@@ -194,5 +194,28 @@ TEST(ChangedCheckpoints, AnotherSceneIsRefusedAndNothingChanges) {
   EXPECT_EQ(findComponent(other.simulation().root(), "/body/fem")->data().find("poissonRatio")->print(), "0.45");
 }
 
+TEST(ChangedCheckpoints, ARefusedOneLeavesAChangedRunAsItWasAndTells) {
+  Session whole, other;
+  whole.loadText(bar(implicit, hexes + knife), "scene.xml", {Override::parse("/body/grid.n=7 4 3")});
+  hashAt(whole, 6);
+  other.loadText(bar(implicit, hexes + knife), "scene.xml");
+  const State* drawn = nullptr;
+  int told = 0;
+  other.followMeshChanges([&](const NodesNow&) { ++told, drawn = other.simulation().states()[0]; });
+  other.run({.steps = 6});
+  const std::uint64_t before = other.simulation().stateHash();
+  const int by_steps = told;
+  EXPECT_THROW(other.restore(whole.checkpoint(), "it"), std::runtime_error);
+  EXPECT_EQ(told, by_steps + 1) << "who holds on to states must take the new ones";
+  EXPECT_EQ(drawn, other.simulation().states()[0]);
+  EXPECT_EQ(other.simulation().stateHash(), before);
+  EXPECT_EQ(other.simulation().steps(), 6);
+  Session same;
+  same.loadText(bar(implicit, hexes + knife), "scene.xml");
+  const std::uint64_t end = hashAt(same, 12);
+  other.run({.steps = 6});
+  EXPECT_EQ(other.simulation().stateHash(), end);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

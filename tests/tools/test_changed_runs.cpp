@@ -55,6 +55,7 @@ TEST_F(ChangedRuns, GoOnFromACheckpointAfterAChange) {
     ASSERT_EQ(one.size(), all.size()) << step;
     for (std::size_t i = 0; i < all.size(); ++i)
       EXPECT_TRUE(one[i].time == all[i].time && one[i].x == all[i].x && one[i].v == all[i].v) << step << " " << i;
+    EXPECT_EQ(filesIn(folder, "meshes."), meshes) << step;
     for (const std::string& name : meshes)
       EXPECT_EQ(readText(folder_ / folder / name), readText(folder_ / "whole" / name)) << step << name;
   }

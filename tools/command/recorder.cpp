@@ -12,6 +12,7 @@
 #include "tools/command/instants.h"
 #include "tools/drawing/contacts.h"
 #include "tools/drawing/recording.h"
+#include "tools/session/mesh_changes.h"
 
 namespace stroma::command {
 
@@ -83,10 +84,21 @@ void Recorder::dropMeshesAfter(long step) const {
   }
 }
 
+/// Whether the last file of meshes has those of the run that goes on.
+bool Recorder::hasPresentMeshes() const {
+  const std::vector<std::string> files = meshFilesIn(folder_);
+  if (files.empty() || !session_.simulation().hasChangedMeshes()) return false;
+  const auto sceneOf = [](Checkpoint checkpoint) { return checkpoint.values.take(changed_scene_owner); };
+  const Archive present = sceneOf(session_.checkpoint()), written = sceneOf(Checkpoint::read(files.back()));
+  return std::equal(present.entries().begin(), present.entries().end(), written.entries().begin(), written.entries().end(),
+                    [](const auto& one, const auto& other) { return one.first == other.first && one.second.bytes == other.second.bytes; });
+}
+
 void Recorder::goOn() {
   takeOver();
   const Simulation& simulation = session_.simulation();
   dropMeshesAfter(simulation.steps());
+  if (hasPresentMeshes()) meshes_ = session_.meshChanges(), states_ = session_.simulation().states();
   const bool is_due = simulation.steps() % every_ == 0;
   bool all_have_it = true;
   std::size_t i = 0;

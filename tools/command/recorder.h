@@ -42,6 +42,7 @@ class Recorder {
   void record();
   void writeMeshes();
   void dropMeshesAfter(long step) const;
+  bool hasPresentMeshes() const;
   void takeOver();
   template <class Act>
   void forEachWriter(Act&& act);

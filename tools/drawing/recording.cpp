@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/drawing/recording.h"
 
+#include <fmt/format.h>
+
+#include <stdexcept>
+
 #include "framework/mechanics/frames.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/system.h"
@@ -70,6 +74,9 @@ void showInstant(Simulation& simulation, const Recording& recording, std::size_t
   std::size_t i = 0;
   for (State* state : simulation.states()) {
     const StateFrame& frame = recording[i++][instant];
+    if (frame.x.size() != std::size_t(state->size()))
+      throw std::runtime_error(fmt::format("the recording of {} has {} rows at {:g} s (expected {})", state->path(), frame.x.size(),
+                                           frame.time, state->size()));
     for (Index row = 0; row < state->size(); ++row) {
       placeRow(state->kindOf(row), frame.x[std::size_t(row)], state->x(), row);
       if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];

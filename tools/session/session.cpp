@@ -296,8 +296,13 @@ void Session::restoreMeshes(Archive values) {
     const std::string why = error.what();
     takeChangedScene(running, scene_before.readable(), factory_, modules_);
     running.restore(before.readable());
+    meshesAreOthers();  // the same, but in other states
     throw std::runtime_error(why);
   }
+  meshesAreOthers();
+}
+
+void Session::meshesAreOthers() {
   ++mesh_changes_;
   if (mesh_changed_) mesh_changed_({});
 }

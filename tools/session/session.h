@@ -100,7 +100,8 @@ class Session {
   void followMeshChanges(std::function<void(const NodesNow&)> changed = {}) {
     follows_mesh_changes_ = true, mesh_changed_ = std::move(changed);
   }
-  /// How often the scene has had other meshes than before: who asks again knows whether it has since.
+  /// How often steps and restore() have made other states: who asks again knows whether they have since. Simulation::reset() is not
+  /// counted: who calls it knows.
   long meshChanges() const { return mesh_changes_; }
   /// What such changes have left to say, each component once.
   const std::vector<std::string>& meshNotes() const { return mesh_notes_; }
@@ -133,6 +134,7 @@ class Session {
   Simulation& take(const std::string& file, Scene scene);
   std::string changeMeshes();
   void restoreMeshes(Archive values);
+  void meshesAreOthers();
   std::vector<Override> with(const std::vector<Override>& more_overrides) const;
 
   Factory factory_;

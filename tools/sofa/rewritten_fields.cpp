@@ -300,18 +300,6 @@ void Rewriting::meanLoads(Element& element) {
   element.set("triangleList", "@" + joinPath(element.place->path(), name) + ".triangleIndices");
 }
 
-/// Those of SOFA that are not the derivatives of the forces, and are not followed.
-void Rewriting::warnOfTangents(const Element& field) {
-  const std::string& type = field.written->type;
-  if (type == "StandardTetrahedralFEMForceField" && field.text("materialName") == "MooneyRivlin")
-    warn(field.written->where, field, "materialName",
-         "has its exact tangent: SOFA's lacks a part where c2 is not zero, and implicit steps differ by some thousandths");
-  const Element* solver = field.place->nearest("linear solver");
-  if (type == "FastTetrahedralCorotationalForceField" && solver && solver->is("SparseLDLSolver"))
-    warn(field.written->where, field, {},
-         "has its exact tangent: in SOFA's assembled matrix some blocks are transposed, and implicit steps differ by some hundredths");
-}
-
 /// No law of SOFA reads directions; the axes of Costa's are those of space.
 void Rewriting::meanDirections(Element& field) {
   const bool is_costa = field.text("materialName") == "Costa", is_given = field.find("AnisotropyDirections");

@@ -260,4 +260,17 @@ void Rewriting::warnOfAccepted(const Element& element) {
              : "SOFA moves nodes by forces of constraint as if none were tied to another: here the matrix of the step moves them");
 }
 
+/// Tangents of SOFA that are not the derivatives of the forces, and are not followed.
+void Rewriting::warnOfTangents(const Element& field) {
+  const std::string_view type = field.written->type;
+  const std::vector<double> c = writtenNumbers(field.text("ParameterSet"));
+  if (type == "StandardTetrahedralFEMForceField" && field.text("materialName") == "MooneyRivlin" && c.size() > 1 && c[1] != 0)
+    warn(field.written->where, field, "materialName",
+         "has its exact tangent: SOFA's lacks a part of c2, and implicit steps differ by some thousandths");
+  const Element* solver = field.place->nearest("linear solver");
+  if (type == "FastTetrahedralCorotationalForceField" && solver && solver->is("SparseLDLSolver"))
+    warn(field.written->where, field, {},
+         "has its exact tangent: in SOFA's assembled matrix some blocks are transposed, and implicit steps differ by some hundredths");
+}
+
 }  // namespace stroma::sofa

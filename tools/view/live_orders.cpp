@@ -338,13 +338,13 @@ void LiveRun::reset() {
 
 void LiveRun::takeMeshes(const Checkpoint* meshes) {
   if (meshes == meshes_) return;
-  meshes_ = meshes;
   if (meshes) {
     session_.restore(*meshes, "the recording");  // which tells meshChanged()
   } else {
     simulation_.reset();
     meshChanged({});
   }
+  meshes_ = meshes;  // where they were refused, those before are still there
 }
 
 void LiveRun::seek(long index) {
