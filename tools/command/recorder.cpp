@@ -13,6 +13,7 @@
 #include "tools/drawing/contacts.h"
 #include "tools/drawing/recording.h"
 #include "tools/session/mesh_changes.h"
+#include "tools/session/owned_values.h"
 
 namespace stroma::command {
 
@@ -89,9 +90,7 @@ bool Recorder::hasPresentMeshes() const {
   const std::vector<std::string> files = meshFilesIn(folder_);
   if (files.empty() || !session_.simulation().hasChangedMeshes()) return false;
   const auto sceneOf = [](Checkpoint checkpoint) { return checkpoint.values.take(changed_scene_owner); };
-  const Archive present = sceneOf(session_.checkpoint()), written = sceneOf(Checkpoint::read(files.back()));
-  return std::equal(present.entries().begin(), present.entries().end(), written.entries().begin(), written.entries().end(),
-                    [](const auto& one, const auto& other) { return one.first == other.first && one.second.bytes == other.second.bytes; });
+  return areTheSame(sceneOf(session_.checkpoint()).entries(), sceneOf(Checkpoint::read(files.back())).entries());
 }
 
 void Recorder::goOn() {

@@ -9,6 +9,7 @@
 #include <list>
 
 #include "framework/scene/node.h"
+#include "framework/simulation/edit_values.h"
 #include "framework/simulation/integrator.h"
 #include "tools/platform/error_sentence.h"
 
@@ -197,21 +198,25 @@ void RunEdits::takeBack() {
   edits_.clear();
 }
 
-void RunEdits::serialize(Archive& archive) {
-  archive.enter("edits");
-  std::vector<Edit> stored = edits_;
-  std::size_t count = stored.size();
+void visitEdits(Archive& archive, std::vector<Override>& edits) {
+  std::size_t count = edits.size();
   archive.value("count", count);
-  stored.resize(count);
+  edits.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::string number = std::to_string(i) + " ";
-    archive.value(number + "path", stored[i].path);
-    archive.value(number + "attribute", stored[i].attribute);
-    archive.value(number + "text", stored[i].text);
+    archive.value(number + "path", edits[i].path);
+    archive.value(number + "attribute", edits[i].attribute);
+    archive.value(number + "text", edits[i].value);
   }
+}
+
+void RunEdits::serialize(Archive& archive) {
+  archive.enter("edits");
+  std::vector<Override> stored = all();
+  visitEdits(archive, stored);
   if (!archive.isReading()) return;
   takeBack();
-  for (const Edit& edit : stored) set(edit.path, edit.attribute, edit.text);
+  for (const Override& edit : stored) set(edit.path, edit.attribute, edit.value);
 }
 
 }  // namespace stroma

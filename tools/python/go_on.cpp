@@ -17,7 +17,6 @@
 namespace stroma::python {
 namespace {
 
-
 /// Numbers that the new simulation has already are as many.
 bool isAsMany(const Archive::Entry& fresh, const Archive::Entry& kept) {
   if (fresh.kind != kept.kind) return false;
@@ -78,6 +77,7 @@ class Heir {
     heir_.root().collect(components);
     for (Component* component : components) takeComponent(*component);
     heir_.restore(Archive(values_));
+    heir_.root().root_time = before_.root().root_time;  // the run began there: what goes by the start of a step knows
     return anew_;
   }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "framework/scene/spans.h"
+#include "framework/simulation/edit_values.h"
 #include "framework/simulation/mesh_changer.h"
 #include "tools/session/carried_values.h"
 #include "tools/session/changed_description.h"
@@ -132,10 +133,8 @@ void writeChangedScene(const Simulation& simulation, Archive& archive) {
 void takeChangedScene(Simulation& simulation, Archive values, Factory& factory, Modules& modules) {
   Archive present;
   writeChangedScene(simulation, present);
-  const Entries &now = present.entries(), &wanted = values.entries();
-  if (std::equal(now.begin(), now.end(), wanted.begin(), wanted.end(),
-                 [](const auto& a, const auto& b) { return a.first == b.first && a.second.bytes == b.second.bytes; }))
-    return;
+  const Entries& wanted = values.entries();
+  if (areTheSame(present.entries(), wanted)) return;
   if (simulation.hasChangedMeshes()) simulation.reset();
   if (wanted.empty()) return;
   simulation.takeEditsBack();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/session/owned_values.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace stroma {
@@ -27,16 +28,10 @@ bool takesAll(Component& component, const Entries& values) {
   }
 }
 
-void visitEdits(Archive& archive, std::vector<Override>& edits) {
-  std::size_t count = edits.size();
-  archive.value("count", count);
-  edits.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::string number = std::to_string(i) + " ";
-    archive.value(number + "path", edits[i].path);
-    archive.value(number + "attribute", edits[i].attribute);
-    archive.value(number + "text", edits[i].value);
-  }
+bool areTheSame(const Entries& a, const Entries& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& one, const auto& other) {
+    return one.first == other.first && one.second.bytes == other.second.bytes;
+  });
 }
 
 }  // namespace stroma

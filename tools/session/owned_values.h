@@ -7,7 +7,6 @@
 
 #include "framework/scene/archive.h"
 #include "framework/scene/component.h"
-#include "framework/scene/load.h"
 
 namespace stroma {
 
@@ -20,7 +19,7 @@ Entries valuesOf(const std::string& owner, const Entries& all);
 /// what it has taken of them until then stays.
 bool takesAll(Component& component, const Entries& values);
 
-/// Attributes that were set in a run, under the names that RunEdits has.
-void visitEdits(Archive& archive, std::vector<Override>& edits);
+/// The same names and bits.
+bool areTheSame(const Entries& a, const Entries& b);
 
 }  // namespace stroma

@@ -53,6 +53,27 @@ def moved(root):
     node.addObject("SpringForceField", spring="0 1 100 1 1")
 
 
+LATE = {
+    "LinearMovementConstraint": dict(indices=[0], keyTimes=[0, 0.05, 1], movements=[[0, 0, 0], [0, 0.5, 0], [0, 0.7, 0]]),
+    "LinearVelocityConstraint": dict(indices=[0], keyTimes=[0, 0.05, 1], velocities=[[0, 1, 0], [0, 3, 0], [0, -1, 0]]),
+    "ParabolicConstraint": dict(indices=[0], P1=[0, 0, 0], P2=[1, 2, 0], P3=[2, 0, 0], BeginTime=0, EndTime=0.4),
+    "HermiteSplineConstraint": dict(indices=[0], BeginTime=0, EndTime=0.4, X0=[0, 0, 0], dX0=[3, 0, 0], X1=[1, 1, 0], dX1=[0, 3, 0],
+                                    SX0=[0, 0], SX1=[1, 1]),
+    "OscillatorConstraint": dict(oscillators="0  0 0 0  0.1 0 0  20 0"),
+}
+
+
+@pytest.mark.parametrize("name", LATE)
+def test_what_moves_by_the_start_of_a_step_goes_on_to_the_bit(name):
+    """Its velocity changes where the scene is made anew, at 0.05 s."""
+    def scene(root):
+        node = body(root)
+        node.addObject(name, **LATE[name])
+        node.addObject("SpringForceField", spring="0 1 100 1 1")
+    (x, v), (x_changed, v_changed) = ends_at(scene, False), ends_at(scene, True)
+    assert np.array_equal(x, x_changed) and np.array_equal(v, v_changed)
+
+
 def held_in_part(root):
     node = body(root, position=[(0, 0, 0), (1, 0, 0), (2, 0, 0)])
     node.state.velocity = [[0, 0, 0], [1, 1, 1], [1, 1, 1]]
