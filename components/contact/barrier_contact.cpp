@@ -8,8 +8,7 @@
 //
 // Its energy per area, -kappa contactDistance (r - 1)^2 ln r, has no bound as the gap closes. Under kappa/10 surfaces rest at 0.83
 // contactDistance, under kappa/1000 at 0.98. Vertices carry their share of the surface (contact_terms.h), so that forces hardly
-// depend on the mesh. The tangent has all but the change of shares; where it is unstable, that of p along the normals alone. The
-// gap is the distance less `thickness`.
+// depend on the mesh. The tangent has all but the change of shares, or its stable part. The gap is the distance less `thickness`.
 //
 // Friction: with l the normal force of a contact and u the way along the surfaces since the start of the step, the force is mu l f
 // against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. What sticks therefore creeps, at less than
@@ -97,7 +96,9 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
   std::string worstElement(ConstRows x) const override;
-  bool useDefiniteTangent(bool definite) override { return definite_ = friction_.definite = definite, true; }
+  bool useDefiniteTangent(bool yes) override {
+    return friction_.definite = yes, tangent_ = yes ? Tangent::definite : Tangent::whole, true;
+  }
   void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(); }
   void serialize(Archive& archive) override;
 
@@ -137,10 +138,12 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   bool is_in_step_ = false, is_explicit_ = false;  ///< steps solve nothing: forces are those where parts of them start
   double from_ = 0, to_ = 0, duration_ = 0;  ///< times of the step; its length, or that of a part of an explicit one [s]
   bool is_carried_ = false, is_put_back_ = false;  ///< what is moved has gone on since the last force; see moved_first_
-  bool left_start_ = false, holds_nothing_ = false;  ///< bodies have been elsewhere than at start_; see wantStartForces()
+  bool left_start_ = false, holds_nothing_ = false, has_solved_ = false;  ///< bodies were elsewhere; wantStartForces(); solved_shares_
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0;
   LineShares shares_;
-  bool definite_ = false;  ///< the derivative of terms_, see contact_terms.h
+  BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
+  std::vector<Friction::Slide> solved_slides_;
+  Tangent tangent_ = Tangent::whole;
 };
 
 void BarrierContact::declare(DataTable& table) {
@@ -155,8 +158,7 @@ void BarrierContact::compile() {
   compileSurfaces();
   finishAdhesion(law_.adhesion, friction_, law_.range);
   friction_.farthest = std::max(law_.range, 0.25 * mean_edge_);
-  law_.compile();
-  fastest_ = fastestLead(law_, bodies_);
+  law_.compile(), fastest_ = fastestLead(law_, bodies_);
   startObstacles();
   way_.resize(law_.surfaces.rows.size());
   for (std::vector<Vec3>* forces : {&forces_, &forces_before_}) forces->resize(law_.surfaces.rows.size());
@@ -209,7 +211,7 @@ void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
   const bool begins = std::exchange(is_carried_, false), are_free = !is_explicit_ && !friction_.acts();  // shares
   if (const auto* place = are_free ? shares_.placeFor(x_) : is_explicit_ || begins ? &x_ : nullptr) law_.weigh(*place);
   terms_.clear();
-  for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_ || is_explicit_));
+  for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, is_explicit_ ? Tangent::normal : tangent_));
   terms_.addForce(f);
   if (friction_.acts() && start_.size() == x_.size()) rub(v, f);
 }
@@ -243,7 +245,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   if (law_.candidates.isNew()) has_new_pairs_ = true, law_.candidates.find(x_, leastMargin()), law_.candidates.crossings(x_);
   lookAgain(x_);  // whether or not somebody has asked between steps
   law_.candidates.stepBegins();
-  is_in_step_ = true;
+  is_in_step_ = true, has_solved_ = false;
   law_.small_range = is_explicit_ ? 0.5 : 0.1, law_.small_share = is_explicit_ ? 1 : 0.1;
   if (is_explicit_) beginPart(t, t_end), law_.surfaces.gather(x, law_.moved, x_);
   duration_ = t_end - t;
@@ -318,21 +320,19 @@ bool BarrierContact::movesOn(ConstRows x) {
     moveObstacles(law_, goal_, x_, way_);
     return true;
   }
-  const bool others = sharesChange(), held = friction_.release(), rubs = friction_.acts() && frictionChanges(held);
-  const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
-  if (!again && !others) return friction_.settle(), false;
-  return shares_.solveBegins(), true;
+  const bool others = (law_.copyShares(solved_shares_), sharesChange()), held = friction_.release();
+  solved_slides_ = friction_.slides;
+  const bool rubs = friction_.acts() && frictionChanges(held), again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
+  if (has_solved_ = true; again || others) return shares_.solveBegins(), true;
+  return friction_.settle(), false;
 }
 
 /// Shares that stayed in the solve, against those of where it has ended.
 bool BarrierContact::sharesChange() {
   constexpr double settled = 1e-2;
   constexpr int most_rounds = 10;
-  if (law_.isOutOfReach(x_)) return false;
-  law_.sumForces(x_, forces_before_);
-  friction_.acts() ? law_.weighAgain(x_) : law_.weigh(x_);
-  law_.sumForces(x_, forces_);
-  return relativeChange(forces_before_, forces_) > settled && ++share_rounds_ < most_rounds;
+  return !law_.isOutOfReach(x_) && law_.changeByWeighing(x_, friction_.acts(), forces_before_, forces_) > settled &&
+         ++share_rounds_ < most_rounds;
 }
 
 /// Friction with the forces and shares that have been found now, against that of the solve before. What was held says nothing of slip.
@@ -353,8 +353,9 @@ bool BarrierContact::frictionChanges(bool was_held) {
 std::string BarrierContact::overlap(ConstRows x) {
   follow(x);
   const auto crossings = law_.candidates.crossings(x_);
+  if (std::exchange(has_solved_, false)) law_.putBack(solved_shares_), friction_.slides = solved_slides_;  // those in balance
   lookAgain(x_);
-  law_.weigh(x_);
+  if (is_explicit_) law_.weigh(x_);
   friction_.release();
   slideTo(x_);
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);
@@ -364,8 +365,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   if (found.empty() && !hasArrived() && !isLed())
     return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(),
                        (goal_ - law_.moved).norm());
-  outputs_.crossings += !found.empty();
-  outputs_.noteFriction();
+  outputs_.crossings += !found.empty(), outputs_.noteFriction();
   return found;
 }
 

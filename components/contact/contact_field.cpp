@@ -52,6 +52,11 @@ std::string ContactField::choice() const {
   return text;
 }
 
+double ContactField::lentEnergy(ConstRows x) const {
+  law_.surfaces.gather(x, law_.moved, x_);
+  return friction_.energy(x_, start_, law_.moved - moved_at_start_);
+}
+
 void ContactField::addStiffnessProduct(ConstRows dx, double factor, Rows df) const {
   terms_.addProduct(dx, factor, df);
   friction_.terms().addProduct(dx, factor, df);

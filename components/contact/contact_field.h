@@ -6,11 +6,12 @@
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mechanics/step_limiter.h"
 
 namespace stroma::contact {
 
 /// A contact by forces: its bodies and obstacles as attributes, and the derivatives of what it has done in the last addForce().
-class ContactField : public ForceField, public OpenChoices, public DrawnObstacles {
+class ContactField : public ForceField, public OpenChoices, public LendsEnergy, public DrawnObstacles {
  public:
   /// mstate, other, topology, contactDistance, stiffness, thickness, coefficients of friction, selfContact and obstacles.
   void declare(DataTable& table) override;
@@ -20,6 +21,9 @@ class ContactField : public ForceField, public OpenChoices, public DrawnObstacle
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override;
   void addStiffness(double factor, BlockMatrix& matrix) const override;
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
+  /// With friction, whose pressures and directions stay in a solve.
+  bool lendsEnergy() const override { return friction_.acts(); }
+  double lentEnergy(ConstRows x) const override;
   long patternRevision() const override { return pattern_revision_; }
   std::string choice() const override;
   void addShapes(std::vector<Shape>& shapes) const override { contact::addShapes(law_, shapes); }

@@ -145,6 +145,16 @@ void Friction::computeAtSpeed(const Surfaces& surfaces, ConstRows v, double dt, 
   compute(surfaces, x, start, moved);
 }
 
+/// mu l f0, which is e (y^2 - y^3/3) for y < 1, else e (y - 1/3); of what is held e y^2.
+double Friction::energy(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) const {
+  double sum = 0;
+  for (const Slide& slide : slides) {
+    const double y = wayOf(slide, x, start, moved).norm() / slip;
+    sum += slide.force * slip * (slide.held ? y * y : y < 1 ? y * y * (1 - y / 3) : y - 1.0 / 3);
+  }
+  return sum;
+}
+
 /// t at u, by the equation linearised where the line starts.
 void Friction::followLine(Slide& slide) const {
   const Law law(slide.start_u, slip);

@@ -81,6 +81,8 @@ class Friction {
   void keepStretched(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   bool isSliding(const Slide& slide) const { return are_springs_ ? !slide.held : slide.u.norm() > slip; }
   const Terms& terms() const { return terms_; }
+  /// The potential [J] whose gradient the forces of compute() are, with what is held as it is.
+  double energy(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) const;
   /// On all vertices, of the last compute(); `out` has that many.
   void forces(std::vector<Vec3>& out) const;
   void clear() { slides.clear(), terms_.clear(), slid_.clear(), sticking_.clear(); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "components/contact/contact_terms.h"
 
@@ -27,18 +28,28 @@ Slopes BarrierLaw::pushingOf(const Touch& touch) const {
 double BarrierLaw::pushOf(const Touch& touch) const { return -stiffness * touch.share * pushing(*this, touch).slope; }
 double BarrierLaw::pullOf(const Touch& touch) const { return touch.of_surface ? touch.share * adhesion.at(touch.gap).slope : 0; }
 
-Term BarrierLaw::termOf(const Touch& touch, const std::vector<Vec3>& x, bool definite) const {
+Term BarrierLaw::termOf(const Touch& touch, const std::vector<Vec3>& x, Tangent tangent) const {
   Term term;
   for (std::size_t i = 0; i < 4; ++i) term.rows[i] = touch.v[i] >= 0 ? surfaces.rows[std::size_t(touch.v[i])] : -1;
   term.c = touch.c;
   const Slopes energy = slopesOf(touch);
   term.force = -energy.slope * touch.n;
   term.m = energy.curvature * touch.n * touch.n.transpose();
-  if (!definite)
-    addTurning(touch, x, energy.slope, term);
-  else if (energy.curvature < 0)
-    term.m.setZero();
+  if (tangent != Tangent::whole && energy.curvature < 0) term.m.setZero();
+  const Mat3 along = term.m;
+  if (tangent == Tangent::whole || (tangent == Tangent::definite && energy.slope < 0)) addTurning(touch, x, energy.slope, term);
+  if (tangent == Tangent::definite && term.slope != 0) term.m = along, keepPositive(term);
   return term;
+}
+
+/// Of a term that pushes and has no turning of its own in m: see Term.
+void BarrierLaw::keepPositive(Term& term) {
+  double cc = 0, ww = 0;
+  for (std::size_t i = 0; i < 4; ++i) cc += term.c[i] * term.c[i], ww += term.w[i].squaredNorm();
+  if (!(ww > 0)) return void(term.slope = 0);
+  const double square = std::sqrt(ww / cc);
+  term.slope *= 0.5, term.distance = 1 / square;
+  term.m -= term.slope * square * (Mat3::Identity() - term.n * term.n.transpose());
 }
 
 /// `slope`: of the energy by the distance. Nothing is added where two sides are nearly parallel.

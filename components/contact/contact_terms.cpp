@@ -144,6 +144,29 @@ void BarrierLaw::weighAgain(const std::vector<Vec3>& x) const {
   weigh(x, Which::all_again);
 }
 
+double BarrierLaw::changeByWeighing(const std::vector<Vec3>& x, bool again, std::vector<Vec3>& before,
+                                    std::vector<Vec3>& after) const {
+  sumForces(x, before);
+  again ? weighAgain(x) : weigh(x);
+  sumForces(x, after);
+  return relativeChange(before, after);
+}
+
+void BarrierLaw::copyShares(Shares& out) const {
+  out.vertices = vertex_share_, out.planes = plane_share_, out.is_weighed = is_weighed_;
+  out.edges.clear();
+  for (const Candidate& pair : std::as_const(candidates).pairs()) out.edges.push_back(pair.factor);
+}
+
+void BarrierLaw::putBack(const Shares& shares) const {
+  vertex_share_ = shares.vertices, plane_share_ = shares.planes, is_weighed_ = shares.is_weighed;
+  auto& pairs = candidates.pairs();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].factor = shares.edges[i];
+    pairs[i].tried = pairs[i].found = not_weighed;
+  }
+}
+
 void BarrierLaw::weighPlanes(const std::vector<Vec3>& x) const {
   std::fill(plane_share_.begin(), plane_share_.end(), not_weighed);
   for (std::size_t p = 0; p < planes.size(); ++p)

@@ -61,7 +61,11 @@ struct Adhesion {
 ///   K_ij = -c_i c_j m + e' (d (w_i.w_j) n n^T + c_j n w_i^T + c_i w_j n^T),   m = e'' n n^T + e'/d Q
 /// Where the closest points may slide along directions D_a, by which the weights c_i change by c_i,a, w_i = sum_a c_i,a u_a with
 /// u_a . D_b = 1 for a = b, else 0, and Q is the projection across n and all D_a: the second derivative of a distance that is
-/// the smallest for all weights. A definite one is m = e'' n n^T alone, where that is positive.
+/// the smallest for all weights. With displacements p, a = sum c_i p_i and b = sum w_i (n.p_i), -p.K p of what pushes, e' < 0, is
+///   e'' (n.a)^2 - |e'|/d a.Q a + |e'| (d |b|^2 + 2 a.b),   2 a.b = 1/2 |s a + b/s|^2 - 1/2 |s a - b/s|^2,   s^2 = |w|/|c|
+/// A definite derivative has e'' (n.a)^2, where that is positive, and |e'|/2 |s a + b/s|^2, of slides that turn two sides into each
+/// other. Without that a correction slides so far that the gap closes by the square of the slide, and the force that then acts is
+/// decades too large.
 struct Term {
   std::array<Index, 4> rows{-1, -1, -1, -1};  ///< -1: of an obstacle
   std::array<double, 4> c{};
@@ -81,6 +85,9 @@ class Terms : public std::vector<Term> {
   void addDiagonal(double factor, std::vector<double>& blocks) const;
 };
 
+/// What a term has of the derivative: all of it, a part without unstable directions, or e'' n n^T alone where that is positive.
+enum class Tangent { whole, definite, normal };
+
 class BarrierLaw {
  public:
   double range = 0, thickness = 0;  ///< dh [m]; distance of surfaces at which the gap is zero [m]
@@ -99,6 +106,17 @@ class BarrierLaw {
   void weigh(const std::vector<Vec3>& x) const;
   /// The same at the end x of a solve with the shares there were, for the next one.
   void weighAgain(const std::vector<Vec3>& x) const;
+  /// Weighs at x, or weighs again. Returns the change of the force on each vertex, see relativeChange(); `before` and `after` have
+  /// that many.
+  double changeByWeighing(const std::vector<Vec3>& x, bool again, std::vector<Vec3>& before, std::vector<Vec3>& after) const;
+  /// What weigh() has found, of vertices at surfaces and planes and of pairs of edges.
+  struct Shares {
+    std::vector<double> vertices, planes, edges;
+    bool is_weighed = false;
+  };
+  void copyShares(Shares& out) const;
+  /// Those of before a weighing; pairs are as they were then.
+  void putBack(const Shares& shares) const;
   /// No surfaces are nearer than dh at x, and there are no planes.
   bool isOutOfReach(const std::vector<Vec3>& x) const;
   /// What counts at x; nearer than dh. What has come into reach since weigh() gets its share here.
@@ -112,8 +130,8 @@ class BarrierLaw {
   double pullOf(const Touch& touch) const;
   /// The largest gap at which a place counts [m].
   double far() const { return std::max({range, adhesion.strength > 0 ? adhesion.range : 0, alarm}); }
-  /// At the x of touches(). `definite`: with a derivative that has no unstable direction.
-  Term termOf(const Touch& touch, const std::vector<Vec3>& x, bool definite) const;
+  /// At the x of touches().
+  Term termOf(const Touch& touch, const std::vector<Vec3>& x, Tangent tangent) const;
   double energy(const std::vector<Vec3>& x) const;  ///< [J], as touches()
   /// The force on each vertex, as touches(); `out` has that many.
   void sumForces(const std::vector<Vec3>& x, std::vector<Vec3>& out) const;
@@ -135,6 +153,7 @@ class BarrierLaw {
     Vec3 difference;
   };
   void look(const std::vector<Vec3>& x) const;
+  static void keepPositive(Term& term);
   void addTurning(const Touch& touch, const std::vector<Vec3>& x, double slope, Term& term) const;
   enum class Which { all, all_again, missing };  ///< of what is in reach
   void weigh(const std::vector<Vec3>& x, Which which) const;

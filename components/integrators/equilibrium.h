@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "components/integrators/exact_tangent.h"
+#include "components/integrators/lent_energy.h"
 #include "components/integrators/newton.h"
 #include "framework/simulation/step_limits.h"
 #include "framework/simulation/system.h"
@@ -31,6 +32,7 @@ class Equilibrium final : public NonlinearProblem {
   void compile(System& system) {
     system_ = &system;
     limits_.compile(system);
+    lends_energy_ = !system.isConservative();
     start_.resize(system.independentRows());
   }
   void begin() {
@@ -57,7 +59,7 @@ class Equilibrium final : public NonlinearProblem {
   SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
   /// The gradient of the second part is (1 - s) f0.
   double energy() override {
-    double sum = system_->potentialEnergy(system_->x);
+    double sum = system_->potentialEnergy(system_->x) + (lends_energy_ ? lentEnergy(*system_) : 0);
     if (share_ == 1) return sum;
     copy(start_, provided(product_, start_.count()));
     system_->motion().difference(rows(), product_);
@@ -99,6 +101,7 @@ class Equilibrium final : public NonlinearProblem {
   Rows rows() const { return system_->independent(system_->x); }
   System* system_ = nullptr;
   StepLimits limits_;
+  bool lends_energy_ = false;  ///< some forces have a potential within a solve only
   Vector start_;
   Vector start_force_, error_, product_;  ///< see provided()
   double share_ = 1;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "components/integrators/lent_energy.h"
+
 namespace stroma {
 namespace {
 constexpr int most_carries = 500;  // solves of one step, of which each lets prescribed motion go as far as it can
@@ -341,7 +343,7 @@ void ImplicitStep::residual(Rows out) {
 /// energies only.
 double ImplicitStep::energy() {
   System& s = *system_;
-  double sum = scheme_.weight / scheme_.displacement * s.potentialEnergy(s.x);
+  double sum = scheme_.weight / scheme_.displacement * (s.potentialEnergy(s.x) + (lends_energy_ ? lentEnergy(s) : 0));
   if (has_constant_) sum -= dot(constant_, v());
   if (has_rayleigh_mass_ || has_rayleigh_stiffness_) {
     clear(work_);

@@ -45,6 +45,7 @@ class ImplicitStep final : public NonlinearProblem {
   const TurningBodies& bodies() const { return bodies_; }
   /// Something may be in the way of a step.
   bool isLimited() const { return !limits_.empty(); }
+  bool hasConditions() const { return !multipliers_.empty(); }  ///< of Lagrangian constraints
   /// Of bodies(): J w before the last solve(), and after it.
   const std::vector<Vec3>& startMomenta() const { return start_momenta_; }
   const std::vector<Vec3>& endMomenta() const { return end_momenta_; }
@@ -147,6 +148,7 @@ class ImplicitStep final : public NonlinearProblem {
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;
   bool depends_on_time_ = false;
+  bool lends_energy_ = false;  ///< some forces have a potential within a solve only
   bool has_constant_ = false;  ///< with Newton's method: constant_ is not zero
 
   Vector right_side_;      ///< shape (allRows())

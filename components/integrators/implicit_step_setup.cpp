@@ -6,6 +6,7 @@
 #include <cassert>
 
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/lent_energy.h"
 #include "components/integrators/usual_forcing.h"
 
 namespace stroma {
@@ -91,7 +92,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   has_rayleigh_mass_ = rayleigh_mass != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
   has_own_stiffness_damping_ = depends_on_time_ = false;
-  bool from_energy = system.isConservative();
+  bool from_energy = haveEnergyInSolves(system);
   for (const ForceField* field : system.forceFields()) {
     const ForceTraits traits = field->traits();
     has_own_stiffness_damping_ =
@@ -110,6 +111,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   // an iteration costs as much as a digit of a solve; errors of steps add up
   newton_.settings.forcing_reach = 10, newton_.settings.forcing_margin = 0.05;
   // the turn that a velocity makes in a step is no gradient of it
+  lends_energy_ = !system.isConservative();
   newton_.settings.use_energy = from_energy && !system.motion().turns() && !system.hasCurvedInertia();
   for (std::vector<Vec3>* list : {&start_momenta_, &end_momenta_, &momentum_predictor})
     list->assign(bodies_.count(), Vec3::Zero());

@@ -62,6 +62,7 @@
 #include "components/integrators/equilibrium.h"
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/free_body.h"
+#include "components/integrators/lent_energy.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/sleep.h"
 #include "components/integrators/usual_forcing.h"
@@ -166,7 +167,7 @@ void StaticSolver::compile(System& system) {
     settings_.forcing = own.forcing;
   }
   if (!data().find("forcing_term")->isSet()) takeUsualForcing(system, settings_);
-  settings_.use_energy = system.isConservative(), settings_.slow_factors = 1;
+  settings_.use_energy = haveEnergyInSolves(system), settings_.slow_factors = 1;
   // a limit that the scene writes is the only one
   settings_.patience = settings_component_ || data().find("newton_iterations")->isSet() ? 0 : 10;
   newton_.settings = settings_;

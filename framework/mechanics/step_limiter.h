@@ -23,6 +23,15 @@ class HearsSteps {
   virtual void stepBegins(ConstRows x, double t, double t_end) = 0;
 };
 
+/// A force field whose forces have a potential in each solve, with what is held fixed meanwhile: energy() and lentEnergy() together.
+class LendsEnergy {
+ public:
+  virtual ~LendsEnergy() = default;
+  virtual bool lendsEnergy() const = 0;
+  /// The part [J] that is no energy of the field's, as of the last force.
+  virtual double lentEnergy(ConstRows x) const = 0;
+};
+
 /// A force field besides which positions may not move anyhow: bodies that touch must not pass through each other.
 /// Integrators ask how long a step may be (simulation/step_limits.h). Vectors have all rows of the system.
 class StepLimiter : public HearsSteps {

@@ -6,6 +6,7 @@
 #include "framework/mechanics/step_limiter.h"
 #include "framework/simulation/simulation.h"
 #include "tests/contact/contact_scenes.h"
+#include "tests/support/dense_algebra.h"
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {
@@ -75,6 +76,20 @@ TEST(BarrierContact, SaysWhichStiffnessKeepsAGapOpen) {
   }
 }
 
+/// K of the force at x, without its last digits' asymmetry.
+Eigen::MatrixXd denseTangent(FieldUnderTest& t) {
+  const Index rows = t.x.count();
+  Eigen::MatrixXd k(3 * rows, 3 * rows);
+  t.force();
+  for (Index column = 0; column < 3 * rows; ++column) {
+    Vector unit(rows), product(rows);
+    unit[column / 3][column % 3] = 1;
+    t.field().addStiffnessProduct(unit, 1, product);
+    for (Index row = 0; row < 3 * rows; ++row) k(row, column) = product[row / 3][row % 3];
+  }
+  return 0.5 * (k + k.transpose());
+}
+
 /// Force, energy, derivative and products belong together, in reach of faces, edges, vertices, a plane, a sphere and a capsule;
 /// and the derivative that is asked to be definite is.
 TEST(BarrierContact, ForceIsTheSlopeOfTheEnergy) {
@@ -97,9 +112,36 @@ TEST(BarrierContact, ForceIsTheSlopeOfTheEnergy) {
       expectMatrixOfProducts(t);
       expectSymmetricProducts(t);
     }
-    EXPECT_LE(dot(t.direction, t.product(t.direction)), 0);
+    const Eigen::VectorXd stiffness = eigenvalues(-denseTangent(t));
+    EXPECT_GE(stiffness[0], -1e-9 * stiffness[stiffness.size() - 1]) << "seed " << seed;
   }
   EXPECT_GT(checked, 15);
+}
+
+/// Two ridges of length L = 2 cross at right angles, x and z, one above the other. The upper one slides by a along x and tilts by b
+/// of its length, so that the gap falls by the square: -2 a b. With s^2 = |w|/|c| = 2/L the definite tangent has |e'|/2 (s a + b/s)^2.
+TEST(BarrierContact, ADefiniteTangentKnowsSlidesThatCloseTheGap) {
+  Body below = wedge(), above = wedge(true);
+  const Mat3 quarter = Eigen::AngleAxisd(EIGEN_PI / 2, Vec3::UnitY()).toRotationMatrix();
+  above.turn(quarter, Vec3(0, 6.05, 0));
+  FieldUnderTest t(contactScene(bodyNode("a", below, "") + bodyNode("b", above, "") + contact("contactDistance=\"0.1\"")),
+                   "BarrierContact");
+  std::vector<Index> ends;
+  for (Index i = 0; i < t.x.count(); ++i)
+    if (std::abs(t.x[i].y() - 3.05) < 1e-9) ends.push_back(i);
+  ASSERT_EQ(ends.size(), 2u);
+  const double push = t.force()[ends[0]].y() + t.force()[ends[1]].y();
+  ASSERT_GT(push, 0);
+  for (const bool definite : {false, true}) {
+    ASSERT_TRUE(dynamic_cast<OpenChoices&>(t.field()).useDefiniteTangent(definite));
+    for (const double a : {1.0, -1.0, 0.3})
+      for (const double b : {1.0, -0.5}) {
+        Vector way(t.x.count());
+        for (const Index end : ends) way[end] = Vec3(a, b * t.x[end].x(), 0);
+        const double closes = definite ? 0.5 * (a + b) * (a + b) : 2 * a * b + 0.05 * b * b;
+        EXPECT_NEAR(-dot(way, t.product(way)), push * closes, 1e-9 * push) << a << " " << b << (definite ? ", definite" : "");
+      }
+  }
 }
 
 /// Two free bodies that collide keep what they have together, to round-off.

@@ -67,6 +67,26 @@ TEST(Friction, ASolveHasOneFunction) {
   EXPECT_GT(relativeDifference(old, t.forceAt(end)), 0.01) << "sides that lean over bear a part";
 }
 
+/// Solves whose ends swing between two places never settle. What is told of the step is then that of the last solve, which is in
+/// balance, and not what another one would have begun with.
+TEST(Friction, ForcesOfAStepThatDoesNotSettleAreThoseOfItsLastSolve) {
+  FieldUnderTest t = blockThatRubs();
+  auto& limiter = dynamic_cast<StepLimiter&>(t.field());
+  limiter.stepBegins(t.x, 0, 1);
+  const Vector a = shearedBy(0.02, t.x), b = shearedBy(0.2, t.x);
+  bool has_ended = false;
+  for (int solve = 0; solve < 100 && !has_ended; ++solve) {
+    const Vector& end = solve % 2 == 0 ? a : b;
+    const Vector balanced = t.forceAt(end);
+    has_ended = !limiter.movesOn(end);
+    if (!has_ended) continue;
+    EXPECT_GT(solve, 5) << "they swing";
+    EXPECT_EQ(limiter.overlap(end), "");
+    EXPECT_EQ(relativeDifference(balanced, t.forceAt(end)), 0);
+  }
+  EXPECT_TRUE(has_ended);
+}
+
 /// Shares are taken anew where what is moved has gone on, though the step's matrix was made before; the line of a search keeps
 /// them, though none was made for it.
 TEST(Friction, WhatIsMovedBeginsASolveAndALineDoesNot) {
@@ -107,6 +127,44 @@ TEST(Friction, TheTangentRemembersTheLineAndTheForceDoesNot) {
     EXPECT_GT(relativeDifference(on_line, product), 1e-3) << "slip " << slip;
     EXPECT_EQ(relativeDifference(t.force(), force), 0) << "slip " << slip;
     expectSymmetricProducts(t);
+  }
+}
+
+/// In a solve friction has a potential, of what sticks, of what slips and of what is held: the force is the slope of it and of the
+/// field's own energy.
+TEST(Friction, ForceIsTheSlopeOfWhatASolveHasForAnEnergy) {
+  const auto check = [](FieldUnderTest& t, const std::string& what) {
+    auto& lender = dynamic_cast<LendsEnergy&>(t.field());
+    ASSERT_TRUE(lender.lendsEnergy());
+    const auto energyAt = [&](double h) {
+      Vector there(t.x.count());
+      copy(t.x, there);
+      axpy(h, t.direction, there);
+      return t.field().energy(there) + lender.lentEnergy(there);
+    };
+    const double h = 1e-6, slope = -dot(t.force(), t.direction), own = t.field().energy(t.x);
+    EXPECT_NEAR((energyAt(h) - energyAt(-h)) / (2 * h), slope, 1e-5 * std::abs(slope)) << what;
+    EXPECT_GT(lender.lentEnergy(t.x), 0) << what;
+    EXPECT_EQ(t.field().energy(t.x), own) << "it is no part of the energy of " << what;
+  };
+  for (const double slip : {0.4, 3.0})
+    for (const bool is_held : {false, true}) {
+      FieldUnderTest t = blockThatRubs();
+      auto& limiter = dynamic_cast<StepLimiter&>(t.field());
+      limiter.stepBegins(t.x, 0, 1);
+      limiter.wantStartForces(!is_held);
+      for (Index i = 0; i < t.x.count(); ++i) t.x[i] += slip * 0.01 * Vec3(0.8, 0.6, 0);
+      t.force();
+      check(t, fmt::format("a barrier, slip {}{}", slip, is_held ? ", held" : ""));
+    }
+  for (const double slip : {0.4, 3.0}) {
+    FieldUnderTest t(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0.01), Vec3(1, 1, 1.01)),
+                                           "<PenaltyContact contactDistance=\"0.02\" planes=\"0 0 1 0\" friction=\"0.3\" "
+                                           "slipVelocity=\"0.01\"/>")),
+                     "PenaltyContact");
+    dynamic_cast<HearsSteps&>(t.field()).stepBegins(t.x, 0, 1);
+    for (Index i = 0; i < t.x.count(); ++i) t.x[i] += slip * 0.01 * Vec3(0.8, 0.6, 0);
+    check(t, fmt::format("a penalty, slip {}", slip));
   }
 }
 

@@ -81,23 +81,21 @@ TEST(PublishedBenchmarks, ShallowIroningPressed) {
   expectWithin(forces.horizontal, 55, 71, "horizontal");
 }
 
-/// Pressed and drawn along for 10 mm, a cell per step, with so little mass that it does not matter: what slips at once has no
-/// equilibrium near the one before. Nodes pass each other by cells, and some steps end at their limit of iterations.
+/// Pressed and drawn along for 10 mm, a cell per step: nodes pass each other by cells. Each step has an equilibrium that is found.
 TEST(PublishedBenchmarks, ShallowIroningDrawn) {
   constexpr double h = 0.4, gap = 0.06, depth = 0.8 + 0.4 * gap;
   constexpr int pressing = 8, drawing = 25;
   const std::string along = fmt::format("keyTimes=\"0 {} {}\" movements=\"0 0 0  0 0 {}  10 0 {}\"", pressing, pressing + drawing,
                                         -depth, -depth);
-  const auto light = [](std::string node) { return node.replace(node.find("totalMass=\"1\""), 13, "totalMass=\"20\""); };
   Simulation simulation = simulationFromText(contactScene(
-      light(slabOf({h, 8, 4}, 12)) + light(blockOf({h, 8, 4}, gap, along)) +
+      slabOf({h, 8, 4}, 12) + blockOf({h, 8, 4}, gap, along) +
           fmt::format("<BarrierContact name=\"contact\" mstate=\"@block/dofs\" topology=\"@block/mesh\" other=\"@slab/dofs\" "
-                      "contactDistance=\"{}\" friction=\"{}\" slipVelocity=\"4e-2\" frictionIterations=\"3\" selfContact=\"0\"/>",
+                      "contactDistance=\"{}\" friction=\"{}\" slipVelocity=\"4e-2\" frictionIterations=\"8\" selfContact=\"0\"/>",
                       gap, mu),
-      1, Vec3::Zero(), "<EulerImplicitSolver newtonIterations=\"30\" newtonTolerance=\"1e-3\"/>"));
+      1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-3\"/>"));
   std::vector<Forces> path{{0, 0}};
   for (int step = 1; step <= pressing + drawing; ++step) {
-    expectCleanStep(simulation, step, false);
+    expectCleanStep(simulation, step);
     if (HasFatalFailure()) return;
     const std::vector<double> wrench = wrenchesOf(simulation, "contact");
     path.push_back({wrench[2], -wrench[0]});
