@@ -90,7 +90,7 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
       throw ComponentError(
           fmt::format("{} has rayleighStiffness, and {} is damped by masses alone", field->path(), name),
           "rayleighMass of the solver", "rayleighStiffness=\"0\"");
-    if (readsVelocity(*field, system))
+    if (!dynamic_cast<const StepLimiter*>(field) && readsVelocity(*field, system))
       throw ComponentError(fmt::format("{} depends on velocity, and {} is damped by masses alone", field->path(), name),
                            "rayleighMass of the solver");
   }
@@ -101,6 +101,10 @@ void CondensedBody::sortFields(bool dynamic) {
     const ForceTraits traits = field->traits();
     const auto* load = dynamic_cast<const LocalLoad*>(field);
     if (dynamic_cast<const LagrangianConstraint*>(field) && !traits.has_stiffness) continue;  // its conditions act
+    if (dynamic_cast<const StepLimiter*>(field)) {
+      contacts_.push_back(field);
+      continue;
+    }
     if (load && load->isDeadLoadToFirstOrder()) {
       dead_.push_back(field);
       notes_.push_back(fmt::format("{} is taken for a dead load on the surface at rest, as linear elasticity has it",
@@ -108,7 +112,8 @@ void CondensedBody::sortFields(bool dynamic) {
     } else if (dynamic_cast<const HearsSteps*>(field)) {
       throw ComponentError(fmt::format("{} pushes where surfaces meet, and a condensed body has one matrix for all times",
                                        field->path()),
-                           "contact by forces of constraint, which the inverse gives", "<ConstraintContact/> in its place");
+                           "contact by forces of constraint or by a barrier",
+                           "<ConstraintContact/> or <BarrierContact/> in its place");
     } else if (!traits.linear || (traits.has_stiffness && !(traits.constant_stiffness && traits.symmetric))) {
       const bool has_method = field->data().find("method") != nullptr;
       throw ComponentError(
@@ -190,6 +195,11 @@ std::vector<char> CondensedBody::keptRows(const Integrator& integrator, const Co
   system_->node().root().collect(observers);
   for (const State* state : system_->states()) {
     if (state->firstRow() >= system_->independentRows()) continue;  // it only follows
+    const bool meets = std::any_of(contacts_.begin(), contacts_.end(), [&](const ForceField* field) {
+      const std::vector<State*> met = field->states();
+      return std::find(met.begin(), met.end(), state) != met.end();
+    });
+    if (meets && named) markBoundary(*state, kept);  // surfaces that meet are surfaces that move
     if (named) {
       for (const Index node : checkedNodes(choice.kept, *state, "surfaceIndices")) kept[state->firstRow() + node] = 1;
     } else {

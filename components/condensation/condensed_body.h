@@ -66,6 +66,8 @@ class CondensedBody {
 
   /// Sentences for the scene's author, as on loads that were taken for dead.
   const std::vector<std::string>& notes() const { return notes_; }
+  /// Barriers between surfaces, whose forces are not linear.
+  const std::vector<ForceField*>& contacts() const { return contacts_; }
 
  private:
   void refuseOtherKinds(const Integrator& integrator, bool dynamic);
@@ -78,7 +80,7 @@ class CondensedBody {
   void project(Vector& force) const;
 
   System* system_ = nullptr;
-  std::vector<ForceField*> stiff_, constant_, timed_;
+  std::vector<ForceField*> stiff_, constant_, timed_, contacts_;
   std::vector<const ForceField*> dead_;  ///< follow the surface; taken at rest
   std::vector<Index> rows_, node_of_row_;
   Index interior_ = 0;

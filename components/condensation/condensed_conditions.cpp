@@ -26,7 +26,7 @@ namespace stroma {
 void CondensedIntegrator::compileConditions(System& system) {
   CondensedConditions& c = conditions_;
   c.constraints = system.actors().lagrangian_constraints;
-  if (c.constraints.empty()) return;
+  if (c.constraints.empty() && body_.contacts().empty()) return;
   c.start.resize(system.allRows());
   Vec3 low = body_.reference()[0], high = low;
   for (Index row = 0; row < body_.reference().count(); ++row)
@@ -39,7 +39,7 @@ void CondensedIntegrator::compileConditions(System& system) {
 
 /// Before touched nodes are moved. System::beginStep() tells the rest itself where it is called.
 void CondensedIntegrator::beginConditions(System& system, const StepContext& context, bool is_told) {
-  if (!hasConditions()) return;
+  if (!hasConditions() && !hasContact()) return;
   copy(system.x, conditions_.start);
   conditions_.beginSlots();
   if (!is_told) tellStepBegins(system, system.x, context.t, context.t_end);

@@ -39,7 +39,7 @@
 // by round-off: runs of a body near that size are the same bit for bit only where solve="inverse" or "factor" decides,
 // or a file of cacheFolder, which keeps the choice.
 //
-// A node that a constraint moves is a load that is not known: see CondensedStaticSolver, also for Lagrangian constraints.
+// A node that a constraint moves is a load that is not known: see CondensedStaticSolver, also for Lagrangian constraints and barriers.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -358,7 +358,8 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
     Eigen::Map<Eigen::VectorXd>(next_.data(), Index(next_.size())).noalias() += touchColumns() * reaction;
   }
   StepReport report;
-  if (!holdConditions(system, next_, context.stop, report)) return giveUp(system, report.reason, report.stopped);
+  if (!holdConditions(system, next_, context.stop, report) || !holdContact(system, next_, context.stop, report))
+    return giveUp(system, report.reason, report.stopped);
   for (std::size_t i = 0; i < v_.size(); ++i) right_[i] = (next_[i] - u_[i]) / context.dt;
   if (!writeActive(system, next_.data(), right_.data()))
     return giveUp(system, "a load is not finite, or the body has left the range of numbers");

@@ -304,6 +304,7 @@ std::string CondensedIntegrator::describe() const {
     text += "; loads on inside nodes change in time: a sweep through the factor of the inside in each step";
   if (body_.movingRows()) text += "; nodes moved by position are loads through their compliance";
   if (hasConditions()) text += "; forces of constraint through the compliance of the nodes that they act on";
+  if (hasContact()) text += "; contact by Newton's method on the nodes that it pushes";
   if (range_.isEmpty())
     text += "; nothing watches the range of linear elasticity: no surface of volume cells moves";
   else if (range_.watched() == 0)

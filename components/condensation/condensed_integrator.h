@@ -13,6 +13,7 @@
 #include "components/condensation/compliance.h"
 #include "components/condensation/condensed_body.h"
 #include "components/condensation/condensed_conditions.h"
+#include "components/condensation/condensed_contact.h"
 #include "components/condensation/linear_range.h"
 #include "components/condensation/partial_cholesky.h"
 #include "components/condensation/section_file.h"
@@ -24,13 +25,14 @@ namespace stroma {
 /// u_S = C f*_S with C = (A^-1)_SS, A the matrix of a static or of a dynamic step. Active nodes are those of u: the
 /// kept ones, or every free node where the inside is solved for in each step. Vectors over them have 3 numbers per node
 /// and are padded to chunks of 8.
-class CondensedIntegrator : public Integrator, public StateOwner, public FindsMultipliers {
+class CondensedIntegrator : public Integrator, public StateOwner, public FindsMultipliers, public HeedsStepLimits {
  public:
   void declare(DataTable& table) override;
   void compile(System& system) final;
   StateOwner* stateOwner() final { return this; }
   void checkInputOn(const State& state, const Input& input) const final;
   void sceneChanged() final { hands_changed_ = true; }
+  bool heedsStepLimits() const final { return true; }
   void stepTaken(const StepContext& context) final;
   void complete(System& system) final;
   std::string doubt() const final;
@@ -109,6 +111,9 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   /// u, the displacement that all else leads to, gets that of the forces of Lagrangian constraints. False: the step
   /// is to be given up, and x is what it was.
   bool holdConditions(System& system, Array<double>& u, StopToken stop, StepReport& report);
+  bool hasContact() const { return !contact_.fields.empty(); }
+  /// The same for the forces of barriers.
+  bool holdContact(System& system, Array<double>& u, StopToken stop, StepReport& report);
   /// Forces on inside nodes that change in time, reduced to kept ones: active f changes by out.
   bool reduceTimedInterior(double* out);
   /// Writes x = x_0 + u, and v where it is given, into the rows of active nodes; false, and nothing written, when u is
@@ -191,6 +196,16 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   std::string nameOfCondition(std::size_t row) const;
   std::string nodesOfCondition(const System& system, std::size_t row) const;
   void judgeConditions(const System& system, double step, double size, StepReport& report);
+  void compileContact(System& system);
+  void pushAt(System& system, const Array<double>& u);
+  void assembleContact(const System& system);
+  std::string findTouched(const System& system);
+  void findPush();
+  void findWay();
+  double slopeOnWay(double part) const;
+  void goOnWay(System& system, double part);
+  double searchWay(System& system, double slope, double longest);
+  bool correctContact(System& system, StepReport& report);
   std::string cacheFolder() const;
   [[noreturn]] void refuseFree(System& system, Index node) const;
 
@@ -232,6 +247,7 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   std::vector<Hand> hands_;
   bool hands_changed_ = true;
   CondensedConditions conditions_;
+  CondensedContact contact_;
   std::string touch_fault_;
   double touch_error_ = 0;  ///< of reactions, estimated
   double square_ = 0;       ///< sum of u^2 of the last step [m^2]

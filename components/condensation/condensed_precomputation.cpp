@@ -60,6 +60,7 @@ void CondensedIntegrator::compile(System& system) {
     inform("precision=\"single\" has no effect: the sparse factor is used, which is in double precision");
   prepare(system);
   compileConditions(system);
+  compileContact(system);
   if (!from_cache_) store(problem);
   precomputation_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

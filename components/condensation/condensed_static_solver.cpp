@@ -18,7 +18,8 @@
 // for draggedNodes.
 //
 // Inputs (a hand that pulls) reach kept nodes; with condensed="false" every node. Lagrangian constraints and contacts of
-// ConstraintContact hold on the same nodes, by forces that the entries of K*_ss^-1 at these nodes give.
+// ConstraintContact hold on the same nodes, by forces that the entries of K*_ss^-1 at these nodes give. So do barriers
+// (BarrierContact), by Newton's method on the nodes that they push (condensed_contact.cpp).
 //
 // Pressure on a surface is a dead load on the shape at rest. Everything is right for small turns and strains only; runs
 // that leave rotationBound or strainBound on the surface are warned of at their end: it looks at the end, at every
@@ -79,6 +80,7 @@ class CondensedStaticSolver final : public CondensedIntegrator {
 
  private:
   using Force = std::array<double, 3>;
+  bool isHeld() const { return hasConditions() || hasContact(); }
   static bool isZero(const Force& f) { return f[0] == 0 && f[1] == 0 && f[2] == 0; }
   void addColumns(const std::vector<Index>& nodes, const std::vector<Force>& forces, double* u) const;
   double entry(Index i, Index j) const;
@@ -280,11 +282,12 @@ StepReport CondensedStaticSolver::step(System& system, const StepContext& contex
   addTouches();
   update();
   StepReport report;
-  if (hasConditions()) {
+  if (isHeld()) {
     std::copy(u_.begin(), u_.end(), held_.begin());
-    if (!holdConditions(system, held_, context.stop, report)) return giveUp(system, report.reason, report.stopped);
+    if (!holdConditions(system, held_, context.stop, report) || !holdContact(system, held_, context.stop, report))
+      return giveUp(system, report.reason, report.stopped);
   }
-  if (writeActive(system, hasConditions() ? held_.data() : u_.data(), nullptr)) {
+  if (writeActive(system, isHeld() ? held_.data() : u_.data(), nullptr)) {
     finish(system);
     return report;
   }

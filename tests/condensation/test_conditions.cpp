@@ -146,13 +146,21 @@ TEST(CondensedConditions, ARunRepeatsBitForBitAlsoFromACheckpoint) {
   EXPECT_EQ(difference(displacement(restored), displacement(whole_run)), 0);
 }
 
-TEST(CondensedConditions, BarriersAreRefusedWithWhatWorks) {
+TEST(CondensedConditions, PenaltiesAreRefusedWithWhatWorks) {
   for (const std::string solver : {"Static", "Dynamic"}) {
     const Block block{.solver = "<Condensed" + solver + "Solver/>",
-                      .loads = "<BarrierContact spheres=\"0.2 0 0 0.01\" selfContact=\"false\"/>"};
+                      .loads = "<PenaltyContact spheres=\"0.2 0 0 0.01\" selfContact=\"false\"/>"};
     const std::string problems = problemsOf(block.text());
-    EXPECT_NE(problems.find("ConstraintContact"), std::string::npos) << problems;
+    EXPECT_NE(problems.find("<ConstraintContact/> or <BarrierContact/>"), std::string::npos) << problems;
   }
+}
+
+/// Barriers too: no matrix of a condensed body has their derivative.
+TEST(CondensedConditions, DampingOfBarriersIsRefused) {
+  const Block block{.solver = "<CondensedDynamicSolver/>",
+                    .loads = "<BarrierContact planes=\"0 0 1 -1\" selfContact=\"false\" rayleighStiffness=\"0.5\"/>"};
+  const std::string problems = problemsOf(block.text());
+  EXPECT_NE(problems.find("has rayleighStiffness"), std::string::npos) << problems;
 }
 
 /// A plane goes a micrometre into nodes that are held: that is a thousandth of the gap, or more than what is written.

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Barriers on condensed bodies, against the same bodies in EulerImplicitSolver, whose matrix has every node and the barriers'
+// stiffness. In steps of 1e5 s the inertia is gone and it has the equations of CondensedStaticSolver.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tests/condensation/bodies.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+const std::string whole = "<EulerImplicitSolver newtonIterations=\"100\" newtonTolerance=\"1e-9\"/><SparseLDLSolver/>";
+const std::string dynamic_solvers[] = {"<CondensedDynamicSolver/>",
+                                       "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\"/>",
+                                       "<CondensedDynamicSolver condensed=\"false\" solve=\"inverse\"/>"};
+const std::string static_solvers[] = {"<CondensedStaticSolver/>", "<CondensedStaticSolver condensed=\"false\"/>"};
+
+/// A sphere that is pressed some 3 mm into the side of the block and moved along it, in ten steps.
+std::string sphere(double dt, double friction) {
+  return fmt::format(
+      "<BarrierContact name=\"contact\" spheres=\"0.105 0.033 0.09 0.024\" keyTimes=\"0 {} {}\" movements=\"0 0 0  "
+      "-0.005 0 0  "
+      "-0.005 0.002 0.003\" contactDistance=\"1e-3\" stiffness=\"2e5\" selfContact=\"false\" friction=\"{}\" "
+      "frictionIterations=\"100\" "
+      "slipVelocity=\"{}\"/>",
+      5 * dt, 10 * dt, friction, 1e-4 / dt);
+}
+
+Vector pressed(const std::string& scene, int steps) {
+  Simulation simulation = simulationFromText(scene);
+  for (int i = 0; i < steps; ++i) {
+    const StepReport report = simulation.step();
+    EXPECT_FALSE(report.diverged || report.unsolved) << report.reason;
+    EXPECT_TRUE(report.newton_converged) << "step " << i << ": " << report.reason;
+  }
+  return displacement(simulation);
+}
+
+template <class Solvers>
+void expectWhole(const Solvers& solvers, Block block, int steps, double tolerance) {
+  block.solver = whole;
+  const Vector expected = pressed(block.text(), steps);
+  for (const std::string& solver : solvers) {
+    SCOPED_TRACE(solver);
+    block.solver = solver;
+    EXPECT_LT(difference(pressed(block.text(), steps), expected), tolerance);
+  }
+  block.loads.clear(), block.solver = whole;
+  EXPECT_GT(difference(after(block.text(), steps), expected), 1e-3) << "nothing is pushed";
+}
+
+TEST(CondensedBarriers, ASpherePushesAsItDoesTheWholeBody) {
+  for (const double dt : {0.002, 1e5}) {
+    SCOPED_TRACE(dt);
+    const Block block{.loads = sphere(dt, 0), .gravity = "0 0 0", .dt = dt};
+    dt < 1 ? expectWhole(dynamic_solvers, block, 10, 1e-6) : expectWhole(static_solvers, block, 10, 1e-6);
+  }
+}
+
+/// Friction is repeated until it changes by less than a thousandth, shares of the surface until forces change by a hundredth.
+TEST(CondensedBarriers, FrictionIsThatOfTheWholeBody) {
+  for (const double dt : {0.002, 1e5}) {
+    SCOPED_TRACE(dt);
+    const Block block{.loads = sphere(dt, 0.4), .gravity = "0 0 0", .dt = dt};
+    dt < 1 ? expectWhole(dynamic_solvers, block, 10, 1e-3) : expectWhole(static_solvers, block, 10, 1e-3);
+  }
+}
+
+const std::string dragged =
+    "<LinearMovementProjectiveConstraint indices=\"136\" keyTimes=\"0 {0} {1}\" movements=\"0 0 0  0.002 0.001 -0.001  "
+    "0 0 0\"/>"
+    "<FixedPlaneProjectiveConstraint indices=\"60 61\" direction=\"0 1 0\"/>";
+
+TEST(CondensedBarriers, NodesThatAreDraggedAreInTheCompliance) {
+  for (const double dt : {0.002, 1e5}) {
+    SCOPED_TRACE(dt);
+    const Block block{
+        .loads = fmt::format(fmt::runtime(dragged), 5 * dt, 20 * dt) + sphere(dt, 0), .gravity = "0 0 0", .dt = dt};
+    dt < 1 ? expectWhole(dynamic_solvers, block, 8, 1e-4) : expectWhole(static_solvers, block, 8, 1e-4);
+  }
+}
+
+std::string grid(const char* name, const char* n, const char* low, const char* high, const std::string& more) {
+  return fmt::format(
+      "<Node name=\"{0}\"><Node name=\"source\"><RegularGridTopology name=\"grid\" n=\"{1}\" min=\"{2}\" "
+      "max=\"{3}\"/></Node>"
+      "<TetrahedronSetTopologyContainer name=\"mesh\"/><Hexa2TetraTopologicalMapping input=\"@source/grid\" "
+      "output=\"@mesh\"/>"
+      "<MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"0.5\"/><TetrahedronFEMForceField method=\"small\" "
+      "youngModulus=\"5000\" "
+      "poissonRatio=\"0.35\"/>{4}</Node>",
+      name, n, low, high, more);
+}
+
+/// A free block falls on one that is held: momentum, and the same as the whole bodies.
+std::string twoBlocks(const std::string& solver, bool is_held) {
+  return "<Node name=\"root\" dt=\"0.002\" gravity=\"0 0 0\">" + solver +
+         grid("a", "4 3 4", "0.015 0.013 0.0605", "0.065 0.048 0.11",
+              "<BoxROI name=\"all\" box=\"-1 -1 -1 1 1 1\"/><ConstantForceField indices=\"@all.indices\" "
+              "totalForce=\"0.4 0.1 -1\"/>") +
+         grid("b", "5 5 4", "0 0 0", "0.08 0.06 0.06",
+              is_held ? "<BoxROI name=\"held\" box=\"-1 -1 -1 1 1 0.001\"/><FixedProjectiveConstraint "
+                        "indices=\"@held.indices\"/>"
+                      : "<BoxROI name=\"all\" box=\"-1 -1 -1 1 1 1\"/><ConstantForceField indices=\"@all.indices\" "
+                        "totalForce=\"-0.4 "
+                        "-0.1 1\"/>") +
+         "<BarrierContact mstate=\"@a/dofs\" topology=\"@a/mesh\" other=\"@b/dofs\" contactDistance=\"1e-3\" "
+         "stiffness=\"1e5\"/></Node>";
+}
+
+TEST(CondensedBarriers, TwoBodiesMeetAsTheWholeOnes) {
+  const Vector expected = pressed(twoBlocks(whole, true), 40);
+  EXPECT_LT(difference(pressed(twoBlocks("<CondensedDynamicSolver/>", true), 40), expected), 1e-4);
+}
+
+/// What pushes one body pushes the other back: the sum of momenta stays zero.
+TEST(CondensedBarriers, FreeBodiesKeepTheirMomentum) {
+  Simulation simulation = simulationFromText(twoBlocks("<CondensedDynamicSolver/>", false));
+  double largest_part = 0;
+  for (int i = 0; i < 60; ++i) {
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(!report.diverged && report.newton_converged) << report.reason;
+    const System& system = *simulation.systems().front();
+    Vec3 sum = Vec3::Zero();
+    for (const Mass* mass : system.masses()) {
+      Vec3 part = Vec3::Zero();
+      for (Index k = 0; k < mass->state().size(); ++k) part += mass->lumped()[std::size_t(k)] * mass->state().v()[k];
+      sum += part, largest_part = std::max(largest_part, part.norm());
+    }
+    ASSERT_LT(sum.norm(), 1e-9 * largest_part) << i;
+  }
+  EXPECT_GT(largest_part, 1e-3);
+}
+
+TEST(CondensedBarriers, ARunGoesOnBitForBitFromACheckpoint) {
+  for (const std::string& solver : {dynamic_solvers[0], static_solvers[0]}) {
+    SCOPED_TRACE(solver);
+    const Block block{.solver = solver, .loads = sphere(0.002, 0.4), .gravity = "0 0 0", .dt = 0.002};
+    Simulation run = simulationFromText(block.text()), restored = simulationFromText(block.text());
+    for (int i = 0; i < 6; ++i) run.step();
+    restored.restore(run.checkpoint());
+    for (int i = 6; i < 10; ++i) run.step(), restored.step();
+    EXPECT_EQ(difference(displacement(restored), displacement(run)), 0);
+  }
+}
+
+/// Nodes of a surface that meets something are kept, whichever are named.
+TEST(CondensedBarriers, ASurfaceThatMeetsSomethingIsKept) {
+  Block block{.solver = "<CondensedStaticSolver/>", .loads = sphere(1, 0), .gravity = "0 0 0", .dt = 1};
+  const Vector expected = pressed(block.text(), 10);
+  block.solver = "<CondensedStaticSolver surfaceIndices=\"67 72\"/>";
+  EXPECT_LT(difference(pressed(block.text(), 10), expected), 1e-9);
+}
+
+TEST(CondensedBarriers, ForcesOfConstraintBesideThemAreRefused) {
+  const Block block{.solver = "<CondensedStaticSolver/>",
+                    .loads =
+                        "<BarrierContact spheres=\"0.2 0 0 0.01\" selfContact=\"false\"/><FixedLagrangianConstraint "
+                        "indices=\"139\"/>"};
+  const std::string problems = problemsOf(block.text());
+  EXPECT_NE(problems.find("either, not both"), std::string::npos) << problems;
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
