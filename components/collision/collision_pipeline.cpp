@@ -36,11 +36,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "components/collision/collision_method.h"
 #include "components/collision/distances.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/node.h"
+#include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
 #include "framework/simulation/step_guard.h"
 
@@ -58,7 +60,7 @@ class CollisionPipeline final : public Observer, public StepGuard, public Contac
     const std::vector<ModelPair> found = modelPairs(node().root(), method_);
     for (const ModelPair& pair : found)
       if (pair.a != pair.b) pairs_.push_back({pair, boxesOf(*pair.b), {}});
-    if (found.empty()) tellOfStrangers();
+    found.empty() ? tellOfStrangers() : tellOfStrangersAmong(found);
     for (Watched& each : pairs_) each.tree.build(each.boxes);
     std::vector<ContactAnswer*> answers;
     node().root().collect(answers);
@@ -93,6 +95,32 @@ class CollisionPipeline final : public Observer, public StepGuard, public Contac
                                   models[j]->path(), models[i]->path(),
                                   method_ ? method_->path() : "DiscreteIntersection, which there is without another"),
                       "MinProximityIntersection, and points, lines and triangles on both");
+  }
+  /// The node of the integrator that moves the model, or the one below the root.
+  static const Node* bodyOf(const CollisionModel& model) {
+    const Node* at = &model.node();
+    for (; at->parent() && at->parent()->parent(); at = at->parent())
+      for (const auto& component : at->components())
+        if (dynamic_cast<const Integrator*>(component.get())) return at;
+    return at;
+  }
+  /// The same of two bodies where others meet.
+  void tellOfStrangersAmong(const std::vector<ModelPair>& found) const {
+    std::vector<CollisionModel*> models;
+    node().root().collect(models);
+    std::vector<const Node*> bodies;
+    for (const CollisionModel* model : models) bodies.push_back(bodyOf(*model));
+    std::set<std::pair<const Node*, const Node*>> meet;
+    for (const ModelPair& pair : found) meet.insert(std::minmax(bodyOf(*pair.a), bodyOf(*pair.b)));
+    for (std::size_t i = 0; i < models.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const Node *a = bodies[j], *b = bodies[i];
+        if (a != b && CollisionModel::mayMeet(*models[j], *models[i]) && !meet.contains(std::minmax(a, b)))
+          return warn(fmt::format("{} and {} do not meet by {}, nor do others of {} and {}: these bodies pass through each other",
+                                  models[j]->path(), models[i]->path(), method_ ? method_->path() : "DiscreteIntersection",
+                                  a->path(), b->path()),
+                      "MinProximityIntersection, and points, lines and triangles on both");
+      }
   }
   struct Watched {
     ModelPair models;

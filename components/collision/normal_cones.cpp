@@ -13,6 +13,8 @@ namespace stroma::collision {
 namespace {
 
 constexpr double rounding = 1e-9;
+/// Faces and lines leave out a strip at their rim, a millionth of their size: what comes down there is met by their edges and ends.
+constexpr double rim = 1.001e-6;
 
 /// The lines of the surface whose nodes the model's points are; null when there are none.
 const CollisionModel* linesOf(const CollisionModel& points) {
@@ -62,9 +64,10 @@ Vec3 NormalCones::normalOf(const Triangle& face) const {
   return (model_->place(face[1]) - a).cross(model_->place(face[2]) - a).normalized();
 }
 
-bool NormalCones::isWithin(const Vec3& out, const Vec3& normal, const Vec3& way) const {
+/// `size`: of the face or line on that side [m].
+bool NormalCones::isWithin(const Vec3& out, const Vec3& normal, const Vec3& way, double size) const {
   const double cone = cone_factor_ * std::max(0.0, normal.dot(out)) + angle_cone_;
-  return out.dot(way) >= -(cone + rounding) * way.norm();
+  return out.dot(way) >= -(cone + rounding) * way.norm() - rim * size;
 }
 
 bool NormalCones::hold(const Part& part, const Vec3& way) const {
@@ -86,16 +89,21 @@ bool NormalCones::lineHolds(const Part& part, const Vec3& way) const {
   }
   const Vec3 first = normalOf(faces[0]), second = normalOf(faces[1]), normal = (first + second).normalized();
   if (!model_->hasTwoSides() && normal.dot(way) < -rounding * way.norm()) return false;
-  const auto outOf = [this](const Triangle& face, const Vec3& n) {
-    return (model_->place(face[1]) - model_->place(face[0])).cross(n).normalized();
+  const auto isBeside = [&](const Triangle& face, const Vec3& n) {
+    const Vec3 end = model_->place(face[0]), out = (model_->place(face[1]) - end).cross(n).normalized();
+    return isWithin(out, normal, way, out.dot(end - model_->place(face[2])));
   };
-  return isWithin(outOf(faces[0], first), normal, way) && isWithin(outOf(faces[1], second), normal, way);
+  return isBeside(faces[0], first) && isBeside(faces[1], second);
 }
 
 bool NormalCones::pointHolds(Index node, const Vec3& way) const {
   const std::vector<Triangle>& faces = faces_[std::size_t(node)];
   std::vector<Vec3> outward;
-  for (const Index end : ends_[std::size_t(node)]) outward.push_back((model_->place(node) - model_->place(end)).normalized());
+  double size = 0;
+  for (const Index end : ends_[std::size_t(node)]) {
+    const Vec3 line = model_->place(node) - model_->place(end);
+    size = std::max(size, line.norm()), outward.push_back(line.normalized());
+  }
   Vec3 normal = Vec3::Zero();
   for (const Triangle& face : faces) normal += normalOf(face);
   if (faces.empty())
@@ -107,7 +115,7 @@ bool NormalCones::pointHolds(Index node, const Vec3& way) const {
   } else {
     normal = Vec3::Zero();
   }
-  return std::all_of(outward.begin(), outward.end(), [&](const Vec3& out) { return isWithin(out, normal, way); });
+  return std::all_of(outward.begin(), outward.end(), [&](const Vec3& out) { return isWithin(out, normal, way, 2 * size); });
 }
 
 }  // namespace stroma::collision

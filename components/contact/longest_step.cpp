@@ -47,8 +47,8 @@ double longestStep(PairKind kind, const FourPoints& x, const FourPoints& dx, con
     speed = std::max(speed, v[i].norm());
   }
   const double speed = speeds[0] + speeds[1], whole = speed * options.longest;
-  if (!(speed > 0)) return options.longest;
   const double noise = 2e-12 * (size + whole), least = unit * options.thickness + noise;
+  if (!(speed > 0)) return closestPoints(kind, start).distance() > noise ? options.longest : 0;
   double t = 0, stop = 0;
   constexpr int most_advances = 1000;
   for (int advance = 0; advance < most_advances; ++advance) {

@@ -15,15 +15,11 @@ struct Point {
   Point operator-(const Point& o) const { return {x - o.x, y - o.y, z - o.z}; }
   Point operator+(const Point& o) const { return {x + o.x, y + o.y, z + o.z}; }
   Point operator*(T s) const { return {x * s, y * s, z * s}; }
+  friend T dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+  friend Point cross(const Point& a, const Point& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  }
 };
-template <class T>
-T dot(const Point<T>& a, const Point<T>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class T>
-Point<T> cross(const Point<T>& a, const Point<T>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 /// The nearest of what has been considered: every feature of a pair is.
 template <class T>
@@ -99,7 +95,13 @@ bool closestOf(PairKind kind, const FourPoints& points, ClosestPoints& found) {
 ClosestPoints closestPoints(PairKind kind, const FourPoints& x) {
   ClosestPoints found;
   if (!closestOf<double>(kind, x, found)) closestOf<Wide>(kind, x, found);
-  return found;
+  if (const double square = found.difference.squaredNorm(); square > 1e-130 && square < 1e130) return found;
+  double size = 0;  // products of four lengths must not leave the range of doubles
+  for (const Vec3& point : x) size = std::max(size, (point - x[0]).cwiseAbs().maxCoeff());
+  if (size == 0 || !std::isfinite(size) || (size > 1e-65 && size < 1e65)) return found;
+  const double unit = std::ldexp(1, std::min(-std::ilogb(size), 1000));
+  found = closestPoints(kind, {Vec3::Zero(), unit * (x[1] - x[0]), unit * (x[2] - x[0]), unit * (x[3] - x[0])});
+  return found.difference /= unit, found;
 }
 
 double parallelFactor(const Vec3& ea, const Vec3& eb, double rest_squares) {

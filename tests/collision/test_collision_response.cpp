@@ -253,6 +253,18 @@ TEST(CollisionPipeline, ModelsThatMeetNobodyAreTold) {
   EXPECT_EQ(told("<DiscreteIntersection/>", "").find(sentence), std::string::npos) << "one model, which nobody could meet";
 }
 
+/// Two balls meet, and neither meets the floor.
+TEST(CollisionPipeline, BodiesThatDoNotMeetAreToldWhereOthersDo) {
+  const std::string ball = "<SphereCollisionModel name=\"ball\" radius=\"0.1\"/>";
+  const std::string bodies = moved("a", "0.1 2 0.2", ball) + moved("b", "0.1 3 0.2", ball) +
+                             still(plate, "<TriangleCollisionModel name=\"top\" simulated=\"0\"/>");
+  const auto told = [&](const std::string& method) {
+    return simulationFromText(collisionScene(bodies, method)).scene().diagnostics.text();
+  };
+  expectContains(told("<DiscreteIntersection name=\"method\"/>"), "these bodies pass through each other");
+  EXPECT_EQ(told(near_half).find("pass through"), std::string::npos);
+}
+
 TEST(CollisionResponse, OneAnswers) {
   expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<PointCollisionModel/>"), near_half, "0 0 0",
                                            "<CollisionResponse/><CollisionResponse/>")),

@@ -76,6 +76,19 @@ TEST(NormalCones, ACornerKeepsWhatLiesBetweenItsEdges) {
   }
 }
 
+/// Two faces of a floor leave out a strip of a millionth of their size beside the edge between them, and the edge does so at its ends.
+TEST(NormalCones, NothingFallsThroughBetweenTwoFaces) {
+  const std::string floor = "position=\"0 0 0  4 0 0  4 0 4  0 0 4\" triangles=\"0 2 1  0 3 2\"";
+  const std::string models = "<TriangleCollisionModel simulated=\"0\"/><LineCollisionModel simulated=\"0\"/><PointCollisionModel "
+                             "simulated=\"0\"/>";
+  for (const double along : {2.0, 1e-3, 3e-6, 1e-6, 0.0})
+    for (const double beside : {0.0, 1e-12, 1e-9, 1e-7, 1e-6, 3e-6, 4.1e-6, 1e-5, 1e-3})
+      for (const double side : {1.0, -1.0}) {
+        const Vec3 place(along + std::max(side, 0.0) * beside, 0.2, along + std::max(-side, 0.0) * beside);
+        EXPECT_GE(contactsAt(place, floor, models, minimumDistance(0.5, 0)), 1) << along << ' ' << side * beside;
+      }
+}
+
 /// Over a flat floor of two triangles, beside the edge between them: with the filter it is the face alone that meets, from its
 /// outer side; over the edge the edge.
 TEST(NormalCones, AFlatFloorMeetsAlongItsNormalAlone) {

@@ -124,7 +124,8 @@ TEST(LongestStep, OfPairsThatTouchOrStandOrAreNoNumbers) {
   const Vec3 o = Vec3::Zero(), e(1, 0, 0), f(0, 1, 0), g(0, 0, 1);
   const FourPoints still{o, o, o, o}, down{Vec3(-g), o, o, o};
   EXPECT_EQ(longestStep(PairKind::point_triangle, {Vec3(0.2 * e + 0.2 * f), o, e, f}, down), 0);
-  EXPECT_EQ(longestStep(PairKind::point_triangle, {Vec3(0.2 * e + 0.2 * f), o, e, f}, still), 1);
+  EXPECT_EQ(longestStep(PairKind::point_triangle, {Vec3(0.2 * e + 0.2 * f), o, e, f}, still), 0) << "it touches already";
+  EXPECT_EQ(longestStep(PairKind::point_triangle, {Vec3(0.2 * e + 0.2 * f + g), o, e, f}, still), 1);
   EXPECT_EQ(longestStep(PairKind::edge_edge, {o, o, o, o}, {g, o, o, o}), 0);
   EXPECT_EQ(longestStep(PairKind::point_triangle, {g, o, e, f}, {Vec3::Constant(std::nan("")), o, o, o}), 0);
   const double t = longestStep(PairKind::point_triangle, {Vec3(0.2 * e + 0.2 * f + g), o, e, f},

@@ -88,6 +88,37 @@ TEST(Queries, DistancesOfLatticePointsAgreeWithRationalNumbers) {
   EXPECT_GT(touching, 500);
 }
 
+/// Pairs that lie still, or go along together, move nothing towards each other; what touches has touched from the start.
+TEST(Queries, WhatTouchesAndGoesAlongTogetherTouches) {
+  Numbers numbers(17);
+  int touching = 0;
+  for (int i = 0; i < 3000; ++i)
+    for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+      FourPoints x, way;
+      for (Vec3& p : x) p = Vec3(numbers.whole(-2, 2), numbers.whole(-2, 2), numbers.whole(-2, 2));
+      const Vec3 together = i % 2 == 0 ? Vec3(0, 0, 0) : Vec3(numbers.whole(-2, 2), numbers.whole(-2, 2), 1);
+      way.fill(together);
+      const bool touches = squaredDistance(kind, exact(x)) == 0;
+      ASSERT_EQ(longestStep(kind, x, way), touches ? 0 : 1) << i;
+      touching += touches;
+    }
+  EXPECT_GT(touching, 100);
+}
+
+/// Products of four lengths leave the range of doubles from 1e-81 and from 1e77 on.
+TEST(Queries, DistancesOfVeryLargeAndVerySmallPairs) {
+  Numbers numbers(18);
+  for (int i = 0; i < 300; ++i)
+    for (const int power : {-1000, -500, -300, -250, 0, 250, 300, 500, 1000})
+      for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+        FourPoints x, large;
+        for (Vec3& p : x) p = Vec3(numbers.whole(-2, 2), numbers.whole(-2, 2), numbers.whole(-2, 2));
+        for (std::size_t k = 0; k < 4; ++k) large[k] = std::ldexp(1, power) * x[k];
+        const Vec3 found = closestPoints(kind, large).difference / std::ldexp(1, power);
+        ASSERT_NEAR(found.norm(), std::sqrt(double(squaredDistance(kind, exact(x)))), 1e-15 * 16) << i << ' ' << power;
+      }
+}
+
 TEST(Queries, DistancesAgreeWithRationalNumbers) {
   Numbers numbers(14);
   for (unsigned i = 0; i < 3000; ++i)
