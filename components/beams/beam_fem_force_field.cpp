@@ -55,7 +55,7 @@ Quaternion shortestTurn(const Vec3& from, const Vec3& to) {
   return {s * 0.5, axis.x(), axis.y(), axis.z()};
 }
 
-class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField, true> {
+class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);
@@ -109,14 +109,11 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField, true>
 
   void compile() override {
     FramePairField::compile();
-    const std::size_t lanes = std::size_t(pack_lanes);
-    batch_lengths_.resize((lengths_.size() + lanes - 1) / lanes);
-    for (std::size_t i = 0; i < batch_lengths_.size() * lanes; ++i)
-      batch_lengths_[i / lanes][0][i % lanes] = lengths_[std::min(i, lengths_.size() - 1)];
+    batch_lengths_ = lanesOf<1>(lengths_.size(), [this](std::size_t i, std::size_t) { return lengths_[i]; });
   }
 
   double energy(ConstRows x) const override {
-    if (axes_ == Axes::beam) return FramePairField::energy(x);
+    if (axes_ == Axes::beam) return FramePairFieldOf::energy(x);
     double sum = 0;
     for (std::size_t i = 0; i < beams_.size(); ++i) sum += beams_[i].energy(x, rows_[i]);
     return sum;
@@ -161,7 +158,7 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField, true>
   friend FramePairFieldOf;
   enum class Axes : int { beam, firstEnd };
   void computeTangents() const override {
-    if (axes_ == Axes::beam) return FramePairField::computeTangents();
+    if (axes_ == Axes::beam) return FramePairFieldOf::computeTangents();
     for (std::size_t i = 0; i < beams_.size(); ++i) beams_[i].setTangent(turns_[i], stiffness_[i]);
   }
   /// dE/dp = dexp^-T(psi) s with s = dE/drho, and dE/dpsi has the change of rho with psi,

@@ -7,18 +7,6 @@
 
 namespace stroma {
 
-namespace {
-
-Vec3 vectorOf(const Triple<double>& a) { return {a.x, a.y, a.z}; }
-
-Orientation<Pack> orientationsAt(const double* data, const Index* offset) {
-  alignas(64) std::array<double, std::size_t(pack_lanes)> w;
-  for (std::size_t lane = 0; lane < w.size(); ++lane) w[lane] = data[offset[lane] + 3];
-  return {gatherRows(data, offset), packOf(w)};
-}
-
-}  // namespace
-
 void FramePairField::setPairs(std::vector<Pair> pairs, State* second) {
   second_ = second == &state() ? nullptr : second;
   for (const State* each : {&state(), &this->second()})
@@ -47,9 +35,9 @@ void FramePairField::compile() {
     rows.push_back({a, a + 1, b, b + 1});
   }
   setGroups(std::move(rows), damped_);
-  const std::size_t lanes = std::size_t(pack_lanes), count = (pairs_.size() + lanes - 1) / lanes;
-  fixed_.resize(count);
-  for (std::size_t i = 0; i < count * lanes; ++i) {
+  const std::size_t lanes = std::size_t(pack_lanes);
+  fixed_.resize(batchesOf(pairs_.size()));
+  for (std::size_t i = 0; i < fixed_.size() * lanes; ++i) {
     Fixed& fixed = fixed_[i / lanes];
     const std::size_t lane = i % lanes, last = std::min(i, pairs_.size() - 1);
     for (std::size_t k = 0; k < 4; ++k) {
@@ -58,66 +46,26 @@ void FramePairField::compile() {
       fixed.axes_b[k][lane] = pairs_[last].axes_b.coeffs()[Index(k)];
     }
   }
-  for (std::vector<Batch>* batches : {&batches_, &work_batches_}) batches->assign(count, {});
+  kept_.assign(fixed_.size(), {});
 }
 
-void FramePairField::place(ConstRows x, std::vector<Batch>& batches) const {
-  for (std::size_t i = 0; i < batches.size(); ++i) {
-    const Fixed& fixed = fixed_[i];
-    Batch& batch = batches[i];
-    const Orientation<Pack> axes_a{vectorIn(fixed.axes_a), packOf(fixed.axes_a[3])},
-        axes_b{vectorIn(fixed.axes_b), packOf(fixed.axes_b[3])};
-    const Orientation<Pack> a = orientationsAt(x.data, fixed.rows[1].data()) * axes_a;
-    const Orientation<Pack> b = orientationsAt(x.data, fixed.rows[3].data()) * axes_b;
-    const V3<Pack> arm = gatherRows(x.data, fixed.rows[2].data()) - gatherRows(x.data, fixed.rows[0].data());
-    const M3<Pack> axes = a.axes();
-    const V3<Pack> psi = (a.conjugate() * b).logarithm();
-    const InverseTerm<Pack> term(dot(psi, psi));
-    put(axes, batch.axes);
-    put(arm, batch.arm), put(transposedTimes(axes, arm), batch.p), put(psi, batch.psi);
-    put(V3<Pack>{term.c, term.c1, term.c2}, batch.term);
-  }
-}
-
-double FramePairField::energy(ConstRows x) const {
-  place(x, work_batches_);
-  return evaluateAll(work_batches_);
+FramePairField::Placed FramePairField::keptPlace(std::size_t batch) const {
+  const Kept& kept = kept_[batch];
+  return placed({vectorIn(kept.axes), packOf(kept.axes[3])}, vectorIn(kept.arm), vectorIn(kept.psi));
 }
 
 void FramePairField::addForce(ConstRows x, ConstRows v, Rows f) {
-  place(x, batches_);
-  evaluateAll(batches_);
-  const std::size_t lanes = std::size_t(pack_lanes);
-  for (std::size_t i = 0; i < batches_.size(); ++i) {
-    const Batch& batch = batches_[i];
-    const Fixed& fixed = fixed_[i];
-    const M3<Pack> axes = matrixIn(batch.axes);
-    const V3<Pack> psi = vectorIn(batch.psi), k = vectorIn(batch.k), once = cross(psi, k), arm = vectorIn(batch.arm);
-    // R_a n and R_a dexp^-T(psi) k: what frame a gets; frame b gets the opposite
-    const V3<Pack> force = axes * vectorIn(batch.n);
-    const V3<Pack> torque = axes * (k + once * Pack(0.5) + cross(psi, once) * packOf(batch.term[0]));
-    if (const std::size_t left = pairs_.size() - i * lanes; left >= lanes) {
-      addToRows(force, fixed.rows[0].data(), f.data);
-      addToRows(torque + cross(arm, force), fixed.rows[1].data(), f.data);
-      addToRows(-force, fixed.rows[2].data(), f.data);
-      addToRows(-torque, fixed.rows[3].data(), f.data);
-    } else {
-      const V3<Pack> each[4] = {force, torque + cross(arm, force), -force, -torque};
-      for (std::size_t r = 0; r < 4; ++r)
-        forEachRow(each[r], [&](int lane, const auto& row) {
-          if (std::size_t(lane) < left) addRow(row, f.data + fixed.rows[r][std::size_t(lane)]);
-        });
-    }
-  }
+  pull(x, f);
   if (damped_)
     for (std::size_t i = 0; i < pairs_.size(); ++i)
-      if (pairs_[i].damping > 0) damp(i, v, vectorOf(batches_[i / lanes].arm.of(i % lanes)), f);
+      if (pairs_[i].damping > 0) damp(i, x, v, f);
   outdateTangents();
 }
 
 /// With the relative velocity v_b - v_a + [arm] w_a.
-void FramePairField::damp(std::size_t pair, ConstRows v, const Vec3& arm, Rows f) {
+void FramePairField::damp(std::size_t pair, ConstRows x, ConstRows v, Rows f) {
   const Group& rows = rows_[pair];
+  const Vec3 arm = x[rows[2]] - x[rows[0]];
   const double damping = pairs_[pair].damping;
   const Vec3 force = -damping * (v[rows[2]] - v[rows[0]] - v[rows[1]].cross(arm));
   const Vec3 torque = -damping * (v[rows[3]] - v[rows[1]]);
@@ -137,19 +85,6 @@ void FramePairField::damp(std::size_t pair, ConstRows v, const Vec3& arm, Rows f
 
 namespace {
 
-/// A number of each pair with its derivatives.
-Triple<PackJet> jetsIn(const LanesOf<3>& values, const LanesOf<18>& slopes) {
-  Triple<PackJet> jets;
-  PackJet* rows[3] = {&jets.x, &jets.y, &jets.z};
-  for (std::size_t r = 0; r < 3; ++r) {
-    rows[r]->value = packOf(values[r]);
-    for (std::size_t k = 0; k < 6; ++k) rows[r]->slope[k] = packOf(slopes[6 * r + k]);
-  }
-  return jets;
-}
-Triple<PackJet> variables(const V3<Pack>& values, int first) {
-  return {{values.x, first}, {values.y, first + 1}, {values.z, first + 2}};
-}
 /// Minus the derivatives by three of the six.
 M3<Pack> fallOf(const Triple<PackJet>& of, std::size_t first) {
   const auto column = [&](std::size_t k) { return -V3<Pack>{of.x.slope[k], of.y.slope[k], of.z.slope[k]}; };
@@ -194,35 +129,29 @@ void write(const Blocks& blocks, std::size_t lane, DenseTangent<4>& tangent) {
 /// skew parts, the blocks are S = K_np, C = (K_mp + K_npsi^T)/2, H = K_mpsi, and by th_a
 ///   (c_b, a) = S [d] - C^T - [f],  (b, a) = C [d] - H - [m]/2,
 ///   (a, a) = H - C [d] - (C [d])^T - [d] S [d] + (f d^T + d f^T)/2 - (d.f) I
-void FramePairField::computeTangents() const {
-  slopes_.resize(batches_.size());
-  evaluateAll(batches_, slopes_);
-  const std::size_t lanes = std::size_t(pack_lanes);
-  for (std::size_t i = 0; i < batches_.size(); ++i) {
-    const Batch& batch = batches_[i];
-    const V3<Pack> psi_value = vectorIn(batch.psi), arm = vectorIn(batch.arm);
-    const Triple<PackJet> psi = variables(psi_value, 3), n = jetsIn(batch.n, slopes_[i].n), k = jetsIn(batch.k, slopes_[i].k);
-    const Triple<PackJet> m = inverseTimes(psi, chain(dot(psi, psi), packOf(batch.term[0]), packOf(batch.term[1])), k, 1);
-    const M3<Pack> axes = matrixIn(batch.axes), to_p = transpose(axes);
-    const auto inverse = [&](const V3<Pack>& v) {
-      const V3<Pack> once = cross(psi_value, v);
-      return v - once * Pack(0.5) + cross(psi_value, once) * packOf(batch.term[0]);
-    };
-    const M3<Pack> to_psi{inverse(to_p.c0), inverse(to_p.c1), inverse(to_p.c2)};
-    const V3<Pack> force = -(axes * V3<Pack>{n.x.value, n.y.value, n.z.value});
-    const V3<Pack> torque = -(axes * V3<Pack>{m.x.value, m.y.value, m.z.value});
-    const M3<Pack> s = symmetric(axes * fallOf(n, 0) * to_p), h = symmetric(axes * fallOf(m, 3) * to_psi);
-    const M3<Pack> c = (axes * fallOf(m, 0) * to_p + transpose(axes * fallOf(n, 3) * to_psi)) * Pack(0.5);
-    const M3<Pack> turned = timesCross(c, arm), swung = timesCross(s, arm), one = identity<Pack>();
-    const M3<Pack> outer{force * arm.x, force * arm.y, force * arm.z};
-    Blocks blocks;
-    put(s, blocks.shift), put(h, blocks.turn), put(c, blocks.turn_by_shift);
-    put(swung - transpose(c) - timesCross(one, force), blocks.shift_by_first);
-    put(turned - h - timesCross(one, torque * Pack(0.5)), blocks.by_first);
-    put(h - symmetric(turned) * Pack(2.) - crossTimes(arm, swung) + symmetric(outer) - one * dot(arm, force), blocks.first);
-    for (std::size_t lane = 0; lane < std::min(lanes, pairs_.size() - i * lanes); ++lane)
-      write(blocks, lane, stiffness_[i * lanes + lane]);
-  }
+void FramePairField::writeTangents(std::size_t batch, const Placed& at, const Wrench<PackJet>& wrench) const {
+  const auto& [n, k, energy] = wrench;
+  const Triple<PackJet> psi = variables(at.psi, 3);
+  const Triple<PackJet> m = inverseTimes(psi, chain(dot(psi, psi), at.term.c, at.term.c1), k, 1);
+  const M3<Pack>& axes = at.axes;
+  const M3<Pack> to_p = transpose(axes);
+  const auto inverse = [&](const V3<Pack>& v) {
+    const V3<Pack> once = cross(at.psi, v);
+    return v - once * Pack(0.5) + cross(at.psi, once) * at.term.c;
+  };
+  const M3<Pack> to_psi{inverse(to_p.c0), inverse(to_p.c1), inverse(to_p.c2)};
+  const V3<Pack> force = -(axes * V3<Pack>{n.x.value, n.y.value, n.z.value});
+  const V3<Pack> torque = -(axes * V3<Pack>{m.x.value, m.y.value, m.z.value});
+  const M3<Pack> s = symmetric(axes * fallOf(n, 0) * to_p), h = symmetric(axes * fallOf(m, 3) * to_psi);
+  const M3<Pack> c = (axes * fallOf(m, 0) * to_p + transpose(axes * fallOf(n, 3) * to_psi)) * Pack(0.5);
+  const M3<Pack> turned = timesCross(c, at.arm), swung = timesCross(s, at.arm), one = identity<Pack>();
+  const M3<Pack> outer{force * at.arm.x, force * at.arm.y, force * at.arm.z};
+  Blocks blocks;
+  put(s, blocks.shift), put(h, blocks.turn), put(c, blocks.turn_by_shift);
+  put(swung - transpose(c) - timesCross(one, force), blocks.shift_by_first);
+  put(turned - h - timesCross(one, torque * Pack(0.5)), blocks.by_first);
+  put(h - symmetric(turned) * Pack(2.) - crossTimes(at.arm, swung) + symmetric(outer) - one * dot(at.arm, force), blocks.first);
+  for (std::size_t lane = 0; lane < pairsIn(batch); ++lane) write(blocks, lane, stiffness_[batch * std::size_t(pack_lanes) + lane]);
 }
 
 void FramePairField::addSegments(std::vector<Segment>& segments) const {

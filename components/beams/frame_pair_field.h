@@ -8,8 +8,8 @@
 // balance to round-off. The stiffness is the derivative of these, less its skew part: 1/2 [torque] of each frame, which adds
 // up to zero over all that acts on a frame in equilibrium.
 #pragma once
+#include <algorithm>
 #include <array>
-#include <utility>
 
 #include "components/beams/pair_lanes.h"
 #include "components/beams/relative_motion.h"
@@ -24,7 +24,6 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   std::vector<State*> states() const override;
   ForceTraits traits() const override;
   void compile() override;
-  double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addSegments(std::vector<Segment>& segments) const override;
 
@@ -38,124 +37,125 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   /// In init(), after ForceField::init(). Throws ComponentError unless both states have frames.
   void setPairs(std::vector<Pair> pairs, State* second = nullptr);
   const std::vector<Pair>& pairs() const { return pairs_; }
-  void computeTangents() const override;
   virtual double drawnRadius() const { return 0; }  ///< of beams [m]
   State& second() const { return second_ ? *second_ : state(); }
 
   template <class T>
   struct Wrench {
     Triple<T> n, k;  ///< dE/dp, dE/dpsi
-    decltype(valueOf(std::declval<T>())) energy{};
+    Pack energy = Pack(0.);
   };
-  /// How the frames b of a batch of pairs lie in the axes of the frames a, and what the energy says of them.
-  struct Batch {
-    LanesOf<9> axes;        ///< R_a in space, column by column
-    LanesOf<3> arm, p, psi; ///< arm = c_b - c_a
-    LanesOf<3> term;        ///< c, c', c'' of |psi|^2
-    LanesOf<3> n, k;        ///< dE/dp, dE/dpsi
-    InverseTerm<double> termOf(std::size_t lane) const {
-      InverseTerm<double> of_lane;
-      of_lane.c = term[0][lane], of_lane.c1 = term[1][lane], of_lane.c2 = term[2][lane];
-      return of_lane;
-    }
+  /// How the frames b of a batch of pairs lie in the axes of the frames a.
+  struct Placed {
+    M3<Pack> axes;         ///< R_a
+    V3<Pack> arm, p, psi;  ///< arm = c_b - c_a
+    InverseTerm<Pack> term;  ///< of |psi|^2
   };
-  /// Derivatives of n and k by (p, psi): six for each of the three numbers.
-  struct Slopes {
-    LanesOf<18> n, k;
-  };
-  /// Writes n and k of each pair. Returns the energy.
-  virtual double evaluateAll(std::vector<Batch>& batches) const = 0;
-  virtual void evaluateAll(const std::vector<Batch>& batches, std::vector<Slopes>& out) const = 0;
+  std::size_t batches() const { return fixed_.size(); }
+  Placed place(std::size_t batch, ConstRows x) const {
+    Kept passing;
+    return place(batch, x, passing);
+  }
+  /// The same, kept for tangents.
+  Placed placeToKeep(std::size_t batch, ConstRows x) { return place(batch, x, kept_[batch]); }
+  /// What is kept of a batch.
+  Placed keptPlace(std::size_t batch) const;
+  void addForces(std::size_t batch, const Placed& at, const Wrench<Pack>& wrench, Rows f) const;
+  void writeTangents(std::size_t batch, const Placed& at, const Wrench<PackJet>& wrench) const;
+  /// How many pairs of a batch are no repetitions.
+  std::size_t pairsIn(std::size_t batch) const {
+    return std::min(std::size_t(pack_lanes), pairs_.size() - batch * std::size_t(pack_lanes));
+  }
 
  private:
-  void place(ConstRows x, std::vector<Batch>& batches) const;
-  void damp(std::size_t pair, ConstRows v, const Vec3& arm, Rows f);
-
   /// What of a batch stays: the last one repeats its last pair in lanes that are left over.
   struct alignas(64) Fixed {
     LanesOf<4> axes_a, axes_b;                                      ///< x y z w
     std::array<std::array<Index, std::size_t(pack_lanes)>, 4> rows; ///< of c_a, a, c_b, b, times row_doubles
   };
+  struct Kept {
+    LanesOf<4> axes;      ///< R_a as x y z w
+    LanesOf<3> arm, psi;
+  };
+  Placed place(std::size_t batch, ConstRows x, Kept& kept) const;
+  static Placed placed(const Orientation<Pack>& a, const V3<Pack>& arm, const V3<Pack>& psi) {
+    const M3<Pack> axes = a.axes();
+    return {axes, arm, transposedTimes(axes, arm), psi, InverseTerm<Pack>(dot(psi, psi))};
+  }
+  virtual void pull(ConstRows x, Rows f) = 0;  ///< all forces
+  void damp(std::size_t pair, ConstRows x, ConstRows v, Rows f);
 
   std::vector<Pair> pairs_;
   State* second_ = nullptr;
   bool damped_ = false;
   std::vector<Fixed> fixed_;
-  mutable std::vector<Batch> batches_, work_batches_;  ///< of the last addForce(); of energy()
-  mutable std::vector<Slopes> slopes_;
+  std::vector<Kept> kept_;  ///< of the last addForce()
 };
 
-/// `Energy` has evaluate(pair, p, psi, term), once for all number types; in packs evaluate(batch, p, psi, term).
-template <class Energy, bool in_packs = false>
+inline FramePairField::Placed FramePairField::place(std::size_t batch, ConstRows x, Kept& kept) const {
+  const Fixed& fixed = fixed_[batch];
+  const Orientation<Pack> axes_a{vectorIn(fixed.axes_a), packOf(fixed.axes_a[3])},
+      axes_b{vectorIn(fixed.axes_b), packOf(fixed.axes_b[3])};
+  const Orientation<Pack> a = orientationsAt(x.data, fixed.rows[1].data()) * axes_a;
+  const Orientation<Pack> b = orientationsAt(x.data, fixed.rows[3].data()) * axes_b;
+  const V3<Pack> arm = gatherRows(x.data, fixed.rows[2].data()) - gatherRows(x.data, fixed.rows[0].data());
+  const V3<Pack> psi = (a.conjugate() * b).logarithm();
+  put(a.v, kept.axes), a.w.store_aligned(kept.axes[3].data()), put(arm, kept.arm), put(psi, kept.psi);
+  return placed(a, arm, psi);
+}
+
+inline void FramePairField::addForces(std::size_t batch, const Placed& at, const Wrench<Pack>& wrench, Rows f) const {
+  // R_a n and R_a dexp^-T(psi) k: what frame a gets; frame b gets the opposite
+  const V3<Pack> k{wrench.k.x, wrench.k.y, wrench.k.z}, once = cross(at.psi, k);
+  const V3<Pack> force = at.axes * V3<Pack>{wrench.n.x, wrench.n.y, wrench.n.z};
+  const V3<Pack> torque = at.axes * (k + once * Pack(0.5) + cross(at.psi, once) * at.term.c);
+  const auto& rows = fixed_[batch].rows;
+  const V3<Pack> each[4] = {force, torque + cross(at.arm, force), -force, -torque};
+  const std::size_t count = pairsIn(batch);
+  if (count == std::size_t(pack_lanes)) {
+    for (std::size_t r = 0; r < 4; ++r) addToRows(each[r], rows[r].data(), f.data);
+    return;
+  }
+  for (std::size_t r = 0; r < 4; ++r)
+    forEachRow(each[r], [&](int lane, const auto& row) {
+      if (std::size_t(lane) < count) addRow(row, f.data + rows[r][std::size_t(lane)]);
+    });
+}
+
+/// `Energy` has evaluate(batch, p, psi, term), once for packs of numbers and of numbers with derivatives. The energy of pairs is
+/// a pack.
+template <class Energy>
 class FramePairFieldOf : public FramePairField {
- private:
-  const Energy& energyOf() const { return static_cast<const Energy&>(*this); }
-  /// visit(pair, batch, lane) for each pair.
-  template <class Batches, class Visit>
-  void forEach(Batches& batches, Visit&& visit) const {
-    std::size_t i = 0;
-    for (auto& batch : batches)
-      for (std::size_t lane = 0; lane < std::size_t(pack_lanes) && i < pairs().size(); ++lane) visit(i++, batch, lane);
-  }
-  template <class Triple3>
-  static Triple<Pack> packsOf(const Triple3& lanes) {
-    return {packOf(lanes[0]), packOf(lanes[1]), packOf(lanes[2])};
-  }
-  static InverseTerm<Pack> termOf(const Batch& batch) {
-    InverseTerm<Pack> term;
-    term.c = packOf(batch.term[0]), term.c1 = packOf(batch.term[1]), term.c2 = packOf(batch.term[2]);
-    return term;
-  }
-  double evaluateAll(std::vector<Batch>& batches) const final {
+ public:
+  double energy(ConstRows x) const override {
     double sum = 0;
-    if constexpr (in_packs) {
-      for (std::size_t b = 0; b < batches.size(); ++b) {
-        Batch& batch = batches[b];
-        const Wrench<Pack> wrench = energyOf().evaluate(b, packsOf(batch.p), packsOf(batch.psi), termOf(batch));
-        put(wrench.n, batch.n), put(wrench.k, batch.k);
-        LanesOf<1> energy;
-        wrench.energy.store_aligned(energy[0].data());
-        const std::size_t left = pairs().size() - b * std::size_t(pack_lanes);
-        for (std::size_t lane = 0; lane < std::min(left, std::size_t(pack_lanes)); ++lane) sum += energy[0][lane];
-      }
-      return sum;
-    } else {
-      forEach(batches, [&](std::size_t i, Batch& batch, std::size_t lane) {
-        const Wrench<double> wrench = energyOf().evaluate(i, batch.p.of(lane), batch.psi.of(lane), batch.termOf(lane));
-        sum += wrench.energy;
-        batch.n[0][lane] = wrench.n.x, batch.n[1][lane] = wrench.n.y, batch.n[2][lane] = wrench.n.z;
-        batch.k[0][lane] = wrench.k.x, batch.k[1][lane] = wrench.k.y, batch.k[2][lane] = wrench.k.z;
-      });
-      return sum;
+    for (std::size_t i = 0; i < batches(); ++i) {
+      const Placed at = place(i, x);
+      LanesOf<1> energies;
+      evaluated(i, tripleOf(at.p), tripleOf(at.psi), at.term).energy.store_aligned(energies[0].data());
+      for (std::size_t lane = 0; lane < pairsIn(i); ++lane) sum += energies[0][lane];
+    }
+    return sum;
+  }
+
+ protected:
+  void computeTangents() const override {
+    for (std::size_t i = 0; i < batches(); ++i) {
+      const Placed at = keptPlace(i);
+      writeTangents(i, at, evaluated(i, variables(at.p, 0), variables(at.psi, 3), at.term));
     }
   }
-  void evaluateAll(const std::vector<Batch>& batches, std::vector<Slopes>& out) const final {
-    if constexpr (in_packs) {
-      for (std::size_t b = 0; b < batches.size(); ++b) {
-        const Triple<Pack> p = packsOf(batches[b].p), psi = packsOf(batches[b].psi);
-        const Wrench<PackJet> wrench = energyOf().evaluate(b, Triple<PackJet>{{p.x, 0}, {p.y, 1}, {p.z, 2}},
-                                                           Triple<PackJet>{{psi.x, 3}, {psi.y, 4}, {psi.z, 5}}, termOf(batches[b]));
-        putSlopes(wrench.n, out[b].n), putSlopes(wrench.k, out[b].k);
-      }
-    } else {
-      forEach(batches, [&](std::size_t i, const Batch& batch, std::size_t lane) {
-        const Triple<double> p = batch.p.of(lane), psi = batch.psi.of(lane);
-        const Wrench<Jet> wrench = energyOf().evaluate(i, Triple<Jet>{{p.x, 0}, {p.y, 1}, {p.z, 2}},
-                                                       Triple<Jet>{{psi.x, 3}, {psi.y, 4}, {psi.z, 5}}, batch.termOf(lane));
-        Slopes& slopes = out[i / std::size_t(pack_lanes)];
-        putSlopes(wrench.n, lane, slopes.n), putSlopes(wrench.k, lane, slopes.k);
-      });
+
+ private:
+  void pull(ConstRows x, Rows f) final {
+    for (std::size_t i = 0; i < batches(); ++i) {
+      const Placed at = placeToKeep(i, x);
+      addForces(i, at, evaluated(i, tripleOf(at.p), tripleOf(at.psi), at.term), f);
     }
   }
-  static void putSlopes(const Triple<PackJet>& of, LanesOf<18>& out) {
-    const PackJet* rows[3] = {&of.x, &of.y, &of.z};
-    for (std::size_t r = 0; r < 3; ++r)
-      for (std::size_t k = 0; k < 6; ++k) rows[r]->slope[k].store_aligned(out[6 * r + k].data());
-  }
-  static void putSlopes(const Triple<Jet>& of, std::size_t lane, LanesOf<18>& out) {
-    const Jet* rows[3] = {&of.x, &of.y, &of.z};
-    for (std::size_t r = 0; r < 3; ++r)
-      for (std::size_t k = 0; k < 6; ++k) out[6 * r + k][lane] = rows[r]->slope[Index(k)];
+  template <class T>
+  Wrench<T> evaluated(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>& term) const {
+    return static_cast<const Energy&>(*this).evaluate(batch, p, psi, term);
   }
 };
 

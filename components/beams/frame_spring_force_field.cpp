@@ -39,20 +39,21 @@ namespace {
 
 /// sin(r)/r, (1 - cos(r))/r^2 and (r - sin(r))/r^3 as functions of q = r^2, and their first derivatives.
 struct TurnTerms {
-  double s, c, d, s1, c1, d1;
-  explicit TurnTerms(double q) {
-    if (q < 0.05) {
-      s = 1 + q * (-1. / 6 + q * (1. / 120 + q * (-1. / 5040 + q / 362880)));
-      c = 0.5 + q * (-1. / 24 + q * (1. / 720 + q * (-1. / 40320 + q / 3628800)));
-      d = 1. / 6 + q * (-1. / 120 + q * (1. / 5040 + q * (-1. / 362880 + q / 39916800)));
-      s1 = -1. / 6 + q * (1. / 60 + q * (-1. / 1680 + q * (1. / 90720 - q / 7983360)));
-      c1 = -1. / 24 + q * (1. / 360 + q * (-1. / 13440 + q * (1. / 907200 - q / 95800320)));
-      d1 = -1. / 120 + q * (1. / 2520 + q * (-1. / 120960 + q / 9979200));
-    } else {
-      const double r = std::sqrt(q);
-      s = std::sin(r) / r, c = (1 - std::cos(r)) / q, d = (1 - s) / q;
-      s1 = (std::cos(r) - s) / (2 * q), c1 = (s / 2 - c) / q, d1 = (-s1 - d) / q;
-    }
+  Pack s, c, d, s1, c1, d1;
+  explicit TurnTerms(Pack q) {
+    s = 1. + q * (-1. / 6 + q * (1. / 120 + q * (-1. / 5040 + q * (1. / 362880))));
+    c = 0.5 + q * (-1. / 24 + q * (1. / 720 + q * (-1. / 40320 + q * (1. / 3628800))));
+    d = 1. / 6 + q * (-1. / 120 + q * (1. / 5040 + q * (-1. / 362880 + q * (1. / 39916800))));
+    s1 = -1. / 6 + q * (1. / 60 + q * (-1. / 1680 + q * (1. / 90720 + q * (-1. / 7983360))));
+    c1 = -1. / 24 + q * (1. / 360 + q * (-1. / 13440 + q * (1. / 907200 + q * (-1. / 95800320))));
+    d1 = -1. / 120 + q * (1. / 2520 + q * (-1. / 120960 + q * (1. / 9979200)));
+    const auto is_large = q >= Pack(0.05);
+    if (!any(is_large)) return;
+    const Pack r = sqrt(q), cosine = cos(r), far = sin(r) / r, far_c = (1. - cosine) / q, far_d = (1. - far) / q;
+    const Pack far1 = (cosine - far) / (2. * q);
+    s = select(is_large, far, s), c = select(is_large, far_c, c), d = select(is_large, far_d, d);
+    s1 = select(is_large, far1, s1), c1 = select(is_large, (far * 0.5 - far_c) / q, c1);
+    d1 = select(is_large, (-far1 - far_d) / q, d1);
   }
 };
 
@@ -133,6 +134,14 @@ class FrameSpringForceField final : public FramePairFieldOf<FrameSpringForceFiel
     setPairs(std::move(pairs), other);
   }
 
+  void compile() override {
+    FramePairField::compile();
+    numbers_ = lanesOf<8>(springs_.size(), [this](std::size_t i, std::size_t k) {
+      const FrameSpring& spring = springs_[i];
+      return k < 3 ? spring.first[Index(k)] : k < 6 ? spring.second[Index(k - 3)] : k == 6 ? spring.shift : spring.turn;
+    });
+  }
+
   ForceTraits traits() const override {
     ForceTraits traits = FramePairField::traits();
     traits.exact_tangent = !traits.velocity_dependent;
@@ -142,26 +151,30 @@ class FrameSpringForceField final : public FramePairFieldOf<FrameSpringForceFiel
  private:
   friend FramePairFieldOf;
   template <class T>
-  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<double>&) const {
-    const FrameSpring& spring = springs_[i];
+  Wrench<T> evaluate(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>&) const {
+    const LanesOf<8>& numbers = numbers_[batch];
+    const Pack shift = packOf(numbers[6]), turn = packOf(numbers[7]);
     const T square = dot(psi, psi);
     const TurnTerms at(valueOf(square));
     const T s = chain(square, at.s, at.s1), c = chain(square, at.c, at.c1), d = chain(square, at.d, at.d1);
-    const auto fixed = [](const Vec3& v) { return Triple<T>{T(v.x()), T(v.y()), T(v.z())}; };
+    const auto fixed = [&](std::size_t first) {
+      return Triple<T>{T(packOf(numbers[first])), T(packOf(numbers[first + 1])), T(packOf(numbers[first + 2]))};
+    };
     // u = exp(psi) v_b, which changes by dexp(psi) dpsi x u
-    const Triple<T> arm = fixed(spring.second), once = cross(psi, arm), u = arm + s * once + c * cross(psi, once);
-    const Triple<T> y = p + u - fixed(spring.first);
+    const Triple<T> arm = fixed(3), once = cross(psi, arm), u = arm + s * once + c * cross(psi, once);
+    const Triple<T> y = p + u - fixed(0);
     Wrench<T> wrench;
-    wrench.n = T(spring.shift) * y;
+    wrench.n = T(shift) * y;
     const Triple<T> moment = cross(u, wrench.n), turned = cross(psi, moment);
-    wrench.k = T(spring.turn) * psi + moment - c * turned + d * cross(psi, turned);
-    wrench.energy = 0.5 * spring.shift * valueOf(dot(y, y)) + 0.5 * spring.turn * valueOf(square);
+    wrench.k = T(turn) * psi + moment - c * turned + d * cross(psi, turned);
+    wrench.energy = 0.5 * (shift * valueOf(dot(y, y)) + turn * valueOf(square));
     return wrench;
   }
 
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   std::string text_;
   std::vector<FrameSpring> springs_;
+  std::vector<LanesOf<8>> numbers_;  ///< v_a, v_b, k and kappa of each batch
 };
 
 }  // namespace

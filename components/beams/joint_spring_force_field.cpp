@@ -18,7 +18,16 @@
 // with what differs from the usual alone: translations blocked, rotations free, KS_T 0 10000, KS_R 0 10000, KS_B 100, KD 0,
 // no limits [rad]. Where REST_T or REST_R is not given the frames rest as they start.
 //
-// Source: the name and the words are SOFA's, whose forces are not those of an energy.
+// Source: the name and the words are SOFA's, whose forces are not those of an energy. `unbalanced` has them: with t in fixed axes,
+// d = c_b - c_a - t, and th = log(q_a^-1 q_b q_0),
+//
+//   force on a = R_a K R_a^T d + kd (v_b - v_a),   torque on a = R_a T(th) + kd (w_b - w_a),   the opposite on b
+//
+// without the arm of the force. T = kappa th by axes. Where one rotation is free and within its limits, with e' the free axis e
+// turned by exp(th), the two that are blocked have kappa angle(e, e') e x e'. Beyond a limit T is b times what is beyond. The
+// tangent is R_a K R_a^T and R_a kappa R_a^T by differences of both frames, without the damping. REST_T, whatever its numbers,
+// stands for t = c_b - c_a and q_0 = q_b q_a^-1 of the start; without it t = 0 and q_0 is REST_R. KS_B is a hundredth of the hard
+// stiffness when not given or 0, and a rotation whose limits are equal is blocked.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -35,6 +44,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <sstream>
 
 #include "components/beams/frame_pair_field.h"
@@ -51,9 +61,27 @@ struct Joint {
   std::array<bool, 6> free{false, false, false, true, true, true};
   double soft_shift = 0, hard_shift = 1e4, soft_turn = 0, hard_turn = 1e4, block = 100, damping = 0;
   std::array<double, 3> low, high;
-  bool has_place = false, has_turn = false;
+  bool has_place = false, has_turn = false, has_block = false;
   Vec3 place = Vec3::Zero();
   Quaternion turn = Quaternion::Identity();
+  Vec3 shifts() const { return constants(0, soft_shift, hard_shift); }
+  Vec3 turns() const { return constants(3, soft_turn, hard_turn); }
+  /// Some free rotation ends somewhere.
+  bool isLimited() const {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (free[3 + axis] && (std::isfinite(low[axis]) || std::isfinite(high[axis]))) return true;
+    return false;
+  }
+  /// The angle within the limits that is nearest, over whole turns.
+  double lawful(std::size_t axis, double angle) const {
+    if (angle > low[axis] && angle < high[axis]) return angle;
+    const double turn = 2 * std::numbers::pi;
+    const double above = angle - high[axis] + (angle > 0 ? 0 : turn), below = low[axis] - angle + (angle > 0 ? turn : 0);
+    return above < below ? high[axis] : low[axis];
+  }
+  Vec3 constants(std::size_t first, double soft, double hard) const {
+    return {free[first] ? soft : hard, free[first + 1] ? soft : hard, free[first + 2] ? soft : hard};
+  }
   Joint() { low.fill(-std::numeric_limits<double>::infinity()), high.fill(std::numeric_limits<double>::infinity()); }
 };
 
@@ -107,7 +135,7 @@ class JointReader {
       } else if (word == "KS_R") {
         joint.soft_turn = next(), joint.hard_turn = next();
       } else if (word == "KS_B") {
-        joint.block = next();
+        joint.block = next(), joint.has_block = joint.block > 0;
       } else if (word == "KD") {
         joint.damping = next();
       } else if (word == "R_LIM_X" || word == "R_LIM_Y" || word == "R_LIM_Z") {
@@ -139,8 +167,9 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
     table.add("spring", text_).help("the joints, in the words above").required();
     table.add("explicitForce", explicit_force_)
         .help("the joints are no part of the matrix, as in SOFA between bodies of different solvers: not stable for stiff ones");
+    table.add("unbalanced", unbalanced_).help("SOFA's forces: torques do not balance, and places at rest stay in fixed axes");
     for (const char* name :
-         {"outfile", "infile", "period", "reinit", "drawLawfulTorsion", "drawTorsion", "showFactorSize"})
+         {"outfile", "period", "reinit", "drawLawfulTorsion", "drawTorsion", "showFactorSize"})
       table.addVisualOnly(name);
   }
 
@@ -159,6 +188,11 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
       if (!state().hasFrames() || !other->hasFrames())
         throw ComponentError("joints are between rigid frames", "states of template Rigid3");
       const Quaternion back = turnedBy(state().position[a + 1]).conjugate();
+      if (unbalanced_) {
+        restAsInSofa(joint, other->position[b] - state().position[a], turnedBy(other->position[b + 1]) * back);
+        pairs.push_back({Index(a), Index(b), Quaternion::Identity(), joint.turn, 0});
+        continue;
+      }
       if (!joint.has_place) joint.place = back * (other->position[b] - state().position[a]);
       if (!joint.has_turn) joint.turn = back * turnedBy(other->position[b + 1]);
       // R_b = q_b q_r^-1 is R_a where the joint rests
@@ -167,9 +201,43 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
     setPairs(std::move(pairs), other);
   }
 
+  void compile() override {
+    FramePairField::compile();
+    numbers_ = lanesOf<9>(joints_.size(), [this](std::size_t i, std::size_t k) {
+      const Joint& joint = joints_[i];
+      return k < 3 ? joint.place[Index(k)] : k < 6 ? joint.shifts()[Index(k - 3)] : joint.turns()[Index(k - 6)];
+    });
+    const bool limited = std::any_of(joints_.begin(), joints_.end(), [](const Joint& joint) { return joint.isLimited(); });
+    limits_ = lanesOf<7>(limited ? joints_.size() : 0, [this](std::size_t i, std::size_t k) {
+      const Joint& joint = joints_[i];
+      const double inside = std::numeric_limits<double>::infinity();
+      if (k == 6) return joint.block;
+      if (!joint.free[3 + k % 3]) return k < 3 ? -inside : inside;
+      return k < 3 ? joint.low[k] : joint.high[k - 3];
+    });
+  }
+
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    if (!unbalanced_) return FramePairField::addForce(x, v, f);
+    for (std::size_t i = 0; i < joints_.size(); ++i) addUnbalanced(i, x, v, f);
+  }
+  void computeTangents() const override {
+    if (!unbalanced_) FramePairFieldOf::computeTangents();
+  }
+  double energy(ConstRows x) const override {
+    if (!unbalanced_) return FramePairFieldOf::energy(x);
+    double sum = 0;
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      const Local local(joints_[i], rows_[i], x);
+      sum += local.way.dot(joints_[i].shifts().cwiseProduct(local.way)) / 2 + local.torsion.dot(torqueOf(joints_[i], local)) / 2;
+    }
+    return sum;
+  }
+
   ForceTraits traits() const override {
     ForceTraits traits = FramePairField::traits();
     traits.exact_tangent = !traits.velocity_dependent;
+    if (unbalanced_) traits.conservative = traits.exact_tangent = false;
     if (!explicit_force_) return traits;
     traits.conservative = !traits.velocity_dependent;  // damping that no C says is in no energy
     traits.has_stiffness = traits.velocity_dependent = traits.exact_tangent = false;
@@ -178,25 +246,90 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
 
  private:
   friend FramePairFieldOf;
-  template <class T>
-  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<double>&) const {
+  /// How the second frame lies, as SOFA's forces have it.
+  struct Local {
+    Mat3 axes, turn;    ///< R_a, R_a^T R_b R_0
+    Vec3 way, torsion;  ///< R_a^T d, th
+    Local(const Joint& joint, const Group& rows, ConstRows x) {
+      const Quaternion a = orientationIn(x, rows[1]), relative = a.conjugate() * orientationIn(x, rows[3]) * joint.turn;
+      axes = a.toRotationMatrix(), turn = relative.toRotationMatrix();
+      way = axes.transpose() * (x[rows[2]] - x[rows[0]] - joint.place);
+      torsion = rotationVector(relative);
+    }
+  };
+  static void restAsInSofa(Joint& joint, const Vec3& place, const Quaternion& turn) {
+    if (!joint.has_place && !joint.has_turn) joint.turn = Quaternion::Identity();
+    if (!joint.has_place) joint.place = Vec3::Zero();
+    if (joint.has_place) joint.place = place, joint.turn = turn;
+    if (!joint.has_block) joint.block = joint.hard_turn / 100;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (joint.low[axis] == joint.high[axis]) joint.free[3 + axis] = false;
+  }
+
+  /// Of SOFA's forces. `stiffness`: of each axis, where a limit makes it another one.
+  static Vec3 torqueOf(const Joint& joint, const Local& local, Vec3* stiffness = nullptr) {
+    Vec3 k = joint.turns(), torque = k.cwiseProduct(local.torsion), beyond = Vec3::Zero();
+    int free = -1, frees = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::size_t i = std::size_t(axis);
+      if (!joint.free[3 + i]) beyond[axis] = local.torsion[axis];
+      if (!joint.free[3 + i]) continue;
+      ++frees, free = axis;
+      beyond[axis] = local.torsion[axis] - joint.lawful(i, local.torsion[axis]);
+    }
+    if (frees == 1 && beyond[free] == 0) {  // between the free axis then and now
+      const Vec3 axis = Vec3::Unit(free), across = axis.cross(local.turn.col(free));
+      const double angle = std::atan2(across.norm(), local.turn(free, free));
+      for (int other : {(free + 1) % 3, (free + 2) % 3}) torque[other] = k[other] * angle * across[other];
+    } else if (const double size = beyond.norm(); frees > 0 && size > 0) {
+      const double turns = std::remainder(size, 2 * std::numbers::pi);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!joint.free[3 + std::size_t(axis)] || beyond[axis] == 0) continue;
+        k[axis] = joint.block;
+        torque[axis] = k[axis] * beyond[axis] * turns / size;
+      }
+    }
+    if (stiffness) *stiffness = k;
+    return torque;
+  }
+
+  void addUnbalanced(std::size_t i, ConstRows x, ConstRows v, Rows f) {
     const Joint& joint = joints_[i];
+    const Group& rows = rows_[i];
+    const Local local(joint, rows, x);
+    Vec3 turns;
+    const Vec3 torque = local.axes * torqueOf(joint, local, &turns) + joint.damping * (v[rows[3]] - v[rows[1]]);
+    const Vec3 force = local.axes * joint.shifts().cwiseProduct(local.way) + joint.damping * (v[rows[2]] - v[rows[0]]);
+    f[rows[0]] += force, f[rows[1]] += torque;
+    f[rows[2]] -= force, f[rows[3]] -= torque;
+    const Mat3 by_shift = local.axes * joint.shifts().asDiagonal() * local.axes.transpose();
+    const Mat3 by_turn = local.axes * turns.asDiagonal() * local.axes.transpose();
+    for (int r = 0; r < 2; ++r)
+      for (int c = 0; c < 2; ++c) {
+        stiffness_[i].block(2 * r, 2 * c) = (r == c ? -1 : 1) * by_shift;
+        stiffness_[i].block(2 * r + 1, 2 * c + 1) = (r == c ? -1 : 1) * by_turn;
+      }
+  }
+
+  template <class T>
+  Wrench<T> evaluate(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>&) const {
+    const LanesOf<9>& numbers = numbers_[batch];
     Wrench<T> wrench;
-    const auto shift = [&](int axis, const T& value) {
-      const T way = value - T(joint.place[axis]);
-      const T force = T(joint.free[std::size_t(axis)] ? joint.soft_shift : joint.hard_shift) * way;
+    const auto shift = [&](std::size_t axis, const T& value) {
+      const T way = value - T(packOf(numbers[axis])), force = T(packOf(numbers[3 + axis])) * way;
       wrench.energy += 0.5 * valueOf(force) * valueOf(way);
       return force;
     };
     const auto turn = [&](std::size_t axis, const T& angle) {
-      const bool free = joint.free[3 + axis];
-      T torque = T(free ? joint.soft_turn : joint.hard_turn) * angle;
+      T torque = T(packOf(numbers[6 + axis])) * angle;
       wrench.energy += 0.5 * valueOf(torque) * valueOf(angle);
-      const double limit = std::clamp(valueOf(angle), joint.low[axis], joint.high[axis]);
-      if (!free || limit == valueOf(angle)) return torque;
+      if (limits_.empty()) return torque;
+      const LanesOf<7>& limits = limits_[batch];
+      const Pack limit = xsimd::clip(valueOf(angle), packOf(limits[axis]), packOf(limits[3 + axis]));
+      const Pack block = select(limit == valueOf(angle), Pack(0.), packOf(limits[6]));
       const T excess = angle - T(limit);
-      wrench.energy += 0.5 * joint.block * valueOf(excess) * valueOf(excess);
-      return torque + T(joint.block) * excess;
+      wrench.energy += 0.5 * block * valueOf(excess) * valueOf(excess);
+      return torque + T(block) * excess;
     };
     wrench.n = {shift(0, p.x), shift(1, p.y), shift(2, p.z)};
     wrench.k = {turn(0, psi.x), turn(1, psi.y), turn(2, psi.z)};
@@ -205,8 +338,10 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
 
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   std::string text_;
-  bool explicit_force_ = false;
+  bool explicit_force_ = false, unbalanced_ = false;
   std::vector<Joint> joints_;
+  std::vector<LanesOf<9>> numbers_;  ///< t, k and kappa of each batch
+  std::vector<LanesOf<7>> limits_;   ///< lower and upper limits and b of each batch, where there are limits
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Functions of the motion of one frame seen from another, with their derivatives carried along.
 #pragma once
-#include <Eigen/Core>
 #include <array>
 #include <cmath>
 
@@ -9,24 +8,9 @@
 
 namespace stroma {
 
-/// A number and its derivatives with respect to the six numbers of a relative motion; there is room for eight, which fill registers.
-struct Jet {
-  double value = 0;
-  Eigen::Matrix<double, 8, 1> slope = Eigen::Matrix<double, 8, 1>::Zero();
-  Jet() = default;
-  Jet(double number) : value(number) {}
-  Jet(double number, int variable) : value(number) { slope[variable] = 1; }
-};
-inline Jet operator+(Jet a, const Jet& b) { return a.value += b.value, a.slope += b.slope, a; }
-inline Jet operator-(Jet a, const Jet& b) { return a.value -= b.value, a.slope -= b.slope, a; }
-inline Jet operator*(const Jet& a, const Jet& b) {
-  Jet product(a.value * b.value);
-  product.slope = a.value * b.slope + b.value * a.slope;
-  return product;
-}
-/// The same of a pack of relative motions.
+/// A number of each pair of a batch, and its derivatives with respect to the six numbers of the relative motion.
 struct PackJet {
-  Pack value{0.};
+  Pack value;
   std::array<Pack, 6> slope;
   PackJet() : PackJet(0.) {}
   PackJet(double number) : PackJet(Pack(number)) {}
@@ -50,19 +34,11 @@ inline PackJet operator*(const PackJet& a, const PackJet& b) {
 }
 inline Pack valueOf(Pack number) { return number; }
 inline Pack valueOf(const PackJet& jet) { return jet.value; }
+/// A function of `at` from its value and its derivative there.
 inline Pack chain(Pack, Pack value, Pack) { return value; }
 inline PackJet chain(const PackJet& at, Pack value, Pack derivative) {
   PackJet result(value);
   for (std::size_t k = 0; k < 6; ++k) result.slope[k] = derivative * at.slope[k];
-  return result;
-}
-inline double valueOf(double number) { return number; }
-inline double valueOf(const Jet& jet) { return jet.value; }
-/// A function of `at` from its value and its derivative there.
-inline double chain(double, double value, double) { return value; }
-inline Jet chain(const Jet& at, double value, double derivative) {
-  Jet result(value);
-  result.slope = derivative * at.slope;
   return result;
 }
 
@@ -91,16 +67,35 @@ Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// c(s) of dexp^-1(r) = I - [r]/2 + c [r]^2 as a function of s = |r|^2, and its first two derivatives.
+/// c(s) of dexp^-1(r) = I - [r]/2 + c [r]^2 as a function of s = |r|^2, and its first two derivatives: the series
+/// sum of 2 zeta(2k)/(2 pi)^2k s^(k-1) up to s = 1, where what is left out is below round-off.
 template <class T>
 struct InverseTerm {
   T c{}, c1{}, c2{};
   InverseTerm() = default;
   explicit InverseTerm(T s) {
-    const auto is_large = s >= T(0.05);
-    c = 1. / 12 + s * (1. / 720 + s * (1. / 30240 + s * (1. / 1209600 + s * (1. / 47900160 + s * 5.2841901e-10))));
-    c1 = 1. / 720 + s * (2. / 30240 + s * (3. / 1209600 + s * (4. / 47900160 + s * 2.6420950e-9)));
-    c2 = 2. / 30240 + s * (6. / 1209600 + s * (12. / 47900160 + s * 1.0568380e-8));
+    constexpr std::array series{1. / 12,
+                                1. / 720,
+                                1. / 30240,
+                                1. / 1209600,
+                                1. / 47900160,
+                                5.284190138687493e-10,
+                                1.3382536530684679e-11,
+                                3.389680296322583e-13,
+                                8.586062056277845e-15,
+                                2.1748686985580619e-16,
+                                5.5090028283602295e-18,
+                                1.3954464685812523e-19,
+                                3.5347070396294675e-21};
+    const auto is_large = s >= T(1.);
+    c = T(series[12]), c1 = T(12 * series[12]), c2 = T(12 * 11 * series[12]);
+#pragma GCC unroll 16
+    for (int k = 11; k >= 0; --k) {
+      const double term = series[std::size_t(k)];
+      c = fma(c, s, T(term));
+      if (k > 0) c1 = fma(c1, s, T(k * term));
+      if (k > 1) c2 = fma(c2, s, T(k * (k - 1) * term));
+    }
     if (!any(is_large)) return;
     // a = x cot x with x = |r|/2, so that a' = (a - a^2 - s/4) / 2s
     using std::tan;
@@ -124,19 +119,33 @@ struct Orientation {
             zx = twice.z * v.x, wx = twice.x * w, wy = twice.y * w, wz = twice.z * w;
     return {{1. - yy - zz, xy + wz, zx - wy}, {xy - wz, 1. - xx - zz, yz + wx}, {zx + wy, yz - wx, 1. - xx - yy}};
   }
-  /// The shortest of its rotation vectors.
+  /// The shortest of its rotation vectors, 2 asin(|v|)/|v| v where w is not negative. Up to a third of a turn without
+  /// trigonometry: from a sixth on twice the one of half of the turn, (v/2w', w') with w' = sqrt((1 + w)/2).
   V3<T> logarithm() const {
-    const T square = dot(v, v);
-    const auto is_large = square >= T(0.01);
-    T sum(0.);  // asin(s)/s, of which the first term that is left out is below 1e-17
-    for (const double term : {143. / 10240, 231. / 13312, 63. / 2816, 35. / 1152, 5. / 112, 3. / 40, 1. / 6, 1.})
-      sum = fma(sum, square, T(term));
-    using std::atan2;
-    if (any(is_large)) {
-      const T sine = sqrt(square);
-      sum = select(is_large, atan2(sine, abs(w)) / sine, sum);
+    const T square = dot(v, v), cosine = abs(w);
+    T factor = arcSine(square);
+    if (const auto is_large = square > T(0.25); any(is_large)) {
+      const T half = sqrt(fma(cosine, T(0.5), T(0.5)));
+      T other = arcSine(T(0.5) - cosine * 0.5) / half;
+      if (const auto is_larger = cosine < T(0.5); any(is_larger)) {
+        using std::atan2;
+        const T sine = sqrt(square);
+        other = select(is_larger, atan2(sine, cosine) / sine, other);
+      }
+      factor = select(is_large, other, factor);
     }
-    return v * (sum * select(w < T(0.), T(-2.), T(2.)));
+    return v * (factor * select(w < T(0.), T(-2.), T(2.)));
+  }
+
+ private:
+  /// asin(sqrt(s))/sqrt(s) for s up to 1/4, to 3e-17: the polynomial that is exact in the zeros of Chebyshev's of degree 13.
+  static T arcSine(T s) {
+    T sum(0.03187962140081284);
+    for (const double term : {-0.016187392271599134, 0.019513468251252167, 0.0065293020047365695, 0.012170138592391726,
+                              0.01388484282640208, 0.01735977964134998, 0.022371749733164054, 0.03038195969768514,
+                              0.044642856805998936, 0.07500000000385201, 0.16666666666664942, 1.})
+      sum = fma(sum, s, T(term));
+    return sum;
   }
 };
 

@@ -19,6 +19,10 @@ void strsv_(const char* uplo, const char* trans, const char* diag, const int* n,
             float* x, const int* incx);
 void sgemv_(const char* trans, const int* m, const int* n, const float* alpha, const float* a, const int* lda,
             const float* x, const int* incx, const float* beta, float* y, const int* incy);
+void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda, double* x,
+            const int* incx);
+void dgemv_(const char* trans, const int* m, const int* n, const double* alpha, const double* a, const int* lda, const double* x,
+            const int* incx, const double* beta, double* y, const int* incy);
 }
 
 namespace stroma {
@@ -51,11 +55,7 @@ bool hasRoomForBlas() {
 
 }  // namespace
 
-void SupernodalFactor::release() {
-  for (cholmod_dense** dense : {&right_, &solution_, &work_y_, &work_e_})
-    if (*dense) cholmod_free_dense(dense, &analysis_->common);
-  analysis_.reset();
-}
+void SupernodalFactor::release() { analysis_.reset(); }
 
 void SupernodalFactor::releaseNumbers() {
   rough_values_ = Array<float>();
@@ -76,9 +76,6 @@ void SupernodalFactor::take(std::shared_ptr<SupernodalAnalysis> analysis) {
   release();
   analysis_ = std::move(analysis);
   numbers_.setPattern(analysis_->supernodes());
-  const std::size_t count = analysis_->unknown.size();
-  right_ = cholmod_allocate_dense(count, 1, count, CHOLMOD_REAL, &analysis_->common);
-  analysis_->check(right_, "allocate a vector");
 }
 
 void SupernodalFactor::load(const BlockMatrix& matrix) {
@@ -110,19 +107,87 @@ SolveStop SupernodalFactor::factor(Index& row, StopToken stop) {
   return SolveStop::not_definite;
 }
 
-void SupernodalFactor::apply(ConstRows b, Rows x) {
-  const NoRegions no_regions;
-  double* right = static_cast<double*>(right_->x);
-  const std::size_t count = analysis_->unknown.size();
-  for (std::size_t k = 0; k < count; ++k) right[k] = b.data[place(k)];
-  analysis_->check(cholmod_solve2(CHOLMOD_A, analysis_->factor, right_, nullptr, &solution_, nullptr, &work_y_, &work_e_,
-                                  &analysis_->common),
-                   "solve");
-  const double* solution = static_cast<const double*>(solution_->x);
-  for (std::size_t k = 0; k < count; ++k) x.data[place(k)] = solution[k];
+namespace {
+
+constexpr int one_step = 1;
+void solveTriangle(const char* transposed, int n, const double* a, int stride, double* x) {
+  dtrsv_("L", transposed, "N", &n, a, &stride, x, &one_step);
+}
+void solveTriangle(const char* transposed, int n, const float* a, int stride, float* x) {
+  strsv_("L", transposed, "N", &n, a, &stride, x, &one_step);
+}
+/// y = factor A x + keep y
+void multiply(const char* transposed, int rows, int columns, double factor, const double* a, int stride, const double* x,
+              double keep, double* y) {
+  dgemv_(transposed, &rows, &columns, &factor, a, &stride, x, &one_step, &keep, y, &one_step);
+}
+void multiply(const char* transposed, int rows, int columns, float factor, const float* a, int stride, const float* x, float keep,
+              float* y) {
+  sgemv_(transposed, &rows, &columns, &factor, a, &stride, x, &one_step, &keep, y, &one_step);
+}
+/// Panels of so many numbers take less time than two calls of BLAS.
+constexpr int most_small_numbers = 512;
+
+/// L y = b in place of a panel; `below` gets what its rows below take away from others.
+template <class Number>
+void solveForward(const Number* panel, int columns, int height, Number* own, Number* below) {
+  if (columns * height > most_small_numbers) {
+    solveTriangle("N", columns, panel, height, own);
+    if (height > columns) multiply("N", height - columns, columns, Number(1), panel + columns, height, own, Number(0), below);
+    return;
+  }
+  std::fill_n(below, height - columns, Number(0));
+  for (int j = 0; j < columns; ++j, panel += height) {
+    const Number solved = own[j] /= panel[j];
+    for (int i = j + 1; i < columns; ++i) own[i] -= solved * panel[i];
+    for (int i = columns; i < height; ++i) below[i - columns] += solved * panel[i];
+  }
+}
+/// L^T x = y, less what `below` of x takes away.
+template <class Number>
+void solveBackward(const Number* panel, int columns, int height, Number* own, const Number* below) {
+  if (columns * height > most_small_numbers) {
+    if (height > columns) multiply("T", height - columns, columns, Number(-1), panel + columns, height, below, Number(1), own);
+    solveTriangle("T", columns, panel, height, own);
+    return;
+  }
+  for (int j = columns; j-- > 0;) {
+    const Number* const column = panel + j * height;
+    Number sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (int i = columns; i < height; ++i) sum += column[i] * below[i - columns];
+    for (int i = j + 1; i < columns; ++i) sum += column[i] * own[i];
+    own[j] = (own[j] - sum) / column[j];
+  }
 }
 
-// L y = b, L^T x = y; a supernode's columns share their rows, the first of which are the columns' own.
+/// L y = b, L^T x = y in place; a supernode's columns share their rows, the first of which are the columns' own.
+template <class Number>
+void solveBoth(const SupernodalPattern& pattern, const Number* values, Number* x, Number* gathered) {
+  for (int s = 0; s < pattern.count; ++s) {
+    const int columns = pattern.columnsOf(s), height = pattern.heightOf(s);
+    solveForward(values + pattern.offset[s], columns, height, x + pattern.first[s], gathered);
+    const int* const to = pattern.rowsOf(s) + columns;
+    for (int i = 0; i < height - columns; ++i) x[to[i]] -= gathered[i];
+  }
+  for (int s = pattern.count - 1; s >= 0; --s) {
+    const int columns = pattern.columnsOf(s), height = pattern.heightOf(s);
+    const int* const from = pattern.rowsOf(s) + columns;
+    for (int i = 0; i < height - columns; ++i) gathered[i] = x[from[i]];
+    solveBackward(values + pattern.offset[s], columns, height, x + pattern.first[s], gathered);
+  }
+}
+
+}  // namespace
+
+void SupernodalFactor::apply(ConstRows b, Rows x) {
+  const std::size_t count = analysis_->unknown.size();
+  right_.resize(count), gathered_right_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) right_[k] = b.data[place(k)];
+  solveBoth(analysis_->supernodes(), static_cast<const double*>(analysis_->factor->x), right_.data(), gathered_right_.data());
+  for (std::size_t k = 0; k < count; ++k) x.data[place(k)] = right_[k];
+}
+
 void SupernodalFactor::applyRoughly(ConstRows b, Rows x) {
   const cholmod_factor& factor = *analysis_->factor;
   const double* values = static_cast<const double*>(factor.x);
@@ -132,31 +197,7 @@ void SupernodalFactor::applyRoughly(ConstRows b, Rows x) {
   // as single precision has a smaller range
   const double scale = std::max(std::numeric_limits<double>::min(), largest(b));
   for (std::size_t k = 0; k < unknowns; ++k) rough_[k] = float(b.data[place(k)] / scale);
-
-  const int *first = static_cast<int*>(factor.super), *start = static_cast<int*>(factor.pi);
-  const int *offset = static_cast<int*>(factor.px), *rows = static_cast<int*>(factor.s), one = 1;
-  const float plus = 1, minus = -1, zero = 0;
-  const int count = int(factor.nsuper);
-  for (int s = 0; s < count; ++s) {
-    const int columns = first[s + 1] - first[s], height = start[s + 1] - start[s], below = height - columns;
-    const float* block = rough_values_.data() + offset[s];
-    float* own = rough_.data() + first[s];
-    strsv_("L", "N", "N", &columns, block, &height, own, &one);
-    if (below == 0) continue;
-    sgemv_("N", &below, &columns, &plus, block + columns, &height, own, &one, &zero, gathered_.data(), &one);
-    const int* to = rows + start[s] + columns;
-    for (int i = 0; i < below; ++i) rough_[to[i]] -= gathered_[i];
-  }
-  for (int s = count - 1; s >= 0; --s) {
-    const int columns = first[s + 1] - first[s], height = start[s + 1] - start[s], below = height - columns;
-    const float* block = rough_values_.data() + offset[s];
-    float* own = rough_.data() + first[s];
-    const int* from = rows + start[s] + columns;
-    for (int i = 0; i < below; ++i) gathered_[i] = rough_[from[i]];
-    if (below > 0)
-      sgemv_("T", &below, &columns, &minus, block + columns, &height, gathered_.data(), &one, &plus, own, &one);
-    strsv_("L", "T", "N", &columns, block, &height, own, &one);
-  }
+  solveBoth(analysis_->supernodes(), rough_values_.data(), rough_.data(), gathered_.data());
   for (std::size_t k = 0; k < unknowns; ++k) x.data[place(k)] = scale * double(rough_[k]);
 }
 

@@ -38,7 +38,7 @@ class SupernodalFactor final : public CholeskyFactor {
 
   std::shared_ptr<SupernodalAnalysis> analysis_;
   SupernodalNumbers numbers_;
-  cholmod_dense *right_ = nullptr, *solution_ = nullptr, *work_y_ = nullptr, *work_e_ = nullptr;
+  std::vector<double> right_, gathered_right_;
   Array<float> rough_values_;  ///< the factor in single precision; empty: none yet
   std::vector<float> rough_, gathered_;
 };

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "framework/algebra/parallel.h"
-
+#include "components/direct_solvers/small_panels.h"
 #include "framework/algebra/blas.h"
+#include "framework/algebra/parallel.h"
 
 namespace stroma {
 namespace {
@@ -69,6 +69,12 @@ SupernodalEnd SupernodalNumbers::factorList(const LowerTriangle& matrix, const s
     for (const auto* u = plan_.begin(s); u != plan_.end(s); ++u)
       if (stop_.isStopAsked() || !updateColumns(*u, s, 0, pattern_.columnsOf(s), work.place, work)) return {true, -1};
     int info = 0;
+    const int columns = pattern_.columnsOf(s), height = pattern_.heightOf(s);
+    if (double(columns) * columns * height <= most_small_operations) {
+      info = small_panels::factor(values_ + pattern_.offset[s], columns, height);
+      if (info > 0) return {false, pattern_.first[s] + info - 1};
+      continue;
+    }
     if (stop_.isStopAsked() || !factorDiagonal(s, info)) return {true, -1};
     if (info > 0) return {false, pattern_.first[s] + info - 1};
     if (!solveBelow(s)) return {true, -1};
@@ -135,8 +141,10 @@ bool SupernodalNumbers::updateColumns(const SupernodalPlan::Update& u, int s, in
   const double* from = values_ + pattern_.offset[u.from] + done;
   if (work.update.size() < std::size_t(wide) * std::size_t(height))
     work.update.resize(std::size_t(wide) * std::size_t(height));
+  const bool is_small = double(inner) * wide * height <= most_small_operations;
+  if (is_small) small_panels::update(from, stride, inner, wide, height, work.update.data());
   const int portion = portionOf(wide, 2.0 * height * inner);
-  for (int j = 0; j < wide; j += portion) {
+  for (int j = is_small ? wide : 0; j < wide; j += portion) {
     if (j > 0 && stop_.isStopAsked()) return false;
     const int count = std::min(portion, wide - j), below = wide - j - count + rest;
     double* to = work.update.data() + std::size_t(j) * std::size_t(height) + j;
@@ -152,7 +160,10 @@ bool SupernodalNumbers::updateColumns(const SupernodalPlan::Update& u, int s, in
   for (int j = 0; j < wide; ++j) {
     double* __restrict to = values_ + pattern_.offset[s] + std::size_t(relative[j]) * s_height;
     const double* __restrict column = work.update.data() + std::size_t(j) * std::size_t(height);
-    for (int i = j; i < height; ++i) to[relative[i]] -= column[i];
+    if (is_small)
+      for (int i = j; i < height; ++i) to[relative[i]] += column[i];
+    else
+      for (int i = j; i < height; ++i) to[relative[i]] -= column[i];
   }
   return true;
 }

@@ -2,8 +2,8 @@
 // The numbers of A = L L^T for an analysed pattern, supernode by supernode from the left (Ng and Peyton 1993). CHOLMOD's
 // cholmod_super_numeric says nothing and cannot be stopped until it is over, minutes later for a large body, and runs on
 // one thread wherever bits must not depend on threads. This looks between its calls of BLAS whether it shall stop. Small
-// factors are made with CHOLMOD's calls in their order, hence to the same bits. Large ones are made by threads: subtrees of
-// the elimination tree first, and then the supernodes above them one by one, each in pieces of its columns and rows. What
+// factors are made in CHOLMOD's order, small panels without the BLAS (small_panels.h). Large ones are made by threads: subtrees
+// of the elimination tree first, and then the supernodes above them one by one, each in pieces of its columns and rows. What
 // is done in which order does not depend on the number of threads.
 #pragma once
 #include <memory>

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "framework/mechanics/motion.h"
@@ -14,28 +16,62 @@ class Orientations {
   void take(const Motion& motion, Rows x) {
     turning_ = &motion.turningRows();
     q_.resize(turning_->size() * row_doubles);
-    forEachIn(x, [](double* row, double* q) {
-      Four from(row), to(q);
-      to = from;
-      from.setZero();
-    });
+    for (std::size_t i = 0, count = countIn(x); i < count; ++i) {
+      double* const row = rowOf(i, x);
+      std::copy_n(row, row_doubles, q_.data() + i * row_doubles);
+      std::fill_n(row, row_doubles, 0.);
+    }
   }
   /// Puts them into x, turned by what has come together there; into several vectors, if several are made of the one.
   void turn(Rows x) {
-    forEachIn(x, [](double* row, const double* q) {
-      const Vec3 r(row[0], row[1], row[2]);
-      Four to(row);
-      to = Eigen::Map<const Eigen::Vector4d>(q);
-      Motion::turnBy(r, row);
-    });
+    const std::size_t count = countIn(x);
+    for (std::size_t first = 0; first < count; first += many) turnSome(first, std::min(many, count - first), x);
   }
 
  private:
-  using Four = Eigen::Map<Eigen::Vector4d>;
-  template <class Visit>
-  void forEachIn(Rows x, Visit&& visit) {
-    for (std::size_t i = 0; i < turning_->size() && (*turning_)[i] < x.count; ++i)
-      visit(x.data + std::size_t((*turning_)[i]) * row_doubles, q_.data() + i * row_doubles);
+  static constexpr std::size_t many = 64;
+
+  std::size_t countIn(Rows x) const {
+    return std::size_t(std::lower_bound(turning_->begin(), turning_->end(), x.count) - turning_->begin());
+  }
+  double* rowOf(std::size_t i, Rows x) const { return x.data + std::size_t((*turning_)[i]) * row_doubles; }
+
+  /// q' = exp(r) q as Motion::turnBy() has it, without trigonometry and square roots where turns are small: as of most steps.
+  void turnSome(std::size_t first, std::size_t count, Rows x) {
+    alignas(64) double r[3][many], q[4][many], plain[many];
+    for (std::size_t i = 0; i < count; ++i) {
+      const double *row = rowOf(first + i, x), *from = q_.data() + (first + i) * row_doubles;
+      for (std::size_t k = 0; k < 3; ++k) r[k][i] = row[k];
+      for (std::size_t k = 0; k < 4; ++k) q[k][i] = from[k];
+    }
+#pragma omp simd
+    for (std::size_t i = 0; i < count; ++i) {
+      const double s = r[0][i] * r[0][i] + r[1][i] * r[1][i] + r[2][i] * r[2][i], z = s / 4;
+      // sin(|r|/2)/|r| and cos(|r|/2), of which the first terms that are left out are below 1e-17
+      const double factor = 0.5 - z * (1. / 12 - z * (1. / 240 - z * (1. / 10080 - z * (1. / 725760 - z / 79833600))));
+      const double c =
+          1 - z * (1. / 2 - z * (1. / 24 - z * (1. / 720 - z * (1. / 40320 - z * (1. / 3628800 - z / 479001600)))));
+      const double a = factor * r[0][i], b = factor * r[1][i], d = factor * r[2][i];
+      const double x0 = q[0][i], y0 = q[1][i], z0 = q[2][i], w0 = q[3][i];
+      const double x1 = c * x0 + w0 * a + b * z0 - d * y0, y1 = c * y0 + w0 * b + d * x0 - a * z0;
+      const double z1 = c * z0 + w0 * d + a * y0 - b * x0, w1 = c * w0 - a * x0 - b * y0 - d * z0;
+      // round-off must not add up: 1/sqrt(1 + e) is 1 - e/2 as far as numbers go
+      const double excess = x1 * x1 + y1 * y1 + z1 * z1 + w1 * w1 - 1;
+      const double length = 1 - 0.5 * excess, scale = w1 < 0 ? -length : length;
+      plain[i] = (s < 0.06) & (std::abs(excess) < 1e-8) ? 1 : 0;
+      const bool moves = s > 0;
+      q[0][i] = moves ? scale * x1 : x0, q[1][i] = moves ? scale * y1 : y0;
+      q[2][i] = moves ? scale * z1 : z0, q[3][i] = moves ? scale * w1 : w0;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      double* const row = rowOf(first + i, x);
+      if (plain[i] > 0) {
+        for (std::size_t k = 0; k < 4; ++k) row[k] = q[k][i];
+      } else {
+        std::copy_n(q_.data() + (first + i) * row_doubles, row_doubles, row);
+        Motion::turnBy(Vec3(r[0][i], r[1][i], r[2][i]), row);
+      }
+    }
   }
 
   const std::vector<Index>* turning_ = nullptr;

@@ -88,6 +88,7 @@ void MappingChain::place(Rows x, Rows v) const {
 }
 
 void MappingChain::placePassive(Rows x, Rows v) const {
+  ++passive_placings_;
   for (const Mapping* mapping : actors_->passive_mappings) heard("map", mapping)->apply(x);
   for (const Mapping* mapping : actors_->passive_mappings) heard("map", mapping)->applyJ(v);
 }

@@ -42,6 +42,7 @@ class MappingChain {
   /// Places mapped rows of positions and velocities that something acts on; placePassive() the others.
   void place(Rows x, Rows v) const;
   void placePassive(Rows x, Rows v) const;
+  long passivePlacings() const { return passive_placings_; }  ///< how often they were placed
 
  private:
   ConstRows lifted(ConstRows p, Vector& work, const std::vector<Mapping*>& mappings) const;
@@ -50,6 +51,7 @@ class MappingChain {
   std::vector<std::vector<const ForceField*>> loads_;  ///< of each mapping, on its child and what follows it; null: always
   mutable std::vector<Mapping*> acting_;               ///< of the product that has begun
   bool linear_ = true;
+  mutable long passive_placings_ = 0;
   mutable Vector x_, v_, p_, f_;  ///< work space, shape (all rows), only with mappings
   Vector last_force_;             ///< shape (all rows), only with mappings that are not linear
 };

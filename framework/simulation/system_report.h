@@ -16,15 +16,17 @@ class FaultWatch {
   /// Empty, or a sentence: prescribed motions put a node at places without a common point, or x or v is not finite (with
   /// the state, the node and the component to suspect), or an elastic body is more than a million times its size at rest
   /// (a hundred times where elements have grown as much) and larger than at `before` [m]. It will not come back, and
-  /// long before it overflows nothing about it means anything.
+  /// long before it overflows nothing about it means anything. Nodes that nothing acts on are looked at when they have been
+  /// placed since the last look.
   std::string firstFault(ConstRows before);
 
  private:
-  std::string firstNonFinite(bool x_good) const;
+  std::string firstNonFinite(ConstRows x, ConstRows v) const;
   std::string firstBurst(ConstRows before) const;
 
   const System& system_;
-  double burst_size_ = -1;  ///< of the smallest elastic body [m]; -1: not looked up yet
+  double burst_size_ = -1;   ///< of the smallest elastic body [m]; -1: not looked up yet
+  long placings_seen_ = -1;  ///< MappingChain::passivePlacings() of the last look that found nothing
 };
 
 /// A sentence for every elastic body that is more than ten times its size at rest.

@@ -61,7 +61,7 @@ class FrameFields : public testing::TestWithParam<std::string> {};
 
 TEST_P(FrameFields, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForce) {
   Field t(GetParam());
-  for (const double size : {0.01, 0.3, 0.7}) {
+  for (const double size : {0.01, 0.3, 0.7, 1.2}) {
     const Vector x = t.movedBy(1, randomRows(6, 3, size), t.system.x), d = randomRows(6, 4, 1);
     const Vector f = t.forceAt(x);
     const double h = 1e-5;
@@ -248,6 +248,29 @@ TEST(Beams, ACantileverSwingsAtItsFrequency) {
   }
   const double measured = (steps - now / (now - before)) * quarter / 200;
   EXPECT_NEAR(measured, quarter, 0.005 * quarter);
+}
+
+/// By ranges of the turn in which it is computed in other ways; of eleven joints, which are no whole batches.
+TEST(Joints, ATorqueIsTheStiffnessTimesTheTurn) {
+  const double sizes[] = {0, 1e-9, 0.01, 0.2, 0.5, 1.0471, 1.0473, 1.5, 2.0943, 2.0945, 3.1};
+  const Vec3 axis = Vec3(1, -2, 0.5).normalized();
+  std::string places, springs;
+  for (int i = 0; i < 11; ++i) {
+    const Quaternion turn(Eigen::AngleAxisd(sizes[i], axis));
+    places += fmt::format("0 0 0  0 0 0 1  0 0 0  {:.17g} {:.17g} {:.17g} {:.17g}  ", turn.x(), turn.y(), turn.z(), turn.w());
+    springs += fmt::format("BEGIN_SPRING {} {} KS_R 3 3 REST_T 0 0 0 REST_R 0 0 0 1 END_SPRING ", 2 * i, 2 * i + 1);
+  }
+  Field t(fmt::format(R"(<Node name="root"><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject template="Rigid3" position="{}"/>
+    <UniformMass totalMass="22" inertia="1 1 1"/><JointSpringForceField spring="{}"/></Node>)",
+                      places, springs));
+  const Vector f = t.forceAt(t.system.x);
+  double energy = 0;
+  for (int i = 0; i < 11; ++i) {
+    EXPECT_LT((Vec3(f[4 * i + 3]) + 3 * sizes[i] * axis).norm(), 4e-15 * (sizes[i] + 1e-3)) << sizes[i];
+    EXPECT_EQ(Vec3(f[4 * i + 1]), -Vec3(f[4 * i + 3]));
+    energy += 1.5 * sizes[i] * sizes[i];
+  }
+  EXPECT_NEAR(t.field.energy(t.system.x), energy, 1e-14 * energy);
 }
 
 TEST(Joints, AHingeHoldsWhatItBlocks) {

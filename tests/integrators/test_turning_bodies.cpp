@@ -194,6 +194,37 @@ INSTANTIATE_TEST_SUITE_P(Integrators, HeavyTop,
                                          "<RungeKutta2Solver/>"),
                          [](const auto& values) { return fmt::format("Case{}", values.index); });
 
+/// Frames are turned many at once, small turns without trigonometry.
+TEST(TurningBodies, EachOfManyFramesTurnsByItsVelocity) {
+  const double sizes[] = {0, 1e-300, 1e-9, 0.01, 0.24, 0.2449, 0.245, 0.3, 1, 3, 4, 7};
+  const Vec3 axis = Vec3(1, -2, 0.5).normalized();
+  const Quaternion start(Eigen::AngleAxisd(0.7, Vec3(0.3, 0.2, -1).normalized()));
+  constexpr int frames = 77;
+  std::string places, velocities;
+  for (int i = 0; i < frames; ++i) {
+    const Vec3 w = sizes[i % 12] * axis;
+    places += fmt::format("{} 0 0  {:.17g} {:.17g} {:.17g} {:.17g}  ", i, start.x(), start.y(), start.z(), start.w());
+    velocities += fmt::format("0 0 0  {:.17g} {:.17g} {:.17g}  ", w.x(), w.y(), w.z());
+  }
+  Simulation simulation = simulationFromText(fmt::format(
+      R"(<Node name="root" dt="1" gravity="0 0 0"><EulerExplicitSolver/><MechanicalObject template="Rigid3" position="{}"
+      velocity="{}"/><UniformMass totalMass="2" inertia="1 1 1"/></Node>)",
+      places, velocities));
+  const System& system = *simulation.systems()[0];
+  const Quaternion first = orientationIn(system.x, 1);
+  for (int step = 1; step <= 3; ++step) {
+    ASSERT_FALSE(simulation.step().diverged);
+    for (int i = 0; i < frames; ++i) {
+      const Quaternion now = orientationIn(system.x, 2 * i + 1);
+      const Quaternion expected = Quaternion(Eigen::AngleAxisd(step * sizes[i % 12], axis)) * first;
+      EXPECT_LT((now * expected.conjugate()).vec().norm(), 3e-15) << step << " of " << sizes[i % 12];
+      EXPECT_NEAR(now.norm(), 1, 4e-16);
+      EXPECT_GE(now.w(), 0);
+      if (i % 12 == 0) EXPECT_EQ(now.coeffs(), first.coeffs()) << "it stands still";
+    }
+  }
+}
+
 /// A physical pendulum: the quarter of its period is K(sin(a/2)) sqrt(J/(m g l)).
 TEST(TurningBodies, APendulumHasItsPeriod) {
   const double amplitude = 2.0, inertia = 0.3, moment = 4 * 0.5;

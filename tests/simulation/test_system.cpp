@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tests/support/scene_text.h"
+#include "tools/checks/result_doubts.h"
 #include "tools/plan/plan.h"
 
 namespace stroma::test {
@@ -228,6 +229,26 @@ TEST(SystemReports, TheFirstNumberThatIsNotFinite) {
   system.x[4][0] = std::nan("");
   expectContains(FaultWatch(system).firstFault(system.x), "node 2 of /b/dofs has a position that is not finite");
   expectContains(FaultWatch(system).firstFault(system.x), "/b/springs acts on it, its worst element: spring 0 of 5");
+}
+
+TEST(SystemReports, MappedNodesThatNothingActsOnAreLookedAtWhenTheyHaveBeenPlaced) {
+  std::string scene = two_bodies;
+  scene.replace(scene.find("<TestMean "), 10, "<TestMean bend='1e307' ");
+  Simulation simulation(sceneFromText(scene));
+  System& system = *simulation.systems()[0];
+  FaultWatch watch(system);
+  EXPECT_EQ(watch.firstFault(system.x), "");
+  system.x[7][1] = std::nan("");
+  EXPECT_EQ(watch.firstFault(system.x), "") << "left behind, and not read";
+  Vector before(system.x.count());
+  copy(system.x, before);
+  for (Index row = 2; row < 6; ++row) system.x[row].y() = 100;  // and what follows it is beyond all numbers
+  simulation.complete();
+  for (int again = 0; again < 2; ++again)
+    expectContains(watch.firstFault(before), "node 0 of /mapped/dofs has a position that is not finite (inf 100 ");
+  const std::vector<std::string> doubts = doubtsOf(simulation);  // of a run that ends here
+  ASSERT_EQ(doubts.size(), 1u);
+  expectContains(doubts[0], "at t = 0: node 0 of /mapped/dofs has a position that is not finite");
 }
 
 TEST(SystemReports, ThePlan) {

@@ -17,6 +17,8 @@ void addStepFigures(Catalogue& catalogue);
 void addShapeMemoryFigures(Catalogue& catalogue);
 /// Laws of large strains on tetrahedra: kernels and whole steps, beside the textbook's discretisation.
 void addHyperelasticFigures(Catalogue& catalogue);
+/// Chains of rigid frames.
+void addFrameFigures(Catalogue& catalogue);
 /// Processes from start to end.
 void addStartFigures(Catalogue& catalogue);
 

@@ -95,6 +95,7 @@ void measure(Request& request) {
   addThreadFigures(catalogue);
   addStepFigures(catalogue);
   addShapeMemoryFigures(catalogue);
+  addFrameFigures(catalogue);
   addHyperelasticFigures(catalogue);
   addStartFigures(catalogue);
   Collector collector(catalogue);

@@ -10,7 +10,7 @@
 namespace stroma::bench {
 namespace {
 
-struct Form {
+struct MemoryForm {
   std::string name, reaction;
   int side;  ///< nodes along an edge of the cube
   bool whole_step;
@@ -31,13 +31,13 @@ struct Form {
   }
 };
 
-Body& bodyOf(const Form& form) {
+Body& bodyOf(const MemoryForm& form) {
   return bodyOf("benchmarks/shape_memory.xml",
                 {fmt::format("/grid.n={0} {0} {0}", form.side), "/cells/memory.reaction=" + form.reaction},
                 Shape::deformed);
 }
 
-void time(benchmark::State& state, const Form& form) {
+void time(benchmark::State& state, const MemoryForm& form) {
   setThreads(1);
   Body& body = bodyOf(form);
   if (double(body.x.count()) != form.nodes()) {
@@ -59,7 +59,7 @@ void addShapeMemoryFigures(Catalogue& catalogue) {
   for (const int side : {10, 31})
     for (const auto& [words, reaction] : {std::pair{"", "false"}, std::pair{" with reaction", "true"}})
       for (const bool whole_step : {false, true}) {
-        const Form form{fmt::format("shape memory {}{}, {}", whole_step ? "step" : "force", words,
+        const MemoryForm form{fmt::format("shape memory {}{}, {}", whole_step ? "step" : "force", words,
                                     side == 10 ? "1k nodes" : "30k nodes"),
                         reaction, side, whole_step};
         Figure figure;

@@ -146,6 +146,9 @@ std::vector<std::string> doubtsOf(const Simulation& simulation) {
           say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time, folds));
     }
     for (std::string& sentence : grownBodies(system)) say(sentence);
+    // mapped nodes are placed after the last look at a step
+    if (const std::string fault = FaultWatch(system).firstFault(system.x); !fault.empty())
+      say(fmt::format("at t = {:.6g} s: {}", time, fault));
     if (simulation.steps() > 0 && system.counts.forces > 0)
       for (std::string& sentence :
            unansweredForces(system, simulation.snapshots().good(i).v, simulation.dt(), simulation.time()))
