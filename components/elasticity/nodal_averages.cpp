@@ -57,6 +57,9 @@ struct NodalAverages<Storage>::Warped : Model {
   using Rest = typename NodalAverages::Rest;
   template <class>
   using Tangent = typename NodalAverages::Tangent;
+  static void ofFan(const auto& rest, const auto& t, const V3<Pack> (&x)[fan_nodes], auto& k) {
+    fanMatrix<WarpedBlocks<Pack>>(rest, t, x, k);
+  }
 };
 
 template <class Storage>

@@ -149,7 +149,7 @@ class Tetrahedra final : public ElasticElements {
     const double lanes = 8. / pack_lanes;
     const bool green = variant_.method == ElasticMethod::green, nodal = variant_.method == ElasticMethod::nodal;
     const bool by_products = variant_.exact_tangent && !green;  // a matrix of twelve products
-    return {(green ? 12 : by_products ? 40 : nodal ? 30 : 4.6) * lanes, by_products ? 400 * lanes : 100};
+    return {(green ? 12 : by_products ? 40 : nodal ? 30 : 4.6) * lanes, (by_products ? 300 : nodal ? 100 : 45) * lanes};
   }
 
  private:

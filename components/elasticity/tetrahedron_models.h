@@ -2,6 +2,7 @@
 // The methods of a tetrahedral mesh: models for ModelKernels (model_kernels.h), and warping by node, which is none
 // because its rotations belong to nodes.
 #pragma once
+#include "components/elasticity/fan_blocks.h"
 #include "components/elasticity/nodal_warping.h"
 #include "components/elasticity/tetrahedron_corotational.h"
 #include "framework/fem/model_kernels.h"
@@ -26,6 +27,9 @@ struct Model {
 /// Forces and energy of Own::strain(rest, t, x), (mu V_0)^1/2 eps. It may bring the gradients of t to those at x.
 template <class Own>
 struct ByStrain : Model {
+  static void ofFan(const auto& rest, const auto& t, const V3<Pack> (&x)[fan_nodes], auto& k) {
+    fanMatrix<WarpedBlocks<Pack>>(rest, t, x, k);
+  }
   template <class T>
   static void force(const auto& rest, tetrahedron::Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
     nodalForces(restoringStress(Own::strain(rest, t, x), t.ratio, T(1.)), t.g, f);
@@ -122,6 +126,9 @@ struct Green : Model {
   static constexpr bool reads_position = true;
   template <class T>
   using Tangent = Constants<T>;
+  static void ofFan(const auto& rest, const auto& t, const V3<Pack> (&x)[fan_nodes], auto& k) {
+    fanMatrix<GreenBlocks<Pack>>(rest, t, x, k);
+  }
   template <class T>
   static void force(const Rest<T>& rest, const Constants<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
     columnForces(greenStress(outerSum(Edges(x).e, rest.g), T(1.), t.lambda, t.mu), rest.g, f);
@@ -190,7 +197,7 @@ class NodalWarping final : public StoredKernels<StorageOf<NodalModel>> {
     });
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
-    storage_.loop.assemble(factor, slots, values, [&](Index b, auto& k) { matrix(b, k); });
+    storage_.loop.assemble(factor, slots.data(), values, [&](Index b, auto& k) { matrix(b, k); });
   }
   void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
     storage_.loop.assembleDiagonal(factor, blocks, [&](Index b, auto& k) { matrix(b, k); });

@@ -117,7 +117,7 @@ HyperelasticForceField::KindKernels HyperelasticForceField::kernels() const {
     const bool is_own = cells.form == Form::mjed || cells.form == Form::regularised;
     return is_own ? law.tetrahedra(cells) : hyperelastic::pointKernels().tetrahedra(law, cells);
   };
-  return {tetrahedra, nullptr, residualStressKernels().tetrahedra, 12, 150};
+  return {tetrahedra, nullptr, residualStressKernels().tetrahedra, 12, 85};
 }
 
 void HyperelasticForceField::init() {

@@ -62,7 +62,7 @@ class PointLaw final : public ElementKernels {
   void addPattern(BlockPattern& pattern) const override { loop_.addPattern(pattern); }
   std::vector<Index> slots(const BlockMatrix& matrix) const override { return loop_.slots(matrix); }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
-    loop_.assemble(factor, slots, values, [&](Index b, Matrix& k) { matrix(b, k); });
+    loop_.assemble(factor, slots.data(), values, [&](Index b, Matrix& k) { matrix(b, k); });
   }
   void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
     loop_.assembleDiagonal(factor, blocks, [&](Index b, Matrix& k) { matrix(b, k); });

@@ -100,7 +100,7 @@ class PorousLoops final : public PorousElements {
     });
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
-    storage_.loop.assemble(factor, slots, values, [&](Index b, Matrix& k) { matrix(b, k); });
+    storage_.loop.assemble(factor, slots.data(), values, [&](Index b, Matrix& k) { matrix(b, k); });
   }
   void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
     storage_.loop.assembleDiagonal(factor, blocks, [&](Index b, Matrix& k) { matrix(b, k); });

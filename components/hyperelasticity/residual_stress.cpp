@@ -241,7 +241,7 @@ class ResidualPoints final : public StoredKernels<StorageOf<Model>>, public Resi
     });
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
-    storage_.loop.assemble(factor, slots, values, [&](Index b, Matrix& k) { Model::matrix(storage_.tangent[b], k); });
+    storage_.loop.assemble(factor, slots.data(), values, [&](Index b, Matrix& k) { Model::matrix(storage_.tangent[b], k); });
   }
   void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
     storage_.loop.assembleDiagonal(factor, blocks, [&](Index b, Matrix& k) { Model::matrix(storage_.tangent[b], k); });

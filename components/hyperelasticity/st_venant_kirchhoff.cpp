@@ -57,6 +57,27 @@ struct GreenTetrahedron {
     const M3<T> change = Frame::deformation(tetrahedron::Edges(dx).e, g) * factor;
     Frame::forces(sum(f + change, stress(t.lambda, t.mu, f), f, stressChange(t.lambda, t.mu, f, change)), g, both);
   }
+  /// K_ab = lambda m_a (x) m_b + mu m_b (x) m_a + mu (g_a . g_b) F F^T + (g_a . S g_b) Id, m_a = F g_a: block(a, b, K_ab), a <= b.
+  template <class T>
+  static void pairs(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[4], auto&& block) {
+    const M3<T> f = Frame::deformation(tetrahedron::Edges(x).e, rest);
+    const S3<T> s = stress(t.lambda, t.mu, f), left = metric(transpose(f)) * t.mu;
+    V3<T> g[4], m[4], sg[4];
+    Frame::forces(identity<T>(), rest, g), Frame::forces(f, rest, m);
+    Frame::forces(M3<T>{{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}}, rest, sg);
+    for (int a = 0; a < 4; ++a)
+      for (int b = a; b < 4; ++b) {
+        const T both = stroma::dot(g[a], g[b]), held = stroma::dot(g[a], sg[b]);
+        const V3<T> p = m[a] * t.lambda, q = m[a] * t.mu, &n = m[b];
+        const T xy = both * left.xy, yz = both * left.yz, zx = both * left.zx;
+        const T k[9] = {fma(p.x + q.x, n.x, fma(both, left.xx, held)), fma(p.x, n.y, fma(q.y, n.x, xy)),
+                        fma(p.x, n.z, fma(q.z, n.x, zx)),              fma(p.y, n.x, fma(q.x, n.y, xy)),
+                        fma(p.y + q.y, n.y, fma(both, left.yy, held)), fma(p.y, n.z, fma(q.z, n.y, yz)),
+                        fma(p.z, n.x, fma(q.x, n.z, zx)),              fma(p.z, n.y, fma(q.y, n.z, yz)),
+                        fma(p.z + q.z, n.z, fma(both, left.zz, held))};
+        block(a, b, k);
+      }
+  }
 
  private:
   /// S = lambda/2 (tr C - 3) Id + mu (C - Id)
@@ -105,6 +126,18 @@ struct GreenFan : tetrahedron::FanOf<GreenTetrahedron> {
     gatherForces<false>(both, [&](int i, V3<T>(&out)[4]) {
       GreenTetrahedron::forceAndProduct(rest.of[i], t.of[i], factor, Corners<T>(x, i).x, Corners<T>(dx, i).x, out);
     });
+  }
+  static void matrix(const Rest<Pack>& rest, const Tangent<Pack>& t, const V3<Pack> (&x)[nodes], Pack (&k)[nodes * nodes * 9]) {
+    using tetrahedron::corner;
+    for (Pack& value : k) value = Pack(0.);
+    for (int i = 0; i < tetrahedron::fan_size; ++i)
+      GreenTetrahedron::pairs(rest.of[i], t.of[i], Corners<Pack>(x, i).x, [&](int a, int b, const Pack(&own)[9]) {
+        Pack *upper = k + (corner(i, a) * nodes + corner(i, b)) * 9, *lower = k + (corner(i, b) * nodes + corner(i, a)) * 9;
+        for (int e = 0; e < 9; ++e) {
+          upper[e] += own[e];
+          if (a != b) lower[e % 3 * 3 + e / 3] += own[e];
+        }
+      });
   }
 };
 

@@ -112,25 +112,16 @@ class ElementLoop {
   std::size_t slotCount() const { return std::size_t(batches()) * N * N * pack_lanes; }
   /// values (of the matrix the slots belong to) += factor * K, K from matrix(batch, out); `slots`: as from slots().
   template <class ElementMatrix>
-  void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values,
-                ElementMatrix&& matrix) const {
-    assemble(factor, slots.data(), values, matrix);
-  }
-  template <class ElementMatrix>
   void assemble(double factor, const Index* slots, std::vector<double>& values, ElementMatrix&& matrix) const {
     forEachBatch([&](Index b) __attribute__((flatten)) {
-      alignas(64) double element[N * N * 9][pack_lanes];
-      scaledMatrix(b, factor, matrix, element);
-      for (int l = 0; l < pack_lanes; ++l) {
-        if (elementOf(b, l) < 0) break;
-        for (int ij = 0; ij < N * N; ++ij) {
-          if (!Coupling::coupled(ij / N, ij % N)) continue;
-          double* block =
-              values.data() +
-              std::size_t(slots[(std::size_t(b) * N * N + std::size_t(ij)) * pack_lanes + std::size_t(l)]) * 9;
-          for (int k = 0; k < 9; ++k) block[k] += element[ij * 9 + k][l];
-        }
-      }
+      Matrix k;
+      matrix(b, k);
+      int lanes = 0;
+      while (lanes < pack_lanes && elementOf(b, lanes) >= 0) ++lanes;
+      for (int ij = 0; ij < N * N; ++ij)
+        if (Coupling::coupled(ij / N, ij % N))
+          addToBlocks(k + ij * 9, Pack(factor), slots + (std::size_t(b) * N * N + std::size_t(ij)) * pack_lanes, lanes,
+                      values.data());
     });
   }
   /// blocks[row] += factor * diagonal blocks of K, shape (rows, 9), K from matrix(batch, out).
@@ -159,10 +150,10 @@ class ElementLoop {
       }
     });
   }
-  /// K column by column: product(dx, df) with unit vectors.
+  /// K column by column, from node `first` on: product(dx, df) with unit vectors.
   template <class Product>
-  static void matrixFromProducts(Product&& product, Matrix& matrix) {
-    for (int j = 0; j < N; ++j)
+  static void matrixFromProducts(Product&& product, Matrix& matrix, int first = 0) {
+    for (int j = first; j < N; ++j)
       for (int column = 0; column < 3; ++column) {
         Nodes dx{}, df;
         (column == 0 ? dx[j].x : column == 1 ? dx[j].y : dx[j].z) = Pack(1.);
@@ -214,15 +205,6 @@ class ElementLoop {
       else
         parallelFor(count, [&](int block) { body(first + block); });
     }
-  }
-
-  /// factor * K of a batch as plain doubles, [i][j][row][column][lane], to be read lane by lane.
-  template <class ElementMatrix>
-  static void scaledMatrix(Index b, double factor, ElementMatrix& matrix, double (&element)[N * N * 9][pack_lanes]) {
-    Matrix k;
-    matrix(b, k);
-    const Pack scale(factor);
-    for (int i = 0; i < N * N * 9; ++i) (k[i] * scale).store_aligned(element[i]);
   }
 
   /// Order of the elements in batches, blocks and colours (arrangement.h).

@@ -16,7 +16,8 @@ struct Fanned {
   Data of[fan_size];
 };
 
-/// A model of ModelKernels for fans, from one for tetrahedra. `long_force`, where it has it: its force is not short.
+/// A model of ModelKernels for fans, from one for tetrahedra, which may have `long_force`: its force is not short, and ofFan(): as
+/// matrix() below, in which blocks of nodes that share no tetrahedron need not be.
 template <class Single>
 struct FanOf {
   static constexpr int nodes = fan_nodes;
@@ -63,10 +64,11 @@ struct FanOf {
       Single::product(rest.of[i], t.of[i], factor, c.x, dc.x, out);
     });
   }
-  /// K of the fan, [i][j][row][column], each tetrahedron's by products with unit vectors; zero for nodes that share
-  /// none.
+  /// K of the fan, [i][j][row][column], zero for nodes that share no tetrahedron; each one's by products with unit vectors of its
+  /// nodes but the first, as no translation has a force.
   static void matrix(const Rest<Pack>& rest, const Tangent<Pack>& t, const V3<Pack> (&x)[nodes],
                      Pack (&k)[nodes * nodes * 9]) {
+    if constexpr (requires { Single::ofFan(rest, t, x, k); }) return Single::ofFan(rest, t, x, k);
     for (Pack& value : k) value = Pack(0.);
     for (int i = 0; i < fan_size; ++i) {
       const Corners<Pack> c(x, i);
@@ -75,7 +77,9 @@ struct FanOf {
           [&](const V3<Pack>(&dx)[4], V3<Pack>(&df)[4]) {
             Single::product(rest.of[i], t.of[i], Pack(1.), c.x, dx, df);
           },
-          own);
+          own, 1);
+      for (int a = 0; a < 4; ++a)
+        for (int e = a * 36; e < a * 36 + 9; ++e) own[e] = -(own[e + 9] + own[e + 18] + own[e + 27]);
       for (int a = 0; a < 4; ++a)
         for (int b = 0; b < 4; ++b)
           for (int e = 0; e < 9; ++e) k[(corner(i, a) * nodes + corner(i, b)) * 9 + e] += own[(a * 4 + b) * 9 + e];

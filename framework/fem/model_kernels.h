@@ -163,7 +163,7 @@ struct ProductLoops {
   }
   static void assemble(const Storage& storage, const Vector& x, double factor, const std::vector<Index>& slots,
                        std::vector<double>& values) {
-    storage.loop.assemble(factor, slots, values, [&](Index b, Matrix& k) { matrix(storage, x, b, k); });
+    storage.loop.assemble(factor, slots.data(), values, [&](Index b, Matrix& k) { matrix(storage, x, b, k); });
   }
   static void assembleDiagonal(const Storage& storage, const Vector& x, double factor, std::vector<double>& blocks) {
     if constexpr (has_diagonal)

@@ -154,12 +154,12 @@ inline V3<Pack> gatherRows(const double* data, const Index* offset) {
           Pack(_mm512_permutex2var_pd(xz01_lo, second, xz23_lo))};
 }
 
-/// use(lane, row) for each lane in order, row an __m256d: x y z 0.
+/// use(lane, row) for each lane in order, row an __m256d: x y z w.
 template <class Use>
-inline void forEachRow(const V3<Pack>& v, Use&& use) {
-  const __m512d x = v.x, y = v.y, z = v.z, zero = _mm512_setzero_pd();
-  const __m512d xy_even = _mm512_unpacklo_pd(x, y), xy_odd = _mm512_unpackhi_pd(x, y);      // x0 y0 x2 y2 | ...
-  const __m512d z_even = _mm512_unpacklo_pd(z, zero), z_odd = _mm512_unpackhi_pd(z, zero);  // z0 0 z2 0 | ...
+inline void forEachRow(const V3<Pack>& v, Use&& use, const Pack& fourth = Pack(0.)) {
+  const __m512d x = v.x, y = v.y, z = v.z, w = fourth;
+  const __m512d xy_even = _mm512_unpacklo_pd(x, y), xy_odd = _mm512_unpackhi_pd(x, y);  // x0 y0 x2 y2 | ...
+  const __m512d z_even = _mm512_unpacklo_pd(z, w), z_odd = _mm512_unpackhi_pd(z, w);    // z0 w0 z2 w2 | ...
   const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
   const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
   const __m512d r04 = _mm512_permutex2var_pd(xy_even, low, z_even), r15 = _mm512_permutex2var_pd(xy_odd, low, z_odd);
@@ -185,10 +185,10 @@ inline V3<Pack> gatherRows(const double* data, const Index* offset) {
           Pack(_mm256_permute2f128_pd(xz01, xz23, 0x31))};
 }
 template <class Use>
-inline void forEachRow(const V3<Pack>& v, Use&& use) {
-  const __m256d x = v.x, y = v.y, z = v.z, zero = _mm256_setzero_pd();
+inline void forEachRow(const V3<Pack>& v, Use&& use, const Pack& fourth = Pack(0.)) {
+  const __m256d x = v.x, y = v.y, z = v.z, w = fourth;
   const __m256d xy02 = _mm256_unpacklo_pd(x, y), xy13 = _mm256_unpackhi_pd(x, y);
-  const __m256d z02 = _mm256_unpacklo_pd(z, zero), z13 = _mm256_unpackhi_pd(z, zero);
+  const __m256d z02 = _mm256_unpacklo_pd(z, w), z13 = _mm256_unpackhi_pd(z, w);
   use(0, _mm256_permute2f128_pd(xy02, z02, 0x20));
   use(1, _mm256_permute2f128_pd(xy13, z13, 0x20));
   use(2, _mm256_permute2f128_pd(xy02, z02, 0x31));
@@ -206,27 +206,42 @@ inline V3<Pack> gatherRows(const double* data, const Index* offset) {
   return {Pack::load_aligned(x), Pack::load_aligned(y), Pack::load_aligned(z)};
 }
 template <class Use>
-inline void forEachRow(const V3<Pack>& v, Use&& use) {
-  alignas(64) double x[pack_lanes], y[pack_lanes], z[pack_lanes];
-  v.x.store_aligned(x), v.y.store_aligned(y), v.z.store_aligned(z);
-  for (int l = 0; l < pack_lanes; ++l) use(l, std::array<double, 3>{x[l], y[l], z[l]});
+inline void forEachRow(const V3<Pack>& v, Use&& use, const Pack& fourth = Pack(0.)) {
+  alignas(64) double x[pack_lanes], y[pack_lanes], z[pack_lanes], w[pack_lanes];
+  v.x.store_aligned(x), v.y.store_aligned(y), v.z.store_aligned(z), fourth.store_aligned(w);
+  for (int l = 0; l < pack_lanes; ++l) use(l, std::array<double, 4>{x[l], y[l], z[l], w[l]});
 }
 
 #endif
 
 #if defined(__AVX__)
-inline void addRow(__m256d value, double* row) { _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value)); }
+inline void addRow(__m256d value, double* row) { _mm256_storeu_pd(row, _mm256_add_pd(_mm256_loadu_pd(row), value)); }
 inline void setRow(__m256d value, double* row) { _mm256_store_pd(row, value); }
 #else
-inline void addRow(const std::array<double, 3>& value, double* row) {
-  for (std::size_t c = 0; c < 3; ++c) row[c] += value[c];
+inline void addRow(const std::array<double, 4>& value, double* row) {
+  for (std::size_t c = 0; c < 4; ++c) row[c] += value[c];
 }
-inline void setRow(const std::array<double, 3>& value, double* row) { std::copy(value.begin(), value.end(), row); }
+inline void setRow(const std::array<double, 4>& value, double* row) { std::copy(value.begin(), value.end(), row); }
 #endif
 
 /// rows offset[l] += v, lane by lane, in the order of the lanes: lanes may share a row.
 inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
   forEachRow(v, [&](int l, const auto& row) { addRow(row, data + offset[l]); });
+}
+/// blocks slot[l] of nine doubles += s k, for the first `lanes` lanes.
+inline void addToBlocks(const Pack* k, Pack s, const Index* slot, int lanes, double* data) {
+  alignas(64) double last[pack_lanes];
+  (k[8] * s).store_aligned(last);
+  for (int part = 0; part < 8; part += 4)
+    forEachRow(
+        V3<Pack>{k[part] * s, k[part + 1] * s, k[part + 2] * s},
+        [&](int l, const auto& four) {
+          if (l >= lanes) return;
+          double* block = data + std::size_t(slot[l]) * 9;
+          addRow(four, block + part);
+          if (part == 4) block[8] += last[l];
+        },
+        k[part + 3] * s);
 }
 /// rows 0 to pack_lanes - 1 of data = v.
 inline void setRows(const V3<Pack>& v, double* data) {

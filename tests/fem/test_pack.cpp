@@ -94,6 +94,29 @@ TEST(Pack, AddingReachesRowsThatLanesShare) {
   }
 }
 
+TEST(Pack, BlocksGetTheNumbersOfTheFirstLanesAndThoseBesideThemNone) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<Index> block(0, 4);  // few blocks: lanes meet
+  std::uniform_int_distribution<int> number(-99, 99);
+  for (int lanes = 0; lanes <= pack_lanes; ++lanes)
+    for (int repeat = 0; repeat < 50; ++repeat) {
+      std::array<double, 45> to{}, expected{};
+      std::array<Index, pack_lanes> at{};
+      for (Index& slot : at) slot = block(random);
+      std::array<Pack, 9> k;
+      for (std::size_t e = 0; e < 9; ++e) {
+        Lanes values{};
+        for (std::size_t l = 0; l < pack_lanes; ++l) {
+          values[l] = number(random);
+          if (int(l) < lanes) expected[std::size_t(at[l]) * 9 + e] += 0.5 * values[l];
+        }
+        k[e] = packOf(values);
+      }
+      addToBlocks(k.data(), Pack(0.5), at.data(), lanes, to.data());
+      EXPECT_EQ(to, expected) << lanes << " lanes";
+    }
+}
+
 TEST(Pack, SettingRowsWritesEachLanesRowAndNoOther) {
   Lanes x{}, y{}, z{};
   for (std::size_t l = 0; l < pack_lanes; ++l) x[l] = 1. + double(l), y[l] = 20. + double(l), z[l] = 300. + double(l);
