@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/iterative_solvers/automatic_inverse.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -20,8 +18,6 @@ constexpr double multigrid_start = 1.25, multigrid_rate = 2;  // iterations, and
 constexpr double fresh_rate = 0.3;                           // by the factors of the very matrix, in single precision
 constexpr double former_rate = 0.8;                          // and more by those of a former one, for each matrix since
 constexpr double direct_applications = 2.5;                  // of factors in single precision
-// ns: to turn a node with what surrounds it, for each matrix
-constexpr double turn_factors = 700, turn_hierarchy = 330;
 constexpr double to_open_factors = 3e6;                      // ns: a module
 
 }  // namespace
@@ -52,15 +48,23 @@ double AutomaticInverse::applications() const { return now_.factor_costs.is_sing
 /// Of the matrices after the first one, a solve's share.
 double AutomaticInverse::turning(Way way) const {
   if (now_.matrices < 2 || way == Way::block_jacobi || way == Way::direct) return 0;
-  return (way == Way::multigrid ? turn_hierarchy : turn_factors) * rows_ / perMatrix();
+  return (way == Way::multigrid ? IterationCosts::turn_hierarchy : IterationCosts::turn_factors) * rows_ / perMatrix();
 }
+
+/// Of hierarchies that were made anew, and of what was done with the former ones in vain, a solve's share.
+double AutomaticInverse::renewing() const {
+  return (now_.wasted + IterationCosts::hierarchy(rows_, blocks()) * now_.renewals) / std::max(1, now_.multigrid_solves);
+}
+
+/// By the factors of the very matrix.
+double AutomaticInverse::byFresh(double each) const { return std::max(1.0, fresh_rate * decades()) * each; }
 
 /// By factors that are renewed when that is cheapest: with F for a factorisation and s for an iteration more for each matrix since,
 /// after sqrt(2 F / s) matrices, and then a solve costs sqrt(2 F s) more than by fresh factors.
 double AutomaticInverse::solveByFormer(double each, double renewal) const {
   const double more = former_rate * decades() * each;
   const double served = std::max(1.0, std::sqrt(2 * renewal / more));
-  return std::max(1.0, fresh_rate * decades()) * each + renewal / served + more * (served - 1) / 2;
+  return byFresh(each) + renewal / served + more * (served - 1) / 2;
 }
 
 /// One of the usual kind, with its share of what comes before.
@@ -68,8 +72,10 @@ double AutomaticInverse::solve(Way way) const {
   const double rate = now_.rates[at(way)], each = iteration(way);
   if (way == Way::block_jacobi) return std::max(1.0, rate * decades()) * each;
   if (way == Way::multigrid)
-    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + multigrid_rate * decades()) * each + turning(way);
-  const bool is_constant = now_.matrices == 1 && now_.solves > 1;
+    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + multigrid_rate * decades()) * each + turning(way) +
+           renewing();
+  // the first step of integrators that look back two steps has a matrix of its own
+  const bool is_constant = is_constant_ ? now_.matrices <= 2 : now_.matrices == 1 && now_.solves > 1;
   const double factors = is_constant ? 0 : factorisation() / perMatrix();
   if (way == Way::direct) return applications() * each + factors;
   if (now_.factor_solves > 0) return now_.with_factors / now_.factor_solves;
@@ -114,7 +120,8 @@ AutomaticInverse::Way AutomaticInverse::cheapest(double present, double left) co
 /// Sets `next` where another way is estimated to cost less; the present way takes so many iterations for a decade.
 bool AutomaticInverse::findCheaper(double rate, double left) {
   if (now_.changes >= most_changes || isRefused()) return false;
-  const double present = std::max(1.0, rate * decades()) * iteration(now_.way) + turning(now_.way);
+  const double again = now_.way == Way::multigrid ? renewing() : 0;
+  const double present = std::max(1.0, rate * decades()) * iteration(now_.way) + turning(now_.way) + again;
   estimateFactors();
   Way way = cheapest(present, left);
   if (isFactored(way) && !now_.is_counted) countFactors(), way = cheapest(present, left);
@@ -132,10 +139,14 @@ bool AutomaticInverse::isSlow(int iterations, double residual) {
   const double all = std::log10(start_ / target_), known = now_.rates[at(now_.way)];
   if (known > 0 && iterations < as_expected * known * all) return false;
   if (now_.way == Way::factors && iterations < most_by_factors) return false;
+  if (now_.way == Way::multigrid && !multigrid_.isFresh())  // the next matrix would get a new hierarchy in any case
+    return leaves_ = renews_ = iterations - known * all > Multigrid::iterations_worth;
   const double gained = std::max(0.25, std::log10(start_ / residual));
   const double rate = iterations / gained * (0.6 + 0.4 * std::min(1.0, gained / all));
   if (!findCheaper(rate, std::max(0.0, all - gained))) return false;
-  leaves_ = iterations * iteration(now_.way) >= trial * setup(now_.next);
+  const double gain = std::max(1.0, rate * decades()) * iteration(now_.way) - solve(now_.next), before = setup(now_.next);
+  const double repaid = gain * std::max(0.0, all - gained) / decades();  // by this solve alone
+  leaves_ = iterations * iteration(now_.way) >= trial * before || repaid >= worth_changing * before;
   if (!leaves_) now_.next = now_.way;
   return leaves_;
 }
@@ -149,9 +160,10 @@ void AutomaticInverse::solved(const SolveReport& report) {
   start_ = std::max(report.relative_residual, 1e-16);
   const double gained = std::max(leaves_ ? 0.25 : 0.5, -std::log10(part.relative_residual));
   const double rate = (isDirect() ? 0 : report.iterations) / gained * (leaves_ ? 0.7 : 1);
-  double& mean = now_.rates[at(now_.way)];
-  mean = mean == 0 ? rate : mean + (rate - mean) / 4;
-  if (now_.way == Way::multigrid) multigrid_.solved(part);
+  if (double& mean = now_.rates[at(now_.way)]; !renews_)
+    mean = mean == 0 ? rate : leaves_ ? std::max(mean, rate) : mean + (rate - mean) / 4;
+  if (now_.way == Way::multigrid) multigrid_.solved(part), ++(renews_ ? now_.renewals : now_.multigrid_solves);
+  if (renews_) now_.wasted += report.iterations * iteration(now_.way);
   if (now_.way == Way::factors) factors_->solved(part);
   if (leaves_ || rows_ < few_nodes || !may_change_) return;
   const double decades = std::min(-std::log10(start_), -std::log10(target_));
@@ -164,7 +176,10 @@ void AutomaticInverse::solved(const SolveReport& report) {
 void AutomaticInverse::judge(double cost) {
   constexpr int enough_solves = 6;
   const Way way = now_.way;
-  if (!isFactored(way)) findCheaper(now_.rates[at(way)], 0);
+  if (!isFactored(way)) {
+    now_.spent += cost;
+    if (!findCheaper(now_.rates[at(way)], 0) && tryFactors()) now_.next = Way::factors;
+  }
   if (way == Way::block_jacobi || now_.next != way) return;
   if (isFactored(way)) {
     const bool is_first = now_.factored_solves++ == 0;
@@ -173,7 +188,8 @@ void AutomaticInverse::judge(double cost) {
     if (way == Way::factors) now_.with_factors += cost, ++now_.factor_solves;
     if (is_first) return;
     if (way == Way::factors && now_.factor_solves >= enough_solves && now_.changes < most_changes &&
-        solve(way) > worth_changing * solve(Way::direct)) {
+        solve(way) > worth_changing * solve(Way::direct) &&
+        now_.with_factors > now_.factor_solves * solve(Way::direct) + setup(Way::direct)) {  // which orders and factors again
       now_.next = Way::direct;
       return;
     }
@@ -187,6 +203,22 @@ void AutomaticInverse::judge(double cost) {
   now_.may_factor = now_.may_factor && !isFactored(way);
 }
 
+/// How long former factors serve shows only where they are tried, in vain in two of three bodies (of those of solver_scenes.py). So
+/// it is done once factors that never age would have gained three times what comes before them, had they been taken at first. Where
+/// multigrid serves it is not done: what they might gain is less there than estimates are wrong by.
+bool AutomaticInverse::tryFactors() {
+  constexpr int often = 4, in_vain = 3;
+  if (now_.way != Way::block_jacobi || now_.factored_solves > 0 || now_.changes >= most_changes || isRefused()) return false;
+  if (!mayBe(Way::factors) || often * (now_.patterns - 1) > now_.matrices) return false;
+  const auto isWorth = [&] {
+    const double best = byFresh(iteration(Way::factors)) + turning(Way::factors);
+    return solve(now_.way) > worth_changing * best && now_.spent - now_.solves * best > in_vain * setup(Way::factors);
+  };
+  if (!isWorth()) return false;
+  countFactors();
+  return mayBe(Way::factors) && isWorth();
+}
+
 int AutomaticInverse::patience() const {
   constexpr int usual = 100, most_times = 3;
   if (by_blocks_) return int(most_times * std::max<double>(usual, now_.rates[at(Way::block_jacobi)] * decades()));
@@ -194,6 +226,10 @@ int AutomaticInverse::patience() const {
 }
 
 bool AutomaticInverse::giveUp() {
+  if (std::exchange(renews_, false)) {
+    leaves_ = false;
+    return multigrid_.giveUp();
+  }
   if (std::exchange(leaves_, false)) return now_.next != now_.way;
   return !by_blocks_ && now_.way == Way::factors && factors_->giveUp();
 }
@@ -203,7 +239,7 @@ bool AutomaticInverse::giveUp() {
 void AutomaticInverse::note(SystemMatrix& matrix) {
   const MatrixKey key = matrix.key();
   matrix_ = &matrix, rows_ = matrix.rows();
-  leaves_ = false;
+  leaves_ = renews_ = false;
   if (!has_begun_) return;
   has_begun_ = false;
   factored_ = by_blocks_ = false;
@@ -251,12 +287,12 @@ void AutomaticInverse::noteRefusal() {
 
 /// Where it would need patches, its iterations are many and dear.
 void AutomaticInverse::avoidMultigrid(SystemMatrix& matrix) {
-  constexpr double dearer = 4;
   const auto areFar = [&] {
-    return !mayBe(Way::factors) || std::min(solve(Way::direct), solve(Way::factors)) > dearer * solve(Way::multigrid);
+    const double factored = std::min(solve(Way::direct), solve(Way::factors));
+    return !mayBe(Way::factors) || factored > IterationCosts::with_patches * solve(Way::multigrid);
   };
   estimateFactors();
-  if (areFar()) return;  // a large body is not counted in vain
+  if (areFar()) return;
   countFactors();
   if (areFar() || !amg::hardlySmooths(matrix.assemble()) || !canFactor()) return;
   now_.way = now_.next = solve(Way::direct) < solve(Way::factors) ? Way::direct : Way::factors;
@@ -264,7 +300,10 @@ void AutomaticInverse::avoidMultigrid(SystemMatrix& matrix) {
 
 bool AutomaticInverse::followBy(Way way, SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   if (way == Way::multigrid) {
+    const bool had_one = multigrid_.hierarchy();
+    const int made = multigrid_.made();
     const bool has_hierarchy = multigrid_.follow(matrix, report, stop);
+    now_.renewals += had_one && multigrid_.made() > made;
     if (has_hierarchy) now_.blocks = multigrid_.hierarchy()->fine.a.blocks();
     return has_hierarchy;
   }
@@ -317,66 +356,6 @@ void AutomaticInverse::takeBack(const SystemMatrix& matrix) {
   now_ = kept_;
   multigrid_.takeBack(matrix);
   if (factors_) factors_->takeBack(matrix);
-}
-
-void AutomaticInverse::Memory::serialize(Archive& archive) {
-  archive.value("auto_way", way);
-  archive.value("auto_next", next);
-  archive.value("auto_changes", changes);
-  archive.value("auto_lost", lost);
-  archive.rows("auto_rates", rates.data(), rates.size());
-  archive.value("auto_decades", decades);
-  archive.value("auto_with_factors", with_factors);
-  archive.value("auto_factor_solves", factor_solves);
-  archive.value("auto_factored_solves", factored_solves);
-  archive.value("auto_solves", solves);
-  archive.value("auto_matrices", matrices);
-  archive.value("auto_patterns", patterns);
-  archive.value("auto_refusals", refusals);
-  archive.value("auto_blocks", blocks);
-  archive.value("auto_may_factor", may_factor);
-  archive.value("auto_new_pattern", has_new_pattern);
-  archive.value("auto_counted", is_counted);
-  archive.value("auto_single", factor_costs.is_single);
-  archive.value("auto_order", factor_costs.order);
-  archive.value("auto_factor", factor_costs.factor);
-  archive.value("auto_application", factor_costs.application);
-}
-
-void AutomaticInverse::serialize(SystemMatrix& matrix, Archive& archive) {
-  bool has_same_pattern = now_.key.matrix && now_.key.pattern == matrix.key().pattern, is_current = now_.key == matrix.key();
-  archive.value("auto_pattern", has_same_pattern);
-  archive.value("auto_current", is_current);
-  now_.serialize(archive);
-  if (archive.isReading()) {
-    now_.key = has_same_pattern ? matrix.key() : MatrixKey{};
-    if (!is_current) now_.key.values = -1;
-  }
-  if (now_.way == Way::multigrid) multigrid_.serialize(matrix, archive);
-  if (now_.way == Way::factors) factors().serialize(matrix, archive);
-}
-
-std::string AutomaticInverse::choice() const {
-  const double jacobi = now_.rates[at(Way::block_jacobi)];
-  if (isRefused())
-    return fmt::format("preconditioned by block Jacobi: the matrix was not definite in {} solves in a row", most_refusals);
-  if (now_.way == Way::multigrid)
-    return fmt::format("preconditioned by multigrid: block Jacobi took {:.0f} iterations for a digit", jacobi);
-  if (isFactored(now_.way))
-    return fmt::format("{}: block Jacobi took {:.0f} iterations for a digit",
-                       isDirect() ? "factors instead of iterations" : "preconditioned by factors of former matrices", jacobi);
-  if (now_.changes > 0) {
-    std::string others;
-    if (const double rate = now_.rates[at(Way::multigrid)]; rate > 0)
-      others = fmt::format("multigrid took {:.0f} iterations for a digit, at {:.0f} times the cost", rate,
-                           iteration(Way::multigrid) / iteration(Way::block_jacobi));
-    if (now_.factor_solves > 0)
-      others += fmt::format("{}a solve by factors cost {:.1f} times as much", others.empty() ? "" : ", and ",
-                            solve(Way::factors) / solve(Way::block_jacobi));
-    return "preconditioned by block Jacobi: " + (others.empty() ? "a direct solver cost more" : others);
-  }
-  return may_change_ ? "preconditioned by block Jacobi, or by multigrid or factors once these cost less"
-                     : "preconditioned by block Jacobi, because the scene caps iterations or wants no matrix";
 }
 
 }  // namespace stroma

@@ -29,9 +29,10 @@ class AutomaticInverse final : public ApproximateInverse {
   explicit AutomaticInverse(bool may_change, MakeFactors make_factors = {})
       : may_change_(may_change), make_factors_(std::move(make_factors)) {}
 
-  /// Before follow(): nanoseconds of a product (0: not known) and the relative residual that is wanted.
-  void begin(double product, double target) {
-    product_ = product, target_ = std::max(target, 1e-16), start_ = 1, has_begun_ = true;
+  /// Before follow(): nanoseconds of a product (0: not known), the relative residual that is wanted, and whether nothing in the
+  /// scene changes the matrix.
+  void begin(double product, double target, bool is_constant = false) {
+    product_ = product, target_ = std::max(target, 1e-16), start_ = 1, has_begun_ = true, is_constant_ = is_constant;
   }
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override {
@@ -70,7 +71,7 @@ class AutomaticInverse final : public ApproximateInverse {
  private:
   static constexpr std::size_t ways = 4;
   /// Bodies of fewer nodes are solved before it matters.
-  static constexpr Index few_nodes = 500;
+  static constexpr Index few_nodes = 100;
   /// In a row. An iteration of Newton's method tries up to nine matrices until one is definite.
   static constexpr int most_refusals = 20;
 
@@ -84,6 +85,10 @@ class AutomaticInverse final : public ApproximateInverse {
     double with_factors = 0;           ///< of all solves by factors, with factorisations [ns]
     int factor_solves = 0;             ///< these
     int factored_solves = 0;           ///< with those by the direct solver
+    int multigrid_solves = 0;
+    int renewals = 0;                  ///< of hierarchies
+    double spent = 0;                  ///< on solves without factors [ns]
+    double wasted = 0;                 ///< with hierarchies that were given up in a solve [ns]
     int solves = 0, matrices = 0, patterns = 0;
     int refusals = 0;                  ///< in a row
     Index blocks = 0;                  ///< of the matrix; 0: no hierarchy so far
@@ -103,7 +108,9 @@ class AutomaticInverse final : public ApproximateInverse {
   double factorisation() const;
   double turning(Way way) const;
   double applications() const;
+  double byFresh(double each) const;
   double solveByFormer(double each, double renewal) const;
+  double renewing() const;
   double blocks() const { return now_.blocks > 0 ? double(now_.blocks) : IterationCosts::usual_blocks * rows_; }
   double solve(Way way) const;
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
@@ -122,6 +129,7 @@ class AutomaticInverse final : public ApproximateInverse {
   bool canFactor();
   bool refuse(SystemMatrix& matrix, SolveReport& report, StopToken stop);
   void judge(double cost);
+  bool tryFactors();
   void avoidMultigrid(SystemMatrix& matrix);
 
   bool may_change_;
@@ -130,6 +138,8 @@ class AutomaticInverse final : public ApproximateInverse {
   double start_ = 1;        ///< relative residual that the present part of a solve starts from
   bool has_begun_ = false;  ///< a solve that follow() has not counted
   bool leaves_ = false;     ///< isLost() said so
+  bool renews_ = false;     ///< for a new hierarchy
+  bool is_constant_ = false;
   bool factored_ = false;   ///< in the solve that runs
   bool by_blocks_ = false;  ///< the solve that runs is a second try
   Index rows_ = 0;

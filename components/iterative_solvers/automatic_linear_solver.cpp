@@ -13,7 +13,7 @@
 // the second moments of the nodes. Both times are estimated from counts, for a core of 115 Gflop/s in single precision: no clock
 // is read, and each run chooses the same on every machine and with every number of threads. Where forces are not linear, both
 // are those of six solves, which multigrid makes loosely.
-// Bodies of less than 2,500 nodes are always factored.
+// Bodies of less than 500 nodes are always factored.
 //
 // A solve by multigrid that goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that
 // lock, badly shaped cells) is ended, and the matrix is factored from then on, if factors fit into half of the memory.
@@ -37,6 +37,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "components/iterative_solvers/former_solutions.h"
 #include "components/iterative_solvers/gmres.h"
@@ -46,36 +47,19 @@
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/warped_factor.h"
 #include "framework/algebra/solver_choice.h"
-#include "framework/mechanics/force_field.h"
-#include "framework/mechanics/mapping.h"
-#include "framework/mechanics/mass.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/usual_component.h"
 
 namespace stroma {
 namespace {
 
-constexpr Index always_factored = 2500;  // nodes
+constexpr Index always_factored = 500;  // nodes
 constexpr int usual_solves = 6;          // by Newton's method
 
 /// Whether the laws of factors might choose wrongly.
 bool isClose(const SolverCosts& by_law) {
   constexpr double too_high = 5, too_low = 2;
   return by_law.multigrid < too_low * by_law.direct && by_law.direct < too_high * by_law.multigrid;
-}
-
-/// Whether some matrix of the scene may.
-bool dependsOnState(const Node& root) {
-  std::vector<ForceField*> fields;
-  std::vector<Mapping*> mappings;
-  std::vector<Mass*> masses;
-  root.collect(fields), root.collect(mappings), root.collect(masses);
-  const auto varies = [](const ForceField* field) {
-    const ForceTraits traits = field->traits();
-    return traits.velocity_dependent || (traits.has_stiffness && !traits.constant_stiffness);
-  };
-  return std::ranges::any_of(fields, varies) || !std::ranges::all_of(mappings, &Mapping::isLinear) ||
-         std::ranges::any_of(masses, &Mass::turns);
 }
 
 /// The |b - A x| / |b| that round-off leaves, whatever solves: that of D x, D the diagonal blocks.
@@ -110,6 +94,8 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   struct Memory {
     Way way = Way::open;
     int patience = 0;
+    bool is_close = false;    ///< factors cost less where diagonal blocks hardly smooth, which the first solve finds out
+    bool is_rough = false;    ///< they do
     int lost_iterations = 0;  ///< by multigrid, when it was given up
     double left = 0;          ///< the relative residual then
   };
@@ -176,7 +162,7 @@ void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   kept.reason = fmt::format("{} nodes are few", rows);
   if (rows >= always_factored && rows <= direct_->mostRows()) {
     const Extents extents = extentsOf(rows, matrix.positions());
-    const int solves = dependsOnState(node().root()) ? usual_solves : 1;
+    const int solves = matrixDependsOnState(node().root()) ? usual_solves : 1;
     const auto costsOf = [&](const FactorCounts& counts) {
       return solverCosts(matrix.pattern(), counts, matrix.productCost(), solves);
     };
@@ -186,7 +172,10 @@ void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
         fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
                     rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
                     costs.multigrid);
-    if (costs.multigrid < costs.direct) kept.now = {.way = Way::multigrid, .patience = costs.patience()};
+    if (costs.multigrid < costs.direct)
+      kept.now = {.way = Way::multigrid,
+                  .patience = costs.patience(),
+                  .is_close = costs.direct < IterationCosts::with_patches * costs.multigrid};
   }
   tellChoice(kept);
 }
@@ -196,7 +185,8 @@ void AutomaticLinearSolver::tellChoice(const Kept& kept) {
     choice_ = fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", direct_->type(),
                           kept.now.lost_iterations, kept.now.left);
   else if (kept.now.way == Way::factors)
-    choice_ = fmt::format("{} factors: {}", direct_->type(), kept.reason);
+    choice_ = fmt::format("{} factors: {}{}", direct_->type(), kept.reason,
+                          kept.now.is_rough ? ", but diagonal blocks hardly smooth" : "");
   else
     choice_ = fmt::format("{} with multigrid: {}", kept.symmetric ? "conjugate gradients" : "GMRES", kept.reason);
   changes_ = 0;
@@ -235,6 +225,10 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
 
 SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   Kept& kept = keptFor(matrix);
+  if (std::exchange(kept.now.is_close, false) && amg::hardlySmooths(matrix.assemble())) {
+    kept.now = {.way = Way::factors, .is_rough = true};
+    tellChoice(kept);
+  }
   if (kept.now.way == Way::factors) return direct_->solve(matrix, b, x, terms);
   if (const bool now = matrix.symmetric(); now != kept.symmetric) {
     kept.symmetric = now;
@@ -255,7 +249,7 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
     report.iterations += before;
   }
   if (!is_hopeless) return report;
-  kept.now = {Way::factors, 0, report.iterations, report.relative_residual};
+  kept.now = {.way = Way::factors, .lost_iterations = report.iterations, .left = report.relative_residual};
   kept.inverse.reset(), kept.former.reset();
   tellChoice(kept);
   clear(x);
@@ -268,9 +262,11 @@ void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive)
   Kept& kept = keptFor(matrix);
   archive.value("way", kept.now.way);
   archive.value("patience", kept.now.patience);
+  archive.value("is_close", kept.now.is_close);
+  archive.value("is_rough", kept.now.is_rough);
   archive.value("lost_iterations", kept.now.lost_iterations);
   archive.value("left", kept.now.left);
-  kept.inverse.serialize(matrix, archive, !archive.isReading() && !dependsOnState(node().root()));
+  kept.inverse.serialize(matrix, archive, !archive.isReading() && !matrixDependsOnState(node().root()));
   kept.former.serialize(archive);
   if (kept.now.way == Way::factors) direct_->serializeFor(matrix, archive);
   if (archive.isReading()) tellChoice(kept);

@@ -5,9 +5,25 @@
 
 #include <algorithm>
 
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/mapping.h"
+#include "framework/mechanics/mass.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
+
+bool matrixDependsOnState(const Node& root) {
+  std::vector<ForceField*> fields;
+  std::vector<Mapping*> mappings;
+  std::vector<Mass*> masses;
+  root.collect(fields), root.collect(mappings), root.collect(masses);
+  const auto varies = [](const ForceField* field) {
+    const ForceTraits traits = field->traits();
+    return traits.velocity_dependent || (traits.has_stiffness && !traits.constant_stiffness);
+  };
+  return std::ranges::any_of(fields, varies) || !std::ranges::all_of(mappings, &Mapping::isLinear) ||
+         std::ranges::any_of(masses, &Mass::turns);
+}
 
 void KrylovSolver::declare(DataTable& table) {
   table.add("iterations", iterations_)

@@ -8,6 +8,10 @@
 
 namespace stroma {
 
+class Node;
+/// Whether some matrix of the scene may depend on places or velocities.
+bool matrixDependsOnState(const Node& root);
+
 /// What solvers by products share: `iterations`, `tolerance`, `template`, `graph`, the form of the product, and the
 /// ends that need no iteration. Members are those of the solve that runs; what outlives it is kept for each matrix.
 class KrylovSolver : public LinearSolver {

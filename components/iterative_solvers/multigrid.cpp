@@ -12,9 +12,6 @@
 namespace stroma {
 namespace {
 
-/// What an assembly and a hierarchy cost, in iterations with it (measured from 40,000 to 320,000 tetrahedra).
-constexpr double iterations_worth = 20;
-
 /// (A + A^T)/2
 BlockMatrix symmetricPart(const BlockMatrix& a) {
   BlockMatrix part = a;

@@ -31,7 +31,12 @@ class Multigrid final : public ApproximateInverse {
   /// `never_changes`: nothing in the matrix depends on the state. A hierarchy of it is made again where it is read.
   void serialize(SystemMatrix& matrix, Archive& archive, bool never_changes);
 
+  /// What an assembly and a hierarchy cost, in iterations with it (measured from 40,000 to 320,000 tetrahedra).
+  static constexpr double iterations_worth = 20;
+
   const amg::Hierarchy* hierarchy() const { return now_.hierarchy.get(); }
+  /// Whether it is of the matrix followed last.
+  bool isFresh() const { return now_.fresh; }
   /// How often one was made.
   int made() const { return made_; }
 

@@ -9,7 +9,7 @@
 //   auto                 the default: block_jacobi, and multigrid, warped or a direct solver once that is estimated to cost
 //                        less, with what comes before its first solve. Estimates are from counts of iterations and the
 //                        size of the matrix, so that each run does the same. A solve that gets on slowly changes within;
-//                        what does not pay is given up. Bodies below 500 nodes, and scenes that write `iterations` or
+//                        what does not pay is given up. Bodies below 100 nodes, and scenes that write `iterations` or
 //                        template GraphScattered, stay with block_jacobi. `choice` says what preconditions, and why
 //   none                 plain conjugate gradients
 //   jacobi               the diagonal
@@ -35,6 +35,8 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
+#include <optional>
+
 #include "components/iterative_solvers/automatic_inverse.h"
 #include "components/iterative_solvers/incomplete_cholesky.h"
 #include "components/iterative_solvers/krylov_solver.h"
@@ -55,6 +57,7 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   void declare(DataTable& table) override;
   void init() override;
   void reset() override {
+    is_constant_.reset();
     kept_.forEach([](Kept& kept) {
       if (kept.inverse) kept.inverse->reset();
     });
@@ -87,6 +90,7 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   }
 
   bool use_ = true, may_change_ = true;
+  std::optional<bool> is_constant_;  ///< nothing in the scene changes a matrix; asked in the first solve
   std::string choice_;
   int changes_ = 0;  ///< of the matrix solved last
   int reason_ = 0;   ///< that choice_ tells
@@ -194,7 +198,10 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   if (automatic && may_change_) expected_iterations_ = automatic->expectedIterations();
   if (!begin(matrix, b, x, terms, report)) return report;
   work.resize(b.count);
-  if (automatic) automatic->begin(productCost(matrix), target() / norm_b_);
+  if (automatic) {
+    if (!is_constant_) is_constant_ = !matrixDependsOnState(node().root());
+    automatic->begin(productCost(matrix), target() / norm_b_, *is_constant_);
+  }
   constexpr int most_renewals = 8;
   bool factored = false;
   for (int k = 0; k <= most_renewals; ++k) {

@@ -51,6 +51,9 @@ bool factorsFit(double entries);
 struct IterationCosts {
   static constexpr double vectors = 20, usual_product = 20;  ///< for a row
   static constexpr double usual_blocks = 13;                 ///< in a row, where no pattern is known: of tetrahedra
+  static constexpr double turn_factors = 700, turn_hierarchy = 330;  ///< a node with what surrounds it, for each matrix
+  /// Times as much where the hierarchy needs patches: two to three times the iterations, each 1.4 to 3 times as dear.
+  static constexpr double with_patches = 4;
   /// Less where the levels fit into the second cache.
   static double cycle(double rows, double blocks) {
     const double megabytes = 50e-6 * blocks;

@@ -84,6 +84,36 @@ TEST(AutomaticLinearSolver, ChangesAChoiceThatProvesWrong) {
   EXPECT_NE(solve(0.499999).find("factors, after"), std::string::npos) << solve(0.499999);
 }
 
+/// A thin plate that hardly changes its volume: a hierarchy needs patches there, and then costs more than factors. A thicker one of
+/// as many nodes whose volume changes is solved by multigrid; so is the plate where factors cost more than four times as much.
+TEST(AutomaticLinearSolver, WhereDiagonalBlocksHardlySmoothFactorsCostLess) {
+  const auto told = [](double poisson, SolverInScene& solver, StoredMatrix& matrix) {
+    Vector x;
+    const ElasticBlock shape = box(30, 24, 5);
+    EXPECT_EQ(solver.solve(matrix, weight(shape), x).stop, SolveStop::converged) << poisson;
+    return solver.solver->data().find("choice")->print();
+  };
+  for (const double poisson : {0.3, 0.4995}) {
+    ElasticBlock block = box(30, 24, 5);
+    block.poisson = poisson, block.mean = true;
+    StoredMatrix matrix = matrixOf(block);
+    const SolverCosts costs = solverCosts(matrix.values, countFactors(matrix.values));
+    EXPECT_LT(costs.multigrid, costs.direct);
+    EXPECT_LT(costs.direct, IterationCosts::with_patches * costs.multigrid);
+    SolverInScene solver("<AutomaticLinearSolver/>"), later("<AutomaticLinearSolver/>");
+    const std::string choice = told(poisson, solver, matrix);
+    EXPECT_NE(choice.find(poisson < 0.4 ? "with multigrid: " : "factors: "), std::string::npos) << choice;
+    EXPECT_EQ(choice.find("hardly smooth") == std::string::npos, poisson < 0.4) << choice;
+    Archive written;
+    written.enter("solver");
+    solver.solver->serializeFor(matrix, written);
+    Archive reading = written.readable();
+    reading.enter("solver");
+    later.solver->serializeFor(matrix, reading);
+    EXPECT_EQ(told(poisson, later, matrix), choice);
+  }
+}
+
 /// A residual that round-off leaves is no reason for factors, which leave as much: bones 1e8 times as stiff as the limb around
 /// them.
 TEST(AutomaticLinearSolver, WhatRoundOffLeavesIsNoWrongChoice) {

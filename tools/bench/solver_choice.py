@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """How near the solver that nobody named comes to the best that could be named.
 
-    tools/bench/solver_choice.py                              both sets
+    tools/bench/solver_choice.py                              all sets
     tools/bench/solver_choice.py --set fresh --rounds 5
     tools/bench/solver_choice.py --only arch,dice --stroma build/release/bin/stroma
 
@@ -106,7 +106,8 @@ def distance(a, b):
 
 
 def measure(scene, asked, folder):
-    texts = variants(scene)
+    grid = [g.strip() for g in asked.grid.split(";") if g.strip()]
+    texts = {n: t for n, t in variants(scene).items() if not grid or not n or n.replace(", forcing 0.1", "") in grid}
     times = {name: [] for name in texts}
     first = {}
     for turn in range(asked.rounds):
@@ -134,8 +135,9 @@ def measure(scene, asked, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--set", choices=("standing", "fresh", "all"), default="all")
+    parser.add_argument("--set", choices=("standing", "fresh", "late", "all"), default="all")
     parser.add_argument("--only", default="", metavar="NAME,NAME")
+    parser.add_argument("--grid", default="", metavar="NAME;NAME", help="of the named solvers these alone: " + "; ".join(GRID))
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--stroma", default="stroma", metavar="COMMAND")

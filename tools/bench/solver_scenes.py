@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The scenes of solver_choice.py. `standing`: those that the estimates of a solver's time were made with. `fresh`: those that were
-written afterwards, without a look at the estimates, to be measured only. SI units."""
+written afterwards, without a look at the estimates, and were looked at when these were mended. `late`: those that were written
+after that; two mends came from looking at their first results. SI units."""
 import math
 import os
 import re
@@ -246,7 +247,67 @@ def fresh():
                      cells=t), 1))
 
 
+def late():
+    t = "tetrahedra"
+
+    def tube(u, v, w):
+        turn, r = math.pi * (1 - v), .03 + .008 * w
+        return .2 * u, r * math.cos(turn), r * math.sin(turn)
+
+    def wedge(u, v, w):
+        return .18 * u, .05 * v * (1 - .7 * u), .07 * w
+
+    yield ("tube", "half tube of hexahedra, `svd`, 3,300 nodes", 20,
+           root(body(bent((33, 25, 4), tube), hexas(1.5e5, .45, "svd")), .015))
+    yield ("pillar", "statics: pillar, Arruda-Boyce, 3,375 nodes", 1,
+           root(body(grid((27, 11, 11), (.2, .07, .07)), law("ArrudaBoyce", 'youngModulus="3e4" poissonRatio="0.44"'), STATIC,
+                     cells=t), 1))
+    yield ("net", "block of springs, 2,904 nodes", 25,
+           root(body(grid((24, 11, 11), (.23, .1, .1)),
+                     '<MeshSpringForceField name="net" hexasStiffness="60" hexasDamping="0.1"/>'), .01))
+    yield ("sail", "membrane, 2,500 nodes", 25,
+           root(f'<Node name="body">{EULER}@SOLVER@<RegularGridTopology name="grid" n="50 50 1" min="0 0 0" max="0.4 0.4 0"/>'
+                '<TriangleSetTopologyContainer name="sheet"/><Quad2TriangleTopologicalMapping name="cut" input="@grid" '
+                'output="@sheet"/><MechanicalObject name="dofs" position="@grid.position"/><UniformMass totalMass="0.1"/>'
+                '<TriangularFEMForceField name="fem" topology="@sheet" youngModulus="2e5" poissonRatio="0.3" thickness="0.001"/>'
+                + held("-0.0001 -1 -1 0.0001 1 1") + "</Node>", .01))
+    yield ("pressed", "statics: slab under pressure, `large`, 4,800 nodes", 1,
+           root(body(grid((30, 20, 8), (.3, .2, .06)), tets(9e4, .4, "large"), STATIC, cells=t, wall="-1 -1 -1 1 1 0.0001",
+                     more='<SurfacePressureForceField name="load" topology="@tetrahedra" min="-1 -1 0.0599" max="0.15 1 1" '
+                     'pressure="2000"/>'), 1))
+    yield ("pulled", "bar that is pulled, neo-Hookean, Newton's method, 2,205 nodes", 12,
+           root(body(grid((45, 7, 7), (.3, .04, .04)), law("NeoHookean", 'youngModulus="5e4" poissonRatio="0.4"'), newton(1e-6),
+                     cells=t, more='<BoxROI name="end" box="0.2999 -1 -1 1 1 1" position="@dofs.rest_position"/>'
+                     '<LinearMovementProjectiveConstraint name="hand" indices="@end.indices" keyTimes="0 0.24" '
+                     'movements="0 0 0  0.06 0.02 0"/>'), .02))
+    yield ("swing", "wedge, `svd`, `NewmarkImplicitSolver`, 3,510 nodes", 20,
+           root(body(bent((27, 10, 13), wedge), tets(6e4, .35, "svd"),
+                     '<NewmarkImplicitSolver name="solver" gamma="0.5" beta="0.25"/>', cells=t), .01))
+    mesh = (f'<MeshGmshLoader name="loader" filename="{MESHES}/organ_5000.msh"/>'
+            '<TetrahedronSetTopologyContainer name="grid" src="@loader"/>')
+    yield ("organ_plain", "organ, `svd`, 1,400 nodes", 60,
+           root(body(mesh, tets(6e3, .47, "svd"), density=1060, wall="-1 0.03 -1 1 1 1"), .01))
+    yield ("linear_bdf", "hexahedra, `small`, `BDFOdeSolver`, 3,200 nodes", 60,
+           root(body(grid((32, 10, 10), (.25, .08, .08)), hexas(8e4, .35, "small"),
+                     '<BDFOdeSolver name="solver" order="2"/>'), .01))
+    yield ("veronda", "Veronda-Westmann, Newton's method, 2,736 nodes", 8,
+           root(body(grid((19, 12, 12), (.14, .08, .08)), law("VerondaWestman", 'ParameterSet="4000 2 60000"'), newton(1e-5),
+                     cells=t), .02))
+    labels = ('<MeshGmshLoader name="loader" filename="{}/leg.msh"/><TetrahedronSetTopologyContainer name="grid" src="@loader"/>'
+              '<ValuesFromLabels name="stiffness" labels="@loader.tetrahedraGroups" table="1 1e4 2 1e6 3 1e6"/>').format(MESHES)
+    yield ("leg_falls", "leg with bones 1:100, `svd`, implicit steps", 20,
+           root(body(labels, tets("@stiffness.values", .45, "svd"), density=1060,
+                     wall="-0.030 -0.015 0.320 0.016 0.032 0.346  -0.026 -0.016 0.018 0.030 0.026 0.040"), .02))
+    inner = ('<RegularGridTopology name="grid" n="16 6 6" min="0 0 0" max="0.25 0.06 0.06"/><Node name="body">'
+             + STATIC + "@SOLVER@"
+             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
+             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
+             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
+             f'youngModulus="3e5" poissonRatio="0.4" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+    yield "quadratic_static", "statics: quadratic tetrahedra, `svd`, 3,751 nodes", 1, root(inner, 1)
+
+
 def scenes():
-    for name, source in (("standing", standing), ("fresh", fresh)):
+    for name, source in (("standing", standing), ("fresh", fresh), ("late", late)):
         for found in source():
             yield Scene(found[0], name, *found[1:])
