@@ -10,6 +10,8 @@
 // With late="true", for points, the way is a sum over the steps of h from t_i and the velocity that of a step's start, as SOFA's:
 //   x_{i+1} = x_i + h w(t_i),   v_{i+1} = w(t_i)
 //
+// continueAfterEnd then goes on along the line of the last two keys, unless a step begins at the last one to the last bit.
+//
 // Of a rigid frame a velocity has six numbers: of its centre, and its angular velocity [rad/s] in fixed axes, which are the
 // coordinates 3, 4 and 5. Nodes that are numbers have one each.
 //
@@ -26,6 +28,7 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "components/constraints/held_nodes.h"
@@ -58,6 +61,7 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
       throw ComponentError(
           fmt::format("ahead is of nodes that are driven from the start on, and the first key is at {:g} s", velocity_.first()),
           "no ahead");
+    runs_on_ = late_ && continue_ && !beginsAt(velocity_.last());
     holdAllRows();
     if (data().find("coordinates")->isSet()) setProjectors(freeDirections(drivenAxes(), state(), "coordinates"));
     start_.reserve(nodes().size() * std::size_t(heldRows()));
@@ -100,7 +104,7 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
 
   void beginMotion(double t, ConstRows x) override {
     if (late_ && t > last_start_) {
-      if (!start_.empty() && activeIn(last_start_, last_start_)) way_ += (t - last_start_) * velocity_.of(0).at(last_start_);
+      if (!start_.empty() && activeIn(last_start_, last_start_)) way_ += (t - last_start_) * lateVelocity(last_start_);
       const bool is_first = last_start_ == never;
       start_before_ = !is_first ? last_start_ : t > node().root().root_time ? t - node().dt() : t;
       last_start_ = t;
@@ -137,15 +141,27 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
   bool takesAllRows() const override { return true; }
 
  private:
+  /// Whether a step begins there: times of steps are sums.
+  bool beginsAt(double time) const {
+    double t = node().root().root_time;
+    const double h = node().dt();
+    if (!((time - t) / h < 1e6)) return false;
+    while (t < time) t += h;
+    return t == time;
+  }
+  Vec3 lateVelocity(double t) const {
+    const double beyond = runs_on_ ? std::max(t - velocity_.last(), 0.) : 0;
+    return velocity_.of(0).at(t) + beyond * velocity_.of(0).slope(velocity_.last());
+  }
   void prescribeLate(double time, Rows x, Rows v) const {
     // where a step starts, that of the start before it
     const double t = time > last_start_ ? last_start_ : start_before_;
     if (t < velocity_.first() && !sameTime(t, velocity_.first())) return;
     const Mat3 held = Mat3::Identity() - projector(0);
-    const Vec3 movement = way_ + (time - last_start_) * velocity_.of(0).at(last_start_);
+    const Vec3 movement = way_ + (time - last_start_) * lateVelocity(last_start_), velocity = lateVelocity(t);
     for (std::size_t i = 0; i < nodes().size(); ++i) {
       moveHeld(state().kindOf(0), start_[i * std::size_t(heldRows())] + movement, held, x, row(i));
-      v[row(i)] += held * (velocity_.of(0).at(t) - v[row(i)]);
+      v[row(i)] += held * (velocity - v[row(i)]);
     }
   }
 
@@ -163,7 +179,7 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
 
   RowKeys velocity_;
   std::vector<int> axes_;
-  bool continue_ = false, late_ = false;
+  bool continue_ = false, late_ = false, runs_on_ = false;
   Vec3 ahead_ = Vec3::Zero();
   double start_time_ = 0;    ///< [s]
   static constexpr double never = std::numeric_limits<double>::lowest();

@@ -9,6 +9,14 @@
 // Explicit (explicitIntegration), symplectic Euler, of first order: v1 = v0 + h M^-1 f(x0), x1 = x0 + h v1; it warns of
 // a step above its stable one and has no Rayleigh damping.
 //
+// With byPositions, as in SOFA, a step goes on with the momentum p that the one before ended with, M v0 at first, and ends its
+// iterations where r = x_m - x0 changes by newtonError of |x0|, or of itself where that is 0. Velocities are those of the midpoint:
+//
+//   ((4/h^2 + 4 rM/h) M - (1 + 4 rK/h) K) r' = f(x0 + r) - K r + 2/h p,   v1 = 2 r/h,   x1 = x0 + h v1,   p1 = M v1 + h/2 f(x0 + r)
+//
+// Forces see the v of the step before, and no derivative by it is in the matrix. What changes v between steps changes p by M times as
+// much. Nodes whose motion is prescribed have the rule above. hamiltonianEnergy then has the midpoint's velocity and the end's U.
+//
 // Source: L. Kharevych et al., "Geometric, variational integrators for computer animation", 2006. Attribute names are
 // SOFA's. There newtonError is an absolute length and its default of 0.01 ends most steps after one iteration; here it
 // is the residual relative to the forces where the step starts, 1e-8, because what the method keeps it keeps only where
@@ -29,7 +37,10 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <limits>
 
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/implicit_step.h"
@@ -51,25 +62,34 @@ class VariationalSymplecticSolver final : public Integrator {
     if (sleep_.stepTaken(context.dt)) return;
     potential_ = new_potential_;
     started_ = true;
+    if (goes_by_positions_) copy(new_momentum_, momentum_), copy(new_velocity_, left_velocity_), has_momentum_ = true;
     implicit_.stepTaken();
   }
   void sceneChanged() override { sleep_.wake(); }
-  bool keepsEnergy() const override { return true; }
+  bool keepsEnergy() const override { return !goes_by_positions_ || is_explicit_; }
   std::string describe() const override {
+    if (goes_by_positions_ && !is_explicit_)
+      return "implicit midpoint step of momenta, up to " + std::to_string(implicit_.newton_settings.iterations) + " linear solves" +
+             sleep_.describe();
     return (is_explicit_ ? explicit_.describe() : "implicit midpoint step" + implicit_.describe()) + sleep_.describe();
   }
   void reset() override {
-    started_ = false;
+    started_ = has_momentum_ = false;
     implicit_.reset(), sleep_.reset();
   }
   void serialize(Archive& archive) override {
     implicit_.serialize(archive), sleep_.serialize(archive);
     archive.value("started", started_);
     archive.value("potential", potential_);
+    if (!goes_by_positions_) return;
+    archive.value("has_momentum", has_momentum_);
+    archive.rows("momentum", momentum_);
+    archive.rows("left_velocity", left_velocity_);
   }
 
  private:
   StepReport implicitStep(System& system, const StepContext& context);
+  StepReport momentumStep(System& system, const StepContext& context);
   void noteEnergy(System& system);
 
   bool is_explicit_ = false, computes_hamiltonian_ = true, incremental_ = true, saves_energy_ = false;
@@ -78,6 +98,11 @@ class VariationalSymplecticSolver final : public Integrator {
   ImplicitStep implicit_;
   ExplicitStep explicit_;
   Sleep sleep_;
+  bool by_positions_ = false, goes_by_positions_ = false;  ///< as it is asked for, and as it is
+  Vector momentum_, new_momentum_;  ///< p and p1 [kg m/s], shape (independentRows()); only goes_by_positions_
+  Vector left_velocity_, new_velocity_;  ///< v that the last step, and this one, ended with
+  Vector way_, new_way_, load_;     ///< r, r', what makes r'
+  bool has_momentum_ = false;
   std::vector<Vec3> momenta_;  ///< of turning bodies
   Vector start_;               ///< x before the step, shape (independentRows())
   double potential_ = 0;       ///< U [J]
@@ -92,6 +117,8 @@ void VariationalSymplecticSolver::declare(DataTable& table) {
       .min(0, false);
   table.add("steps", implicit_.newton_settings.iterations).help("largest number of Newton iterations").unit("-").min(1);
   implicit_.declareDamping(table);
+  table.add("byPositions", by_positions_)
+      .help("newtonError is the change of positions relative to their size, and damping is in the matrix alone, as in SOFA");
   table.add("explicitIntegration", is_explicit_).help("symplectic Euler instead of the implicit midpoint rule");
   table.add("computeHamiltonian", computes_hamiltonian_).help("compute hamiltonianEnergy after each step");
   table.add("hamiltonianEnergy", hamiltonian_).help("kinetic and potential energy after the step").unit("J").output();
@@ -120,6 +147,20 @@ void VariationalSymplecticSolver::compile(System& system) {
   if (computes_hamiltonian_ && incremental_) system.requestForce();
   if (!is_explicit_) {
     implicit_.compile(*this, system);
+    goes_by_positions_ = by_positions_;
+    if (by_positions_ && (implicit_.hasConditions() || implicit_.bodies().anyTurns()))
+      throw ComponentError("byPositions is not for constraints by forces, and not for frames whose inertia turns",
+                           "byPositions=\"false\"", "byPositions=\"false\"");
+    for (const ProjectiveConstraint* constraint : system.constraints().all())
+      if (goes_by_positions_ && constraint->prescribesMotion()) {
+        warn(fmt::format("byPositions is not for nodes whose motion is prescribed, as {} does: the midpoint rule has their velocities",
+                         constraint->path()),
+             "byPositions=\"false\"");
+        goes_by_positions_ = false;
+      }
+    if (goes_by_positions_)
+      for (Vector* vector : {&momentum_, &new_momentum_, &left_velocity_, &new_velocity_, &way_, &new_way_, &load_})
+        vector->resize(system.independentRows());
     return momenta_.assign(implicit_.bodies().count(), Vec3::Zero());
   }
   explicit_.scheme = fromRungeKutta("symplectic Euler", {{}}, {1});
@@ -135,7 +176,9 @@ StepReport VariationalSymplecticSolver::step(System& system, const StepContext& 
   new_potential_ = potential_;
   if (computes_hamiltonian_ && incremental_ && !started_) new_potential_ = system.potentialEnergy(system.x);
   copy(system.independent(system.x), start_);
-  StepReport report = is_explicit_ ? explicit_.step(system, context) : implicitStep(system, context);
+  StepReport report = is_explicit_   ? explicit_.step(system, context)
+                      : goes_by_positions_ ? momentumStep(system, context)
+                                      : implicitStep(system, context);
   if (!report.failed() && computes_hamiltonian_) noteEnergy(system);
   return sleep_.judged(report);
 }
@@ -156,6 +199,60 @@ StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepC
     implicit_.bodies().setVelocities(system.x, momenta_, v);
   }
   system.setTime(context.t_end);
+  return report;
+}
+
+/// From start_, the positions of the step's start.
+StepReport VariationalSymplecticSolver::momentumStep(System& system, const StepContext& context) {
+  const NewtonSettings& settings = implicit_.newton_settings;
+  const double h = context.dt, size = norm(start_);
+  const Rows x = system.independent(system.x), v = system.independent(system.v);
+  const auto place = [&](double share, ConstRows way) {
+    copy(start_, x);
+    system.motion().advance(share, way, x);
+  };
+  if (!has_momentum_) clear(momentum_), clear(left_velocity_);
+  copy(v, way_);
+  axpy(-1, left_velocity_, way_);
+  if (largest(way_) > 0) {  // somebody has changed it
+    system.addMassProduct(way_, 1, momentum_);
+    copy(v, left_velocity_);
+  }
+  has_momentum_ = true;
+  MatrixFactors factors;
+  factors.mass = 4 / (h * h) + 4 * implicit_.rayleigh_mass / h;
+  factors.stiffness = -1 - 4 * implicit_.rayleigh_stiffness / h;
+  system.setTime(context.t_end);
+  clear(way_);
+  StepReport report;
+  double change = 0;
+  for (int i = 0; i < settings.iterations && (i == 0 || change > settings.relative_residual); ++i) {
+    system.computeForce(system.x, system.v, system.f);
+    copy(system.independent(system.f), load_);
+    axpy(2 / h, momentum_, load_);
+    system.addStiffnessProduct(way_, {.stiffness = -1}, load_);
+    system.constraints().project(load_);
+    SystemMatrix& matrix = system.matrix().withFactors(factors);
+    if (!solveOrShift(implicit_.linearSolver(), matrix, load_, new_way_, {.stop = context.stop}, report)) return report;
+    system.constraints().project(new_way_);
+    change = distance(new_way_, way_) / (size > 0 ? size : std::max(norm(new_way_), std::numeric_limits<double>::min()));
+    copy(new_way_, way_);
+    place(1, way_);
+    ++report.newton_iterations;
+  }
+  report.newton_residual = change;
+  report.newton_converged = change <= settings.relative_residual;
+  if (!report.newton_converged)
+    report.reason = fmt::format("positions still change by {:.2g} of themselves after {} iterations", change, settings.iterations);
+  copy(way_, v);
+  scale(2 / h, v);
+  copy(v, new_velocity_);
+  system.computeForce(system.x, system.v, system.f);
+  copy(system.independent(system.f), new_momentum_);
+  system.constraints().project(new_momentum_);
+  scale(h / 2, new_momentum_);
+  system.addMassProduct(v, 1, new_momentum_);
+  place(2, way_);
   return report;
 }
 

@@ -7,8 +7,9 @@
 //
 //   E = k/2 g^2,   f = -k g grad g - c g v,   df/dx = -k (grad g grad g^T + g H_g),   df/dv = -c g I
 //
-// Source: the name and the attributes are SOFA's. There the force beyond the cap points to the tip whatever the angle, the
-// damping acts along the force only and drives beyond the cap, and the tangent is -k grad g grad g^T.
+// Source: the name and the attributes are SOFA's. There (towardsTip) with |y| > H  f = -k (|y| - H) y/|y| + c (|y| - H) v, whatever
+// the angle; else f = k g m - c (m.v) m with m towards the side where a > 0 and towards the tip where not. The tangent is
+// -k m m^T, and the damping is no part of it.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -20,6 +21,7 @@
 // </Node>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "components/loads/penalty_field.h"
 #include "framework/scene/factory.h"
@@ -34,6 +36,7 @@ class ConicalForceField final : public PenaltyField {
     table.add("coneCenter", tip_).atOnce().help("the tip").unit("m");
     table.add("coneHeight", height_).help("from the tip along the axis to the cap").unit("m").required();
     table.add("coneAngle", angle_).help("between the axis and the side").unit("degree").min(0, false).max(90);
+    table.add("towardsTip", towards_tip_).help("what is too far from the tip is drawn to it and not damped, as in SOFA");
     table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0).physical();
   }
   void init() override {
@@ -42,6 +45,25 @@ class ConicalForceField final : public PenaltyField {
     axis_ = height_.normalized();
     const double angle = angle_ * std::numbers::pi / 180;
     cosine_ = std::cos(angle), sine_ = std::sin(angle);
+  }
+
+  ForceTraits traits() const override {
+    ForceTraits traits = PenaltyField::traits();
+    if (towards_tip_) traits.conservative = traits.exact_tangent = traits.velocity_dependent = false;
+    return traits;
+  }
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    if (!towards_tip_) return PenaltyField::addForce(x, v, f);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const Index row = rows_[i][0];
+      const auto [g, way] = wayBack(x[row] - tip_);
+      stiffness_[i].setZero();
+      if (g <= 0) continue;
+      const bool is_beyond = (x[row] - tip_).norm() > height_.norm();
+      f[row] += stiffness_constant_ * g * way;
+      f[row] += damping_constant_ * (is_beyond ? Vec3(g * v[row]) : Vec3(-way.dot(v[row]) * way));
+      stiffness_[i].blocks[0] = -stiffness_constant_ * way * way.transpose();
+    }
   }
 
  protected:
@@ -63,6 +85,18 @@ class ConicalForceField final : public PenaltyField {
   }
 
  private:
+  /// How far a node is outside, and the direction in which it is drawn back.
+  std::pair<double, Vec3> wayBack(const Vec3& y) const {
+    const double far = y.norm(), size = height_.norm(), a = y.dot(axis_);
+    if (far > size) return {far - size, -y / far};
+    const Vec3 across = y - a * axis_;
+    const double r = across.norm();
+    if (r * cosine_ <= a * sine_) return {0, Vec3::Zero()};
+    if (a <= 0) return {far, -y / far};
+    const Vec3 side = cosine_ * axis_ + sine_ / r * across, back = side.dot(y) * side - y;
+    const double g = back.norm();
+    return {g, g > 0 ? Vec3(back / g) : Vec3(Vec3::Zero())};
+  }
   static Depth fromCentre(const Vec3& y, double radius) {
     const double length = y.norm();
     if (!(length > 0)) return {};
@@ -72,6 +106,7 @@ class ConicalForceField final : public PenaltyField {
 
   Vec3 tip_ = Vec3::Zero(), height_ = Vec3::Zero(), axis_ = Vec3::UnitY();
   double angle_ = 10, cosine_ = 1, sine_ = 0;
+  bool towards_tip_ = false;
 };
 
 }  // namespace

@@ -52,7 +52,7 @@ class PairMapping : public CurvedMapping {
   void declare(DataTable& table) override {
     CurvedMapping::declare(table);
     declareGeometricStiffness(table, geometric_, true);
-    table.add("applyRestPosition", at_rest_).help("the numbers at rest are those of the points at rest, else zero");
+    table.add("applyRestPosition", at_rest_).help("numbers at rest are those of the points at rest, else the child's own or zero");
   }
 
   void apply(Rows x) const override {

@@ -68,7 +68,7 @@ class MeasureMapping : public CurvedMapping {
   void declare(DataTable& table) override {
     CurvedMapping::declare(table);
     declareGeometricStiffness(table, geometric_, true);
-    table.add("applyRestPosition", at_rest_).help("the numbers at rest are those of the shape at rest, else zero");
+    table.add("applyRestPosition", at_rest_).help("numbers at rest are those of the shape at rest, else the child's own or zero");
   }
 
   void apply(Rows x) const override {
@@ -238,7 +238,7 @@ class DistanceToPlaneMapping final : public LinkedMapping {
     LinkedMapping::declare(table);
     table.add("planeNormal", normal_).help("of the plane; any length").unit("-").required();
     table.add("planePoint", point_).help("a point of the plane").unit("m");
-    table.add("applyRestPosition", at_rest_).help("the numbers at rest are those of the shape at rest, else zero");
+    table.add("applyRestPosition", at_rest_).help("numbers at rest are those of the shape at rest, else the child's own or zero");
   }
   void init() override {
     LinkedMapping::init();

@@ -32,16 +32,18 @@ const std::vector<Cell>& cellsOfMesh(const Component& asker, const Link<Topology
   return mesh->mesh().*list;
 }
 
-/// A state that follows gets a number for each of `count` things. Throws ComponentError where it cannot hold numbers, or where
-/// the scene gives it another count.
+/// A state that follows gets a number for each of `count` things; at rest they are what the scene gives it, else zero. Throws
+/// ComponentError where it cannot hold numbers, or where the scene gives it another count.
 inline void makeNumbers(State& child, std::size_t count, const char* of_what) {
   if (child.rows_per_node != 1 || child.kindOf(0) != RowKind::value)
     throw ComponentError(fmt::format("{} cannot hold numbers", child.path()), "a state of numbers (template=\"Vec1\")");
-  if (child.nodes() != Index(count) && child.data().find("position")->isSet())
+  const bool is_given = child.data().find("position")->isSet() || child.data().find("rest_position")->isSet();
+  if (child.nodes() != Index(count) && is_given)
     throw ComponentError(fmt::format("{} has {} numbers for {} {}", child.path(), child.nodes(), count, of_what),
                          "as many, or no position");
   child.row_kinds.assign(count, RowKind::value);
-  for (std::vector<Vec3>* rows : {&child.position, &child.rest_position, &child.velocity}) rows->assign(count, Vec3::Zero());
+  for (std::vector<Vec3>* rows : {&child.position, &child.velocity}) rows->assign(count, Vec3::Zero());
+  if (!is_given) child.rest_position.assign(count, Vec3::Zero());
 }
 
 }  // namespace stroma

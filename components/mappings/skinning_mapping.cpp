@@ -3,12 +3,12 @@
 //
 //   x_i = sum_j w_ij (c_j + q_j p_ij),   sum_j w_ij = 1
 //
-// p_ij is the place of point i in the axes of frame j where the scene starts. The frames of a point are its nbRef nearest
-// ones, with weights proportional to 1/d^2, d the distance of the frame's centre (a point on a centre follows it alone); or
-// those of `indices`, nbRef for each point, with `weight` for each. Known as linear blend skinning. `nbRef` may also list a
-// number for each point.
+// p_ij is the place of point i in the axes of frame j where the scene starts. The frames of a point are its nbRef nearest ones,
+// with weights proportional to 1/d^2, d the distance of the frame's centre (a point on a centre follows it alone, and of frames as
+// near the first one counts, with fromRest the last one); or those of `indices`, nbRef for each point, with `weight` for each.
+// Known as linear blend skinning. `nbRef` may also list a number for each point.
 //
-// Source: the name and the attributes are SOFA's.
+// Source: the name and the attributes are SOFA's, which has the frames as they rest (fromRest).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -43,6 +43,8 @@ class SkinningMapping final : public FrameMapping {
     table.add("initPos", initial_points_)
         .unit("m")
         .help("places of the points in space at the start; the positions of the child when not given");
+    table.add("fromRest", from_rest_)
+        .help("points are bound to the frames as they rest, not as they start; of frames as near the last ones count");
     for (const char* name : {"showFromIndex", "showWeights"}) table.addVisualOnly(name);
   }
 
@@ -63,7 +65,8 @@ class SkinningMapping final : public FrameMapping {
       const std::size_t count = std::size_t(counts_[counts_.size() == 1 ? 0 : i]);
       std::vector<Carried> by = indices_.empty() ? nearest(places[i], count) : listed(next, count);
       next += count;
-      for (Carried& one : by) one.local = orientation(one.frame).conjugate() * (places[i] - centre(one.frame));
+      for (Carried& one : by)
+        one.local = orientation(one.frame, from_rest_).conjugate() * (places[i] - centre(one.frame, from_rest_));
       addPoint(by);
     }
     if (!indices_.empty() && next != indices_.size())
@@ -76,8 +79,10 @@ class SkinningMapping final : public FrameMapping {
   std::vector<Carried> nearest(const Vec3& place, std::size_t count) const {
     std::vector<std::pair<double, Index>> order;
     for (Index frame = 0; frame < input().nodes(); ++frame)
-      order.emplace_back((centre(frame) - place).squaredNorm(), frame);
-    std::sort(order.begin(), order.end());
+      order.emplace_back((centre(frame, from_rest_) - place).squaredNorm(), frame);
+    std::sort(order.begin(), order.end(), [this](const auto& a, const auto& b) {
+      return a.first < b.first || (a.first == b.first && (from_rest_ ? a.second > b.second : a.second < b.second));
+    });
     order.resize(std::min(order.size(), count));
     if (order.front().first == 0) return {{order.front().second, 1, Vec3::Zero()}};
     double sum = 0;
@@ -107,6 +112,7 @@ class SkinningMapping final : public FrameMapping {
   std::vector<int> counts_{4}, indices_;
   std::vector<double> weights_;
   std::vector<Vec3> initial_points_;
+  bool from_rest_ = false;
 };
 
 }  // namespace

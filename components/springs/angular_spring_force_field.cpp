@@ -12,7 +12,8 @@
 // With limit="least most ..." a spring acts only while the angle |th| lies between the two; a pair for each, or one for all.
 //
 // Source: name and attributes are SOFA's. There the frame before feels no torque, and `limit` is not read: oneSided is that,
-// with K = -k I of each listed frame.
+// with K = -k I of each listed frame, also of the first, which has no force. Of fewer constants than indices the first holds for
+// the others.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -61,6 +62,7 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
       throw ComponentError(fmt::format("the nodes of {} have no orientation", state().path()), "a state of template Rigid3");
     const std::vector<Index> rows = checkedNodesInOrder(indices_, state(), "indices");
     stiffness_of_ = constants_;
+    if (one_sided_ && !constants_.empty() && constants_.size() < rows.size()) stiffness_of_.resize(rows.size(), constants_[0]);
     spread(stiffness_of_, rows.size(), "angularStiffness", "indices");
     std::vector<double> limits = limits_.empty() ? std::vector<double>{0, std::numeric_limits<double>::infinity()} : limits_;
     if (limits.size() == 2)
@@ -68,12 +70,13 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
     if (limits.size() != 2 * rows.size())
       throw ComponentError(fmt::format("limit has {} values for {} indices", limits_.size(), rows.size()), "two, or two for each");
     springs_.clear();
-    for (std::size_t i = 1; i < rows.size(); ++i) {
-      if (rows[i] == 0) continue;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const bool has_force = i > 0 && rows[i] != 0;
+      if (!has_force && !one_sided_) continue;
       if (!(limits[2 * i] <= limits[2 * i + 1]))
         throw ComponentError(fmt::format("the limits {:g} and {:g} leave no angle", limits[2 * i], limits[2 * i + 1]),
                              "the lower one first");
-      springs_.push_back({rows[i], rows[i] - 2, stiffness_of_[i], limits[2 * i], limits[2 * i + 1]});
+      springs_.push_back({rows[i], has_force ? rows[i] - 2 : rows[i], stiffness_of_[i], limits[2 * i], limits[2 * i + 1]});
     }
     if (springs_.empty()) throw ComponentError("there is no spring", "at least two indices, the second not 0");
   }
@@ -120,7 +123,8 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
   }
 
   void addSegments(std::vector<Segment>& segments) const override {
-    for (const AngularSpring& spring : springs_) segments.push_back({&state(), spring.before, &state(), spring.frame});
+    for (const AngularSpring& spring : springs_)
+      if (spring.before != spring.frame) segments.push_back({&state(), spring.before, &state(), spring.frame});
   }
 
  protected:
@@ -128,11 +132,12 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
 
  private:
   struct AngularSpring {
-    Index frame, before;  ///< first rows
+    Index frame, before;  ///< first rows; the same: a tangent without a force
     double stiffness;     ///< [N m]
     double least, most;   ///< [rad]
   };
   Vec3 turnOf(std::size_t s, ConstRows x) const {
+    if (springs_[s].before == springs_[s].frame) return Vec3::Zero();
     return rotationVector(orientationIn(x, rows_[s][0]) * orientationIn(x, rows_[s][1]).conjugate());
   }
   bool acts(std::size_t s, const Vec3& turn) const {

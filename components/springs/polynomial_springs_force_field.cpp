@@ -20,8 +20,9 @@
 // polynomialDegree says how many of the coefficients polynomialStiffness each spring has, one after the other; where it does
 // not have a number for each spring, all have the first polynomial. Without points every node has a spring.
 //
-// Source: names and attributes are SOFA's. There springs that do not resist compression have the tangent of those that do,
-// and of springs to rest positions only the diagonal of a tangent is taken.
+// Source: names and attributes are SOFA's. There the tangent (rough) is -(P'(|e|)/L n n^T + P(|e|)/l (I - n n^T)) whether a spring
+// resists or not, and of springs to rest positions -P/m I and, on the diagonal alone,
+// -(P'/L - P/m) (1 - smoothScale exp(smoothShift - smoothScale l^2)) d_i^2/m^2.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -57,6 +58,7 @@ class Polynomials {
         .help("coefficients of the polynomials, from the linear one on")
         .unit("N");
     table.add("polynomialDegree", degrees_).help("how many coefficients each polynomial has");
+    table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: what SOFA takes for the derivative");
   }
   /// Throws ComponentError where the lists do not fit each other.
   void check(std::size_t springs) {
@@ -79,6 +81,8 @@ class Polynomials {
   }
   bool isOneForAll(std::size_t springs) const { return degrees_.size() != springs && degrees_.size() > 1; }
 
+  bool isRough() const { return tangent_ == Tangent::rough; }
+
   struct Value {
     double p = 0, slope = 0;  ///< P and P'
     double integral = 0;      ///< of P from 0
@@ -99,6 +103,7 @@ class Polynomials {
   std::vector<double> coefficients_{100};
   std::vector<int> degrees_{1};
   std::vector<std::size_t> starts_, counts_;  ///< shape (springs)
+  enum class Tangent : int { exact, rough } tangent_ = Tangent::exact;
 };
 
 class PolynomialSpringsForceField final : public NodeGroupField<2, PairTangent>, public DrawnSegments {
@@ -145,7 +150,8 @@ class PolynomialSpringsForceField final : public NodeGroupField<2, PairTangent>,
   }
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    traits.symmetric = traits.conservative = true;
+    traits.exact_tangent = !polynomials_.isRough();
     return traits;
   }
   void compile() override {
@@ -168,14 +174,16 @@ class PolynomialSpringsForceField final : public NodeGroupField<2, PairTangent>,
       const Vec3 d = x[b] - x[a];
       const double length = d.norm(), e = length / lengths_[s] - 1;
       stiffness_[s].setZero();
-      if (!(length > 1e-12 * lengths_[s]) || (e < 0 && !resists_)) continue;  // ends that meet have no direction
+      const bool acts = e >= 0 || resists_;
+      if (!(length > 1e-12 * lengths_[s]) || (!acts && !polynomials_.isRough())) continue;  // ends that meet have no direction
       const Polynomials::Value value = polynomials_.at(s, std::abs(e));
-      const double tension = e < 0 ? -value.p : value.p;
+      const double tension = !acts ? 0 : e < 0 ? -value.p : value.p;
       const Vec3 n = d / length;
       f[a] += tension * n;
       f[b] -= tension * n;
       const Mat3 along = n * n.transpose();
-      stiffness_[s].k = -(value.slope / lengths_[s] * along + tension / length * (Mat3::Identity() - along));
+      const double across = polynomials_.isRough() ? value.p : tension;
+      stiffness_[s].k = -(value.slope / lengths_[s] * along + across / length * (Mat3::Identity() - along));
     }
   }
 
@@ -246,7 +254,8 @@ class PolynomialRestShapeSprings final : public NodeGroupField<1>, public DrawnS
 
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    traits.symmetric = traits.conservative = true;
+    traits.exact_tangent = !polynomials_.isRough();
     traits.time_dependent = external_.target() != nullptr;
     return traits;
   }
@@ -268,6 +277,10 @@ class PolynomialRestShapeSprings final : public NodeGroupField<1>, public DrawnS
       const double l = d.norm();
       const auto [pull, slope, over_length] = pullAt(l, i);
       f[rows_[i][0]] -= over_length * d;
+      if (polynomials_.isRough()) {
+        stiffness_[i].blocks[0] = -roughSlopes(d, i);
+        continue;
+      }
       const Mat3 along = l > 0 ? Mat3(d * d.transpose() / (l * l)) : Mat3(Mat3::Zero());
       stiffness_[i].blocks[0] = -(over_length * Mat3::Identity() + (l > 0 ? slope - over_length : 0) * along);
     }
@@ -292,6 +305,13 @@ class PolynomialRestShapeSprings final : public NodeGroupField<1>, public DrawnS
     if (!(m > 0)) return {0, 0, 0};
     const double share = l / m, m_slope = share * (1 - scale_ * rounding);
     return {value.p * share, value.slope / length_of_[i] * share + value.p * (1 - share * m_slope) / m, value.p / m};
+  }
+  Mat3 roughSlopes(const Vec3& d, std::size_t i) const {
+    const double l = d.norm(), rounding = std::exp(shift_ - scale_ * l * l), m = std::sqrt(l * l + rounding);
+    const Polynomials::Value value = polynomials_.at(i, l / length_of_[i]);
+    if (!(m > 0)) return Mat3::Zero();
+    const double share = (value.slope / length_of_[i] - value.p / m) * (1 - scale_ * rounding);
+    return (share * d.cwiseProduct(d) / (m * m) + Vec3::Constant(value.p / m)).asDiagonal();
   }
   /// The integral of the pull from 0 to l: Gauss's rule of 8 points on pieces shorter than the rounding.
   double workTo(double l, std::size_t i) const {

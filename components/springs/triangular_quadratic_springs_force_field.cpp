@@ -18,8 +18,9 @@
 //
 // Source: Delingette 2008, "Triangular springs for modeling nonlinear membranes"; names and attributes are SOFA's, but for
 // thickness (1 there). SOFA takes the damping of the start of a step into the tension: explicitDamping. Its tangent of the
-// first kind has lengths at rest where those of the moment belong, and that of the second is made milder by
-// matrixRegularization, which is not here.
+// first kind (rough) has lengths at rest where those of the moment belong, + H_ii s_i/l_i n n^T for each side with n along it;
+// without angular springs it leaves out how the tension of the damping stretches. That of the second is made milder where
+// triangles lose area, which is not here.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -91,6 +92,8 @@ class TriangularSprings final : public NodeGroupField<3> {
     table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false).physical();
     table.add("dampingRatio", damping_ratio_).recompiled().help("damping over stiffness").unit("s").min(0);
     table.add("useAngularSprings", angular_).help("false: the sides resist by themselves alone");
+    if constexpr (!Sides::holds_area)
+      table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: what SOFA takes for the derivative");
     table.add("explicitDamping", explicit_).help("damping adds to the tension and to no df/dv, as in SOFA");
     if constexpr (Sides::holds_area)
       table.add("compressible", resists_).help("a triangle that loses area is held open by more");
@@ -108,7 +111,7 @@ class TriangularSprings final : public NodeGroupField<3> {
     traits.symmetric = traits.forces_balance = traits.torques_balance = true;
     traits.conservative = damping_ratio_ == 0 || !explicit_;  // damping that no C says is in no energy
     traits.velocity_dependent = damping_ratio_ > 0 && !explicit_;
-    traits.exact_tangent = damping_ratio_ == 0;
+    traits.exact_tangent = damping_ratio_ == 0 && tangent_ == Tangent::exact;
     return traits;
   }
 
@@ -142,7 +145,7 @@ class TriangularSprings final : public NodeGroupField<3> {
         s[i] = sides[std::size_t(i)].s;
         rate[i] = damping_ratio_ > 0 ? damping_ratio_ * sides[std::size_t(i)].gradient.dot(vectorOf(e, i, v)) : 0;
       }
-      const Vec3 elastic = h * s, tension = h * (s + rate), held = explicit_ ? tension : elastic;
+      const Vec3 tension = h * (s + rate), held_s = explicit_ ? Vec3(s + rate) : s, held = h * held_s;
       stiffness_[e].setZero();
       if (!damping_.empty()) damping_[e].setZero();
       for (int i = 0; i < 3; ++i) {
@@ -150,6 +153,10 @@ class TriangularSprings final : public NodeGroupField<3> {
         f[rows_[e][far(i)]] -= tension[i] * side.gradient;
         f[rows_[e][near(i)]] += tension[i] * side.gradient;
         addBlocks(stiffness_[e], i, i, -held[i] * side.hessian);
+        if (const double l = vectorOf(e, i, x).norm(); tangent_ == Tangent::rough && l > 1e-12 * sheets_[e].length[i]) {
+          const double left_out = angular_ ? s[i] : s[i] - held_s[i];
+          addBlocks(stiffness_[e], i, i, h(i, i) * (left_out / l) * side.gradient * side.gradient.transpose());
+        }
         for (int j = 0; j < 3; ++j) {
           const Mat3 block = -h(i, j) * side.gradient * sides[std::size_t(j)].gradient.transpose();
           addBlocks(stiffness_[e], i, j, block);
@@ -248,6 +255,7 @@ class TriangularSprings final : public NodeGroupField<3> {
   TopologyLink topology_;
   double young_ = 1000, poisson_ = 0.3, thickness_ = 1, damping_ratio_ = 0;
   bool angular_ = true, explicit_ = false, resists_ = true;
+  enum class Tangent : int { exact, rough } tangent_ = Tangent::exact;
   std::vector<Sheet> sheets_;
 };
 

@@ -70,7 +70,7 @@ void RegularGridTopology::declare(DataTable& table) {
   table.add("scale", scale_).unit("-").help("factor of the box").shorthand();
   table.add("p0", p0_).unit("m").help("moves the unit box there when neither min nor max is given");
   table.add("cellWidth", cell_width_).unit("m").help("when positive, gives n from the box").min(0);
-  table.add("allowMirrored", mirrored_).help("max may be below min: the grid then runs the other way, as in SOFA");
+  table.add("allowMirrored", mirrored_).help("max may be below min: the grid then runs the other way, as in SOFA; or equal to it");
   table.add("computeHexaList", hexas_).help("make the hexahedra of a solid grid");
   table.add("computeQuadList", quads_).help("make the quads of a flat grid; of a solid one only when written");
   table.add("computeTriangleList", triangles_).help("split the quads into triangles beside them");
@@ -146,7 +146,7 @@ void RegularGridTopology::checkSize() const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double length = (max_ - min_)[Index(axis)];
     nodes *= n_[axis];
-    if (n_[axis] < 1 || (n_[axis] > 1 && !(mirrored_ ? length != 0 : length > 0)))
+    if (n_[axis] < 1 || (n_[axis] > 1 && !(mirrored_ ? std::isfinite(length) : length > 0)))
       throw ComponentError(fmt::format("the box is {} long in {} for {} nodes", length, "xyz"[axis], n_[axis]),
                            "max greater than min");
     if (n_[axis] > 1) ++cells;

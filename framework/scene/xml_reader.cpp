@@ -171,7 +171,10 @@ NodeDescription readXml(const std::string& text, const std::string& file, const 
   }
   Reader(file, positions, diagnostics).readNode(*top, root);
   std::erase_if(root.attributes, [](const AttributeDescription& attribute) { return isForEditors(attribute.name); });
-  if (is_group && !root.find("name")) root.attributes.push_back({"name", std::string(tag), where});
+  if (is_group) {  // whatever its name
+    std::erase_if(root.attributes, [](const AttributeDescription& attribute) { return attribute.name == "name"; });
+    root.attributes.push_back({"name", std::string(tag), where});
+  }
   return root;
 }
 

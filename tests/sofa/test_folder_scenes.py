@@ -9,14 +9,16 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from folder_scenes import FILES, MISSING, SCENES
+from started import Started
 
-STROMA = sys.argv[1]
+STROMA = Started(sys.argv[1])
 STEPS = 10
 
 
 def stroma(folder, *words):
-    done = subprocess.run([STROMA, *words], cwd=folder, capture_output=True, text=True, timeout=600, stdin=subprocess.DEVNULL)
+    done = STROMA.run(words, folder)
     return done.returncode, done.stdout + done.stderr
 
 

@@ -155,7 +155,7 @@ static std::string readOfNode(const AttributeDescription& attribute) {
   double number = 0;
   for (int i = 0; i < (is_step ? 1 : 3); ++i)
     if (!(numbers >> number)) return is_step ? "0.01" : readByStream(attribute.value, "0 -9.81 0");
-  return {};
+  return is_step && numbers.peek() == '/' ? printReal(number) : "";
 }
 
 /// SOFA says nothing of attributes that a node does not have, and gives each child the context of its parent.

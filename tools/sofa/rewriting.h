@@ -94,7 +94,7 @@ class Rewriting {
   void meanDirections(Element& field);
   void meanRestShape(Element& springs);
   void meanLoads(Element& element);
-  void tellSpringsOfFrames(const Element& element);
+  void tellSpringsOfFrames(Element& element);
   bool mayLoadQuads(const Element& load) const;
   void meanConstantForce(Element& load);
   void meanPlane(Element& plane);

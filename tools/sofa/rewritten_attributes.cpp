@@ -150,7 +150,17 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
     return false;
   }
   std::optional<Problem> problem = data.parse(attribute.value, DataOrigin::written);
-  if (!problem) return true;
+  if (!problem && attribute.typed) return true;
+  if (!problem) {  // a stream does not know fractions
+    if (text.find('/') == std::string::npos) return true;
+    const bool is_vector = std::holds_alternative<Vec3*>(data.pointer());
+    const std::string read = is_vector ? readByStream(text, data.defaultText()) : repaired(data, text);
+    if (read.empty() || read == text) return true;
+    attribute.value = read;
+    warn(attribute.where, element, attribute.name,
+         inQuotes(text) + " is no value: SOFA has " + read + " of it, and so has this scene");
+    return true;
+  }
   const bool is_linear = text == "linear" && element.written->type == "FastTetrahedralCorotationalForceField";
   const std::string other = is_linear ? "none" : repaired(data, text);
   if (!other.empty() && other != text) {

@@ -232,16 +232,18 @@ bool Rewriting::mayLoadQuads(const Element& load) const {
   return is_source || !mesh->is("MeshTopology");
 }
 
-/// Springs of frames have forces of an energy, which SOFA's do not: their numbers differ.
-void Rewriting::tellSpringsOfFrames(const Element& element) {
+/// Springs of frames have forces of an energy, which SOFA's do not: their numbers differ, but for joints that are no part of a matrix.
+void Rewriting::tellSpringsOfFrames(Element& element) {
   const std::string& type = element.written->type;
   if (type == "FrameSpringForceField")
     warn(element.written->where, element, {},
          "has forces of an energy here: SOFA's torques stay in fixed axes, its damping turns one of two frames on, and its matrix "
          "does not know the step");
-  if (type == "JointSpringForceField")
-    warn(element.written->where, element, {},
-         "has forces of an energy here: SOFA's have none, its places at rest stay in fixed axes, and its damping is explicit");
+  if (type != "JointSpringForceField") return;
+  setQuirk(element, "one-sided-turns", "unbalanced", "true");
+  const Element* solver = element.place->nearest("linear solver");
+  if (solver && (!solver->is("CGLinearSolver") || solver->text("template").starts_with("Compressed")))
+    warn(element.written->where, element, {}, "is a part of the matrix here: in SOFA it is in none that is assembled");
 }
 
 void Rewriting::meanLoads(Element& element) {
@@ -251,6 +253,8 @@ void Rewriting::meanLoads(Element& element) {
   if (type == "RestShapeSpringsForceField" || type == "ConstantForceField") setDefault(element, "emptyMeansAll", "true");
   if (type == "RestShapeSpringsForceField") setDefault(element, "firstForOthers", "true");
   tellSpringsOfFrames(element);
+  if (isAnyOf(type, {"TriangularQuadraticSpringsForceField", "PolynomialSpringsForceField", "PolynomialRestShapeSpringsForceField"}))
+    setQuirk(element, "torsion-tangent", "tangent", "rough");
   if (type == "TaitSurfacePressureForceField") setDefault(element, "maxInjectionRate", "1000");
   if (type == "ConstantForceField") meanConstantForce(element);
   if (type == "PlaneForceField") meanPlane(element);
@@ -266,6 +270,7 @@ void Rewriting::meanLoads(Element& element) {
   }
   const bool is_penalty = isAnyOf(type, {"PlaneForceField", "SphereForceField", "EllipsoidForceField", "ConicalForceField"});
   if (is_penalty) includeLast(element);
+  if (type == "ConicalForceField") setQuirk(element, "explicit-damping", "towardsTip", "true");
   if (is_penalty || type == "InteractionEllipsoidForceField") setDefault(element, "damping", "5");
   if (type == "RegularGridSpringForceField" && !element.find("damping"))
     for (const char* kind : {"linesDamping", "quadsDamping", "cubesDamping"}) setDefault(element, kind, "5");
@@ -350,6 +355,7 @@ void Rewriting::warnOfFrames(const Element& mapping) {
 /// the torque of a force changes as its arm turns: RigidMapping unless told otherwise, RigidRigidMapping where a matrix is
 /// assembled, and others always.
 void Rewriting::holdArms(Element& mapping) {
+  if (mapping.is("SkinningMapping")) setDefault(mapping, "fromRest", "true");
   if (mapping.probe->data().find("convectiveInertia") && !mapping.find("convectiveInertia"))
     setQuirk(mapping, "no-centrifugal", "convectiveInertia", "false");
   const bool follows_frames = isAnyOf(mapping.written->type, {"RigidMapping", "RigidRigidMapping", "SkinningMapping", "BeamLinearMapping",
@@ -359,30 +365,6 @@ void Rewriting::holdArms(Element& mapping) {
   const Element* solver = mapping.place->nearest("linear solver");
   const bool is_assembled = !solver || !solver->is("CGLinearSolver") || solver->text("template").starts_with("Compressed");
   if (!mapping.is("RigidRigidMapping") || is_assembled) setQuirk(mapping, "held-arms", "geometricStiffness", "None");
-}
-
-/// SOFA does not create what acts where no state is.
-bool Rewriting::actsOnNothing(Element& element) {
-  const std::string role = element.role();
-  if (role != "force field" && role != "mass" && role != "projective constraint") return false;
-  if (movesElsewhere(element) || element.place->nearest("mechanical state") || isContactAnswer(element.written->type)) return false;
-  element.dropped = true;
-  warn(element.written->where, element, {}, "has no state to act on: SOFA does not create it, and the scene runs without it");
-  return true;
-}
-
-/// Attachments without nodes, and movements without two times: SOFA creates them, and they hold nobody.
-bool Rewriting::holdsNothing(Element& element) {
-  const bool attaches_none = element.is("AttachProjectiveConstraint") && !element.find("indices1") && !element.find("indices2");
-  const std::string times = element.text("keyTimes");
-  const bool never_moves = element.is("LinearMovementProjectiveConstraint") && !times.starts_with("@") &&
-                           (!element.find("keyTimes") || element.writes("keyTimes")) &&
-                           times.find_first_of(" \t\n") == std::string::npos;
-  if (!attaches_none && !never_moves) return false;
-  element.dropped = true;
-  warn(element.written->where, element, {},
-       std::string(attaches_none ? "names no nodes" : "has no two times") + ": it does nothing");
-  return true;
 }
 
 }  // namespace stroma::sofa

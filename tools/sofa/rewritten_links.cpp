@@ -109,6 +109,9 @@ std::string Rewriting::dataLink(Element& element, const AttributeDescription& at
   if (!target.element) return {};
   if (!target.element->probe) return target.element->without_effect ? std::string() : text;
   if (target.element->dropped) return {};
+  // what a mapping was given may be read before the mapping has its output, which is the asker
+  if (element.role() == "mechanical state" && target.element->role() == "mapping" && target.element->place == element.place)
+    if (const std::string given = target.element->text(data); !given.empty() && !given.starts_with("@")) return given;
   warnOfMoving(element, attribute, *target.element, data);
   return SceneTree::linkTo(*target.element) + "." + data;
 }

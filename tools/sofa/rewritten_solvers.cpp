@@ -29,10 +29,20 @@ void Rewriting::meanSolver(Element& element) {
   if (type == "VariationalSymplecticSolver") {
     setDefault(element, "steps", "5");
     setDefault(element, "newtonError", "0.01");
-    if (!saysYes(element.text("explicitIntegration")))
+    bool is_held = false;  // by forces of constraint
+    tree_->forEach([&is_held](Element& each) {
+      is_held = is_held || each.role() == "Lagrangian constraint" || each.text("response").find("Friction") != std::string::npos;
+    });
+    if (saysYes(element.text("explicitIntegration"))) {
+      if (element.find("rayleighStiffness")) noEffect(type + ".rayleighStiffness, which explicit steps do not know");
+      element.remove("rayleighStiffness");
+    } else if (is_held) {
       warn(element.written->where, element, "newtonError",
            "ends iterations where positions change little in SOFA, whose Rayleigh damping is in the matrix alone: here it is of "
            "the forces, and both damp");
+    } else {
+      setQuirk(element, "one-iteration", "byPositions", "true");
+    }
   }
   if (type == "StaticSolver") meanStatics(element);
   if (type == "NewtonRaphsonSolver") meanNewton(element);
@@ -70,7 +80,14 @@ void Rewriting::meanStatics(Element& solver) {
                               "absolute_correction_tolerance_threshold", "relative_correction_tolerance_threshold"};
   for (const char* name : thresholds)
     if (solver.text(name).starts_with("-")) solver.set(name, "0");
-  if (solver.find("newtonSolver") || solver.place->has("Newton solver")) return;
+  if (solver.find("newtonSolver") || solver.place->has("Newton solver")) {
+    for (const char* name : {"newton_iterations", thresholds[0], thresholds[1], thresholds[2], thresholds[3]}) {
+      if (!solver.find(name)) continue;
+      warn(solver.find(name)->where, solver, name, "does not count: NewtonRaphsonSolver holds the settings");
+      solver.remove(name);
+    }
+    return;
+  }
   const std::string count = solver.find("newton_iterations") ? solver.text("newton_iterations") : "1";
   if (count != "1" || !quirks_.use("one-iteration", solver.path())) {
     if (count == "1") return;
@@ -267,6 +284,9 @@ void Rewriting::warnOfTangents(const Element& field) {
   if (type == "StandardTetrahedralFEMForceField" && field.text("materialName") == "MooneyRivlin" && c.size() > 1 && c[1] != 0)
     warn(field.written->where, field, "materialName",
          "has its exact tangent: SOFA's lacks a part of c2, and implicit steps differ by some thousandths");
+  if (type.ends_with("FEMForceField") && field.text("materialName") == "Costa" && c.size() > 1)
+    warn(field.written->where, field, "materialName",
+         "has its exact tangent: SOFA's lacks the factor k0 in a term, and implicit steps that change volumes differ");
   const Element* solver = field.place->nearest("linear solver");
   if (type == "FastTetrahedralCorotationalForceField" && solver && solver->is("SparseLDLSolver"))
     warn(field.written->where, field, {},
