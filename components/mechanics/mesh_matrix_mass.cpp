@@ -33,6 +33,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "components/mechanics/mesh_mass.h"
 #include "components/mechanics/node_pair_matrix.h"
@@ -109,7 +110,8 @@ class MeshMatrixMass final : public MeshMass {
   bool isQuadratic() const { return !cells().empty() && cells().back().kind->order > 1; }
   /// Compressed rows over pairs of nodes that share a cell.
   void build() {
-    findPairs();
+    const bool is_summed = lumping_ && form_ == Form::consistent;  // no pair is asked for
+    if (!is_summed) findPairs();
     row_sums_.assign(state().size(), 0.0);
     if (form_ == Form::pairs && !cell_factors_.empty()) findParts();
     if (!cell_factors_.empty() && cell_factors_.size() != cells().size())
@@ -130,7 +132,7 @@ class MeshMatrixMass final : public MeshMass {
       for (int i = 0; i < kind->nodes; ++i)
         for (int j = 0; j < kind->nodes; ++j) {
           const double mass = densityOf(c) * matrix[std::size_t(i * kind->nodes + j)];
-          matrix_.at(nodes[i], nodes[j]) += mass;
+          if (!is_summed) matrix_.at(nodes[i], nodes[j]) += mass;
           row_sums_[nodes[i]] += mass;
         }
     }
@@ -250,12 +252,24 @@ class MeshMatrixMass final : public MeshMass {
   }
 
   void findPairs() {
-    std::vector<std::vector<Index>> neighbours(std::size_t(state().size()));
-    for (const MassCell& cell : cells())
-      for (int i = 0; i < cell.kind->nodes; ++i) {
-        auto& list = neighbours[cell.nodes[i]];
-        list.insert(list.end(), cell.nodes, cell.nodes + cell.kind->nodes);
-      }
+    const auto nodes = std::size_t(state().size());
+    std::vector<std::size_t> start(nodes + 1, 0), around;  // cells around each node
+    const auto forEachNode = [this](auto&& visit) {
+      for (std::size_t c = 0; c < cells().size(); ++c)
+        for (int i = 0; i < cells()[c].kind->nodes; ++i) visit(c, std::size_t(cells()[c].nodes[i]));
+    };
+    forEachNode([&](std::size_t, std::size_t node) { ++start[node + 1]; });
+    for (std::size_t n = 0; n < nodes; ++n) start[n + 1] += start[n];
+    around.resize(start[nodes]);
+    std::vector<std::size_t> next(start.begin(), start.end() - 1);
+    forEachNode([&](std::size_t cell, std::size_t node) { around[next[node]++] = cell; });
+    std::vector<std::vector<Index>> neighbours(nodes);
+    std::vector<std::size_t> found_by(nodes, nodes);
+    for (std::size_t n = 0; n < nodes; ++n)
+      for (std::size_t k = start[n]; k < start[n + 1]; ++k)
+        for (int i = 0; i < cells()[around[k]].kind->nodes; ++i)
+          if (const Index other = cells()[around[k]].nodes[i]; std::exchange(found_by[std::size_t(other)], n) != n)
+            neighbours[n].push_back(other);
     matrix_.build(neighbours);
   }
 

@@ -51,6 +51,7 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
     table.add("offset", offset_).atOnce().unit("m").help("of the region from where it is else: a hand that leads a tool");
     table.add("begin", begin_).unit("s").help("when the region is where it is given, and carves first");
     table.add("end", end_).unit("s").help("when it carves last; below begin: it does not end");
+    table.add("moved", moved_).output().unit("m").help("how far the region has come from where it is given");
     table.add("every", every_).unit("s").min(0).help("time between looks; 0: every step");
   }
 
@@ -67,7 +68,7 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
     reset();
   }
 
-  void reset() override { now_ = 0, next_ = begin_, looked_ = std::numeric_limits<double>::lowest(); }
+  void reset() override { moved_ = moved_offset_ = offset_, next_ = begin_, looked_ = std::numeric_limits<double>::lowest(); }
   void serialize(Archive& archive) override {
     archive.value("next", next_);
     archive.value("looked", looked_);
@@ -76,12 +77,13 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
     return fmt::format("carves {} from t = {:g} s on", topology().path(), begin_);
   }
 
-  void begin(const Simulation& simulation) override { now_ = simulation.time(); }
-  void afterStep(const Simulation& simulation, const StepContext&) override { now_ = simulation.time(); }
-  Vec3 shapesMovedBy() const override {
-    const double until = end_ >= begin_ ? std::min(now_, end_) : now_;
-    return std::max(0., until - begin_) * velocity_ + offset_;
+  void begin(const Simulation& simulation) override { showShapesAt(simulation.time()); }
+  void afterStep(const Simulation& simulation, const StepContext&) override { showShapesAt(simulation.time()); }
+  void showShapesAt(double t) override {
+    moved_ = std::max(0., (end_ >= begin_ ? std::min(t, end_) : t) - begin_) * velocity_ + offset_;
+    moved_offset_ = offset_;
   }
+  Vec3 shapesMovedBy() const override { return moved_ + offset_ - moved_offset_; }
   void addShapes(std::vector<Shape>& shapes) const override {
     if (!sphere_.empty()) {
       shapes.push_back({{Vec3(sphere_[0], sphere_[1], sphere_[2])}, {}, sphere_[3]});
@@ -144,7 +146,7 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
   double begin_ = 0, end_ = -1, every_ = 0;
   const State* state_ = nullptr;
   double next_ = 0, looked_ = 0;  ///< when it looks next, and looked last [s]
-  double now_ = 0;                ///< [s]
+  Vec3 moved_ = Vec3::Zero(), moved_offset_ = Vec3::Zero();  ///< where it is drawn, and the offset in that [m]
 };
 
 }  // namespace

@@ -51,6 +51,7 @@ class DrawnObstacles {
   virtual ~DrawnObstacles() = default;
   virtual void addShapes(std::vector<Shape>& shapes) const = 0;
   virtual Vec3 shapesMovedBy() const = 0;  ///< now [m]
+  virtual void showShapesAt(double) {}     ///< of a recording: a time [s]
 };
 
 }  // namespace stroma

@@ -530,9 +530,10 @@ class ChangedMeshes(Case):
         self.assertAlmostEqual(seen[0] / seen[2], 2 / 4, delta=0.02)
 
     def test_recordings_are_drawn_like_the_run(self):
-        scene = self.write("cube.xml", CARVED.replace('gravity="0 0 0"', 'gravity="2 0 0"'))
+        moves = CARVED.replace('velocity="0 0 0"', 'velocity="0 5 0"').replace('end="0.02"/>', 'end="0.5"/>')
+        scene = self.write("cube.xml", moves.replace('gravity="0 0 0"', 'gravity="2 0 0"'))
         run("run", scene, "-n", 8, "--record", "kept", "--quiet", folder=self.folder)
-        look = ("--size", "480x120", "--hide", "/cube/knife")
+        look = ("--size", "480x120")
         for name, what in (("live", (scene, "-n", 8)), ("kept", ("kept",))):
             self.picture(*what, "--at", "0.06,start,0.03,end", *look, "-o", f"{name}.png")
             self.assertIn("9 frames", self.picture(*what, "--animate", *look, "-o", f"{name}_film.png"))
@@ -541,6 +542,42 @@ class ChangedMeshes(Case):
             for i in range(9):
                 live.seek(i), kept.seek(i)
                 self.assertTrue((np.asarray(live.convert("RGB")) == np.asarray(kept.convert("RGB"))).all(), i)
+        # and so is what every run leaves
+        run("run", scene, "-n", 8, "--quiet", folder=self.folder)
+        self.picture("results/cube/last", "--at", "0.06,start,0.03,end", *look, "-o", "last.png")
+        self.assertTrue((pixels(self.path("live.png")) == pixels(self.path("last.png"))).all())
+
+    def test_a_region_is_drawn_where_it_was(self):
+        """A box of 0.2 m beside the cube goes up by 0.5 m in six steps; then one that cuts a corner."""
+        look = ("--at", "start,0.03,end", "--size", "480x120", "--view", "front", "--field", "none", "--bare")
+        for name, region in (("beside", 'box="1.1 0 0  1.3 0.2 0.2"'), ("corner", 'box="0.9 0.4 0.9  1.1 0.6 1.1"')):
+            scene = self.write(f"{name}.xml", CUBE % f'<CarvingRegion {region} velocity="0 8.33333 0"/>')
+            run("run", scene, "-n", 6, "--record", name, "--quiet", folder=self.folder)
+            run("run", scene, "-n", 6, "--quiet", folder=self.folder)
+            self.picture(scene, "-n", 6, *look, "-o", "live.png")
+            live = pixels(self.path("live.png"))
+            for kept in (name, f"results/{name}/last"):
+                self.picture(kept, *look, "-o", "kept.png")
+                self.assertTrue((live == pixels(self.path("kept.png"))).all(), kept)
+            if name == "beside":
+                tops = [np.flatnonzero(body(part)[:, -30:].any(axis=1)).min() for part in np.split(live, 3, axis=1)]
+                self.assertGreater(tops[0] - tops[1], 5)
+                self.assertAlmostEqual(tops[1] - tops[2], tops[0] - tops[1], delta=2)
+
+    def test_a_film_takes_no_scene_for_each_change(self):
+        """Of a block of 9 000 cells that loses some in each of ten steps, against its end alone."""
+        scene = self.write("block.xml", """<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver iterations="1"/>
+          <RegularGridTopology n="41 16 16" min="0 0 0" max="4 1.5 1.5"/><MechanicalObject/><UniformMass totalMass="1"/>
+          <HexahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/><CarvingRegion box="3.92 -9 -9 9 9 9" velocity="-10 0 0"/></Node>""")
+        most = {}
+        for name, more in (("end", ()), ("film", ("--animate", "--every", 1))):
+            child = subprocess.Popen([STROMA, "picture", scene, "-n", "10", "--size", "64x64", "--field", "none", "-o", f"{name}.png", *map(str, more)],
+                                     cwd=self.folder, env=WITHOUT_DISPLAY, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            _, status, used = os.wait4(child.pid, 0)
+            child.returncode = os.waitstatus_to_exitcode(status)
+            self.assertEqual(child.returncode, 0, name)
+            most[name] = used.ru_maxrss / 1024
+        self.assertLess(most["film"] - most["end"], 40)
 
 
 class Refusals(Case):

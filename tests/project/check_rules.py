@@ -44,7 +44,7 @@ TOOLS_FOR_TOOLS = {
     "python": {"checks", "command", "session", "plan", "sofa", "view"},
     "live": {"platform"},
     "recordings": {"platform"},
-    "session": {"checks", "units"},
+    "session": {"checks", "mesh_report", "units"},
     "plan": {"units"},
     "checks": {"units"},
 }

@@ -3,6 +3,9 @@
 // counts of cells by hand.
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
+#include "framework/scene/value_lists.h"
 #include "framework/simulation/state_file.h"
 #include "tests/support/shell.h"
 
@@ -94,6 +97,44 @@ TEST_F(ChangedRuns, ACheckpointIsOfTheSceneThatItBeganWith) {
   EXPECT_EQ(other.code, 2) << other.out;
   EXPECT_NE(other.err.find("than when its mesh changed (expected the scene, and the values of --set"), std::string::npos) << other.err;
   EXPECT_EQ(stroma("run bar.xml -n 8 --record out --resume --quiet").code, 0) << "nothing was lost";
+}
+
+TEST_F(ChangedRuns, WhatEveryRunLeavesFollowsTheChanges) {
+  const Finished run = stroma("run bar.xml -n 12");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_NE(run.out.find("recorded in results/bar/last"), std::string::npos) << run.out;
+  const std::string text = readText(folder_ / "results/bar/last/run.instants");
+  const auto head = nlohmann::json::parse(text.substr(0, text.find('\n')));
+  EXPECT_EQ(head.at("instants"), 13);
+  std::vector<int> from, nodes;
+  for (const auto& meshes : head.at("meshes")) from.push_back(meshes.at("from")), nodes.push_back(meshes.at("nodes").at(0));
+  EXPECT_EQ(from, (std::vector<int>{4, 7, 10}));
+  EXPECT_EQ(nodes, (std::vector<int>{44, 43, 42}));
+  // it goes on from there
+  ASSERT_EQ(stroma("run bar.xml -n 16 --no-record --quiet").code, 0);
+  const std::string whole = contents();
+  const Finished on = stroma("run bar.xml -n 16 --restart results/bar/last/last.checkpoint --no-record --quiet");
+  EXPECT_EQ(on.code, 0) << on.err;
+  EXPECT_EQ(contents(), whole);
+}
+
+/// The last node takes the number of the first point that goes, 4.
+TEST_F(ChangedRuns, AMeasuredQuantityFollowsItsNodes) {
+  const std::string measured = "run bar.xml -n 12 --no-record --quiet --measure end --measure-value ";
+  ASSERT_EQ(stroma("run bar.xml -n 12 --record out --quiet").code, 0);
+  const std::vector<Vec3> last = readStateFile((folder_ / "out/b.dofs.state.gz").string()).back().x;
+  Finished run = stroma(measured + "/b/dofs.position:44");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(ValueLists::fromBytes(readText(folder_ / "end")).get<Reals>("quantity"), (Reals{last[4][0], last[4][1], last[4][2]}));
+  run = stroma(measured + "/b/dofs.position");
+  ASSERT_EQ(run.code, 0) << run.err;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& x : last) mean += x / double(last.size());
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(ValueLists::fromBytes(readText(folder_ / "end")).get<Reals>("quantity").at(c), mean[Index(c)], 1e-14);
+  run = stroma(measured + "/b/dofs.position:4");
+  EXPECT_NE(run.code, 0);
+  EXPECT_NE(run.err.find("all nodes of /b/dofs.position:4 have gone with their cells"), std::string::npos) << run.err;
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -280,6 +280,39 @@ TEST_F(Regress, AnExpectationThatIsNotMetFails) {
   expectFailure("expected 3");
 }
 
+/// A bar of 16 cells of 1 litre, of which one goes before the fourth step: at the corner, with a point of its own, or inside.
+TEST_F(Regress, NoticesACutThatIsAnother) {
+  const auto bar = [&](const std::string& region) {
+    write("bar.xml",
+          "<Node name=\"root\" dt=\"0.0078125\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"b\">"
+          "<RegularGridTopology n=\"5 3 3\" min=\"0 0 0\" max=\"0.4 0.2 0.2\"/><MechanicalObject name=\"dofs\"/>"
+          "<DiagonalMass massDensity=\"1000\"/><HexahedronFEMForceField method=\"svd\" youngModulus=\"50000\" poissonRatio=\"0.3\"/>"
+          "<CarvingRegion begin=\"0.0234375\" end=\"0.0234375\" " + region + "/></Node></Node>");
+  };
+  const std::string corner = "box=\"0.33 -9 -9 9 0.1 0.1\"", two = "box=\"0.22 -9 -9 9 0.1 0.1\"";
+  write("list", "references\nbar.xml 8 1e-9 data=cells:0 data=volume:1e-6\n");
+  bar(corner);
+  const Finished first = stroma("regress list --update");
+  ASSERT_EQ(first.code, 0) << first.out << first.err;
+  EXPECT_EQ(stroma("regress list").code, 0);
+  EXPECT_EQ(readText(folder_ / "references/bar/cells.data"),
+            "# a line for each time [s]: the time, then the numbers\n0 16\n0.015625 16\n0.03125 15\n0.046875 15\n0.0625 15\n");
+  const std::string volumes = readText(folder_ / "references/bar/volume.data");
+  EXPECT_NEAR(std::stod(volumes.substr(volumes.find("\n0 ") + 3)), 0.016, 1e-15);
+  EXPECT_NEAR(std::stod(volumes.substr(volumes.find("\n0.0625 ") + 8)), 0.015, 1e-15);
+  bar(two);
+  Finished run = stroma("regress list");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.out.find("43 positions and 43 velocities, in the reference 44 and 44"), std::string::npos) << run.out;
+  // where all points stay, and nothing moves, the cells tell
+  bar(corner + " keepsPoints=\"true\"");
+  ASSERT_EQ(stroma("regress list --update").code, 0);
+  bar(two + " keepsPoints=\"true\"");
+  run = stroma("regress list");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.out.find("cells.data: number 0 is 14 instead of 15"), std::string::npos) << run.out;
+}
+
 TEST_F(Regress, SeveralAtOnceSayTheSame) {
   write("other.xml", falling_scene);
   write("list", "references\nfall.xml 8 1e-9\nother.xml 4 1e-9\n");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <set>
 
 #include "framework/scene/output_file.h"
 #include "tools/units/unit_system.h"
@@ -44,16 +45,13 @@ DefaultRecording::DefaultRecording(Session& session, const RunRequest& request, 
   goes_on_in_place_ = fs::equivalent(request.restart_file, checkpointIn(folder_), error);
   if (goes_on_in_place_) own_checkpoint_ = identityOf(checkpointIn(folder_));
   write_every_ = request.checkpoint_seconds > 0 ? request.checkpoint_seconds : never_seconds;
-  const InstantsHead head{request.scene, fs::current_path(error).string(), request.overrides, request.modules,
-                          sizesOf(simulation_)};
-  bytes_ = head.line();
-  head_ = bytes_.size();
-  each_ = head.instantBytes();
+  head_ = {request.scene, fs::current_path(error).string(), request.overrides, request.modules, sizesOf(simulation_), 0, {}};
+  each_ = head_.instantBytes();
   most_ = states_.empty() ? 0 : std::min(most_bytes / each_, most_instants);
   const long room = most_ > 2 ? std::min(between, mostStrided() - 1) : 0;
   const long made = std::max(1L, steps - simulation_.steps());
   every_ = room > 0 ? std::min((made + room - 1) / room, longest_first_stride) : never;
-  bytes_.reserve(head_ + each_ * std::min(most_, std::size_t(made / every_) + 3));
+  bytes_.reserve(each_ * std::min(most_, std::size_t(made / every_) + 3));
 }
 
 /// A folder that is there is replaced only when a run left it so.
@@ -80,29 +78,69 @@ void DefaultRecording::begin() {
 
 void DefaultRecording::keep() {
   if (last_ == simulation_.steps()) return;
-  if (simulation_.hasChangedMeshes()) return giveUp();
   last_ = simulation_.steps();
-  if (every_ != never && long(count_) >= mostStrided()) thin();
+  if (every_ != never && long(kept_.size()) >= mostStrided()) thin();
+  append();
+  while (every_ != never && kept_.size() > 2 && contentsBytes() > most_bytes) thin();
   next_ = every_ == never ? never : last_ + every_;
-  simulation_.complete();
-  appendInstant(bytes_, simulation_.time(), states_);
-  ++count_;
 }
 
-/// Instants are of one mesh.
-void DefaultRecording::giveUp() {
-  reason_ = "a mesh has changed in the run, and such recordings are of one mesh (--record DIR keeps positions and velocities)";
-  next_ = never, write_every_ = never_seconds;
+/// The present instant, and the meshes that it is of.
+void DefaultRecording::append() {
+  simulation_.complete();
+  if (simulation_.hasChangedMeshes() && meshes_.count(session_.meshChanges()) == 0) takeMeshes();
+  const std::size_t before = bytes_.size();
+  appendInstant(bytes_, simulation_.time(), states_);
+  kept_.push_back({bytes_.size() - before, simulation_.hasChangedMeshes() ? session_.meshChanges() : 0});
+}
+
+void DefaultRecording::takeMeshes() {
+  states_ = simulation_.states();
+  Meshes& meshes = meshes_[session_.meshChanges()];
+  meshes.bytes = session_.checkpoint().bytes();
+  const std::vector<StateSize> sizes = sizesOf(simulation_);
+  for (const StateSize& state : head_.states) {
+    const auto found = std::ranges::find(sizes, state.path, &StateSize::path);
+    meshes.nodes.push_back(found == sizes.end() ? 0 : found->nodes);
+  }
+}
+
+std::size_t DefaultRecording::contentsBytes() const {
+  std::size_t bytes = bytes_.size();
+  for (const auto& [change, meshes] : meshes_) bytes += meshes.bytes.size();
+  return bytes;
 }
 
 /// Every second instant, and twice the stride: room for as many again.
 void DefaultRecording::thin() {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < count_; i += 2, ++kept)
-    std::copy_n(bytes_.data() + head_ + i * each_, each_, bytes_.data() + head_ + kept * each_);
-  count_ = kept;
-  bytes_.resize(head_ + count_ * each_);
+  std::vector<Kept> kept;
+  std::set<long> needed{simulation_.hasChangedMeshes() ? session_.meshChanges() : 0};
+  std::size_t from = 0, to = 0;
+  for (std::size_t i = 0; i < kept_.size(); from += kept_[i++].bytes) {
+    if (i % 2 != 0) continue;
+    std::copy_n(bytes_.data() + from, kept_[i].bytes, bytes_.data() + to);
+    to += kept_[i].bytes;
+    kept.push_back(kept_[i]), needed.insert(kept_[i].meshes);
+  }
+  kept_ = std::move(kept);
+  bytes_.resize(to);
+  std::erase_if(meshes_, [&needed](const auto& each) { return needed.count(each.first) == 0; });
   every_ *= 2;
+}
+
+/// The file, in the order of its parts; what `head` says last.
+std::vector<std::string_view> DefaultRecording::parts(std::string& head) const {
+  InstantsHead all = head_;
+  all.instants = kept_.size();
+  std::vector<std::string_view> parts{bytes_};
+  for (std::size_t i = 0; i < kept_.size(); ++i) {
+    if (kept_[i].meshes == 0 || (i > 0 && kept_[i - 1].meshes == kept_[i].meshes)) continue;
+    const Meshes& meshes = meshes_.at(kept_[i].meshes);
+    all.meshes.push_back({i, meshes.bytes.size(), meshes.nodes});
+    parts.push_back(meshes.bytes);
+  }
+  head = all.line();
+  return parts;
 }
 
 bool DefaultRecording::write(bool is_needed, bool may_go_on) {
@@ -114,7 +152,6 @@ bool DefaultRecording::write(bool is_needed, bool may_go_on) {
   }
   every_ = never;
   keep();
-  if (!reason_.empty()) return false;
   // a run that fails does not take away what it went on from
   const bool with_checkpoint = may_go_on && !(goes_on_in_place_ && is_needed);
   try {
@@ -129,7 +166,9 @@ bool DefaultRecording::write(bool is_needed, bool may_go_on) {
 void DefaultRecording::putInPlace(bool with_checkpoint) {
   std::optional<FileIdentity> own = own_checkpoint_;
   replaceFiles(folder_, own_checkpoint_, [&](const std::string& fresh) {
-    writeWholeFile(instantsFile(fresh), bytes_);
+    std::string head;
+    const std::vector<std::string_view> rest = parts(head);
+    writeWholeFile(instantsFile(fresh), head, rest);
     if (!with_checkpoint) return;
     session_.writeCheckpoint(checkpointIn(fresh));
     own = identityOf(checkpointIn(fresh));
@@ -141,17 +180,13 @@ void DefaultRecording::putInPlace(bool with_checkpoint) {
 /// As if the run ended here. What cannot be written now is tried again later, and told of at the end.
 void DefaultRecording::writeMeanwhile() {
   seconds_ = 0;
-  const std::size_t bytes = bytes_.size();
-  if (simulation_.hasChangedMeshes()) return giveUp();
-  if (last_ != simulation_.steps()) {
-    simulation_.complete();
-    appendInstant(bytes_, simulation_.time(), states_);
-  }
+  const std::size_t bytes = bytes_.size(), count = kept_.size();
+  if (last_ != simulation_.steps()) append();
   try {
     putInPlace(!goes_on_in_place_);
   } catch (const std::runtime_error&) {
   }
-  bytes_.resize(bytes);
+  bytes_.resize(bytes), kept_.resize(count);
 }
 
 std::string DefaultRecording::rest() const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ class DefaultRecording {
 
   const std::string& folder() const { return folder_; }
   std::vector<std::string> files() const;  ///< that were written
-  std::size_t instants() const { return count_; }
+  std::size_t instants() const { return kept_.size(); }
   const std::string& reason() const { return reason_; }  ///< a sentence on why nothing was written, or empty
   /// What is there although write() could not: "", or a sentence that follows reason().
   std::string rest() const;
@@ -44,7 +45,10 @@ class DefaultRecording {
   /// Beside them there is room for the last instant. Even, so that every second one leaves even strides.
   long mostStrided() const { return (long(most_) - 1) / 2 * 2; }
   void keep();
-  void giveUp();
+  void append();
+  void takeMeshes();
+  std::size_t contentsBytes() const;
+  std::vector<std::string_view> parts(std::string& head) const;
   void thin();
   void checkPlace();
   void putInPlace(bool with_checkpoint);
@@ -54,8 +58,19 @@ class DefaultRecording {
   const Simulation& simulation_;
   std::string folder_, reason_;
   std::vector<State*> states_;
-  std::string bytes_;  ///< of the file
-  std::size_t head_ = 0, each_ = 0, count_ = 0;
+  InstantsHead head_;
+  std::string bytes_;  ///< of the instants
+  std::size_t each_ = 0;  ///< of an instant, with the meshes that the scene was written with
+  struct Kept {
+    std::size_t bytes = 0;
+    long meshes = 0;  ///< Session::meshChanges()
+  };
+  std::vector<Kept> kept_;  ///< instants
+  struct Meshes {
+    std::string bytes{};         ///< of a checkpoint
+    std::vector<Index> nodes{};  ///< of each state
+  };
+  std::map<long, Meshes> meshes_;  ///< that kept instants are of, by their changes
   std::size_t most_ = 0;                   ///< instants that there is room for
   long every_ = 0, next_ = 0, last_ = -1;  ///< [steps]
   bool has_checkpoint_ = false, goes_on_in_place_ = false;

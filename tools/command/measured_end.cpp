@@ -113,27 +113,45 @@ Integers flat(const std::vector<Cell>& cells) {
 
 }  // namespace
 
-MeasuredQuantity::MeasuredQuantity(const Simulation& simulation, const std::string& text) {
-  const auto colon = text.find(':');
-  const std::string name = text.substr(0, colon);
+MeasuredQuantity::MeasuredQuantity(const Simulation& simulation, const std::string& text) : text_(text) {
+  if (const auto colon = text.find(':'); colon != std::string::npos) chosen_ = chosenIn(simulation, text.substr(colon + 1));
+  find(simulation);
+  evaluate_();  // what it refuses, it refuses before the run
+}
+
+void MeasuredQuantity::follow(const Simulation& simulation, const NodesNow& now) {
+  const auto numbers = now.find(state_);
+  if (!chosen_.empty() && numbers != now.end()) {
+    for (int& node : chosen_) node = numbers->second.at(std::size_t(node));
+    std::erase(chosen_, -1);
+    are_gone_ = chosen_.empty();  // which is not all
+  }
+  try {
+    if (are_gone_) throw ComponentError(fmt::format("all nodes of {} have gone with their cells", text_));
+    find(simulation);
+  } catch (const ComponentError& error) {
+    evaluate_ = [error]() -> std::vector<double> { throw error; };
+  }
+}
+
+void MeasuredQuantity::find(const Simulation& simulation) {
+  const std::string &text = text_, name = text.substr(0, text.find(':'));
   const auto dot = name.rfind('.');
   if (dot == std::string::npos || dot == 0)
     throw ComponentError(inQuotes(text) + " names no quantity", "PATH.NAME or PATH.NAME:NODES");
   const Component& component = componentAt(simulation, name.substr(0, dot));
   const std::string attribute = name.substr(dot + 1);
-  if (colon != std::string::npos) chosen_ = chosenIn(simulation, text.substr(colon + 1));
   const auto* state = dynamic_cast<const State*>(&component);
   const auto* field = dynamic_cast<const ForceField*>(&component);
   const auto fields = field ? field->cellFields() : std::vector<std::string>{};
   if (state && std::ranges::find(state_quantities, attribute) != std::end(state_quantities))
-    ofState(*state, attribute);
+    state_ = state->path(), ofState(*state, attribute);
   else if (std::ranges::find(fields, attribute) != fields.end())
     ofCells(simulation, *field, attribute);
   else if (const Data* data = component.data().find(attribute))
     ofData(*data, text);
   else
     failName(component, attribute);
-  evaluate_();  // what it refuses, it refuses before the run
 }
 
 void MeasuredQuantity::failName(const Component& component, const std::string& name) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/simulation/simulation.h"
+#include "tools/session/mesh_changes.h"
 
 namespace stroma::command {
 
@@ -18,16 +19,25 @@ class MeasuredQuantity {
   /// ComponentError with the nearest right name.
   MeasuredQuantity(const Simulation& simulation, const std::string& text);
   MeasuredQuantity(const MeasuredQuantity&) = delete;
+  /// Whether it says what it is of when meshes have changed: not of cells or entries by their numbers.
+  bool mayFollow() const { return chosen_.empty() || !state_.empty(); }
+  bool choosesNodes() const { return !chosen_.empty() && !state_.empty(); }
+  /// Meshes have changed: it is of what is left.
+  void follow(const Simulation& simulation, const NodesNow& now);
   /// Of the present instant: one number or three.
   std::vector<double> now() const { return evaluate_(); }
 
  private:
+  void find(const Simulation& simulation);
   void ofState(const State& state, const std::string& name);
   void ofData(const Data& data, const std::string& text);
   void ofCells(const Simulation& simulation, const ForceField& field, const std::string& name);
   [[noreturn]] static void failName(const Component& component, const std::string& name);
 
+  std::string text_;         ///< as it was given
+  std::string state_;        ///< path of the state that it is of, else empty
   std::vector<int> chosen_;  ///< nodes or cells; empty: all
+  bool are_gone_ = false;    ///< those that were chosen
   std::function<std::vector<double>()> evaluate_;
 };
 

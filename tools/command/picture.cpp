@@ -14,7 +14,6 @@
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
 #include "tools/command/shown_scene.h"
-#include "tools/session/drop_readers.h"
 #include "tools/units/unit_system.h"
 
 namespace stroma::command {
@@ -95,58 +94,40 @@ RunLimits limitsOf(const PictureCommand& command, const Session& session) {
 /// From frame to frame, of `intervals` steps or instants that make at most 100 of a film: 101 frames with the start.
 long usualEvery(long intervals) { return std::max(1L, (intervals + most_intervals - 1) / most_intervals); }
 
-/// The simulations whose states are drawn, which all stay until then: that of the run, or of the recording, and one that stands
-/// still for each change of its meshes.
+/// Leads the picture maker through the changes of meshes.
 class Shown {
  public:
-  Shown(const PictureCommand& command, const Values& values, Session& first, PictureMaker& maker)
-      : command_(command), values_(values), first_(first), maker_(maker) {
-    maker.begin(first.simulation(), command.look);
+  Shown(const PictureCommand& command, Session& session, PictureMaker& maker)
+      : session_(session), maker_(maker), changes_(session.meshChanges()) {
+    maker.begin(session.simulation(), command.look);
   }
 
   /// Takes the present state of the run.
   void takeRun() {
-    if (first_.simulation().hasChangedMeshes()) {
-      if (changes_ != first_.meshChanges()) load();
-      changes_ = first_.meshChanges();
-      later_.back()->restore(first_.checkpoint(), "the run");
-      if (!is_followed_) follow();
-    }
-    maker_.take(first_.simulation().time());
+    if (changes_ != session_.meshChanges()) maker_.follow(session_.simulation());
+    changes_ = session_.meshChanges();
+    maker_.take(session_.simulation().time());
   }
   /// Takes an instant of a recording.
   void takeInstant(const drawing::Recording& recording, std::size_t instant, const Checkpoint* meshes) {
-    if (meshes && meshes != meshes_) {
-      load();
-      later_.back()->restore(*meshes, "the recording");
-      follow();
+    Simulation& simulation = session_.simulation();
+    if (meshes != meshes_) {
+      if (meshes)
+        session_.restore(*meshes, "the recording");
+      else
+        simulation.reset();
+      maker_.follow(simulation);
     }
-    if (!meshes && meshes_) load(), follow();  // back to the first
     meshes_ = meshes;
-    drawing::showInstant(later_.empty() ? first_.simulation() : later_.back()->simulation(), recording, instant);
+    drawing::showInstant(simulation, recording, instant);
     maker_.take(recording.front()[instant].time);
   }
 
  private:
-  void load() {
-    later_.push_back(std::make_unique<Session>());
-    configureAsRecorded(*later_.back(), command_.recorded, values_);
-    dropReaders(later_.back()->load(command_.scene));
-    is_followed_ = false;
-  }
-  void follow() {
-    maker_.follow(later_.back()->simulation());
-    is_followed_ = true;
-  }
-
-  const PictureCommand& command_;
-  const Values& values_;
-  Session& first_;
+  Session& session_;
   PictureMaker& maker_;
-  std::vector<std::unique_ptr<Session>> later_;
   long changes_ = 0;
   const Checkpoint* meshes_ = nullptr;
-  bool is_followed_ = false;
 };
 
 /// Why there is no result, or empty.
@@ -261,7 +242,7 @@ int picture(const Arguments& arguments) {
   leaveOutputs(simulation, command.quiet || command.isRecording() ? "" : "for a picture");
   checkOutputs(command, simulation);
   RecordedMeshes meshes;
-  Shown shown(command, *values, session, *maker);
+  Shown shown(command, session, *maker);
   std::string no_result;
   if (command.isRecording()) {
     meshes = recordedMeshes(command.recording_folder);

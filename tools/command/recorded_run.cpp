@@ -53,7 +53,7 @@ void checkFrame(const StateFrame& frame, const std::string& file, const State& s
                                  frame.time, frame.x.size(), size, state.path()));
 }
 
-drawing::Recording instantsIn(const std::string& file, const Simulation& simulation) {
+drawing::Recording instantsIn(const std::string& file, const Simulation& simulation, const RecordedMeshes& meshes) {
   const std::vector<StateSize> recorded = readInstantsHead(file).states;
   drawing::Recording all = readInstants(file), recording;
   for (const State* state : simulation.states()) {
@@ -62,7 +62,7 @@ drawing::Recording instantsIn(const std::string& file, const Simulation& simulat
     if (found == recorded.end())
       throw UsageError(fmt::format("{}: there is nothing of {}: the scene has changed since", file, state->path()));
     recording.push_back(std::move(all[std::size_t(found - recorded.begin())]));
-    checkFrame(recording.back().front(), file, *state, {});
+    for (const StateFrame& frame : recording.back()) checkFrame(frame, file, *state, meshes);
   }
   if (recording.empty()) throw UsageError("nothing in the scene moves: there is nothing to show");
   return recording;
@@ -101,19 +101,23 @@ void configureAsRecorded(Session& session, const RecordedRun& run, const Values&
 
 RecordedMeshes recordedMeshes(const std::string& folder) {
   RecordedMeshes meshes;
-  for (const std::string& file : meshFilesIn(folder)) {
-    Checkpoint checkpoint = Checkpoint::read(file);
+  const auto add = [&meshes](Checkpoint checkpoint) {
     double time = 0;
     Archive clock = checkpoint.values.readable();
     clock.enter("simulation");
     clock.value("time", time);
     meshes.emplace(time, std::move(checkpoint));
-  }
+  };
+  const std::string instants = instantsFile(folder);
+  if (fs::exists(instants))
+    for (const std::string& bytes : readInstantsMeshes(instants)) add(Checkpoint::fromBytes(bytes, instants));
+  else
+    for (const std::string& file : meshFilesIn(folder)) add(Checkpoint::read(file));
   return meshes;
 }
 
 drawing::Recording recordingIn(const std::string& folder, const Simulation& simulation, const RecordedMeshes& meshes) {
-  if (fs::exists(instantsFile(folder))) return instantsIn(instantsFile(folder), simulation);
+  if (fs::exists(instantsFile(folder))) return instantsIn(instantsFile(folder), simulation, meshes);
   drawing::Recording recording;
   for (const State* state : simulation.states()) {
     const std::string file = (fs::path(folder) / stateFileName(state->path())).string();

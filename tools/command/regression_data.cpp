@@ -9,6 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/load.h"
 #include "framework/scene/output_file.h"
 #include "framework/scene/text.h"
@@ -30,6 +32,31 @@ double energyNow(const Simulation& simulation, const std::string& name) {
 
 bool isEnergy(const std::string& name) {
   return name == "kinetic_energy" || name == "elastic_energy" || name == "gravity_energy" || name == "total_energy";
+}
+
+constexpr const char *cells_word = "cells", *volume_word = "volume";
+bool isOfMeshes(const std::string& name) { return name == cells_word || name == volume_word; }
+
+/// Of all states with a mesh: how many cells of its highest dimension there are, or the volume of those that have one, now [m^3].
+double ofMeshes(const Simulation& simulation, const std::string& name) {
+  double sum = 0;
+  for (const State* state : simulation.states()) {
+    const Topology* topology = topologyOf(*state);
+    if (!topology) continue;
+    const Mesh& mesh = topology->mesh();
+    std::vector<Vec3> places;
+    for (Index i = 0; i < state->nodes(); ++i) places.emplace_back(state->x()[i * state->rows_per_node]);
+    const int highest = highestDimension(mesh);
+    forEachCellList(
+        [&](const CellKind& kind, const auto& cells) {
+          if (kind.dimension != highest || highest == 0) return;
+          if (name == cells_word) sum += double(cells.size());
+          for (std::size_t c = 0; name == volume_word && highest == 3 && c < cells.size(); ++c)
+            sum += kind.size(cornersOf(cells[c], places).data()) / mesh.overlap;
+        },
+        mesh);
+  }
+  return sum;
 }
 
 std::vector<double> numbersIn(const std::string& text, const std::string& where) {
@@ -62,14 +89,15 @@ WatchedData readWatchedData(const std::string& word, double tolerance) {
       throw UsageError(fmt::format("'{}': expected data=PATH.NAME:TOLERANCE with a tolerance from 0 to below 1", word));
     data.name.resize(colon);
   }
-  if (data.name.empty() || (!isEnergy(data.name) && data.name.find('.') == std::string::npos))
+  if (data.name.empty() || (!isEnergy(data.name) && !isOfMeshes(data.name) && data.name.find('.') == std::string::npos))
     throw UsageError(fmt::format(
-        "'{}': expected data=PATH.NAME, or kinetic_energy, elastic_energy, gravity_energy or total_energy", word));
+        "'{}': expected data=PATH.NAME, or kinetic_energy, elastic_energy, gravity_energy, total_energy, cells or volume", word));
   return data;
 }
 
 std::vector<double> numbersNow(const Simulation& simulation, const std::string& name) {
   if (isEnergy(name)) return {energyNow(simulation, name)};
+  if (isOfMeshes(name)) return {ofMeshes(simulation, name)};
   const auto dot = name.rfind('.');
   const Component* owner = findComponent(simulation.root(), name.substr(0, dot));
   const Data* data = owner ? owner->data().find(name.substr(dot + 1)) : nullptr;

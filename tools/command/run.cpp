@@ -213,11 +213,16 @@ struct Run {
     if (!request.measure_file.empty()) dropReaders(simulation);
     if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
     if (!measured) session.followMeshChanges();
+    if (measured && measured->mayFollow())
+      session.followMeshChanges([this](const NodesNow& now) { measured->follow(session.simulation(), now); });
     checkpoint = request.checkpointToGoOnFrom();
     if (request.resume && checkpoint.empty() && !request.quiet)
       fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
     if (!checkpoint.empty())
       for (const std::string& note : session.restore(checkpoint)) fmt::print(stderr, "note: {}\n", note);
+    if (!checkpoint.empty() && measured && measured->choosesNodes() && session.simulation().hasChangedMeshes())
+      throw UsageError(fmt::format("--measure-value {}: nodes have other numbers in the changed mesh of {} than in the scene's files",
+                                   request.measured_quantity, checkpoint));
     replay = beginReplay(request, simulation);
     steps = request.stepsOf(session);
     if (steps < simulation.steps() && !request.quiet)

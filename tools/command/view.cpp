@@ -202,12 +202,10 @@ int view(const Arguments& arguments) {
   Simulation& simulation = session.load(command.scene);
   reportProblems(simulation.scene(), command.quiet);
   if (command.isRecording()) {
-    command.live.meshes = recordedMeshes(command.recording_folder);
-    if (command.exports && !command.live.meshes.empty())
-      throw UsageError(command.recording_folder + ": meshes have changed in the run, and a page that plays by itself is of one mesh "
-                                                  "(expected a view or a picture of it)");
+    RecordedMeshes meshes = recordedMeshes(command.recording_folder);
     (command.exports ? command.page.recording : command.live.recording) =
-        recordingIn(command.recording_folder, simulation, command.live.meshes);
+        recordingIn(command.recording_folder, simulation, meshes);
+    (command.exports ? command.page.meshes : command.live.meshes) = std::move(meshes);
   }
   // A view has no end of its own: exporters would fill the disk. A recording is not run, so nothing is to be written.
   if (command.isRecording() || !command.outputs)

@@ -61,7 +61,9 @@ std::vector<Component*> withNodeValues(const Simulation& simulation) {
   std::vector<Component*> found = componentsOf(simulation);
   std::erase_if(found, [](const Component* component) {
     const auto& all = component->data().all();
-    return std::none_of(all.begin(), all.end(), [](const Data& data) { return data.isOfNodes(); });
+    const bool is_obstacle = dynamic_cast<const DrawnObstacles*>(component) != nullptr;
+    const auto is_kept = [=](const Data& data) { return data.isOfNodes() || (is_obstacle && data.isOutput()); };
+    return std::none_of(all.begin(), all.end(), is_kept);
   });
   return found;
 }

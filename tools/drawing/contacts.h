@@ -10,7 +10,8 @@ namespace stroma::drawing {
 /// The state that a component acts on; null: none, or not one.
 const State* stateOf(const Component& component);
 
-/// Components that compute something for each node of their state, in the order of the tree: a recording has all that they compute.
+/// Components that compute something for each node of their state, or where their obstacles are, in the order of the tree: a
+/// recording has all that they compute.
 std::vector<Component*> withNodeValues(const Simulation& simulation);
 
 /// Fields of nodes that components compute, for the bodies that there are.

@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 
+#include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/frames.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/system.h"
@@ -82,6 +83,10 @@ void showInstant(Simulation& simulation, const Recording& recording, std::size_t
       if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];
     }
   }
+  std::vector<DrawnObstacles*> obstacles;
+  simulation.root().collect(obstacles);
+  for (DrawnObstacles* obstacle : obstacles)
+    if (!recording.empty()) obstacle->showShapesAt(recording.front()[instant].time);
   const std::vector<Component*> computing = withNodeValues(simulation);
   for (const Component* component : computing) {
     if (i >= recording.size() || recording.size() != simulation.states().size() + computing.size()) break;

@@ -8,10 +8,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
+#include <variant>
 
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/cell_faces.h"
+#include "framework/scene/load.h"
 #include "framework/scene/written_units.h"
+#include "tools/mesh_report/read_meshes.h"
 
 namespace stroma {
 
@@ -59,7 +63,43 @@ std::size_t turnInvertedCells(Mesh& mesh) {
   return count;
 }
 
+thread_local Node* read_before = nullptr;  ///< root of the tree with loaders that have read
+
+/// What nobody gave may have been found by init().
+bool isTheSame(const Data& one, const Data& other) {
+  if (one.isSet() != other.isSet() || !one.isSet()) return one.isSet() == other.isSet();
+  const auto *file = std::get_if<FileName*>(&one.pointer()), *other_file = std::get_if<FileName*>(&other.pointer());
+  const bool is_file = !file || !other_file || (*file)->found == (*other_file)->found;
+  return is_file && one.print() == other.print();
+}
+
+void copyValue(const Data& from, const Data& to) {
+  std::visit(
+      [&from](const auto& value) {
+        using Pointer = std::decay_t<decltype(value)>;
+        const auto* const of_former = std::get_if<Pointer>(&from.pointer());
+        if constexpr (!std::is_same_v<Pointer, ChoiceRef> && !std::is_same_v<Pointer, LinkBase*>)
+          if (of_former) *value = **of_former;
+      },
+      to.pointer());
+}
+
+/// All that is known of what a loader has read is in its outputs.
+bool takesReadMesh(MeshLoader& loader) {
+  const Component* const former = read_before ? findComponent(*read_before, loader.path()) : nullptr;
+  if (!dynamic_cast<const MeshLoader*>(former) || former->type() != loader.type() || former->hasFailed()) return false;
+  const std::vector<Data>&own = loader.data().all(), &read = former->data().all();
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (!own[i].isOutput() && !isTheSame(own[i], read[i])) return false;
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (own[i].isOutput()) copyValue(read[i], own[i]);
+  return true;
+}
+
 }  // namespace
+
+ReadMeshes::ReadMeshes(Node& root) { read_before = &root; }
+ReadMeshes::~ReadMeshes() { read_before = nullptr; }
 
 void MeshLoader::declare(DataTable& table) {
   table.add("filename", filename_).help("mesh file").required().input();
@@ -114,6 +154,7 @@ void MeshLoader::declareGroups(DataTable& table, const std::string& word) {
 }
 
 void MeshLoader::init() {
+  if (takesReadMesh(*this)) return;
   read(filename_.found, mesh_);
   if (mesh_.position.empty()) throw ComponentError(fmt::format("{} has no nodes", filename_.given), "a mesh");
   const bool has_cells = highestDimension(mesh_) > 0;

@@ -64,10 +64,11 @@ class PictureMaker {
   /// Which colour maps and views there are, for the help.
   virtual std::vector<std::string> colours() const = 0;
   virtual std::vector<std::string> views() const = 0;
-  /// The simulation must outlive the states that are taken. Throws ComponentError for a field, a view, a colour map or a
-  /// node that there is not, and std::runtime_error where nothing can be drawn on this machine.
+  /// The simulation, and its components as they are now, must outlive the states that are taken. Throws ComponentError for a field,
+  /// a view, a colour map or a node that there is not, and std::runtime_error where nothing can be drawn on this machine.
   virtual void begin(const Simulation& simulation, const PictureRequest& request) = 0;
-  /// From now on states are those of this simulation: the same scene with other meshes. It must outlive them too.
+  /// From now on states are those of this simulation as it is now: the same scene with other meshes. Its components may go when the
+  /// last of these states has been taken.
   virtual void follow(const Simulation& simulation) = 0;
   /// Keeps the present state. Throws std::runtime_error when all that is kept has more than 4 GB.
   virtual void take(double time) = 0;

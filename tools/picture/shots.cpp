@@ -90,6 +90,19 @@ ShotTaker::ShotTaker(const Simulation& simulation, const ShotTaker& first)
       units_(first.units_) {
   if (drawing_.bodies.size() != drawn_.size() || drawing_.obstacles.size() != hidden_obstacles_.size())
     throw std::runtime_error("meshes have changed so that other bodies are to be drawn: no picture can show both");
+  keepOwn();
+}
+
+void ShotTaker::keepOwn() {
+  own_size_ = restSize();
+  std::vector<Points> all;
+  for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) all.push_back(rest(b));
+  own_rest_ = std::move(all);
+  for (Body& body : drawing_.bodies)
+    if (body.mesh && request_.cut) {
+      own_meshes_.push_back(std::make_unique<const Mesh>(*body.mesh));
+      body.mesh = own_meshes_.back().get();
+    }
 }
 
 void ShotTaker::hide(const std::vector<std::string>& paths) {
@@ -138,6 +151,7 @@ Box restBox(const Body& body) {
 }  // namespace
 
 Vec3 ShotTaker::restSize() const {
+  if (own_size_) return *own_size_;
   Box box;
   for (std::size_t b = 0; b < drawing_.bodies.size(); ++b)
     if (drawn_[b]) box.add(restBox(drawing_.bodies[b]));
@@ -208,6 +222,7 @@ const Field* ShotTaker::fieldOf(std::size_t body) const {
 Index ShotTaker::nodesOf(const Body& body) const { return request_.cut ? Index(body.node.size()) : body.surface; }
 
 Points ShotTaker::rest(std::size_t body) const {
+  if (!own_rest_.empty()) return own_rest_[body];
   const Body& drawn = drawing_.bodies[body];
   Points out;
   for (Index i = 0; i < nodesOf(drawn); ++i) {

@@ -2,6 +2,8 @@
 // States of a simulation, as far as they are drawn: positions, the values that give the colours, what is held.
 #pragma once
 #include <limits>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +37,8 @@ class ShotTaker {
  public:
   /// Throws ComponentError for a field that no body has, or a hidden node that there is not.
   ShotTaker(const Simulation& simulation, const PictureRequest& request);
-  /// The same scene with other meshes, as `first` shows it. Throws std::runtime_error where that cannot be.
+  /// The same scene with other meshes, as `first` shows it. The components that are there now may be gone when the last shot of
+  /// them has been taken; those of `first` stay. Throws std::runtime_error where that cannot be.
   ShotTaker(const Simulation& simulation, const ShotTaker& first);
 
   Shot take(double time);
@@ -61,6 +64,7 @@ class ShotTaker {
   const UnitSystem& units() const { return units_; }
 
  private:
+  void keepOwn();
   void choose();
   void hide(const std::vector<std::string>& paths);
   void hideOneOfTwo();
@@ -79,6 +83,9 @@ class ShotTaker {
   UnitSystem units_;  ///< of the scene
   std::vector<double> work_;
   std::vector<float> cell_values_;
+  std::vector<Points> own_rest_;  ///< of what may go: what is drawn of it later
+  std::vector<std::unique_ptr<const Mesh>> own_meshes_;
+  std::optional<Vec3> own_size_;
   Range bulk_{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}, extremes_ = bulk_;
 };
 

@@ -17,6 +17,7 @@
 #include "framework/simulation/observer.h"
 #include "tools/session/followed_lists.h"
 #include "tools/session/mesh_chain.h"
+#include "tools/session/typed_attribute.h"
 
 namespace stroma {
 namespace {
@@ -34,20 +35,6 @@ void put(ComponentDescription& written, const Data& data, std::string text) {
     return each.name == data.name() || std::count(data.aliases().begin(), data.aliases().end(), each.name) > 0;
   });
   written.attributes.push_back({data.name(), std::move(text), written.where});
-}
-
-template <class List>
-std::string textOfCells(const List& cells) {
-  std::string text;
-  for (const auto& cell : cells)
-    for (const auto node : cell) fmt::format_to(std::back_inserter(text), "{} ", node);
-  return text;
-}
-
-std::string textOfPlaces(const std::vector<Vec3>& places) {
-  std::string text;
-  for (const Vec3& place : places) fmt::format_to(std::back_inserter(text), "{} {} {} ", place[0], place[1], place[2]);
-  return text;
 }
 
 /// Whole numbers, or cells as numbers of nodes. Counts have a unit.
@@ -124,12 +111,11 @@ class ChangedScene {
     if (!is_container) written.type = "MeshTopology";
     strip(written, topology_.name());
     const Mesh& mesh = edit_.mesh();
-    written.attributes.push_back({"position", textOfPlaces(mesh.position), written.where});
+    written.attributes.push_back(typedAttribute("position", mesh.position, written.where));
     written.attributes.push_back({"allowEmpty", "true", written.where});
     forEachCellList(
         [&written](const CellKind& kind, const auto& cells) {
-          if (!cells.empty())
-            written.attributes.push_back({std::string(kind.plural), textOfCells(cells), written.where});
+          if (!cells.empty()) written.attributes.push_back(typedAttribute(std::string(kind.plural), cells, written.where));
         },
         mesh);
     if (!filler) return;

@@ -11,6 +11,7 @@
 #include "framework/scene/spans.h"
 #include "framework/simulation/edit_values.h"
 #include "framework/simulation/mesh_changer.h"
+#include "tools/mesh_report/read_meshes.h"
 #include "tools/session/carried_values.h"
 #include "tools/session/changed_description.h"
 #include "tools/session/changed_nodes.h"
@@ -55,8 +56,9 @@ std::string firstOf(const SceneError& error) {
   return error.what();
 }
 
-/// The scene with the other meshes, loaded. `scene` is its description.
-std::unique_ptr<Simulation> loaded(SceneDescription scene, Factory& factory, Modules& modules) {
+/// The scene with the other meshes, loaded. `scene` is its description, and `root` that of the scene before.
+std::unique_ptr<Simulation> loaded(SceneDescription scene, Node& root, Factory& factory, Modules& modules) {
+  const ReadMeshes read(root);
   try {
     return std::make_unique<Simulation>(instantiate(std::move(scene), factory, modules));
   } catch (const SceneError& error) {
@@ -102,7 +104,7 @@ MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Module
       notes.push_back(fmt::format("{}: all that it acts on has gone at t = {:.6g} s, and it is left out from now on", path,
                                   simulation.time()));
   }
-  std::unique_ptr<Simulation> changed = loaded(std::move(scene), factory, modules);
+  std::unique_ptr<Simulation> changed = loaded(std::move(scene), simulation.root(), factory, modules);
   addWarnings(simulation, *changed, notes);
   std::vector<std::string> anew;
   Archive values = carriedValues(simulation, *changed, meshes, anew);
@@ -144,7 +146,7 @@ void takeChangedScene(Simulation& simulation, Archive values, Factory& factory, 
   SceneDescription scene = simulation.scene().description;
   readChangedNodes(values, scene.root);
   values.checkAllRead();
-  std::unique_ptr<Simulation> changed = loaded(std::move(scene), factory, modules);
+  std::unique_ptr<Simulation> changed = loaded(std::move(scene), simulation.root(), factory, modules);
   for (const Override& edit : edits) simulation.setAttribute(edit.path, edit.attribute, edit.value);  // reset() finds them
   Archive start = changed->checkpoint().readable();
   simulation.become(std::move(changed), std::move(start));

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "framework/scene/abi.h"
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
 #include "tools/drawing/recording.h"
 #include "tools/units/unit_system.h"
+#include "tools/view/page_numbers.h"
 #include "tools/view/scene_packets.h"
 #include "tools/view/server.h"
 #include "tools/view/standalone_page.h"
@@ -37,25 +39,22 @@ std::set<int> fieldsCalled(const std::vector<std::string>& names, const Drawing&
 class PageMaker {
  public:
   PageMaker(Simulation& simulation, const ExportRequest& request)
-      : request_(request), drawing_(drawingOf(simulation)), frames_(simulation, drawing_) {
+      : simulation_(simulation), request_(request), drawing_(drawingOf(simulation)), numbers_(drawing_), frames_(simulation, drawing_) {
     demand_.all_nodes = request.inside;
-    demand_.fields = fieldsCalled(request.fields, drawing_);
-    Packet scene = scenePacket(simulation, drawing_, 1, "recording");
-    demand_.contacts = !drawing_.contacts.empty();
-    for (const Field& field : drawing_.fields)  // of several with the name any will do
-      if (!request.fields.empty() && field.name == request.fields.front())
-        scene.header()["view"] = {{"colour", field.name + (field.source ? "|cells|" : "|nodes|") +
-                                                 unitsOf(simulation.scene()).unit(drawing::unitOf(field))},
-                                  {"range", "most"}};
-    page_.add(scene.bytes());
-    page_.add(heldPacket(simulation, drawing_, 1, simulation.time()).bytes());
-    if (request.inside) page_.add(cellsPacket(drawing_, 1).bytes());
+    addScene();
     opening_ = page_.size();
   }
 
+  /// Meshes have changed: what comes is of others.
+  void follow(const NodesNow& now) {
+    drawing_ = drawingOf(simulation_);
+    numbers_.follow(drawing_, now);
+    frames_.forget();
+  }
   void keep(double time) {
+    if (numbers_.isUntold()) addScene();
     auto packet = frames_.make(demand_, ++pictures_, time, true);
-    packet->header()["generation"] = 1;
+    packet->header()["generation"] = generation_;
     page_.add(withShortPositions(*packet).bytes());
   }
   /// Throws std::runtime_error when there is too much already; `all`: how many pictures there would be.
@@ -67,6 +66,26 @@ class PageMaker {
   }
 
  private:
+  void addScene() {
+    demand_.fields = fieldsCalled(request_.fields, drawing_);
+    demand_.contacts = !drawing_.contacts.empty();
+    Packet scene = scenePacket(simulation_, drawing_, ++generation_, "recording");
+    for (const Field& field : drawing_.fields)  // of several with the name any will do
+      if (!request_.fields.empty() && field.name == request_.fields.front() && generation_ == 1)
+        scene.header()["view"] = {{"colour", field.name + (field.source ? "|cells|" : "|nodes|") +
+                                                 unitsOf(simulation_.scene()).unit(drawing::unitOf(field))},
+                                  {"range", "most"}};
+    if (numbers_.isUntold()) {
+      scene.header()["follows"] = numbers_.toldGeneration();
+      for (std::size_t b = 0; b < drawing_.bodies.size(); ++b)
+        scene.add(std::to_string(b) + ".before", numbers_.before(drawing_.bodies[b]));
+    }
+    numbers_.told(drawing_, generation_);
+    page_.add(scene.bytes());
+    page_.add(heldPacket(simulation_, drawing_, generation_, simulation_.time()).bytes());
+    if (request_.inside) page_.add(cellsPacket(drawing_, generation_).bytes());
+  }
+
   void checkSize(std::size_t size, long all) const {
     if (size <= most_page_bytes) return;
     constexpr double megabyte = 1 << 20, most = most_page_bytes, reserve = 1.1;  // pictures differ in size
@@ -83,8 +102,11 @@ class PageMaker {
         request_.every * long(std::ceil(reserve * pictures / room))));
   }
 
+  Simulation& simulation_;
   const ExportRequest& request_;
   Drawing drawing_;
+  PageNumbers numbers_;
+  int generation_ = 0;  ///< of the scene that the page has last
   FrameMaker frames_;
   Demand demand_;
   StandalonePage page_;
@@ -104,7 +126,7 @@ class BrowserViewer final : public Viewer {
   RunReport writePage(Session& session, const ExportRequest& request) const override {
     PageMaker page(session.simulation(), request);
     const RunReport report = request.recording.empty() ? keepRun(session, request, page)
-                                                       : keepRecording(session.simulation(), request, page);
+                                                       : keepRecording(session, request, page);
     if (report.end == RunEnd::done) page.write();
     return report;
   }
@@ -112,6 +134,7 @@ class BrowserViewer final : public Viewer {
  private:
   static RunReport keepRun(Session& session, const ExportRequest& request, PageMaker& page) {
     const Simulation& simulation = session.simulation();
+    session.followMeshChanges([&page](const NodesNow& now) { page.follow(now); });
     const long all = request.steps / request.every + 1;
     page.keep(simulation.time());
     RunLimits limits;
@@ -123,12 +146,21 @@ class BrowserViewer final : public Viewer {
       page.keep(simulation.time());
       page.checkSize(all);
     };
-    return session.run(limits);
+    const RunReport report = session.run(limits);
+    session.followMeshChanges();
+    return report;
   }
 
-  static RunReport keepRecording(Simulation& simulation, const ExportRequest& request, PageMaker& page) {
+  static RunReport keepRecording(Session& session, const ExportRequest& request, PageMaker& page) {
+    Simulation& simulation = session.simulation();
     const auto count = request.recording.front().size(), every = std::size_t(request.every);
+    const Checkpoint* meshes = nullptr;
     for (std::size_t i = 0; i < count; i += every) {
+      const Checkpoint* const present = meshesAt(request.recording.front()[i].time, request.meshes);
+      if (std::exchange(meshes, present) != present) {
+        session.restore(*present, "the recording");
+        page.follow({});
+      }
       drawing::showInstant(simulation, request.recording, i);
       page.keep(request.recording.front()[i].time);
       page.checkSize(long((count - 1) / every + 1));

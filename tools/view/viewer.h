@@ -44,6 +44,7 @@ struct ExportRequest {
   long steps = 100;                   ///< to make
   long every = 1;                     ///< steps, or instants of the recording, from one picture to the next
   Recording recording{};              ///< not empty: its instants are shown, and nothing is run
+  RecordedMeshes meshes{};            ///< of the recording
   std::vector<std::string> fields{};  ///< names of cell fields that are kept; all nodes' displacements always are
   bool inside = false;                ///< the nodes inside too, so that the body can be cut
   std::function<void()> before_step{}, after_step{};  ///< called by the thread that steps; what they throw ends the run

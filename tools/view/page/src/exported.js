@@ -24,7 +24,7 @@ export async function playExported(packets, { store, stage, history, timeline, b
     if (history.frames.length === 0) throw new Error('it has no frames');
     store.setConnection('recording', '');
     store.receiveText({ is: 'ready' });
-    startAsExported(store, stage);
+    startAsExported(history.frames[0].scene.packet.header.view, store, stage);
     timeline.seek(0);
     timeline.update();
     if (history.frames.length > 1) timeline.toggle();
@@ -34,9 +34,9 @@ export async function playExported(packets, { store, stage, history, timeline, b
   }
 }
 
-/** The choices and the camera of the page that exported. @param {any} store @param {any} stage */
-function startAsExported(store, stage) {
-  const { camera, ...view } = store.scene.view ?? {};
+/** The choices and the camera of the page that exported. @param {any} chosen @param {any} store @param {any} stage */
+function startAsExported(chosen, store, stage) {
+  const { camera, ...view } = chosen ?? {};
   store.setView(view);
   if (!camera) return;
   stage.camera.position.fromArray(camera.position);

@@ -13,7 +13,7 @@ export class History {
     this.stride = 1;
     this.skipped = 0;
     this.clear();
-    store.on('scene', () => store.sameScene || this.clear());
+    store.on('scene', () => store.sameScene || (store.exported && store.changed) || this.clear());
     store.on('arrived', (packet) => this.keep(packet));
   }
 
@@ -61,7 +61,7 @@ export class History {
 
   /** The last frame, at or before one, that has an array: fields and loads do not come with each. @param {number} index @param {string} name */
   lastWith(index, name) {
-    for (let i = index; i >= 0; i--) if (this.frames[i].arrays[name]) return this.frames[i];
+    for (let i = index; i >= 0 && this.frames[i].scene === this.frames[index].scene; i--) if (this.frames[i].arrays[name]) return this.frames[i];
     return null;
   }
 }

@@ -143,7 +143,7 @@ export class Plots {
       const values = { ...packet.header.values };
       for (const { body, node } of this.store.watched) {
         const b = this.store.bodies[body];
-        const place = placeIn(packet, body, node);
+        const place = placeIn(packet, body, this.store.nodeIn(packet, body, node));
         'xyz'.split('').forEach((axis, c) => (values[`node.${body}.${b.sceneNode[node]}.position.${axis}`] = place[c]));
       }
       for (const hand of packet.header.hands ?? []) values[`hand.${hand.hand}`] = Math.hypot(...hand.force);
@@ -254,7 +254,7 @@ export class Plots {
 /** The place of a node in a frame that is not shown. @param {any} packet @param {number} body @param {number} node */
 function placeIn({ header, arrays }, body, node) {
   const x = arrays[`${body}.x`];
-  const place = [...(x?.subarray(3 * node, 3 * node + 3) ?? [])];
+  const place = node < 0 ? [] : [...(x?.subarray(3 * node, 3 * node + 3) ?? [])];
   if (place.length < 3) return [NaN, NaN, NaN]; // a node inside that the frame does not have
   const box = x instanceof Uint16Array ? header.boxes[body] : null;
   return box ? place.map((value, c) => box[c] + (value * (box[3 + c] - box[c])) / 65535) : place;

@@ -8,9 +8,11 @@ const PIECE = 16e6; // bytes compressed at once
 /**
  * @param {import('./store.js').Store} store
  * @param {any} view choices that the exported page starts with
+ * @param {number} [generation] of the scene
+ * @param {{scene: any, counts: number[]} | null} [before] the scene whose meshes have changed to these, and how many nodes of each body are written
  * @returns {ArrayBuffer[]} the packets before the frames
  */
-export function openingPackets(store, view) {
+export function openingPackets(store, view, generation = 1, before = null) {
   const inside = withInside(store);
   /** @type {Record<string, any>} */
   const arrays = {};
@@ -28,6 +30,7 @@ export function openingPackets(store, view) {
       [`${b}.node`]: body.sceneNode.subarray(0, count), [`${b}.rest`]: body.rest.subarray(0, 3 * count), [`${b}.triangles`]: body.triangles,
       [`${b}.owner`]: body.owner, [`${b}.edges`]: body.edges, [`${b}.points`]: body.points, [`${b}.springs`]: known(body.springs, 2),
     });
+    if (before) arrays[`${b}.before`] = store.numbersIn(before.scene, store.sceneShown, b).subarray(0, count).map((n) => (n < before.counts[b] ? n : -1));
     held[`${b}.held`] = known(body.held, 1);
     held[`${b}.guided`] = known(body.guided, 1);
     if (inside && body.tetrahedra) cells[`${b}.tetrahedra`] = body.tetrahedra;
@@ -50,9 +53,10 @@ export function openingPackets(store, view) {
   const obstacles = store.obstacles.map(({ path, name, solid }) => ({ path, name, solid, movable: false }));
   const { name, dt, gravity, build } = store.scene;
   const fields = [...store.chosenFields().values()];
-  const packets = [writePacket({ is: 'scene', generation: 1, client: 0, build, name, mode: 'recording', dt, gravity, bodies, fields, obstacles, contacts: store.contacts, view }, arrays),
-    writePacket({ is: 'held', generation: 1 }, held)];
-  if (inside) packets.push(writePacket({ is: 'cells', generation: 1 }, cells));
+  const follows = before ? { follows: generation - 1 } : {};
+  const packets = [writePacket({ is: 'scene', generation, ...follows, client: 0, build, name, mode: 'recording', dt, gravity, bodies, fields, obstacles, contacts: store.contacts, view }, arrays),
+    writePacket({ is: 'held', generation }, held)];
+  if (inside) packets.push(writePacket({ is: 'cells', generation }, cells));
   return packets;
 }
 
@@ -62,8 +66,9 @@ const withInside = (store) => store.view.cut.on && store.bodies.some((body) => b
 /**
  * @param {import('./store.js').Store} store @param {any} packet a frame as it came
  * @param {number} number of the frame
+ * @param {number} [generation] of its scene
  */
-export function framePacket(store, packet, number) {
+export function framePacket(store, packet, number, generation = 1) {
   const { header, arrays } = packet;
   const inside = withInside(store);
   const whole = header.nodes === 'all';
@@ -89,7 +94,7 @@ export function framePacket(store, packet, number) {
   const contacts = header.contacts && store.view.contacts ? { contacts: header.contacts } : {};
   if (header.contacts && store.view.contacts)
     for (const name of Object.keys(arrays)) if (/^c\d+\./.test(name)) out[name] = arrays[name];
-  return writePacket({ is: 'frame', generation: 1, frame: number, step: header.step, time: header.time, run: header.run ?? 0, nodes: inside && whole ? 'all' : 'surface', format: 'u16',
+  return writePacket({ is: 'frame', generation, frame: number, step: header.step, time: header.time, run: header.run ?? 0, nodes: inside && whole ? 'all' : 'surface', format: 'u16',
     applied: {}, hands: header.hands ?? [], values: header.values ?? {}, boxes, ...(header.moved ? { moved: header.moved } : {}), ...contacts }, out);
 }
 
@@ -104,8 +109,12 @@ export function framePacket(store, packet, number) {
  * @returns {Promise<string>}
  */
 export async function exportedPage(store, page, view, frames, count, stride) {
-  let pieces = openingPackets(store, view);
-  let waiting = pieces.reduce((sum, piece) => sum + piece.byteLength, 0);
+  let generation = 0;
+  /** The scene of the last frame. @type {{scene: any, counts: number[]} | null} */
+  let last = null;
+  /** @type {ArrayBuffer[]} */
+  let pieces = [];
+  let waiting = 0;
   /** @type {string[]} */
   const parts = [];
   let size = page.js.length + page.css.length + page.html.length;
@@ -123,10 +132,22 @@ export async function exportedPage(store, page, view, frames, count, stride) {
         : 'The mesh alone is larger than 50 MB; a single page cannot hold it.');
     }
   };
-  for await (const packet of frames) {
-    pieces.push(framePacket(store, packet, number++));
-    waiting += pieces[pieces.length - 1].byteLength;
-    if (waiting > PIECE) await pack();
+  const { shown } = store;
+  try {
+    for await (const packet of frames) {
+      if (store.exported && packet.scene !== store.sceneShown) store.returnTo(packet.scene);
+      if (last?.scene !== store.sceneShown) {
+        const opening = openingPackets(store, last ? {} : view, ++generation, last);
+        waiting += opening.reduce((sum, piece) => sum + piece.byteLength, 0);
+        pieces.push(...opening);
+        last = { scene: store.sceneShown, counts: store.bodies.map((body) => (withInside(store) ? body.count : body.surface)) };
+      }
+      pieces.push(framePacket(store, packet, number++, generation));
+      waiting += pieces[pieces.length - 1].byteLength;
+      if (waiting > PIECE) await pack();
+    }
+  } finally {
+    if (shown && store.exported) store.show(shown);
   }
   await pack();
   if (number === 0) throw new Error('There are no frames to write yet. Run the scene first.');

@@ -175,15 +175,26 @@ export class Store {
   /** @param {import('./messages.js').Packet} packet */
   receivePacket(packet) {
     const { is, generation } = packet.header;
-    if (is === 'scene') return this.takeScene(packet);
+    if (is === 'scene') {
+      // A mesh has changed, and this page was told of it already with its own scene.
+      if (packet.header.follows !== undefined && generation === this.scene?.generation && !this.isNewConnection) return;
+      this.sceneComing = { packet, cells: null, first: this.firstNumbers(packet) };
+      this.takeScene(packet);
+      this.sceneShown = this.sceneComing;
+      return;
+    }
     if (!this.scene || (generation !== undefined && generation !== this.scene.generation)) {
       if (is === 'frame') this.emit('dropped', packet.header.frame);
       return;
     }
     if (is === 'held') return this.takeHeld(packet);
-    if (is === 'cells') return this.takeCells(packet);
+    if (is === 'cells') {
+      this.sceneComing.cells = packet;
+      return this.takeCells(packet);
+    }
     if (is !== 'frame') return;
     this.newest = packet;
+    if (this.exported) packet.scene = this.sceneComing;
     packet.held = this.heldNow;
     for (const name of Object.keys(packet.arrays)) if (/^f\d+$|\.load$/.test(name)) this.newestWith.set(name, packet);
     this.emit('arrived', packet);
@@ -192,8 +203,6 @@ export class Store {
 
   /** @param {import('./messages.js').Packet} packet */
   takeScene({ header, arrays }) {
-    // A mesh has changed, and this page was told of it already with its own scene.
-    if (header.follows !== undefined && header.generation === this.scene?.generation && !this.isNewConnection) return;
     const hidden = new Set(this.bodies.filter((body) => !body.visible).map((body) => body.path));
     const kind = JSON.stringify([header.name, header.mode, header.bodies.map((/** @type {any} */ b) => [b.path, b.nodes, b.surface]),
       (header.fields ?? []).map((/** @type {any} */ f) => [f.id, f.body, f.name, f.on, f.unit])]);
@@ -203,7 +212,7 @@ export class Store {
     /** Whether it is sent again within a connection, as after a change of springs: even hands go on. */
     this.continued = this.sameScene && !this.isNewConnection;
     /** Whether meshes of it have changed: nodes have other numbers, which nodeNow() knows, and everything else goes on. */
-    this.changed = !this.continued && !this.isNewConnection && header.follows !== undefined && header.follows === this.scene?.generation;
+    this.changed = !this.continued && !this.isNewConnection && (this.isReturning || (header.follows !== undefined && header.follows === this.scene?.generation));
     const known = this.changed ? new Map(before.map((body) => [body.path, body])) : new Map();
     this.pathsBefore = before.map((body) => body.path);
     this.isNewConnection = false;
@@ -241,13 +250,47 @@ export class Store {
   takePlaces(known, arrays) {
     /** @type {Map<number, number>[]} of each body now, its nodes by their numbers before */
     this.nodesNow = this.bodies.map((body, b) => {
-      const from = arrays[`${b}.before`] ?? new Int32Array(0);
+      const from = this.isReturning ? this.numbersIn(this.sceneShown, this.sceneGoal, b) : arrays[`${b}.before`] ?? new Int32Array(0);
       const old = known.get(body.path);
       for (let n = 0; old && n < from.length; n++)
         if (from[n] >= 0) body.x.set(old.x.subarray(3 * from[n], 3 * from[n] + 3), 3 * n);
       if (old) body.inside = old.inside;
       return new Map([...from].map((node, n) => [node, n]));
     });
+  }
+
+  /** A page that holds its recording goes back to the meshes of a frame, or on to them. @param {any} scene of the frame */
+  returnTo(scene) {
+    const { following, newest } = this;
+    this.isReturning = true;
+    this.sceneGoal = scene;
+    this.takeScene(scene.packet);
+    this.isReturning = false;
+    this.following = following;
+    this.newest = newest;
+    this.sceneShown = scene;
+    if (scene.cells) this.takeCells(scene.cells);
+  }
+
+  /** Of each body, a number of each node that it has in all scenes: the one that it came with. @param {import('./messages.js').Packet} packet @returns {number[][]} */
+  firstNumbers({ header, arrays }) {
+    const known = header.follows !== undefined && header.follows === this.sceneComing?.packet.header.generation ? this.sceneComing.first : [];
+    return (header.bodies ?? []).map((/** @type {any} */ _, /** @type {number} */ b) => {
+      const from = arrays[`${b}.before`] ?? arrays[`${b}.node`] ?? new Int32Array(0);
+      return Array.from(from, (node) => (known[b] && arrays[`${b}.before`] && node >= 0 && node < known[b].length ? known[b][node] : (this.nextNumber = (this.nextNumber ?? 0) + 1)));
+    });
+  }
+
+  /** Of each node of a body in a scene, its number in another, or -1. @param {any} before @param {any} now @param {number} b */
+  numbersIn(before, now, b) {
+    const known = new Map((before?.first[b] ?? []).map((/** @type {number} */ first, /** @type {number} */ node) => [first, node]));
+    return Int32Array.from(now.first[b] ?? [], (first) => known.get(first) ?? -1);
+  }
+
+  /** Where a node of the scene shown is in a frame; -1: it is not there. @param {any} packet @param {number} body @param {number} node */
+  nodeIn(packet, body, node) {
+    if (!packet.scene || packet.scene === this.sceneShown) return node;
+    return packet.scene.first[body]?.indexOf(this.sceneShown?.first[body]?.[node]) ?? -1;
   }
 
   /** Where a node of the scene before is now, when meshes have changed; null: it is gone. @param {{body: number, node: number} | null} place */
@@ -289,6 +332,7 @@ export class Store {
    */
   show(packet, lastWith = (name) => this.newestWith.get(name)) {
     const { header, arrays } = packet;
+    if (packet.scene && this.sceneShown && packet.scene !== this.sceneShown) this.returnTo(packet.scene);
     this.shown = packet;
     if (packet.held && packet.held !== this.heldShown) this.showHeld(packet.held);
     for (const body of this.bodies) {

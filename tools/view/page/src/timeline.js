@@ -35,7 +35,7 @@ export class Timeline {
     store.on('arrived', () => this.update());
     store.on('status', () => this.update());
     store.on('scene', () => {
-      if (!store.continued) {
+      if (!store.continued && !(store.exported && store.changed)) {
         this.stop();
         this.index = -1;
       }

@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { fromBase64, gunzip, readPacket, splitPackets, writePacket } from '../src/messages.js';
+import { History } from '../src/history.js';
 import { exportedPage, framePacket, openingPackets } from '../src/recording.js';
 import { Store } from '../src/store.js';
 
@@ -82,4 +83,78 @@ test('cell values that came for all cells are told from those for triangles', ()
   assert.ok(!store.bodies[0].inside);
   store.receivePacket(readPacket(writePacket({ is: 'frame', generation: 1, frame: 10, step: 10, time: 1.1, nodes: 'surface', format: 'f32' }, { '0.x': REST.subarray(0, 12) })));
   assert.deepEqual(store.values.get(2), Float32Array.of(1, 2, 3), 'the last values are kept');
+});
+
+/** A line of three edges whose first node goes: the last one takes its number. */
+function changingPackets() {
+  const scene = (generation, nodes, more, arrays) => writePacket({
+    is: 'scene', generation, ...more, client: 0, build: 'b', name: 'line.xml', mode: 'recording', dt: 0.1, gravity: [0, 0, 0],
+    bodies: [{ path: '/a/dofs', node: '/a', name: 'a', nodes, surface: nodes, cells: { tetrahedra: 0, hexahedra: 0 }, interactive: false, why: '', frames: [], size: 1 }], fields: [],
+  }, { '0.triangles': new Int32Array(0), '0.owner': new Int32Array(0), '0.points': new Int32Array(0), '0.springs': new Int32Array(0), ...arrays });
+  const held = (generation, nodes) => writePacket({ is: 'held', generation }, { '0.held': Int32Array.from(nodes), '0.guided': new Int32Array(0) });
+  const shown = (generation, step, x) => writePacket({ is: 'frame', generation, frame: step, step, time: 0.1 * step, nodes: 'all', format: 'f32', applied: {}, hands: [], values: {} },
+    { '0.x': Float32Array.from(x.flatMap((c) => [c, 0, step])) });
+  return [
+    scene(1, 4, { view: { colour: 'displacement' } }, { '0.node': Int32Array.of(0, 1, 2, 3), '0.rest': Float32Array.of(0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0), '0.edges': Int32Array.of(0, 1, 1, 2, 2, 3) }),
+    held(1, [0, 3]), shown(1, 1, [0, 1, 2, 3]), shown(1, 2, [0, 1, 2, 3]),
+    scene(2, 3, { follows: 1 }, { '0.node': Int32Array.of(0, 1, 2), '0.rest': Float32Array.of(3, 0, 0, 1, 0, 0, 2, 0, 0), '0.edges': Int32Array.of(1, 2, 2, 0), '0.before': Int32Array.of(3, 1, 2) }),
+    held(2, [0]), shown(2, 3, [3, 1, 2]), shown(2, 4, [3, 1, 2]),
+  ];
+}
+
+/** As exported.js fills a page. */
+function played(packets) {
+  const store = new Store();
+  store.exported = true;
+  const history = new History(store, Infinity);
+  for (const bytes of packets) store.receivePacket(readPacket(bytes));
+  const seek = (index) => {
+    store.following = false;
+    store.show(history.frames[index], (name) => history.lastWith(index, name));
+  };
+  return { store, history, seek };
+}
+
+test('frames of an exported page have the mesh of their time, back and forth', () => {
+  const { store, history, seek } = played(changingPackets());
+  assert.deepEqual(history.frames.map(({ header }) => header.step), [1, 2, 3, 4]);
+  for (const index of [3, 0, 2, 1, 1, 3, 0]) {
+    seek(index);
+    const [body] = store.bodies;
+    assert.equal(history.frames.length, 4, 'no frame is forgotten');
+    assert.equal(body.count, index < 2 ? 4 : 3);
+    assert.deepEqual([...body.x].filter((_, i) => i % 3 === 0), index < 2 ? [0, 1, 2, 3] : [3, 1, 2]);
+    assert.ok([...body.x].filter((_, i) => i % 3 === 2).every((z) => z === index + 1));
+    assert.deepEqual([...body.held], index < 2 ? [0, 3] : [0]);
+    assert.equal(body.edges.length, index < 2 ? 6 : 4);
+  }
+});
+
+test('a node of such a page keeps its place in each mesh, or has none', () => {
+  const { store, history, seek } = played(changingPackets());
+  seek(0);
+  assert.deepEqual([3, 1, 0].map((node) => store.nodeIn(history.frames[3], 0, node)), [0, 1, -1]);
+  let moved = null;
+  store.on('scene', () => (moved = [3, 0].map((node) => store.changed && store.nodeNow({ body: 0, node }))));
+  seek(3);
+  assert.deepEqual(moved, [{ body: 0, node: 0 }, null]);
+  seek(1);
+  assert.deepEqual(moved, [null, { body: 0, node: 3 }], 'node 0 of the small mesh is node 3 of the first; there is no node 3');
+});
+
+test('such a page is exported again with all its meshes', async () => {
+  const { store, history, seek } = played(changingPackets());
+  seek(2);
+  const text = await exportedPage(store, PAGE, { colour: 'displacement' }, history.frames, 4, 1);
+  const { packets } = JSON.parse(text.match(/id="stroma-recording">(.*?)<\/script>/)[1]);
+  const again = [];
+  for (const part of packets) again.push(...splitPackets(await gunzip(fromBase64(part))));
+  assert.deepEqual(again.map((bytes) => readPacket(bytes).header.is), ['scene', 'held', 'frame', 'frame', 'scene', 'held', 'frame', 'frame']);
+  const copy = played(again);
+  assert.equal(copy.history.frames[0].scene.packet.header.view.colour, 'displacement');
+  for (const index of [3, 0]) {
+    copy.seek(index);
+    assert.equal(copy.store.bodies[0].count, index < 2 ? 4 : 3);
+  }
+  assert.equal(copy.store.nodeIn(copy.history.frames[3], 0, 3), 0);
 });
