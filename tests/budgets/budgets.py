@@ -327,8 +327,11 @@ def idle(stroma):
     others = {
         "engines that nobody reads": ('<BoxROI name="unread" box="0 0 0 1 1 1"/><BoxROI name="unread2" box="0 0 0 0.1 0.1 0.1"/>', ""),
         "a topology of no use": ("", '<Node name="unused"><RegularGridTopology n="9 9 9" min="0 0 0" max="1 1 1"/></Node>'),
+        "a mapping that nobody reads": ('<Node name="unread"><MechanicalObject position="PLACES"/><BarycentricMapping/></Node>', ""),
         "an exporter at the end": ('<VTKExporter filename="out" exportAtEnd="true" exportEveryNumberOfSteps="0"/>', ""),
     }
+    places = " ".join(f"{x / 100} {y / 100} {z / 100}" for x in range(5) for y in range(5) for z in range(5))
+    others = {name: (inside.replace("PLACES", places), outside) for name, (inside, outside) in others.items()}
     failed = constant(stroma)
     undamped = USUAL.replace(' rayleighStiffness="0" rayleighMass="0"', "")
     with tempfile.TemporaryDirectory() as folder:

@@ -11,7 +11,7 @@
 #include "tests/iterative_solvers/block_problem.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr const char* multigrid = "<PCGLinearSolver preconditioner='multigrid'/>";
 
@@ -44,6 +44,14 @@ SolveReport solved(SolverInScene& solver, StoredMatrix& matrix, ConstRows b, Vec
   EXPECT_EQ(report.stop, SolveStop::converged) << describe(report.stop);
   EXPECT_LE(residual(matrix, b, x), 1.2e-8);
   return report;
+}
+
+TEST(MultigridByProducts, TheResidualIsThatOfTheMatrix) {
+  const ElasticBlock block = box(2, 2, 2);
+  const StoredMatrix matrix = matrixOf(block);
+  const Vector b = weight(block), x = randomVector(block.count(), 3);
+  const Eigen::VectorXd rest = dense(b) - matrix.dense() * dense(x);
+  EXPECT_NEAR(residual(matrix, b, x) * dense(b).norm(), rest.norm(), 1e-12 * rest.norm());
 }
 
 TEST(MultigridByProducts, TakesNoMoreIterationsThanByBlocks) {
@@ -158,5 +166,5 @@ TEST(MultigridByProducts, NamesAMatrixThatHasBecomeIndefinite) {
   EXPECT_EQ(report.row, 700);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

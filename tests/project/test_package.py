@@ -103,7 +103,7 @@ def main():
             sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         run("cpack", "-G", "DEB", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", folder,
-            "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip", "-D", "CPACK_THREADS=1", cwd=folder)
+            "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=none", "-D", "CPACK_THREADS=1", cwd=folder)
         debs = {os.path.basename(path).split("_")[0]: path for path in glob.glob(os.path.join(folder, "**", "*.deb"), recursive=True)}
         assert set(debs) == PACKAGES, sorted(debs)
         check_contents(debs)

@@ -58,10 +58,11 @@ class Cluster:
 
     def start(self, name, *options):
         log = open(os.path.join(self.folder, name + ".out"), "w", encoding="utf-8")
-        self.daemons.append(subprocess.Popen([path_of(name), *options], stdout=log, stderr=log, env=self.environment()))
+        self.daemons.append(subprocess.Popen([path_of(name), *options], stdout=log, stderr=log,
+                                             env=self.environment("slurm.conf")))
 
-    def environment(self):
-        return {**os.environ, "SLURM_CONF": os.path.join(self.folder, "slurm.conf")}
+    def environment(self, configuration="client.conf"):
+        return {**os.environ, "SLURM_CONF": os.path.join(self.folder, configuration)}
 
     def ask(self, *words):
         return subprocess.run(words, env=self.environment(), capture_output=True, text=True, check=False).stdout
@@ -86,8 +87,7 @@ class Cluster:
         with open(os.path.join(folder, "munge.key"), "wb") as file:
             file.write(os.urandom(1024))
         os.chmod(os.path.join(folder, "munge.key"), 0o400)
-        with open(os.path.join(folder, "slurm.conf"), "w", encoding="utf-8") as file:
-            file.write(f"""ClusterName=test
+        configuration = f"""ClusterName=test
 SlurmctldHost={host}(127.0.0.1)
 AuthType=auth/munge
 AuthInfo=socket={folder}/munge.socket
@@ -105,13 +105,19 @@ ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 MpiDefault=none
 SchedulerType=sched/builtin
+SchedulerParameters=batch_sched_delay=0,sched_interval=1
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 ReturnToService=2
 KillWait=1
 NodeName={host} NodeAddr=127.0.0.1 CPUs={min(2, os.cpu_count())} State=UNKNOWN
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
-""")
+"""
+        # sbatch --wait asks after 2 s, 8 s, 32 s, but never less often than half the time for which the controller remembers a job;
+        # the controller itself remembers it long enough for a client that has to wait for its turn
+        for name, more in (("slurm.conf", ""), ("client.conf", "MinJobAge=4\n")):
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(configuration + more)
         self.start("munged", "--foreground", "--force", f"--key-file={folder}/munge.key", f"--socket={folder}/munge.socket",
                    f"--pid-file={folder}/munged.pid", f"--log-file={folder}/munged.log", f"--seed-file={folder}/munge.seed")
         self.until_up(lambda: os.path.exists(os.path.join(folder, "munge.socket")))
@@ -141,7 +147,7 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 
 def sweep_words(stroma, folder, times, *more):
     return [stroma, "sweep", os.path.join(folder, "oscillator.xml"), "--vary", "dt=4e-6,2.5e-6,2e-6,1e-6", "--vary",
-            "/spring.stiffness=90,100", "--no-times", "--until", str(0.5 * times), *more]
+            "/spring.stiffness=90,100", "--no-times", "--until", str(0.25 * times), *more]
 
 
 def outcomes(folder):

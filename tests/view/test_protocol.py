@@ -67,8 +67,8 @@ def contents(folder):
     return out
 
 
-def packets_of_page(path):
-    """Scene and frames that an exported page plays."""
+def all_packets_of_page(path):
+    """What an exported page plays."""
     with open(path, encoding="utf-8") as file:
         parts = json.loads(re.search(r'<script type="application/json" id="stroma-recording">(.*?)</script>', file.read(), re.S).group(1))
     packets = []
@@ -79,6 +79,12 @@ def packets_of_page(path):
             packets.append(Packet(data[at + 4:at + 4 + length]))
             at += 4 + length
         assert at == len(data)
+    return packets
+
+
+def packets_of_page(path):
+    """Scene and frames that an exported page plays."""
+    packets = all_packets_of_page(path)
     assert [packet["is"] for packet in packets[:2]] == ["scene", "held"]
     return packets[0], [packet for packet in packets if packet["is"] == "frame"]
 
