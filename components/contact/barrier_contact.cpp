@@ -297,7 +297,7 @@ void BarrierContact::wantStartForces(bool wanted) {
 
 double BarrierContact::longestStep(ConstRows x, const Way& way) {
   way.is_carried ? void(is_carried_ = true) : friction_.lineStarts();
-  shares_.lineBegins(way.is_carried);
+  shares_.lineBegins(way.is_carried), has_solved_ = false;
   const Vec3 from = is_explicit_ ? moved_at_start_ : law_.moved, along = law_.moved - from;
   law_.surfaces.gather(x, from, x_);
   bend_.assign(way.bend ? way_.size() : 0, 0);
@@ -323,7 +323,7 @@ bool BarrierContact::movesOn(ConstRows x) {
   const bool others = (law_.copyShares(solved_shares_), sharesChange()), held = friction_.release();
   solved_slides_ = friction_.slides;
   const bool rubs = friction_.acts() && frictionChanges(held), again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
-  if (has_solved_ = true; again || others) return shares_.solveBegins(), true;
+  if (has_solved_ = !again && !others; !has_solved_) return shares_.solveBegins(), true;
   return friction_.settle(), false;
 }
 
@@ -353,9 +353,9 @@ bool BarrierContact::frictionChanges(bool was_held) {
 std::string BarrierContact::overlap(ConstRows x) {
   follow(x);
   const auto crossings = law_.candidates.crossings(x_);
-  if (std::exchange(has_solved_, false)) law_.putBack(solved_shares_), friction_.slides = solved_slides_;  // those in balance
+  const bool has_balance = std::exchange(has_solved_, false) && law_.putBack(solved_shares_);
   lookAgain(x_);
-  if (is_explicit_) law_.weigh(x_);
+  has_balance ? void(friction_.slides = solved_slides_) : law_.weigh(x_);
   friction_.release();
   slideTo(x_);
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);

@@ -153,18 +153,20 @@ double BarrierLaw::changeByWeighing(const std::vector<Vec3>& x, bool again, std:
 }
 
 void BarrierLaw::copyShares(Shares& out) const {
-  out.vertices = vertex_share_, out.planes = plane_share_, out.is_weighed = is_weighed_;
+  out.vertices = vertex_share_, out.planes = plane_share_, out.is_weighed = is_weighed_, out.revision = candidates.revision();
   out.edges.clear();
   for (const Candidate& pair : std::as_const(candidates).pairs()) out.edges.push_back(pair.factor);
 }
 
-void BarrierLaw::putBack(const Shares& shares) const {
+bool BarrierLaw::putBack(const Shares& shares) const {
+  if (shares.revision != candidates.revision()) return false;
   vertex_share_ = shares.vertices, plane_share_ = shares.planes, is_weighed_ = shares.is_weighed;
   auto& pairs = candidates.pairs();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     pairs[i].factor = shares.edges[i];
     pairs[i].tried = pairs[i].found = not_weighed;
   }
+  return true;
 }
 
 void BarrierLaw::weighPlanes(const std::vector<Vec3>& x) const {

@@ -113,10 +113,11 @@ class BarrierLaw {
   struct Shares {
     std::vector<double> vertices, planes, edges;
     bool is_weighed = false;
+    long revision = -1;  ///< of the pairs
   };
   void copyShares(Shares& out) const;
-  /// Those of before a weighing; pairs are as they were then.
-  void putBack(const Shares& shares) const;
+  /// Those of before a weighing. False, and nothing has changed, where there are other pairs since.
+  bool putBack(const Shares& shares) const;
   /// No surfaces are nearer than dh at x, and there are no planes.
   bool isOutOfReach(const std::vector<Vec3>& x) const;
   /// What counts at x; nearer than dh. What has come into reach since weigh() gets its share here.
