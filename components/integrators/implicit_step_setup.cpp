@@ -110,8 +110,8 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   if (!(forcing && forcing->isSet())) newton_.settings.forcing = iterates() ? usualForcingOfSteps(system) : 0;
   // an iteration costs as much as a digit of a solve; errors of steps add up
   newton_.settings.forcing_reach = 10, newton_.settings.forcing_margin = 0.05;
-  // the turn that a velocity makes in a step is no gradient of it
   lends_energy_ = !system.isConservative();
+  // the turn that a velocity makes in a step is no gradient of it
   newton_.settings.use_energy = from_energy && !system.motion().turns() && !system.hasCurvedInertia();
   for (std::vector<Vec3>* list : {&start_momenta_, &end_momenta_, &momentum_predictor})
     list->assign(bodies_.count(), Vec3::Zero());

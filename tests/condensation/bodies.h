@@ -65,8 +65,29 @@ inline Vector after(const std::string& scene, int steps) {
   for (int i = 0; i < steps; ++i) {
     const StepReport report = simulation.step();
     EXPECT_FALSE(report.diverged || report.unsolved) << report.reason;
+    EXPECT_TRUE(report.newton_converged) << "step " << i << ": " << report.reason;
+    EXPECT_TRUE(report.constraints_converged) << "step " << i << ": " << report.constraint_reason;
   }
   return displacement(simulation);
+}
+
+inline const std::string condensed_in_time[] = {
+    "<CondensedDynamicSolver/>", "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\"/>",
+    "<CondensedDynamicSolver condensed=\"false\" solve=\"inverse\"/>"};
+inline const std::string condensed_statics[] = {"<CondensedStaticSolver/>", "<CondensedStaticSolver condensed=\"false\"/>"};
+
+/// All `solvers` against the `whole` body, and that its loads matter.
+template <class Solvers>
+void expectWhole(const Solvers& solvers, const std::string& whole, Block block, int steps, double tolerance) {
+  block.solver = whole;
+  const Vector expected = after(block.text(), steps);
+  for (const std::string& solver : solvers) {
+    SCOPED_TRACE(solver);
+    block.solver = solver;
+    EXPECT_LT(difference(after(block.text(), steps), expected), tolerance);
+  }
+  block.loads.clear(), block.solver = whole;
+  EXPECT_GT(difference(after(block.text(), steps), expected), 1e-3) << "nothing happens";
 }
 
 }  // namespace stroma::test

@@ -11,10 +11,6 @@ namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
 const std::string whole = "<EulerImplicitSolver newtonIterations=\"100\" newtonTolerance=\"1e-9\"/><SparseLDLSolver/>";
-const std::string dynamic_solvers[] = {"<CondensedDynamicSolver/>",
-                                       "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\"/>",
-                                       "<CondensedDynamicSolver condensed=\"false\" solve=\"inverse\"/>"};
-const std::string static_solvers[] = {"<CondensedStaticSolver/>", "<CondensedStaticSolver condensed=\"false\"/>"};
 
 /// A sphere that is pressed some 3 mm into the side of the block and moved along it, in ten steps.
 std::string sphere(double dt, double friction) {
@@ -27,34 +23,11 @@ std::string sphere(double dt, double friction) {
       5 * dt, 10 * dt, friction, 1e-4 / dt);
 }
 
-Vector pressed(const std::string& scene, int steps) {
-  Simulation simulation = simulationFromText(scene);
-  for (int i = 0; i < steps; ++i) {
-    const StepReport report = simulation.step();
-    EXPECT_FALSE(report.diverged || report.unsolved) << report.reason;
-    EXPECT_TRUE(report.newton_converged) << "step " << i << ": " << report.reason;
-  }
-  return displacement(simulation);
-}
-
-template <class Solvers>
-void expectWhole(const Solvers& solvers, Block block, int steps, double tolerance) {
-  block.solver = whole;
-  const Vector expected = pressed(block.text(), steps);
-  for (const std::string& solver : solvers) {
-    SCOPED_TRACE(solver);
-    block.solver = solver;
-    EXPECT_LT(difference(pressed(block.text(), steps), expected), tolerance);
-  }
-  block.loads.clear(), block.solver = whole;
-  EXPECT_GT(difference(after(block.text(), steps), expected), 1e-3) << "nothing is pushed";
-}
-
 TEST(CondensedBarriers, ASpherePushesAsItDoesTheWholeBody) {
   for (const double dt : {0.002, 1e5}) {
     SCOPED_TRACE(dt);
     const Block block{.loads = sphere(dt, 0), .gravity = "0 0 0", .dt = dt};
-    dt < 1 ? expectWhole(dynamic_solvers, block, 10, 1e-6) : expectWhole(static_solvers, block, 10, 1e-6);
+    dt < 1 ? expectWhole(condensed_in_time, whole, block, 10, 1e-6) : expectWhole(condensed_statics, whole, block, 10, 1e-6);
   }
 }
 
@@ -63,7 +36,7 @@ TEST(CondensedBarriers, FrictionIsThatOfTheWholeBody) {
   for (const double dt : {0.002, 1e5}) {
     SCOPED_TRACE(dt);
     const Block block{.loads = sphere(dt, 0.4), .gravity = "0 0 0", .dt = dt};
-    dt < 1 ? expectWhole(dynamic_solvers, block, 10, 1e-3) : expectWhole(static_solvers, block, 10, 1e-3);
+    dt < 1 ? expectWhole(condensed_in_time, whole, block, 10, 1e-3) : expectWhole(condensed_statics, whole, block, 10, 1e-3);
   }
 }
 
@@ -77,7 +50,7 @@ TEST(CondensedBarriers, NodesThatAreDraggedAreInTheCompliance) {
     SCOPED_TRACE(dt);
     const Block block{
         .loads = fmt::format(fmt::runtime(dragged), 5 * dt, 20 * dt) + sphere(dt, 0), .gravity = "0 0 0", .dt = dt};
-    dt < 1 ? expectWhole(dynamic_solvers, block, 8, 1e-4) : expectWhole(static_solvers, block, 8, 1e-4);
+    dt < 1 ? expectWhole(condensed_in_time, whole, block, 8, 1e-4) : expectWhole(condensed_statics, whole, block, 8, 1e-4);
   }
 }
 
@@ -110,8 +83,8 @@ std::string twoBlocks(const std::string& solver, bool is_held) {
 }
 
 TEST(CondensedBarriers, TwoBodiesMeetAsTheWholeOnes) {
-  const Vector expected = pressed(twoBlocks(whole, true), 40);
-  EXPECT_LT(difference(pressed(twoBlocks("<CondensedDynamicSolver/>", true), 40), expected), 1e-4);
+  const Vector expected = after(twoBlocks(whole, true), 40);
+  EXPECT_LT(difference(after(twoBlocks("<CondensedDynamicSolver/>", true), 40), expected), 1e-4);
 }
 
 /// What pushes one body pushes the other back: the sum of momenta stays zero.
@@ -134,7 +107,7 @@ TEST(CondensedBarriers, FreeBodiesKeepTheirMomentum) {
 }
 
 TEST(CondensedBarriers, ARunGoesOnBitForBitFromACheckpoint) {
-  for (const std::string& solver : {dynamic_solvers[0], static_solvers[0]}) {
+  for (const std::string& solver : {condensed_in_time[0], condensed_statics[0]}) {
     SCOPED_TRACE(solver);
     const Block block{.solver = solver, .loads = sphere(0.002, 0.4), .gravity = "0 0 0", .dt = 0.002};
     Simulation run = simulationFromText(block.text()), restored = simulationFromText(block.text());
@@ -148,9 +121,9 @@ TEST(CondensedBarriers, ARunGoesOnBitForBitFromACheckpoint) {
 /// Nodes of a surface that meets something are kept, whichever are named.
 TEST(CondensedBarriers, ASurfaceThatMeetsSomethingIsKept) {
   Block block{.solver = "<CondensedStaticSolver/>", .loads = sphere(1, 0), .gravity = "0 0 0", .dt = 1};
-  const Vector expected = pressed(block.text(), 10);
+  const Vector expected = after(block.text(), 10);
   block.solver = "<CondensedStaticSolver surfaceIndices=\"67 72\"/>";
-  EXPECT_LT(difference(pressed(block.text(), 10), expected), 1e-9);
+  EXPECT_LT(difference(after(block.text(), 10), expected), 1e-9);
 }
 
 TEST(CondensedBarriers, ForcesOfConstraintBesideThemAreRefused) {

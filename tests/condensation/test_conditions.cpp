@@ -12,9 +12,6 @@ namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
 const std::string whole = "<EulerImplicitSolver/><SparseLDLSolver/>";
-const std::string dynamic_solvers[] = {"<CondensedDynamicSolver/>", "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\"/>",
-                                       "<CondensedDynamicSolver condensed=\"false\" solve=\"inverse\"/>"};
-const std::string static_solvers[] = {"<CondensedStaticSolver/>", "<CondensedStaticSolver condensed=\"false\"/>"};
 
 /// A sphere that is pressed 4 mm into the side of the block and moved along it, in ten steps.
 std::string sphere(double dt, double friction) {
@@ -22,30 +19,6 @@ std::string sphere(double dt, double friction) {
       "<ConstraintContact name=\"contact\" spheres=\"0.105 0.033 0.09 0.024\" keyTimes=\"0 {} {}\" movements=\"0 0 0  -0.005 0 0  "
       "-0.005 0.002 0.003\" contactDistance=\"1e-4\" friction=\"{}\"/>",
       5 * dt, 10 * dt, friction);
-}
-
-Vector heldAfter(const std::string& scene, int steps) {
-  Simulation simulation = simulationFromText(scene);
-  for (int i = 0; i < steps; ++i) {
-    const StepReport report = simulation.step();
-    EXPECT_FALSE(report.diverged || report.unsolved) << report.reason;
-    EXPECT_TRUE(report.constraints_converged) << report.constraint_reason;
-  }
-  return displacement(simulation);
-}
-
-/// All solvers against the whole body, and that the conditions matter.
-template <class Solvers>
-void expectWhole(const Solvers& solvers, Block block, int steps, double tolerance) {
-  block.solver = whole;
-  const Vector expected = heldAfter(block.text(), steps);
-  for (const std::string& solver : solvers) {
-    SCOPED_TRACE(solver);
-    block.solver = solver;
-    EXPECT_LT(difference(heldAfter(block.text(), steps), expected), tolerance);
-  }
-  block.loads.clear();
-  EXPECT_GT(difference(after(block.text(), steps), expected), 1e-3) << "nothing is held";
 }
 
 const std::string joints =
@@ -59,18 +32,18 @@ TEST(CondensedConditions, ADynamicBodyIsTheWholeBody) {
   constexpr double dt = 0.002;
   for (const double friction : {0.0, 0.4}) {
     SCOPED_TRACE(friction);
-    expectWhole(dynamic_solvers, {.loads = sphere(dt, friction), .gravity = "0 0 0", .dt = dt}, 10, 1e-7);
+    expectWhole(condensed_in_time, whole, {.loads = sphere(dt, friction), .gravity = "0 0 0", .dt = dt}, 10, 1e-7);
   }
-  expectWhole(dynamic_solvers, {.loads = joints, .dt = dt}, 10, 1e-7);
+  expectWhole(condensed_in_time, whole, {.loads = joints, .dt = dt}, 10, 1e-7);
 }
 
 TEST(CondensedConditions, AStaticBodyIsTheWholeBody) {
   constexpr double dt = 1e5;
   for (const double friction : {0.0, 0.4}) {
     SCOPED_TRACE(friction);
-    expectWhole(static_solvers, {.loads = sphere(dt, friction), .gravity = "0 0 0", .dt = dt}, 10, 1e-7);
+    expectWhole(condensed_statics, whole, {.loads = sphere(dt, friction), .gravity = "0 0 0", .dt = dt}, 10, 1e-7);
   }
-  expectWhole(static_solvers, {.loads = joints, .dt = dt}, 4, 1e-7);
+  expectWhole(condensed_statics, whole, {.loads = joints, .dt = dt}, 4, 1e-7);
 }
 
 /// Along one side of the block, pulled from below: it bends.
@@ -81,7 +54,7 @@ TEST(CondensedConditions, ACablePullsAsOnTheWholeBody) {
                          "maxDispVariation=\"0.0005\"/>",
                 .gravity = "0 0 0",
                 .dt = dt};
-    dt < 1 ? expectWhole(dynamic_solvers, block, 8, 1e-7) : expectWhole(static_solvers, block, 8, 1e-7);
+    dt < 1 ? expectWhole(condensed_in_time, whole, block, 8, 1e-7) : expectWhole(condensed_statics, whole, block, 8, 1e-7);
     double tension = 0;
     for (const std::string& solver : {whole, std::string(dt < 1 ? "<CondensedDynamicSolver/>" : "<CondensedStaticSolver/>")}) {
       block.solver = solver;
@@ -105,7 +78,7 @@ TEST(CondensedConditions, NodesThatAreDraggedAreInTheCompliance) {
   for (const double dt : {0.002, 1e5}) {
     const std::string loads = fmt::format(fmt::runtime(dragged), 5 * dt, 20 * dt) + sphere(dt, 0.3) + joints;
     Block block{.loads = loads, .gravity = "0 0 0", .dt = dt};
-    dt < 1 ? expectWhole(dynamic_solvers, block, 8, 1e-7) : expectWhole(static_solvers, block, 8, 1e-7);
+    dt < 1 ? expectWhole(condensed_in_time, whole, block, 8, 1e-7) : expectWhole(condensed_statics, whole, block, 8, 1e-7);
   }
 }
 
@@ -138,7 +111,7 @@ TEST(CondensedConditions, ARunRepeatsBitForBitAlsoFromACheckpoint) {
   for (int i = 0; i < 20; ++i) simulation.step();  // slides along several cells
   simulation.reset();
   for (int i = 0; i < 20; ++i) simulation.step();
-  EXPECT_EQ(difference(displacement(simulation), heldAfter(block.text(), 20)), 0);
+  EXPECT_EQ(difference(displacement(simulation), after(block.text(), 20)), 0);
   Simulation whole_run = simulationFromText(block.text()), restored = simulationFromText(block.text());
   for (int i = 0; i < 12; ++i) whole_run.step();
   restored.restore(whole_run.checkpoint());
@@ -170,7 +143,7 @@ TEST(CondensedConditions, ErrorsThatAreToleratedHold) {
                               "movements=\"0 0 0  0 0 9e-7\" " + tolerated + "/>";
     return simulationFromText(Block{.solver = solver, .loads = plane, .gravity = "0 0 0", .dt = 1}.text()).step();
   };
-  for (const std::string& solver : {static_solvers[0], static_solvers[1], dynamic_solvers[0], whole,
+  for (const std::string& solver : {condensed_statics[0], condensed_statics[1], condensed_in_time[0], whole,
                                     std::string("<StaticSolver/><SparseLDLSolver/>")}) {
     SCOPED_TRACE(solver);
     const StepReport held = pressed(solver, ""), refused = pressed(solver, "toleratedError=\"1e-8\"");

@@ -404,6 +404,20 @@ TEST(FrameMappings, PointsThatNobodyReadsAreLeftBehind) {
   EXPECT_NEAR(stateAt("/a/seen/dofs")->v()[0][0], 1, 1e-14);
 }
 
+/// A point in the middle of two frames, of which one moves by 0.1.
+TEST(FrameMappings, OfFramesAsNearTheFirstCarriesASkinAndFromRestTheLast) {
+  for (const bool from_rest : {false, true}) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node dt="0.1" gravity="0 0 0"><EulerExplicitSolver/><MechanicalObject template="Rigid3" position="-1 0 0 0 0 0 1  1 0 0 0 0 0 1"
+        velocity="1 0 0 0 0 0  0 0 0 0 0 0"/><UniformMass totalMass="1"/><Node name="skin"><MechanicalObject name="dofs" position="0 0 0"/>
+        <SkinningMapping nbRef="1" fromRest="{}"/></Node></Node>)", from_rest));
+    ASSERT_FALSE(simulation.step().failed());
+    simulation.complete();
+    for (const State* state : simulation.states())
+      if (state->path() == "/skin/dofs") EXPECT_NEAR(state->x()[0][0], from_rest ? 0 : 0.1, 1e-14);
+  }
+}
+
 TEST(FrameMappings, SayWhatTheyNeed) {
   expectContains(problemsOf(underPoints("<MechanicalObject position=\"0 0 0\"/><RigidMapping/>")),
                  "has no frames that could carry");

@@ -4413,6 +4413,9 @@ def fractions_and_writers_of_nothing():
               10)
     run.says("'0.04/2' is no value: SOFA has 0.04", "'1/3' is no value: SOFA has 1 of it", "VTKExporter", "has nothing to write")
     agree(run.x("n.dofs")[0, 1], (2 - 10) * 0.04**2 * 55)
+    run = Run(root(EXACT + '<MechanicalObject name="dofs" position="0 0 0" translation="1/4 0 0"/><UniformMass totalMass="1"/>'), 1)
+    run.says("'1/4 0 0' is no value: SOFA has 1")
+    agree(run.x()[0, 0], 1)
     idle = '<VectorSpringForceField stiffness="9"/><Node name="b"><RigidMapping/></Node>'
     run = Run(root(EXACT + BODY + idle), 10)
     falls(run)

@@ -315,6 +315,7 @@ TEST(AngularSprings, SayWhatIsWrong) {
   expectContains(told("indices='0 1'", ""), "have no orientation");
   expectContains(told("indices='0'", "template='Rigid3'"), "there is no spring");
   expectContains(told("indices='0 1' angularStiffness='1 2 3'", "template='Rigid3'"), "angularStiffness has 3 values");
+  expectContains(told("indices='0 1' angularStiffness='1 2 3' oneSided='true'", "template='Rigid3'"), "angularStiffness has 3 values");
   expectContains(told("indices='0 1' limit='2 1'", "template='Rigid3'"), "leave no angle");
 }
 

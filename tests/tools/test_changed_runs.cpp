@@ -116,6 +116,16 @@ TEST_F(ChangedRuns, WhatEveryRunLeavesFollowsTheChanges) {
   const Finished on = stroma("run bar.xml -n 16 --restart results/bar/last/last.checkpoint --no-record --quiet");
   EXPECT_EQ(on.code, 0) << on.err;
   EXPECT_EQ(contents(), whole);
+  // counts that cannot be are told, and nothing counts up to them
+  const std::string count = "\"instants\":13,";
+  ASSERT_NE(text.find(count), std::string::npos);
+  for (const auto& [other, told] : {std::pair{"-1", "damaged"}, std::pair{"99999999999", "cut short"}, std::pair{"12", "cut short"}}) {
+    std::string damaged = text;
+    write("results/bar/last/run.instants", damaged.replace(text.find(count), count.size(), "\"instants\":" + std::string(other) + ","));
+    const Finished drawn = stroma("picture results/bar/last -o a.png");
+    EXPECT_NE(drawn.code, 0) << other;
+    EXPECT_NE(drawn.err.find(told), std::string::npos) << other << ": " << drawn.err;
+  }
 }
 
 /// The last node takes the number of the first point that goes, 4.
@@ -135,6 +145,10 @@ TEST_F(ChangedRuns, AMeasuredQuantityFollowsItsNodes) {
   run = stroma(measured + "/b/dofs.position:4");
   EXPECT_NE(run.code, 0);
   EXPECT_NE(run.err.find("all nodes of /b/dofs.position:4 have gone with their cells"), std::string::npos) << run.err;
+  // numbers are those of the files, and a checkpoint of a changed mesh has others
+  run = stroma(measured + "/b/dofs.position:44 --restart out/meshes.0000000007.checkpoint");
+  EXPECT_NE(run.code, 0);
+  EXPECT_NE(run.err.find("nodes have other numbers in the changed mesh of out/meshes.0000000007.checkpoint"), std::string::npos) << run.err;
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -83,6 +83,21 @@ std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::
   return simulation;
 }
 
+Simulation& keptSimulation(const std::string& name, int first_steps, const std::string& scene, const std::vector<std::string>& overrides,
+                           const std::vector<Replacement>& replacements) {
+  library();  // made before what is kept, so destroyed after it
+  static std::string kept_name;
+  static std::unique_ptr<Simulation> kept;
+  if (name == kept_name) return *kept;
+  kept_name.clear();
+  kept.reset();
+  kept = loadSimulation(scene, overrides, replacements);
+  kept->computeOnDemand(true);
+  for (int i = 0; i < first_steps; ++i) kept->step();
+  kept_name = name;
+  return *kept;
+}
+
 Work factorWork(const Simulation& simulation) {
   std::vector<LinearSolver*> solvers;
   simulation.root().collect(solvers);

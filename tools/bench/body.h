@@ -26,6 +26,11 @@ using Replacement = std::pair<std::string, std::string>;
 std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::vector<std::string>& overrides,
                                            const std::vector<Replacement>& replacements = {});
 
+/// A simulation past its first steps, in which all is computed on demand. The last one asked for is kept, as bodies are: `name` says
+/// which it is.
+Simulation& keptSimulation(const std::string& name, int first_steps, const std::string& scene, const std::vector<std::string>& overrides,
+                           const std::vector<Replacement>& replacements = {});
+
 /// Of the direct solvers of a simulation that has made a step: a factorisation each, its factors written once, and read
 /// by one solve from front to back and from back to front.
 Work factorWork(const Simulation& simulation);

@@ -35,23 +35,9 @@ std::string joints() {
   return fmt::format(R"(<JointSpringForceField name="joints" spring="{}"/>)", text);
 }
 
-/// The last one asked for is kept, past its first steps.
-Simulation& simulationOf(const Chain& chain) {
-  static std::string kept_name;
-  static std::unique_ptr<Simulation> kept;
-  if (chain.name == kept_name) return *kept;
-  kept_name.clear();
-  kept.reset();
-  kept = loadSimulation("benchmarks/chain.xml", {}, chain.parts);
-  kept->computeOnDemand(true);
-  for (int i = 0; i < chain_steps_before; ++i) kept->step();
-  kept_name = chain.name;
-  return *kept;
-}
-
 void time(benchmark::State& state, const Chain& chain, Figure& figure) {
   setThreads(1);
-  Simulation& simulation = simulationOf(chain);
+  Simulation& simulation = keptSimulation(chain.name, chain_steps_before, "benchmarks/chain.xml", {}, chain.parts);
   if (simulation.states().at(0)->nodes() != frames)
     return state.SkipWithError("the scene has another number of frames than the figure is made for");
   if (chain.implicit) {

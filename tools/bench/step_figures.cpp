@@ -22,23 +22,9 @@ struct Scene {
   bool is_direct = false;  ///< the work is that of the factors, which the solver tells after a step
 };
 
-/// A simulation past its first steps. The last one is kept, as bodies are.
-Simulation& simulationOf(const Scene& scene) {
-  static std::string kept_name;
-  static std::unique_ptr<Simulation> kept;
-  if (scene.name == kept_name) return *kept;
-  kept_name.clear();
-  kept.reset();
-  kept = loadSimulation(scene.file, scene.overrides);
-  kept->computeOnDemand(true);
-  for (int i = 0; i < warm_up_steps; ++i) kept->step();
-  kept_name = scene.name;
-  return *kept;
-}
-
 void time(benchmark::State& state, const Scene& scene, Figure& figure) {
   setThreads(1);
-  Simulation& simulation = simulationOf(scene);
+  Simulation& simulation = keptSimulation(scene.name, warm_up_steps, scene.file, scene.overrides);
   if (scene.is_direct) {
     figure.work = factorWork(simulation);
     figure.working_set = figure.work.bytes / 3;

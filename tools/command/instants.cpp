@@ -135,6 +135,7 @@ std::size_t checkLength(std::ifstream& stream, const InstantsHead& head, const s
       fail(file, fmt::format("the file is cut short (expected instants of {} bytes each)", bytes));
     return rest / bytes;
   }
+  if (head.instants > rest / sizeof(double)) fail(file, fmt::format("the file is cut short (expected {} instants)", head.instants));
   std::size_t bytes = 0;
   for (std::size_t i = 0; i < head.instants; ++i) bytes += head.instantBytes(i);
   for (const InstantsMeshes& each : head.meshes) bytes += each.bytes;

@@ -122,7 +122,7 @@ MeasuredQuantity::MeasuredQuantity(const Simulation& simulation, const std::stri
 void MeasuredQuantity::follow(const Simulation& simulation, const NodesNow& now) {
   const auto numbers = now.find(state_);
   if (!chosen_.empty() && numbers != now.end()) {
-    for (int& node : chosen_) node = numbers->second.at(std::size_t(node));
+    for (int& node : chosen_) node = std::size_t(node) < numbers->second.size() ? int(numbers->second[std::size_t(node)]) : -1;
     std::erase(chosen_, -1);
     are_gone_ = chosen_.empty();  // which is not all
   }

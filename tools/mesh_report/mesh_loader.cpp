@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "framework/mesh/cell_attributes.h"
@@ -67,7 +68,8 @@ thread_local Node* read_before = nullptr;  ///< root of the tree with loaders th
 
 /// What nobody gave may have been found by init().
 bool isTheSame(const Data& one, const Data& other) {
-  if (one.isSet() != other.isSet() || !one.isSet()) return one.isSet() == other.isSet();
+  if (one.name() != other.name() || one.isSet() != other.isSet()) return false;
+  if (!one.isSet()) return true;
   const auto *file = std::get_if<FileName*>(&one.pointer()), *other_file = std::get_if<FileName*>(&other.pointer());
   const bool is_file = !file || !other_file || (*file)->found == (*other_file)->found;
   return is_file && one.print() == other.print();
@@ -84,11 +86,12 @@ void copyValue(const Data& from, const Data& to) {
       to.pointer());
 }
 
-/// All that is known of what a loader has read is in its outputs.
+/// All that a loader knows of what it has read is in its outputs: there is nothing else to take.
 bool takesReadMesh(MeshLoader& loader) {
   const Component* const former = read_before ? findComponent(*read_before, loader.path()) : nullptr;
   if (!dynamic_cast<const MeshLoader*>(former) || former->type() != loader.type() || former->hasFailed()) return false;
   const std::vector<Data>&own = loader.data().all(), &read = former->data().all();
+  if (own.size() != read.size()) return false;
   for (std::size_t i = 0; i < own.size(); ++i)
     if (!own[i].isOutput() && !isTheSame(own[i], read[i])) return false;
   for (std::size_t i = 0; i < own.size(); ++i)
@@ -98,8 +101,8 @@ bool takesReadMesh(MeshLoader& loader) {
 
 }  // namespace
 
-ReadMeshes::ReadMeshes(Node& root) { read_before = &root; }
-ReadMeshes::~ReadMeshes() { read_before = nullptr; }
+ReadMeshes::ReadMeshes(Node& root) : before_(std::exchange(read_before, &root)) {}
+ReadMeshes::~ReadMeshes() { read_before = before_; }
 
 void MeshLoader::declare(DataTable& table) {
   table.add("filename", filename_).help("mesh file").required().input();

@@ -11,6 +11,9 @@ class ReadMeshes {
   explicit ReadMeshes(Node& root);
   ReadMeshes(const ReadMeshes&) = delete;
   ~ReadMeshes();
+
+ private:
+  Node* before_;  ///< of the one around it
 };
 
 }  // namespace stroma

@@ -158,7 +158,7 @@ class BrowserViewer final : public Viewer {
     for (std::size_t i = 0; i < count; i += every) {
       const Checkpoint* const present = meshesAt(request.recording.front()[i].time, request.meshes);
       if (std::exchange(meshes, present) != present) {
-        session.restore(*present, "the recording");
+        present ? void(session.restore(*present, "the recording")) : simulation.reset();
         page.follow({});
       }
       drawing::showInstant(simulation, request.recording, i);

@@ -157,4 +157,10 @@ test('such a page is exported again with all its meshes', async () => {
     assert.equal(copy.store.bodies[0].count, index < 2 ? 4 : 3);
   }
   assert.equal(copy.store.nodeIn(copy.history.frames[3], 0, 3), 0);
+  assert.equal(store.shown, history.frames[2], 'what was shown is shown again');
+  assert.equal(store.bodies[0].count, 3);
+  seek(0);
+  await exportedPage(store, PAGE, {}, history.frames, 4, 1);
+  assert.equal(store.shown, history.frames[0]);
+  assert.equal(store.bodies[0].count, 4, 'in its own mesh');
 });
