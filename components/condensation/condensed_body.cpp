@@ -90,7 +90,7 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
       throw ComponentError(
           fmt::format("{} has rayleighStiffness, and {} is damped by masses alone", field->path(), name),
           "rayleighMass of the solver", "rayleighStiffness=\"0\"");
-    if (!dynamic_cast<const StepLimiter*>(field) && readsVelocity(*field, system))
+    if (!dynamic_cast<const HearsSteps*>(field) && readsVelocity(*field, system))
       throw ComponentError(fmt::format("{} depends on velocity, and {} is damped by masses alone", field->path(), name),
                            "rayleighMass of the solver");
   }
@@ -101,7 +101,7 @@ void CondensedBody::sortFields(bool dynamic) {
     const ForceTraits traits = field->traits();
     const auto* load = dynamic_cast<const LocalLoad*>(field);
     if (dynamic_cast<const LagrangianConstraint*>(field) && !traits.has_stiffness) continue;  // its conditions act
-    if (dynamic_cast<const StepLimiter*>(field)) {
+    if (dynamic_cast<const HearsSteps*>(field)) {
       contacts_.push_back(field);
       continue;
     }
@@ -109,11 +109,6 @@ void CondensedBody::sortFields(bool dynamic) {
       dead_.push_back(field);
       notes_.push_back(fmt::format("{} is taken for a dead load on the surface at rest, as linear elasticity has it",
                                    field->path()));
-    } else if (dynamic_cast<const HearsSteps*>(field)) {
-      throw ComponentError(fmt::format("{} pushes where surfaces meet, and a condensed body has one matrix for all times",
-                                       field->path()),
-                           "contact by forces of constraint or by a barrier",
-                           "<ConstraintContact/> or <BarrierContact/> in its place");
     } else if (!traits.linear || (traits.has_stiffness && !(traits.constant_stiffness && traits.symmetric))) {
       const bool has_method = field->data().find("method") != nullptr;
       throw ComponentError(

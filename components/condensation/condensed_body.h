@@ -66,7 +66,7 @@ class CondensedBody {
 
   /// Sentences for the scene's author, as on loads that were taken for dead.
   const std::vector<std::string>& notes() const { return notes_; }
-  /// Barriers between surfaces, whose forces are not linear.
+  /// Contact by barriers or penalties, whose forces are not linear.
   const std::vector<ForceField*>& contacts() const { return contacts_; }
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Barriers on a condensed body (BarrierContact). Their force f(u) changes by decades within a step, and the body has one matrix A
-// with the inverse C. With u_0 the displacement without f, a step ends where
+// Barriers and penalties on a condensed body (BarrierContact, PenaltyContact, CollisionResponse). Their force f(u) is not linear, that
+// of barriers changes by decades within a step, and the body has one matrix A with the inverse C. With u_0 the displacement without f,
+// a step ends where
 //
 //   u = u_0 + C f(u)
 //
@@ -41,7 +42,7 @@ void CondensedIntegrator::compileContact(System& system) {
   if (hasConditions())
     throw ComponentError(
         fmt::format(
-            "{} pushes by forces that grow as a gap closes, and {} by forces of constraint: {} finds either, not both",
+            "{} pushes by forces that follow from gaps, and {} by forces of constraint: {} finds either, not both",
             c.fields.front()->path(), dynamic_cast<const Component&>(*conditions_.constraints.front()).path(), type()),
         "contact by forces of constraint beside other constraints", "<ConstraintContact/> in its place");
   c.limits.compile(system);

@@ -19,7 +19,7 @@
 //
 // Inputs (a hand that pulls) reach kept nodes; with condensed="false" every node. Lagrangian constraints and contacts of
 // ConstraintContact hold on the same nodes, by forces that the entries of K*_ss^-1 at these nodes give. So do barriers
-// (BarrierContact), by Newton's method on the nodes that they push (condensed_contact.cpp).
+// (BarrierContact) and penalties, by Newton's method on the nodes that they push (condensed_contact.cpp).
 //
 // Pressure on a surface is a dead load on the shape at rest. Everything is right for small turns and strains only; runs
 // that leave rotationBound or strainBound on the surface are warned of at their end: it looks at the end, at every

@@ -91,6 +91,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void checkStart(ConstRows x) override;
   double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
+  bool isOnTheWay() const override { return !is_explicit_ && gets_on_ && !hasArrived() && obstacle_rounds_ < mostRounds(); }
   void wantStartForces(bool wanted) override;
   void setTime(double t) override { law_.moved = is_explicit_ && is_in_step_ ? placeAt(t) : law_.moved; }
   std::string overlap(ConstRows x) override;
@@ -114,6 +115,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void rub(ConstRows v, Rows f);
   bool hasArrived() const { return (goal_ - law_.moved).isZero(0); }
   bool isLed() const { return arrived_ != obstacles_.offset(); }
+  int mostRounds() const { return isLed() ? 12 : 1000; }  ///< in which obstacles go on
   double leastMargin() const { return 0.5 * law_.range; }
   BarrierLaw lawAt(const std::vector<Vec3>& x) const;
   void lookAgain(const std::vector<Vec3>& x) const;
@@ -140,6 +142,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   bool is_carried_ = false, is_put_back_ = false;  ///< what is moved has gone on since the last force; see moved_first_
   bool left_start_ = false, holds_nothing_ = false, has_solved_ = false;  ///< bodies were elsewhere; wantStartForces(); solved_shares_
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0;
+  bool gets_on_ = false;  ///< see moveObstacles()
   LineShares shares_;
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
   std::vector<Friction::Slide> solved_slides_;
@@ -268,10 +271,9 @@ void BarrierContact::beginRounds() {
   obstacle_rounds_ = friction_rounds_ = share_rounds_ = 0, shares_.solveBegins();
   left_start_ = is_carried_ = is_put_back_ = false;
   friction_.beginAgain();
-  lookAgain(x_);
-  law_.weigh(x_);
+  lookAgain(x_), law_.weigh(x_);
   friction_.note(law_, law_.touches(x_));
-  moveObstacles(law_, goal_, x_, way_);
+  gets_on_ = moveObstacles(law_, goal_, x_, way_);
 }
 
 /// x_ become positions at x. Where an integrator takes bodies back to the start of a step, obstacles begin theirs again.
@@ -310,14 +312,12 @@ double BarrierContact::longestStep(ConstRows x, const Way& way) {
 }
 
 bool BarrierContact::movesOn(ConstRows x) {
-  constexpr int most_rounds = 1000, most_led = 12;
   if (is_explicit_) return law_.moved = goal_, false;
   law_.surfaces.gather(x, law_.moved, x_);
-  if (!hasArrived() && obstacle_rounds_++ < (isLed() ? most_led : most_rounds)) {
-    law_.weigh(x_);
-    shares_.solveBegins();
+  if (!hasArrived() && obstacle_rounds_++ < mostRounds()) {
+    law_.weigh(x_), shares_.solveBegins();
     friction_.note(law_, law_.touches(x_));
-    moveObstacles(law_, goal_, x_, way_);
+    gets_on_ = moveObstacles(law_, goal_, x_, way_);
     return true;
   }
   const bool others = (law_.copyShares(solved_shares_), sharesChange()), held = friction_.release();

@@ -16,7 +16,8 @@
 // only its contacts hold.
 //
 // Friction: with l the force of a contact where the step starts and u its way along the surfaces since then, mu l f against u,
-// f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. mu is staticFriction of what has stuck in the step before.
+// f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. mu is staticFriction of what has stuck in the step before. Where
+// round surfaces have slid out of reach as normals turned, l is the force along the normal of the step before.
 //
 // CollisionResponse has the same penalty with SOFA's stiffness by contact, between collision models.
 //
@@ -69,12 +70,19 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   Term termOf(const Touch& touch) const;
 
   void startObstacles();
+  void noteEnd(ConstRows x);
+  void serializeFound(Archive& archive);
+  const std::vector<Touch>& pushing();
 
   bool is_found_ = false, has_new_ = false;  ///< contacts are those of a step; of other rows than those of the last force
   std::vector<Touch> found_, touches_;       ///< where the step starts; at the x of the last force
   Terms contacts_;                           ///< of all that were found
   Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come where the step starts, and ends
   double began_ = 0;                                   ///< when it starts; not a number before the first one [s]
+  // ---- for friction ----
+  std::vector<double> pushed_;      ///< of each vertex, the least gap of its contacts where the step before ended [m]
+  std::vector<Vec3> pushed_along_;  ///< the normal of that one
+  std::vector<Touch> pushing_;      ///< work space
 };
 
 void PenaltyContact::declare(DataTable& table) {
@@ -94,9 +102,33 @@ void PenaltyContact::compile() {
   reset();
 }
 
+/// Of the contacts of the step before, at its end x.
+void PenaltyContact::noteEnd(ConstRows x) {
+  if (!friction_.acts() || found_.empty()) return;
+  law_.surfaces.gather(x, law_.moved, x_);
+  pushed_.assign(start_.size(), law_.range), pushed_along_.assign(start_.size(), Vec3::Zero());
+  for (const Touch& start : found_)
+    if (const double gap = at(start, x_).gap; gap < std::min(start.range, pushed_[std::size_t(start.v[0])]))
+      pushed_[std::size_t(start.v[0])] = gap, pushed_along_[std::size_t(start.v[0])] = start.n;
+}
+
+/// The contacts that have been found, with the force that they had in the step before and have lost as normals turned. That of a plane
+/// never does: what is out of reach there has left.
+const std::vector<Touch>& PenaltyContact::pushing() {
+  constexpr double alike = 0.9, same = 1 - 1e-9;
+  pushing_ = found_;
+  for (Touch& touch : pushing_) {
+    const auto vertex = std::size_t(touch.v[0]);
+    if (touch.v[1] < 0 || touch.gap < touch.range || vertex >= pushed_.size()) continue;
+    const double turned = pushed_along_[vertex].dot(touch.n);
+    if (turned > alike && turned < same) touch.gap = pushed_[vertex];
+  }
+  return pushing_;
+}
+
 /// Contacts at x, where the step begins.
 void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
-  if (t != began_) led_ = led_next_;  // else the same step again
+  if (t != began_) led_ = led_next_, noteEnd(x);  // else the same step again
   began_ = t;
   led_next_ = obstacles_.ledFrom(led_, 0.5 * law_.alarm);
   law_.moved = obstacles_.pathAt(t) + led_;
@@ -107,11 +139,12 @@ void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
   found_ = law_.touches(x_);
   friction_.slip = slip_velocity_ * (t_end - t);
   friction_.begin(x_.size());
+  const std::vector<Touch>& touches = friction_.acts() ? pushing() : found_;
   if (friction_.acts() && start_.size() == x_.size()) {
-    friction_.note(law_, found_);
+    friction_.note(law_, touches);
     friction_.remember(x_, start_, law_.moved - moved_at_start_);
   }
-  friction_.note(law_, found_);
+  friction_.note(law_, touches);
   start_ = x_, moved_at_start_ = law_.moved;
   law_.moved = obstacles_.pathAt(t_end) + led_next_;
   const auto rowsOf = [](const Term& term) { return term.rows; };
@@ -181,12 +214,36 @@ void PenaltyContact::reset() {
   law_.candidates.forget();
   startObstacles();
   start_.clear(), found_.clear(), touches_.clear(), terms_.clear(), contacts_.clear(), friction_.clear();
+  pushed_.clear(), pushed_along_.clear();
   is_found_ = false, outputs_.reset();
   ++pattern_revision_;
 }
 
+/// What the end of the step before will be asked for.
+void PenaltyContact::serializeFound(Archive& archive) {
+  std::vector<double> numbers;
+  if (!archive.isReading())
+    for (const Touch& touch : found_) {
+      numbers.insert(numbers.end(), touch.v.begin(), touch.v.end());
+      numbers.insert(numbers.end(), touch.c.begin(), touch.c.end());
+      numbers.insert(numbers.end(), {touch.n.x(), touch.n.y(), touch.n.z(), touch.gap, touch.range});
+    }
+  archive.list("found", numbers);
+  if (!archive.isReading()) return;
+  constexpr std::size_t size = 13;
+  found_.clear();
+  for (std::size_t i = 0; i + size <= numbers.size(); i += size) {
+    const double* const n = numbers.data() + i;
+    Touch touch;
+    for (int k = 0; k < 4; ++k) touch.v[std::size_t(k)] = int(n[k]), touch.c[std::size_t(k)] = n[4 + k];
+    touch.n = Vec3(n[8], n[9], n[10]), touch.gap = n[11], touch.range = n[12];
+    found_.push_back(touch);
+  }
+}
+
 void PenaltyContact::serialize(Archive& archive) {
   archive.list("start", start_);
+  if (friction_.acts()) serializeFound(archive);
   for (int k = 0; k < 3; ++k) {
     archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
     archive.value(std::string("led_") + char('x' + k), led_next_[k]);

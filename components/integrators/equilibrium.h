@@ -68,7 +68,9 @@ class Equilibrium final : public NonlinearProblem {
   double loadScale() const override { return norm(system_->f); }
   Rows unknowns() override { return rows(); }
   double longestStep(ConstRows d) override { return limits_.longest(d); }
+  bool meetsBarriers() const override { return !limits_.empty(); }
   bool movesOn() override { return limits_.moveOn(); }
+  bool isOnTheWay() override { return limits_.isOnTheWay(); }
   /// Whether something is in the way of the prescribed motion d, or of it with what is `carried` along; the report then
   /// says so.
   bool isBlocked(ConstRows d, bool carries, ConstRows carried, StepReport& report) {

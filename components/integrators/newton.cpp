@@ -108,12 +108,13 @@ void Newton::compile(Index rows) {
 }
 
 bool Newton::converged(double now) const {
-  return now <= settings.relative_residual * scale_ || now <= settings.absolute_residual ||
+  return now <= settings.relative_residual * scale_ || now <= settings.absolute_residual || now <= enough_ ||
          (history_.size() > 1 && now <= settings.successive_residual * history_[history_.size() - 2]);
 }
 
 /// True when |R| is small by its relative tolerance alone, and parts of it are not by theirs: then an iteration more is made.
 bool Newton::isForParts(const NonlinearProblem& problem, double now) {
+  if (enough_ > 0) return false;
   const bool is_relative = settings.absolute_residual == 0 && settings.successive_residual == 0;
   if (!is_relative || now == 0 || int(history_.size()) > settings.iterations) return false;
   const double of_parts = problem.residualOfParts(residual_);
@@ -132,7 +133,7 @@ bool Newton::isLeftAsItWas(double now, StepReport& report) const {
 
 /// The relative residual at which a solve ends.
 double Newton::goal() const {
-  return scale_ > 0 ? std::max(settings.relative_residual, settings.absolute_residual / scale_)
+  return scale_ > 0 ? std::max({settings.relative_residual, settings.absolute_residual / scale_, enough_ / scale_})
                     : settings.relative_residual;
 }
 
@@ -192,7 +193,7 @@ bool Newton::isAtRest(NonlinearProblem& problem) {
 
 /// The relative residual that the next linear solve must reach; 0: what its solver is set to.
 double Newton::forcingTerm(double now) const {
-  const double end = std::max(settings.relative_residual * scale_, settings.absolute_residual) / now;
+  const double end = std::max({settings.relative_residual * scale_, settings.absolute_residual, enough_}) / now;
   if (settings.forcing <= 0) return settings.is_linear && history_.size() > 1 ? settings.forcing_margin * end : 0;
   double term = settings.forcing;
   if (history_.size() > 1) term = went_on_ ? term * term : 0.9 * std::pow(now / history_[history_.size() - 2], 2);
@@ -246,8 +247,10 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopTo
 /// What moves on between solves stays where it is.
 StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   StepReport report;
+  constexpr double little = 0.1;
   problem.residual(residual_);
   double now = norm(residual_);
+  enough_ = problem.isOnTheWay() ? little * now : 0;
   went_on_ = std::exchange(was_slow_, false);
   if (went_on_) {  // from there
     history_.pop_back();
@@ -314,8 +317,8 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   if (!findDirection(problem, solver, now, report)) return isLeftAsItWas(now, report), false;
   if (isAtRest(problem)) return false;
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
-  const double before = now;
-  if (search(problem, now) == 0) {
+  const double before = now, slope = dot(residual_, direction_), step = search(problem, now);
+  if (step == 0) {
     report.stopped = stop_.isStopAsked();
     if (report.stopped || isLeftAsItWas(now, report) || isAtRoundOff(problem, now, report)) return false;
     report.diverged = settings.fixed_count;
@@ -324,6 +327,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
                                 report.newton_iterations, report.newton_residual, report.reason);
     return false;
   }
+  if (step == 1 && settings.use_energy && settings.line_search_iterations > 0 && problem.meetsBarriers()) goOn(problem, slope, now);
   if (settings.stop_when_residual_grows && now > before) {
     report.diverged = true, report.newton_converged = false;
     report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,

@@ -36,8 +36,12 @@ class NonlinearProblem {
   virtual Rows sinceStart() { return unknowns(); }  ///< u less that where the step starts, for forces of constraint
   /// The largest s <= 1 up to which positions may move along d; nothing passes through anything before that.
   virtual double longestStep(ConstRows /*d*/) { return 1; }
+  /// Something may stand in the way, whose energy has no bound where it is near: lines are searched to nearer their least energy.
+  virtual bool meetsBarriers() const { return false; }
   /// The equations are solved at u with what was held fixed meanwhile. True: that has moved on, and they are others.
   virtual bool movesOn() { return false; }
+  /// They will have, whatever the solution is: it is a place to go on from only.
+  virtual bool isOnTheWay() { return false; }
   /// u moves by s d.
   virtual void addTo(Rows u, double s, ConstRows d) const { axpy(s, d, u); }
   /// The largest residual of parts that have a scale of their own, relative to that. A solve whose |R| is small goes on while this
@@ -140,12 +144,15 @@ class Newton {
   void move(NonlinearProblem& problem, double step);
   double search(NonlinearProblem& problem, double& norm);
   double searchEnergy(NonlinearProblem& problem, double longest, double slope, double& norm);
+  double lengthen(NonlinearProblem& problem, double step, double refused, double before, double slope, double& norm);
+  void goOn(NonlinearProblem& problem, double slope, double& norm);
   double searchWork(NonlinearProblem& problem, double longest, double& norm);
 
   Vector residual_, direction_, trial_;
   Vector base_, best_;  ///< the iterate that move() starts from; the one that is left when nothing converges
   std::vector<double> history_;
   StopToken stop_;        ///< of the last solve()
+  double enough_ = 0;     ///< |R| of a solution that is only a place to go on from; else 0
   double scale_ = 0;      ///< the larger of |R| and loadScale() where the solve starts
   double best_norm_ = 0;  ///< |R| of best_
   double parts_ = 0;      ///< residualOfParts() at the last iteration that was made for these; infinity: none was

@@ -44,7 +44,7 @@ double Newton::search(NonlinearProblem& problem, double& now) {
 /// Armijo: E(u + s d) <= E(u) - 1e-4 s R.d. Where the difference drowns in the round-off of E, |R| decides.
 double Newton::searchEnergy(NonlinearProblem& problem, double longest, double slope, double& now) {
   const double before = problem.energy();
-  double step = longest, noise_of_positions = 0;
+  double step = longest, noise_of_positions = 0, refused = 0;
   for (int trial = 0; trial < settings.line_search_iterations && !stop_.isStopAsked(); ++trial) {
     move(problem, step);
     const double after = problem.energy();
@@ -58,16 +58,59 @@ double Newton::searchEnergy(NonlinearProblem& problem, double longest, double sl
       const double candidate = norm(trial_);
       if (std::isfinite(candidate) && (candidate < now || (enough && !drowned))) {
         now = candidate;
-        return step;
+        return refused == 0 || drowned || !problem.meetsBarriers() ? step : lengthen(problem, step, refused, before, slope, now);
       }
       if (drowned) return 0;
     }
+    refused = step;
     // the parabola through E(0), its slope and E(step)
     const double parabola = slope * step * step / (2 * (after - before + slope * step));
     const double longest = settings.line_search_coefficient * step;
     step = std::isfinite(parabola) ? std::clamp(parabola, std::min(0.1 * step, longest), longest) : 0.5 * longest;
   }
   return 0;
+}
+
+/// A step that leaves most of the slope is far too short: no parabola knows how fast a barrier's energy grows. Up to the step that
+/// was refused lengths are tried whose ratio to both is the same. residual_ is asked for at the one that is returned, at last.
+double Newton::lengthen(NonlinearProblem& problem, double step, double refused, double before, double slope, double& now) {
+  constexpr double most_left = 0.5, least_ratio = 2;
+  constexpr int most_trials = 3;
+  bool is_there = true;
+  for (int trial = 0; trial < most_trials && refused > least_ratio * step && dot(trial_, direction_) > most_left * slope; ++trial) {
+    const double between = std::sqrt(step * refused);
+    move(problem, between);
+    is_there = problem.energy() <= before - 1e-4 * between * slope;
+    if (!is_there) {
+      refused = between;
+      continue;
+    }
+    problem.residual(trial_);
+    is_there = std::isfinite(norm(trial_));
+    if (!is_there) break;
+    step = between, now = norm(trial_);
+  }
+  if (is_there) return step;
+  move(problem, step);
+  problem.residual(trial_);
+  now = norm(trial_);
+  return step;
+}
+
+/// A whole correction that leaves much of the slope ends far from the least energy along it: out of a barrier that has been pressed
+/// close, each one but doubles the gap. The line goes on, twice as far each time.
+void Newton::goOn(NonlinearProblem& problem, double slope, double& now) {
+  constexpr double much_left = 0.3;
+  constexpr int most_times = 4;
+  for (int time = 0; time < most_times && now > goal() * scale_ && !stop_.isStopAsked(); ++time) {
+    const double left = dot(residual_, direction_);
+    if (!(left > much_left * slope)) return;
+    scale(2, direction_);
+    slope = 2 * left;
+    const double step = search(problem, now);
+    if (step == 0) problem.residual(residual_);  // derivatives are those of the last one
+    if (step < 1) return;
+  }
 }
 
 /// Without an energy: |R(u + s d).d| <= 0.9 |R(u).d|, the criterion of Matthies and Strang 1979, or a smaller |R|. The

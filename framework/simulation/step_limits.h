@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ class StepLimits {
   double longest(ConstRows dx, double factor, bool is_carried, const std::function<void(double)>& goTo);
   /// Something that was held fixed in the solve that has ended has moved on: it is to be made again.
   bool moveOn();
+  /// See StepLimiter.
+  bool isOnTheWay() const {
+    return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->isOnTheWay(); });
+  }
   /// See StepLimiter.
   void wantStartForces(bool wanted) {
     for (StepLimiter* limiter : limiters_) limiter->wantStartForces(wanted);

@@ -344,7 +344,7 @@ def unnoticed(trace, summary, table, steps):
 
 def main():
     stroma = os.path.abspath(sys.argv[1])
-    scene = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else os.path.join(EXAMPLES, "organ.xml")
+    scene = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else os.path.join(EXAMPLES, "cantilever_svd.xml")
     steps = int(sys.argv[3]) if len(sys.argv) > 3 else 12
     trace, summary, table = profile(stroma, scene, steps)
     failures = wrong(trace, summary, table, steps)

@@ -75,5 +75,19 @@ TEST(RuleDamping, StepsThatSkipTheSlowestSwingAreNamed) {
   EXPECT_EQ(pushed(10, "<StaticSolver/>"), "");
 }
 
+/// A ball that comes to where a body was at its start would have no bound on its energy there; one that pushes is no swing.
+TEST(RuleDamping, WhatIsPushedAsideIsNoSwing) {
+  for (const char* contact : {"BarrierContact", "PenaltyContact"}) {
+    const std::string text = fmt::format(
+        R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver newtonIterations="60"/><SparseLDLSolver/>
+        <MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/><MechanicalObject/><UniformMass totalMass="1"/>
+        <RestShapeSpringsForceField points="0 1 2 3" stiffness="40"/><TetrahedronFEMForceField youngModulus="1000"
+        poissonRatio="0.3"/><{} contactDistance="0.05" spheres="-0.6 0.3 0.3 0.5" keyTimes="0 0.3" movements="0 0 0  0.3 0 0"
+        selfContact="false" stiffness="1000"/></Node>)",
+        contact);
+    EXPECT_EQ(swing(text, 30).said, "") << contact;
+  }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

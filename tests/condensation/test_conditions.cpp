@@ -119,15 +119,6 @@ TEST(CondensedConditions, ARunRepeatsBitForBitAlsoFromACheckpoint) {
   EXPECT_EQ(difference(displacement(restored), displacement(whole_run)), 0);
 }
 
-TEST(CondensedConditions, PenaltiesAreRefusedWithWhatWorks) {
-  for (const std::string solver : {"Static", "Dynamic"}) {
-    const Block block{.solver = "<Condensed" + solver + "Solver/>",
-                      .loads = "<PenaltyContact spheres=\"0.2 0 0 0.01\" selfContact=\"false\"/>"};
-    const std::string problems = problemsOf(block.text());
-    EXPECT_NE(problems.find("<ConstraintContact/> or <BarrierContact/>"), std::string::npos) << problems;
-  }
-}
-
 /// Barriers too: no matrix of a condensed body has their derivative.
 TEST(CondensedConditions, DampingOfBarriersIsRefused) {
   const Block block{.solver = "<CondensedDynamicSolver/>",

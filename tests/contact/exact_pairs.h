@@ -22,10 +22,7 @@ Rational dot(const Exact& a, const Exact& b);
 Exact cross(const Exact& a, const Exact& b);
 Rational square(const Exact& a);
 
-/// Squared distance of a point from a segment, of two segments, of a point from a triangle.
-Rational ofSegment(const Exact& p, const Exact& a, const Exact& b);
-Rational ofSegments(const Exact& a, const Exact& b, const Exact& c, const Exact& d);
-Rational ofTriangle(const Exact& p, const Exact& a, const Exact& b, const Exact& c);
+/// Squared distance of a point from a triangle, or of two segments.
 Rational squaredDistance(PairKind kind, const std::array<Exact, 4>& x);
 
 class Numbers {

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <set>
 #include <stdexcept>
-#include <tuple>
 
-#include "framework/collision/exact_intersection.h"
 #include "framework/scene/archive.h"
 #include "tests/contact/candidate_scenery.h"
 
@@ -14,6 +12,24 @@ namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
 using namespace contact;
+
+/// The ball and the capsule of the scenery are 0.05 from the bodies at rest.
+TEST(EveryPair, RadiiAreTakenOff) {
+  const Scenery scene(1);
+  const Surfaces& s = scene.surfaces;
+  const auto ofObstacles = [&](double reach) {
+    int count = 0;
+    for (const auto& [kind, first, second] : pairsNearerThan(reach, s, s.rest)) {
+      const bool edges = kind == PairKind::edge_edge;
+      const int one = edges ? s.edges[std::size_t(first)][0] : first;
+      const int other = edges ? s.edges[std::size_t(second)][0] : s.faces[std::size_t(second)][0];
+      count += !s.moves(one) || !s.moves(other);
+    }
+    return count;
+  };
+  EXPECT_EQ(ofObstacles(0.0499), 0);
+  EXPECT_GT(ofObstacles(0.0501), 0);
+}
 
 /// No pair is missing that comes into reach while vertices move no farther than the margin.
 TEST(Candidates, AllThatComeIntoReachAreFound) {
@@ -34,12 +50,10 @@ TEST(Candidates, AllThatComeIntoReachAreFound) {
       if (scene.surfaces.moves(int(v)))
         moved[v] += 0.999 * margin * Vec3(scene.number(), scene.number(), scene.number()).normalized();
     ASSERT_TRUE(candidates.covers(moved));
-    forEachPair(scene.surfaces, [&](PairKind kind, int first, int second, const std::array<int, 4>& v) {
-      const double radii = radiusAt(scene.surfaces, v[0]) + radiusAt(scene.surfaces, v[3]);
-      if (closestPoints(kind, at(v, moved)).distance() - radii >= candidates.reach) return;
+    for (const Key& pair : pairsNearerThan(candidates.reach, scene.surfaces, moved)) {
       ++met;
-      ASSERT_TRUE(found.count({kind, first, second})) << "seed " << seed << ": " << first << ", " << second;
-    });
+      ASSERT_TRUE(found.count(pair)) << "seed " << seed << ": " << std::get<1>(pair) << ", " << std::get<2>(pair);
+    }
   }
   EXPECT_GT(met, 1000);
 }
@@ -54,16 +68,7 @@ TEST(Candidates, AllCrossingsAreFound) {
     Candidates candidates;
     candidates.reach = 0.05;
     candidates.compile(scene.surfaces);
-    std::set<std::pair<int, int>> expected;
-    const Surfaces& s = scene.surfaces;
-    for (std::size_t e = 0; e < s.edges.size(); ++e)
-      for (std::size_t f = 0; f < s.faces.size(); ++f) {
-        const auto& [p, q] = s.edges[e];
-        const auto& [a, b, c] = s.faces[f];
-        if ((!s.moves(p) && !s.moves(a)) || p == a || p == b || p == c || q == a || q == b || q == c) continue;
-        const auto place = [&](int v) { return scene.x[std::size_t(v)]; };
-        if (segmentMeetsTriangle(place(p), place(q), place(a), place(b), place(c))) expected.insert({int(e), int(f)});
-      }
+    const std::set<std::pair<int, int>> expected = allCrossings(scene.surfaces, scene.x);
     for (const bool known : {false, true}) {
       if (known) candidates.find(scene.x, 0.01);
       std::set<std::pair<int, int>> found;
@@ -145,11 +150,10 @@ TEST(Candidates, WhatMotionProvesIsTrue) {
       for (const Candidate& pair : candidates.pairs()) {
         ASSERT_TRUE(found.insert({pair.kind, pair.first, pair.second}).second) << "a pair that comes twice";
       }
-      forEachPair(s, [&](PairKind kind, int first, int second, const std::array<int, 4>& v) {
-        if (closestPoints(kind, at(v, x)).distance() - radiusAt(s, v[0]) - radiusAt(s, v[3]) >= candidates.reach) return;
+      for (const Key& pair : pairsNearerThan(candidates.reach, s, x)) {
         ++met;
-        ASSERT_TRUE(found.count({kind, first, second})) << "seed " << seed << ", step " << step;
-      });
+        ASSERT_TRUE(found.count(pair)) << "seed " << seed << ", step " << step;
+      }
       Candidates anew;
       anew.reach = candidates.reach;
       anew.compile(s);

@@ -3,62 +3,15 @@
 // construction: two points of it are led through each other at a time that is chosen.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <random>
+#include <cmath>
 
 #include "components/contact/longest_step.h"
+#include "tests/contact/every_pair.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
 constexpr PairKind kinds[] = {PairKind::point_triangle, PairKind::edge_edge};
-
-class Motions {
- public:
-  explicit Motions(unsigned seed) : random_(seed) {}
-  double number(double low = -1, double high = 1) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  Vec3 point() { return {number(), number(), number()}; }
-  FourPoints four() { return {point(), point(), point(), point()}; }
-  /// Pairs of which a point of each side is at one place at time `when`. `degenerate`: slivers, parallel edges, points at corners, ...
-  void meeting(PairKind kind, double when, int degenerate, double scale, FourPoints& x, FourPoints& dx) {
-    FourPoints at = four();
-    double u = number(0, 1), w = number(0, 1);
-    if (degenerate & 1) u = std::round(u);
-    if (degenerate & 2) w = std::round(w);
-    if (degenerate & 4) at[3] = at[2] + (degenerate & 8 ? 1e-9 : 1e-3) * point();
-    if (degenerate & 16) at[1] = at[0] + (at[3] - at[2]) + 1e-7 * number() * point();
-    const Vec3 second = kind == PairKind::edge_edge ? Vec3((1 - w) * at[2] + w * at[3])
-                                                    : Vec3((1 - u) * at[1] + u * ((1 - w) * at[2] + w * at[3]));
-    const Vec3 first = kind == PairKind::edge_edge ? Vec3((1 - u) * at[0] + u * at[1]) : at[0];
-    at[0] += second - first;
-    if (kind == PairKind::edge_edge) at[1] += second - first;
-    dx = four();
-    const double size = std::pow(10, number(-3, 2));
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (degenerate & 32) dx[i] = i < (kind == PairKind::edge_edge ? 2u : 1u) ? dx[0] : dx[3];
-      dx[i] *= size * scale;
-      x[i] = scale * at[i] - when * dx[i];
-    }
-  }
-
- private:
-  std::mt19937 random_;
-};
-
-double smallestDistance(PairKind kind, const FourPoints& x, const FourPoints& dx, double until) {
-  double least = 1e300;
-  for (int i = 0; i <= 200; ++i) {
-    FourPoints now;
-    const double part = until * i / 200;
-    for (std::size_t k = 0; k < 4; ++k) {  // in numbers: some millions of them, compiled without optimisation
-      const double *from = x[k].data(), *way = dx[k].data();
-      double* at = now[k].data();
-      for (int c = 0; c < 3; ++c) at[c] = from[c] + part * way[c];
-    }
-    least = std::min(least, closestPoints(kind, now).distance());
-  }
-  return least;
-}
 
 TEST(LongestStep, MissesNothingThatMeets) {
   Motions motions(1);

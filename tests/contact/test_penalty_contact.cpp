@@ -126,6 +126,30 @@ TEST(PenaltyContact, OneLineSwapsTheThree) {
   }
 }
 
+/// A sphere is drawn over a block 0.02 per step. Along the normal that each step has, its cells come 5e-4 out of reach of a penalty that
+/// closes gaps by no more than 2e-4: the friction is that of the force before.
+TEST(PenaltyContact, ARoundToolThatIsDrawnAlongRubs) {
+  const Body block = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 0.5), {4, 4, 2});
+  std::string bottom;
+  for (int i = 0; i < 25; ++i) bottom += fmt::format("{} ", i);
+  const std::string contact =
+      "<FixedProjectiveConstraint indices=\"" + bottom +
+      "\"/><PenaltyContact selfContact=\"false\" contactDistance=\"0.01\" stiffness=\"1e6\" friction=\"0.4\" slipVelocity=\"1e-3\" "
+      "spheres=\"0.5 0.5 0.915 0.4\" keyTimes=\"0 4 14\" movements=\"0 0 0  0 0 -0.06  0.2 0 -0.06\"/>";
+  Simulation simulation =
+      simulationFromText(contactScene(bodyNode("a", block, contact, "", 1e4, 0.3), 1, Vec3::Zero(), "<StaticSolver/>"));
+  for (int i = 0; i < 14; ++i) {
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(report.newton_converged) << report.reason;
+    if (i < 6) continue;
+    Vec3 along = Vec3::Zero(), normal = Vec3::Zero();
+    const std::vector<double> rubs = valuesOf(simulation, "PenaltyContact", "frictionForces"),
+                              pushes = valuesOf(simulation, "PenaltyContact", "contactForces");
+    for (std::size_t k = 0; k < rubs.size(); ++k) along[int(k % 3)] += rubs[k], normal[int(k % 3)] += pushes[k];
+    EXPECT_NEAR(along.x() / normal.norm(), 0.4, 0.04) << "step " << i;
+  }
+}
+
 /// A plane that is moved carries a block along by no more than mu g; a run that goes on from a checkpoint is the same to the bit.
 TEST(PenaltyContact, GoesOnFromACheckpoint) {
   const auto make = [] {

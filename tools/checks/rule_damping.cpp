@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -31,6 +32,12 @@ bool solvesOnce(const Integrator& integrator) {
   return iterations && iterations->print() == "1";
 }
 
+/// Contact, by barriers or by pairs of where the step started: it pushes by where others are, not by the way of the body.
+bool isContact(const ForceField* field) {
+  const ForceTraits traits = field->traits();
+  return traits.undamped || (traits.lagged && !traits.time_dependent);
+}
+
 /// 0 where nothing moves, or what moves meets no stiffness.
 double frequency(const System& system) {
   Vector product(system.independentRows());
@@ -46,7 +53,9 @@ std::string dampedSwing(const System& system, double dt, double time, long steps
   constexpr double small_share = 0.1;
   const Integrator& integrator = system.integrator();
   if (!isBackwardEuler(integrator) || system.counts.forces == 0 || !movesVisibly(system, dt)) return {};
-  if (system.constraints().hasPrescribed()) return {};  // what is driven moves without a swing
+  const auto& fields = system.forceFields();
+  const auto pushes = [](const ForceField* field) { return isContact(field) && field->acts(); };
+  if (system.constraints().hasPrescribed() || std::any_of(fields.begin(), fields.end(), pushes)) return {};  // driven: no swing
   const double w = frequency(system), turn = w * dt;
   const bool has_swung = turn * double(steps) > std::numbers::pi;
   if (!(turn > 0 && turn < largest_turn && has_swung)) return {};
@@ -77,6 +86,8 @@ double frequencyOfWay(const System& system, ConstRows start) {
 std::string skippedSwings(const System& system, ConstRows start, double dt) {
   constexpr double few = 3;  // periods in a step
   if (!isBackwardEuler(system.integrator()) || system.counts.forces == 0 || system.constraints().hasPrescribed()) return {};
+  const auto& fields = system.forceFields();
+  if (std::any_of(fields.begin(), fields.end(), isContact)) return {};
   const double periods = frequencyOfWay(system, start) * dt / (2 * std::numbers::pi);
   if (!(periods > few)) return {};
   return fmt::format(

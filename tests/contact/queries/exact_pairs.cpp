@@ -18,34 +18,63 @@ Exact cross(const Exact& a, const Exact& b) {
 }
 Rational square(const Exact& a) { return dot(a, a); }
 
-Rational ofSegment(const Exact& p, const Exact& a, const Exact& b) {
-  const Exact along = b - a;
-  const Rational length = square(along);
-  Rational t = length == 0 ? Rational(0) : Rational(dot(p - a, along) / length);
-  t = t < 0 ? Rational(0) : t > 1 ? Rational(1) : t;
-  return square(p - (a + t * along));
+namespace {
+
+// Distances are of whole numbers, all coordinates times what their denominators have in common, and are divided once:
+// rational numbers look for a common factor in each sum.
+using Whole = boost::multiprecision::cpp_int;
+using Places = std::array<Whole, 3>;
+
+Places operator-(const Places& a, const Places& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Whole dot(const Places& a, const Places& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Places cross(const Places& a, const Places& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-Rational ofSegments(const Exact& a, const Exact& b, const Exact& c, const Exact& d) {
-  Rational best = std::min({ofSegment(a, c, d), ofSegment(b, c, d), ofSegment(c, a, b), ofSegment(d, a, b)});
-  const Exact u = b - a, v = d - c, w = a - c, n = cross(u, v);
-  const Rational size = square(n);
+
+struct Fraction {
+  Whole above, below = 1;  ///< below > 0
+  bool operator<(const Fraction& other) const { return above * other.below < other.above * below; }
+};
+
+/// Squared distances of a point from a segment, of two segments, of a point from a triangle.
+Fraction ofSegment(const Places& p, const Places& a, const Places& b) {
+  const Places along = b - a, way = p - a;
+  const Whole length = dot(along, along), s = dot(way, along);
+  if (s <= 0) return {dot(way, way)};  // and where a segment is a point
+  if (s >= length) return {dot(p - b, p - b)};
+  return {dot(way, way) * length - s * s, length};
+}
+Fraction ofSegments(const Places& a, const Places& b, const Places& c, const Places& d) {
+  const Fraction best = std::min({ofSegment(a, c, d), ofSegment(b, c, d), ofSegment(c, a, b), ofSegment(d, a, b)});
+  const Places u = b - a, v = d - c, w = a - c, n = cross(u, v);
+  const Whole size = dot(n, n);
   if (size == 0) return best;
-  const Rational s = dot(cross(v, w), n) / size, t = dot(cross(u, w), n) / size;
-  if (s >= 0 && s <= 1 && t >= 0 && t <= 1) best = std::min(best, Rational(dot(w, n) * dot(w, n) / size));
-  return best;
+  const Whole s = dot(cross(v, w), n), t = dot(cross(u, w), n), height = dot(w, n);
+  if (s < 0 || s > size || t < 0 || t > size) return best;
+  return std::min(best, Fraction{height * height, size});
 }
-Rational ofTriangle(const Exact& p, const Exact& a, const Exact& b, const Exact& c) {
-  Rational best = std::min({ofSegment(p, a, b), ofSegment(p, b, c), ofSegment(p, c, a)});
-  const Exact n = cross(b - a, c - a);
-  const Rational size = square(n);
+Fraction ofTriangle(const Places& p, const Places& a, const Places& b, const Places& c) {
+  const Fraction best = std::min({ofSegment(p, a, b), ofSegment(p, b, c), ofSegment(p, c, a)});
+  const Places n = cross(b - a, c - a);
+  const Whole size = dot(n, n), height = dot(p - a, n);
   if (size == 0) return best;
-  const auto side = [&](const Exact& q, const Exact& r) { return dot(cross(r - q, p - q), n); };
-  if (side(a, b) >= 0 && side(b, c) >= 0 && side(c, a) >= 0)
-    best = std::min(best, Rational(dot(p - a, n) * dot(p - a, n) / size));
-  return best;
+  const auto side = [&](const Places& q, const Places& r) { return dot(cross(r - q, p - q), n); };
+  if (side(a, b) < 0 || side(b, c) < 0 || side(c, a) < 0) return best;
+  return std::min(best, Fraction{height * height, size});
 }
+
+}  // namespace
+
 Rational squaredDistance(PairKind kind, const std::array<Exact, 4>& x) {
-  return kind == PairKind::edge_edge ? ofSegments(x[0], x[1], x[2], x[3]) : ofTriangle(x[0], x[1], x[2], x[3]);
+  Whole common = 1;
+  for (const Exact& point : x)
+    for (const Rational& number : point) common = lcm(common, denominator(number));
+  std::array<Places, 4> at;
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t c = 0; c < 3; ++c) at[k][c] = numerator(x[k][c]) * (common / denominator(x[k][c]));
+  const Fraction found =
+      kind == PairKind::edge_edge ? ofSegments(at[0], at[1], at[2], at[3]) : ofTriangle(at[0], at[1], at[2], at[3]);
+  return Rational(found.above, found.below * common * common);
 }
 
 int Numbers::whole(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
