@@ -11,6 +11,9 @@
 // its start. The weight of a body that hangs or rests on its followers alone is then carried by nobody: a run says how
 // large the force is that the attachment took.
 //
+// There meet="halfway" does as SOFA does with points: in a step the follower goes on with its velocity; then both have the mean of
+// their velocities, and the follower the mean of both places. What is followed feels that: half of its acceleration is lost.
+//
 // Rigid frames that are attached are one body: the sum of their masses and inertias, with one orientation, their mean at the
 // start. A frame and a point share the frame's centre.
 //
@@ -49,6 +52,7 @@
 #include "framework/mechanics/frames.h"
 #include "framework/mechanics/node_pairs.h"
 #include "framework/mechanics/projective_constraint.h"
+#include "framework/mechanics/start_velocity.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/factory.h"
@@ -82,7 +86,7 @@ struct FacesOf {
   }
 };
 
-class AttachProjectiveConstraint final : public ProjectiveConstraint {
+class AttachProjectiveConstraint final : public ProjectiveConstraint, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
@@ -94,6 +98,8 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
         .help(
             "both ends share mass and forces; false, as in SOFA without it: the second follows and the first feels "
             "nothing");
+    table.addChoice("meet", meet_, {"leader", "halfway"})
+        .help("where points go that follow without being felt: where those go that they follow, or halfway there, as in SOFA");
   }
 
   void init() override {
@@ -102,6 +108,7 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
     second_ = object2_.get() ? object2_.get() : &state();
     std::tie(leaders_, followers_) = checkedPairs({"indices1", indices1_, state()}, {"indices2", indices2_, *second_});
     rows_ = sharedRows();
+    freely_.reserve(leaders_.size());
     double farthest = 0;
     for (std::size_t i = 0; i < leaders_.size(); ++i) {
       if (second_ == &state() && leaders_[i] == followers_[i])
@@ -132,8 +139,24 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
   void addUnansweredRows(std::vector<Index>& out) const override {
     if (!two_way_) forEachRow([&](Index, Index follower) { out.push_back(follower); });
   }
+  bool keepsStartVelocity() const override { return meetsHalfway(); }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (!meetsHalfway() || !activeIn(t, t)) return;  // SOFA projects before the first step too
+    forEachRow([&](Index leader, Index follower) {
+      x[follower] = (x[leader] + x[follower]) / 2;
+      v[leader] = v[follower] = Vec3((v[leader] + v[follower]) / 2);
+    });
+  }
+  void beginMotion(double, ConstRows x) override {
+    if (!meetsHalfway()) return;
+    freely_.clear();
+    forEachRow([&](Index, Index follower) {
+      freely_.push_back(x[follower] + node().dt() * second_->v()[follower - second_->firstRow()]);
+    });
+  }
   void prescribe(double, Rows x, Rows v) const override {
     if (two_way_) return;
+    if (meetsHalfway()) return meet(x, v);
     forEachRow([&](Index leader, Index follower) {
       std::copy_n(x.data + std::size_t(leader) * row_doubles, row_doubles, x.data + std::size_t(follower) * row_doubles);
       v[follower] = Vec3(v[leader]);
@@ -151,6 +174,15 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
       throw ComponentError(fmt::format("the nodes of {} and {} are of different types", state().path(), second_->path()),
                            "states of one template, or points and frames");
     return std::min(state().rows_per_node, second_->rows_per_node);
+  }
+  bool meetsHalfway() const { return !two_way_ && meet_ == Meet::halfway && rows_ == 1 && state().kindOf(0) == RowKind::place; }
+  /// May be done again: the followers' own ways are those of beginMotion(), and means of equal velocities are equal.
+  void meet(Rows x, Rows v) const {
+    std::size_t i = 0;
+    forEachRow([&](Index leader, Index follower) {
+      x[follower] = (x[leader] + freely_[i++]) / 2;
+      v[leader] = v[follower] = Vec3((v[leader] + v[follower]) / 2);
+    });
   }
   /// One surface is joined as a whole, the other at single nodes.
   void tellOfFreeSurface() const {
@@ -182,6 +214,8 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   std::vector<int> indices1_, indices2_;
   bool two_way_ = true;
+  enum class Meet { leader, halfway } meet_ = Meet::leader;
+  std::vector<Vec3> freely_;  ///< where followers go by themselves in the step [m], shape (pairs)
   State* second_ = nullptr;
   std::vector<Index> leaders_, followers_;  ///< first rows of the nodes, shape (pairs)
   Index rows_ = 1;                          ///< of a node that are shared

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// DirectionProjectiveConstraint: nodes that move along one direction only, from where they are.
+// DirectionProjectiveConstraint: nodes that move along one direction only, from where they are. Velocities across it end.
 //
 //   P = d d^T,   d = direction / |direction|
 //
@@ -52,6 +52,7 @@ class DirectionConstraint final : public HeldNodes {
     const Vec3 d = direction_.normalized();
     setProjectors({d * d.transpose()});
   }
+  bool projectsVelocity() const override { return true; }
 
  private:
   Vec3 direction_ = Vec3::Zero();

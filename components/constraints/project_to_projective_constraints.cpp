@@ -5,9 +5,9 @@
 //   ProjectToLineProjectiveConstraint:   P = d d^T,      x -> o + d d^T (x - o),          d = direction / |direction|
 //   ProjectToPlaneProjectiveConstraint:  P = I - n n^T,  x -> o + (I - n n^T) (x - o),    n = normal / |normal|
 //
-// A node that does not start there arrives at the end of the first step, on the shortest way. After each step its
-// position is projected again, so that round-off does not add up, and its velocity has no part away from the point,
-// line or plane.
+// A node that does not start there arrives at the end of the first step, on the shortest way; with startsThere it is
+// there before the first step, as in SOFA. After each step its position is projected again, so that round-off does not
+// add up, and its velocity has no part away from the point, line or plane.
 //
 // Source: the names and attributes are SOFA's.
 //
@@ -30,7 +30,14 @@ namespace {
 
 class ProjectTo : public HeldNodes {
  public:
+  void declare(DataTable& table) override {
+    HeldNodes::declare(table);
+    table.add("startsThere", starts_there_).help("nodes are brought there before the first step, not by it");
+  }
   bool prescribesMotion() const override { return true; }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (starts_there_ && activeIn(t, t)) prescribe(t, x, v);
+  }
   void prescribe(double, Rows x, Rows v) const override {
     for (std::size_t i = 0; i < nodes().size(); ++i) {
       x[row(i)] = origin_ + projector() * (x[row(i)] - origin_);
@@ -44,12 +51,15 @@ class ProjectTo : public HeldNodes {
     return given.normalized();
   }
   Vec3 origin_ = Vec3::Zero();
+
+ private:
+  bool starts_there_ = false;
 };
 
 class ProjectToPoint final : public ProjectTo {
  public:
   void declare(DataTable& table) override {
-    HeldNodes::declare(table);
+    ProjectTo::declare(table);
     table.add("point", origin_).help("where the nodes are kept").unit("m").required();
   }
 };
@@ -57,7 +67,7 @@ class ProjectToPoint final : public ProjectTo {
 class ProjectToLine final : public ProjectTo {
  public:
   void declare(DataTable& table) override {
-    HeldNodes::declare(table);
+    ProjectTo::declare(table);
     table.add("origin", origin_).help("a point of the line").unit("m");
     table.add("direction", direction_).help("direction of the line").unit("-").required();
   }
@@ -74,7 +84,7 @@ class ProjectToLine final : public ProjectTo {
 class ProjectToPlane final : public ProjectTo {
  public:
   void declare(DataTable& table) override {
-    HeldNodes::declare(table);
+    ProjectTo::declare(table);
     table.add("origin", origin_).help("a point of the plane").unit("m");
     table.add("normal", normal_).help("normal of the plane").unit("-").required();
   }

@@ -139,7 +139,10 @@ StepReport CentralDifferenceSolver::makePart(System& system, const StepContext& 
   if (depends_on_time_) system.setTime(context.t);
   StepReport report;
   system.computeForce(system.x, system.v, system.f);
-  if (!acceleration_.solveForMomenta(system.x, system.independent(system.f), a_, context.stop, report)) return report;
+  const bool steps_momenta = !system.hasCurvedInertia();  // of bodies that carry no masses by a mapping
+  if (steps_momenta ? !acceleration_.solveForMomenta(system.x, system.independent(system.f), a_, context.stop, report)
+                    : !acceleration_.solve(system.x, system.v, system.independent(system.f), a_, context.stop, report))
+    return report;
   if (depends_on_time_) system.setTime(context.t_end);
   parts_.setTime(context.t_end);
   const double h = context.dt, last = parts_.areNeeded() ? parts_.before(last_step_) : last_step_;
@@ -152,7 +155,7 @@ StepReport CentralDifferenceSolver::makePart(System& system, const StepContext& 
   }
   system.constraints().projectAcceleration(a_);
   const Rows v = system.independent(system.v);
-  turnBodies(system, h, before);
+  if (steps_momenta) turnBodies(system, h, before);
   axpy(1, a_, v);
   system.motion().advance(h, v, system.x);
   return report;

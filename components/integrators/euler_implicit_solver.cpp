@@ -91,6 +91,9 @@ void EulerImplicitSolver::declare(DataTable& table) {
       .help("with trapezoidalScheme: positions move by h times the new velocity, as in SOFA, which is of first order");
   table.add("allowMassless", implicit_.allows_massless)
       .help("nodes without mass are moved by stiffness alone, where they otherwise are refused; not with trapezoidalScheme");
+  table.add("oneRound", implicit_.one_round)
+      .help("forces of Lagrangian constraints have the directions of the motion without them, as in SOFA, and not those of the "
+            "end of the step; with one linear solve per step");
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);

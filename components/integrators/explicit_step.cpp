@@ -178,8 +178,8 @@ StepReport ExplicitStep::makePart(System& system, const StepContext& whole, cons
     system.computeForce(x, v, system.f);
     const ConstRows f = system.independent(system.f);
     const Rows a = accelerations_[i];
-    if (scheme.stages.size() == 1 ? !acceleration_.solveForMomenta(x, f, a, context.stop, report)
-                                  : !acceleration_.solve(x, v, f, a, context.stop, report))
+    if (stepsMomenta(system) ? !acceleration_.solveForMomenta(x, f, a, context.stop, report)
+                             : !acceleration_.solve(x, v, f, a, context.stop, report))
       return report;
   }
   if (depends_on_time_) system.setTime(context.t_end);
@@ -237,7 +237,7 @@ void ExplicitStep::finish(System& system, double h, double between) {
   double* __restrict velocity = v.data;
   double* __restrict position = x.data;
   const TurningBodies& bodies = acceleration_.bodies();
-  const bool steps_momenta = scheme.stages.size() == 1 && !bodies.empty();
+  const bool steps_momenta = stepsMomenta(system) && !bodies.empty();
   momenta_.resize(steps_momenta ? bodies.count() : 0);
   for (std::size_t b = 0; b < momenta_.size(); ++b)
     momenta_[b] = bodies.times(b, x, v[bodies.row(b)] + for_v * accelerations_[0][bodies.row(b)]);

@@ -87,6 +87,8 @@ class ExplicitStep {
  private:
   StepReport makePart(System& system, const StepContext& whole, const StepContext& part);
   void placeStage(System& system, const StepContext& whole, const StepContext& part, const ExplicitScheme::Stage& stage);
+  /// Bodies that carry masses by a mapping change their velocity with these, not their momentum alone.
+  bool stepsMomenta(const System& system) const { return scheme.stages.size() == 1 && !system.hasCurvedInertia(); }
   void finish(System& system, double h, double between);
   void noteRates(const System& system, std::size_t stage);
   void setTurns(const System& system, double h, const std::vector<double>& weights, Rows x) const;

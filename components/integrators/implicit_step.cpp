@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "components/integrators/lent_energy.h"
@@ -26,7 +27,7 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   startBodies();
   energy_.stepBegins();
   const double whole = scheme.weight + scheme.old_weight;
-  multipliers_.begin({scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole}, !solvesOnce());
+  multipliers_.begin({scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole, true, one_round}, !solvesOnce());
   if (!solvesOnce()) {
     StepReport report = !multipliers_.empty() ? solveConditions(stop) : iterates() ? solveIterating(stop) : solveAsNeeded(stop);
     bodies_.momenta(x(), v(), end_momenta_);
@@ -101,6 +102,7 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
     for (std::size_t i = 0; i < bodies_.count(); ++i)
       b[bodies_.row(i)] += momentum_predictor[i] - bodies_.times(i, x(), velocity_predictor[bodies_.row(i)]);
   }
+  for (std::size_t i = 0; s.hasCurvedInertia() && i < bodies_.count(); ++i) b[bodies_.row(i)] -= turnedMomentum(i);
   s.constraints().project(b);
 
   StepReport report;
@@ -273,13 +275,13 @@ void ImplicitStep::carryOn() {
 }
 
 /// With contact: what is free goes on as it did, as far as nothing is in its way. A body that is drawn along, pressed or folded
-/// then has a part of the iterations to make, as where it starts all of its motion is missing.
+/// then has a part of the iterations to make, as where it starts all of its motion is missing. What moves by round-off rests.
 bool ImplicitStep::guess(Rows d) {
   if (!std::exchange(is_to_guess_, false)) return false;
   copy(v0_, d);
   axpy(-1, v(), d);
   system_->constraints().project(d);
-  return largest(d) > 0;
+  return scheme_.displacement * largest(d) > std::numeric_limits<double>::epsilon() * largest(x());
 }
 
 double ImplicitStep::longestStep(ConstRows d) {
@@ -298,6 +300,8 @@ bool ImplicitStep::movesOn() {
   return true;
 }
 
+bool ImplicitStep::isOnTheWay() { return lack_ == 0 && limits_.isOnTheWay(); }
+
 void ImplicitStep::unknownsChanged() {
   const double old_part = scheme_.drift - scheme_.displacement, new_part = scheme_.displacement;
   const double* __restrict x0 = x0_.rows().data;
@@ -313,7 +317,8 @@ void ImplicitStep::unknownsChanged() {
   orientations_.turn(x0_);
 }
 
-/// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor). The stiffness of rK K u is the one
+/// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor), M that of x(u), or the mean of both where both
+/// forces count. The stiffness of rK K u is the one
 /// at x(u): with that of x0 a method of second order would be of first. Its derivative is left out of the tangent,
 /// which costs iterations, not accuracy.
 void ImplicitStep::residual(Rows out) {
@@ -327,6 +332,7 @@ void ImplicitStep::residual(Rows out) {
   axpy(-1, v0_, work_);
   if (scheme_.has_history) axpy(-1, velocity_predictor, work_);
   s.addMassProduct(work_, -1, out);
+  if (scheme_.old_weight != 0 && s.hasCurvedInertia()) addMassWhereTheStepStarts(out);
   // of a turning body the change of momentum J(x(u)) u - L0 instead of J(x(u)) (u - v0)
   for (std::size_t b = 0; b < bodies_.count(); ++b) {
     const Index row = bodies_.row(b);

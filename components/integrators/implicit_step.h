@@ -50,6 +50,8 @@ class ImplicitStep final : public NonlinearProblem {
   const std::vector<Vec3>& startMomenta() const { return start_momenta_; }
   const std::vector<Vec3>& endMomenta() const { return end_momenta_; }
 
+  bool one_round = false;  ///< forces of Lagrangian constraints have the directions of the motion without them, as SOFA's
+
   /// As many linear solves as the order of the rule needs: for a rule of second order two where a stiffness is an approximation
   /// of the derivative, three where forces turn rigid bodies, else one.
   static constexpr int needed_solves = 0;
@@ -68,7 +70,7 @@ class ImplicitStep final : public NonlinearProblem {
   void wholeForce(double time, Rows out);
   LinearSolver& linearSolver() const { return *solver_; }
   // ---- for a rule that makes its own linear solve: forces of Lagrangian constraints, as in solve() ----
-  void beginConditions(double displacement, double weight) { multipliers_.begin({displacement, weight, 0}, false); }
+  void beginConditions(double displacement, double weight) { multipliers_.begin({displacement, weight, 0, true, one_round}, false); }
   /// x and v without these forces become those with them, and so does `change`, what v has become in the solve with `matrix`.
   void meetConditions(SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report) {
     if (!multipliers_.empty()) multipliers_.correct(*solver_, matrix, change, {}, stop, report);
@@ -102,7 +104,9 @@ class ImplicitStep final : public NonlinearProblem {
   void addTo(Rows u, double s, ConstRows d) const override;
   double residualOfParts(ConstRows residual) const override;
   double longestStep(ConstRows d) override;
+  bool meetsBarriers() const override { return !limits_.empty(); }
   bool movesOn() override;
+  bool isOnTheWay() override;
   double displacementPerUnknown() const override { return scheme_.displacement; }
   ConstRows positions() const override { return x(); }
   double travelled() const override;
@@ -128,9 +132,11 @@ class ImplicitStep final : public NonlinearProblem {
   void startIterating();
   void carryOn();
   void addDamping(double factor, Rows out);
+  void addMassWhereTheStepStarts(Rows out) const;
   void advance();
   void startBodies();
   Vec3 predictedTurn(std::size_t body, const Vec3& w0) const;
+  Vec3 turnedMomentum(std::size_t body) const;
   void turnBodies();
 
   System* system_ = nullptr;

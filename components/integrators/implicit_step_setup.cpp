@@ -59,7 +59,8 @@ void ImplicitStep::declareNewtonSolver(DataTable& table) {
 
 /// What makes one linear solve less than a rule of second order needs, or empty.
 static std::string approximationIn(const System& system, double rayleigh_stiffness, bool turns) {
-  if (turns && !system.forceFields().empty()) return "rigid bodies and what follows them turn within a step";
+  const bool is_loaded = !system.forceFields().empty() || system.hasCurvedInertia() || !system.actors().lagrangian_constraints.empty();
+  if (turns && is_loaded) return "rigid bodies and what follows them turn within a step";
   for (const ForceField* field : system.forceFields()) {
     const ForceTraits traits = field->traits();
     if (traits.linear) continue;

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Of the forces of constraint: how their gradients turn within a step (multipliers.h).
+// Of the forces of constraint: how their gradients turn within a step, and bodies whose nodes answer one by one (multipliers.h).
+#include <algorithm>
+
 #include "components/integrators/multipliers.h"
+#include "components/integrators/uncoupled_constraint_correction.h"
+#include "framework/scene/node.h"
+#include "framework/simulation/integrator.h"
 
 namespace stroma {
 
@@ -43,6 +48,25 @@ void Multipliers::takeBendsFrom(Rows response) {
   for (std::size_t i = 0; i < bend_count_; ++i) along_bends_[Eigen::Index(i)] = dot(bends_[i].b, response);
   bend_shares_.noalias() = bent_.solve(along_bends_);
   for (std::size_t i = 0; i < bend_count_; ++i) axpy(-bend_shares_[Eigen::Index(i)], bends_[i].y, response);
+}
+
+std::vector<UncoupledConstraintCorrection*> Multipliers::findUncoupled() const {
+  std::vector<UncoupledConstraintCorrection*> found;
+  system_->integrator().node().root().collect(found);
+  const std::vector<State*>& states = system_->states();
+  std::erase_if(found, [&](const UncoupledConstraintCorrection* each) {
+    return std::find(states.begin(), states.end(), &each->state()) == states.end() ||
+           each->state().firstRow() >= system_->independentRows();
+  });
+  return found;
+}
+
+/// Takes from right_side_ what the matrix is not asked for. False: nothing is left.
+bool Multipliers::partRightSide() {
+  if (uncoupled_.empty() || carries_) return true;
+  copy(right_side_, pushes_);
+  for (const UncoupledConstraintCorrection* each : uncoupled_) clear(each->state().segment(Rows(right_side_)));
+  return largest(right_side_) > 0;
 }
 
 }  // namespace stroma

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "components/integrators/uncoupled_constraint_correction.h"
 #include "framework/scene/archive.h"
 #include "framework/simulation/integrator.h"
 
@@ -22,12 +23,16 @@ void Multipliers::compile(System& system) {
   for (Vector* vector : {&start_, &work_}) vector->resize(system.allRows());
   for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &carried_, &added_, &base_, &last_})
     vector->resize(system.independentRows());
+  uncoupled_ = findUncoupled();
+  if (!uncoupled_.empty()) pushes_.resize(system.independentRows());
 }
 
 void Multipliers::begin(const Rule& rule, bool carries) {
   if (empty()) return;
   rule_ = rule;
   carries_ = carries;
+  if (!carries)
+    for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(system_->actors().masses);
   knows_forces_ = false, bend_count_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
@@ -89,7 +94,9 @@ void Multipliers::pullBack(std::span<const LagrangianRows::Entry> entries, Rows 
 bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
   if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
   clear(response);
-  const SolveReport solve = solver.solve(matrix, right_side_, response, {.stop = stop});
+  const bool is_left = partRightSide();
+  const SolveReport solve = is_left ? solver.solve(matrix, right_side_, response, {.stop = stop})
+                                    : SolveReport{.stop = SolveStop::zero_right_side};
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;
   report.stopped = report.stopped || solve.stop == SolveStop::stopped;
@@ -103,6 +110,8 @@ bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& res
       report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
+  for (const UncoupledConstraintCorrection* each : uncoupled_)
+    if (!carries_) each->respond(pushes_, response);
   system_->constraints().project(response);
   return true;
 }
@@ -179,6 +188,13 @@ void Multipliers::give() {
   const auto& constraints = system_->actors().lagrangian_constraints;
   for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++])
     constraints[i]->takeForces({solve_.l.data() + begin, ends_[i] - begin});
+}
+
+/// As those of cables and cavities.
+bool Multipliers::areFewAndSmooth() const {
+  constexpr std::size_t few = 8;
+  const auto rubs = [](const LagrangianRows::Row& row) { return row.kind == LagrangianRows::Kind::rub; };
+  return rows_.rows().size() <= few && std::ranges::none_of(rows_.rows(), rubs);
 }
 
 /// What the forces change u by.
@@ -258,12 +274,12 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     const int idle = round - least_round;
     const bool is_idle = (step <= exact * size && idle > most_idle) || (step <= little && idle > few_idle);
     const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle;
-    // forces that turn much in a step swing
-    is_mixed = is_mixed || (round > 3 && step > 0.5 * last);
+    // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates
+    is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());
     if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);
     apply(change);
     size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
-    if (!goes_on) break;
+    if (!goes_on || isOnce()) break;
   }
   findConditions();
   solve_.l.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
@@ -302,6 +318,7 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
     report.reason = "the forces of Lagrangian constraints are not finite";
     return;
   }
+  if (isOnce()) return;
   constexpr double still = 1e-6;  // of the place: what directions of forces still turn bodies by
   const double held = exact * size + rounding + 1e-300;
   ConditionForces::Violation worst;

@@ -6,6 +6,11 @@
 // to, and it is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds: forces have the directions of the end of the
 // step. Where that swings, iterates are mixed (mixing.h).
 //
+// Where a rule says once, the first round is the last: forces have the directions of the motion without them, as SOFA's, and the
+// conditions hold as far as they are linear.
+//
+// Nodes of an UncoupledConstraintCorrection answer with their own compliance in the place of A^-1, without Newton's method.
+//
 // A rule that weighs forces where the step starts with the share s (the trapezoidal one: 1/2) has J = (1 - s) J(x) + s J(x0)
 // in J^T p, with one l for the step: a force that is given acts with its whole weight.
 //
@@ -27,6 +32,7 @@
 namespace stroma {
 
 class Archive;
+class UncoupledConstraintCorrection;
 
 class Multipliers {
  public:
@@ -36,6 +42,7 @@ class Multipliers {
     double weight = 0;        ///< p = weight l [s]
     double old_share = 0;     ///< of p along the gradients where the step starts
     bool has_velocities = true;  ///< u is the system's v; else of statics, and u is the change itself
+    bool once = false;           ///< one round; not with Newton's method
   };
 
   void compile(System& system);
@@ -69,6 +76,8 @@ class Multipliers {
   void findConditions();
   double likeRowBefore(std::size_t row) const;
   bool isIdle(std::size_t row) const;
+  bool isOnce() const { return rule_.once && !carries_; }
+  bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
   void takeDirections();
   void takeBends();
@@ -82,6 +91,8 @@ class Multipliers {
   void sumResponses();
   void apply(Rows change);
   void give();
+  std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
+  bool partRightSide();
   std::string nameOf(std::size_t row) const;
   std::string nodesOf(std::size_t row) const;
   void judge(double step, double size, double rounding, StepReport& report);
@@ -109,6 +120,8 @@ class Multipliers {
   Eigen::VectorXd along_bends_, bend_shares_;  ///< work space, as is
   Eigen::MatrixXd bend_matrix_;
   bool knows_forces_ = false;  ///< of the rows of this step
+  std::vector<UncoupledConstraintCorrection*> uncoupled_;  ///< bodies whose nodes answer one by one
+  Vector pushes_;                                          ///< right_side_ with what these take of it
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried
   Vector whole_, before_;  ///< what they change u by, now and a round ago

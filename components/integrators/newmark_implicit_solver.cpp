@@ -68,6 +68,8 @@ class NewmarkImplicitSolver final : public Integrator, public HeedsStepLimits {
   }
 
  private:
+  void takeRates(const System& system);
+
   double gamma_ = 0.5, beta_ = 0.25;
   VelocityDamping velocity_damping_;
   ImplicitStep implicit_;
@@ -118,6 +120,15 @@ void NewmarkImplicitSolver::compile(System& system) {
   for (std::vector<Vec3>* list : {&rates_, &new_rates_}) list->assign(implicit_.bodies().count(), Vec3::Zero());
 }
 
+/// Of bodies with masses that follow them: these take a part of the torque, and L' = J a + w x J w is what is left.
+void NewmarkImplicitSolver::takeRates(const System& system) {
+  const TurningBodies& bodies = implicit_.bodies();
+  for (std::size_t b = 0; b < rates_.size(); ++b) rates_[b] = bodies.times(b, system.x, a_[bodies.row(b)]);
+  clear(force_);
+  bodies.addGyroscopic(system.x, system.v, 1, force_);
+  for (std::size_t b = 0; b < rates_.size(); ++b) rates_[b] += force_[bodies.row(b)];
+}
+
 StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
   if (sleep_.passesOver(context)) return {};
   if (!started_) {
@@ -125,6 +136,7 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
     implicit_.wholeForce(context.t, force_);
     for (std::size_t b = 0; b < implicit_.bodies().count(); ++b) rates_[b] = implicit_.bodies().sum(b, force_);
     if (!acceleration_.solve(system.x, system.v, force_, a_, context.stop, first)) return first;
+    if (system.hasCurvedInertia()) takeRates(system);
   }
   const double h = context.dt;
   ImplicitScheme scheme;

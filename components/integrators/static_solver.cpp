@@ -38,7 +38,8 @@
 // SOFA: 1 iteration, four times 1e-5. A NewtonRaphsonSolver of the node, or linked, has the settings.
 //
 // A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with a
-// sentence naming the body and the direction or axis. A body is what forces tie together: a state can hold several. With
+// sentence naming the body and the direction or axis. So does one that Lagrangian constraints alone hold: these have forces
+// only where the matrix of the others has an inverse. A body is what forces tie together: a state can hold several. With
 // sleepDistance one that keeps its place is not computed, exactly until something changes; sleep.h has the rule.
 //
 // Example:
@@ -200,6 +201,11 @@ bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& r
   is_checked_ = sentence.empty();
   if (is_checked_) return true;
   report.reason = sentence, report.diverged = true;
+  if (!conditioned_.empty())
+    report.reason += fmt::format(
+        ". What forces of constraint alone hold, as those of {}, is free here: AttachProjectiveConstraint ties it, or "
+        "EulerImplicitSolver with rayleighMass brings it to rest",
+        dynamic_cast<const Component&>(*system.actors().lagrangian_constraints.front()).path());
   return false;
 }
 

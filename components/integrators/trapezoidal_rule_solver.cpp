@@ -11,7 +11,8 @@
 // of the rotated methods (polar, large, svd with tangent="warped") is an approximation: with one solve the rule is of first
 // order and gains energy until the run explodes. A second solve with the force and the stiffness at what the first one found
 // restores the order: the energy of polar and svd falls a little then, that of large drifts by some per cent in 10,000 steps.
-// Where forces turn rigid bodies it takes three. As many are made as a scene needs, unless newtonIterations says how many.
+// Where forces, carried masses or constraints turn rigid bodies it takes three. As many are made as a scene needs, unless
+// newtonIterations says how many.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //

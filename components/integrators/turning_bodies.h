@@ -24,6 +24,7 @@ class TurningBodies {
   std::size_t count() const { return bodies_.size(); }
   /// The inertia of one changes in fixed axes.
   bool anyTurns() const;
+  bool turns(std::size_t body) const { return bodies_[body].turns; }
   /// Of a body; of tied ones the first.
   Index row(std::size_t body) const { return bodies_[body].row; }
   /// The rows of a body get this velocity, or acceleration.

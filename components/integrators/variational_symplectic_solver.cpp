@@ -90,6 +90,7 @@ class VariationalSymplecticSolver final : public Integrator {
  private:
   StepReport implicitStep(System& system, const StepContext& context);
   StepReport momentumStep(System& system, const StepContext& context);
+  StepReport shareMomenta(System& system, const StepContext& context, StepReport report);
   void noteEnergy(System& system);
 
   bool is_explicit_ = false, computes_hamiltonian_ = true, incremental_ = true, saves_energy_ = false;
@@ -104,6 +105,8 @@ class VariationalSymplecticSolver final : public Integrator {
   Vector way_, new_way_, load_;     ///< r, r', what makes r'
   bool has_momentum_ = false;
   std::vector<Vec3> momenta_;  ///< of turning bodies
+  Acceleration acceleration_;
+  Vector lack_, shared_;       ///< L1 - J1 v1 and what it changes v1 by, where masses follow turning bodies
   Vector start_;               ///< x before the step, shape (independentRows())
   double potential_ = 0;       ///< U [J]
   double new_potential_ = 0;   ///< after the step just made
@@ -161,6 +164,10 @@ void VariationalSymplecticSolver::compile(System& system) {
     if (goes_by_positions_)
       for (Vector* vector : {&momentum_, &new_momentum_, &left_velocity_, &new_velocity_, &way_, &new_way_, &load_})
         vector->resize(system.independentRows());
+    if (system.hasCurvedInertia() && !implicit_.bodies().empty()) {
+      acceleration_.compile(system, "the midpoint rule of turning bodies");
+      for (Vector* vector : {&lack_, &shared_}) vector->resize(system.independentRows());
+    }
     return momenta_.assign(implicit_.bodies().count(), Vec3::Zero());
   }
   explicit_.scheme = fromRungeKutta("symplectic Euler", {{}}, {1});
@@ -196,8 +203,21 @@ StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepC
   if (!implicit_.bodies().empty()) {  // L1 = 2 L_m - L0
     for (std::size_t b = 0; b < momenta_.size(); ++b)
       momenta_[b] = 2 * implicit_.endMomenta()[b] - implicit_.startMomenta()[b];
+    if (system.hasCurvedInertia()) return shareMomenta(system, context, report);
     implicit_.bodies().setVelocities(system.x, momenta_, v);
   }
+  system.setTime(context.t_end);
+  return report;
+}
+
+/// Masses that follow turning bodies take a part of what J changes by in the step: (J + M) dv = L1 - J1 v1.
+StepReport VariationalSymplecticSolver::shareMomenta(System& system, const StepContext& context, StepReport report) {
+  const TurningBodies& bodies = implicit_.bodies();
+  const Rows v = system.independent(system.v);
+  clear(lack_), clear(shared_);
+  for (std::size_t b = 0; b < momenta_.size(); ++b)
+    lack_[bodies.row(b)] = momenta_[b] - bodies.times(b, system.x, v[bodies.row(b)]);
+  if (acceleration_.solveForMomenta(system.x, lack_, shared_, context.stop, report)) axpy(1, shared_, v);
   system.setTime(context.t_end);
   return report;
 }

@@ -4,7 +4,9 @@
 //
 //   x_second - x_first - rest_vector = 0,   three rows for each pair
 //   log(q_second (q_first r)^-1) = 0,       three more for frames: r = 1, or what q_second is more than q_first at the start
-//                                           with keepOrientationDifference
+//                                           with keepOrientationDifference; a rest_vector of six numbers is taken off too
+//
+// With keepCentreDifference the difference of the centres of frames at the start stays too, in fixed axes, whatever rest_vector is.
 //
 // DistanceLagrangianConstraint: pairs that keep their distance d, that of the start when `distances` does not give it.
 //
@@ -75,18 +77,23 @@ class Bilateral final : public Pairs {
   void declare(DataTable& table) override {
     Pairs::declare(table);
     table.add("rest_vector", rest_)
-        .help("what the second point has more than the first; one for each pair, or none: zero")
+        .help("what the second point has more than the first; one for each pair, of frames also two, place and turn; none: zero")
         .unit("m");
     table.add("keepOrientationDifference", keeps_turn_)
         .help("of frames: they keep the orientation that they start with to each other");
+    table.add("keepCentreDifference", keeps_place_)
+        .help("of frames: they keep the difference of places that they start with, as SOFA's");
   }
   void init() override {
     Pairs::init();
-    if (!rest_.empty() && rest_.size() != pairs())
+    const bool has_turns = first().hasFrames() && rest_.size() == 2 * pairs();
+    if (!rest_.empty() && rest_.size() != pairs() && !has_turns)
       throw ComponentError(fmt::format("rest_vector has {} vectors for {} pairs", rest_.size(), pairs()), "one for each pair");
-    turns_.clear();
+    width_ = has_turns ? 2 : 1;
+    turns_.clear(), places_.clear();
   }
   void constrainedStepBegins(ConstRows x, double) override {
+    for (std::size_t i = places_.size(); keepsPlaces() && i < pairs(); ++i) places_.push_back(Vec3(x[b(i)]) - Vec3(x[a(i)]));
     if (!turns_.empty() || !first().hasFrames()) return;
     for (std::size_t i = 0; i < pairs(); ++i)
       turns_.push_back(keeps_turn_ ? orientationIn(x, a(i) + 1).conjugate() * orientationIn(x, b(i) + 1)
@@ -94,25 +101,31 @@ class Bilateral final : public Pairs {
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
     for (std::size_t i = 0; i < count(); ++i) {
-      add(i, 0, Vec3(x[b(i)]) - Vec3(x[a(i)]) - (rest_.empty() ? Vec3(Vec3::Zero()) : rest_[i]), rows);
+      add(i, 0, Vec3(x[b(i)]) - Vec3(x[a(i)]) - restOf(i, 0), rows);
       if (!first().hasFrames()) continue;
       const Quaternion wanted = orientationIn(x, a(i) + 1) * turns_[i];
-      add(i, 1, rotationVector(orientationIn(x, b(i) + 1) * wanted.conjugate()), rows);
+      add(i, 1, rotationVector(orientationIn(x, b(i) + 1) * wanted.conjugate()) - restOf(i, 1), rows);
     }
   }
   void reset() override {
     Pairs::reset();
-    turns_.clear();
+    turns_.clear(), places_.clear();
   }
   void serialize(Archive& archive) override {
     Pairs::serialize(archive);
     archive.list("turns", turns_);
+    if (keepsPlaces()) archive.list("places", places_);
   }
 
  protected:
   Nodes nodes() const override { return Nodes::points_or_frames; }
 
  private:
+  bool keepsPlaces() const { return keeps_place_ && first().hasFrames(); }
+  Vec3 restOf(std::size_t pair, std::size_t row) const {
+    if (keepsPlaces()) return row == 0 ? places_[pair] : Vec3(Vec3::Zero());
+    return rest_.empty() || row >= width_ ? Vec3(Vec3::Zero()) : rest_[pair * width_ + row];
+  }
   void add(std::size_t pair, Index row, const Vec3& off, LagrangianRows& rows) const {
     for (int k = 0; k < 3; ++k) {
       rows.begin(Kind::equal, off[k]);
@@ -121,8 +134,10 @@ class Bilateral final : public Pairs {
   }
 
   std::vector<Vec3> rest_;
-  bool keeps_turn_ = false;
+  std::size_t width_ = 1;  ///< of rest_, of each pair
+  bool keeps_turn_ = false, keeps_place_ = false;
   std::vector<Quaternion> turns_;  ///< r of each pair
+  std::vector<Vec3> places_;       ///< differences of the start [m], shape (pairs)
 };
 
 class Distance final : public Pairs {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // UniformLagrangianConstraint: everything that a state holds stays zero, by forces that can be read.
 //
-//   x = 0,   with one row for each number of the state, three for each point
+//   x = 0,   with one row for each number of the state, three for each point; with constrainToRestPos x = its rest position
 //
 // Of a state that follows by a mapping it makes a constraint of what the mapping computes: distances that follow by DistanceMapping
 // stay what they were at rest, so that its edges are rods. The force of a row is then the tension of a rod.
@@ -34,19 +34,23 @@ class Uniform final : public PairConstraint {
  public:
   void declare(DataTable& table) override {
     declareOneState(table);
+    table.add("constrainToRestPos", to_rest_).help("numbers and points stay at rest, not at zero");
     table.addVisualOnly("iterative");
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
     const Index start = first().firstRow();
     for (Index i = 0; i < first().size(); ++i)
       for (int k = 0; k < (first().kindOf(i) == RowKind::place ? 3 : 1); ++k) {
-        rows.begin(Kind::equal, x[start + i][k]);
+        rows.begin(Kind::equal, x[start + i][k] - (to_rest_ ? first().rest_position[std::size_t(i)][k] : 0));
         rows.add(start + i, Vec3::Unit(k));
       }
   }
 
  protected:
   Nodes nodes() const override { return Nodes::points_or_values; }
+
+ private:
+  bool to_rest_ = false;
 };
 
 }  // namespace

@@ -123,6 +123,67 @@ TEST(NeededSolves, RigidBodiesHaveTheOrderOfTheRule) {
     }
 }
 
+/// Masses at points that a body carries, two and two across its centre, are a part of its inertia. Against the same body in one piece
+/// by the classical Runge-Kutta method: its own inertia may be the same about all axes, or not, or turn alone.
+TEST(NeededSolves, MassesThatABodyCarriesKeepTheOrderOfTheRule) {
+  const auto scene = [](const std::string& rule, const std::string& inertia, const std::string& more, int steps) {
+    return fmt::format(
+        R"(<Node name="root" dt="{}" gravity="0 0 0"><{}/><SparseLDLSolver/><Node name="r"><MechanicalObject template="Rigid3"
+  position="0 0 0 0 0 0 1" velocity="0 0 0 1 2 3"/><UniformMass totalMass="1" inertia="{}"/>{}</Node></Node>)",
+        0.4 / steps, rule, inertia, more);
+  };
+  const std::string carried =
+      "<Node name='p'><MechanicalObject position='0.3 0 0  -0.3 0 0  0 0.2 0  0 -0.2 0'/><RigidMapping/><UniformMass "
+      "totalMass='0.8'/></Node>";  // 0.2 kg each: 0.016, 0.036 and 0.052 kg m^2
+  const auto place = [](const std::string& text, int steps) {
+    Simulation simulation = simulationFromText(text);
+    advance(simulation, steps);
+    return std::vector<Vec3>{simulation.states()[0]->x()[0], simulation.states()[0]->x()[1]};
+  };
+  const std::pair<const char*, const char*> inertias[] = {{"0.2 0.2 0.2", "0.216 0.236 0.252"}, {"0.1 0.2 0.3", "0.116 0.236 0.352"}};
+  std::vector<std::string> all = rules;
+  all.emplace_back("VariationalSymplecticSolver");
+  all.emplace_back("TrapezoidalRuleSolver newtonIterations='30' newtonTolerance='1e-12'");
+  for (const auto& [own, whole] : inertias) {
+    const std::vector<Vec3> exact = place(scene("RungeKutta4Solver", whole, "", 800), 800);
+    for (const std::string& rule : all) {
+      const double coarse = largestDifference(place(scene(rule, own, carried, 100), 100), exact);
+      const double fine = largestDifference(place(scene(rule, own, carried, 200), 200), exact);
+      EXPECT_NEAR(std::log2(coarse / fine), 2, 0.2) << rule << ", " << own;
+      EXPECT_LT(fine, 1e-4) << rule << ", " << own;
+    }
+    for (const std::string rule :
+         {"EulerImplicitSolver", "BDFOdeSolver", "TrapezoidalRuleSolver newtonIterations='1'", "EulerExplicitSolver",
+          "VariationalSymplecticSolver explicitIntegration='true'", "CentralDifferenceSolver"}) {
+      const double coarse = largestDifference(place(scene(rule, own, carried, 100), 100), exact);
+      const double fine = largestDifference(place(scene(rule, own, carried, 200), 200), exact);
+      EXPECT_NEAR(std::log2(coarse / fine), 1, 0.15) << rule << ", " << own;
+    }
+  }
+}
+
+/// Two bodies at one place that forces of constraint join, against one with the sum of their inertias.
+TEST(NeededSolves, BodiesThatAConstraintJoinsKeepTheOrderOfTheRule) {
+  const auto body = [](const char* name, const char* inertia) {
+    return fmt::format(R"(<Node name="{}"><MechanicalObject name="d" template="Rigid3" position="0 0 0 0 0 0 1" velocity="0 0 0 1 2 3"/>
+  <UniformMass totalMass="1" inertia="{}"/></Node>)",
+                       name, inertia);
+  };
+  const auto place = [](const std::string& rule, const std::string& bodies, int steps) {
+    Simulation simulation = simulationFromText(
+        fmt::format("<Node name='root' dt='{}' gravity='0 0 0'><{}/><SparseLDLSolver/>{}</Node>", 0.4 / steps, rule, bodies));
+    advance(simulation, steps);
+    return std::vector<Vec3>{simulation.states()[0]->x()[1]};
+  };
+  const std::vector<Vec3> exact = place("RungeKutta4Solver", body("a", "0.15 0.22 0.34"), 800);
+  const std::string two = body("a", "0.1 0.2 0.3") + body("b", "0.05 0.02 0.04") +
+                          "<BilateralLagrangianConstraint object1='@a/d' object2='@b/d' first_point='0' second_point='0'/>";
+  for (const std::string rule : {"TrapezoidalRuleSolver", "EulerImplicitSolver trapezoidalScheme='true'", "BDFOdeSolver order='2'"}) {
+    const double coarse = largestDifference(place(rule, two, 100), exact), fine = largestDifference(place(rule, two, 200), exact);
+    EXPECT_NEAR(std::log2(coarse / fine), 2, 0.2) << rule;
+  }
+}
+
 /// What round-off moves has gained nothing.
 TEST(NeededSolves, ABodyAtRestIsNoDoubt) {
   std::string text = cantilever("TrapezoidalRuleSolver newtonIterations='1'", "HexahedronFEMForceField method='polar'", 0.004);

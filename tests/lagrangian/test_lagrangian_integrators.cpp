@@ -167,5 +167,14 @@ TEST(LagrangianIntegrators, WhoDoesNotFindForcesSaysSo) {
     expectContains(problemsOf(pendulum(integrator, 0.01, 1)), "does not find the forces of the constraint /link");
 }
 
+/// Statics solve with the matrix of the other forces, which has no inverse where only constraints hold a body.
+TEST(LagrangianIntegrators, StaticsSayWhoseForcesDoNotHoldABody) {
+  Simulation simulation = simulationFromText(pendulum("<StaticSolver/>", 1, 0));
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.failed());
+  for (const char* part : {"node 1", "not held", "forces of constraint alone hold, as those of /link", "AttachProjectiveConstraint"})
+    expectContains(report.reason, part);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

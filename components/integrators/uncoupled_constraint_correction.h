@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What forces of constraint change the nodes of a state by as if none were tied to another; uncoupled_constraint_correction.cpp.
+#pragma once
+#include <vector>
+
+#include "framework/mechanics/mass.h"
+#include "framework/mechanics/state.h"
+
+namespace stroma {
+
+class UncoupledConstraintCorrection final : public Component {
+ public:
+  std::string roleText() const override { return "constraint correction"; }
+  void declare(DataTable& table) override;
+  void init() override;
+  State& state() const { return *state_; }
+  /// Where a step begins: of frames the inverses of their masses and inertias, of all masses of the state.
+  void takeMasses(const std::vector<Mass*>& masses);
+  /// Of the state's rows: what impulses along `direction` change velocities by. Vectors of the system.
+  void respond(ConstRows direction, Rows response) const;
+
+ private:
+  void addMass(const Mass& mass);
+
+  Link<State> mstate_{"mechanical state"};
+  State* state_ = nullptr;
+  std::vector<double> compliance_, each_;  ///< as given; of each node, or of a frame 7
+  double default_compliance_ = 1e-5;
+  std::vector<Mat3> inverses_;             ///< of frames: of each row, shape (state's rows)
+};
+
+}  // namespace stroma

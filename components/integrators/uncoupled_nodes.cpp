@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What UncoupledConstraintCorrection computes; uncoupled_constraint_correction.cpp says it.
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+
+#include "components/integrators/uncoupled_constraint_correction.h"
+#include "framework/mechanics/frames.h"
+#include "framework/scene/node.h"
+
+namespace stroma {
+
+void UncoupledConstraintCorrection::declare(DataTable& table) {
+  table.addLink("mstate", mstate_).help("state that it moves; the one of this node when not given");
+  table.add("compliance", compliance_).help("of each node, one for all, or 7 numbers for all frames").unit("1/kg");
+  table.add("defaultCompliance", default_compliance_).help("of all nodes without one").unit("1/kg").min(0, false);
+  for (const char* name : {"useOdeSolverIntegrationFactors", "useIntegrationSchemeIntegrationFactors", "correctionVelocityFactor",
+                           "correctionPositionFactor", "odeSolver", "verbose", "topology"})
+    table.addVisualOnly(name);
+}
+
+void UncoupledConstraintCorrection::init() {
+  state_ = mstate_.get() ? mstate_.get() : find<State>(false);
+  if (!state_) throw ComponentError("there is no state that it could move", "a MechanicalObject in the same node, or mstate=\"@path\"");
+  state_->ensureReady();
+  const auto nodes = std::size_t(state_->nodes());
+  each_.clear();
+  if (state_->hasFrames()) {
+    if (compliance_.size() == 7) each_ = compliance_;
+    return;
+  }
+  each_.assign(nodes, compliance_.empty() || data().find("defaultCompliance")->isSet() ? default_compliance_ : compliance_[0]);
+  if (compliance_.size() == nodes) each_ = compliance_;
+  if (compliance_.size() > 1 && compliance_.size() != nodes)
+    warn(fmt::format("compliance has {} values for {} nodes: all take {:g}", compliance_.size(), nodes, each_.empty() ? 0 : each_[0]),
+         "one for each node");
+}
+
+void UncoupledConstraintCorrection::takeMasses(const std::vector<Mass*>& masses) {
+  if (!state_->hasFrames()) return;
+  const auto rows = std::size_t(state_->size());
+  inverses_.assign(rows, Mat3::Zero());
+  if (each_.empty()) {
+    for (const Mass* mass : masses)
+      if (&mass->state() == state_) addMass(*mass);
+    for (Mat3& block : inverses_) block = block.determinant() > 0 ? Mat3(block.inverse()) : Mat3(Mat3::Zero());
+    return;
+  }
+  Mat3 turn;
+  turn << each_[1], each_[2], each_[3], each_[2], each_[4], each_[5], each_[3], each_[5], each_[6];
+  for (std::size_t row = 0; row < rows; ++row) inverses_[row] = row % 2 == 0 ? Mat3(each_[0] * Mat3::Identity()) : turn;
+}
+
+void UncoupledConstraintCorrection::addMass(const Mass& mass) {
+  std::vector<Mat3> tensors(inverses_.size());
+  for (std::size_t row = 0; row < tensors.size(); ++row) tensors[row] = mass.lumped()[row] * Mat3::Identity();
+  for (const TurningInertia& one : mass.turningInertias()) {
+    const Mat3 turn = one.turns ? orientationIn(state_->x(), one.row).toRotationMatrix() : Mat3(Mat3::Identity());
+    tensors[std::size_t(one.row)] = turn * one.inertia * turn.transpose();
+  }
+  for (std::size_t row = 0; row < tensors.size(); ++row) inverses_[row] += tensors[row];
+}
+
+void UncoupledConstraintCorrection::respond(ConstRows direction, Rows response) const {
+  const Index first = state_->firstRow();
+  for (Index row = 0; row < state_->size(); ++row) {
+    const Vec3 push = direction[first + row];
+    if (state_->hasFrames())
+      response[first + row] = inverses_[std::size_t(row)] * push;
+    else
+      response[first + row] = each_[std::size_t(row / state_->rows_per_node)] * push;
+  }
+}
+
+}  // namespace stroma
