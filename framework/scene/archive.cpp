@@ -7,6 +7,9 @@
 
 namespace stroma {
 
+Archive::Archive(std::map<std::string, Entry> entries) : entries_(std::move(entries)), reading_(true) {}
+Archive Archive::readable() const { return Archive(entries_); }
+
 Archive::Entry& Archive::find(std::string_view name, Kind kind) {
   const auto found = entries_.find(fullName(name));
   if (found == entries_.end())

@@ -24,9 +24,9 @@ class Archive {
 
   Archive() = default;  ///< to write into
   /// To read from.
-  explicit Archive(std::map<std::string, Entry> entries) : entries_(std::move(entries)), reading_(true) {}
+  explicit Archive(std::map<std::string, Entry> entries);
   /// The same values, to be read.
-  Archive readable() const { return Archive(entries_); }
+  Archive readable() const;
   bool isReading() const { return reading_; }
 
   /// What follows belongs to `owner`: the path of a component, or a word without "/".

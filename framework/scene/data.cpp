@@ -14,6 +14,7 @@ Data::Data(std::string name, DataPointer pointer) : name_(std::move(name)), poin
   default_ = print();
 }
 
+void Data::keepIn(DataPointer pointer) { pointer_ = std::move(pointer); }
 Data& Data::help(std::string text) { return help_ = std::move(text), *this; }
 Data& Data::unit(std::string text) { return unit_ = std::move(text), *this; }
 Data& Data::alias(std::string other) { return aliases_.push_back(std::move(other)), *this; }

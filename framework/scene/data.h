@@ -86,7 +86,7 @@ class Data {
   bool isSet() const { return origin_ != DataOrigin::by_default; }
   DataOrigin origin() const { return origin_; }
   const DataPointer& pointer() const { return pointer_; }
-  void keepIn(DataPointer pointer) { pointer_ = std::move(pointer); }  ///< another member, before values are read
+  void keepIn(DataPointer pointer);  ///< another member, before values are read
   LinkBase* link() const;        ///< not null for an attribute that names a component
   std::string typeText() const;  ///< "list of 3 reals", "one of: small, large"
   std::string defaultText() const { return default_; }

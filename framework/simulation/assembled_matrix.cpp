@@ -8,6 +8,9 @@
 
 namespace stroma {
 
+AssembledMatrix::AssembledMatrix(const Actors& actors, const MappingChain& mappings, const ConstraintSet& constraints)
+    : actors_(actors), mappings_(mappings), constraints_(constraints) {}
+
 const BlockMatrix& AssembledMatrix::pattern() {
   if (!hasPattern() || revision_ != patternRevision()) makePattern();
   return matrix_;

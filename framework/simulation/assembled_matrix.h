@@ -24,8 +24,7 @@ struct MatrixFactors {
 /// asked for, and again after force fields have changed it (ForceField::patternRevision()).
 class AssembledMatrix {
  public:
-  AssembledMatrix(const Actors& actors, const MappingChain& mappings, const ConstraintSet& constraints)
-      : actors_(actors), mappings_(mappings), constraints_(constraints) {}
+  AssembledMatrix(const Actors& actors, const MappingChain& mappings, const ConstraintSet& constraints);
   /// The matrix with its pattern; values are those of the last assemble().
   const BlockMatrix& pattern();
   bool hasPattern() const { return matrix_.rows() > 0; }

@@ -36,6 +36,8 @@ void applyProjectors(const std::vector<NodeProjector>& projectors, Rows vector) 
 
 }  // namespace
 
+ConstraintSet::ConstraintSet(const Actors& actors) : actors_(actors), motion_(actors, groups_) {}
+
 void ConstraintSet::compile(double start, Rows x, Rows v) {
   projector_of_row_.assign(std::size_t(actors_.independent_rows), -1);
   for (const ProjectiveConstraint* constraint : all()) change_ = change_ || !constraint->isConstant() || constraint->endTime() >= 0;

@@ -13,7 +13,7 @@ namespace stroma {
 class ConstraintSet {
  public:
   /// Looks at nothing yet; `actors` outlives this.
-  explicit ConstraintSet(const Actors& actors) : actors_(actors), motion_(actors, groups_) {}
+  explicit ConstraintSet(const Actors& actors);
   ConstraintSet(const ConstraintSet&) = delete;
   /// Puts nodes where they start at time `start` [s] and looks up what holds there; x and v of shape (all rows). Throws
   /// ComponentError for nodes that cannot be where constraints put them.

@@ -9,6 +9,8 @@
 
 namespace stroma {
 
+PrescribedMotion::PrescribedMotion(const Actors& actors, const NodeGroups& groups) : actors_(actors), groups_(groups) {}
+
 void PrescribedMotion::reserve(std::size_t count) {
   for (std::vector<NodeProjector>* list : {&moving_, &placed_}) list->reserve(count);
   shared_.reserve(count);

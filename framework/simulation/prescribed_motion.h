@@ -13,7 +13,7 @@ namespace stroma {
 /// The nodes that constraints move: their velocity in a step and their place at its end.
 class PrescribedMotion {
  public:
-  PrescribedMotion(const Actors& actors, const NodeGroups& groups) : actors_(actors), groups_(groups) {}
+  PrescribedMotion(const Actors& actors, const NodeGroups& groups);
   /// Room for `count` projectors, so that a motion that begins later allocates nothing.
   void reserve(std::size_t count);
 

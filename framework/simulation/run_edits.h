@@ -14,8 +14,8 @@ namespace stroma {
 /// The attributes that have changed in a run. What is done to them is recorded.
 class RunEdits {
  public:
-  RunEdits(const std::unique_ptr<Node>& root, const Systems& systems, Snapshots& snapshots, RunClock& clock, RunLog& log, RunWatch& watch)
-      : root_(root), systems_(systems), snapshots_(snapshots), clock_(clock), log_(log), watch_(watch) {}
+  RunEdits(const std::unique_ptr<Node>& root, const Systems& systems, Snapshots& snapshots, RunClock& clock, RunLog& log,
+           RunWatch& watch);
   RunEdits(const RunEdits&) = delete;
 
   /// See Simulation::setAttribute().

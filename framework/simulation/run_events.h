@@ -41,10 +41,10 @@ class RunLog {
   /// `step`: how many have been made. A target, force or place of a ball that another one follows before the same step
   /// has had no effect.
   void record(long step, InputChange change);
-  void record(long step, AttributeEdit edit) { events_.push_back({step, std::move(edit)}); }
-  void record(long step, StateChange change) { events_.push_back({step, std::move(change)}); }
-  void clear() { events_.clear(); }
-  void replaceBy(std::vector<RunEvent> events) { events_ = std::move(events); }
+  void record(long step, AttributeEdit edit);
+  void record(long step, StateChange change);
+  void clear();
+  void replaceBy(std::vector<RunEvent> events);
 
  private:
   std::vector<RunEvent> events_;

@@ -15,8 +15,7 @@ namespace stroma {
 /// The forces from outside that act on a run, by number. What is done to them is recorded.
 class RunInputs {
  public:
-  RunInputs(const std::unique_ptr<Node>& root, const Systems& systems, const RunClock& clock, RunLog& log, RunWatch& watch)
-      : root_(root), systems_(systems), clock_(clock), log_(log), watch_(watch) {}
+  RunInputs(const std::unique_ptr<Node>& root, const Systems& systems, const RunClock& clock, RunLog& log, RunWatch& watch);
   RunInputs(const RunInputs&) = delete;
 
   /// Throws ComponentError when this input cannot act.

@@ -11,8 +11,7 @@ namespace stroma {
 /// Those who see the steps of a run. See Simulation, which says when.
 class RunObservers {
  public:
-  explicit RunObservers(const Simulation& simulation, const Systems& systems)
-      : simulation_(simulation), systems_(systems) {}
+  explicit RunObservers(const Simulation& simulation, const Systems& systems);
   RunObservers(const RunObservers&) = delete;
 
   const std::vector<Observer*>& all() const { return observers_; }

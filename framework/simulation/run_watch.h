@@ -10,7 +10,7 @@ namespace stroma {
 /// What the steps of a run have shown that no single state shows: for who doubts its result.
 class RunWatch {
  public:
-  void compile(const Systems& systems) { reversals_.resize(systems.size()); }
+  void compile(const Systems& systems);
   void reset();
 
   /// After a good step of system `index`, from `before`: every few steps it sees whether the velocities have turned

@@ -14,6 +14,8 @@ constexpr long look_every = 8;
 
 }  // namespace
 
+void RunWatch::compile(const Systems& systems) { reversals_.resize(systems.size()); }
+
 void RunWatch::reset() {
   reversals_.assign(reversals_.size(), {});
   worked_on_ = false;

@@ -90,6 +90,10 @@ class KeptMemory {
 
 }  // namespace
 
+RunEdits::RunEdits(const std::unique_ptr<Node>& root, const Systems& systems, Snapshots& snapshots, RunClock& clock, RunLog& log,
+                   RunWatch& watch)
+    : root_(root), systems_(systems), snapshots_(snapshots), clock_(clock), log_(log), watch_(watch) {}
+
 void RunEdits::check(const LiveEdit& edit) const {
   for (const auto& system : systems_) {
     // coupled integrators that are not alike would be refused when the changed scene is loaded again

@@ -12,6 +12,11 @@ void refuseAgain(const StateChange& change) {
                        "a run that only inputs and attributes have changed");
 }
 
+void RunLog::record(long step, AttributeEdit edit) { events_.push_back({step, std::move(edit)}); }
+void RunLog::record(long step, StateChange change) { events_.push_back({step, std::move(change)}); }
+void RunLog::clear() { events_.clear(); }
+void RunLog::replaceBy(std::vector<RunEvent> events) { events_ = std::move(events); }
+
 void RunLog::record(long step, InputChange change) {
   for (auto last = events_.rbegin(); last != events_.rend() && last->step == step; ++last) {
     auto* before = std::get_if<InputChange>(&last->what);

@@ -15,6 +15,8 @@ namespace stroma {
 
 namespace {
 
+constexpr const char* input_that_acts = "one that was added, and that remove(), reset() or restore() has not ended";
+
 void checkBall(const Input& input, const State& state) {
   if (!input.nodes.empty() || !input.targets.empty() || !input.force.isZero(0))
     throw ComponentError("an input has a ball and also nodes, targets or a force",
@@ -51,6 +53,9 @@ void checkInput(const Input& input, const State& state) {
     throw ComponentError("a number of an input is not finite, or its stiffness or damping is negative",
                          "finite numbers, stiffness and damping of 0 or more");
 }
+
+RunInputs::RunInputs(const std::unique_ptr<Node>& root, const Systems& systems, const RunClock& clock, RunLog& log, RunWatch& watch)
+    : root_(root), systems_(systems), clock_(clock), log_(log), watch_(watch) {}
 
 System& RunInputs::systemOf(const Input& input, State*& state) const {
   std::vector<State*> states;
@@ -107,13 +112,13 @@ long RunInputs::add(const Input& input) {
 
 void RunInputs::change(long number, const Input& input) {
   if (!has(number))
-    throw ComponentError(fmt::format("there is no input {}", number), "a number that addInput() returned");
+    throw ComponentError(fmt::format("there is no input {}", number), input_that_acts);
   set(number, input);
 }
 
 void RunInputs::remove(long number) {
   if (inputs_.erase(number) == 0)
-    throw ComponentError(fmt::format("there is no input {}", number), "a number that addInput() returned");
+    throw ComponentError(fmt::format("there is no input {}", number), input_that_acts);
   for (const auto& system : systems_) system->removeInput(number);
   log_.record(clock_.steps(), InputChange{number, std::nullopt});
 }

@@ -18,6 +18,8 @@ using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
+RunObservers::RunObservers(const Simulation& simulation, const Systems& systems) : simulation_(simulation), systems_(systems) {}
+
 void RunObservers::collect(Node& root) { root.collect(observers_); }
 
 void RunObservers::compile(Diagnostics& diagnostics) {
