@@ -7,6 +7,7 @@
 // for small strains and for St. Venant-Kirchhoff.
 #pragma once
 #include "components/elasticity/strain.h"
+#include "framework/fem/rotation.h"
 
 namespace stroma::elastic {
 
@@ -14,12 +15,54 @@ namespace stroma::elastic {
 template <int N, int P, class T>
 using NodeGradients = V3<T>[N][P];
 
-/// Adds s a (x) b, row-major.
+/// Adds a (x) b, row-major. Written out: of loops the compiler stores the numbers of a and b each time.
+template <class T>
+void addOuter(const V3<T>& a, const V3<T>& b, T (&block)[9]) {
+  block[0] = fma(a.x, b.x, block[0]), block[1] = fma(a.x, b.y, block[1]), block[2] = fma(a.x, b.z, block[2]);
+  block[3] = fma(a.y, b.x, block[3]), block[4] = fma(a.y, b.y, block[4]), block[5] = fma(a.y, b.z, block[5]);
+  block[6] = fma(a.z, b.x, block[6]), block[7] = fma(a.z, b.y, block[7]), block[8] = fma(a.z, b.z, block[8]);
+}
+/// Adds s a (x) b.
 template <class T>
 void addOuter(T s, const V3<T>& a, const V3<T>& b, T (&block)[9]) {
-  const T left[3] = {s * a.x, s * a.y, s * a.z}, right[3] = {b.x, b.y, b.z};
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) block[3 * r + c] = fma(left[r], right[c], block[3 * r + c]);
+  addOuter(a * s, b, block);
+}
+
+/// What the turning of rotations adds to the matrix, K_ab += sum_q forces[a][q] (x) spins[b][q]: spins[b] are the derivatives of
+/// the angles omega_q of dR = R [omega]x by the place of node b, forces[a] those of its force by the angles.
+template <int N, int Q, class T>
+void addTurning(const V3<T> (&forces)[N][Q], const V3<T> (&spins)[N][Q], T (&k)[N * N * 9]) {
+  static_assert(N % 2 == 0);
+  for (int a = 0; a < N; a += 2)  // two at once read the spins half as often, which do not stay in the first cache beside K
+    for (int b = 0; b < N; ++b) {
+      T first[9], second[9];
+      T *const to = k + (a * N + b) * 9, *const next = to + N * 9;
+      for (int i = 0; i < 9; ++i) first[i] = to[i], second[i] = next[i];
+      for (int q = 0; q < Q; ++q) {
+        const V3<T> spin = spins[b][q];
+        addOuter(forces[a][q], spin, first), addOuter(forces[a + 1][q], spin, second);
+      }
+      for (int i = 0; i < 9; ++i) to[i] = first[i], next[i] = second[i];
+    }
+}
+/// Derivatives of the three angles by v, where F changes by v (x) g: one for each angle, in `spin`.
+template <class Rotation, class T>
+void spinsAlong(const M3<T>& f, const M3<T>& r, const V3<T>& g, V3<T> (&spin)[3]) {
+  const T zero(0.);
+  const auto omega = [&](const M3<T>& df) {
+    const M3<T> dr = Rotation::differential(f, r, df);
+    return V3<T>{stroma::dot(r.c2, dr.c1), stroma::dot(r.c0, dr.c2), stroma::dot(r.c1, dr.c0)};
+  };
+  const V3<T> x = omega({{g.x, zero, zero}, {g.y, zero, zero}, {g.z, zero, zero}}),
+              y = omega({{zero, g.x, zero}, {zero, g.y, zero}, {zero, g.z, zero}}),
+              z = omega({{zero, zero, g.x}, {zero, zero, g.y}, {zero, zero, g.z}});
+  spin[0] = {x.x, y.x, z.x}, spin[1] = {x.y, y.y, z.y}, spin[2] = {x.z, y.z, z.z};
+}
+/// R [e_m]x
+template <class T>
+M3<T> turnedAbout(const M3<T>& r, int m) {
+  const T one(1.), zero(0.);
+  return rotation::timesCross(r, V3<T>{m == 0 ? one : zero, m == 1 ? one : zero, m == 2 ? one : zero});
 }
 
 /// k[a][b][row][column] from add(a, b, block), which adds K_ab for a <= b to zeros.

@@ -140,10 +140,47 @@ struct ExactPointCorotational : PointCorotational<Law, Rotation, update> {
     }
     nodesOf(fromPoints(forces), df);
   }
-  /// By products: it is not symmetric.
-  static void matrix() = delete;
+  /// Where B stays: what the warped tangent has, and what comes of the rotation. Else by products. It is not symmetric.
+  template <class T>
+  static void matrix(const PointRest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[8], T (&k)[8 * 8 * 9])
+    requires(update == Update::none)
+  {
+    PointModel<Law>::matrix(rest, t, x, k);
+    addTurningOf(rest, t, x, k);
+  }
 
  private:
+  template <class T>
+  [[gnu::noipa, gnu::flatten]] static void addTurningOf(const PointRest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[8],
+                                                        T (&k)[8 * 8 * 9]) {
+    const Kinematics<Rotation, update, T> now(rest, x);
+    const T pressure = meanPressure(t.law, now.d, t.g), one(1.);
+    V3<T> forces[8][3], spins[8][3];
+    for (int a = 0; a < 8; ++a) {
+      V3<T> unit[8];
+      unit[a].x = one;
+      const M3<T> df = timesUpper(meanEdges(modesOf(unit)), rest.inverse_edges);
+      spinsAlong<Rotation>(now.deformation, now.rotation, V3<T>{df.c0.x, df.c1.x, df.c2.x}, spins[a]);
+    }
+    for (int m = 0; m < 3; ++m) {
+      const M3<T> dr = turnedAbout(now.rotation, m);
+      const PointValues<T> dd = atPoints(Modes<T>() - rotated(dr, rest.modes));
+      Gradients<T> dg[8];
+      for (int p = 0; p < 8; ++p) dg[p] = elastic::rotated(dr, rest.g[p]);
+      const T dpressure = meanPressure(t.law, now.d, dg) + meanPressure(t.law, dd, t.g);
+      PointValues<T> points;
+      for (int p = 0; p < 8; ++p) {
+        const Columns<T> d(now.d, p), change(dd, p);
+        const S3<T> dstrain = strainOf(change.d, t.g[p]) + strainOf(d.d, dg[p]);
+        addStress(stressAt(t.law, p, dstrain, one, dpressure), t.g[p], p, points);
+        addStress(stressAt(t.law, p, strainOf(d.d, t.g[p]), one, pressure), dg[p], p, points);
+      }
+      V3<T> nodes[8];
+      nodesOf(fromPoints(points), nodes);
+      for (int a = 0; a < 8; ++a) forces[a][m] = nodes[a];
+    }
+    addTurning(forces, spins, k);
+  }
   /// dg of Gauss point p for changes dR and dJ.
   template <class T>
   static Gradients<T> differential(const Kinematics<Rotation, update, T>& k, const PointRest<T>& rest, const M3<T>& dr,

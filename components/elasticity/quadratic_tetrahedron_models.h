@@ -28,14 +28,6 @@ struct Tangent {
   T lambda, mu;    ///< [Pa]
   T bulk;          ///< b [Pa/m^3]
 };
-/// The exact tangent reads R too.
-template <class T>
-struct ExactTangent {
-  Gradients<T> g[points];
-  T root[points], lambda, mu, bulk;
-  M3<T> rotation[points];
-};
-
 /// All n_a of the points.
 template <class T>
 void nodeGradients(const Gradients<T> (&g)[points], NodeGradients<nodes, points, T>& n) {
@@ -44,7 +36,7 @@ void nodeGradients(const Gradients<T> (&g)[points], NodeGradients<nodes, points,
 }
 /// K of small strains. Not inlined, nor the others, for the compiler's sake.
 template <class T>
-[[gnu::noipa, gnu::flatten]] void stiffnessMatrix(const Tangent<T>& t, T (&k)[nodes * nodes * 9]) {
+[[gnu::noipa, gnu::flatten]] void stiffnessMatrix(const auto& t, T (&k)[nodes * nodes * 9]) {
   NodeGradients<nodes, points, T> n;
   nodeGradients(t.g, n);
   smallStrainMatrix(n, t.lambda, t.mu, k);
@@ -196,41 +188,6 @@ struct Corotational : QuadraticModel {
       if constexpr (requires { t.rotation; }) t.rotation[p] = r;
     }
   }
-};
-
-/// The same with the exact tangent: R is differentiated at the x of the last force.
-template <class Rotation>
-struct ExactCorotational : Corotational<Rotation> {
-  using Products = ExactCorotational;
-  static constexpr bool reads_position = true;
-  static constexpr int nodes = quadratic_tetrahedron::nodes;
-  template <class T>
-  using Rest = RestGradients<T>;
-  template <class T>
-  using Tangent = ExactTangent<T>;
-
-  template <class T>
-  static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes],
-                      const V3<T> (&dx)[nodes], V3<T> (&df)[nodes]) {
-    const PointValues<T> d = atPoints(x), dd = atPoints(dx);
-    S3<T> strain[points], dstrain[points];
-    Gradients<T> dg[points];
-    QuadraticModel::strains(t, d, strain);
-    for (int p = 0; p < points; ++p) {
-      const M3<T> dr = Rotation::differential(outerSum(d.d[p], rest.g[p]), t.rotation[p], outerSum(dd.d[p], rest.g[p]));
-      dg[p] = scaledBy(elastic::rotated(dr, rest.g[p]), t.root[p]);
-      dstrain[p] = strainOf(dd.d[p], t.g[p]) + strainOf(d.d[p], dg[p]);
-    }
-    const T pressure = meanPressure(t, strain), dpressure = meanPressure(t, dstrain);
-    PointValues<T> forces;
-    for (int p = 0; p < points; ++p) {
-      addStress(stressAt(t, p, dstrain[p], factor, dpressure), t.g[p], p, forces);
-      addStress(stressAt(t, p, strain[p], factor, pressure), dg[p], p, forces);
-    }
-    nodesOf(forces, df);
-  }
-  /// By products: it need not be symmetric.
-  static void matrix() = delete;
 };
 
 /// For method = green.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The kernels of one rotation, for the source that instantiates them.
 #pragma once
+#include "components/elasticity/quadratic_tetrahedron_exact.h"
 #include "components/elasticity/quadratic_tetrahedron_kernels.h"
 
 namespace stroma::quadratic_tetrahedron {

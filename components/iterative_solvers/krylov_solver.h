@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "components/iterative_solvers/solver_costs.h"
+#include "components/iterative_solvers/symmetric_blocks.h"
 #include "framework/algebra/per_matrix.h"
 
 namespace stroma {
@@ -41,6 +42,8 @@ class KrylovSolver : public LinearSolver {
     const bool assemble =
         form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(expected_iterations_));
     assembled_ = assemble ? &matrix.assemble() : nullptr;
+    halved_ = assemble && expected_iterations_ >= few && matrix.symmetric() ? &halves_.of(matrix) : nullptr;
+    if (halved_ && !halved_->follow(*assembled_, matrix.key())) halved_ = nullptr;
     if (!isStopAsked()) return true;
     report.stop = SolveStop::stopped;
     report.relative_residual = 1;
@@ -48,11 +51,11 @@ class KrylovSolver : public LinearSolver {
   }
   /// out = A p
   void product(const SystemMatrix& matrix, ConstRows p, Rows out) const {
-    assembled_ ? assembled_->multiply(p, out) : matrix.multiply(p, out);
+    halved_ ? halved_->multiply(p, out) : assembled_ ? assembled_->multiply(p, out) : matrix.multiply(p, out);
   }
   /// Nanoseconds of that, estimated; 0: not known.
   double productCost(const SystemMatrix& matrix) const {
-    return assembled_ ? assembledProductCost(assembled_->blocks()) : matrix.productCost();
+    return assembled_ ? assembledProductCost(assembled_->blocks(), halved_ != nullptr) : matrix.productCost();
   }
   /// r = b - A x; returns r.r. `work` has the shape of r.
   double residual(const SystemMatrix& matrix, ConstRows b, ConstRows x, Rows r, Rows work) const {
@@ -84,6 +87,7 @@ class KrylovSolver : public LinearSolver {
 
  private:
   enum class Form { automatic, product, assembled };
+  static constexpr int few = 3;  ///< iterations, for which halves of a matrix are not worth being copied
   std::string template_ = "auto";
   /// Relative residuals of the last solve, shape (iterations done); an output of the component.
   std::vector<double> graph_;
@@ -92,6 +96,8 @@ class KrylovSolver : public LinearSolver {
   bool is_capped_ = false;                  ///< the scene writes `iterations`
   const Data* tolerance_data_ = nullptr;    ///< the attribute
   const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free
+  SymmetricBlocks* halved_ = nullptr;       ///< the same; null where it is not symmetric
+  PerMatrix<SymmetricBlocks> halves_;
 };
 
 }  // namespace stroma

@@ -83,6 +83,13 @@ class ShapeMemoryForceField final : public ForceField {
 
  private:
   bool hasReaction() const { return reaction_ != ReactionWord::no; }
+  /// add(node, block) of a target that does not move: -factor k I.
+  template <class Add>
+  void forEachTarget(double factor, Add&& add) const {
+    for (Index b = 0; b < memory_.batches(); ++b)
+      for (int l = 0; l < pack_lanes && memory_.node(b, l) >= 0; ++l)
+        add(memory_.node(b, l), Mat3(-factor * memory_.stiffness(b).get(std::size_t(l)) * Mat3::Identity()));
+  }
   Adjacency findNeighbours() const;
   Adjacency bestTriangles(const Adjacency& all) const;
   TopologyLink topology_;
@@ -241,7 +248,9 @@ double ShapeMemoryForceField::energy(ConstRows x) const {
 ForceField::Cost ShapeMemoryForceField::cost() const {
   const double n = double(lists_.size()), valence = double(lists_.values.size()) / n;
   const double blocks = n * (hasReaction() ? (valence + 1) * (valence + 1) : valence + 1);
-  return {n * (hasReaction() ? 45 : 30) * 8. / pack_lanes, 15 * blocks};
+  if (tangent_ == TangentWord::target) return {5 * n, 8 * n};
+  const double around = std::min(1., (valence + 2) / 16);  // of the usual neighbours
+  return {n * around * (hasReaction() ? 45 : 30) * 8. / pack_lanes, 15 * blocks};
 }
 
 std::string ShapeMemoryForceField::worstElement(ConstRows x) const {
@@ -275,12 +284,12 @@ void ShapeMemoryForceField::addPattern(BlockPattern& pattern) const {
 
 void ShapeMemoryForceField::addStiffness(double factor, BlockMatrix& matrix) const {
   const Index first = state().firstRow();
+  if (tangent_ == TangentWord::target)
+    return forEachTarget(factor, [&](Index node, const Mat3& block) { matrix.add(first + node, first + node, block); });
   memory_.forEachJacobian(lists_,
                           [&](const std::vector<Index>& nodes, const std::vector<Mat3>& j, double k, bool passes) {
                             const double s = -factor * k;
                             const Index row = first + nodes[0];
-                            if (tangent_ == TangentWord::target)
-                              return matrix.add(row, row, Mat3(s * Mat3::Identity()));
                             for (std::size_t b = 0; b < nodes.size(); ++b) {
                               if (!hasReaction() || !passes) matrix.add(row, first + nodes[b], Mat3(s * j[b]));
                               for (std::size_t a = 0; a < nodes.size() && hasReaction() && passes; ++a)
@@ -294,10 +303,10 @@ void ShapeMemoryForceField::addStiffnessDiagonal(double factor, std::vector<doub
     double* out = diagonal.data() + std::size_t(state().firstRow() + node) * 9;
     for (int i = 0; i < 9; ++i) out[i] += block(i / 3, i % 3);
   };
+  if (tangent_ == TangentWord::target) return forEachTarget(factor, add);
   memory_.forEachJacobian(lists_,
                           [&](const std::vector<Index>& nodes, const std::vector<Mat3>& j, double k, bool passes) {
                             const double s = -factor * k;
-                            if (tangent_ == TangentWord::target) return add(nodes[0], s * Mat3::Identity());
                             if (!hasReaction() || !passes) return add(nodes[0], s * j[0]);
                             for (std::size_t a = 0; a < nodes.size(); ++a) add(nodes[a], s * j[a].transpose() * j[a]);
                           });

@@ -68,11 +68,8 @@ void multiplyRows(const Product& of, Index first, Index last) {
 
 /// Rows do not see each other: threads share them in pieces.
 void multiplyAll(const Product& of, Index rows) {
-  static const bool has_fours = [] {  // STROMA_LEVEL lowers what modules are opened for, and this
-    const char* level = std::getenv("STROMA_LEVEL");
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && !(level && std::string_view(level) == "x86-64-v2");
-  }();
   constexpr Index piece = 4096;
+  const bool has_fours = BlockMatrix::hasFours();
   parallelFor(int((rows + piece - 1) / piece), [&](int k) {
     const Index first = Index(k) * piece, last = std::min(rows, first + piece);
     has_fours ? multiplyRowsByFours(of, first, last) : multiplyRows(of, first, last);
@@ -80,6 +77,14 @@ void multiplyAll(const Product& of, Index rows) {
 }
 
 }  // namespace
+
+bool BlockMatrix::hasFours() {
+  static const bool has_fours = [] {  // STROMA_LEVEL lowers what modules are opened for, and this
+    const char* level = std::getenv("STROMA_LEVEL");
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && !(level && std::string_view(level) == "x86-64-v2");
+  }();
+  return has_fours;
+}
 
 void BlockMatrix::multiply(ConstRows x, Rows y) const {
   multiplyAll({row_start_.data(), columns_.data(), values_.data(), x.data, y.data, 1, false}, rows());

@@ -59,6 +59,7 @@ class BlockMatrix {
   void multiply(ConstRows x, Rows y) const;
   /// y += factor A x
   void multiplyAdd(double factor, ConstRows x, Rows y) const;
+  static bool hasFours();  ///< whether products use AVX2 here
 
  private:
   std::vector<Index> row_start_{0}, columns_, diagonal_;

@@ -7,6 +7,7 @@
 
 #include "components/elasticity/hexahedron_shapes.h"
 #include "components/elasticity/nodal_warping.h"
+#include "components/elasticity/quadratic_tetrahedron_models.h"
 #include "tests/elasticity/counted.h"
 #include "tools/bench/element_operations.h"
 
@@ -185,6 +186,55 @@ void expectOperations(bench::HexahedronVariant variant) {
 
 }  // namespace hexahedra
 
+namespace quadratic_tetrahedra {
+
+using namespace stroma::quadratic_tetrahedron;
+using Model = Corotational<rotation::Polar>;
+
+struct Sample {
+  RestGradients<Counted> rest{};
+  Tangent<Counted> tangent{};
+  V3<Counted> x[nodes], f[nodes];
+
+  explicit Sample(std::mt19937& random) {
+    std::uniform_real_distribution<double> noise(-0.05, 0.05), angle(-2, 2);
+    const double a = angle(random), c = std::cos(a), s = std::sin(a);
+    const double corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const auto place = [&](const double (&p)[3]) {
+      return V3<Counted>{Counted(c * p[0] - s * p[1] + noise(random)), Counted(s * p[0] + c * p[1] + noise(random)),
+                         Counted(p[2] + noise(random))};
+    };
+    for (int v = 0; v < 4; ++v) {
+      x[v] = place(corners[v]);
+      for (int w = 0; w < v; ++w) {
+        const double half[3] = {(corners[v][0] + corners[w][0]) / 2, (corners[v][1] + corners[w][1]) / 2,
+                                (corners[v][2] + corners[w][2]) / 2};
+        x[middle[v][w]] = place(half);
+      }
+    }
+    const Counted one(1), zero(0);
+    for (int p = 0; p < points; ++p) rest.g[p] = tangent.g[p] = {{one, zero, zero}, {zero, one, zero}, {zero, zero, one}};
+  }
+};
+
+constexpr double scatter_flops = 30;  // ten nodes, three components
+
+template <class Kernel>
+double meanFlops(Kernel&& kernel) {
+  constexpr int count = 200;
+  std::mt19937 random(1);
+  long flops = 0;
+  for (int i = 0; i < count; ++i) {
+    Sample sample(random);
+    Counted::flops = 0;
+    kernel(sample);
+    flops += Counted::flops;
+  }
+  return scatter_flops + double(flops) / count;
+}
+
+}  // namespace quadratic_tetrahedra
+
 TEST(Operations, OfTetrahedraAreThoseOfTheBenchmarks) {
   using namespace tetrahedra;
   const auto of = [](const char* method) {
@@ -214,6 +264,15 @@ TEST(Operations, OfHexahedraAreThoseOfTheBenchmarks) {
   expectOperations<BoxCorotational<Polar>>(HexahedronVariant::polar_boxes);
   expectOperations<PointCorotational<LocalDilatation, Polar, Update::strain_displacement>>(HexahedronVariant::polar_b);
   expectOperations<elastic::GreenModel<BoxShape, false>>(HexahedronVariant::green);
+}
+
+TEST(Operations, OfQuadraticTetrahedraAreThoseOfTheBenchmarks) {
+  using namespace quadratic_tetrahedra;
+  const bench::QuadraticOperations& expected = bench::quadratic_operations;
+  EXPECT_NEAR(meanFlops([](Sample& s) { Model::force(s.rest, s.tangent, s.x, s.f); }), expected.force, digits);
+  EXPECT_NEAR(meanFlops([](Sample& s) { Model::product(s.rest, s.tangent, Counted(1), s.x, s.x, s.f); }), expected.product, digits);
+  EXPECT_EQ(sizeof(Tangent<double>), expected.product_bytes);
+  EXPECT_EQ(sizeof(RestGradients<double>) + sizeof(Tangent<double>), expected.force_bytes);
 }
 
 }  // namespace

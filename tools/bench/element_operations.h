@@ -32,4 +32,11 @@ struct HexahedronOperations {
 constexpr std::array<HexahedronOperations, 3> hexahedron_operations{
     {{916.92, 526, 144, 120, false}, {2343.92, 1383, 1512, 592, false}, {1447, 2704, 80, 80, true}}};
 
+/// Operations of a tetrahedron of ten nodes with method polar and the warped tangent, likewise.
+struct QuadraticOperations {
+  double force, product;
+  double force_bytes, product_bytes;
+};
+constexpr QuadraticOperations quadratic_operations{3023.665, 1027, 632, 344};
+
 }  // namespace stroma::bench

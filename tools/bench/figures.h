@@ -9,6 +9,8 @@ namespace stroma::bench {
 void addKernelFigures(Catalogue& catalogue);
 /// Products, forces and assembly of hexahedra.
 void addHexahedronFigures(Catalogue& catalogue);
+/// The same of tetrahedra of ten nodes.
+void addQuadraticFigures(Catalogue& catalogue);
 /// The same work on one thread and on two.
 void addThreadFigures(Catalogue& catalogue);
 /// Whole steps of the scenes of scenes/benchmarks and of the organs.

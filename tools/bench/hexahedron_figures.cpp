@@ -70,6 +70,9 @@ void addHexahedronFigures(Catalogue& catalogue) {
       add(catalogue, "assembly", cube, method, assembleHexahedra, {});
     }
   }
+  const Method exact{"svd, exact tangent", {}, {"/cube/linear=SparseLDLSolver", "/cube/fem.method=svd", "/cube/fem.tangent=exact"}};
+  add(catalogue, "product", small_cube, exact, multiplyByHexahedra, {});
+  add(catalogue, "assembly", small_cube, exact, assembleHexahedra, {});
 }
 
 }  // namespace stroma::bench

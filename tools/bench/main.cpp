@@ -92,6 +92,7 @@ void measure(Request& request) {
   Catalogue catalogue;
   addKernelFigures(catalogue);
   addHexahedronFigures(catalogue);
+  addQuadraticFigures(catalogue);
   addThreadFigures(catalogue);
   addStepFigures(catalogue);
   addShapeMemoryFigures(catalogue);

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The scenes of solver_choice.py. `standing`: those that the estimates of a solver's time were made with. `fresh`: those that were
 written afterwards, without a look at the estimates, and were looked at when these were mended. `late`: those that were written
-after that; two mends came from looking at their first results. SI units."""
+after that; two mends came from looking at their first results. `held`: those that were written last, and only measured. SI
+units."""
 import math
 import os
 import re
@@ -307,7 +308,54 @@ def late():
     yield "quadratic_static", "statics: quadratic tetrahedra, `svd`, 3,751 nodes", 1, root(inner, 1)
 
 
+def held_out():
+    t = "tetrahedra"
+
+    def ring(u, v, w):
+        turn, r = 1.5 * math.pi * (1 - u), .05 + .012 * v
+        return r * math.cos(turn), r * math.sin(turn), .014 * w
+
+    def dome(u, v, w):
+        r, a, b = .06 + .02 * w, .7 * (2 * u - 1), .7 * (2 * v - 1)
+        return -r * math.sin(a), r * math.cos(a) * math.cos(b), r * math.sin(b)
+
+    yield ("strap", "strap of tetrahedra, `large`, held at both ends, 3,075 nodes", 25,
+           root(body(grid((41, 25, 3), (.3, .18, .008)), tets(4e5, .4, "large"), cells=t,
+                     wall="-0.0001 -10 -10 0.0001 10 10 0.2999 -10 -10 0.3001 10 10"), .015))
+    yield ("ring", "three quarters of a ring, hexahedra, `large`, Newton's method, 4,941 nodes", 10,
+           root(body(bent((61, 9, 9), ring), hexas(1.2e5, .43, "large"), newton(1e-5), wall="-1 -0.0001 -1 1 0.0001 1"), .02))
+    yield ("dome", "dome under pressure, Mooney-Rivlin, Newton's method, 3,969 nodes", 8,
+           root(body(bent((21, 21, 9), dome), law("MooneyRivlin", 'youngModulus="6e4" poissonRatio="0.45" c2="1500"'),
+                     newton(1e-5), cells=t, wall="-1 -1 -1 1 0.048 1",
+                     more='<SurfacePressureForceField name="load" topology="@tetrahedra" min="-1 -1 -1" max="1 1 1" '
+                     'pressure="300"/>'), .02))
+    spots = [(.02 + .03 * i, .03, .0201) for i in range(5)]
+    yield ("hung", "block with masses embedded in it, `polar`, 5,049 nodes", 30,
+           root(body(grid((51, 11, 9), (.2, .05, .04)), hexas(9e4, .4, "polar"),
+                     more='<Node name="spots"><MechanicalObject position="' + numbers(c for p in spots for c in p)
+                     + '"/><UniformMass totalMass="0.05"/><BarycentricMapping input="@../dofs"/></Node>'), .01))
+    pair = "".join(body(grid((17, 11, 11), (.1, .06, .06), (0, .1 * i, 0)), tets(young, .4, "svd"), "", t, solver="")
+                   .replace('name="body"', f'name="body{i}"') for i, young in enumerate((8e3, 8e5)))
+    yield "pair", "two blocks of one solver, 1:100, `svd`, 4,114 nodes", 25, root(EULER + "@SOLVER@" + pair, .01)
+    yield ("bdf", "hexahedra, `svd`, `BDFOdeSolver`, 4,800 nodes", 25,
+           root(body(grid((30, 16, 10), (.2, .1, .06)), hexas(6e4, .42, "svd"), '<BDFOdeSolver name="solver" order="2"/>'), .01))
+    yield ("springs", "statics: block of springs, 6,137 nodes", 1,
+           root(body(grid((19, 19, 17), (.1, .1, .09)),
+                     '<MeshSpringForceField name="net" hexasStiffness="200" hexasDamping="0"/>', STATIC), 1))
+    yield ("large_block", "block of tetrahedra, `svd`, 19,773 nodes, 8 steps", 8,
+           root(body(grid((39, 39, 13), (.2, .2, .06)), tets(2e5, .4, "svd"), cells=t), .02))
+    inner = ('<RegularGridTopology name="grid" n="20 5 5" min="0 0 0" max="0.3 0.04 0.04"/><Node name="body">'
+             + EULER + "@SOLVER@"
+             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
+             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
+             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
+             f'youngModulus="4e5" poissonRatio="0.38" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+    yield "quadratic_bar", "bar of quadratic tetrahedra, `svd`, 3,159 nodes", 15, root(inner, .01)
+    yield ("tiny", "block of hexahedra, `polar`, 640 nodes, 200 steps", 200,
+           root(body(grid((10, 8, 8), (.08, .06, .06)), hexas(5e4, .4, "polar"), '<NewmarkImplicitSolver name="solver"/>'), .01))
+
+
 def scenes():
-    for name, source in (("standing", standing), ("fresh", fresh), ("late", late)):
+    for name, source in (("standing", standing), ("fresh", fresh), ("late", late), ("held", held_out)):
         for found in source():
             yield Scene(found[0], name, *found[1:])
