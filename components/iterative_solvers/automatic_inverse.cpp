@@ -6,129 +6,6 @@
 #include <utility>
 
 namespace stroma {
-namespace {
-
-/// Back and forth, and then it stays.
-constexpr int most_changes = 4;
-/// A change has to gain this much, as estimates are no better.
-constexpr double worth_changing = 1.15;
-
-// What is expected of ways that have not been tried.
-constexpr double multigrid_start = 1.25, multigrid_rate = 2;  // iterations, and more for a decade
-constexpr double fresh_rate = 0.3;                           // by the factors of the very matrix, in single precision
-constexpr double former_rate = 0.8;                          // and more by those of a former one, for each matrix since
-constexpr double direct_applications = 2.5;                  // of factors in single precision
-constexpr double to_open_factors = 3e6;                      // ns: a module
-
-}  // namespace
-
-// ---- estimates, in nanoseconds ----
-
-double AutomaticInverse::iteration(Way way) const {
-  const double product = product_ > 0 ? product_ : IterationCosts::usual_product * rows_;
-  const double others = product + IterationCosts::vectors * rows_;
-  if (way == Way::block_jacobi) return others;
-  return others + (way == Way::multigrid ? IterationCosts::cycle(rows_, blocks()) : now_.factor_costs.application);
-}
-
-double AutomaticInverse::setup(Way way) const {
-  if (way == Way::multigrid) return IterationCosts::hierarchy(rows_, blocks()) + IterationCosts::assembly(rows_);
-  return isFactored(way) ? now_.factor_costs.order + now_.factor_costs.factor + to_open_factors : 0;
-}
-
-/// With an ordering where patterns change.
-double AutomaticInverse::factorisation() const {
-  const double patterns = double(std::max(0, now_.patterns - 1)) / std::max(1, now_.matrices);
-  return now_.factor_costs.factor + patterns * now_.factor_costs.order;
-}
-
-/// In a direct solve.
-double AutomaticInverse::applications() const { return now_.factor_costs.is_single ? direct_applications : 1; }
-
-/// Of the matrices after the first one, a solve's share.
-double AutomaticInverse::turning(Way way) const {
-  if (now_.matrices < 2 || way == Way::block_jacobi || way == Way::direct) return 0;
-  return (way == Way::multigrid ? IterationCosts::turn_hierarchy : IterationCosts::turn_factors) * rows_ / perMatrix();
-}
-
-/// Of hierarchies that were made anew, and of what was done with the former ones in vain, a solve's share.
-double AutomaticInverse::renewing() const {
-  return (now_.wasted + IterationCosts::hierarchy(rows_, blocks()) * now_.renewals) / std::max(1, now_.multigrid_solves);
-}
-
-/// By the factors of the very matrix.
-double AutomaticInverse::byFresh(double each) const { return std::max(1.0, fresh_rate * decades()) * each; }
-
-/// By factors that are renewed when that is cheapest: with F for a factorisation and s for an iteration more for each matrix since,
-/// after sqrt(2 F / s) matrices, and then a solve costs sqrt(2 F s) more than by fresh factors.
-double AutomaticInverse::solveByFormer(double each, double renewal) const {
-  const double more = former_rate * decades() * each;
-  const double served = std::max(1.0, std::sqrt(2 * renewal / more));
-  return byFresh(each) + renewal / served + more * (served - 1) / 2;
-}
-
-/// One of the usual kind, with its share of what comes before.
-double AutomaticInverse::solve(Way way) const {
-  const double rate = now_.rates[at(way)], each = iteration(way);
-  if (way == Way::block_jacobi) return std::max(1.0, rate * decades()) * each;
-  if (way == Way::multigrid)
-    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + multigrid_rate * decades()) * each + turning(way) +
-           renewing();
-  // the first step of integrators that look back two steps has a matrix of its own
-  const bool is_constant = is_constant_ ? now_.matrices <= 2 : now_.matrices == 1 && now_.solves > 1;
-  const double factors = is_constant ? 0 : factorisation() / perMatrix();
-  if (way == Way::direct) return applications() * each + factors;
-  if (now_.factor_solves > 0) return now_.with_factors / now_.factor_solves;
-  return solveByFormer(each, factors) + turning(way);
-}
-
-/// From below: a body of few tetrahedra has a third of the numbers of the laws.
-void AutomaticInverse::estimateFactors() {
-  constexpr double less = 3.5;
-  if (now_.factor_costs.order > 0 || !mayBe(Way::factors)) return;
-  FactorCounts counts = factorCountsOf(extentsOf(rows_, matrix_->positions()));
-  now_.is_counted = false;
-  counts = {counts.entries / less, counts.flops / (less * std::sqrt(less))};
-  now_.factor_costs = factorCosts(rows_, counts, true);
-  now_.may_factor = factorsFit(now_.factor_costs.entries);
-}
-
-/// Takes the pattern of the matrix, and some milliseconds: for those whose factors might be worth their cost.
-void AutomaticInverse::countFactors() {
-  if (now_.is_counted || !mayBe(Way::factors)) return;
-  now_.is_counted = true;
-  const FactorCounts by_law = factorCountsOf(extentsOf(rows_, matrix_->positions()));
-  now_.factor_costs = factorCosts(rows_, fewer(stroma::countFactors(matrix_->pattern()), by_law));
-  now_.may_factor = factorsFit(now_.factor_costs.entries);
-}
-
-/// The way that gains most where it costs less than the present one, for `left` decades now and for later solves.
-AutomaticInverse::Way AutomaticInverse::cheapest(double present, double left) const {
-  double best = 0;
-  Way cheapest = now_.way;
-  for (const Way way : {Way::block_jacobi, Way::multigrid, Way::factors, Way::direct}) {
-    if (way == now_.way || !mayBe(way)) continue;
-    if (way == Way::block_jacobi && now_.rates[at(way)] == 0) continue;
-    const double other = solve(way);
-    if (present < worth_changing * other) continue;
-    const double gain = (present - other) * (horizon() + left / decades()) - setup(way);
-    if (gain > best) best = gain, cheapest = way;
-  }
-  return cheapest;
-}
-
-/// Sets `next` where another way is estimated to cost less; the present way takes so many iterations for a decade.
-bool AutomaticInverse::findCheaper(double rate, double left) {
-  if (now_.changes >= most_changes || isRefused()) return false;
-  const double again = now_.way == Way::multigrid ? renewing() : 0;
-  const double present = std::max(1.0, rate * decades()) * iteration(now_.way) + turning(now_.way) + again;
-  estimateFactors();
-  Way way = cheapest(present, left);
-  if (isFactored(way) && !now_.is_counted) countFactors(), way = cheapest(present, left);
-  if (way == now_.way) return false;
-  now_.next = way;
-  return true;
-}
 
 // ---- in a solve ----
 
@@ -144,7 +21,10 @@ bool AutomaticInverse::isSlow(int iterations, double residual) {
   const double gained = std::max(0.25, std::log10(start_ / residual));
   const double rate = iterations / gained * (0.6 + 0.4 * std::min(1.0, gained / all));
   if (!findCheaper(rate, std::max(0.0, all - gained))) return false;
-  const double gain = std::max(1.0, rate * decades()) * iteration(now_.way) - solve(now_.next), before = setup(now_.next);
+  const double present = std::max(1.0, rate * decades()) * iteration(now_.way), gain = present - solve(now_.next);
+  const bool may_be_multigrid = now_.way == Way::block_jacobi && present > worth_changing * solve(Way::multigrid);
+  // a way that begins cheaply is not waited with because another one is better
+  const double before = std::min(setup(now_.next), setup(may_be_multigrid ? Way::multigrid : now_.next));
   const double repaid = gain * std::max(0.0, all - gained) / decades();  // by this solve alone
   leaves_ = iterations * iteration(now_.way) >= trial * before || repaid >= worth_changing * before;
   if (!leaves_) now_.next = now_.way;
@@ -163,23 +43,23 @@ void AutomaticInverse::solved(const SolveReport& report) {
   if (double& mean = now_.rates[at(now_.way)]; !renews_)
     mean = mean == 0 ? rate : leaves_ ? std::max(mean, rate) : mean + (rate - mean) / 4;
   if (now_.way == Way::multigrid) multigrid_.solved(part), ++(renews_ ? now_.renewals : now_.multigrid_solves);
-  if (renews_) now_.wasted += report.iterations * iteration(now_.way);
+  if (renews_)  // what more than a hierarchy that is not aged would have taken
+    now_.wasted += std::max(0.0, report.iterations - now_.rates[at(now_.way)] * gained) * iteration(now_.way);
   if (now_.way == Way::factors) factors_->solved(part);
   if (leaves_ || rows_ < few_nodes || !may_change_) return;
   const double decades = std::min(-std::log10(start_), -std::log10(target_));
   now_.decades = now_.decades == 0 ? decades : now_.decades + (decades - now_.decades) / 4;
   factored_ = factored_ || report.factored;
-  judge((report.iterations + (isDirect() ? applications() - 1 : 0)) * iteration(now_.way) + turning(now_.way));
+  const double cost = (isDirect() ? direct() : report.iterations * iteration(now_.way)) + turning(now_.way);
+  if (now_.way == Way::factors && report.stop == SolveStop::iteration_limit) return void(now_.given_up += cost);
+  judge(cost + std::exchange(now_.given_up, 0));
 }
 
 /// What the next solve should take.
 void AutomaticInverse::judge(double cost) {
-  constexpr int enough_solves = 6;
+  constexpr int enough_solves = 3;
   const Way way = now_.way;
-  if (!isFactored(way)) {
-    now_.spent += cost;
-    if (!findCheaper(now_.rates[at(way)], 0) && tryFactors()) now_.next = Way::factors;
-  }
+  if (!isFactored(way)) findCheaper(now_.rates[at(way)], 0);
   if (way == Way::block_jacobi || now_.next != way) return;
   if (isFactored(way)) {
     const bool is_first = now_.factored_solves++ == 0;
@@ -187,36 +67,59 @@ void AutomaticInverse::judge(double cost) {
     now_.has_new_pattern = false;
     if (way == Way::factors) now_.with_factors += cost, ++now_.factor_solves;
     if (is_first) return;
-    if (way == Way::factors && now_.factor_solves >= enough_solves && now_.changes < most_changes &&
+    if (way == Way::factors && now_.factor_solves >= enough_solves && now_.changes < most_changes && !isConstant() &&
         solve(way) > worth_changing * solve(Way::direct) &&
-        now_.with_factors > now_.factor_solves * solve(Way::direct) + setup(Way::direct)) {  // which orders and factors again
+        (solve(way) - solve(Way::direct)) * horizon() > setup(Way::direct)) {  // which orders and factors again
       now_.next = Way::direct;
       return;
     }
   }
-  const bool knows_multigrid = isFactored(way) && now_.rates[at(Way::multigrid)] > 0;
-  const Way other = knows_multigrid && solve(Way::multigrid) < solve(Way::block_jacobi) ? Way::multigrid : Way::block_jacobi;
+  const Way other = bestOfOthers();
   now_.lost = std::max(0.0, now_.lost + cost - solve(other));
-  const double to_lose = other == Way::multigrid ? setup(other) : std::max(setup(way), setup(other));
+  const double to_lose = other == Way::block_jacobi ? setup(way) : setup(other);
   if (now_.lost <= to_lose || now_.changes >= most_changes) return;
   now_.next = other;
-  now_.may_factor = now_.may_factor && !isFactored(way);
+  now_.may_factor = now_.may_factor && (!isFactored(way) || isFactored(other));
 }
 
-/// How long former factors serve shows only where they are tried, in vain in two of three bodies (of those of solver_scenes.py). So
-/// it is done once factors that never age would have gained three times what comes before them, had they been taken at first. Where
-/// multigrid serves it is not done: what they might gain is less there than estimates are wrong by.
-bool AutomaticInverse::tryFactors() {
-  constexpr int often = 4, in_vain = 3;
-  if (now_.way != Way::block_jacobi || now_.factored_solves > 0 || now_.changes >= most_changes || isRefused()) return false;
-  if (!mayBe(Way::factors) || often * (now_.patterns - 1) > now_.matrices) return false;
-  const auto isWorth = [&] {
-    const double best = byFresh(iteration(Way::factors)) + turning(Way::factors);
-    return solve(now_.way) > worth_changing * best && now_.spent - now_.solves * best > in_vain * setup(Way::factors);
-  };
-  if (!isWorth()) return false;
+/// Of the ways that are known, and of the direct solver where there are factors: it orders and factors again.
+AutomaticInverse::Way AutomaticInverse::bestOfOthers() const {
+  const auto cost = [this](Way way) { return solve(way) * horizon() + setup(way); };
+  Way best = Way::block_jacobi;
+  if (!isFactored(now_.way)) return best;
+  if (now_.rates[at(Way::multigrid)] > 0 && cost(Way::multigrid) < cost(best)) best = Way::multigrid;
+  return now_.way == Way::factors && cost(Way::direct) < cost(best) ? Way::direct : best;
+}
+
+/// Had they never to be renewed.
+bool AutomaticInverse::mightFactorsPay() const {
+  const double best = byFactors(iteration(Way::factors), 0) + turning(Way::factors);
+  const double present = solve(now_.way);
+  return mayBe(Way::factors) && now_.factor_costs.order > 0 && present > worth_by_drifts * best &&
+         (present - best) * horizon() > setup(Way::factors);
+}
+
+/// How long former factors would serve shows in how far matrices drift, without factors: after one matrix, three and eight, and
+/// again whenever there have been twice as many. Each time costs a product and what turns of nodes do.
+void AutomaticInverse::keepSolve(ConstRows b, ConstRows x) {
+  if (leaves_ || by_blocks_ || !may_change_ || is_constant_ || rows_ < few_nodes || now_.changes >= most_changes) return;
+  if (now_.way == Way::factors || now_.factor_solves > 0 || !now_.former.isEmpty() || now_.matrices < now_.next_former) return;
+  if (isRefused() || !mayBe(Way::factors)) return;
+  estimateFactors();
+  if (!mightFactorsPay()) return;
   countFactors();
-  return mayBe(Way::factors) && isWorth();
+  if (!mightFactorsPay()) return;
+  now_.former.keep(*matrix_, now_.matrices, b, x);
+}
+
+void AutomaticInverse::followDrifts(SystemMatrix& matrix) {
+  constexpr int last_age = 8;
+  if (now_.former.isEmpty()) return;
+  const int age = now_.former.age(now_.matrices);
+  if (now_.way == Way::factors || age > last_age) return now_.former.clear();
+  if (age != 1 && age != 3 && age != last_age) return;
+  now_.drifts.note(age, now_.former.drift(matrix));
+  if (age == last_age) now_.former.clear(), now_.next_former = 2 * now_.matrices;
 }
 
 int AutomaticInverse::patience() const {
@@ -250,6 +153,14 @@ void AutomaticInverse::note(SystemMatrix& matrix) {
   now_.matrices += is_new;
   now_.patterns += is_new && has_new_pattern;
   now_.key = key;
+  now_.product = matrix.productCost();
+  if (!is_new) return;
+  followDrifts(matrix);
+  if (!now_.drifts.isKnown() || now_.next != now_.way || now_.factor_solves > 0) return;
+  if (!isDirect()) return void(findCheaper(now_.rates[at(now_.way)], 0));
+  const double by_factors = solve(Way::factors), by_direct = solve(Way::direct);
+  if (by_direct > worth_by_drifts * by_factors && (by_direct - by_factors) * horizon() > setup(Way::factors))
+    now_.next = Way::factors;
 }
 
 bool AutomaticInverse::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
@@ -312,7 +223,8 @@ bool AutomaticInverse::followBy(Way way, SystemMatrix& matrix, SolveReport& repo
   factored_ = report.factored;
   if (!factored_) return true;
   const Factorisation::Cost cost = former.cost();
-  now_.factor_costs.factor = 1e9 * cost.factor, now_.factor_costs.application = 1e9 * cost.apply;
+  now_.factor_costs.factor = 1e9 * cost.factor + IterationCosts::assembly(rows_);
+  now_.factor_costs.application = 1e9 * cost.apply + FactorCosts::turning * rows_;
   return true;
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "components/iterative_solvers/former_solve.h"
 #include "components/iterative_solvers/multigrid.h"
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/sweeps.h"
@@ -15,7 +16,7 @@ namespace stroma {
 
 /// Block Jacobi until its iterations say that multigrid, factors of former matrices or a direct solver cost less. Each way has an
 /// estimate of a solve and of what comes before the first one, in nanoseconds, from counts and from the size of the matrix. A
-/// change has to pay in as many solves as there have been, and in those of ten matrices more; a solve that gets on too slowly is
+/// change has to pay in as many solves as there have been, and in those of 16 matrices more; a solve that gets on too slowly is
 /// ended for it, and goes on from where it is. What was chosen and costs more than another way did is given up once that has cost
 /// as much as a hierarchy or a factorisation. No clock is read: each run does the same.
 ///
@@ -51,6 +52,8 @@ class AutomaticInverse final : public ApproximateInverse {
     return is_asked && isSlow(iterations, residual);
   }
   void solved(const SolveReport& report) override;
+  /// After a whole solve A x = b: what tells how far later matrices have drifted, where factors might serve.
+  void keepSolve(ConstRows b, ConstRows x);
   int patience() const override;
   bool giveUp() override;
   void reset() override;
@@ -72,6 +75,10 @@ class AutomaticInverse final : public ApproximateInverse {
   static constexpr std::size_t ways = 4;
   /// Bodies of fewer nodes are solved before it matters.
   static constexpr Index few_nodes = 100;
+  /// Back and forth, and then it stays.
+  static constexpr int most_changes = 4;
+  /// A change has to gain this much, as estimates are no better; by drifts more.
+  static constexpr double worth_changing = 1.15, worth_by_drifts = 1.25;
   /// In a row. An iteration of Newton's method tries up to nine matrices until one is definite.
   static constexpr int most_refusals = 20;
 
@@ -85,9 +92,13 @@ class AutomaticInverse final : public ApproximateInverse {
     double with_factors = 0;           ///< of all solves by factors, with factorisations [ns]
     int factor_solves = 0;             ///< these
     int factored_solves = 0;           ///< with those by the direct solver
+    double given_up = 0;               ///< on a solve by former factors that new ones end [ns]
+    double product = 0;                ///< by the force fields [ns]; 0: not known
     int multigrid_solves = 0;
     int renewals = 0;                  ///< of hierarchies
-    double spent = 0;                  ///< on solves without factors [ns]
+    FormerSolve former;                ///< empty: drifts are not followed now
+    Drifts drifts;                     ///< of matrices
+    int next_former = 1;               ///< the matrix from which on another solve is kept
     double wasted = 0;                 ///< with hierarchies that were given up in a solve [ns]
     int solves = 0, matrices = 0, patterns = 0;
     int refusals = 0;                  ///< in a row
@@ -107,16 +118,19 @@ class AutomaticInverse final : public ApproximateInverse {
   double setup(Way way) const;
   double factorisation() const;
   double turning(Way way) const;
-  double applications() const;
-  double byFresh(double each) const;
+  double byFactors(double each, double drift) const;
   double solveByFormer(double each, double renewal) const;
   double renewing() const;
+  double cycle() const;
+  bool isConstant() const;
+  double turnedOnce(Way way) const;
+  double direct() const;
   double blocks() const { return now_.blocks > 0 ? double(now_.blocks) : IterationCosts::usual_blocks * rows_; }
   double solve(Way way) const;
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
   double perMatrix() const { return double(now_.solves) / std::max(1, now_.matrices); }
   /// Solves that a change should pay in.
-  double horizon() const { return 10 * perMatrix() + now_.solves; }
+  double horizon() const { return 16 * perMatrix() + now_.solves; }
   bool isSlow(int iterations, double residual);
   Way cheapest(double present, double left) const;
   bool findCheaper(double rate, double left);
@@ -129,7 +143,9 @@ class AutomaticInverse final : public ApproximateInverse {
   bool canFactor();
   bool refuse(SystemMatrix& matrix, SolveReport& report, StopToken stop);
   void judge(double cost);
-  bool tryFactors();
+  Way bestOfOthers() const;
+  void followDrifts(SystemMatrix& matrix);
+  bool mightFactorsPay() const;
   void avoidMultigrid(SystemMatrix& matrix);
 
   bool may_change_;

@@ -18,7 +18,11 @@ void AutomaticInverse::Memory::serialize(Archive& archive) {
   archive.value("auto_factored_solves", factored_solves);
   archive.value("auto_multigrid_solves", multigrid_solves);
   archive.value("auto_renewals", renewals);
-  archive.value("auto_spent", spent);
+  archive.value("auto_given_up", given_up);
+  archive.value("auto_product", product);
+  former.serialize(archive);
+  drifts.serialize(archive);
+  archive.value("auto_next_former", next_former);
   archive.value("auto_wasted", wasted);
   archive.value("auto_solves", solves);
   archive.value("auto_matrices", matrices);

@@ -37,6 +37,8 @@ class Multigrid final : public ApproximateInverse {
   const amg::Hierarchy* hierarchy() const { return now_.hierarchy.get(); }
   /// Whether it is of the matrix followed last.
   bool isFresh() const { return now_.fresh; }
+  /// Whether it is turned with the body.
+  bool isTurned() const { return now_.turns != nullptr; }
   /// How often one was made.
   int made() const { return made_; }
 

@@ -91,6 +91,7 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
 
   bool use_ = true, may_change_ = true;
   std::optional<bool> is_constant_;  ///< nothing in the scene changes a matrix; asked in the first solve
+  MatrixKey constant_;               ///< asked again where another one is solved: an edit may have changed what it is made of
   std::string choice_;
   int changes_ = 0;  ///< of the matrix solved last
   int reason_ = 0;   ///< that choice_ tells
@@ -199,7 +200,10 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   if (!begin(matrix, b, x, terms, report)) return report;
   work.resize(b.count);
   if (automatic) {
-    if (!is_constant_) is_constant_ = !matrixDependsOnState(node().root());
+    if (!is_constant_ || (*is_constant_ && constant_ != matrix.key())) {
+      is_constant_ = !matrixDependsOnState(node().root());
+      constant_ = matrix.key();
+    }
     automatic->begin(productCost(matrix), target() / norm_b_, *is_constant_);
   }
   constexpr int most_renewals = 8;
@@ -220,7 +224,10 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
     if (!is_ready || !inverse || report.stop != SolveStop::iteration_limit || !inverse->giveUp()) break;
   }
   shift_ = inverse ? inverse->shift() : 0;
-  if (automatic) tellChoice(*automatic);
+  if (automatic) {
+    if (report.usable()) automatic->keepSolve(b, x);
+    tellChoice(*automatic);
+  }
   report.factored = factored;
   return report;
 }

@@ -80,13 +80,13 @@ SolverCosts solverCosts(const BlockMatrix& pattern, const FactorCounts& counts, 
 // nanoseconds for a row. Operations are at the speed of large fronts; what goes with the numbers is to clear, add and divide them.
 // Of matrices of 729 to 12,005 nodes whose patterns had been factored before.
 FactorCosts factorCosts(Index rows, const FactorCounts& counts, bool in_single) {
-  constexpr double order = 8500, assembly = 1000, turning = 40;
+  constexpr double order = 8500;
   const auto [entries, flops] = counts;
   const bool is_single = in_single || flops >= std::max(5e7, 180 * entries);
   FactorCosts costs;
   costs.order = order * rows;
-  costs.factor = (is_single ? flops / 115 + 2.3 * entries : flops / 40 + 9 * entries) + assembly * rows;
-  costs.application = (is_single ? 0.65 * entries : 1.05 * entries + 130.0 * rows) + turning * rows;
+  costs.factor = (is_single ? flops / 115 + 2.3 * entries : flops / 40 + 9 * entries) + IterationCosts::assembly(rows);
+  costs.application = (is_single ? 0.65 : 1.05) * entries + FactorCosts::turning * rows;
   costs.entries = entries, costs.is_single = is_single;
   return costs;
 }

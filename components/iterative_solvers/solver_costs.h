@@ -37,6 +37,7 @@ struct FactorCosts {
   double order = 0;        ///< once for a pattern, with the analysis; 0: not estimated
   double factor = 0;       ///< with the assembly
   double application = 0;  ///< with turned vectors
+  static constexpr double turning = 40;  ///< of these, for a row
   double entries = 0;      ///< numbers in the factors
   bool is_single = false;  ///< so that a solve has to be refined
 };
@@ -51,7 +52,8 @@ bool factorsFit(double entries);
 struct IterationCosts {
   static constexpr double vectors = 20, usual_product = 20;  ///< for a row
   static constexpr double usual_blocks = 13;                 ///< in a row, where no pattern is known: of tetrahedra
-  static constexpr double turn_factors = 700, turn_hierarchy = 330;  ///< a node with what surrounds it, for each matrix
+  static constexpr double turn_hierarchy = 330;  ///< a node with what surrounds it, for each matrix
+  static double turnFactors(double blocks) { return 45 * blocks; }
   /// Times as much where the hierarchy needs patches: two to three times the iterations, each 1.4 to 3 times as dear.
   static constexpr double with_patches = 4;
   /// Less where the levels fit into the second cache.
@@ -59,15 +61,20 @@ struct IterationCosts {
     const double megabytes = 50e-6 * blocks;
     return (5.8 * blocks + 111 * rows) * (0.7 + 0.3 * std::clamp(megabytes / 2 - 0.2, 0.0, 1.0));
   }
+  /// Where the finest level goes by products of so many nanoseconds; what is turned costs as much again as the vectors.
+  static double cycleByProducts(double rows, double product, bool is_turned) { return 7 * product + (is_turned ? 180 : 80) * rows; }
   static double hierarchy(double rows, double blocks) { return 112 * blocks + 2540 * rows; }
-  /// The first one, with the pattern.
-  static double assembly(double rows) { return 4000 * rows; }
+  static double assembly(double rows) { return 1000 * rows; }
+  /// Of a direct solver, with the analysis, for factors of so many numbers.
+  static double order(double blocks, double entries) { return 550 * blocks + 14 * entries; }
+  static double pattern(double rows) { return 3000 * rows; }
 };
 /// Nanoseconds of a product with an assembled matrix, 76 bytes a block: 47 GB/s from the second cache, 25 from the third, 11 from
-/// memory.
-inline double assembledProductCost(double blocks) {
-  const double megabytes = 76e-6 * blocks;
-  return blocks * (1.6 + 1.5 * std::clamp((megabytes - 1) / 3, 0.0, 1.0) + 3.7 * std::clamp((megabytes - 12) / 12, 0.0, 1.0));
+/// memory. With SymmetricBlocks 43 bytes.
+inline double assembledProductCost(double blocks, bool is_halved = false) {
+  const double megabytes = (is_halved ? 43e-6 : 76e-6) * blocks;
+  const double third = std::clamp((megabytes - 1) / 3, 0.0, 1.0), memory = std::clamp((megabytes - 12) / 12, 0.0, 1.0);
+  return blocks * (is_halved ? 1.2 + 0.5 * third + 2.7 * memory : 1.6 + 1.5 * third + 3.7 * memory);
 }
 
 }  // namespace stroma

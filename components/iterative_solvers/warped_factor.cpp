@@ -54,7 +54,9 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report, StopToken s
   if (now_.renew || !fits(matrix)) return renew(matrix, report, stop);
   if (factored_ != now_.origin && !makeAgain(report, stop)) return false;
   if (now_.key == matrix.key()) return true;
+  if (now_.at_once > 0) return --now_.at_once, renew(matrix, report, stop);
   now_.fresh = false;
+  ++now_.served;
   if (const ConstRows positions = matrix.positions(); positions.count > 0) turn(positions);
   now_.key = matrix.key();
   return true;
@@ -87,7 +89,7 @@ bool WarpedFactor::renew(SystemMatrix& matrix, SolveReport& report, StopToken st
   now_.factor_seconds = factors_->cost().factor;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
   now_.spent = renewal_ == Renewal::clock ? took.count() : now_.factor_seconds;
-  now_.solves = 0;
+  now_.solves = now_.served = 0;
   start_ = std::chrono::steady_clock::now();
   return true;
 }
@@ -150,6 +152,9 @@ void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   archive.value("factor_seconds", now_.factor_seconds);
   archive.value("spent", now_.spent);
   archive.value("solves", now_.solves);
+  archive.value("served", now_.served);
+  archive.value("at_once", now_.at_once);
+  archive.value("failures", now_.failures);
   archive.list("rotations", now_.rotations);
   origin.serialize(archive);
   if (!archive.isReading()) return;
@@ -183,6 +188,7 @@ void WarpedFactor::solved(const SolveReport& report) {
   // a factor of the very matrix that needs this many is ill-conditioned beyond single precision
   constexpr int most_of_a_fresh_factor = 20;
   if (now_.fresh && iterations > most_of_a_fresh_factor) now_.rough = false;
+  if (!now_.fresh && report.stop != SolveStop::iteration_limit) now_.failures = 0;
   now_.renew = renewal_ != Renewal::never && !now_.fresh && cost > now_.spent / now_.solves;
 }
 

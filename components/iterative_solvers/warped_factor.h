@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <chrono>
 
@@ -17,7 +18,8 @@ namespace stroma {
 ///
 /// The factors are renewed when a solve cost more than the solves since the last factorisation on average, the
 /// factorisation included: to go on would raise that average. A solve that takes longer than a factorisation is given up for
-/// one. Blocks that come and go in the pattern, as pairs in contact do, count as other values.
+/// one. Where that happens to the first matrix after a factorisation, the next ones are factored at once: two, and up to sixteen
+/// where it happens again. Blocks that come and go in the pattern, as pairs in contact do, count as other values.
 class WarpedFactor final : public ApproximateInverse {
  public:
   enum class Renewal {
@@ -32,7 +34,11 @@ class WarpedFactor final : public ApproximateInverse {
   void apply(ConstRows r, Rows z) override;
   void solved(const SolveReport& report) override;
   int patience() const override;
-  bool giveUp() override { return now_.renew = renewal_ != Renewal::never && !now_.fresh; }
+  bool giveUp() override {
+    if (now_.fresh || renewal_ == Renewal::never) return false;
+    if (now_.served == 1) now_.failures = std::min(now_.failures + 1, 4), now_.at_once = 1 << now_.failures;
+    return now_.renew = true;
+  }
   void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
   /// Factors that were renewed meanwhile are made again from the values before when they are needed.
   void takeBack(const SystemMatrix& matrix) override;
@@ -77,6 +83,9 @@ class WarpedFactor final : public ApproximateInverse {
     double factor_seconds = 0;     ///< of a factorisation
     double spent = 0;              ///< seconds since the last factorisation, with it
     int solves = 0;                ///< since then
+    int served = 0;                ///< matrices since then
+    int at_once = 0;               ///< matrices that are to be factored without a trial
+    int failures = 0;              ///< of factors with the first matrix after their own, in a row
     std::size_t origin = 0;        ///< which of origins_
     std::vector<Eigen::Quaterniond> rotations;
   };

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What AutomaticInverse expects each way to cost, in nanoseconds.
+#include <cmath>
+#include <limits>
+
+#include "components/iterative_solvers/automatic_inverse.h"
+
+namespace stroma {
+namespace {
+
+// What is expected of ways that have not been tried.
+constexpr double multigrid_start = 1.25, multigrid_rate = 2;  // iterations, and more for a decade
+constexpr double worth_a_guess = 1.3;
+constexpr double usual_drift = 0.02;                         // from one matrix to the next
+constexpr double fresh_single = 5e-4, fresh_double = 1e-5;   // what factors of the very matrix leave, as a drift
+constexpr double direct_applications = 2;                    // of these by a direct solver
+constexpr double in_double = 3;                              // factorisations that it makes of what is solved with often
+constexpr int most_served = 100;                             // matrices
+constexpr double to_open_factors = 3e6;                      // ns: a module
+
+}  // namespace
+
+double AutomaticInverse::iteration(Way way) const {
+  const double product = product_ > 0 ? product_ : IterationCosts::usual_product * rows_;
+  const double others = product + IterationCosts::vectors * rows_;
+  if (way == Way::block_jacobi) return others;
+  return others + (way == Way::multigrid ? cycle() : now_.factor_costs.application);
+}
+
+double AutomaticInverse::cycle() const {
+  const bool has_patches = multigrid_.hierarchy() && multigrid_.hierarchy()->hasPatches();
+  const bool by_products = now_.product > 0 && now_.product < now_.blocks && !has_patches;
+  if (!by_products) return IterationCosts::cycle(rows_, blocks());
+  return IterationCosts::cycleByProducts(rows_, now_.product, multigrid_.hierarchy() ? multigrid_.isTurned() : !isConstant());
+}
+
+double AutomaticInverse::setup(Way way) const {
+  if (way == Way::block_jacobi) return 0;
+  const double matrix = IterationCosts::assembly(rows_) + (now_.blocks > 0 ? 0 : IterationCosts::pattern(rows_));
+  if (way == Way::multigrid) return IterationCosts::hierarchy(rows_, blocks()) + matrix;
+  const double again = way == Way::direct && isConstant() && now_.factor_costs.is_single ? in_double : 0;
+  return now_.factor_costs.order + (1 + again) * now_.factor_costs.factor + (now_.factored_solves > 0 ? 0 : to_open_factors);
+}
+
+/// With an ordering where patterns change.
+double AutomaticInverse::factorisation() const {
+  const double patterns = double(std::max(0, now_.patterns - 1)) / std::max(1, now_.matrices);
+  return now_.factor_costs.factor + patterns * now_.factor_costs.order;
+}
+
+/// A direct solve: each application of the factors has a product, and nothing is turned.
+double AutomaticInverse::direct() const {
+  const double each = iteration(Way::direct) - (IterationCosts::vectors + FactorCosts::turning) * rows_;
+  return (now_.factor_costs.is_single ? direct_applications : 1) * each;
+}
+
+/// Of the matrices after the first one, a solve's share.
+double AutomaticInverse::turning(Way way) const {
+  if (now_.matrices < 2 || isConstant() || way == Way::block_jacobi || way == Way::direct) return 0;
+  return turnedOnce(way) / perMatrix();
+}
+
+/// The first step of integrators that look back two steps has a matrix of its own.
+bool AutomaticInverse::isConstant() const {
+  return is_constant_ ? now_.matrices <= 2 : now_.matrices == 1 && now_.solves > 1;
+}
+
+double AutomaticInverse::turnedOnce(Way way) const {
+  return way == Way::multigrid ? IterationCosts::turn_hierarchy * rows_ : IterationCosts::turnFactors(blocks());
+}
+
+/// Of hierarchies that were made anew, and of what was done with the former ones in vain, a solve's share.
+double AutomaticInverse::renewing() const {
+  return (now_.wasted + IterationCosts::hierarchy(rows_, blocks()) * now_.renewals) / std::max(1, now_.multigrid_solves);
+}
+
+/// A solve by factors after such a drift, with the product that ends it.
+double AutomaticInverse::byFactors(double each, double drift) const {
+  const double own = now_.factor_costs.is_single ? fresh_single : fresh_double;
+  return std::ceil(std::max(0.5, ratePerDecade(std::max(own, drift)) * decades())) * each + iteration(Way::block_jacobi);
+}
+
+/// By factors that are renewed when that is cheapest; `renewal`: a solve's share of a factorisation, were it for each matrix.
+double AutomaticInverse::solveByFormer(double each, double renewal) const {
+  double best = std::numeric_limits<double>::max(), sum = renewal + byFactors(each, 0);
+  for (int served = 1; served <= most_served; ++served) {
+    best = std::min(best, sum / served);
+    sum += byFactors(each, now_.drifts.isKnown() ? now_.drifts.after(served) : usual_drift * served);
+  }
+  return best;
+}
+
+/// One of the usual kind, with its share of what comes before.
+double AutomaticInverse::solve(Way way) const {
+  const double rate = now_.rates[at(way)], each = iteration(way);
+  if (way == Way::block_jacobi) return std::max(1.0, rate * decades()) * each;
+  if (way == Way::multigrid)
+    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + multigrid_rate * decades()) * each + turning(way) +
+           renewing();
+  const double factors = isConstant() ? 0 : factorisation() / perMatrix();
+  if (way == Way::direct) return direct() + factors;
+  if (now_.factor_solves > 0) return now_.with_factors / now_.factor_solves;
+  return solveByFormer(each, factors) + turning(way);
+}
+
+/// From below: a body of few tetrahedra has a third of the numbers of the laws.
+void AutomaticInverse::estimateFactors() {
+  constexpr double less = 3.5;
+  if (now_.factor_costs.order > 0 || !mayBe(Way::factors)) return;
+  FactorCounts counts = factorCountsOf(extentsOf(rows_, matrix_->positions()));
+  now_.is_counted = false;
+  counts = {counts.entries / less, counts.flops / (less * std::sqrt(less))};
+  now_.factor_costs = factorCosts(rows_, counts, true);
+  now_.may_factor = factorsFit(now_.factor_costs.entries);
+}
+
+/// Takes the pattern of the matrix, and some milliseconds: for those whose factors might be worth their cost.
+void AutomaticInverse::countFactors() {
+  if (now_.is_counted || !mayBe(Way::factors)) return;
+  now_.is_counted = true;
+  const FactorCounts by_law = factorCountsOf(extentsOf(rows_, matrix_->positions()));
+  const BlockMatrix& pattern = matrix_->pattern();
+  now_.blocks = pattern.blocks();
+  now_.factor_costs = factorCosts(rows_, fewer(stroma::countFactors(pattern), by_law));
+  now_.factor_costs.order = IterationCosts::order(now_.blocks, now_.factor_costs.entries);
+  now_.may_factor = factorsFit(now_.factor_costs.entries);
+}
+
+/// The way that gains most where it costs less than the present one, for `left` decades now and for later solves.
+AutomaticInverse::Way AutomaticInverse::cheapest(double present, double left) const {
+  double best = 0;
+  Way cheapest = now_.way;
+  for (const Way way : {Way::block_jacobi, Way::multigrid, Way::factors, Way::direct}) {
+    if (way == now_.way || !mayBe(way)) continue;
+    if (way == Way::block_jacobi && now_.rates[at(way)] == 0) continue;
+    // between solves factors are taken for what is known of drifts
+    const bool is_known = now_.drifts.isKnown() || now_.factor_solves > 0 || isConstant();
+    if (way == Way::factors && left == 0 && !is_known) continue;
+    const double other = solve(way);
+    // what a direct solver costs is known better
+    if (way == Way::factors && !is_known && worth_a_guess * other > solve(Way::direct)) continue;
+    if (present < (way == Way::factors && left == 0 ? worth_by_drifts : worth_changing) * other) continue;
+    const double gain = (present - other) * (horizon() + left / decades()) - setup(way);
+    if (gain > best) best = gain, cheapest = way;
+  }
+  return cheapest;
+}
+
+/// Sets `next` where another way is estimated to cost less; the present way takes so many iterations for a decade.
+bool AutomaticInverse::findCheaper(double rate, double left) {
+  if (now_.changes >= most_changes || isRefused()) return false;
+  const double again = now_.way == Way::multigrid ? renewing() : 0;
+  const double present = std::max(1.0, rate * decades()) * iteration(now_.way) + turning(now_.way) + again;
+  estimateFactors();
+  Way way = cheapest(present, left);
+  if (isFactored(way) && !now_.is_counted) countFactors(), way = cheapest(present, left);
+  if (way == now_.way) return false;
+  now_.next = way;
+  return true;
+}
+
+}  // namespace stroma
