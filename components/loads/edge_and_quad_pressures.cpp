@@ -6,7 +6,7 @@
 //   QuadPressureForceField:  f_a = A_0/4 pressure for each corner of a quad, A_0 the area of its halves at rest
 //
 // n is binormal x tangent where a binormal is given, else the direction normal to the edge and to z on the side of the
-// only triangle at the edge. It follows the edge (SOFA's has the place of the evaluation before), without a tangent.
+// only triangle at the edge. It follows the edge, without a tangent; with late it is that of the evaluation before, as SOFA's.
 // Edges are listed by their ends (edges), by number (edgeIndices: in the mesh's list, else in the order in which its triangles
 // have them), or are all with both ends between dmin and dmax along `normal`; so are quads (quadList).
 //
@@ -35,6 +35,7 @@
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/local_load.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -158,6 +159,9 @@ class EdgePressure final : public DeadPressure {
     table.add("edgeIndices", list_).help("loaded edges by number");
     table.add("p_intensity", intensity_).help("force per length along the normal of each edge, or one for all").unit("N/m");
     table.add("binormal", binormal_).help("normal of the plane of the edges").unit("-");
+    table.add("late", late_).help("with p_intensity: normals are those of the time before, as SOFA's");
+    table.addChoice("lengths", lengths_, {"own", "first"})
+        .help("L_0 with p_intensity: of each loaded edge, or of as many from the mesh's first edge on, as in SOFA");
   }
   void init() override {
     DeadPressure::init();
@@ -168,6 +172,11 @@ class EdgePressure final : public DeadPressure {
     if (chosen_.empty() && choosesByPlanes())
       std::copy_if(all.begin(), all.end(), std::back_inserter(chosen_), [this](const Edge& e) { return isBetween(e); });
     checkCells(chosen_, "edges", "edge", !all.empty());
+    lengths_at_rest_.clear();
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      const Edge& e = lengths_ == Lengths::first && i < all.size() ? all[i] : chosen_[i];
+      lengths_at_rest_.push_back((rest(e[1]) - rest(e[0])).norm());
+    }
     sides_.assign(chosen_.size(), -1);
     for (const Edge& e : chosen_)
       for (const Index node : e) loads_.emplace_back(node, (rest(e[1]) - rest(e[0])).norm() / 2 * pressure_);
@@ -184,24 +193,43 @@ class EdgePressure final : public DeadPressure {
   ForceTraits traits() const override {
     ForceTraits traits = DeadPressure::traits();
     if (follows_) traits.linear = traits.constant_stiffness = traits.conservative = traits.exact_tangent = false;
+    traits.time_dependent = traits.time_dependent || (follows_ && late_);
     return traits;
   }
   double energy(ConstRows x) const override { return follows_ ? 0 : DeadPressure::energy(x); }
   void addForce(ConstRows x, ConstRows v, Rows f) override {
     if (!follows_) return DeadPressure::addForce(x, v, f);
+    findNormals(x);
     const Index first = state().firstRow();
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
-      const Edge& e = chosen_[i];
-      const Vec3 a = x[first + e[0]], b = x[first + e[1]], tangent = (b - a).normalized();
-      Vec3 n = sides_[i] < 0 ? binormal_.normalized().cross(tangent).normalized() : Vec3::UnitZ().cross(tangent);
-      if (sides_[i] >= 0 && n.dot(Vec3(x[first + sides_[i]]) - a) < 0) n = -n;
-      const double q = intensity_[intensity_.size() > i ? i : 0];
-      const Vec3 force = (rest(e[1]) - rest(e[0])).norm() / 2 * q * n;
-      f[first + e[0]] += force, f[first + e[1]] += force;
+      const Vec3 force = lengths_at_rest_[i] / 2 * intensity_[intensity_.size() > i ? i : 0] * normals_[i];
+      for (const Index node : chosen_[i]) f[first + node] += force;
     }
+  }
+  void setTime(double t) override { time_ = t; }
+  void reset() override { normals_.clear(), next_.clear(); }
+  void serialize(Archive& archive) override {
+    if (!late_) return;
+    archive.list("normals", normals_);
+    archive.list("next_normals", next_);
+    archive.value("normals_at", known_at_);
   }
 
  private:
+  void findNormals(ConstRows x) {
+    const Index first = state().firstRow();
+    if (late_ && !next_.empty() && time_ == known_at_) return;  // those of the time before stay
+    normals_.swap(next_);
+    next_.clear();
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      const Vec3 a = x[first + chosen_[i][0]], b = x[first + chosen_[i][1]], tangent = (b - a).normalized();
+      Vec3 n = sides_[i] < 0 ? binormal_.normalized().cross(tangent).normalized() : Vec3::UnitZ().cross(tangent);
+      if (sides_[i] >= 0 && n.dot(Vec3(x[first + sides_[i]]) - a) < 0) n = -n;
+      next_.push_back(n);
+    }
+    if (!late_ || normals_.size() != next_.size()) normals_ = next_;
+    known_at_ = time_;
+  }
   /// Those that the mesh lists, else in the order in which its triangles have them.
   static std::vector<Edge> edgesInOrder(const Mesh& mesh) {
     if (!mesh.edges.empty()) return mesh.edges;
@@ -234,9 +262,13 @@ class EdgePressure final : public DeadPressure {
   std::vector<Edge> edges_, chosen_;
   std::vector<int> list_;
   std::vector<double> intensity_;
+  std::vector<double> lengths_at_rest_;  ///< L_0 [m], shape (loaded edges)
+  enum class Lengths { own, first } lengths_ = Lengths::own;
   Vec3 binormal_ = Vec3::Zero();
   std::vector<Index> sides_;
-  bool follows_ = false;
+  bool follows_ = false, late_ = false;
+  double time_ = 0, known_at_ = 0;       ///< [s]; of next_
+  std::vector<Vec3> normals_, next_;     ///< that forces have, and of the place of known_at_; shape (loaded edges)
 };
 
 }  // namespace

@@ -14,11 +14,12 @@ inline bool hasNodesOfMesh(const State& child) {
 }
 
 /// A state that follows, and of which a scene says neither places nor how many nodes it has, gets those that it follows; each
-/// is given by the first of its rows.
-inline void takeNodesOf(const State& followed, const std::vector<Index>& first_rows, State& child) {
+/// is given by the first of its rows. `always`: whatever the scene says.
+inline void takeNodesOf(const State& followed, const std::vector<Index>& first_rows, State& child, bool always = false) {
   for (const char* name : {"position", "rest_position", "size"})
-    if (const Data* data = child.data().find(name); data && data->isSet()) return;
-  if (child.nodes() == Index(first_rows.size()) || hasNodesOfMesh(child) || followed.rows_per_node < child.rows_per_node) return;
+    if (const Data* data = child.data().find(name); !always && data && data->isSet()) return;
+  if (child.nodes() == Index(first_rows.size()) || followed.rows_per_node < child.rows_per_node) return;
+  if (!always && hasNodesOfMesh(child)) return;
   std::vector<RowKind> kinds;
   std::vector<Vec3> position, rest, velocity;
   for (const Index first : first_rows)

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/mappings/frame_mapping.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace stroma {
 
 void FrameMapping::declare(DataTable& table) {
   CurvedMapping::declare(table);
-  declareGeometricStiffness(table, geometric_, false);
+  declareGeometricStiffness(table, geometric_, true);
 }
 
 void FrameMapping::start() {
   if (!input().hasFrames())
     throw ComponentError(input().path() + " has no frames that could carry anything", "a state of template Rigid3");
   start_ = {0};
-  carried_.clear(), turns_.clear(), turned_.clear();
+  carried_.clear(), turns_.clear(), turned_.clear(), pulled_.clear();
 }
 
 void FrameMapping::addPoint(const std::vector<Carried>& by) {
@@ -65,6 +66,7 @@ void FrameMapping::placeArms(ConstRows x) const {
     std::copy(row, row + row_doubles, known);
   }
   if (stay) return;
+  pulled_.clear();
   for (std::size_t k = 0; k < carried_.size(); ++k)
     arms_[k] = orientationIn(x, parentRow(carried_[k].frame) + 1) * carried_[k].local;
 }
@@ -143,6 +145,34 @@ void FrameMapping::addCurvature(ConstRows v, Rows a) const {
     }
 }
 
+/// The blocks stay as long as no frame turns and no force changes: conjugate gradients ask many times with both.
+void FrameMapping::addGeometricProduct(ConstRows f, ConstRows dx, double factor, Rows df) const {
+  const ConstRows own = output().segment(f);
+  if (pulled_.size() != own.doubles() || !std::equal(pulled_.begin(), pulled_.end(), own.data)) {
+    pulled_.assign(own.data, own.data + own.doubles());
+    products_.clear();
+    geometricBlocks(f, products_);
+  }
+  for (const Block& block : products_) df[block.row] += factor * (block.value * dx[block.column]);
+}
+
+/// One block for each frame: of its blocks together what draws the frame back.
+void FrameMapping::keepWhatResists(std::vector<Block>& blocks) {
+  std::sort(blocks.begin(), blocks.end(), [](const Block& a, const Block& b) { return a.row < b.row; });
+  std::size_t kept = 0;
+  for (const Block& block : blocks) {
+    if (kept > 0 && blocks[kept - 1].row == block.row)
+      blocks[kept - 1].value += block.value;
+    else
+      blocks[kept++] = block;
+  }
+  blocks.resize(kept);
+  for (Block& block : blocks) {
+    const Eigen::SelfAdjointEigenSolver<Mat3> own(block.value);
+    block.value = own.eigenvectors() * own.eigenvalues().cwiseMin(0).asDiagonal() * own.eigenvectors().transpose();
+  }
+}
+
 void FrameMapping::geometricBlocks(ConstRows f, std::vector<Block>& out) const {
   if (geometric_ == GeometricStiffness::none) return;
   const Index first = output().firstRow();
@@ -156,6 +186,7 @@ void FrameMapping::geometricBlocks(ConstRows f, std::vector<Block>& out) const {
       }
       out.push_back(block);
     }
+  if (geometric_ == GeometricStiffness::stabilized) keepWhatResists(out);
 }
 
 }  // namespace stroma

@@ -4,7 +4,7 @@
 //   x_c = x_p,   v_c = v_p,   f_p += f_c
 //
 // For what is to act on a body through nodes, force fields and a mesh of their own. A state without positions gets those of
-// the nodes that it follows.
+// the nodes that it follows; with resizes every state of another number of nodes does.
 //
 // Source: the name and the attributes are SOFA's.
 //
@@ -31,17 +31,24 @@ namespace {
 
 class IdentityMapping final : public WeightedMapping {
  public:
+  void declare(DataTable& table) override {
+    WeightedMapping::declare(table);
+    table.add("resizes", resizes_).help("a state of another number of nodes gets those that it follows, as in SOFA");
+  }
   void init() override {
     WeightedMapping::init();
     std::vector<Index> first_rows;
     for (Index node = 0; node < input().nodes(); ++node) first_rows.push_back(node * input().rows_per_node);
-    takeNodesOf(input(), first_rows, output());
+    takeNodesOf(input(), first_rows, output(), resizes_);
     if (input().nodes() != output().nodes())
       throw ComponentError(fmt::format("{} has {} nodes and {} has {}", output().path(), output().nodes(),
                                        input().path(), input().nodes()),
                            "as many of each");
     for (const Index row : first_rows) addCopy(row);
   }
+
+ private:
+  bool resizes_ = false;
 };
 
 }  // namespace

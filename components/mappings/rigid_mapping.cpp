@@ -12,6 +12,7 @@
 //
 // geometricStiffness: the torque of f_i changes as the frame turns, by (dw x r) x f. Exact has it in the tangent, without
 // the part 1/2 [torque], which is zero for all torques of a frame in equilibrium together: the tangent is then symmetric.
+// Stabilized has what resists of that: of each frame the part with eigenvalues that draw it back.
 //
 // Source: the names and attributes are SOFA's, whose Exact is not symmetric.
 //

@@ -415,6 +415,8 @@ def test_condensed_bodies_refuse(folder):
         state.set(x=state.x)
     with pytest.raises(stroma.SceneError, match="beforehand"):
         simulation.matrix("stiffness")
+    with pytest.raises(stroma.SceneError, match="beforehand.*dragForces"):
+        simulation.request_forces()
 
 
 def test_bodies_that_would_overlap_stay_where_they_are():

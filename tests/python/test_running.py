@@ -183,6 +183,28 @@ def test_forces_from_outside(simulation):
     assert '"input"' in simulation.actions()
     with pytest.raises(stroma.SceneError, match="node"):
         simulation.add_force(state, [1000])
+    with pytest.raises(ValueError, match="3 numbers, not 6.*ConstantForceField"):
+        simulation.add_force(state, [0], force=(0, 0, 0, 0, 0, 1))
+    ended = simulation.add_force(state, [0], force=(5, 0, 0))
+    simulation.reset()
+    with pytest.raises(stroma.SceneError, match="reset"):
+        ended.change(force=(1, 0, 0))
+
+
+def test_a_component_stands_in_the_place_of_another():
+    point = stroma.Node("root", dt=0.02, gravity=(0, -10, 0))
+    point.add("EulerImplicitSolver", name="solver", rayleighMass=3)
+    point.add("CGLinearSolver", name="linear", iterations=20, tolerance=1e-9)
+    point.add("MechanicalObject", position=[[0, 0, 0]])
+    point.add("UniformMass", totalMass=1)
+    simulation = stroma.load(point, set={"/solver": "TrapezoidalRuleSolver", "/linear": "SparseLDLSolver"})
+    simulation.run(10)
+    assert simulation["/solver"].type == "TrapezoidalRuleSolver" and simulation["/linear"].type == "SparseLDLSolver"
+    assert simulation.state().x[0, 1] == pytest.approx(-0.5 * 10 * 0.2 ** 2, rel=1e-12)
+    with pytest.raises(stroma.SceneError, match="TrapezoidalRuleSolver"):
+        stroma.load(point, set={"/solver": "TrapezodalRuleSolver"})
+    with pytest.raises(stroma.SceneError, match="names no attribute"):
+        stroma.load(point, set={"/solver": 3})
 
 
 def test_two_threads_step_without_the_lock():

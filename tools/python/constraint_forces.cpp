@@ -65,7 +65,8 @@ Vector Engine::constraintForces(std::size_t index) const {
 void Engine::requestForces() {
   for (const auto& system : between().systems())
     if (system->integrator().stateOwner())
-      throw ComponentError("forces cannot be asked for: " + system->integrator().path() + " has computed its matrix beforehand");
+      throw ComponentError("forces cannot be asked for: " + system->integrator().path() + " has computed its matrix beforehand",
+                           "its dragForces, which are those on nodes that are moved");
   if (!keeps_forces_) forcesAreOld();
   keeps_forces_ = true;
   for (State* state : simulation_->states()) state->requestForce();

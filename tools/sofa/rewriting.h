@@ -137,6 +137,10 @@ class Rewriting {
 
   // ---- rewritten_solvers.cpp ----
   void meanSolver(Element& element);
+  bool hasForcesOfConstraint() const;
+  bool hasActuators() const;
+  void meanCorrection(Element& correction);
+  void meanVariational(Element& element);
   void meanStatics(Element& solver);
   void meanNewton(Element& newton);
   void meanMultiStep(Element& solver);

@@ -285,6 +285,45 @@ void Rewriting::countNodes(Element& container, Element& state) {
   state.set("useTopology", "false");
 }
 
+/// A link to the state beside it, which a mapping places: the state has no nodes yet that it could give.
+static bool dropLinkToPlaced(Element& container, const Element* state, const SceneTree& tree) {
+  if (!state || !container.place->has("mapping")) return false;
+  for (const char* name : {"position", "rest_position", "size", "src", "filename", "topology"})
+    if (state->find(name)) return false;
+  for (const char* name : {"position", "points"})
+    if (container.find(name) && tree.follow(container, container.text(name), true).element == state)
+      return container.remove(name), true;
+  return false;
+}
+
+/// Cells whose nodes are those of the state, which has them from a loader or from another mesh: a container of SOFA needs no
+/// positions.
+void Rewriting::takeNodesOfNeighbour(Element& container) {
+  const std::string& type = container.written->type;
+  if (type != "MeshTopology" && !type.ends_with("SetTopologyContainer")) return;
+  Element* state = container.place->firstOf("mechanical state");
+  const bool is_placed = dropLinkToPlaced(container, state, *tree_);
+  if (hasOwnNodes(container)) return;
+  bool has_cells = false;
+  for (const char* name : {"edges", "lines", "triangles", "quads", "tetrahedra", "tetras", "hexahedra", "hexas"})
+    has_cells = has_cells || container.find(name);
+  const bool is_of_points = state && (!state->find("template") || state->text("template").starts_with("Vec3"));
+  if (has_cells && is_placed) return countNodes(container, *state);
+  if (!has_cells || !is_of_points) return;
+  for (const char* name : {"position", "rest_position", "src"}) {
+    if (!state->find(name)) continue;
+    const std::string link = state->text(name);
+    const Element* source = tree_->follow(*state, link, std::string_view(name) != "src").element;
+    if (!link.starts_with("@") || !source || source == &container || !source->probe || !source->probe->data().find("position")) return;
+    return container.set("position", std::string_view(name) == "src" ? link + ".position" : link);
+  }
+  if (container.place->has("mapping") && !state->find("topology")) return countNodes(container, *state);
+  Element* mesh = state->find("topology") ? tree_->follow(*state, state->text("topology"), false).element : nullptr;
+  for (const auto& each : container.place->elements)
+    if (!mesh && !each->dropped && each->role() == "topology" && each.get() != &container && hasOwnNodes(*each)) mesh = each.get();
+  if (mesh && mesh != &container) container.set("position", SceneTree::linkTo(*mesh) + ".position");
+}
+
 void Rewriting::joinBodies() { Bodies(*tree_, diagnostics_, quirks_.isOn("isolated-springs")).join(); }
 
 }  // namespace stroma::sofa

@@ -33,15 +33,19 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "selection") meanSelection(element);
   if (role == "force field") meanField(element);
   if (role == "mass") meanMass(element);
+  if (role == "constraint correction") meanCorrection(element);
   if (role == "topology") meanMesh(element);
   if (role == "mechanical state") meanState(element);
   if (role == "projective constraint") meanConstraint(element);
+  if (element.is("BilateralLagrangianConstraint") && saysYes(element.text("keepOrientationDifference")))
+    setDefault(element, "keepCentreDifference", "true");
   meanTimes(element);
   if (element.written->type == "CableConstraint" || element.written->type == "SurfacePressureConstraint") meanActuator(element);
   // rest positions stay as they are written: in the axes of the frames
   if (isOneOf(element.written->type, {"RigidMapping", "DeformableOnRigidFrameMapping"}))
     setDefault(element, "applyRestPosition", "false");
   if (element.role() == "mapping") holdArms(element);
+  if (element.is("IdentityMapping")) setDefault(element, "resizes", "true");
   if (element.is("BarycentricMapping")) warnOfFrames(element), setQuirk(element, "centre-cells", "foundBy", "centres");
   if (element.is("CollisionResponse")) takeFriction(element);
   if (role == "engine" || role == "mesh engine") warnOfChance(element);
@@ -245,31 +249,6 @@ bool Rewriting::hasOwnNodes(const Element& mesh) const {
   return is_filled;
 }
 
-/// Cells whose nodes are those of the state, which has them from a loader or from another mesh: a container of SOFA needs no
-/// positions.
-void Rewriting::takeNodesOfNeighbour(Element& container) {
-  const std::string& type = container.written->type;
-  if ((type != "MeshTopology" && !type.ends_with("SetTopologyContainer")) || hasOwnNodes(container)) return;
-  bool has_cells = false;
-  for (const char* name : {"edges", "lines", "triangles", "quads", "tetrahedra", "tetras", "hexahedra", "hexas"})
-    has_cells = has_cells || container.find(name);
-  Element* state = container.place->firstOf("mechanical state");
-  const bool is_of_points = state && (!state->find("template") || state->text("template").starts_with("Vec3"));
-  if (!has_cells || !is_of_points) return;
-  for (const char* name : {"position", "rest_position", "src"}) {
-    if (!state->find(name)) continue;
-    const std::string link = state->text(name);
-    const Element* source = tree_->follow(*state, link, std::string_view(name) != "src").element;
-    if (!link.starts_with("@") || !source || source == &container || !source->probe || !source->probe->data().find("position")) return;
-    return container.set("position", std::string_view(name) == "src" ? link + ".position" : link);
-  }
-  if (container.place->has("mapping") && !state->find("topology")) return countNodes(container, *state);
-  Element* mesh = state->find("topology") ? tree_->follow(*state, state->text("topology"), false).element : nullptr;
-  for (const auto& each : container.place->elements)
-    if (!mesh && !each->dropped && each->role() == "topology" && each.get() != &container && hasOwnNodes(*each)) mesh = each.get();
-  if (mesh && mesh != &container) container.set("position", SceneTree::linkTo(*mesh) + ".position");
-}
-
 /// A container of SOFA takes from its `src` the cells that it has a list for.
 void Rewriting::leaveOtherCells(Element& container) {
   static const std::vector<std::pair<std::string_view, std::vector<const char*>>> others = {
@@ -379,9 +358,18 @@ void Rewriting::meanState(Element& element) {
 }
 
 void Rewriting::meanConstraint(Element& element) {
+  const Element* integrator = element.place->nearest("integrator");
+  const bool moves = integrator && !integrator->is("StaticSolver") && !element.place->has("mapping");
+  if (element.is("FixedRotationProjectiveConstraint") && moves && quirks_.use("one-sided-turns", element.path()))
+    return tree_->retype(element, "TwistConstraint");
   setDefault(element, "ignoreMissing", "true");
+  setDefault(element, "startsThere", "true");
   if (element.is("PatchTestMovementProjectiveConstraint")) setDefault(element, "velocity", "zero");
   if (element.is("AttachProjectiveConstraint")) setDefault(element, "twoWay", "false");
+  if (element.is("AttachProjectiveConstraint") && moves && !saysYes(element.text("twoWay")))
+    setQuirk(element, "moved-inertia", "meet", "halfway");
+  if (element.is("AttachProjectiveConstraint") && !integrator)
+    warn(element.written->where, element, {}, "ties bodies of a solver each: SOFA moves each freely and takes means after a step");
   if (holdsNothing(element)) return;
   if (element.is("FixedPlaneProjectiveConstraint") && element.find("indices") && element.writes("dmin") &&
       element.text("dmin") == element.text("dmax"))
@@ -389,7 +377,9 @@ void Rewriting::meanConstraint(Element& element) {
   const bool all = saysYes(element.text("fixAll"));
   static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
                                               "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",
-                                              "PartialLinearMovementProjectiveConstraint"};
+                                              "PartialLinearMovementProjectiveConstraint", "DirectionProjectiveConstraint",
+                                              "ProjectToPointProjectiveConstraint", "ProjectToLineProjectiveConstraint",
+                                              "ProjectToPlaneProjectiveConstraint"};
   if (!all && !element.find("indices") && first.count(element.written->type) &&
       quirks_.use("first-node", element.path())) {
     warn(element.written->where, element, "indices", "is not given: SOFA holds node 0");

@@ -262,6 +262,8 @@ void Rewriting::meanLoads(Element& element) {
     element.dropped = true;
     return warn(element.written->where, element, "forces", "is not given: there is no load");
   }
+  if (type == "EdgePressureForceField" && element.find("p_intensity"))
+    setDefault(element, "lengths", "first"), setQuirk(element, "late-times", "late", "true");
   if (isAnyOf(type, {"TrianglePressureForceField", "QuadPressureForceField", "EdgePressureForceField"})) {
     setDefault(element, "allowEmpty", "true");
     const bool chooses = type != "TrianglePressureForceField" || element.find("triangleList") || layers_.count(&element);

@@ -7,6 +7,40 @@
 
 namespace stroma::sofa {
 
+/// Lagrangian constraints, or contacts with friction.
+bool Rewriting::hasForcesOfConstraint() const {
+  bool found = false;
+  tree_->forEach([&found](Element& each) {
+    const bool answers = each.text("response").find("Constraint") != std::string::npos;
+    found = found || each.role() == "Lagrangian constraint" || (answers && !each.dropped);
+  });
+  return found;
+}
+
+/// Cables and cavities of SoftRobots, which are to hold what they are told and keep the rounds they need for it.
+bool Rewriting::hasActuators() const {
+  bool found = false;
+  tree_->forEach([&found](Element& each) {
+    found = found || each.written->type == "CableConstraint" || each.written->type == "SurfacePressureConstraint";
+  });
+  return found;
+}
+
+void Rewriting::meanVariational(Element& element) {
+  setDefault(element, "steps", "5");
+  setDefault(element, "newtonError", "0.01");
+  if (saysYes(element.text("explicitIntegration"))) {
+    if (element.find("rayleighStiffness")) noEffect(element.written->type + ".rayleighStiffness, which explicit steps do not know");
+    element.remove("rayleighStiffness");
+  } else if (hasForcesOfConstraint()) {
+    warn(element.written->where, element, "newtonError",
+         "ends iterations where positions change little in SOFA, whose Rayleigh damping is in the matrix alone: here it is of "
+         "the forces, and both damp");
+  } else {
+    setQuirk(element, "one-iteration", "byPositions", "true");
+  }
+}
+
 void Rewriting::meanSolver(Element& element) {
   const std::string& type = element.written->type;
   if (type == "CGLinearSolver" || type == "PCGLinearSolver" || type == "MinResLinearSolver") {
@@ -26,24 +60,8 @@ void Rewriting::meanSolver(Element& element) {
     setQuirk(element, "trapezoidal-positions", "moveByNewVelocity", "true");
   if (type == "BDFOdeSolver") meanMultiStep(element);
   if (type == "CentralDifferenceSolver") setQuirk(element, "whole-first-step", "firstStep", "whole");
-  if (type == "VariationalSymplecticSolver") {
-    setDefault(element, "steps", "5");
-    setDefault(element, "newtonError", "0.01");
-    bool is_held = false;  // by forces of constraint
-    tree_->forEach([&is_held](Element& each) {
-      is_held = is_held || each.role() == "Lagrangian constraint" || each.text("response").find("Friction") != std::string::npos;
-    });
-    if (saysYes(element.text("explicitIntegration"))) {
-      if (element.find("rayleighStiffness")) noEffect(type + ".rayleighStiffness, which explicit steps do not know");
-      element.remove("rayleighStiffness");
-    } else if (is_held) {
-      warn(element.written->where, element, "newtonError",
-           "ends iterations where positions change little in SOFA, whose Rayleigh damping is in the matrix alone: here it is of "
-           "the forces, and both damp");
-    } else {
-      setQuirk(element, "one-iteration", "byPositions", "true");
-    }
-  }
+  if (type == "VariationalSymplecticSolver") meanVariational(element);
+  if (type == "EulerImplicitSolver" && hasForcesOfConstraint() && !hasActuators()) setQuirk(element, "one-iteration", "oneRound", "true");
   if (type == "StaticSolver") meanStatics(element);
   if (type == "NewtonRaphsonSolver") meanNewton(element);
 }
@@ -259,8 +277,7 @@ void Rewriting::warnOfAccepted(const Element& element) {
   if (isAnyOf(element.written->type, {"CylinderCollisionModel", "CylinderModel", "Cylinder", "TetrahedronCollisionModel",
                                       "TetrahedronModel", "TetrahedronSet", "Tetrahedron"}))
     return warn(element.written->where, element, {}, "is no part of contacts here: where something touches it, SOFA's result is another");
-  const bool is_precomputed = element.is("PrecomputedConstraintCorrection");
-  if (!is_precomputed && !element.is("UncoupledConstraintCorrection")) return;
+  if (!element.is("PrecomputedConstraintCorrection")) return;
   bool pulls = element.find("compliance") || element.find("defaultCompliance"), holds = false;
   tree_->forEach([&](Element& each) {
     const Place* place = each.place;
@@ -272,9 +289,15 @@ void Rewriting::warnOfAccepted(const Element& element) {
   });
   if (pulls && holds)
     warn(element.written->where, element, {},
-         is_precomputed
-             ? "SOFA moves nodes by forces of constraint with the compliance of the start: here it is that of the step"
-             : "SOFA moves nodes by forces of constraint as if none were tied to another: here the matrix of the step moves them");
+         "SOFA moves nodes by forces of constraint with the compliance of the start: here it is that of the step");
+}
+
+/// Forces of constraint that leave out the matrix of a body: where there are any, and unless they are not wanted.
+void Rewriting::meanCorrection(Element& correction) {
+  const bool counts = hasForcesOfConstraint() && correction.place->has("mechanical state");
+  if (counts && quirks_.use("one-iteration", correction.path())) return;
+  correction.dropped = true;
+  noEffect(correction.written->type);
 }
 
 /// Tangents of SOFA that are not the derivatives of the forces, and are not followed.

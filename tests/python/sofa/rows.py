@@ -594,7 +594,7 @@ def a_contact_that_slides(root):
     body.addObject("SparseLDLSolver")
     body.addObject("MechanicalObject", name="mo", position=[0.1 * up])
     body.addObject("UniformMass", totalMass=m)
-    body.addObject("UncoupledConstraintCorrection")
+    body.addObject("LinearSolverConstraintCorrection")
     body.addObject("PointCollisionModel")
     across = [np.cross(up, [0, 0, 1.0]), np.cross(up, np.cross(up, [0, 0, 1.0]))]
     floor.addObject("MeshTopology", position=[9 * a * across[0] + 9 * b * across[1] for a, b in ((-1, -2), (3, -1), (-1, 4))], triangles=[[0, 1, 2]])

@@ -27,9 +27,9 @@ _STEPS_TO_JUDGE = 20  # what a look at the shapes costs is then little beside th
 def load(scene: Union[str, os.PathLike, Node], set: Optional[Dict[str, Any]] = None, dialect: Optional[str] = None,
          observers: bool = True, quiet: bool = False) -> "Simulation":
     """Loads a scene: a file (.xml, .scn) or a tree. `set` has attributes that are to be others, {"/liver/fem.youngModulus": "12 kPa",
-    "dt": 0.005}. `dialect`: "sofa" or "native". `observers=False`: nothing writes files.
+    "dt": 0.005}, and components in the place of others, {"/liver/solver": "BDFOdeSolver order=2"}. `dialect`: "sofa" or "native". `observers=False`: nothing writes files.
     Warnings about it, and later about its runs, are those of Python (SceneWarning), unless it is `quiet`. Throws SceneError with every problem found."""
-    overrides = [_override(key, value) for key, value in (set or {}).items()]
+    overrides = [_override(key, value, whole=True) for key, value in (set or {}).items()]
     if dialect is not None:
         overrides.append(("/", "dialect", dialect))
     if not isinstance(scene, (str, os.PathLike, Node)):
@@ -46,8 +46,10 @@ def load(scene: Union[str, os.PathLike, Node], set: Optional[Dict[str, Any]] = N
     return simulation
 
 
-def _override(key: str, value: Any) -> tuple:
+def _override(key: str, value: Any, whole: bool = False) -> tuple:
     path, dot, attribute = key.rpartition(".")
+    if whole and not dot and "/" in key and isinstance(value, str) and value.strip()[:1].isupper():
+        return (key if key.startswith("/") else "/" + key, "", value)
     if not dot and "/" in key:
         raise refusal(f"'{key}' names no attribute", "a path and an attribute, as /liver/fem.youngModulus", where=caller())
     if not attribute:
@@ -184,7 +186,7 @@ class Simulation:
         return self._engine.doubts
 
     def reset(self) -> None:
-        """Back to the start, to the bit. Attributes that were set stay."""
+        """Back to the start, to the bit. Attributes that were set stay, forces that were added end."""
         self._engine.reset()
 
     def add_observer(self, observer: Observer) -> Token:
@@ -683,7 +685,7 @@ class State:
 
 
 class Force:
-    """A force from outside that acts until remove()."""
+    """A force from outside that acts until remove(), or until the simulation is reset or restored to an instant without it."""
 
     def __init__(self, simulation: Simulation, state: str, nodes, force, targets, stiffness, damping):
         self._simulation, self.state = simulation, state
@@ -691,8 +693,11 @@ class Force:
         self.number = simulation._engine.add_input(state, *self._arguments())
 
     def _arguments(self) -> tuple:
-        given = self._given
-        return ([operator.index(node) for node in given["nodes"]], [float(c) for c in given["force"]],
+        given, force = self._given, [float(c) for c in self._given["force"]]
+        if len(force) != 3:
+            raise ValueError(f"a force has 3 numbers, not {len(force)}: it acts on the centre of a frame, and a ConstantForceField, "
+                             "whose forces may change in a run, has torques")
+        return ([operator.index(node) for node in given["nodes"]], force,
                 [[float(c) for c in target] for target in given["targets"]], float(given["stiffness"]), float(given["damping"]))
 
     def change(self, **given: Any) -> None:

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from . import _catalogue, _messages, _values
+from . import _catalogue, _cells, _messages, _values
 from ._base import Base
 from ._data import Data
 
@@ -213,16 +213,16 @@ class Object(Base):
         return self._s_count("position")
 
     def getNbEdges(self):
-        return self._s_count("edges")
+        return len(_cells.edges(self))
 
     def getNbLines(self):
-        return self._s_count("edges")
+        return self.getNbEdges()
 
     def getNbTriangles(self):
-        return self._s_count("triangles")
+        return len(_cells.triangles(self))
 
     def getNbQuads(self):
-        return self._s_count("quads")
+        return len(_cells.quads(self))
 
     def getNbTetrahedra(self):
         return self._s_count("tetrahedra")
@@ -233,6 +233,21 @@ class Object(Base):
         return self._s_count("hexahedra")
 
     getNbHexas = getNbHexahedra
+
+    def getEdge(self, index):
+        return _cells.edges(self)[index]
+
+    def getTetrahedron(self, index):
+        return _cells.cells(self, "tetrahedra")[index]
+
+    def getLocalEdgesInTetrahedron(self, index):
+        return list(_cells.TETRAHEDRON_EDGES[index])
+
+    def getEdgesInTetrahedron(self, index):
+        """The numbers of its edges, in the order of getLocalEdgesInTetrahedron."""
+        numbers = {frozenset(edge): i for i, edge in enumerate(_cells.edges(self))}
+        nodes = self.getTetrahedron(index)
+        return [numbers[frozenset(nodes[k] for k in pair)] for pair in _cells.TETRAHEDRON_EDGES]
 
 
 #: names that programs ask of any object of Python: no data of what takes all data
