@@ -3,9 +3,10 @@
 //
 // Which of them it is, is seen from the content. Lines, triangles, quads, tetrahedra and hexahedra are read, pixels and
 // voxels turned into quads and hexahedra, polylines into edges, strips and polygons into triangles (around their first
-// corner). Vertices, wedges and pyramids are counted and reported; quadratic cells are an error. The faces and edges of
-// the volume cells are added to the lists of the file unless createSubelements="false", as by MeshGmshLoader: a scene
-// selects faces alike, whichever of the two has read its mesh. (In SOFA the default is false here.)
+// corner). Quadratic triangles (6 nodes) and tetrahedra (10 nodes) are read too. Vertices, wedges, pyramids and quadratic
+// edges are counted and reported; other quadratic cells are an error. The faces and edges of the volume cells are added
+// to the lists of the file unless createSubelements="false", as by MeshGmshLoader: a scene selects faces alike, whichever
+// of the two has read its mesh. (In SOFA the default is false here.)
 //
 // Labels: when the file has cell data of whole numbers under the name `groupArray` (default "label"),
 // `tetrahedraGroups` and its like hold the value of each cell, as MeshGmshLoader's hold the physical group.

@@ -491,6 +491,16 @@ class Recordings(Case):
         said = self.picture("kept", "--animate", "--size", "200x150", "-o", "film.png")
         self.assertIn("7 frames", said)
 
+    def test_a_checkpoint_is_drawn_like_the_run(self):
+        scene = self.write("cube.xml", CUBE % FALLING)
+        run("run", scene, "-n", 6, "--record", "kept", "--quiet", folder=self.folder)
+        for more in ((), ("-n", 3)):
+            self.picture(scene, "-n", 6 + (3 if more else 0), "--size", "300x200", "-o", "live.png")
+            self.picture(scene, "--restart", "kept/last.checkpoint", *more, "--size", "300x200", "-o", "kept.png")
+            self.assertTrue((pixels(self.path("live.png")) == pixels(self.path("kept.png"))).all())
+        self.assertIn("nothing", self.picture(scene, "--restart", "nothing", code=2))
+        self.assertIn("a recording is not run", self.picture("kept", "--restart", "kept/last.checkpoint", code=2))
+
     def test_times_stand_as_asked_of_a_run_too(self):
         scene = self.write("cube.xml", CUBE % FALLING)
         run("run", scene, "-n", 6, "--record", "kept", "--quiet", folder=self.folder)

@@ -201,6 +201,23 @@ TEST_F(Load, Overrides) {
     EXPECT_THROW(Override::parse(bad), std::invalid_argument) << bad;
 }
 
+/// The component has the name of the one that it stands for, whatever the order in which things are set.
+TEST_F(Load, AnOverridePutsAnotherComponentInThePlaceOfOne) {
+  const std::string text =
+      "<Node name='root'><TestState position='0 0 0'/><TestMesh name='part' position='0 0 0'/>"
+      "<Node name='liver'><TestState position='0 0 0'/><TestForce youngModulus='1' method='small'/></Node></Node>";
+  const Scene scene = load(text, {Override::parse("/part.method=small"), Override::parse("/part = TestForce youngModulus=2 3 method=polar"),
+                                  Override::parse("/root/liver/TestForce=TestMesh position=1 2 3")});
+  const auto& part = get<TestForce>(scene, "/part");
+  EXPECT_EQ(part.young, (std::vector<double>{2, 3}));
+  EXPECT_EQ(part.method, TestForce::Method::small);
+  EXPECT_EQ(get<TestMesh>(scene, "/liver/TestForce").position.size(), 1u);
+
+  EXPECT_EQ(problemOf(text, {Override::parse("/part=TestFroce youngModulus=1")}).suggestion, "TestForce");
+  EXPECT_NE(problemOf(text, {Override::parse("/part=TestMesh lonely")}).message.find("lonely"), std::string::npos);
+  EXPECT_NE(problemOf(text, {Override::parse("/liver=TestForce")}).message.find("this is a node"), std::string::npos);
+}
+
 TEST_F(Load, AnOverrideReplacesAnAttributeWrittenUnderItsAlias) {
   const Scene scene =
       load("<Node><TestMesh name='m' tetras='@nothing.at.all'/></Node>", {Override::parse("/m.tetrahedra=0 1 2 3")});

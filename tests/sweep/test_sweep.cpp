@@ -69,6 +69,19 @@ TEST_F(Sweep, EulersMethodHasTheOrderOneInTheTimeStep) {
   EXPECT_NEAR(own["configurations"][0]["error"].get<double>(), error, 0.02 * error);
 }
 
+/// Components in the place of one another: backward Euler and two rules of order 2.
+TEST_F(Sweep, IntegratorsAreComparedByTheirErrors) {
+  write("oscillator.xml", oscillator);
+  const auto json = tableOf("oscillator.xml --vary '/solver=EulerImplicitSolver rayleighMass=0,TrapezoidalRuleSolver,BDFOdeSolver order=2' "
+                            "--vary dt=0.002,0.001 --until 0.2 --no-times -q --error /dofs.displacement --reference '0.1*sin(10*t); 0; 0'");
+  ASSERT_EQ(json["configurations"].size(), 6u);
+  const double orders[] = {1, 2, 2};
+  for (int i = 0; i < 3; ++i) {
+    const double coarse = json["configurations"][2 * i]["error"], fine = json["configurations"][2 * i + 1]["error"];
+    EXPECT_NEAR(std::log2(coarse / fine), orders[i], 0.1) << i;
+  }
+}
+
 /// 70, 110, 100 have differences that shrink like those of order 2, but they turn round.
 TEST_F(Sweep, ValuesThatOscillateFollowNoOrder) {
   write("oscillator.xml", oscillator);

@@ -35,7 +35,7 @@ struct WrongValues {
   bool is_input;
 
   List operator()(const bool*) const { return {"perhaps", "true", "false"}; }
-  List operator()(const int*) const { return {"-1", "0", "1000000", "1.5", "nan"}; }
+  List operator()(const int*) const { return {"-1", "0", "100000", "1.5", "nan"}; }  // some of them are counts of iterations
   List operator()(const double*) const { return {"-1", "0", "1e300", "-1e300", "nan", "inf", "much", ""}; }
   List operator()(const std::string*) const { return {"", "no_such_word"}; }
   List operator()(const Vec3*) const { return {"0 0 0", "1e300 0 0", "-1 -1 -1", "1 2", "nan 0 0"}; }
@@ -74,7 +74,7 @@ struct Change {
   std::string text() const { return fmt::format("{}.{}='{}'", path, attribute, value.substr(0, 40)); }
 };
 
-/// A million nodes are no wrong value of a mesh that is made, and take minutes.
+/// So many nodes are no wrong value of a mesh that is made, and take minutes.
 bool makesNodes(const Component& component) {
   return component.roleText() == "mesh engine" || component.roleText() == "topology";
 }
@@ -92,7 +92,7 @@ std::vector<Change> changesOf(const Simulation& simulation, Factory& factory) {
       std::vector<std::string> values = std::visit(WrongValues{data.isInputFile()}, data.pointer());
       if (!data.link()) values.push_back("@nowhere.position");
       for (const std::string& value : values) {
-        if (value == "1000000" && makesNodes(*component) && std::holds_alternative<int*>(data.pointer())) continue;
+        if (value == "100000" && makesNodes(*component) && std::holds_alternative<int*>(data.pointer())) continue;
         const bool parses = !value.starts_with("@nowhere.") &&
                             !scratch->data().find(data.name())->parse(value, DataOrigin::written).has_value();
         changes.push_back({component->type(), component->path(), data.name(), value, parses, repeats});

@@ -241,7 +241,7 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
   const std::pair<const char*, const char*> others[] = {
       {"OglModel", "accepted without effect"},
       {"DefaultAnimationLoop", "accepted without effect"},
-      {"UncoupledConstraintCorrection", "Forces of constraint are found"},
+      {"GenericConstraintCorrection", "Forces of constraint are found"},
       {"FixedConstraint", "is now called FixedProjectiveConstraint"},
       {"SparseGrid", "is now called SparseGridTopology"},
       {"BoxConstraint", "write a BoxROI"},

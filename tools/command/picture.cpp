@@ -83,7 +83,7 @@ RunLimits limitsOf(const PictureCommand& command, const Session& session) {
     if (asked.kind == AskedTime::Kind::time) last = std::max(last, stepsUntil(session, asked.time, "at"));
   const bool needs_end = command.at.empty() || Wanted(command.at).hasEnd();
   limits.steps = command.until ? stepsUntil(session, *command.until, "until")
-                               : command.steps.value_or(needs_end ? usual_steps : last);
+                               : command.steps.value_or(!command.restart_file.empty() ? 0 : needs_end ? usual_steps : last);
   if (last > limits.steps)
     throw UsageError(fmt::format("--at {}: the run ends at {:g} (expected a larger -n or --until)",
                                  Wanted(command.at).last().value_or(0),
@@ -241,6 +241,9 @@ int picture(const Arguments& arguments) {
   reportProblems(simulation.scene(), command.quiet);
   leaveOutputs(simulation, command.quiet || command.isRecording() ? "" : "for a picture");
   checkOutputs(command, simulation);
+  if (!command.restart_file.empty())
+    for (const std::string& note : session.restore(command.restart_file))
+      if (!command.quiet) fmt::print(stderr, "note: {}\n", note);
   RecordedMeshes meshes;
   Shown shown(command, session, *maker);
   std::string no_result;

@@ -74,6 +74,8 @@ OptionList pictureOptions() {
       ("output,o", po::value<std::string>()->value_name("FILE.png"), "write this file")                          //
       ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 draws the scene as it is loaded")  //
       ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                            //
+      ("restart", po::value<std::string>()->value_name("FILE"),
+       "begin at a checkpoint of this scene, as Python and run --record leave; -n counts from there, 0 when not given")  //
       ("at", po::value<std::string>()->value_name("T,T..."),
        "times to draw, side by side: seconds, start, end")  //
       ("animate", "write an animated PNG")                  //
@@ -183,7 +185,7 @@ void checkPicturePartners(const Values& values, bool is_recording) {
     throw UsageError("--at and --animate exclude each other: a film shows the whole run");
   if (values.count("view") && values.count("views")) throw UsageError("--view and --views exclude each other");
   if (!is_recording) return;
-  for (const char* option : {"steps", "until", "anyway"})
+  for (const char* option : {"steps", "until", "anyway", "restart"})
     if (values.count(option))
       throw UsageError(fmt::format("--{}: a recording is not run (expected --at T for one of its instants)", option));
 }
@@ -257,6 +259,7 @@ PictureCommand::PictureCommand(const Values& values)
       every(positive<long>(values, "every", 1)),
       fps(positive<double>(values, "fps", 0.1, 1000).value_or(20)),
       anyway(values.count("anyway") > 0),
+      restart_file(textOf(values, "restart")),
       lists_fields(textOf(values, "field") == "help"),
       quiet(values.count("quiet") > 0) {
   if (fs::is_directory(scene)) recording_folder = scene;

@@ -31,6 +31,7 @@ struct PictureCommand {
   std::optional<long> every{};    ///< steps, or instants, from one frame to the next
   double fps = 20;                ///< frames a second
   bool anyway = false;            ///< a run without a result is drawn too
+  std::string restart_file;       ///< a checkpoint that the run begins at; empty: none
   bool lists_fields = false;      ///< nothing is drawn
   bool quiet = false;
   picture::PictureRequest look{};

@@ -16,7 +16,8 @@ namespace stroma::command {
 void addSceneOptions(OptionList& options) {
   options.add_options()  //
       ("set", po::value<std::vector<std::string>>()->value_name("PATH.ATTR=VALUE"),
-       "override an attribute of the scene, as --set /liver/fem.method=polar; may be repeated")  //
+       "override an attribute of the scene, as --set /liver/fem.method=polar, or a component, as --set "
+       "/liver/solver=BDFOdeSolver; may be repeated")  //
       ("dialect", po::value<std::string>()->value_name("sofa|native"),
        "read the scene as SOFA does, or as a native one; a file that ends in .scn is SOFA's")  //
       ("without-quirk", po::value<std::vector<std::string>>()->value_name("NAME"),

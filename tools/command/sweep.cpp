@@ -64,7 +64,8 @@ OptionList sweepOptions() {
   OptionList options("options");
   options.add_options()  //
       ("vary", po::value<Texts>()->value_name("PATH.ATTR=a,b,c"),
-       "values of an attribute, or of threads; may be repeated: every combination is run")  //
+       "values of an attribute, of threads, or components in the place of one (\"/solver=BDFOdeSolver order=2,StaticSolver\"); may be "
+       "repeated: every combination is run")  //
       ("zip", po::value<Texts>()->value_name("\"PATH.ATTR=a,b; PATH.ATTR=c,d\""),
        "attributes that vary together; may be repeated")                                                           //
       ("output,o", po::value<std::string>()->value_name("DIR"), "folder of the runs and the report")               //

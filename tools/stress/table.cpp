@@ -88,9 +88,12 @@ std::string optionsOf(const StressRequest& request, const std::vector<Override>&
   all.insert(all.end(), more.begin(), more.end());
   std::string text;
   for (const Override& one : all)
-    text += one.path == "/" && one.attribute == "dialect"
-                ? " --dialect " + one.value
-                : " --set " + quoted((one.path == "/" ? "" : one.path + ".") + one.attribute + "=" + one.value);
+    if (one.path == "/" && one.attribute == "dialect") {
+      text += " --dialect " + one.value;
+    } else {
+      const std::string dot = one.path == "/" || one.attribute.empty() ? "" : ".";
+      text += " --set " + quoted((one.path == "/" ? "" : one.path) + dot + one.attribute + "=" + one.value);
+    }
   for (const std::string& module : request.modules) text += " --module " + quoted(module);
   return text;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -43,7 +44,9 @@ Variation parseVariation(const std::string& text, const char* option) {
   variation.attribute = std::string(trimmed(text.substr(0, equals)));
   variation.values = split(text.substr(equals + 1), ',');
   const bool is_path = variation.attribute.starts_with('/');
-  if (variation.attribute.empty() || (is_path && variation.attribute.rfind('.') == std::string::npos))
+  const auto is_type = [](const std::string& value) { return !value.empty() && std::isupper(static_cast<unsigned char>(value[0])); };
+  const bool are_types = is_path && std::ranges::all_of(variation.values, is_type);  // components in the place of one
+  if (variation.attribute.empty() || (is_path && !are_types && variation.attribute.rfind('.') == std::string::npos))
     throw std::invalid_argument(fmt::format("{} {} names no attribute: {}", option, inQuotes(text), expected));
   if (!is_path && variation.attribute.find('.') != std::string::npos) variation.attribute.insert(0, 1, '/');
   std::set<std::string> seen;
@@ -79,6 +82,7 @@ std::string lowerCase(std::string text) {
 }
 
 AxisKind kindOf(const std::string& attribute) {
+  if (attribute.find('/') != std::string::npos && attribute.find('.') == std::string::npos) return AxisKind::words;  // a component
   const std::string name = lowerCase(attribute.substr(attribute.rfind('.') + 1));
   if (name.find("tolerance") != std::string::npos || name.find("threshold") != std::string::npos)
     return AxisKind::tolerance;
