@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The certificate against arithmetic in rational numbers, whose determinants are computed in another way.
+// The certificate against exact arithmetic, which cuts and clips where the certificate has signs of determinants.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
 #include <random>
 
 #include "framework/collision/exact_intersection.h"
@@ -12,50 +13,75 @@
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-using Rational = boost::multiprecision::cpp_rational;
-using Exact = std::array<Rational, 3>;
+// In whole numbers, all coordinates times one power of two: rational numbers look for a common factor in each sum.
+using Whole = boost::multiprecision::cpp_int;
+using Exact = std::array<Whole, 3>;
 
-Exact exact(const Vec3& p) { return {Rational(p.x()), Rational(p.y()), Rational(p.z())}; }
+std::array<Exact, 5> exact(const std::array<Vec3, 5>& x) {
+  constexpr int bits = 53;
+  int least = 0;
+  for (const Vec3& p : x)
+    for (const double number : p) least = std::min(least, std::ilogb(number == 0 ? 1 : number) - bits);
+  std::array<Exact, 5> out;
+  for (std::size_t k = 0; k < 5; ++k)
+    for (std::size_t c = 0; c < 3; ++c) {
+      int exponent = 0;
+      const double part = std::frexp(x[k][Index(c)], &exponent);
+      if (part != 0) out[k][c] = Whole(std::int64_t(std::ldexp(part, bits))) << (exponent - bits - least);
+    }
+  return out;
+}
 Exact minus(const Exact& a, const Exact& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Rational dot(const Exact& a, const Exact& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Whole dot(const Exact& a, const Exact& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Exact cross(const Exact& a, const Exact& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-int signOf(const Rational& r) { return r > 0 ? 1 : r < 0 ? -1 : 0; }
+
+struct Part {
+  Whole above, below;  ///< below > 0
+  Part(const Whole& over, const Whole& under) : above(under < 0 ? -over : over), below(abs(under)) {}
+  bool operator<(const Part& other) const { return above * other.below < other.above * below; }
+};
 
 /// The segment is cut with the plane and the point tested in the triangle, or clipped at the triangle's edges where it lies in the plane.
 bool meets(const std::array<Vec3, 5>& x) {
-  const Exact p = exact(x[0]), q = exact(x[1]), t[3] = {exact(x[2]), exact(x[3]), exact(x[4])};
-  const Exact n = cross(minus(t[1], t[0]), minus(t[2], t[0])), d = minus(q, p);
-  const Rational height = dot(n, minus(p, t[0])), rate = dot(n, d);
-  Rational low = 0, high = 1;
+  const auto [p, q, t0, t1, t2] = exact(x);
+  const Exact* const t[] = {&t0, &t1, &t2};
+  const Exact n = cross(minus(t1, t0), minus(t2, t0)), d = minus(q, p);
+  const Whole height = dot(n, minus(p, t0)), rate = dot(n, d);
+  Part low(0, 1), high(1, 1);
   if (rate == 0) {
     if (height != 0) return false;
   } else {
-    low = high = -height / rate;
-    if (low < 0 || low > 1) return false;
+    low = high = Part(-height, rate);
+    if (low.above < 0 || low.above > low.below) return false;
   }
   for (int i = 0; i < 3; ++i) {  // inside: in . (p + s d - t_i) >= 0
-    const Exact in = cross(n, minus(t[(i + 1) % 3], t[i]));
-    const Rational at = dot(in, minus(p, t[i])), slope = dot(in, d);
+    const Exact in = cross(n, minus(*t[(i + 1) % 3], *t[i]));
+    const Whole at = dot(in, minus(p, *t[i])), slope = dot(in, d);
     if (slope == 0) {
       if (at < 0) return false;
-    } else if (const Rational s = -at / slope; slope > 0) {
-      low = std::max(low, s);
+    } else if (slope > 0) {
+      low = std::max(low, Part(-at, slope));
     } else {
-      high = std::min(high, s);
+      high = std::min(high, Part(-at, slope));
     }
   }
-  return low <= high;
+  return !(high < low);
 }
 bool flat(const std::array<Vec3, 5>& x) {
-  const Exact n = cross(minus(exact(x[3]), exact(x[2])), minus(exact(x[4]), exact(x[2])));
+  const std::array<Exact, 5> at = exact(x);
+  const Exact n = cross(minus(at[3], at[2]), minus(at[4], at[2]));
   return n[0] == 0 && n[1] == 0 && n[2] == 0;
 }
 
 class Pairs {
  public:
-  double number() { return uniform_(random_); }
+  /// As std::uniform_real_distribution makes it, which takes logarithms for each number without optimisation.
+  double number() {
+    const double low = double(random_()), high = double(random_());
+    return (low + high * 0x1p32) / 0x1p64 * 2 - 1;
+  }
   Vec3 point() { return {number(), number(), number()}; }
   /// Coordinates of a coarse lattice: most determinants of such points vanish often.
   Vec3 corner(int count) {
@@ -65,7 +91,6 @@ class Pairs {
 
  private:
   std::mt19937 random_{3};
-  std::uniform_real_distribution<double> uniform_{-1, 1};
 };
 
 bool ours(const std::array<Vec3, 5>& x) { return segmentMeetsTriangle(x[0], x[1], x[2], x[3], x[4]); }
@@ -84,7 +109,7 @@ TEST(ExactIntersection, OfRandomPairs) {
     const std::array<Vec3, 5> x{pairs.point(), pairs.point(), pairs.point(), pairs.point(), pairs.point()};
     const bool found = ours(x);
     meeting += found;
-    // rational numbers take their time: every pair that is near a decision, and some of the others
+    // exact numbers take their time: every pair that is near a decision, and some of the others
     const double *p = x[0].data(), *q = x[1].data(), *s = x[2].data(), *t = x[3].data(), *u = x[4].data();
     const double smallest =
         std::min({volume(s, t, u, p), volume(s, t, u, q), volume(p, q, s, t), volume(p, q, t, u), volume(p, q, u, s)});

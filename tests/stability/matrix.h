@@ -5,12 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test::matrix {
+
+/// Made once for each pattern: making it takes longer than using it.
+const std::regex& compiled(const std::string& pattern);
 
 struct Condition {
   std::string name, shape = "pulled";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -12,6 +13,12 @@
 #include "tests/support/force_field_examples.h"
 
 namespace stroma::test::matrix {
+
+const std::regex& compiled(const std::string& pattern) {
+  static std::map<std::string, std::regex> known;
+  const auto found = known.find(pattern);
+  return found != known.end() ? found->second : known.emplace(pattern, std::regex(pattern)).first->second;
+}
 
 const std::vector<Condition>& conditions() {
   static const std::vector<Condition> all{{"inverted", "inverted"},
@@ -120,7 +127,7 @@ void addElasticVariants(std::vector<Row>& out, Cells cells) {
 
 /// Every number of the attributes `name` (a pattern) times `factor`.
 std::string scaled(const std::string& text, const std::string& name, double factor) {
-  const std::regex attribute("((?:" + name + ")=\")([^\"]*)\"");
+  const std::regex& attribute = compiled("((?:" + name + ")=\")([^\"]*)\"");
   std::string out;
   auto from = text.cbegin();
   for (std::sregex_iterator it(text.begin(), text.end(), attribute), end; it != end; ++it) {
@@ -140,7 +147,7 @@ std::string scaled(const std::string& text, const std::string& name, double fact
 std::string adapted(std::string text, const std::string& type, const std::string& attributes, bool supported,
                     const std::string& integrator, const Condition& c) {
   const auto replace = [&](const std::string& pattern, const std::string& by) {
-    text = std::regex_replace(text, std::regex(pattern), by);
+    text = std::regex_replace(text, compiled(pattern), by);
   };
   replace("<(EulerImplicit|EulerExplicit|Static)Solver[^>]*/>", "");
   replace("<[A-Z]*[a-z]*LinearSolver[^>]*/>|<SparseLDLSolver[^>]*/>", "");
@@ -164,9 +171,9 @@ std::string adapted(std::string text, const std::string& type, const std::string
   const auto at = text.find("<" + type + " ");
   if (at == std::string::npos) throw std::runtime_error("no " + type + " in its example");
   std::string own = text.substr(at, text.find('>', at) - at);
-  const std::regex name("(\\w+)=");
+  const std::regex& name = compiled("(\\w+)=");
   for (std::sregex_iterator it(attributes.begin(), attributes.end(), name), end; it != end; ++it)
-    own = std::regex_replace(own, std::regex("\\b" + (*it)[1].str() + "=\"[^\"]*\""), "");
+    own = std::regex_replace(own, compiled("\\b" + (*it)[1].str() + "=\"[^\"]*\""), "");
   own.insert(1 + type.size(), " " + scaled(attributes, stresses, stiffer));
   return text.replace(at, text.find('>', at) - at, own);
 }
@@ -218,7 +225,7 @@ void addPorous(std::vector<Row>& out, Cells cells, const std::string& name, cons
           prefix, 0.1 * c.young, 0.4 * c.young, 0.6 / (c.young * c.relaxationScale()), coupling);
       const std::string elastic =
           prefix + "HyperelasticityFEMForceField" + viscous(c) + "materialName=\"StableNeoHookean\"";
-      return std::regex_replace(block(cells, elastic, integrator, c), std::regex("<Fixed"), fluid);
+      return std::regex_replace(block(cells, elastic, integrator, c), compiled("<Fixed"), fluid);
     };
     out.push_back({name + " StableNeoHookean viscous, porous " + coupling, prefix + "PorousForceField", scene,
                    slowestOfBlock, true, false, drainage_time});
@@ -288,7 +295,7 @@ void addHyperelasticLaws(std::vector<Row>& out, Cells cells, const std::string& 
                                  : variant.empty() ? std::string()
                                                    : " matrixRegularization=\"true\"";
         return std::regex_replace(block(cells, type + " materialName=\"" + name + "\"" + more, integrator, c),
-                                  std::regex("youngModulus=\"[^\"]*\" poissonRatio=\"[^\"]*\""), own);
+                                  compiled("youngModulus=\"[^\"]*\" poissonRatio=\"[^\"]*\""), own);
       };
       out.push_back({body + name + variant, type, scene, slowestOfBlock, true, false, relaxes ? creep_time : 0});
     }

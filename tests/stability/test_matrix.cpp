@@ -50,7 +50,7 @@ const std::vector<Known>& known() {
 const char* reasonOf(const Row& row, const IntegratorChoice& integrator, const Condition& condition,
                      const Outcome& outcome) {
   const auto fits = [](const std::string& text, const char* pattern) {
-    return std::regex_match(text, std::regex(pattern));
+    return std::regex_match(text, compiled(pattern));
   };
   for (const Known& cell : known())
     if (outcome.ending == Ending::astray && fits(row.name, cell.row) && fits(integrator.name, cell.integrator) &&

@@ -2,6 +2,7 @@
 // The stiffness of an elastic block of trilinear hexahedra as a stored matrix, assembled here from the textbook alone
 // (2x2x2 Gauss points), so that solvers are tested on systems that no component of the project made.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -33,16 +34,16 @@ struct ElasticBlock {
   void hold(BlockMatrix& matrix, Index row, const Mat3& projector) const;
 };
 
-/// Corner c of a cell: its bits are x, y and z.
+/// Corner c of a cell: its bits are x, y and z. In numbers: compiled without optimisation.
 inline ElasticBlock::ElementMatrix ElasticBlock::element(bool mass) const {
   const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), mu = young / (2 * (1 + poisson));
-  const double at_points = mean ? -2 * mu / 3 : lambda, volume = size * size * size;
+  const double at_points = mean ? -2 * mu / 3 : lambda, volume = size * size * size, weight = volume / 8;
   ElementMatrix result = ElementMatrix::Zero();
-  Eigen::Matrix<double, 24, 1> change = Eigen::Matrix<double, 24, 1>::Zero();  // of the volume, over that at rest
+  double* const entries = result.data();
+  double change[24] = {};  // of the volume, over that at rest
   for (int q = 0; q < 8; ++q) {
     const auto sign = [](int bits, int axis) { return bits >> axis & 1 ? 1. : -1.; };
-    std::array<Vec3, 8> gradient;
-    std::array<double, 8> shape;
+    double gradient[8][3], shape[8];
     for (int c = 0; c < 8; ++c) {
       shape[c] = 1;
       for (int axis = 0; axis < 3; ++axis) {
@@ -53,30 +54,40 @@ inline ElasticBlock::ElementMatrix ElasticBlock::element(bool mass) const {
           if (axis == 0) shape[c] *= value;
         }
         gradient[c][axis] = slope;
+        change[3 * c + axis] += slope / 8;
       }
     }
-    const double weight = volume / 8;
-    for (int a = 0; a < 8; ++a) change.segment<3>(3 * a) += gradient[a] / 8;
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b) {
-        const Vec3 &g = gradient[a], &h = gradient[b];
-        Mat3 block = at_points * g * h.transpose() + mu * h * g.transpose() + mu * g.dot(h) * Mat3::Identity();
-        if (mass) block = density * shape[a] * shape[b] * Mat3::Identity();
-        result.block<3, 3>(3 * a, 3 * b) += weight * block;
+        const double *g = gradient[a], *h = gradient[b], along = g[0] * h[0] + (g[1] * h[1] + g[2] * h[2]);
+        const double diagonal = mass ? density * shape[a] * shape[b] : mu * along;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) {
+            const double other = mass ? 0 : at_points * g[i] * h[j] + mu * h[i] * g[j];
+            entries[24 * (3 * b + j) + 3 * a + i] += weight * (other + (i == j ? diagonal : 0));
+          }
       }
   }
-  if (mean && !mass) result += (lambda + 2 * mu / 3) * volume * change * change.transpose();
+  if (mean && !mass)
+    for (int i = 0; i < 24; ++i)
+      for (int j = 0; j < 24; ++j) entries[24 * j + i] += (lambda + 2 * mu / 3) * volume * change[i] * change[j];
   return result;
 }
 
 /// Rows and columns of `row` become P A P + I - P.
 inline void ElasticBlock::hold(BlockMatrix& matrix, Index row, const Mat3& projector) const {
-  using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+  const double* const p = projector.data();  // symmetric
+  const auto multiply = [](const double* a, const double* b, double* to) {
+    double product[9];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) product[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+    std::copy_n(product, 9, to);
+  };
   for (Index s = matrix.rowStart()[row]; s < matrix.rowStart()[row + 1]; ++s) {
-    const Index column = matrix.columns()[s];
-    Block mine(matrix.values().data() + 9 * s), mirrored(matrix.values().data() + 9 * matrix.slot(column, row));
-    mine = (projector * mine).eval();
-    mirrored = (mirrored * projector).eval();
+    double* const mine = matrix.values().data() + 9 * std::size_t(s);
+    double* const mirrored = matrix.values().data() + 9 * std::size_t(matrix.slot(matrix.columns()[s], row));
+    multiply(p, mine, mine);
+    multiply(mirrored, p, mirrored);  // on the diagonal both are one
   }
   matrix.add(row, row, Mat3::Identity() - projector);
 }
@@ -95,7 +106,7 @@ inline StoredMatrix ElasticBlock::matrix() const {
   forEachCell([&](const std::array<Index, 8>& corners, const Vec3&) { pattern.addClique(corners.data(), 8); });
   BlockMatrix matrix(std::move(pattern));
   const ElementMatrix stiffness = element(false);
-  const ElementMatrix mass = element(true);
+  const ElementMatrix mass = density == 0 ? ElementMatrix::Zero().eval() : element(true);
   forEachCell([&](const std::array<Index, 8>& corners, const Vec3& centre) {
     const double factor = stiffer ? stiffer(centre) : 1;
     const double *of_stiffness = stiffness.data(), *of_mass = mass.data();  // in numbers: compiled without optimisation

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <functional>
+#include <map>
 #include <random>
 #include <sstream>
 
@@ -207,11 +208,9 @@ inline std::string tetrahedraScene(const std::string& attributes,
          attributes + "/></Node></Node>";
 }
 
-/// A block of n[0] x n[1] x n[2] nodes in hexahedra: boxes of three different edges, turned, or with every node moved
-/// by up to a fifth of an edge. `more`: components after the field.
-inline std::string hexahedraScene(const std::string& attributes, bool boxes,
-                                  const std::string& solver = "<SparseLDLSolver/>",
-                                  const std::array<int, 3>& n = {4, 5, 3}, const std::string& more = "") {
+/// Attributes of a block of n[0] x n[1] x n[2] nodes in hexahedra: boxes of three different edges, turned, or with every node moved
+/// by up to a fifth of an edge.
+inline std::string hexahedraText(bool boxes, const std::array<int, 3>& n) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-0.2, 0.2);
   const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, -1, 2).normalized()).toRotationMatrix();
@@ -228,9 +227,18 @@ inline std::string hexahedraScene(const std::string& attributes, bool boxes,
         const int first = (k * n[1] + j) * n[0] + i, row = n[0], layer = n[0] * n[1];
         for (int c : {0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row}) cells << first + c << " ";
       }
+  return "position=\"" + position.str() + "\" hexahedra=\"" + cells.str() + "\"";
+}
+
+/// Such a block under HexahedronFEMForceField. `more`: components after the field.
+inline std::string hexahedraScene(const std::string& attributes, bool boxes,
+                                  const std::string& solver = "<SparseLDLSolver/>",
+                                  const std::array<int, 3>& n = {4, 5, 3}, const std::string& more = "") {
+  static std::map<std::pair<bool, std::array<int, 3>>, std::string> written;  // the same for all methods, and long
+  std::string& block = written[{boxes, n}];
+  if (block.empty()) block = hexahedraText(boxes, n);
   return "<Node name=\"root\" dt=\"0.01\"><Node name=\"body\"><EulerImplicitSolver/>" + solver +
-         "<HexahedronSetTopologyContainer position=\"" + position.str() + "\" hexahedra=\"" + cells.str() +
-         "\"/><MechanicalObject/><UniformMass totalMass=\"1\"/>"
+         "<HexahedronSetTopologyContainer " + block + "/><MechanicalObject/><UniformMass totalMass=\"1\"/>"
          "<HexahedronFEMForceField youngModulus=\"3000\" poissonRatio=\"0.4\" " +
          attributes + "/>" + more + "</Node></Node>";
 }

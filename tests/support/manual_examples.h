@@ -32,6 +32,8 @@ inline void writeExampleFiles(const std::filesystem::path& folder) {
   std::ofstream(folder / "block.trian") << "4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n4\n0 2 1 1 2 3\n0 1 3 0 2 3\n1 2 3 0 1 3\n0 3 2 0 1 2\n";
   std::ofstream(folder / "block.gid") << "MESH dimension 3 ElemType Tetrahedra Nnode 4\nCoordinates\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
                                          "4 0 0 1\nEnd Coordinates\n\nElements\n1 1 2 3 4\nEnd Elements\n";
+  std::ofstream(folder / "block.inp") << "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=BLOCK\n"
+                                         "1, 1, 2, 3, 4\n*NSET, NSET=BASE\n1, 2, 3\n";
   std::ofstream(folder / "two.xs3") << "Xsp 3.0\nnumm 2\nnums 1\nmass 1 s 0 0 0 0 0 0 1 0\nmass 2 s 1 0 0 0 0 0 1 0\n"
                                        "lspg 1 1 2 10 1 1\n";
   std::ofstream(folder / "two.sph") << "sph 1.0\nsphe 0 0 0 0 0.1\nsphe 1 1 0 0 0.2\n";

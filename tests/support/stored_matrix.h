@@ -2,6 +2,7 @@
 // A SystemMatrix that is a stored block matrix, for tests of linear solvers; and random ones.
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <memory>
 #include <random>
 
@@ -41,7 +42,8 @@ class StoredMatrix final : public SystemMatrix {
   ConstRows positions() const override {
     if (nodes.empty()) return {};
     if (placed_.count() != rows()) placed_.resize(rows());
-    for (Index i = 0; i < rows(); ++i) placed_[i] = nodes[i];
+    double* at = placed_.rows().data;
+    for (const Vec3& node : nodes) std::copy_n(node.data(), 3, at), at += row_doubles;
     return placed_;
   }
   std::string describeRow(Index row) const override { return "row " + std::to_string(row); }

@@ -27,7 +27,7 @@ double shoot(double load, double k, Tip& tip) {
     return Four{y[0] + s * d[0], y[1] + s * d[1], y[2] + s * d[2], y[3] + s * d[3]};
   };
   Four y{0, k, 0, 0};
-  const int steps = 2000;
+  const int steps = 500;  // to 1e-10
   const double h = 1. / steps;
   for (int i = 0; i < steps; ++i) {
     const Four a = rate(y), b = rate(plus(y, h / 2, a)), c = rate(plus(y, h / 2, b)), d = rate(plus(y, h, c));

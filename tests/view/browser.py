@@ -51,7 +51,7 @@ class Browser:
         self.driver = self.started()
         self.driver.set_page_load_timeout(PATIENCE)
         self.driver.set_script_timeout(PATIENCE)
-        self.size(1280, 800)
+        self.size()
 
     def started(self):
         """A driver."""
@@ -95,8 +95,8 @@ class Browser:
     def __exit__(self, *_):
         self.close()
 
-    def size(self, width, height, touch=False):
-        """Of the page, in CSS pixels; with `touch`, a device without a mouse."""
+    def size(self, width=800, height=500, touch=False):
+        """Of the page, in CSS pixels: each is drawn by software; with `touch`, a device without a mouse."""
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                     {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": touch})
         self.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": touch, "maxTouchPoints": 5 if touch else 1})

@@ -64,7 +64,7 @@ class PageTest(unittest.TestCase):
     def tearDown(self):
         PageTest.complaints += browser.complaints()
         browser.leave()
-        browser.size(1280, 800)
+        browser.size()
         browser.scheme("light")
         if self.quiet:
             self.assertEqual(PageTest.complaints, [], "the console")
@@ -77,10 +77,9 @@ class PageTest(unittest.TestCase):
         browser.until(is_drawn, "bodies that are drawn and shaded")
 
 
-def what_is_drawn(scene):
-    """What the page has to draw of a scene, and how large and how fast it is, in powers of ten; asked without the browser."""
-    with server.Server(STROMA, scene, "--paused") as viewed:
-        packet = viewed.page().scene
+def what_is_drawn(viewed):
+    """What the page has to draw of a server's scene, and how large and how fast it is, in powers of ten; asked without the browser."""
+    packet = viewed.page().scene
     bodies = set()
     for number, body in enumerate(packet["bodies"]):
         arrays = tuple(name for name in ("triangles", "edges", "points", "springs") if len(packet.arrays.get(f"{number}.{name}", ())))
@@ -93,38 +92,43 @@ def what_is_drawn(scene):
 class EveryExample(PageTest):
     """One server a scene. Of scenes that are the same to a page one is opened: test_protocol.py has the messages of all."""
 
-    def setUp(self):
-        super().setUp()
-        browser.size(800, 500)
-
     def test_opens_draws_runs_pauses_and_resets(self):
-        scenes = {}
+        opened = set()
         for scene in EXAMPLES:
-            scenes.setdefault(what_is_drawn(scene), scene)
-        self.assertGreater(len(scenes), 10)
-        for scene in scenes.values():
-            with self.subTest(os.path.basename(scene)), Server(STROMA, scene, "--paused") as viewed:
-                browser.open(viewed.address)
-                self.assertNotIn("token", browser.driver.current_url)
-                self.assertIn(os.path.basename(scene), browser.driver.title)
-                self.shows_bodies()
-                bodies = browser.script("window.stroma.store.bodies.length")
-                start = [browser.positions(body) for body in range(bodies)]
-                for step in range(1, 4):
-                    browser.click("step")
-                    browser.until(f"window.stroma.store.shown.header.step >= {step} || {WATCHED}.ended", "a step")
-                self.assertEqual(browser.script(f"{WATCHED}.ended"), "")
-                browser.until(lambda start=start: max(abs(browser.positions(body) - start[body]).max() for body in range(len(start))) > 0, "a movement")
-                browser.choose("pace", "fast")
-                browser.until(f"{WATCHED}.pace === 'fast'", "the pace")
-                browser.click("run")
-                browser.until("window.stroma.store.shown.header.step > 4", "steps of the run")
-                # a scene of quick steps may have come to an end of its own by now
-                browser.script("document.querySelector('[data-test=pause]')?.click()")
-                browser.until(f"!{WATCHED}.running", "the pause")
-                browser.click("reset")
-                browser.until("window.stroma.store.shown.header.step === 0 && window.stroma.store.newest === window.stroma.store.shown", "the reset")
-                browser.until(lambda start=start: all((browser.positions(body) == start[body]).all() for body in range(len(start))), "the start")
+            with self.subTest(os.path.basename(scene)), server.Server(STROMA, scene, "--paused") as viewed:
+                drawn = what_is_drawn(viewed)
+                if drawn not in opened:
+                    opened.add(drawn)
+                    self.use(viewed, os.path.basename(scene))
+        self.assertGreater(len(opened), 10)
+
+    def use(self, viewed, name):
+        """What a person does who sees a scene for the first time."""
+        viewed.pages.pop().socket.close()
+        browser.open(viewed.address)
+        browser.until(f"{WATCHED}.clients === 1", "the page that asked to be gone")
+        self.assertNotIn("token", browser.driver.current_url)
+        self.assertIn(name, browser.driver.title)
+        self.shows_bodies()
+        bodies = browser.script("window.stroma.store.bodies.length")
+        start = [browser.positions(body) for body in range(bodies)]
+        for step in range(1, 4):
+            browser.click("step")
+            browser.until(f"window.stroma.store.shown.header.step >= {step} || {WATCHED}.ended", "a step")
+        self.assertEqual(browser.script(f"{WATCHED}.ended"), "")
+        browser.until(lambda: max(abs(browser.positions(body) - start[body]).max() for body in range(bodies)) > 0, "a movement")
+        browser.choose("pace", "fast")
+        browser.until(f"{WATCHED}.pace === 'fast'", "the pace")
+        browser.click("run")
+        browser.until("window.stroma.store.shown.header.step > 4", "steps of the run")
+        # a scene of quick steps may have come to an end of its own by now
+        browser.script("document.querySelector('[data-test=pause]')?.click()")
+        browser.until(f"!{WATCHED}.running", "the pause")
+        browser.click("reset")
+        browser.until("window.stroma.store.shown.header.step === 0 && window.stroma.store.newest === window.stroma.store.shown", "the reset")
+        browser.until(lambda: all((browser.positions(body) == start[body]).all() for body in range(bodies)), "the start")
+        browser.leave()
+        PageTest.complaints += browser.complaints()
 
 
 class Drawing(PageTest):
