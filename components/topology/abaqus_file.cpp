@@ -9,6 +9,7 @@
 #include <charconv>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "framework/scene/diagnostics.h"
@@ -66,6 +67,8 @@ class AbaqusReader {
   void readElement(const Words& words);
   void readSet(const Words& words, std::vector<long>& set, const std::map<std::string, std::vector<long>>& sets);
   void readPart();
+  void refuseParameters() const;
+  void hide(const std::string& name);
   long whole(const std::string& word) const;
   double real(const std::string& word) const;
   template <class Cell>
@@ -79,13 +82,14 @@ class AbaqusReader {
   std::size_t wanted_ = 0;        ///< numbers of each of them
   std::vector<long> element_;     ///< numbers so far
   std::string part_, part_of_nodes_, instance_;
+  std::set<std::string> of_assembly_;  ///< names of its own sets
   bool in_assembly_ = false, in_instance_ = false, is_used_ = false;
   AbaqusFile out_;
 };
 
 bool AbaqusReader::nextLine(std::string& line) {
   while (std::getline(stream_, line)) {
-    ++line_;
+    if (++line_ == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order
     line = std::string(trimmed(line));
     if (!line.empty() && !line.starts_with("**")) return true;
   }
@@ -146,6 +150,9 @@ void AbaqusReader::begin() {
   readPart();
   const auto of_instance = parameters_.find("INSTANCE");
   is_used_ = !in_assembly_ || in_instance_ || of_instance != parameters_.end();
+  refuseParameters();
+  if ((keyword_ == "NSET" || keyword_ == "ELSET") && in_assembly_ && !in_instance_ && is_used_)
+    hide(given(keyword_.c_str(), keyword_.c_str()));
   if (keyword_ == "ELEMENT") {
     const std::string& type = given("TYPE", "ELEMENT");
     type_ = is_used_ ? cellOf(type) : std::nullopt;
@@ -162,6 +169,31 @@ void AbaqusReader::begin() {
     }
   }
   if (keyword_.ends_with("SECTION") && parameters_.count("ELSET")) out_.sections.push_back(parameters_["ELSET"]);
+}
+
+/// What would change the mesh.
+void AbaqusReader::refuseParameters() const {
+  const auto refuse = [this](const char* keyword, const char* parameter, const char* expected) {
+    const auto found = parameters_.find(parameter);
+    if (keyword_ == keyword && found != parameters_.end() && found->second != "R")
+      fail(fmt::format("*{} with {} is not read", keyword, parameter), expected);
+  };
+  for (const char* keyword : {"NODE", "ELEMENT", "NSET", "ELSET", "SURFACE"}) refuse(keyword, "INPUT", "its lines in this file");
+  refuse("NODE", "SYSTEM", "x, y and z");
+  refuse("NSET", "ELSET", "numbers of nodes");
+  refuse("SURFACE", "COMBINE", "faces of elements");
+}
+
+/// A set of the assembly hides those of the part that have its name. These are INSTANCE.NAME from here on.
+void AbaqusReader::hide(const std::string& name) {
+  if (!of_assembly_.insert(name).second) return;
+  const std::string other = instance_ + "." + name;
+  for (auto* sets : {&out_.node_sets, &out_.element_sets})
+    if (auto part = sets->extract(name)) part.key() = other, sets->insert(std::move(part));
+  for (auto* names : {&out_.sections, &out_.element_lines}) std::ranges::replace(*names, name, other);
+  for (auto& [surface, faces] : out_.surfaces)
+    for (AbaqusFile::Faces& each : faces)
+      if (each.of == name) each.of = other;
 }
 
 void AbaqusReader::readPart() {
@@ -233,7 +265,7 @@ void AbaqusReader::readSet(const Words& words, std::vector<long>& set,
     const long first = whole(words[0]), last = whole(words[1]);
     const long step = words.size() > 2 && !words[2].empty() ? whole(words[2]) : 1;
     if (first < 0 || step < 1 || step > largest || last < first || last > largest || (last - first) / step > most)
-      fail("a set is generated from these numbers", "first, last and step, ascending, at most 20 million");
+      fail("these numbers generate no set", "first, last and step, ascending, at most 20 million");
     for (long number = first; number <= last; number += step) set.push_back(number);
     return;
   }
@@ -244,8 +276,7 @@ void AbaqusReader::readSet(const Words& words, std::vector<long>& set,
     } else {
       const auto other = sets.find(abaqusName(word));
       if (other == sets.end()) fail(fmt::format("there is no set {} before this line", word));
-      const std::vector<long> numbers = other->second;  // it may be this one
-      set.insert(set.end(), numbers.begin(), numbers.end());
+      if (&other->second != &set) set.insert(set.end(), other->second.begin(), other->second.end());
     }
   }
 }

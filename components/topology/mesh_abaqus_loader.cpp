@@ -38,6 +38,8 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
+#include <utility>
 
 #include "components/topology/abaqus_file.h"
 #include "framework/mesh/mesh_loader.h"
@@ -157,14 +159,21 @@ void MeshAbaqusLoader::select(AbaqusFile& content) {
                          known.empty() ? "a file with *NSET, *ELSET or *SURFACE" : "one of its names",
                          nearest(name, known));
   }
-  if (nodes != content.node_sets.end())
+  if (nodes != content.node_sets.end()) {
+    long lost = 0;
     for (const long number : nodes->second)
       if (const auto node = content.nodes.find(number); node != content.nodes.end())
         group_indices_.push_back(int(node->second));
+      else
+        ++lost;
+    if (lost > 0) warn(fmt::format("the group '{}' names {} nodes that are not in the file", group_, lost), "numbers of nodes");
+  }
   if (elements != content.element_sets.end()) selectElements(content, elements->second);
   if (surface != content.surfaces.end()) selectFaces(content, surface->second);
-  std::ranges::sort(group_indices_);
-  group_indices_.erase(std::unique(group_indices_.begin(), group_indices_.end()), group_indices_.end());
+  for (std::vector<int>* numbers : {&group_indices_, &group_triangles_, &group_quads_, &group_quadratic_triangles_}) {
+    std::ranges::sort(*numbers);
+    numbers->erase(std::unique(numbers->begin(), numbers->end()), numbers->end());
+  }
   if (group_indices_.empty()) throw ComponentError(fmt::format("the group '{}' has no node", group_));
 }
 
@@ -187,6 +196,7 @@ void MeshAbaqusLoader::selectElements(const AbaqusFile& content, const std::vect
 }
 
 void MeshAbaqusLoader::selectFaces(AbaqusFile& content, const std::vector<AbaqusFile::Faces>& surface) {
+  std::set<std::pair<long, char>> made;
   for (const auto& [of, face] : surface) {
     std::vector<long> numbers;
     if (const auto set = content.element_sets.find(of); set != content.element_sets.end())
@@ -210,7 +220,7 @@ void MeshAbaqusLoader::selectFaces(AbaqusFile& content, const std::vector<Abaqus
         if (!is_face || (type != CellType::hexahedron && face[1] > '4'))
           throw ComponentError(fmt::format("the surface '{}' names the face '{}' of element {}", group_, face, number),
                                type == CellType::hexahedron ? "S1 to S6" : "S1 to S4");
-        addFace(content.mesh, place->second, std::size_t(face[1] - '1'));
+        if (made.emplace(number, face[1]).second) addFace(content.mesh, place->second, std::size_t(face[1] - '1'));
       } else {
         selectElements(content, {number});
       }

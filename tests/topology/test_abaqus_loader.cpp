@@ -66,6 +66,48 @@ TEST_F(Abaqus, SetsAndSurfacesAreSelections) {
   expectContains(errorOf(column, "group=\"topp\""), "did you mean 'TOP'");
 }
 
+TEST_F(Abaqus, WhatIsNamedTwiceIsThereOnce) {
+  std::string twice(column);
+  twice.replace(twice.find("ALL, S3"), 7, "ALL, S3\n9, S3\n9, S6");
+  EXPECT_EQ(output(twice, "group=\"sides\"", "groupQuadIndices"), "0 1 2");
+  EXPECT_EQ(mesh(load(twice, "group=\"sides\"")).quads.size(), 11u);
+  std::string itself(column);
+  itself.replace(itself.find("bottom, 112"), 11, "bottom, 112\nboth, both");
+  EXPECT_EQ(output(itself, "group=\"both\"", "groupIndices"), "0 1 2 3 11");
+}
+
+TEST_F(Abaqus, AFileBeginsWithItsByteOrderAndSetsHaveNumbersThatAreNotThere) {
+  const std::string text(column);
+  EXPECT_EQ(mesh(load("\xEF\xBB\xBF*NODE\n" + text.substr(text.find(" 101,")))).nodes(), 12);
+  std::string lost(column);
+  lost.replace(lost.find("bottom, 112"), 11, "bottom, 112, 113");
+  expectContains(load(lost, "group=\"both\"").diagnostics.text(), "names 1 nodes that are not in the file");
+}
+
+TEST_F(Abaqus, ParametersThatChangeTheMeshAreRefused) {
+  const std::pair<const char*, const char*> changes[] = {{"*Node, nset=\"All\"", "*Node, system=C"},
+                                                         {"*ELEMENT, TYPE=C3D8,", "*ELEMENT, INPUT=a, TYPE=C3D8,"},
+                                                         {"*NSET, NSET=BOTH", "*NSET, NSET=BOTH, ELSET=SOFT"},
+                                                         {"NAME=TOP", "NAME=TOP, COMBINE=UNION"}};
+  for (const auto& [from, to] : changes) {
+    std::string text(column);
+    text.replace(text.find(from), std::string(from).size(), to);
+    expectContains(errorOf(text), "is not read");
+  }
+}
+
+/// As Abaqus/CAE names them.
+TEST_F(Abaqus, ASetOfTheAssemblyHidesThatOfThePart) {
+  const std::string text =
+      "*PART, NAME=P\n*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*NSET, NSET=SET-1\n1,2,3,4\n"
+      "*ELSET, ELSET=SET-1\n1\n"
+      "*SOLID SECTION, ELSET=SET-1, MATERIAL=M\n*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n"
+      "*NSET, NSET=SET-1, INSTANCE=I\n1,2\n*END ASSEMBLY\n";
+  EXPECT_EQ(output(text, "group=\"Set-1\"", "groupIndices"), "0 1");
+  EXPECT_EQ(output(text, "group=\"I.Set-1\"", "groupIndices"), "0 1 2 3");
+  EXPECT_EQ(output(text, "regions=\"I.Set-1\"", "tetrahedraGroups"), "1");
+}
+
 /// Each face of a cell looks out of it, and its middles lie between its corners.
 TEST_F(Abaqus, FacesLookOutOfTheirCells) {
   const std::string nodes =
