@@ -12,8 +12,7 @@
 // they are in one another. Nothing keeps them from going through: what is deeper than its distance from the other side, or moves
 // farther than alarmDistance in a step, may come out there. BarrierContact and ConstraintContact do not let it. Every integrator
 // in time takes it, explicit ones with a step below 2/sqrt(k/m). What `offset` adds while the scene runs leads obstacles by at most
-// half of alarmDistance per step. StaticSolver refuses a body that
-// only its contacts hold.
+// half of alarmDistance per step. StaticSolver refuses a body that only its contacts hold.
 //
 // Friction: with l the force of a contact where the step starts and u its way along the surfaces since then, mu l f against u,
 // f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. mu is staticFriction of what has stuck in the step before. Where
@@ -104,6 +103,7 @@ void PenaltyContact::compile() {
 
 /// Of the contacts of the step before, at its end x.
 void PenaltyContact::noteEnd(ConstRows x) {
+  pushed_.clear(), pushed_along_.clear();
   if (!friction_.acts() || found_.empty()) return;
   law_.surfaces.gather(x, law_.moved, x_);
   pushed_.assign(start_.size(), law_.range), pushed_along_.assign(start_.size(), Vec3::Zero());

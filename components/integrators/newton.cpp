@@ -327,7 +327,8 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
                                 report.newton_iterations, report.newton_residual, report.reason);
     return false;
   }
-  if (step == 1 && settings.use_energy && settings.line_search_iterations > 0 && problem.meetsBarriers()) goOn(problem, slope, now);
+  const bool has_line = settings.use_energy && settings.line_search_iterations > 0 && !settings.stop_when_residual_grows;
+  if (step == 1 && has_line && problem.meetsBarriers()) goOn(problem, slope, now);
   if (settings.stop_when_residual_grows && now > before) {
     report.diverged = true, report.newton_converged = false;
     report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,

@@ -40,7 +40,7 @@ class NonlinearProblem {
   virtual bool meetsBarriers() const { return false; }
   /// The equations are solved at u with what was held fixed meanwhile. True: that has moved on, and they are others.
   virtual bool movesOn() { return false; }
-  /// They will have, whatever the solution is: it is a place to go on from only.
+  /// True: the equations will be others whatever the solution is, which is only a place to go on from.
   virtual bool isOnTheWay() { return false; }
   /// u moves by s d.
   virtual void addTo(Rows u, double s, ConstRows d) const { axpy(s, d, u); }

@@ -104,11 +104,11 @@ void Newton::goOn(NonlinearProblem& problem, double slope, double& now) {
   constexpr int most_times = 4;
   for (int time = 0; time < most_times && now > goal() * scale_ && !stop_.isStopAsked(); ++time) {
     const double left = dot(residual_, direction_);
-    if (!(left > much_left * slope)) return;
+    if (!(slope > 0 && left > much_left * slope)) return;
     scale(2, direction_);
     slope = 2 * left;
     const double step = search(problem, now);
-    if (step == 0) problem.residual(residual_);  // derivatives are those of the last one
+    if (step == 0) scale(0.5, direction_), problem.residual(residual_);  // derivatives are those of the last one
     if (step < 1) return;
   }
 }

@@ -175,7 +175,7 @@ void AbaqusReader::begin() {
 void AbaqusReader::refuseParameters() const {
   const auto refuse = [this](const char* keyword, const char* parameter, const char* expected) {
     const auto found = parameters_.find(parameter);
-    if (keyword_ == keyword && found != parameters_.end() && found->second != "R")
+    if (keyword_ == keyword && found != parameters_.end() && !(std::string_view(parameter) == "SYSTEM" && found->second == "R"))
       fail(fmt::format("*{} with {} is not read", keyword, parameter), expected);
   };
   for (const char* keyword : {"NODE", "ELEMENT", "NSET", "ELSET", "SURFACE"}) refuse(keyword, "INPUT", "its lines in this file");

@@ -88,6 +88,7 @@ class MeshAbaqusLoader final : public MeshLoader {
   void tellSkipped(const AbaqusFile& content);
   void label(const AbaqusFile& content);
   void select(AbaqusFile& content);
+  void tellLost(long count, const char* what);
   void selectElements(const AbaqusFile& content, const std::vector<long>& numbers);
   void selectFaces(AbaqusFile& content, const std::vector<AbaqusFile::Faces>& surface);
   void addFace(Mesh& mesh, const AbaqusFile::Place& place, std::size_t face);
@@ -166,7 +167,7 @@ void MeshAbaqusLoader::select(AbaqusFile& content) {
         group_indices_.push_back(int(node->second));
       else
         ++lost;
-    if (lost > 0) warn(fmt::format("the group '{}' names {} nodes that are not in the file", group_, lost), "numbers of nodes");
+    tellLost(lost, "nodes");
   }
   if (elements != content.element_sets.end()) selectElements(content, elements->second);
   if (surface != content.surfaces.end()) selectFaces(content, surface->second);
@@ -179,9 +180,13 @@ void MeshAbaqusLoader::select(AbaqusFile& content) {
 
 /// Their nodes, and those that are faces themselves.
 void MeshAbaqusLoader::selectElements(const AbaqusFile& content, const std::vector<long>& numbers) {
+  long lost = 0;
   for (const long number : numbers) {
     const auto place = content.elements.find(number);
-    if (place == content.elements.end()) continue;
+    if (place == content.elements.end()) {
+      ++lost;
+      continue;
+    }
     const auto& [type, at] = place->second;
     if (type == CellType::triangle) group_triangles_.push_back(int(at));
     if (type == CellType::quad) group_quads_.push_back(int(at));
@@ -193,6 +198,12 @@ void MeshAbaqusLoader::selectElements(const AbaqusFile& content, const std::vect
         },
         content.mesh);
   }
+  tellLost(lost, "elements");
+}
+
+/// Sets that are generated may have gaps.
+void MeshAbaqusLoader::tellLost(long count, const char* what) {
+  if (count > 0) inform(fmt::format("the group '{}' names {} {} that are not in the file or were left out", group_, count, what));
 }
 
 void MeshAbaqusLoader::selectFaces(AbaqusFile& content, const std::vector<AbaqusFile::Faces>& surface) {

@@ -43,7 +43,8 @@ class StepLimiter : public HearsSteps {
   /// The step's equations are solved at x with what is held fixed meanwhile: the directions of friction, obstacles that
   /// have not been let all the way. True: that has moved on, and they are to be solved again.
   virtual bool movesOn(ConstRows x) = 0;
-  /// What is held in the present solve will not stay so, as obstacles half way: its equilibrium is a place to go on from only.
+  /// True: movesOn() will say so after the present solve too, as with obstacles half way. Its equilibrium is only a place to go on
+  /// from.
   virtual bool isOnTheWay() const { return false; }
   /// While `wanted`, forces are asked for that stay in the equations of a step: nothing is held to help its solves.
   virtual void wantStartForces(bool /*wanted*/) {}

@@ -150,6 +150,23 @@ TEST(PenaltyContact, ARoundToolThatIsDrawnAlongRubs) {
   }
 }
 
+/// Who asks for forces after steps leaves the friction of a round body as it is: the same bits.
+TEST(PenaltyContact, WhoAsksForForcesChangesNoFriction) {
+  const auto run = [](bool asks) {
+    const std::string contact =
+        "<PenaltyContact selfContact=\"false\" contactDistance=\"0.01\" stiffness=\"1e6\" friction=\"0.4\" slipVelocity=\"1e-3\" "
+        "spheres=\"0.5 0.5 -0.385 0.4\" keyTimes=\"0 4\" movements=\"0 0 0  2 0 0\"/>";
+    const Body block = boxOf(Vec3(0, 0, 0.02), Vec3(1, 1, 0.52), {4, 4, 2});
+    Simulation simulation = simulationFromText(
+        contactScene(bodyNode("a", block, contact, "", 1e4, 0.3), 0.01, Vec3(0, 0, -9.81), "<EulerImplicitSolver/>"));
+    if (asks) simulation.states().front()->requestForce();
+    for (int i = 0; i < 60; ++i) simulation.step();
+    const ConstRows x = simulation.systems()[0]->x;
+    return std::vector<double>(x.data, x.data + x.doubles());
+  };
+  EXPECT_EQ(run(false), run(true));
+}
+
 /// A plane that is moved carries a block along by no more than mu g; a run that goes on from a checkpoint is the same to the bit.
 TEST(PenaltyContact, GoesOnFromACheckpoint) {
   const auto make = [] {

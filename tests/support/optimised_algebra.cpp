@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Eigen by another name: of equal functions a linker keeps the first ones, which are those of the tests, without optimisation.
-#define Eigen EigenOptimised  // NOLINT
+#define Eigen EigenOptimised  // NOLINT: the name of a library, whose headers have no other way to get one of their own
 #include "tests/support/optimised_algebra.h"
 
 #include <Eigen/Eigenvalues>
