@@ -43,6 +43,7 @@ class AffineMovementProjectiveConstraint final : public HeldNodes, public StartV
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
+    declareMatrix(table);
     table.add("meshIndices", guided_indices_).help("nodes that move along between the two times");
     table.add("beginConstraintTime", begin_).help("start of the movement").unit("s");
     table.add("endConstraintTime", end_).help("end of the movement").unit("s");
@@ -81,7 +82,12 @@ class AffineMovementProjectiveConstraint final : public HeldNodes, public StartV
 
   void addProjectors(double t, std::vector<NodeProjector>& out) const override {
     for (std::size_t i = 0; i < movedAt(timeOf(t)); ++i)
-      for (Index k = 0; k < heldRows(); ++k) out.push_back({state().firstRow() + path_[i].node + k, Mat3::Zero()});
+      for (Index k = 0; k < heldRows(); ++k)
+        out.push_back({state().firstRow() + path_[i].node + k,
+                       leavesMatrix() && i < nodes().size() ? Mat3(Mat3::Identity()) : Mat3(Mat3::Zero())});
+  }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (late_ && activeIn(t, t)) prescribe(t, x, v);  // SOFA projects before the first step too
   }
   void prescribe(double time, Rows x, Rows v) const override {
     const double t = timeOf(time);

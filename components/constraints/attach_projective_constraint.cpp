@@ -12,7 +12,8 @@
 // large the force is that the attachment took.
 //
 // There meet="halfway" does as SOFA does with points: in a step the follower goes on with its velocity; then both have the mean of
-// their velocities, and the follower the mean of both places. What is followed feels that: half of its acceleration is lost.
+// their velocities, and the follower the mean of both places. What is followed feels that: half of its acceleration is lost. With
+// twoWay it takes points that start apart to their mean, whatever their masses.
 //
 // Rigid frames that are attached are one body: the sum of their masses and inertias, with one orientation, their mean at the
 // start. A frame and a point share the frame's centre.
@@ -52,6 +53,7 @@
 #include "framework/mechanics/frames.h"
 #include "framework/mechanics/node_pairs.h"
 #include "framework/mechanics/projective_constraint.h"
+#include "framework/mechanics/right_side.h"
 #include "framework/mechanics/start_velocity.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
@@ -86,7 +88,7 @@ struct FacesOf {
   }
 };
 
-class AttachProjectiveConstraint final : public ProjectiveConstraint, public StartVelocity {
+class AttachProjectiveConstraint final : public ProjectiveConstraint, public StartVelocity, public ProjectsRightSide {
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
@@ -100,6 +102,9 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
             "nothing");
     table.addChoice("meet", meet_, {"leader", "halfway"})
         .help("where points go that follow without being felt: where those go that they follow, or halfway there, as in SOFA");
+    table.add("inMatrix", in_matrix_)
+        .help("with twoWay, of points, false: both ends are free in the matrix of an implicit step of one linear solve, whose right side "
+              "has their mean, and meet after it: SOFA's way with assembled matrices");
   }
 
   void init() override {
@@ -124,24 +129,36 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
                       state().path(), second_->path()));
     if (farthest > 0)
       inform(fmt::format("attached nodes lie up to {:.3g} m apart: they are brought together", farthest));
+    if (!in_matrix_ && (!two_way_ || !ofPoints()))
+      throw ComponentError("inMatrix=\"false\" is of points that are attached both ways",
+                           "twoWay=\"true\", states of points, or no inMatrix");
+    if (meet_ == Meet::halfway && !ofPoints()) warn("meet=\"halfway\" has no effect: it is of points", "no meet");
     tellOfTurns();
     tellOfFreeSurface();
   }
 
   std::vector<State*> states() const override { return {&state(), second_}; }
-  bool prescribesMotion() const override { return !two_way_; }
+  bool prescribesMotion() const override { return !two_way_ || leavesMatrix(); }
+  bool leavesMatrix() const override { return two_way_ && !in_matrix_; }
+  void projectRightSide(Rows b) const override {
+    forEachRow([&](Index one, Index other) { b[one] = b[other] = Vec3((b[one] + b[other]) / 2); });
+  }
   void addProjectors(double, std::vector<NodeProjector>& out) const override {
     if (!two_way_) forEachRow([&](Index, Index follower) { out.push_back({follower, Mat3::Zero()}); });
+    if (leavesMatrix())
+      forEachRow([&](Index one, Index other) { out.insert(out.end(), {{one, Mat3::Identity()}, {other, Mat3::Identity()}}); });
   }
   void addTies(std::vector<Tie>& out) const override {
-    if (two_way_) forEachRow([&](Index leader, Index follower) { out.push_back({leader, follower}); });
+    if (two_way_ && in_matrix_) forEachRow([&](Index leader, Index follower) { out.push_back({leader, follower}); });
   }
   void addUnansweredRows(std::vector<Index>& out) const override {
     if (!two_way_) forEachRow([&](Index, Index follower) { out.push_back(follower); });
   }
   bool keepsStartVelocity() const override { return meetsHalfway(); }
   void placeStart(double t, Rows x, Rows v) const override {
-    if (!meetsHalfway() || !activeIn(t, t)) return;  // SOFA projects before the first step too
+    if (!activeIn(t, t)) return;  // SOFA projects before the first step too
+    if (two_way_ && meet_ == Meet::halfway && ofPoints()) join(x, v);
+    if (!meetsHalfway()) return;
     forEachRow([&](Index leader, Index follower) {
       x[follower] = (x[leader] + x[follower]) / 2;
       v[leader] = v[follower] = Vec3((v[leader] + v[follower]) / 2);
@@ -155,6 +172,7 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
     });
   }
   void prescribe(double, Rows x, Rows v) const override {
+    if (leavesMatrix()) join(x, v);
     if (two_way_) return;
     if (meetsHalfway()) return meet(x, v);
     forEachRow([&](Index leader, Index follower) {
@@ -175,7 +193,14 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
                            "states of one template, or points and frames");
     return std::min(state().rows_per_node, second_->rows_per_node);
   }
-  bool meetsHalfway() const { return !two_way_ && meet_ == Meet::halfway && rows_ == 1 && state().kindOf(0) == RowKind::place; }
+  bool ofPoints() const { return rows_ == 1 && state().kindOf(0) == RowKind::place; }
+  bool meetsHalfway() const { return !two_way_ && meet_ == Meet::halfway && ofPoints(); }
+  void join(Rows x, Rows v) const {
+    forEachRow([&](Index one, Index other) {
+      x[one] = x[other] = Vec3((x[one] + x[other]) / 2);
+      v[one] = v[other] = Vec3((v[one] + v[other]) / 2);
+    });
+  }
   /// May be done again: the followers' own ways are those of beginMotion(), and means of equal velocities are equal.
   void meet(Rows x, Rows v) const {
     std::size_t i = 0;
@@ -213,7 +238,7 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
 
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   std::vector<int> indices1_, indices2_;
-  bool two_way_ = true;
+  bool two_way_ = true, in_matrix_ = true;
   enum class Meet { leader, halfway } meet_ = Meet::leader;
   std::vector<Vec3> freely_;  ///< where followers go by themselves in the step [m], shape (pairs)
   State* second_ = nullptr;

@@ -49,6 +49,7 @@ class CurveMovement : public HeldNodes, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
+    declareMatrix(table);
     table.add("BeginTime", begin_).help("when the movement begins").unit("s");
     table.add("EndTime", end_).help("when it ends").unit("s").required();
     table.add("late", late_).help("in each step the nodes go to where they were to be at its start, with SOFA's velocities");

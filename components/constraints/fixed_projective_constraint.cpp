@@ -5,7 +5,8 @@
 //
 // A listed node that starts with a velocity keeps it; activate_projectVelocity sets it to zero. From `endTime` on the
 // nodes are free. The nodes must be named: `indices`, or `fixAll` for all of them. A rigid frame is held with its
-// orientation; FixedTranslationProjectiveConstraint holds its centre alone, and is the same for points.
+// orientation; FixedTranslationProjectiveConstraint holds its centre alone, and is the same for points. With inMatrix="false"
+// nothing places the nodes after a step, and stiffness that ties them to others draws them along: SOFA's way with FixedTranslation.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -25,6 +26,7 @@ class FixedProjectiveConstraint final : public HeldNodes {
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
     table.add("activate_projectVelocity", project_velocity_).help("also set the velocity of the nodes to zero");
+    declareMatrix(table);
     table.addVisualOnly("coordinates");
   }
   void init() override {

@@ -16,6 +16,12 @@ void HeldNodes::declare(DataTable& table) {
   table.addVisualOnly("topology");
 }
 
+void HeldNodes::declareMatrix(DataTable& table) {
+  table.add("inMatrix", in_matrix_)
+      .help("false: the nodes are free in the matrix of an implicit step of one linear solve, whose right side is projected, and "
+            "which are placed after it: SOFA's way with assembled matrices");
+}
+
 void HeldNodes::init() {
   ProjectiveConstraint::init();
   if (fix_all_) {
@@ -47,7 +53,13 @@ void HeldNodes::serializeStart(Archive& archive, std::vector<Vec3>& start) const
 
 void HeldNodes::addProjectors(double, std::vector<NodeProjector>& out) const {
   for (const Index node : nodes_)
-    for (Index k = 0; k < heldRows(); ++k) out.push_back({state().firstRow() + node + k, projector(k)});
+    for (Index k = 0; k < heldRows(); ++k)
+      out.push_back({state().firstRow() + node + k, in_matrix_ ? projector(k) : Mat3(Mat3::Identity())});
+}
+
+void HeldNodes::projectRightSide(Rows b) const {
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (Index k = 0; k < heldRows(); ++k) b[row(i) + k] = (projector(k) * b[row(i) + k]).eval();
 }
 
 }  // namespace stroma

@@ -33,13 +33,14 @@
 #include "framework/mechanics/motion.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/projective_constraint.h"
+#include "framework/mechanics/right_side.h"
 #include "framework/mechanics/start_velocity.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public StartVelocity {
+class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public StartVelocity, public ProjectsRightSide {
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
@@ -53,6 +54,9 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public
     table.add("pulsation", pulsation_).unit("rad/s").help("of the nodes of indices");
     table.add("phase", phase_).unit("rad").help("of the nodes of indices");
     table.add("late", late_).help("in a step the nodes go where they were to be at its start, with velocities of then, as SOFA's");
+    table.add("inMatrix", in_matrix_)
+        .help("false: the nodes are free in the matrix of an implicit step of one linear solve, and are placed after it: SOFA's way with "
+              "assembled matrices");
   }
 
   void init() override {
@@ -94,7 +98,13 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public
   bool prescribesMotion() const override { return true; }
   void addProjectors(double, std::vector<NodeProjector>& out) const override {
     for (const Oscillator& o : oscillators_)
-      for (Index k = 0; k < state().rows_per_node; ++k) out.push_back({state().firstRow() + o.node + k, Mat3::Zero()});
+      for (Index k = 0; k < state().rows_per_node; ++k)
+        out.push_back({state().firstRow() + o.node + k, in_matrix_ ? Mat3(Mat3::Zero()) : Mat3(Mat3::Identity())});
+  }
+  bool leavesMatrix() const override { return !in_matrix_; }
+  void projectRightSide(Rows b) const override {
+    for (const Oscillator& o : oscillators_)
+      for (Index k = 0; k < state().rows_per_node; ++k) b[state().firstRow() + o.node + k] = Vec3(Vec3::Zero());
   }
   bool keepsStartVelocity() const override { return late_; }
   void placeStart(double t, Rows x, Rows v) const override {
@@ -128,7 +138,7 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public
   std::vector<int> indices_;
   Vec3 translation_ = Vec3::Zero(), rotation_ = Vec3::Zero(), centre_ = Vec3::Zero();
   double pulsation_ = 0, phase_ = 0;
-  bool late_ = false;
+  bool late_ = false, in_matrix_ = true;
   std::vector<Oscillator> oscillators_;
 };
 

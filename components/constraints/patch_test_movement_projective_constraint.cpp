@@ -44,6 +44,7 @@ class DirectionConstraint final : public HeldNodes {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
+    declareMatrix(table);
     table.add("direction", direction_).help("along which the nodes move").unit("-").required();
   }
   void init() override {
@@ -53,6 +54,17 @@ class DirectionConstraint final : public HeldNodes {
     setProjectors({d * d.transpose()});
   }
   bool projectsVelocity() const override { return true; }
+  bool prescribesMotion() const override { return leavesMatrix(); }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (leavesMatrix() && activeIn(t, t)) prescribe(t, x, v);
+  }
+  void prescribe(double, Rows x, Rows v) const override {
+    for (std::size_t i = 0; i < nodes().size(); ++i) {
+      const Vec3& start = state().position[std::size_t(nodes()[i])];
+      x[row(i)] = start + projector() * (x[row(i)] - start);
+      v[row(i)] = (projector() * v[row(i)]).eval();
+    }
+  }
 
  private:
   Vec3 direction_ = Vec3::Zero();
@@ -62,6 +74,7 @@ class PatchTestMovement final : public HeldNodes, public StartVelocity {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
+    declareMatrix(table);
     table.add("beginConstraintTime", begin_).help("when the movement begins").unit("s");
     table.add("endConstraintTime", end_).help("when it ends").unit("s");
     table.add("cornerPoints", corners_).help("four or eight corners").unit("m");
@@ -92,6 +105,13 @@ class PatchTestMovement final : public HeldNodes, public StartVelocity {
   bool keepsStartVelocity() const override { return velocity_ == Velocity::still; }
   void reset() override { start_.clear(); }
   void serialize(Archive& archive) override { serializeStart(archive, start_); }
+  void placeStart(double t, Rows x, Rows v) const override {
+    if (!late_ || !activeIn(t, t)) return;  // SOFA projects before the first step too
+    for (std::size_t i = 0; i < nodes().size(); ++i) {
+      x[row(i)] += shareAt(timeOf(t)) * movement_[i];
+      v[row(i)] = Vec3(Vec3::Zero());
+    }
+  }
   // A movement that is found under way has moved the nodes already.
   void beginMotion(double t, ConstRows x) override {
     if (!start_.empty()) return;

@@ -33,6 +33,7 @@ class ProjectTo : public HeldNodes {
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
     table.add("startsThere", starts_there_).help("nodes are brought there before the first step, not by it");
+    declareMatrix(table);
   }
   bool prescribesMotion() const override { return true; }
   void placeStart(double t, Rows x, Rows v) const override {

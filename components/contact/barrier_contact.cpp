@@ -33,9 +33,8 @@
 // as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A
 // state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz
 // o: bodies are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They stand, or
-// move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is solved again until they
-// have come all the way. What `offset` adds while the scene runs, as a hand that holds a tool, leads them: what they have not come
-// of it in a dozen solves is left for the next step.
+// move together by `movements` at `keyTimes`, as far as nothing is in their way while bodies give way. A step is solved again until
+// they have come all the way. `offset` of a hand leads them: what is left after a dozen solves is left for the next step.
 //
 // Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier); Fang, Li,
 // Cao, Li, Wolper, Yang and Jiang 2023 (adhesion).
@@ -91,15 +90,16 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void checkStart(ConstRows x) override;
   double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
-  bool isOnTheWay() const override { return !is_explicit_ && gets_on_ && !hasArrived() && obstacle_rounds_ < mostRounds(); }
-  void wantStartForces(bool wanted) override;
+  bool isOnTheWay() const override { return !is_explicit_ && (is_rough_ || (gets_on_ && obstaclesGoOn())); }
+  bool hasWay() const override { return waits_; }
+  void addPush(Rows f) const override { terms_.addPush(goal_ - law_.moved, f), friction_.terms().addPush(goal_ - law_.moved, f); }
+  void goAlong(double s) override;
+  void wantStartForces(bool wanted) override { holds_nothing_ = wanted; }
   void setTime(double t) override { law_.moved = is_explicit_ && is_in_step_ ? placeAt(t) : law_.moved; }
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
   std::string worstElement(ConstRows x) const override;
-  bool useDefiniteTangent(bool yes) override {
-    return friction_.definite = yes, tangent_ = yes ? Tangent::definite : Tangent::whole, true;
-  }
+  bool useDefiniteTangent(bool on) override { return friction_.definite = on, tangent_ = on ? Tangent::definite : Tangent::whole, true; }
   void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(); }
   void serialize(Archive& archive) override;
 
@@ -107,17 +107,20 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void startObstacles();
   void follow(ConstRows x);
   void beginRounds();
-  void putBack() { moved_first_ = std::exchange(law_.moved, moved_at_start_), is_put_back_ = true; }
   void beginPart(double t, double t_end);
   /// Of obstacles in explicit steps; a hand leads them by an eighth of the mean edge per step, and not faster than barriers stop.
   Vec3 ledTo() const { return obstacles_.ledFrom(arrived_, std::min(0.125 * mean_edge_, fastest_ * (to_ - from_))); }
   Vec3 placeAt(double t) const { return obstacles_.pathAt(t) + arrived_ + (t - from_) / (to_ - from_) * (ledTo() - arrived_); }
   void rub(ConstRows v, Rows f);
   bool hasArrived() const { return (goal_ - law_.moved).isZero(0); }
-  bool isLed() const { return arrived_ != obstacles_.offset(); }
-  int mostRounds() const { return isLed() ? 12 : 1000; }  ///< in which obstacles go on
+  bool isLed() const { return is_behind_ || arrived_ != obstacles_.offset(); }
+  bool obstaclesGoOn() const { return !hasArrived() && obstacle_rounds_ < (isLed() ? 12 : 1000); }
   double leastMargin() const { return 0.5 * law_.range; }
-  BarrierLaw lawAt(const std::vector<Vec3>& x) const;
+  /// A copy that knows the pairs at x: who only asks leaves no trace.
+  BarrierLaw lawAt(const std::vector<Vec3>& x) const {
+    BarrierLaw law = law_;
+    return law.candidates.findAgain(x, leastMargin(), 0.25 * mean_edge_), law;
+  }
   void lookAgain(const std::vector<Vec3>& x) const;
   void slideTo(const std::vector<Vec3>& x) {
     const Vec3 way = law_.moved - moved_at_start_;
@@ -134,15 +137,17 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   mutable bool has_new_pairs_ = false;  ///< others push since the pattern was last said to be another
   std::vector<Vec3> way_, forces_, forces_before_;
   std::vector<double> bend_;
-  Vec3 goal_ = Vec3::Zero(), moved_first_ = Vec3::Zero();  ///< where obstacles are to come; have come before the first solve
+  Vec3 goal_ = Vec3::Zero(), moved_first_ = Vec3::Zero();  ///< where obstacles are to come; had come with bodies at the start
   double fastest_ = 0;  ///< a hand leads obstacles in explicit steps [m/s]
   Vec3 arrived_ = Vec3::Zero();  ///< the offset that obstacles have come to last
   bool is_in_step_ = false, is_explicit_ = false;  ///< steps solve nothing: forces are those where parts of them start
   double from_ = 0, to_ = 0, duration_ = 0;  ///< times of the step; its length, or that of a part of an explicit one [s]
-  bool is_carried_ = false, is_put_back_ = false;  ///< what is moved has gone on since the last force; see moved_first_
+  bool is_carried_ = false;  ///< what is moved has gone on since the last force
   bool left_start_ = false, holds_nothing_ = false, has_solved_ = false;  ///< bodies were elsewhere; wantStartForces(); solved_shares_
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0;
-  bool gets_on_ = false;  ///< see moveObstacles()
+  bool gets_on_ = false;  ///< obstacles have gone far beside contactDistance; little says that a contact has not opened again
+  bool is_behind_ = false;  ///< obstacles begin the step elsewhere than where path and hand had them then
+  bool waits_ = false, is_rough_ = false;  ///< see hasWay(); friction was changing much when the solve began: it need not be exact
   LineShares shares_;
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
   std::vector<Friction::Slide> solved_slides_;
@@ -186,13 +191,6 @@ void BarrierContact::checkStart(ConstRows x) {
 
 void BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
   if (law_.candidates.findAgain(x, leastMargin(), 0.25 * mean_edge_)) has_new_pairs_ = true;
-}
-
-/// A copy that knows the pairs at x: who only asks leaves no trace.
-BarrierLaw BarrierContact::lawAt(const std::vector<Vec3>& x) const {
-  BarrierLaw law = law_;
-  law.candidates.findAgain(x, leastMargin(), 0.25 * mean_edge_);
-  return law;
 }
 
 double BarrierContact::energy(ConstRows x) const {
@@ -261,7 +259,8 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
     friction_.remember(x_, start_, law_.moved - moved_at_start_);
   }
   start_ = x_;
-  moved_at_start_ = law_.moved;
+  moved_at_start_ = moved_first_ = law_.moved;
+  is_behind_ = (law_.moved - obstacles_.displacement(t)).norm() > 1e-9 * law_.range;
   outputs_.friction_change = 0;
   goal_ = obstacles_.displacement(t_end);
   beginRounds();
@@ -269,11 +268,10 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 
 void BarrierContact::beginRounds() {
   obstacle_rounds_ = friction_rounds_ = share_rounds_ = 0, shares_.solveBegins();
-  left_start_ = is_carried_ = is_put_back_ = false;
-  friction_.beginAgain();
-  lookAgain(x_), law_.weigh(x_);
+  left_start_ = is_carried_ = gets_on_ = is_rough_ = false;
+  friction_.beginAgain(), lookAgain(x_), law_.weigh(x_);
   friction_.note(law_, law_.touches(x_));
-  gets_on_ = moveObstacles(law_, goal_, x_, way_);
+  waits_ = !hasArrived() && law_.moved == moved_at_start_;
 }
 
 /// x_ become positions at x. Where an integrator takes bodies back to the start of a step, obstacles begin theirs again.
@@ -282,25 +280,20 @@ void BarrierContact::follow(ConstRows x) {
   if (is_explicit_) return;
   const bool is_back = law_.surfaces.areBodiesAt(x_, start_);
   if (is_back && left_start_) {
-    law_.moved = moved_at_start_;
+    if (holds_nothing_) moved_first_ = moved_at_start_;
+    law_.moved = moved_first_;
     law_.surfaces.gather(x, law_.moved, x_);
     beginRounds();
-    if (holds_nothing_) putBack(), law_.surfaces.gather(x, law_.moved, x_);
   }
   left_start_ = !is_back;
-}
-
-/// Obstacles have gone on for the first solve. The force where the step starts is that of where they were.
-void BarrierContact::wantStartForces(bool wanted) {
-  holds_nothing_ = wanted;
-  if (wanted && is_in_step_ && !is_explicit_) return putBack();
-  if (std::exchange(is_put_back_, false)) law_.moved = moved_first_;
+  if (is_back) moved_first_ = law_.moved;
 }
 
 double BarrierContact::longestStep(ConstRows x, const Way& way) {
   way.is_carried ? void(is_carried_ = true) : friction_.lineStarts();
   shares_.lineBegins(way.is_carried), has_solved_ = false;
-  const Vec3 from = is_explicit_ ? moved_at_start_ : law_.moved, along = law_.moved - from;
+  const Vec3 from = is_explicit_ ? moved_at_start_ : law_.moved;
+  const Vec3 along = waits_ ? Vec3(way.along * (goal_ - from)) : Vec3(law_.moved - from);
   law_.surfaces.gather(x, from, x_);
   bend_.assign(way.bend ? way_.size() : 0, 0);
   for (std::size_t v = 0; v < way_.size(); ++v) {
@@ -314,23 +307,30 @@ double BarrierContact::longestStep(ConstRows x, const Way& way) {
 bool BarrierContact::movesOn(ConstRows x) {
   if (is_explicit_) return law_.moved = goal_, false;
   law_.surfaces.gather(x, law_.moved, x_);
-  if (!hasArrived() && obstacle_rounds_++ < mostRounds()) {
-    law_.weigh(x_), shares_.solveBegins();
-    friction_.note(law_, law_.touches(x_));
-    gets_on_ = moveObstacles(law_, goal_, x_, way_);
-    return true;
+  if (obstaclesGoOn()) {
+    law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
+    return ++obstacle_rounds_, waits_ = true;
   }
-  const bool others = (law_.copyShares(solved_shares_), sharesChange()), held = friction_.release();
+  constexpr double much = 0.1;  // while friction changes by more, the next solve need not be exact
+  law_.copyShares(solved_shares_);
+  const bool was_rough = is_rough_, others = sharesChange(), held = friction_.release();
   solved_slides_ = friction_.slides;
   const bool rubs = friction_.acts() && frictionChanges(held), again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
-  if (has_solved_ = !again && !others; !has_solved_) return shares_.solveBegins(), true;
-  return friction_.settle(), false;
+  is_rough_ = again && outputs_.friction_change > much;
+  if (has_solved_ = !again && !others && !was_rough; has_solved_) return friction_.settle(), false;
+  return shares_.solveBegins(), true;
+}
+
+void BarrierContact::goAlong(double s) {
+  if (!std::exchange(waits_, false)) return;
+  const Vec3 way = s * (goal_ - law_.moved);
+  gets_on_ = way.norm() > 0.02 * law_.range;
+  law_.moved = s < 1 ? Vec3(law_.moved + way) : goal_, friction_.looksAgain();
 }
 
 /// Shares that stayed in the solve, against those of where it has ended.
 bool BarrierContact::sharesChange() {
-  constexpr double settled = 1e-2;
-  constexpr int most_rounds = 10;
+  constexpr double settled = 1e-2, most_rounds = 10;
   return !law_.isOutOfReach(x_) && law_.changeByWeighing(x_, friction_.acts(), forces_before_, forces_) > settled &&
          ++share_rounds_ < most_rounds;
 }
@@ -373,7 +373,7 @@ void BarrierContact::startObstacles() {
   goal_ = law_.moved = moved_at_start_ = obstacles_.startAt(state().node().root().root_time);
   arrived_ = obstacles_.startOffset();
   start_.clear(), terms_.clear(), friction_.clear();
-  is_in_step_ = left_start_ = is_carried_ = is_put_back_ = false;
+  is_in_step_ = left_start_ = is_carried_ = waits_ = false;
   ++pattern_revision_;
 }
 

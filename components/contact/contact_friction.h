@@ -64,6 +64,8 @@ class Friction {
   void hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   /// Nothing is held any more. True: something was.
   bool release();
+  /// Obstacles have moved since the last x: that counts as the first one of a solve.
+  void looksAgain() { looks_ = true; }
   /// Nor will anything be before note() is called again.
   void settle() { looks_ = false; }
   /// A line starts at the x of the last compute().

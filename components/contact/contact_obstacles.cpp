@@ -163,17 +163,6 @@ double fastestLead(const BarrierLaw& law, const std::vector<State*>& bodies) {
   return mass > 0 ? 0.1 * std::sqrt(law.stiffness * volumeOf(law) / mass) : std::numeric_limits<double>::infinity();
 }
 
-bool moveObstacles(BarrierLaw& law, const Vec3& goal, std::vector<Vec3>& x, std::vector<Vec3>& way) {
-  constexpr double far = 0.02;  // of the gap at which surfaces push
-  const Vec3 left = goal - law.moved;
-  if (left.isZero(0)) return false;
-  for (std::size_t v = 0; v < way.size(); ++v) way[v] = law.surfaces.moves(int(v)) ? Vec3(Vec3::Zero()) : left;
-  const double step = law.longestStep(x, way, {}, left);
-  law.moved = step < 1 ? Vec3(law.moved + step * left) : goal;
-  for (std::size_t v = 0; v < way.size(); ++v) x[v] += step * way[v];
-  return step * left.norm() > far * law.range;
-}
-
 std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfaces,
                      const std::function<std::string(int)>& name) {
   const auto& ends = surfaces.edges[std::size_t(crossing.edge)];

@@ -45,10 +45,6 @@ void addShapes(const BarrierLaw& law, std::vector<DrawnObstacles::Shape>& shapes
 /// sound stands the density of the bodies, which is that of sheets as thick as contactDistance where they enclose less.
 double fastestLead(const BarrierLaw& law, const std::vector<State*>& bodies);
 
-/// Moves obstacles towards `goal` as far as bodies at x let them, with their vertices in x. `way`: of all vertices, work space.
-/// True where that was far beside the gap at which surfaces push; little says that some contact has not opened again.
-bool moveObstacles(BarrierLaw& law, const Vec3& goal, std::vector<Vec3>& x, std::vector<Vec3>& way);
-
 /// Throws ComponentError when surfaces of the component at `path` lie in one another, or nearer than their thickness, at x,
 /// with the worst places. `name` says what a vertex is. Pairs are known then for motion up to `margin`; 0: contactDistance.
 void refuseOverlap(const std::string& path, const BarrierLaw& law, const std::vector<Vec3>& x,

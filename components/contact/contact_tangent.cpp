@@ -105,15 +105,28 @@ void Terms::addForce(Rows f) const {
       if (t.rows[i] >= 0) f[t.rows[i]] += t.c[i] * t.force;
 }
 
+namespace {
+template <class Displacement>
+void addProductOf(const Term& t, Displacement displacement, double factor, Rows df) {
+  Vec3 sum = Vec3::Zero(), turned = Vec3::Zero();
+  for (std::size_t i = 0; i < 4; ++i)
+    if (t.rows[i] >= 0) {
+      const Vec3 p = displacement(t.rows[i]);
+      sum += t.c[i] * p, turned += t.n.dot(p) * t.w[i];
+    }
+  const Vec3 product = factor * (t.slope * turned - t.m * sum), far = factor * t.slope * (sum + t.distance * turned);
+  for (std::size_t i = 0; i < 4; ++i)
+    if (t.rows[i] >= 0) df[t.rows[i]] += t.c[i] * product + t.w[i].dot(far) * t.n;
+}
+}  // namespace
+
 void Terms::addProduct(ConstRows dx, double factor, Rows df) const {
-  for (const Term& t : *this) {
-    Vec3 sum = Vec3::Zero(), turned = Vec3::Zero();
-    for (std::size_t i = 0; i < 4; ++i)
-      if (t.rows[i] >= 0) sum += t.c[i] * dx[t.rows[i]], turned += t.n.dot(dx[t.rows[i]]) * t.w[i];
-    const Vec3 product = factor * (t.slope * turned - t.m * sum), far = factor * t.slope * (sum + t.distance * turned);
-    for (std::size_t i = 0; i < 4; ++i)
-      if (t.rows[i] >= 0) df[t.rows[i]] += t.c[i] * product + t.w[i].dot(far) * t.n;
-  }
+  for (const Term& t : *this) addProductOf(t, [&](Index row) { return Vec3(dx[row]); }, factor, df);
+}
+
+/// Only how sides move against each other counts.
+void Terms::addPush(const Vec3& way, Rows df) const {
+  for (const Term& t : *this) addProductOf(t, [&](Index) { return way; }, -1, df);
 }
 
 void Terms::addPattern(BlockPattern& pattern) const {

@@ -80,6 +80,8 @@ class Terms : public std::vector<Term> {
  public:
   void addForce(Rows f) const;
   void addProduct(ConstRows dx, double factor, Rows df) const;  ///< of the derivative
+  /// df += that of obstacles which move by `way`, by the derivative.
+  void addPush(const Vec3& way, Rows df) const;
   void addPattern(BlockPattern& pattern) const;
   void addTo(double factor, BlockMatrix& matrix) const;
   void addDiagonal(double factor, std::vector<double>& blocks) const;

@@ -69,7 +69,23 @@ class Equilibrium final : public NonlinearProblem {
   Rows unknowns() override { return rows(); }
   double longestStep(ConstRows d) override { return limits_.longest(d); }
   bool meetsBarriers() const override { return !limits_.empty(); }
-  bool movesOn() override { return limits_.moveOn(); }
+  bool movesOn() override { return limits_.solvesAgain(); }
+  bool hasWay() override { return limits_.hasWay(); }
+  bool addPush(Rows residual) override {
+    const Rows push = system_->f;
+    limits_.push(push);
+    const Rows of_free = system_->independent(push);
+    system_->constraints().project(of_free);
+    axpy(1, of_free, residual);
+    return largest(of_free) > 0;
+  }
+  bool goAlong(Rows d, bool wholly) override {
+    const double part = limits_.longest(d, 1, true, true);
+    if (wholly && part < 1) return false;
+    addTo(rows(), part, d);
+    limits_.goAlong(part);
+    return true;
+  }
   bool isOnTheWay() override { return limits_.isOnTheWay(); }
   /// Whether something is in the way of the prescribed motion d, or of it with what is `carried` along; the report then
   /// says so.

@@ -116,6 +116,9 @@ void EulerImplicitSolver::compile(System& system) {
   implicit_.compile(*this, system);
   sleep_.compile(system);
   const bool has_conditions = !system.actors().lagrangian_constraints.empty();
+  if (has_conditions && implicit_.one_round && !implicit_.solvesOnce())
+    warn("oneRound has no effect: with several linear solves in a step forces of constraint have the directions of its end",
+         "newtonIterations=\"1\", or no oneRound");
   if (has_conditions && by_new_velocity_ && trapezoidal_ && implicit_.iterates())
     throw ComponentError("moveByNewVelocity is for one linear solve per step where there are Lagrangian constraints, and Newton's "
                          "method is asked for",
@@ -149,6 +152,7 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext
   system.computeForce(system.x, system.v, system.f);
   copy(system.independent(system.f), right_side_);
   system.constraints().project(right_side_);
+  implicit_.projectFree(context.t, context.t_end, right_side_);
   StepReport report;
   implicit_.beginConditions(h, 1);
   SystemMatrix& matrix = system.matrix().withFactors({.mass = 1, .stiffness = -theta_ * h});

@@ -6,15 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "components/integrators/lent_energy.h"
 
 namespace stroma {
-namespace {
-constexpr int most_carries = 500;  // solves of one step, of which each lets prescribed motion go as far as it can
-}
-
 // ---- the step ----
 
 StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
@@ -61,7 +56,9 @@ void ImplicitStep::wholeForce(double time, Rows out) {
   addDamping(1, out);
 }
 
-SystemMatrix& ImplicitStep::tangent() {
+SystemMatrix& ImplicitStep::tangent() { return system_->matrix().withFactors(tangentFactors()); }
+
+MatrixFactors ImplicitStep::tangentFactors() const {
   const double w = scheme_.weight;
   MatrixFactors factors;
   factors.mass = 1 + w * rayleigh_mass;
@@ -69,7 +66,7 @@ SystemMatrix& ImplicitStep::tangent() {
   factors.damping = factors.rayleigh_stiffness = -w;
   factors.rayleigh_mass = w;
   factors.part_of_damping = -w * rayleigh_stiffness;
-  return system_->matrix().withFactors(factors);
+  return factors;
 }
 
 /// The equations linearised at (x0, v0), the unknown being u - v0. K then acts on p = drift v0 + position_predictor,
@@ -104,6 +101,7 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   }
   for (std::size_t i = 0; s.hasCurvedInertia() && i < bodies_.count(); ++i) b[bodies_.row(i)] -= turnedMomentum(i);
   s.constraints().project(b);
+  projectFree(scheme_.old_time, scheme_.time, b);
 
   StepReport report;
   if (!solveOrShift(*solver_, tangent(), b, dv, {.stop = stop}, report)) return report;
@@ -186,9 +184,8 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
   startIterating();
   StepReport report = solveFromHere(stop);
   constexpr int most_unconverged = 25;
-  for (int part = 0; part < most_unconverged && lack_ > 0 && carries_ < most_carries && !report.failed(); ++part) {
+  for (int part = 0; part < most_unconverged && carries() && !report.failed(); ++part) {
     const StepReport before = report;
-    carryOn();
     report = solveFromHere(stop);
     addCounts(before, report);
   }
@@ -252,55 +249,11 @@ void ImplicitStep::startIterating() {
   // what has a prescribed motion goes as far as nothing is in its way, the rest of it after the next solve
   copy(x0_, carried_);
   system_->motion().difference(x(), carried_);
-  if (largest(carried_) == 0) return;
+  if (largest(carried_) <= 4 * std::numeric_limits<double>::epsilon() * largest(x0_)) return;
   axpy(-1 / scheme_.displacement, carried_, v());
   unknownsChanged();
   lack_ = 1;
-  carryOn();
 }
-
-/// The velocities of what is held say how far it has come.
-void ImplicitStep::carryOn() {
-  ++carries_;
-  copy(v(), work_);
-  const double speed = lack_ / scheme_.displacement;
-  const auto goTo = [&](double s) {
-    copy(work_, v());
-    axpy(s * speed, carried_, v());
-    unknownsChanged();
-  };
-  const double part = limits_.bends() ? limits_.longest(carried_, lack_, true, goTo) : limits_.longest(carried_, lack_, true);
-  goTo(part);
-  lack_ = part == 1 ? 0 : lack_ * (1 - part);
-}
-
-/// With contact: what is free goes on as it did, as far as nothing is in its way. A body that is drawn along, pressed or folded
-/// then has a part of the iterations to make, as where it starts all of its motion is missing. What moves by round-off rests.
-bool ImplicitStep::guess(Rows d) {
-  if (!std::exchange(is_to_guess_, false)) return false;
-  copy(v0_, d);
-  axpy(-1, v(), d);
-  system_->constraints().project(d);
-  return scheme_.displacement * largest(d) > std::numeric_limits<double>::epsilon() * largest(x());
-}
-
-double ImplicitStep::longestStep(ConstRows d) {
-  if (!limits_.bends()) return limits_.longest(d, scheme_.displacement);
-  copy(v(), work_);
-  return limits_.longest(d, scheme_.displacement, false, [&](double s) {
-    copy(work_, v());
-    addTo(v(), s, d);
-    unknownsChanged();
-  });
-}
-
-bool ImplicitStep::movesOn() {
-  if (lack_ == 0 || carries_ == most_carries) return limits_.moveOn();
-  carryOn();
-  return true;
-}
-
-bool ImplicitStep::isOnTheWay() { return lack_ == 0 && limits_.isOnTheWay(); }
 
 void ImplicitStep::unknownsChanged() {
   const double old_part = scheme_.drift - scheme_.displacement, new_part = scheme_.displacement;

@@ -10,6 +10,7 @@
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/orientations.h"
 #include "components/integrators/turning_bodies.h"
+#include "framework/mechanics/right_side.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/step_limits.h"
 #include "framework/simulation/system.h"
@@ -75,6 +76,12 @@ class ImplicitStep final : public NonlinearProblem {
   void meetConditions(SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report) {
     if (!multipliers_.empty()) multipliers_.correct(*solver_, matrix, change, {}, stop, report);
   }
+  /// What constraints whose nodes are free in the matrix project by themselves.
+  void projectFree(double t, double t_end, Rows b) const {
+    for (const auto& [constraint, side] : right_sides_)
+      if (constraint->activeIn(t, t_end)) side->projectRightSide(b);
+  }
+  bool solvesOnce() const { return newton_.settings.iterations == 1; }
   /// The scene asks for Newton's method.
   bool iterates() const { return !solvesOnce() && !newton_.settings.fixed_count; }
   std::string describe() const;
@@ -106,7 +113,10 @@ class ImplicitStep final : public NonlinearProblem {
   double longestStep(ConstRows d) override;
   bool meetsBarriers() const override { return !limits_.empty(); }
   bool movesOn() override;
-  bool isOnTheWay() override;
+  bool hasWay() override { return carries() || limits_.hasWay(); }
+  bool addPush(Rows residual) override;
+  bool goAlong(Rows d, bool wholly) override;
+  bool isOnTheWay() override { return lack_ > 0 || limits_.isOnTheWay(); }
   double displacementPerUnknown() const override { return scheme_.displacement; }
   ConstRows positions() const override { return x(); }
   double travelled() const override;
@@ -117,7 +127,6 @@ class ImplicitStep final : public NonlinearProblem {
  private:
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
-  bool solvesOnce() const { return newton_.settings.iterations == 1; }
   void chooseSolves();
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
@@ -130,7 +139,9 @@ class ImplicitStep final : public NonlinearProblem {
   void takeBack(StepReport& report);
   void takeChange();
   void startIterating();
-  void carryOn();
+  MatrixFactors tangentFactors() const;
+  /// Each solve of a step lets what is moved go as far as it can.
+  bool carries() const { return lack_ > 0 && carries_ < 500; }
   void addDamping(double factor, Rows out);
   void addMassWhereTheStepStarts(Rows out) const;
   void advance();
@@ -170,6 +181,7 @@ class ImplicitStep final : public NonlinearProblem {
   std::vector<Vec3> start_momenta_, end_momenta_;
   mutable std::vector<Vec3> velocities_;  ///< work space of addTo()
 
+  std::vector<std::pair<const ProjectiveConstraint*, const ProjectsRightSide*>> right_sides_;
   std::vector<double> graph_;
   Link<NewtonSolver> newton_link_{"Newton solver"};
 };

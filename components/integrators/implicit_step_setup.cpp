@@ -7,6 +7,7 @@
 
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/lent_energy.h"
+#include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/usual_forcing.h"
 
 namespace stroma {
@@ -120,7 +121,16 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   for (Vector* vector : {&change_, &constant_, &work_, &position_predictor, &velocity_predictor})
     vector->resize(system.independentRows());
   multipliers_.compile(system);
+  right_sides_.clear();
+  for (const ProjectiveConstraint* constraint : system.constraints().all())
+    if (const auto* side = dynamic_cast<const ProjectsRightSide*>(constraint); side && side->leavesMatrix()) {
+      if (!solvesOnce() || !multipliers_.empty())
+        throw ComponentError(constraint->path() + " has inMatrix=\"false\", which is for one linear solve per step without Lagrangian "
+                             "constraints", "newtonIterations=\"1\", or no inMatrix");
+      right_sides_.emplace_back(constraint, side);
+    }
   if (solvesOnce()) return;
+  if (!multipliers_.empty()) UncoupledConstraintCorrection::tellIdle(integrator, "makes several linear solves in a step");
   newton_.compile(system.independentRows());
   if (iterates()) limits_.compile(system), limits_.wantStartForces(false);
   for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());

@@ -144,6 +144,7 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   scheme.displacement = beta_ / gamma_ * h;
   scheme.drift = h;
   scheme.time = context.t_end;
+  scheme.old_time = context.t;
   scheme.has_history = true;
   copy(a_, implicit_.velocity_predictor);
   scale((1 - gamma_) * h, implicit_.velocity_predictor);

@@ -235,13 +235,36 @@ void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report
 
 StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop) {
   stop_ = stop;
+  if (!was_slow_ && problem.hasWay()) {
+    clear(direction_);
+    const bool is_free = problem.goAlong(direction_, true);
+    if (!is_free && !problem.guess(direction_)) clear(direction_);
+    if (!is_free) problem.goAlong(direction_);
+  }
   StepReport report = solveFixed(problem, solver);
   while (report.newton_converged && !report.failed() && problem.movesOn()) {
+    if (problem.hasWay()) goAlong(problem, solver, report);
+    if (report.stopped) return report;
     const StepReport before = report;
     report = solveFixed(problem, solver);
     addCounts(before, report);
   }
   return report;
+}
+
+/// What is moved goes on, and what it pushes gives way as the tangent has it: bodies that stood where they are would let it go but a
+/// part of the gap in each solve, and gaps of what is pressed hard are small. The push is decades larger than what it leaves of the
+/// forces, so that a rough solve would be of no use.
+void Newton::goAlong(NonlinearProblem& problem, LinearSolver& solver, StepReport& report) {
+  constexpr double tolerance = 1e-3;
+  problem.residual(residual_);
+  StepReport found;
+  const bool pushes = std::isfinite(norm(residual_)) && problem.addPush(residual_);
+  if (!pushes || !findDirection(problem, solver, tolerance, found)) clear(direction_);
+  found.newton_iterations = pushes;
+  addCounts(found, report);
+  if (found.stopped) return void(report.stopped = true);
+  problem.goAlong(direction_);
 }
 
 /// What moves on between solves stays where it is.
@@ -295,7 +318,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
 
 /// Where the tangent has unstable directions: a body that is nearly incompressible is under pressures far above its
 /// stress, of either sign, while iterates are off by a little of their volume. The next force has the scene's tangent.
-bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, double now, StepReport& report) {
+bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, double tolerance, StepReport& report) {
   bool switched = false;
   const auto definite = [&]() -> SystemMatrix* {
     switched = problem.useDefiniteTangent(true);
@@ -303,8 +326,7 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
     problem.residual(trial_);
     return &problem.tangent();
   };
-  const bool found = solveOrShift(solver, problem.tangent(), residual_, direction_, {forcingTerm(now), stop_}, report,
-                                  std::ref(definite));
+  const bool found = solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report, std::ref(definite));
   problem.keepToFree(direction_);
   if (switched) problem.useDefiniteTangent(false);
   went_on_ = false;
@@ -314,13 +336,15 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.
 bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
   ++report.newton_iterations;
-  if (!findDirection(problem, solver, now, report)) return isLeftAsItWas(now, report), false;
+  if (!findDirection(problem, solver, forcingTerm(now), report)) return isLeftAsItWas(now, report), false;
   if (isAtRest(problem)) return false;
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
   const double before = now, slope = dot(residual_, direction_), step = search(problem, now);
   if (step == 0) {
     report.stopped = stop_.isStopAsked();
-    if (report.stopped || isLeftAsItWas(now, report) || isAtRoundOff(problem, now, report)) return false;
+    if (report.stopped || isLeftAsItWas(now, report)) return false;
+    if (enough_ > 0) return report.reason.clear(), false;  // as good a place to go on from as any
+    if (isAtRoundOff(problem, now, report)) return false;
     report.diverged = settings.fixed_count;
     leaveBest(problem, now, report);
     report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}{}",

@@ -40,6 +40,14 @@ class NonlinearProblem {
   virtual bool meetsBarriers() const { return false; }
   /// The equations are solved at u with what was held fixed meanwhile. True: that has moved on, and they are others.
   virtual bool movesOn() { return false; }
+  /// Something is moved from outside and has a way left, which goAlong() is to let it go before the next solve.
+  virtual bool hasWay() { return false; }
+  /// R becomes what it would be if it went all of that and nothing gave way, by the derivative at the last residual(). False, and
+  /// nothing changes, where it would push nothing.
+  virtual bool addPush(Rows /*residual*/) { return false; }
+  /// It goes on along its way while u moves along d, both as far as nothing passes through anything; `wholly`: all of the way, or
+  /// not at all, which is false. d is overwritten.
+  virtual bool goAlong(Rows /*d*/, bool /*wholly*/ = false) { return true; }
   /// True: the equations will be others whatever the solution is, which is only a place to go on from.
   virtual bool isOnTheWay() { return false; }
   /// u moves by s d.
@@ -126,6 +134,7 @@ class Newton {
 
  private:
   StepReport solveFixed(NonlinearProblem& problem, LinearSolver& solver);
+  void goAlong(NonlinearProblem& problem, LinearSolver& solver, StepReport& report);
   bool converged(double norm) const;
   bool isForParts(const NonlinearProblem& problem, double norm);
   bool isLeftAsItWas(double norm, StepReport& report) const;
@@ -136,7 +145,7 @@ class Newton {
   bool isPointless() const;
   bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report);
   bool isAtRest(NonlinearProblem& problem);
-  bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double norm, StepReport& report);
+  bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double tolerance, StepReport& report);
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
   void goToGuess(NonlinearProblem& problem, double& norm);
   void keepIfBest(NonlinearProblem& problem, double norm);

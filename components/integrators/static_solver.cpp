@@ -66,6 +66,7 @@
 #include "components/integrators/lent_energy.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/sleep.h"
+#include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/usual_forcing.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -174,6 +175,7 @@ void StaticSolver::compile(System& system) {
   newton_.settings = settings_;
   newton_.compile(system.independentRows());
   problem_.compile(system), conditioned_.compile(system), sleep_.compile(system);
+  if (!conditioned_.empty()) UncoupledConstraintCorrection::tellIdle(*this, "finds equilibria");
   force_.resize(system.independentRows()), good_.resize(system.independentRows());
   graph_.reserve(std::size_t(settings_.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());

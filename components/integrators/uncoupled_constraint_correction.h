@@ -18,6 +18,8 @@ class UncoupledConstraintCorrection final : public Component {
   void takeMasses(const std::vector<Mass*>& masses);
   /// Of the state's rows: what impulses along `direction` change velocities by. Vectors of the system.
   void respond(ConstRows direction, Rows response) const;
+  /// Says of those in the scene of `integrator` that the matrix answers instead, and why.
+  static void tellIdle(const Component& integrator, const std::string& why);
 
  private:
   void addMass(const Mass& mass);
@@ -26,6 +28,7 @@ class UncoupledConstraintCorrection final : public Component {
   State* state_ = nullptr;
   std::vector<double> compliance_, each_;  ///< as given; of each node, or of a frame 7
   double default_compliance_ = 1e-5;
+  bool by_rule_ = true;
   std::vector<Mat3> inverses_;             ///< of frames: of each row, shape (state's rows)
 };
 

@@ -14,8 +14,10 @@ void UncoupledConstraintCorrection::declare(DataTable& table) {
   table.addLink("mstate", mstate_).help("state that it moves; the one of this node when not given");
   table.add("compliance", compliance_).help("of each node, one for all, or 7 numbers for all frames").unit("1/kg");
   table.add("defaultCompliance", default_compliance_).help("of all nodes without one").unit("1/kg").min(0, false);
-  for (const char* name : {"useOdeSolverIntegrationFactors", "useIntegrationSchemeIntegrationFactors", "correctionVelocityFactor",
-                           "correctionPositionFactor", "odeSolver", "verbose", "topology"})
+  table.add("useOdeSolverIntegrationFactors", by_rule_)
+      .alias("useIntegrationSchemeIntegrationFactors")
+      .help("positions and velocities change by the rule of the integrator; without, as in SOFA with factors of their own, a warning");
+  for (const char* name : {"correctionVelocityFactor", "correctionPositionFactor", "odeSolver", "verbose", "topology"})
     table.addVisualOnly(name);
 }
 
@@ -25,15 +27,34 @@ void UncoupledConstraintCorrection::init() {
   state_->ensureReady();
   const auto nodes = std::size_t(state_->nodes());
   each_.clear();
-  if (state_->hasFrames()) {
-    if (compliance_.size() == 7) each_ = compliance_;
+  if (!by_rule_)
+    warn("useOdeSolverIntegrationFactors=\"false\" has no effect: positions and velocities change by the rule of the integrator", "true");
+  const bool has_default = data().find("defaultCompliance")->isSet(), has_frames = state_->hasFrames();
+  const bool is_of_all = compliance_.size() == (has_frames ? 7 : nodes);
+  if (has_default && is_of_all && !compliance_.empty()) warn("defaultCompliance has no effect: compliance is given", "one of the two");
+  if (has_default && compliance_.size() == 1 && !is_of_all && compliance_[0] != default_compliance_)
+    warn("compliance has no effect: defaultCompliance is given", "one of the two");
+  if (has_frames) {
+    if (is_of_all) each_ = compliance_;
+    if (!is_of_all && has_default) each_ = {default_compliance_, 1, 0, 0, 1, 0, 1};
+    if (!is_of_all && !compliance_.empty())
+      warn(fmt::format("compliance has {} numbers and no effect: that of frames has 7", compliance_.size()),
+           "that of places, and the upper half of that of turns");
     return;
   }
-  each_.assign(nodes, compliance_.empty() || data().find("defaultCompliance")->isSet() ? default_compliance_ : compliance_[0]);
+  each_.assign(nodes, compliance_.empty() || has_default ? default_compliance_ : compliance_[0]);
   if (compliance_.size() == nodes) each_ = compliance_;
   if (compliance_.size() > 1 && compliance_.size() != nodes)
     warn(fmt::format("compliance has {} values for {} nodes: all take {:g}", compliance_.size(), nodes, each_.empty() ? 0 : each_[0]),
          "one for each node");
+}
+
+void UncoupledConstraintCorrection::tellIdle(const Component& integrator, const std::string& why) {
+  std::vector<UncoupledConstraintCorrection*> all;
+  integrator.node().root().collect(all);
+  for (const UncoupledConstraintCorrection* each : all)
+    each->warn(fmt::format("has no effect: {} {}, and forces of constraint are found with its matrix", integrator.path(), why),
+               "EulerImplicitSolver with newtonIterations=\"1\", or no correction");
 }
 
 void UncoupledConstraintCorrection::takeMasses(const std::vector<Mass*>& masses) {

@@ -90,6 +90,9 @@ class Bilateral final : public Pairs {
     if (!rest_.empty() && rest_.size() != pairs() && !has_turns)
       throw ComponentError(fmt::format("rest_vector has {} vectors for {} pairs", rest_.size(), pairs()), "one for each pair");
     width_ = has_turns ? 2 : 1;
+    if (keepsPlaces() && !rest_.empty())
+      warn("rest_vector has no effect: with keepCentreDifference pairs stay as they are at the start", "one of the two");
+    if (keeps_turn_ && !first().hasFrames()) warn("keepOrientationDifference has no effect: points do not turn", "states of frames");
     turns_.clear(), places_.clear();
   }
   void constrainedStepBegins(ConstRows x, double) override {

@@ -13,6 +13,7 @@ struct Way {
   ConstRows dx;
   const double* bend = nullptr;  ///< shape (rows); null: straight
   bool is_carried = false;       ///< that of what is moved, at whose end a solve begins; else the line of a search
+  double along = 0;              ///< obstacles go this part of the way that they have left
 };
 
 /// A force field that takes something from where a step starts, which then lasts for it: contacts that have been found.
@@ -41,8 +42,14 @@ class StepLimiter : public HearsSteps {
   /// The largest s <= 1 up to which the way from x on is known to be free.
   virtual double longestStep(ConstRows x, const Way& way) = 0;
   /// The step's equations are solved at x with what is held fixed meanwhile: the directions of friction, obstacles that
-  /// have not been let all the way. True: that has moved on, and they are to be solved again.
+  /// have not been let all the way. True: that has moved on or waits to, and they are to be solved again.
   virtual bool movesOn(ConstRows x) = 0;
+  /// Obstacles have a way left that goAlong() is to let them go before the next solve.
+  virtual bool hasWay() const { return false; }
+  /// f += what that way would add to the forces of the last addForce(), if nothing gave way, by their derivative.
+  virtual void addPush(Rows /*f*/) const {}
+  /// Obstacles go the part s of it.
+  virtual void goAlong(double /*s*/) {}
   /// True: movesOn() will say so after the present solve too, as with obstacles half way. Its equilibrium is only a place to go on
   /// from.
   virtual bool isOnTheWay() const { return false; }

@@ -27,12 +27,12 @@ double StepLimits::ask(ConstRows x, const Way& way) const {
   return step;
 }
 
-double StepLimits::longest(ConstRows dx, double factor, bool is_carried) {
+double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool goes_along) {
   if (empty()) return 1;
   if (bends()) {
     const Rows x = system_->independent(system_->x);
     copy(x, scaled_);
-    return longest(dx, factor, is_carried, [&](double s) {
+    return longest(dx, factor, is_carried, goes_along, [&](double s) {
       copy(scaled_, x);
       system_->motion().advance(s * factor, dx, x);
     });
@@ -40,7 +40,7 @@ double StepLimits::longest(ConstRows dx, double factor, bool is_carried) {
   copy(dx, scaled_);
   scale(factor, scaled_);
   const MappingChain& chain = system_->mappingChain();
-  return ask(chain.positions(system_->x), {chain.direction(scaled_), nullptr, is_carried});
+  return ask(chain.positions(system_->x), {chain.direction(scaled_), nullptr, is_carried, goes_along ? 1. : 0.});
 }
 
 double StepLimits::largestTurn(ConstRows dx) const {
@@ -52,7 +52,8 @@ double StepLimits::largestTurn(ConstRows dx) const {
 
 /// A point that turns by an angle q at a distance r from the axis is at most r q^2/8 away from where it would be on its
 /// chord; in the middle it is r (1 - cos(q/2)), which for q up to 1.5 is no less than 0.95 of that.
-double StepLimits::longest(ConstRows dx, double factor, bool is_carried, const std::function<void(double)>& goTo) {
+double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool goes_along,
+                           const std::function<void(double)>& goTo) {
   constexpr double most_turn = 1.5, margin = 1.1;
   constexpr int trials = 60;
   const auto placesAt = [&](double s, Vector& out) { goTo(s), copy(system_->mappingChain().positions(system_->x), out); };
@@ -66,7 +67,7 @@ double StepLimits::longest(ConstRows dx, double factor, bool is_carried, const s
       bend_[std::size_t(row)] = margin * (Vec3(middle_[row]) - Vec3(start_[row]) - 0.5 * chord).norm();
       end_[row] = chord;
     }
-    const double free = ask(start_, {end_, bend_.data(), is_carried});
+    const double free = ask(start_, {end_, bend_.data(), is_carried, goes_along ? step : 0});
     if (free == 1) break;
     step = trial == trials ? 0 : step * (free > 0 ? std::min(free, 0.9) : 0.5);
     if (step == 0) break;
@@ -76,6 +77,25 @@ double StepLimits::longest(ConstRows dx, double factor, bool is_carried, const s
 }
 
 bool StepLimits::moveOn() {
+  const bool again = solvesAgain();
+  goAlong();
+  return again;
+}
+
+void StepLimits::goAlong() {
+  if (!hasWay()) return;
+  Vector still(scaled_.count());
+  goAlong(longest(still, 1, true, true));
+}
+
+void StepLimits::push(Rows out) const {
+  clear(out);
+  for (const StepLimiter* limiter : limiters_)
+    if (limiter->hasWay()) limiter->addPush(out);
+  system_->mappingChain().pullBack(out);
+}
+
+bool StepLimits::solvesAgain() {
   if (empty()) return false;
   bool again = false;
   const ConstRows x = system_->mappingChain().positions(system_->x);

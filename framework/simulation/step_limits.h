@@ -16,13 +16,27 @@ class StepLimits {
   void compile(System& system);
   bool empty() const { return limiters_.empty(); }
   /// The largest s <= 1 up to which the system's positions may move by s * factor * dx; dx has the independent rows. See Way.
-  double longest(ConstRows dx, double factor = 1, bool is_carried = false);
+  double longest(ConstRows dx, double factor = 1, bool is_carried = false, bool goes_along = false);
   /// Points may move on curves: mappings are not linear.
   bool bends() const { return !empty() && !system_->mappingChain().isLinear(); }
   /// The same on a way that goTo(s) puts the system's positions on; it ends with goTo(0).
-  double longest(ConstRows dx, double factor, bool is_carried, const std::function<void(double)>& goTo);
-  /// Something that was held fixed in the solve that has ended has moved on: it is to be made again.
+  double longest(ConstRows dx, double factor, bool is_carried, bool goes_along, const std::function<void(double)>& goTo);
+  /// Something that was held fixed in the solve that has ended has moved on: it is to be made again. Obstacles have gone on as far
+  /// as bodies let them where they are.
   bool moveOn();
+  /// The same while obstacles wait for goAlong().
+  bool solvesAgain();
+  /// See StepLimiter.
+  bool hasWay() const {
+    return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->hasWay(); });
+  }
+  /// out = what the way of obstacles adds to forces; shape (allRows()), of which the independent rows count.
+  void push(Rows out) const;
+  /// Obstacles go as far as bodies let them where they are.
+  void goAlong();
+  void goAlong(double s) {
+    for (StepLimiter* limiter : limiters_) limiter->goAlong(s);
+  }
   /// See StepLimiter.
   bool isOnTheWay() const {
     return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->isOnTheWay(); });

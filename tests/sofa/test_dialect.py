@@ -1234,6 +1234,152 @@ def names_of_other_years():
 
 
 @case
+def what_has_no_effect_here_and_one_in_sofa():
+    touch = ('<CollisionPipeline/><BruteForceBroadPhase/><BVHNarrowPhase/>{}<CollisionResponse/><Node name="a">' + EXACT + BODY +
+             '<PointCollisionModel {}/></Node>')
+    near = '<LocalMinDistance alarmDistance="0.2" contactDistance="0.1" {}/>'
+    for method, model, words in (
+            (near.format('angleCone="0.1"'), "", "angleCone: keeps contacts within a cone in SOFA"),
+            (near.format('filterIntersection="false"'), "", "filterIntersection: switches a filter of contacts off in SOFA"),
+            (near.format('useLMDFilters="1"'), "", "useLMDFilters: filters contacts in SOFA"),
+            ('<CCDTightInclusionIntersection continuousCollisionType="Inertia"/>', "", "finds contacts on the way of a step in SOFA"),
+            (near.format(""), 'PointActiverPath="@../x"', "PointActiverPath: leaves some points out of contacts in SOFA")):
+        Run(root(touch.format(method, model)), 1).says(words)
+    usual = Run(root(touch.format(near.format('angleCone="0.0" filterIntersection="true" useLMDFilters="0"'), "")), 1)
+    assert "warning" not in usual.text, usual.text
+    held = '<FixedLagrangianConstraint indices="0"/>'
+    free = '<FreeMotionAnimationLoop {}/><GenericConstraintSolver tolerance="1e-10"/><Node name="a">' + EXACT + BODY + "{}{}</Node>"
+    Run(root(free.format('solveVelocityConstraintFirst="1"', held, "")), 1).says("solveVelocityConstraintFirst: finds forces of constraint twice")
+    for attribute, words in (('complianceFactor="0.5"', "changes how far SOFA's forces of constraint move"),
+                             ('regularizationTerm="0.1"', "makes constraints soft")):
+        Run(root(free.format("", held, f"<GenericConstraintCorrection {attribute}/>")), 1).says(words)
+    assert "warning" not in Run(root(free.format("", held, '<GenericConstraintCorrection complianceFactor="1.0"/>')), 1).text
+    for attributes, words in (('useOdeSolverIntegrationFactors="0"', 'useOdeSolverIntegrationFactors="false" has no effect'),
+                              ('compliance="0.5" defaultCompliance="0.2"', "compliance has no effect: defaultCompliance is given"),
+                              ('compliance="0.5 0.1" defaultCompliance="0.2"', "defaultCompliance has no effect: compliance is given")):
+        Run(root(free.format("", held, f"<UncoupledConstraintCorrection {attributes}/>")), 1).says(words)
+    Run(root(free.format("", '<CableConstraint indices="1" pullPoint="-1 0 0" value="0.1"/>', "")), 1).says(
+        "finds forces of constraint until cables and cavities hold")
+    moved = '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass totalMass="2"/>'
+    flow = 'keyTimes="{} 0.5" velocities="1 0 0 0 0 1  2 0 0 0 0 1"'
+    Run(root(EXACT + moved + f'<LinearVelocityProjectiveConstraint indices="0" {flow.format(-0.1)}/>'), 1).says("begins before the start")
+    Run(root(EXACT + moved + f'<LinearVelocityProjectiveConstraint indices="0" {flow.format(0)} continueAfterEnd="1"/>'), 1).says(
+        "keeps the last velocity, and velocities of frames are those of the moment")
+    Run(root(EXACT + moved + '<AffineMovementProjectiveConstraint indices="0" quaternion="0 0 0.6 0.8" endConstraintTime="1"/>'), 1).says(
+        "turns frames on their way")
+    Run(root(EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  1 0 0 0 0 0 1"/><UniformMass totalMass="2"/>'
+             '<AttachProjectiveConstraint indices1="0" indices2="1" twoWay="1"/>'), 1).says("SOFA solves with them free")
+    Run(root(EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  1 0 0 0 0 0 1"/><UniformMass totalMass="2"/>'
+             '<BilateralLagrangianConstraint first_point="0" second_point="1" rest_vector="1 0 0" keepOrientationDifference="1"/>'),
+        1).says("rest_vector has no effect: with keepCentreDifference")
+
+
+@case
+def ways_of_sofa_that_newtons_method_leaves_out():
+    body = ('<SparseLDLSolver/><MechanicalObject position="0 0 0  1 0 0"/><UniformMass totalMass="2"/><SpringForceField '
+            'springsIndices1="0" springsIndices2="1" lengths="1" stiffness="50"/><FixedLagrangianConstraint indices="0"/>')
+    answer = '<UncoupledConstraintCorrection defaultCompliance="0.1"/>'
+    for iterations, is_told in ((1, False), (10, True)):
+        rule = f'<EulerImplicitSolver newtonIterations="{iterations}" oneRound="true"/>'
+        text = Run.of_native(root(rule + body + answer), 1).text
+        assert ("oneRound has no effect" in text) == is_told, text
+        assert ("/UncoupledConstraintCorrection: has no effect: /EulerImplicitSolver makes several linear solves" in text) == is_told, text
+    statics = body + answer + '<FixedProjectiveConstraint indices="1"/>'
+    Run.of_native(root('<StaticSolver/>' + statics), 1).says("/UncoupledConstraintCorrection: has no effect: /StaticSolver finds equilibria")
+    frames = '<EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject template="Rigid3" position="0 0 0 0 0 0 1  0 0 0 0 0 0 1"/>'
+    Run.of_native(root(frames + '<UniformMass totalMass="2"/><AttachProjectiveConstraint indices1="0" indices2="1" meet="halfway"/>'), 1).says(
+        'meet="halfway" has no effect: it is of points')
+    points = '<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/>'
+    line = '<ProjectToLineProjectiveConstraint indices="0" direction="1 1 0" inMatrix="false"/>'
+    Run.of_native(root('<EulerImplicitSolver newtonIterations="10"/><SparseLDLSolver/>' + points + line), 1).fails(
+        2, 'has inMatrix="false", which is for one linear solve per step')
+
+
+@case
+def planes_whose_direction_is_taken_as_it_is():
+    """Nodes lie between the planes where d.x does, whatever the length of d."""
+    nodes = '<MechanicalObject name="dofs" position="0 0 0  0 0.4 0  0 0.6 0"/><UniformMass totalMass="3"/>'
+    for length, held in ((1, [0, 1, 2]), (2, [0, 1])):
+        run = Run(root(EXACT + nodes + f'<FixedPlaneProjectiveConstraint direction="0 {length} 0" dmin="-1" dmax="1"/>'), 5)
+        agree(run.x()[:, 1], [y if i in held else y + fallen(5) for i, y in enumerate((0, 0.4, 0.6))])
+        assert ("direction: has the length 2: SOFA takes it as it is" in run.text) == (length == 2), run.text
+    oblique = nodes + '<FixedPlaneProjectiveConstraint indices="0" direction="0 0.6 0.8"/>'
+    assert "is along no axis: in SOFA's assembled matrix" in Run(root(EXACT + oblique), 1).text
+    assert "is along no axis" not in Run(root('<EulerImplicitSolver/><CGLinearSolver/>' + oblique), 1).text
+
+
+@case
+def frames_whose_translation_is_fixed_feel_no_torque():
+    """SOFA clears the whole right side of them: they go on turning as they did. An assembled matrix does not know of them: what is
+    tied to them by stiffness draws them along."""
+    frame = ('<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1" velocity="0 0 0 0 0 0.5"/><UniformMass totalMass="2"/>'
+             '<ConstantForceField indices="0" forces="0 0 0 0 0 3"/>{}<FixedTranslationProjectiveConstraint indices="0"/>')
+    for solver in DAMPED_SOLVERS:
+        undamped = solver.replace('rayleighMass="0.1"', "")
+        run = Run(root(undamped + frame.format("")), 10)
+        agree(run.x("dofs", 7)[0], [0, 0, 0, 0, 0, np.sin(0.025), np.cos(0.025)])
+        differ(Run(root(undamped + frame.format("")), 10, args=["--without-quirk", "one-sided-turns"]).x("dofs", 7)[0],
+               [0, 0, 0, 0, 0, np.sin(0.025), np.cos(0.025)], 1e-3)
+    x, v, h = np.zeros(2), np.zeros(2), 0.01  # of the frame, and of a frame that is pushed and tied to it
+    K, M, f = 40 * np.array([[-1, 1], [1, -1]]), 2 * np.eye(2), np.array([0, 6])
+    for _ in range(10):
+        b = h * (f + K @ (x + h * v))
+        b[0] = 0
+        v = v + np.linalg.solve(M - h * h * K, b)
+        x = x + h * v
+    tied = root('<EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  0 0 0 0 0 0 1"/>'
+                '<UniformMass vertexMass="2 1 1 0 0 0 1 0 0 0 1"/>'
+                '<ConstantForceField indices="1" forces="6 0 0 0 0 0"/>'
+                '<FixedTranslationProjectiveConstraint indices="0"/><Node name="centres"><MechanicalObject name="points"/><IdentityMapping/>'
+                '<SpringForceField spring="0 1 40 0 0"/></Node>', "")
+    run = Run(tied, 10, args=["--without-quirk", "meeting-ends"])
+    agree(run.x("dofs", 7)[:, 0], x)
+
+
+@case
+def forces_of_constraint_that_sofa_does_not_look_for():
+    pair = '<BilateralLagrangianConstraint object1="@one/dofs" object2="@two/dofs" first_point="3" second_point="0"/>'
+    inert, lone = "acts here: in SOFA nothing finds forces of constraint", "moves a body that has no constraint correction"
+    for loop, correction, said in (("", "<LinearSolverConstraintCorrection/>", inert), (FREE_LOOP, "", lone),
+                                   (FREE_LOOP, "<LinearSolverConstraintCorrection/>", ""), (FREE_LOOP, "<GenericConstraintCorrection/>", "")):
+        scene = two_bodies(pair, DAMPED_SOLVERS[1] + (correction if "Generic" in correction else ""), 0, loop)
+        if "Linear" in correction:
+            scene = scene.replace("<UniformMass", correction + "<UniformMass")
+        text = Run(scene, 1).text
+        assert (inert in text) == (said == inert) and (lone in text) == (said == lone), text
+    rubs = ('{}<CollisionPipeline/><BruteForceBroadPhase/><BVHNarrowPhase/><MinProximityIntersection/><CollisionResponse '
+            'response="FrictionContactConstraint"/><Node name="a">' + EXACT + BODY + '<PointCollisionModel/></Node>')
+    for loop in ("", FREE_LOOP):
+        text = Run(root(rubs.format(loop)), 1).text
+        assert (inert in text) == (not loop), text
+    follow = '<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/><FixedProjectiveConstraint indices="0"/>'
+    Run(root('<StaticSolver/><SparseLDLSolver/>' + follow + '<SpringForceField spring="0 1 10 0 1"/><AttachProjectiveConstraint indices1="0" '
+             'indices2="1"/>'), 1).says("SOFA's go halfway there after each step of statics")
+
+
+@case
+def corrections_of_frames_by_a_default():
+    """A frame with defaultCompliance moves by it, and turns by 1 whatever its inertia; other numbers than 7 do not count."""
+    arm, h = np.array([0.6, 0.2, -0.1]), 0.01
+    for given, C in (('defaultCompliance="0.7"', np.diag([0.7] * 3 + [1] * 3)),
+                     ('compliance="0.4 2 3"', np.diag([0.5] * 3 + list(1 / np.array([0.3, 0.5, 0.4]))))):
+        c, q, u = np.zeros(3), np.array([0, 0, 0, 1.0]), np.array([0.3, 0, -0.2, 0.5, -1, 0.4])
+        for _ in range(10):
+            u[1] -= 10 * h
+            c, q = c + h * u[:3], product(turn_of(h * u[3:]), q)
+            r = axes_of(q) @ arm
+            J = np.hstack([np.eye(3), -np.array([[0, -r[2], r[1]], [r[2], 0, -r[0]], [-r[1], r[0], 0]])])
+            d = C @ J.T @ np.linalg.solve(J @ C @ J.T, -(c + r - arm))
+            c, q, u = c + d[:3], product(turn_of(d[3:]), q), u + d / h
+        run = Run(root(FREE_LOOP + f'<Node name="frame">{EXACT}<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1" '
+                       'velocity="0.3 0 -0.2 0.5 -1 0.4"/><UniformMass vertexMass="2 1 0.15 0 0 0 0.25 0 0 0 0.2"/>'
+                       f'<UncoupledConstraintCorrection {given}/><Node name="arm"><MechanicalObject name="dofs" position="{numbers_of(arm)}"/>'
+                       '<RigidMapping/><FixedLagrangianConstraint indices="0"/></Node></Node>'), 10)
+        agree(run.x("frame.dofs", 7)[0], np.r_[c, q * np.sign(q[3])], 1e-8)
+        assert ("compliance has 3 numbers and no effect" in run.text) == given.startswith("compliance"), run.text
+
+
+@case
 def what_is_accepted_and_may_do_something():
     run = Run(root(EXACT + BODY + '<PythonScriptController filename="a.py" classname="A"/>'), 2)
     run.says("is a script that SOFA runs")
@@ -3663,7 +3809,7 @@ def moved_nodes_have_the_velocity_of_a_steps_start():
     body = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/><SpringForceField spring="0 1 100 0 1"/>')
 
     def x(constraint, steps=10):
-        return Run(node(EXACT + body + constraint), steps).x()[:, 0]
+        return Run(node(EXACT + body + constraint), steps, args=["--without-quirk", "unheld-matrix"]).x()[:, 0]
     ramp = '<LinearMovementConstraint indices="0" keyTimes="{}" movements="0 0 0  0.1 0 0  0.1 0 0"/>'
     agree(x(ramp.format("0 0.05 1")), led(lambda t: min(0.1, 2 * t), lambda t: 2.0 if t < 0.05 - 1e-9 else 0.0, 10))
     agree(x(ramp.format("0.03 0.08 1")), led(lambda t: min(0.1, 2 * (t - 0.03)), lambda t: 2.0 if t < 0.08 - 1e-9 else 0.0, 10, first=0.03))
@@ -4962,10 +5108,91 @@ def nodes_that_start_off_their_lines_and_planes():
             v = v + dv.reshape(-1, 3)
             x = x + 0.01 * v
             x[3], v[3] = place(x[3]), P @ v[3]
-        for solver in DAMPED_SOLVERS:
+        for solver, args in ((DAMPED_SOLVERS[0], []), (DAMPED_SOLVERS[1], ["--without-quirk", "unheld-matrix"])):
             run = Run(root(solver + f'<MechanicalObject name="dofs" position="{numbers_of(X)}" velocity="{numbers_of(V)}"/><UniformMass '
-                           f'vertexMass="0.5"/>{springs_of(SWINGING_SPRINGS)}<{text} indices="3"/><FixedProjectiveConstraint indices="0"/>'), 15)
+                           f'vertexMass="0.5"/>{springs_of(SWINGING_SPRINGS)}<{text} indices="3"/><FixedProjectiveConstraint indices="0"/>'), 15,
+                      args=args)
             agree(run.x(), x)
+
+
+@case
+def nodes_that_assembled_matrices_do_not_hold():
+    """A is that of free nodes, b is projected, and so are positions and velocities after the step."""
+    d, o, h = np.array([1, 2, -0.5]) / np.linalg.norm([1, 2, -0.5]), np.array([0.3, 0.1, 0.2]), 0.01
+    X, V = SWINGING
+    onto, off, none = np.outer(d, d), np.eye(3) - np.outer(d, d), np.zeros((3, 3))
+    amplitude, way, tall = np.array([0.1, -0.2, 0.3]), np.array([0.8, 0, 0]), np.array([0, 0.3, 0])
+
+    def swung(p, v, t):
+        return X[3] + np.sin(20 * t + 0.3) * amplitude, 20 * np.cos(20 * t + 0.3) * amplitude
+
+    def thrown(p, v, t):
+        def at(u):
+            return X[3] + u * way + 4 * u * (1 - u) * tall
+        return at(5 * t), (at(5 * (t + h)) - at(5 * t)) / h
+
+    def carried(p, v, t):
+        return X[3] + min((t + 0.05) / 0.15, 1) * amplitude, 0 * v
+    corners = numbers_of(X[3]) + "  " + "  ".join(numbers_of(X[3] + c) for c in ([1, 0, 0], [1, 1, 0], [0, 1, 0]))
+    moves = "  ".join([numbers_of(amplitude)] * 4)
+    times = 'beginConstraintTime="-0.05" endConstraintTime="0.1"'
+    for P, place, text in (
+            (onto, lambda p, v, t: (o + onto @ (p - o), onto @ v), f'LineProjectiveConstraint origin="{numbers_of(o)}" direction="2 4 -1"'),
+            (off, lambda p, v, t: (o + off @ (p - o), off @ v), f'PlaneProjectiveConstraint origin="{numbers_of(o)}" normal="2 4 -1"'),
+            (onto, lambda p, v, t: (X[3] + onto @ (p - X[3]), onto @ v), 'DirectionProjectiveConstraint direction="2 4 -1"'),
+            (none, swung, f'OscillatorProjectiveConstraint oscillators="3 {numbers_of(X[3])} {numbers_of(amplitude)} 20 0.3"'),
+            (none, thrown, f'ParabolicProjectiveConstraint P1="{numbers_of(X[3])}" P2="{numbers_of(X[3] + way / 2 + tall)}" '
+                           f'P3="{numbers_of(X[3] + way)}" BeginTime="0" EndTime="0.2"'),
+            (none, carried, f'AffineMovementProjectiveConstraint {times} translation="{numbers_of(amplitude)}"'),
+            (none, carried, f'PatchTestMovementProjectiveConstraint {times} cornerPoints="{corners}" cornerMovements="{moves}"')):
+        x, v, part = X.copy(), V.copy(), np.eye(12)
+        part[9:, 9:] = P
+        x[3], v[3] = place(x[3], v[3], 0)
+        for step in range(15):
+            A, b = damped_system(x, v, [0.5] * 4, SWINGING_SPRINGS)
+            dv = np.zeros(12)
+            dv[3:] = np.linalg.solve(A[3:, 3:], (part @ b)[3:])
+            v = v + dv.reshape(-1, 3)
+            x = x + h * v
+            x[3], v[3] = place(x[3], v[3], step * h)
+        if "indices" not in text and "oscillators" not in text:
+            text += ' indices="3"'
+        scene = (f'<MechanicalObject name="dofs" position="{numbers_of(X)}" velocity="{numbers_of(V)}"/><UniformMass vertexMass="0.5"/>'
+                 f'{springs_of(SWINGING_SPRINGS)}<{text}/><FixedProjectiveConstraint indices="0"/>')
+        run = Run(root(DAMPED_SOLVERS[1] + scene), 15)
+        agree(run.x(), x, 1e-8)
+        run.says("unheld-matrix: assembled matrices leave nodes on lines")
+        differ(Run(root(DAMPED_SOLVERS[1] + scene), 15, args=["--without-quirk", "unheld-matrix"]).x(), x, 2e-6)
+        differ(Run(root(DAMPED_SOLVERS[0] + scene), 15).x(), x, 2e-6)
+        sparse = DAMPED_SOLVERS[0].replace("<CGLinearSolver", '<CGLinearSolver template="CompressedRowSparseMatrixd"')
+        agree(Run(root(sparse + scene), 15).x(), x, 1e-7)
+        still = Run(root('<StaticSolver/><SparseLDLSolver/>' + scene), 1)
+        still.says("holds its nodes in the matrix of /StaticSolver1: SOFA solves with them free")
+
+
+@case
+def ends_attached_both_ways():
+    """Ends start at their mean, whatever their masses. Products with a matrix then see one node; assembled matrices see two free ones
+    whose right sides are the mean, and both are brought together after the step."""
+    for solver, args, assembled in ((DAMPED_SOLVERS[0], [], False), (DAMPED_SOLVERS[1], [], True),
+                                    (DAMPED_SOLVERS[1], ["--without-quirk", "unheld-matrix"], False)):
+        x, v, mass, lists = both_bodies(np.array([0.1, 0.05, -0.1]))
+        mean = np.eye(21)
+        for i in range(3):
+            mean[np.ix_((9 + i, 12 + i), (9 + i, 12 + i))] = 0.5
+        x, v = (mean @ x.ravel()).reshape(-1, 3), (mean @ v.ravel()).reshape(-1, 3)
+        for _ in range(15):
+            A, b = damped_system(x, v, mass, lists)
+            if not assembled:
+                A = mean @ A @ mean + np.eye(21) - mean
+            dv = np.zeros(21)
+            dv[3:] = np.linalg.solve(A[3:, 3:], (mean @ b)[3:])
+            v = v + dv.reshape(-1, 3)
+            x = x + 0.01 * v
+            x, v = (mean @ x.ravel()).reshape(-1, 3), (mean @ v.ravel()).reshape(-1, 3)
+        text = '<AttachProjectiveConstraint object1="@one/dofs" object2="@two/dofs" indices1="3" indices2="0" twoWay="1"/>'
+        run = Run(two_bodies(text, solver, np.array([0.1, 0.05, -0.1])), 15, args=args)
+        agree(np.vstack([run.x("bodies.one.dofs"), run.x("bodies.two.dofs")]), x, 1e-8)
 
 
 @case

@@ -67,7 +67,7 @@ class ContactPage(PageTest):
             browser.click("show-contacts")
             browser.until("window.stroma.stage.contacts.arrows.geometry.instanceCount > 0", "arrows")
             with_arrows = browser.still()
-            self.assertGreater(test_page.difference(with_arrows, plain), 0.0002)
+            self.assertGreater(test_page.difference(with_arrows, plain), 0.0001)
             key = browser.script("window.stroma.store.fields.find(f => f.name === 'pressures' && f.body === window.stroma.store.contacts[0].body)")
             browser.choose("contact-field", f"{key['name']}|{key['on']}|{key['unit']}")
             browser.until(f"window.stroma.store.values.has({key['id']}) && !document.getElementById('legend').hidden", "the pressure")

@@ -256,7 +256,7 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
                                       "lastFreeRotation", "restRotations", "lastPos", "lastDir", "clamp", "minDistance"}},
       {"LinearForceField", {"force"}},
       {"BarycentricMapping", {"mapper", "baseTriangulation"}},
-      {"MeshOBJLoader", {"transformation", "handleSeams"}},
+      {"MeshOBJLoader", {"transformation"}},
       {"TaitSurfacePressureForceField", {"initialVolume"}},
       {"TriangleFEMForceField", {"initialPoints"}},
       {"TriangularQuadraticSpringsForceField", {"initialPoints"}},
@@ -265,8 +265,6 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"FastTriangularBendingSprings", {"quadraticBendingModel"}},
       {"TriangularFEMForceField", {"initialTransformation"}},
       {"JointSpringForceField", {"infile", "period", "reinit"}},
-      {"LineCollisionModel", {"LineActiverPath"}},
-      {"PointCollisionModel", {"PointActiverPath"}},
   };
   const auto found = table.find(type);
   return found != table.end() && contains(found->second, attribute);
@@ -279,8 +277,8 @@ bool isSofasDefault(std::string_view attribute, std::string_view value) {
       {"triAngle", {"0"}}, {"repartition", {""}}, {"filename", {"", "unused"}}, {"positionFactor", {"1"}}, {"velocityFactor", {"1"}},
       {"responseFactor", {"1"}}, {"constraintFactor", {"1"}}, {"freeRotations", {"0", "false"}}, {"lastFreeRotation", {"0", "false"}},
       {"restRotations", {"0", "false"}}, {"clamp", {"0", "false"}}, {"minDistance", {"-1"}}, {"splitNormals", {"0", "false"}},
-      {"force", {"1"}}, {"handleSeams", {"0", "false"}}, {"maxInjectionRate", {"1000"}}, {"initialVolume", {"0"}},
-      {"infile", {""}}, {"period", {"0"}}, {"reinit", {"0", "false"}}, {"LineActiverPath", {""}}, {"PointActiverPath", {""}},
+      {"force", {"1"}}, {"maxInjectionRate", {"1000"}}, {"initialVolume", {"0"}},
+      {"infile", {""}}, {"period", {"0"}}, {"reinit", {"0", "false"}},
       {"matrixRegularization", {"0.4"}}, {"object2_invert", {"0", "false"}}, {"lastPos", {"0"}}, {"lastDir", {"0"}},
       {"quadraticBendingModel", {"0", "false"}}, {"globalToLocalCoords", {"0", "false"}}, {"rootAngularForceScaleFactor", {"1"}},
       {"rootLinearForceScaleFactor", {"1"}}, {"externalForce", {"0"}},

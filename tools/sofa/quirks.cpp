@@ -26,6 +26,7 @@ const std::vector<Quirk>& allQuirks() {
       {"whole-first-step", "central differences begin with a whole step of force instead of half of one"},
       {"grid-origin", "p0 of a grid is its origin, whatever its box"},
       {"moved-inertia", "the inertia of nodes that are moved does not reach their neighbours; attached ends share velocities"},
+      {"unheld-matrix", "assembled matrices leave nodes on lines, planes and given ways, and ends attached both ways, free within a step"},
       {"total-mass", "of totalMass and vertexMass the total wins"},
       {"fixed-inertia", "the inertia of rigid frames stays in fixed axes, without gyroscopic forces"},
       {"late-times", "movements and forces given at times are those of the start of a step"},

@@ -16,9 +16,7 @@
 namespace stroma {
 
 namespace {
-
 constexpr std::string_view dialect_word = foreign_dialect;
-
 }  // namespace
 
 bool isForeign(const std::string& file, const NodeDescription& root, const std::vector<Override>& overrides) {
@@ -203,8 +201,9 @@ void Rewriting::acceptTypes() {
   const auto& accepted = acceptedWithoutEffect();
   tree_->forEach([&](Element& element) {
     const std::string_view type = element.written->type;
+    warnOfIgnored(element);
     const bool is_everywhere = std::find(accepted.begin(), accepted.end(), type) != accepted.end();
-    if (!element.probe && is_everywhere) element.without_effect = true;
+    if (!element.probe && is_everywhere) element.without_effect = true, warnOfAccepted(element);
     const bool is_idle = type == "CarvingManager" && (element.text("active").empty() || saysNo(element.text("active")));
     if (element.probe || is_everywhere || (!is_idle && !isAcceptedType(type))) {
       if (element.probe) renameType(element);

@@ -109,7 +109,15 @@ class Rewriting {
   // ---- rewritten_components.cpp again ----
   void meanMesh(Element& element);
   void meanState(Element& element);
+  // ---- rewritten_constraints.cpp ----
   void meanConstraint(Element& element);
+  void meanMatrix(Element& element, const Element& integrator);
+  void meanForceOfConstraint(const Element& constraint);
+  bool findsForcesOfConstraint(const Element& asker);
+  void meanSlidingPlane(Element& plane, bool is_assembled);
+  bool isAssembled(const Element& integrator) const;
+  bool isOfFrames(const Element& constraint) const;
+  // ---- rewritten_components.cpp again ----
   Element* meshOf(const Element& element) const;
   void cutHexahedra(Element& field);
   void completeGrid(Element& grid);
@@ -145,6 +153,7 @@ class Rewriting {
   void meanNewton(Element& newton);
   void meanMultiStep(Element& solver);
   void warnOfAccepted(const Element& element);
+  void warnOfIgnored(const Element& element);
   void takeFriction(Element& response);
   static void fillVariables(Element& response);
   void meanRules(Element& response, const std::string& mu);

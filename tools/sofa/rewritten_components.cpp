@@ -37,6 +37,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "topology") meanMesh(element);
   if (role == "mechanical state") meanState(element);
   if (role == "projective constraint") meanConstraint(element);
+  if (role == "Lagrangian constraint") meanForceOfConstraint(element);
   if (element.is("BilateralLagrangianConstraint") && saysYes(element.text("keepOrientationDifference")))
     setDefault(element, "keepCentreDifference", "true");
   meanTimes(element);
@@ -355,36 +356,6 @@ void Rewriting::meanState(Element& element) {
   for (const char* name : {"position", "rest_position", "src", "topology"}) is_given = is_given || element.find(name);
   if (meshes > 1 && first && !is_given)
     element.set("topology", SceneTree::linkTo(*first));
-}
-
-void Rewriting::meanConstraint(Element& element) {
-  const Element* integrator = element.place->nearest("integrator");
-  const bool moves = integrator && !integrator->is("StaticSolver") && !element.place->has("mapping");
-  if (element.is("FixedRotationProjectiveConstraint") && moves && quirks_.use("one-sided-turns", element.path()))
-    return tree_->retype(element, "TwistConstraint");
-  setDefault(element, "ignoreMissing", "true");
-  setDefault(element, "startsThere", "true");
-  if (element.is("PatchTestMovementProjectiveConstraint")) setDefault(element, "velocity", "zero");
-  if (element.is("AttachProjectiveConstraint")) setDefault(element, "twoWay", "false");
-  if (element.is("AttachProjectiveConstraint") && moves && !saysYes(element.text("twoWay")))
-    setQuirk(element, "moved-inertia", "meet", "halfway");
-  if (element.is("AttachProjectiveConstraint") && !integrator)
-    warn(element.written->where, element, {}, "ties bodies of a solver each: SOFA moves each freely and takes means after a step");
-  if (holdsNothing(element)) return;
-  if (element.is("FixedPlaneProjectiveConstraint") && element.find("indices") && element.writes("dmin") &&
-      element.text("dmin") == element.text("dmax"))
-    element.remove("dmin"), element.remove("dmax");
-  const bool all = saysYes(element.text("fixAll"));
-  static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
-                                              "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",
-                                              "PartialLinearMovementProjectiveConstraint", "DirectionProjectiveConstraint",
-                                              "ProjectToPointProjectiveConstraint", "ProjectToLineProjectiveConstraint",
-                                              "ProjectToPlaneProjectiveConstraint"};
-  if (!all && !element.find("indices") && first.count(element.written->type) &&
-      quirks_.use("first-node", element.path())) {
-    warn(element.written->where, element, "indices", "is not given: SOFA holds node 0");
-    element.set("indices", "0");
-  }
 }
 
 }  // namespace stroma::sofa

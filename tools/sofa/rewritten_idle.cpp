@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What SOFA does not create, or creates and leaves idle: the scene runs without it, and says so.
+#include <cstdlib>
+
 #include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
 
@@ -42,6 +44,34 @@ bool Rewriting::holdsNothing(Element& element) {
   warn(element.written->where, element, {},
        std::string(attaches_none ? "names no nodes" : "has no two times") + ": it does nothing");
   return true;
+}
+
+/// What is accepted without effect, and has one in SOFA where it is not the usual value.
+void Rewriting::warnOfIgnored(const Element& element) {
+  struct Ignored {
+    std::string_view type, attribute, usual, effect;
+  };
+  static constexpr Ignored all[] = {
+      {"LocalMinDistance", "angleCone", "0", "keeps contacts within a cone in SOFA: here those of the nearest places"},
+      {"LocalMinDistance", "filterIntersection", "1", "switches a filter of contacts off in SOFA, and here it stays on"},
+      {"LocalMinDistance", "useLMDFilters", "0", "filters contacts in SOFA by components of their own: here it does not"},
+      {"LMDNewProximityIntersection", "angleCone", "0", "keeps contacts within a cone in SOFA: here those of the nearest places"},
+      {"CCDTightInclusionIntersection", "continuousCollisionType", "None",
+       "finds contacts on the way of a step in SOFA: here where it starts"},
+      {"MeshOBJLoader", "handleSeams", "0", "splits nodes at the seams of textures in SOFA: here they stay one"},
+      {"LineCollisionModel", "LineActiverPath", "", "leaves some lines out of contacts in SOFA: here all take part"},
+      {"PointCollisionModel", "PointActiverPath", "", "leaves some points out of contacts in SOFA: here all take part"},
+  };
+  for (const Ignored& each : all) {
+    const AttributeDescription* given = element.is(each.type) ? element.find(each.attribute) : nullptr;
+    if (!given || given->typed) continue;
+    const std::string_view value = trimmed(given->value);
+    const bool is_number = !each.usual.empty() && each.usual[0] != 'N';
+    const bool is_usual = value == each.usual || value.empty() || (is_number && each.usual == "1" && saysYes(value)) ||
+                          (is_number && each.usual == "0" && (saysNo(value) || std::atof(std::string(value).c_str()) == 0));
+    if (!is_usual || (each.usual == "0" && saysYes(value)))
+      warn(given->where, element, std::string(each.attribute), std::string(each.effect));
+  }
 }
 
 }  // namespace stroma::sofa

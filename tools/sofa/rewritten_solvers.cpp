@@ -62,6 +62,10 @@ void Rewriting::meanSolver(Element& element) {
   if (type == "CentralDifferenceSolver") setQuirk(element, "whole-first-step", "firstStep", "whole");
   if (type == "VariationalSymplecticSolver") meanVariational(element);
   if (type == "EulerImplicitSolver" && hasForcesOfConstraint() && !hasActuators()) setQuirk(element, "one-iteration", "oneRound", "true");
+  if (hasForcesOfConstraint() && hasActuators() && quirks_.isOn("one-iteration"))
+    warn(element.written->where, element, {},
+         "finds forces of constraint until cables and cavities hold at the end of a step: SOFA finds them once, in the directions of "
+         "the motion without them, and differs while bodies move far in a step");
   if (type == "StaticSolver") meanStatics(element);
   if (type == "NewtonRaphsonSolver") meanNewton(element);
 }
@@ -251,6 +255,7 @@ void Rewriting::takeFriction(Element& response) {
   if (pushes && !groups && !response.place->nearest("integrator")) setQuirk(response, "isolated-springs", "explicitBetween", "true");
   const bool rubs = response.text("response").find("Friction") != std::string::npos;
   const bool some_rub = rubs || response.text("rules").find("Friction") != std::string::npos;
+  if (some_rub) findsForcesOfConstraint(response);
   // SOFA's solvers end at their maxIterations, and the run goes on
   if (some_rub && method)
     setDefault(response, "toleratedError", method->find("contactDistance") ? method->text("contactDistance") : "0.5");
@@ -270,6 +275,14 @@ void Rewriting::warnOfAccepted(const Element& element) {
   if (element.written->type.starts_with("Python"))
     return warn(element.written->where, element, {}, "is a script that SOFA runs: what it does to the scene is not done here");
   if (element.written->type.ends_with("ConstraintSolver") && std::atof(element.text("regularizationTerm").c_str()) != 0)
+    return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
+  if (element.is("FreeMotionAnimationLoop") && saysYes(element.text("solveVelocityConstraintFirst")) && hasForcesOfConstraint())
+    return warn(element.written->where, element, "solveVelocityConstraintFirst",
+                "finds forces of constraint twice in SOFA, for velocities and then for positions: here once, for both");
+  const std::string factor = element.text("complianceFactor");
+  if (element.written->type.ends_with("ConstraintCorrection") && !factor.empty() && std::atof(factor.c_str()) != 1)
+    warn(element.written->where, element, "complianceFactor", "changes how far SOFA's forces of constraint move nodes: here by the matrix");
+  if (element.written->type.ends_with("ConstraintCorrection") && std::atof(element.text("regularizationTerm").c_str()) != 0)
     return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
   if (element.is("MultiTagAnimationLoop"))
     return warn(element.written->where, element, {},
@@ -310,6 +323,12 @@ void Rewriting::warnOfTangents(const Element& field) {
   if (type.ends_with("FEMForceField") && field.text("materialName") == "Costa" && c.size() > 1)
     warn(field.written->where, field, "materialName",
          "has its exact tangent: SOFA's lacks the factor k0 in a term, and implicit steps that change volumes differ");
+  const Element* integrator = field.place->nearest("integrator");
+  const std::string rule = integrator ? integrator->written->type : "";
+  const bool is_explicit = rule.starts_with("EulerExplicit") || rule.starts_with("CentralDiff") || rule.starts_with("RungeKutta");
+  if (type == "TriangularBiquadraticSpringsForceField" && !is_explicit && !saysNo(field.text("compressible")))
+    warn(field.written->where, field, "compressible",
+         "has its exact tangent where triangles lose area: SOFA's is milder there, and implicit steps differ");
   const Element* solver = field.place->nearest("linear solver");
   if (type == "FastTetrahedralCorotationalForceField" && solver && solver->is("SparseLDLSolver"))
     warn(field.written->where, field, {},

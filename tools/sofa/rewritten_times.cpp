@@ -196,6 +196,9 @@ void Rewriting::meanTimes(Element& element) {
   if (flows) holdOtherAxes(element);
   if (spans) {
     if (type.starts_with("Affine") && element.find("meshIndices")) noEffect(type + ".meshIndices"), element.remove("meshIndices");
+    if (type.starts_with("Affine") && isOfFrames(element) && (element.find("quaternion") || element.find("rotation")))
+      warn(element.written->where, element, element.find("quaternion") ? "quaternion" : "rotation",
+           "turns frames on their way: SOFA's keep their orientation, and at the end have a sum of quaternions, without rotation");
     element.set("velocity", "still");
     return element.set("late", "true");
   }
@@ -220,7 +223,15 @@ void Rewriting::meanTimes(Element& element) {
     return element.set("late", "true");
   }
   if (flows) {  // of frames and numbers
-    if (saysYes(element.text("continueAfterEnd"))) return;
+    if (table.times.front() < 0)
+      warn(element.written->where, element, at, "begins before the start: SOFA's frames go by the velocities of the starts of steps, and "
+                                                "here by their integral");
+    if (saysYes(element.text("continueAfterEnd"))) {
+      warn(element.written->where, element, "continueAfterEnd",
+           "keeps the last velocity, and velocities of frames are those of the moment: SOFA's are a step late, and go on along the line "
+           "of the last two keys");
+      return;
+    }
     delayVelocity(table, h);
   } else {
     const double first = table.times.front();

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Of an implicit step: how far it may go where something may be in its way, and what is moved from outside meanwhile.
+#include <limits>
+#include <utility>
+
+#include "components/integrators/implicit_step.h"
+
+namespace stroma {
+
+/// With contact: what is free goes on as it did, as far as nothing is in its way. A body that is drawn along, pressed or folded
+/// then has a part of the iterations to make, as where it starts all of its motion is missing. What moves by round-off rests.
+bool ImplicitStep::guess(Rows d) {
+  if (!std::exchange(is_to_guess_, false)) return false;
+  copy(v0_, d);
+  axpy(-1, v(), d);
+  system_->constraints().project(d);
+  return scheme_.displacement * largest(d) > std::numeric_limits<double>::epsilon() * largest(x());
+}
+
+double ImplicitStep::longestStep(ConstRows d) {
+  if (!limits_.bends()) return limits_.longest(d, scheme_.displacement);
+  copy(v(), work_);
+  return limits_.longest(d, scheme_.displacement, false, false, [&](double s) {
+    copy(work_, v());
+    addTo(v(), s, d);
+    unknownsChanged();
+  });
+}
+
+bool ImplicitStep::movesOn() { return carries() || limits_.solvesAgain(); }
+
+/// That of what is held is -A du, with the tangent A before what is held is taken out of it.
+bool ImplicitStep::addPush(Rows residual) {
+  System& s = *system_;
+  const Rows push = s.independent(right_side_);
+  if (limits_.hasWay())
+    limits_.push(right_side_), scale(scheme_.weight, push);
+  else
+    clear(push);
+  if (carries()) {
+    const MatrixFactors factors = tangentFactors();
+    copy(carried_, work_);
+    scale(-lack_ / scheme_.displacement, work_);
+    s.addMassProduct(work_, factors.mass, push);
+    s.addStiffnessProduct(work_, factors, push);
+  }
+  s.constraints().project(push);
+  axpy(1, push, residual);
+  return largest(push) > 0;
+}
+
+bool ImplicitStep::goAlong(Rows d, bool wholly) {
+  if (lack_ > 0) axpy(lack_ / scheme_.displacement, carried_, d);
+  copy(v(), work_);
+  const auto goTo = [&](double s) {
+    copy(work_, v());
+    addTo(v(), s, d);
+    unknownsChanged();
+  };
+  const double h = scheme_.displacement;
+  const double part = limits_.bends() ? limits_.longest(d, h, true, true, goTo) : limits_.longest(d, h, true, true);
+  if (wholly && part < 1) return false;
+  goTo(part);
+  limits_.goAlong(part);
+  carries_ += lack_ > 0;
+  lack_ = part == 1 ? 0 : lack_ * (1 - part);
+  return true;
+}
+
+}  // namespace stroma

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What constraints that hold nodes mean in SOFA.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+#include "framework/scene/text.h"
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+/// Its linear solver is given a matrix, and not products with one.
+bool Rewriting::isAssembled(const Element& integrator) const {
+  const Element* solver = integrator.place->nearest("linear solver");
+  if (const std::string link = integrator.text("linearSolver"); !link.empty())
+    if (const LinkTarget target = tree_->follow(integrator, link, false); target.element) solver = target.element;
+  if (!solver || solver->is("PCGLinearSolver")) return false;
+  const bool iterates = solver->is("CGLinearSolver") || solver->is("MinResLinearSolver");
+  return !iterates || solver->text("template").starts_with("Compressed");
+}
+
+/// The bodies that a constraint is of have rigid frames.
+bool Rewriting::isOfFrames(const Element& constraint) const {
+  const Element* state = constraint.place->nearest("mechanical state");
+  for (const char* name : {"object1", "mstate"})
+    if (const std::string link = constraint.text(name); !link.empty()) {
+      const LinkTarget target = tree_->follow(constraint, link, false);
+      state = target.element ? target.element : target.place ? target.place->firstOf("mechanical state") : state;
+    }
+  return state && state->text("template").starts_with("Rigid");
+}
+
+/// Some constraints of SOFA do not know how to change a matrix that is assembled: it is solved with all nodes free, for a right side
+/// without what they hold, and they project positions and velocities afterwards.
+void Rewriting::meanMatrix(Element& element, const Element& integrator) {
+  const bool is_pair = element.is("AttachProjectiveConstraint") && saysYes(element.text("twoWay"));
+  if (!is_pair && !isAnyOf(element.written->type, {"ProjectToLineProjectiveConstraint", "ProjectToPlaneProjectiveConstraint",
+                                                   "DirectionProjectiveConstraint", "OscillatorProjectiveConstraint",
+                                                   "ParabolicProjectiveConstraint", "HermiteSplineProjectiveConstraint",
+                                                   "PatchTestMovementProjectiveConstraint", "AffineMovementProjectiveConstraint"}))
+    return;
+  const bool is_explicit = isAnyOf(integrator.written->type, {"EulerExplicitSolver", "CentralDifferenceSolver"}) ||
+                           integrator.written->type.starts_with("RungeKutta");
+  const Element* mass = element.place->firstOf("mass");
+  const bool is_coupled = mass && mass->is("MeshMatrixMass") && !saysYes(mass->text("lumping"));
+  if ((is_explicit && !is_coupled) || !isAssembled(integrator)) return;
+  const std::string iterations = integrator.text("newtonIterations");
+  const bool solves_once = integrator.is("EulerImplicitSolver") && isAnyOf(iterations, {"", "1"}) && !integrator.find("newtonSolver");
+  if (solves_once && !hasForcesOfConstraint() && !(is_pair && isOfFrames(element)))
+    return setQuirk(element, "unheld-matrix", "inMatrix", "false");
+  warn(element.written->where, element, {},
+       "holds its nodes in the matrix of " + integrator.path() + ": SOFA solves with them free where the matrix is assembled, and puts "
+       "them back after the step, so that their neighbours move otherwise",
+       "CGLinearSolver, with which both do the same");
+}
+
+/// An element of a type that ends so, also of those that are accepted and no part any more.
+static bool holdsType(const Place& place, std::string_view ending) {
+  return std::any_of(place.elements.begin(), place.elements.end(),
+                     [ending](const auto& each) { return each->written->type.ends_with(ending); });
+}
+
+/// SOFA looks for forces of constraint where a loop or a solver for them is, and moves bodies by them that have a correction.
+bool Rewriting::findsForcesOfConstraint(const Element& asker) {
+  bool finds = false;
+  tree_->forEachPlace([&finds](Place& place) {
+    for (const char* ending : {"FreeMotionAnimationLoop", "ConstraintAnimationLoop", "MultiTagAnimationLoop", "ConstraintSolver"})
+      finds = finds || holdsType(place, ending);
+  });
+  if (!finds)
+    warn(asker.written->where, asker, {},
+         "acts here: in SOFA nothing finds forces of constraint without a FreeMotionAnimationLoop, and it does nothing");
+  return finds;
+}
+
+void Rewriting::meanForceOfConstraint(const Element& constraint) {
+  if (!findsForcesOfConstraint(constraint)) return;
+  for (const char* name : {"object1", "object2"}) {
+    const std::string link = constraint.text(name);
+    const LinkTarget target = link.empty() ? LinkTarget{nullptr, constraint.place, {}} : tree_->follow(constraint, link, false);
+    const Place* place = target.element ? target.element->place : target.place;
+    bool corrected = !place || !place->nearest("integrator");
+    for (; place && !corrected; place = place->parent) corrected = holdsType(*place, "ConstraintCorrection");
+    if (!corrected && (!link.empty() || name == std::string_view("object1")))
+      return warn(constraint.written->where, constraint, link.empty() ? "" : name,
+                  "moves a body that has no constraint correction: in SOFA forces of constraint do not move it",
+                  "a LinearSolverConstraintCorrection in its node");
+  }
+}
+
+/// SOFA takes the direction as it is given, and holds nodes in an assembled matrix along each axis that it has a part of.
+void Rewriting::meanSlidingPlane(Element& plane, bool is_assembled) {
+  const std::vector<double> given = plane.writes("direction") ? writtenNumbers(plane.text("direction")) : std::vector<double>();
+  if (given.size() < 3) return;
+  const double length = Vec3(given[0], given[1], given[2]).norm();
+  constexpr double round_off = 1e-6;  // of a direction that is written with six digits
+  if (length > 0 && std::abs(length - 1) > round_off) {
+    warn(plane.find("direction")->where, plane, "direction",
+         "has the length " + printReal(length) + ": SOFA takes it as it is, and forces across the plane go on to move the nodes there",
+         "a direction of length 1");
+    for (const char* name : {"dmin", "dmax"})
+      if (plane.writes(name)) plane.set(name, printReal(std::atof(plane.text(name).c_str()) / length));
+  }
+  if (is_assembled && (given[0] != 0) + (given[1] != 0) + (given[2] != 0) > 1)
+    warn(plane.find("direction")->where, plane, "direction",
+         "is along no axis: in SOFA's assembled matrix nodes have no mass and no neighbours along the axes that it has a part of, and they "
+         "slide otherwise",
+         "CGLinearSolver, with which both do the same");
+}
+
+void Rewriting::meanConstraint(Element& element) {
+  const Element* integrator = element.place->nearest("integrator");
+  const bool moves = integrator && !integrator->is("StaticSolver") && !element.place->has("mapping");
+  if (element.is("FixedRotationProjectiveConstraint") && moves && quirks_.use("one-sided-turns", element.path()))
+    return tree_->retype(element, "TwistConstraint");
+  const bool is_taken = element.is("FixedTranslationProjectiveConstraint") && isOfFrames(element);  // SOFA takes torques out too
+  if (is_taken && quirks_.use("one-sided-turns", element.path())) tree_->retype(element, "FixedProjectiveConstraint");
+  if (is_taken && moves && element.is("FixedProjectiveConstraint") && isAssembled(*integrator) && integrator->is("EulerImplicitSolver") &&
+      !hasForcesOfConstraint())
+    setQuirk(element, "unheld-matrix", "inMatrix", "false");
+  if (integrator && !element.place->has("mapping")) meanMatrix(element, *integrator);
+  setDefault(element, "ignoreMissing", "true");
+  setDefault(element, "startsThere", "true");
+  if (element.is("PatchTestMovementProjectiveConstraint")) setDefault(element, "velocity", "zero");
+  if (element.is("AttachProjectiveConstraint")) setDefault(element, "twoWay", "false");
+  if (element.is("AttachProjectiveConstraint") && moves && !isOfFrames(element))
+    setQuirk(element, "moved-inertia", "meet", "halfway");
+  if (element.is("AttachProjectiveConstraint") && integrator && integrator->is("StaticSolver") && !saysYes(element.text("twoWay")) &&
+      !isOfFrames(element))
+    warn(element.written->where, element, {}, "takes nodes to those that they follow: SOFA's go halfway there after each step of statics");
+  if (element.is("AttachProjectiveConstraint") && !integrator)
+    warn(element.written->where, element, {}, "ties bodies of a solver each: SOFA moves each freely and takes means after a step");
+  if (holdsNothing(element)) return;
+  if (element.is("FixedPlaneProjectiveConstraint") && element.find("indices") && element.writes("dmin") &&
+      element.text("dmin") == element.text("dmax"))
+    element.remove("dmin"), element.remove("dmax");
+  if (element.is("FixedPlaneProjectiveConstraint")) meanSlidingPlane(element, integrator && moves && isAssembled(*integrator));
+  const bool all = saysYes(element.text("fixAll"));
+  static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
+                                              "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",
+                                              "PartialLinearMovementProjectiveConstraint", "DirectionProjectiveConstraint",
+                                              "ProjectToPointProjectiveConstraint", "ProjectToLineProjectiveConstraint",
+                                              "ProjectToPlaneProjectiveConstraint"};
+  if (!all && !element.find("indices") && first.count(element.written->type) &&
+      quirks_.use("first-node", element.path())) {
+    warn(element.written->where, element, "indices", "is not given: SOFA holds node 0");
+    element.set("indices", "0");
+  }
+}
+
+}  // namespace stroma::sofa
