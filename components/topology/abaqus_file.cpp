@@ -301,7 +301,7 @@ AbaqusFile AbaqusReader::read() {
     } else if (keyword_ == "SURFACE") {  // of the assembly too, where it names sets of the instance
       const Words words = split(line);
       out_.surfaces[given("NAME", "SURFACE")].push_back(
-          {abaqusName(words[0]), words.size() > 1 ? abaqusName(words[1]) : ""});
+          {abaqusName(words[0]), words.size() > 1 ? abaqusName(words[1]) : "", abaqusName(parameters_["TYPE"]) == "NODE"});
     } else {
       readData(split(line));
     }

@@ -16,9 +16,10 @@ struct AbaqusFile {
     CellType type;
     Index number;
   };
-  /// Faces of cells: a set or the number of an element, and S1 to S6 or another word.
+  /// Faces of cells: a set or the number of an element, and S1 to S6 or another word. Or nodes: a set or the number of one.
   struct Faces {
     std::string of, face;
+    bool of_nodes = false;
   };
   Mesh mesh;
   std::unordered_map<long, Index> nodes;                             ///< by their numbers in the file

@@ -208,16 +208,22 @@ void MeshAbaqusLoader::tellLost(long count, const char* what) {
 
 void MeshAbaqusLoader::selectFaces(AbaqusFile& content, const std::vector<AbaqusFile::Faces>& surface) {
   std::set<std::pair<long, char>> made;
-  for (const auto& [of, face] : surface) {
+  for (const auto& [of, face, of_nodes] : surface) {
+    const bool is_number = !of.empty() && of.size() < 18 && of.find_first_not_of("0123456789") == std::string::npos;
     std::vector<long> numbers;
-    if (const auto set = content.element_sets.find(of); set != content.element_sets.end())
+    if (of_nodes && is_number && !content.node_sets.contains(of)) {
+      const auto node = content.nodes.find(std::stol(of));
+      node == content.nodes.end() ? tellLost(1, "nodes") : group_indices_.push_back(int(node->second));
+      continue;
+    }
+    if (const auto set = content.element_sets.find(of); set != content.element_sets.end() && !of_nodes)
       numbers = set->second;
     else if (const auto nodes = content.node_sets.find(of); nodes != content.node_sets.end()) {  // TYPE=NODE
       for (const long number : nodes->second)
         if (const auto node = content.nodes.find(number); node != content.nodes.end())
           group_indices_.push_back(int(node->second));
       continue;
-    } else if (!of.empty() && of.size() < 18 && of.find_first_not_of("0123456789") == std::string::npos) {
+    } else if (is_number) {
       numbers = {std::stol(of)};
     } else {
       throw ComponentError(fmt::format("the surface '{}' is of {}, which is no set of the file", group_, of));

@@ -214,6 +214,8 @@ TEST_F(Load, AnOverridePutsAnotherComponentInThePlaceOfOne) {
   EXPECT_EQ(get<TestMesh>(scene, "/liver/TestForce").position.size(), 1u);
 
   EXPECT_EQ(problemOf(text, {Override::parse("/part=TestFroce youngModulus=1")}).suggestion, "TestForce");
+  EXPECT_NE(problemOf(text, {Override::parse("/part=TestFroce youngModulus=1")}).text().find("--set /part"), std::string::npos);
+  EXPECT_EQ(problemOf(text, {Override::parse("part=TestForce youngModulus=1")}).suggestion, "/part=TestForce youngModulus=1");
   EXPECT_NE(problemOf(text, {Override::parse("/part=TestMesh lonely")}).message.find("lonely"), std::string::npos);
   EXPECT_NE(problemOf(text, {Override::parse("/liver=TestForce")}).message.find("this is a node"), std::string::npos);
 }

@@ -108,6 +108,13 @@ TEST_F(Abaqus, ASetOfTheAssemblyHidesThatOfThePart) {
   EXPECT_EQ(output(text, "regions=\"I.Set-1\"", "tetrahedraGroups"), "1");
 }
 
+TEST_F(Abaqus, ASurfaceOfNodesIsOfSetsAndNumbersOfNodes) {
+  const std::string text =
+      "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=A\n1,1,2,3,4\n*NSET, NSET=A\n3\n"
+      "*SURFACE, NAME=S, TYPE=NODE\n1, 1.0\n4\nA, 0.5\n";
+  EXPECT_EQ(output(text, "group=\"S\"", "groupIndices"), "0 2 3");
+}
+
 /// Each face of a cell looks out of it, and its middles lie between its corners.
 TEST_F(Abaqus, FacesLookOutOfTheirCells) {
   const std::string nodes =

@@ -12,6 +12,11 @@
 
 namespace stroma {
 
+static bool beginsAType(std::string_view value) {
+  value = trimmed(value);
+  return !value.empty() && std::isupper(static_cast<unsigned char>(value[0]));
+}
+
 Override Override::parse(const std::string& text) {
   const std::string expected = "expected PATH.ATTRIBUTE=VALUE, for example /liver/fem.method=polar, or PATH=TYPE";
   const auto equals = text.find('=');
@@ -20,7 +25,7 @@ Override Override::parse(const std::string& text) {
   const auto dot = left.rfind('.');
   const bool is_word = dot == std::string::npos, is_long = is_word && left.find('/') != std::string::npos;
   const std::string_view value = trimmed(std::string_view(text).substr(equals + 1));
-  const bool is_type = is_long && !value.empty() && std::isupper(static_cast<unsigned char>(value[0]));
+  const bool is_type = is_long && beginsAType(value);
   Override result{{}, {}, text.substr(equals + 1)};
   result.path = is_type ? left : is_word ? "/" : left.substr(0, dot);
   if (!is_type && !is_long) result.attribute = left.substr(is_word ? 0 : dot + 1);  // without a path that of the root: dt=0.01
@@ -56,7 +61,7 @@ struct Places {
 /// "TYPE NAME=VALUE ...", where a word without = goes on with the value before it. Links and paths find it by its name.
 void putInPlace(ComponentDescription& component, const Override& by, const SourceLocation& where, Diagnostics& diagnostics) {
   Words words(by.value);
-  component.type = words.next(), component.attributes.clear();
+  component.type = words.next(), component.attributes.clear(), component.where = where;
   for (std::string word(words.next()); !word.empty(); word = words.next()) {
     const auto equals = std::min(word.find('='), word.size());
     const std::string name = word.substr(0, equals);
@@ -96,6 +101,10 @@ void applyOverrides(const std::vector<Override>& overrides, NodeDescription& roo
                         {}, is_there ? "" : nearest(change.path, places.paths));
     } else if (is_type) {
       putInPlace(*places.components[place], change, where, diagnostics);
+    } else if (const std::size_t meant = places.find("/" + change.attribute);
+               change.path == "/" && meant < places.paths.size() && places.components[meant] && beginsAType(change.value)) {
+      diagnostics.error(where, "/" + change.attribute, "this is a component, and an attribute of the outermost node without a slash", {},
+                        "/" + change.attribute + "=" + change.value);
     } else {
       AttributeDescription given{change.attribute, change.value, where};
       std::erase_if(*places.attributes[place], [&](const AttributeDescription& other) {
