@@ -20,6 +20,8 @@ struct FactorMemory {
   double lost = 0;          ///< seconds that iterations with these values have taken longer than factors in double precision
 };
 
+class SupernodalAnalysis;
+
 /// What a solver and its factors say to each other.
 struct FactorRecord {
   FactorMemory* memory = nullptr;  ///< of the matrix of the call under way; null: each factor has its own
@@ -27,6 +29,7 @@ struct FactorRecord {
   int given_up = 0;                ///< factorisations in single precision that were made again in double
   long solves = 0;                 ///< with factors in single precision
   long applications = 0;           ///< of the factors in these solves
+  std::weak_ptr<const SupernodalAnalysis> analysis;  ///< the last one: a matrix of its pattern takes its order
 };
 
 /// P A P^T = L L^T on supernodes, by CHOLMOD's analysis: of a symmetric positive definite matrix, whose upper triangle is read.

@@ -44,7 +44,8 @@ RefinedFactor::RefinedFactor(FactorPrecision precision, std::shared_ptr<FactorRe
     : wanted_(precision), record_(record ? std::move(record) : std::make_shared<FactorRecord>()) {}
 
 bool RefinedFactor::analyse(const BlockMatrix& matrix, StopToken stop) {
-  analysis_ = SupernodalAnalysis::of(matrix, stop);
+  analysis_ = SupernodalAnalysis::of(matrix, stop, record_->analysis.lock().get());
+  record_->analysis = analysis_;
   has_fronts_ = has_analysis_ = has_double_ = false;
   if (!analysis_) return false;
   uses_single_ = wanted_ == FactorPrecision::in_single ||

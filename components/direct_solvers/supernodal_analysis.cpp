@@ -5,6 +5,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <bit>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -27,6 +28,14 @@ void* allocateForCholmod(std::size_t bytes) {
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
+}
+
+/// Another pattern gives another number, as good as always. An order fits any pattern of as many nodes.
+std::uint64_t mixedPattern(const BlockMatrix& matrix) {
+  std::uint64_t mixed = 1;
+  for (const std::vector<Index>* numbers : {&matrix.rowStart(), &matrix.columns()})
+    for (const Index number : *numbers) mixed = (std::rotl(mixed, 29) ^ std::uint64_t(number)) * 0x9e3779b97f4a7c15u;
+  return mixed;
 }
 
 }  // namespace
@@ -61,8 +70,12 @@ void SupernodalAnalysis::check(bool good, const char* what) const {
   throw std::runtime_error(std::string("SparseLDLSolver could not ") + what + cause);
 }
 
-std::shared_ptr<SupernodalAnalysis> SupernodalAnalysis::of(const BlockMatrix& matrix, StopToken stop) {
+std::shared_ptr<SupernodalAnalysis> SupernodalAnalysis::of(const BlockMatrix& matrix, StopToken stop,
+                                                           const SupernodalAnalysis* former) {
   const auto analysis = std::make_shared<SupernodalAnalysis>();
+  analysis->pattern = mixedPattern(matrix);
+  if (former && former->pattern == analysis->pattern && former->unknown.size() == 3 * std::size_t(matrix.rows()))
+    analysis->unknown = former->unknown, analysis->ordering = former->ordering;
   const auto graph = std::make_shared<Graph>(Graph{matrix.rowStart(), matrix.columns(), matrix.diagonal()});
   if (matrix.rows() < few_rows || !stop.isWatched())
     analysis->run(*graph);
@@ -73,7 +86,7 @@ std::shared_ptr<SupernodalAnalysis> SupernodalAnalysis::of(const BlockMatrix& ma
 
 void SupernodalAnalysis::run(const Graph& graph) {
   const NoRegions no_regions;
-  unknown = orderUnknowns(graph);
+  if (unknown.empty()) unknown = orderUnknowns(graph);
   buildLower(graph);
   common.method[0].ordering = CHOLMOD_NATURAL;
   common.postorder = 0;

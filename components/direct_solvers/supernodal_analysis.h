@@ -3,6 +3,7 @@
 #pragma once
 #include <cholmod.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,8 +33,9 @@ class SupernodalAnalysis {
   SupernodalAnalysis(const SupernodalAnalysis&) = delete;
 
   /// That of the pattern of `matrix`. Null when it was stopped: METIS alone takes seconds for a large body, and is left to
-  /// end by itself.
-  static std::shared_ptr<SupernodalAnalysis> of(const BlockMatrix& matrix, StopToken stop);
+  /// end by itself. The order is that of `former`, where it has the same pattern.
+  static std::shared_ptr<SupernodalAnalysis> of(const BlockMatrix& matrix, StopToken stop,
+                                                const SupernodalAnalysis* former = nullptr);
 
   SupernodalPattern supernodes() const;
   /// Throws std::runtime_error that names what CHOLMOD could not do, where it could not.
@@ -45,6 +47,7 @@ class SupernodalAnalysis {
   std::vector<int> source;           ///< shape (entries of lower): where each value lies in the block matrix
   std::vector<int> unknown;          ///< shape (3 rows): the unknown at each place of the order
   std::string ordering;              ///< METIS or AMD
+  std::uint64_t pattern = 0;         ///< the pattern, mixed to one number
   double flops = 0, entries = 0;     ///< of a factorisation, and in the factor
 
  private:

@@ -9,14 +9,17 @@ namespace stroma {
 namespace {
 
 // What is expected of ways that have not been tried.
-constexpr double multigrid_start = 1.25, multigrid_rate = 2;  // iterations, and more for a decade
+constexpr double multigrid_start = 1.25;  // iterations, and so many more for a decade: of tetrahedra and of hexahedra
+constexpr double tetrahedral_rate = 2, hexahedral_rate = 1.2, tetrahedral_blocks = 13, hexahedral_blocks = 21;
 constexpr double worth_a_guess = 1.3;
 constexpr double usual_drift = 0.02;                         // from one matrix to the next
+constexpr double scatter = 1.4;                              // so many times the iterations by the law of drifts are prepared for
 constexpr double fresh_single = 5e-4, fresh_double = 1e-5;   // what factors of the very matrix leave, as a drift
 constexpr double direct_applications = 2;                    // of these by a direct solver
 constexpr double in_double = 3;                              // factorisations that it makes of what is solved with often
 constexpr int most_served = 100;                             // matrices
-constexpr double to_open_factors = 3e6;                      // ns: a module
+constexpr double to_open_factors = 1e7;                      // ns: a module and its libraries
+constexpr double new_memory = 6;                             // ns: for a number of the first factors
 
 }  // namespace
 
@@ -36,10 +39,27 @@ double AutomaticInverse::cycle() const {
 
 double AutomaticInverse::setup(Way way) const {
   if (way == Way::block_jacobi) return 0;
-  const double matrix = IterationCosts::assembly(rows_) + (now_.blocks > 0 ? 0 : IterationCosts::pattern(rows_));
+  const double matrix = IterationCosts::assembly(rows_) + (now_.blocks > 0 ? 0 : IterationCosts::pattern(rows_, blocks()));
   if (way == Way::multigrid) return IterationCosts::hierarchy(rows_, blocks()) + matrix;
   const double again = way == Way::direct && isConstant() && now_.factor_costs.is_single ? in_double : 0;
-  return now_.factor_costs.order + (1 + again) * now_.factor_costs.factor + (now_.factored_solves > 0 ? 0 : to_open_factors);
+  const double first = now_.factored_solves > 0 ? 0 : to_open_factors + now_.factor_costs.order;  // the order is kept
+  return first + new_memory * now_.factor_costs.entries + (1 + again) * now_.factor_costs.factor;
+}
+
+/// Iterations for a decade that multigrid is expected to take. A node of hexahedra has twice the neighbours of one of tetrahedra,
+/// and a group of nodes goes through all of them: 10 to 11 iterations for eight decades instead of 12 to 22, of Poisson's ratios to
+/// 0.45. Before the pattern is known, the better of both.
+double AutomaticInverse::expectedRate() const {
+  if (now_.blocks == 0) return hexahedral_rate;
+  const double like_hexahedra = (blocks() / rows_ - tetrahedral_blocks) / (hexahedral_blocks - tetrahedral_blocks);
+  return tetrahedral_rate + (hexahedral_rate - tetrahedral_rate) * std::clamp(like_hexahedra, 0.0, 1.0);
+}
+
+/// Solves that a change should pay in: as many as there have been, as a run may end at any time, and at least those of a short one.
+/// Where nothing changes the matrix each solve is one of a step.
+double AutomaticInverse::horizon() const {
+  constexpr double short_run = 8;  // matrices
+  return short_run * (is_constant_ && isConstant() ? 1 : perMatrix()) + now_.solves;
 }
 
 /// With an ordering where patterns change.
@@ -66,7 +86,7 @@ bool AutomaticInverse::isConstant() const {
 }
 
 double AutomaticInverse::turnedOnce(Way way) const {
-  return way == Way::multigrid ? IterationCosts::turn_hierarchy * rows_ : IterationCosts::turnFactors(blocks());
+  return way == Way::multigrid ? IterationCosts::turnHierarchy(blocks()) : IterationCosts::turnFactors(blocks());
 }
 
 /// Of hierarchies that were made anew, and of what was done with the former ones in vain, a solve's share.
@@ -77,7 +97,8 @@ double AutomaticInverse::renewing() const {
 /// A solve by factors after such a drift, with the product that ends it.
 double AutomaticInverse::byFactors(double each, double drift) const {
   const double own = now_.factor_costs.is_single ? fresh_single : fresh_double;
-  return std::ceil(std::max(0.5, ratePerDecade(std::max(own, drift)) * decades())) * each + iteration(Way::block_jacobi);
+  const double rate = ratePerDecade(std::max(own, drift)) * (now_.drifts.isKnown() && drift > own ? scatter : 1);
+  return std::ceil(std::max(0.5, rate * decades())) * each + iteration(Way::block_jacobi);
 }
 
 /// By factors that are renewed when that is cheapest; `renewal`: a solve's share of a factorisation, were it for each matrix.
@@ -95,7 +116,7 @@ double AutomaticInverse::solve(Way way) const {
   const double rate = now_.rates[at(way)], each = iteration(way);
   if (way == Way::block_jacobi) return std::max(1.0, rate * decades()) * each;
   if (way == Way::multigrid)
-    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + multigrid_rate * decades()) * each + turning(way) +
+    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + expectedRate() * decades()) * each + turning(way) +
            renewing();
   const double factors = isConstant() ? 0 : factorisation() / perMatrix();
   if (way == Way::direct) return direct() + factors;
@@ -121,7 +142,7 @@ void AutomaticInverse::countFactors() {
   const FactorCounts by_law = factorCountsOf(extentsOf(rows_, matrix_->positions()));
   const BlockMatrix& pattern = matrix_->pattern();
   now_.blocks = pattern.blocks();
-  now_.factor_costs = factorCosts(rows_, fewer(stroma::countFactors(pattern), by_law));
+  now_.factor_costs = factorCosts(rows_, fewer(dissected(stroma::countFactors(pattern)), by_law));
   now_.factor_costs.order = IterationCosts::order(now_.blocks, now_.factor_costs.entries);
   now_.may_factor = factorsFit(now_.factor_costs.entries);
 }
@@ -153,6 +174,8 @@ bool AutomaticInverse::findCheaper(double rate, double left) {
   const double present = std::max(1.0, rate * decades()) * iteration(now_.way) + turning(now_.way) + again;
   estimateFactors();
   Way way = cheapest(present, left);
+  if (way == Way::multigrid && now_.blocks == 0)
+    now_.blocks = matrix_->pattern().blocks(), way = cheapest(present, left);
   if (isFactored(way) && !now_.is_counted) countFactors(), way = cheapest(present, left);
   if (way == now_.way) return false;
   now_.next = way;

@@ -67,28 +67,34 @@ void AutomaticInverse::judge(double cost) {
     now_.has_new_pattern = false;
     if (way == Way::factors) now_.with_factors += cost, ++now_.factor_solves;
     if (is_first) return;
-    if (way == Way::factors && now_.factor_solves >= enough_solves && now_.changes < most_changes && !isConstant() &&
-        solve(way) > worth_changing * solve(Way::direct) &&
-        (solve(way) - solve(Way::direct)) * horizon() > setup(Way::direct)) {  // which orders and factors again
-      now_.next = Way::direct;
-      return;
-    }
+    const double gain = solve(way) - worth_changing * solve(Way::direct);
+    if (way == Way::factors && now_.factor_solves >= enough_solves && !isConstant() && gain > 0) takeFactorsOfEach(gain);
+    if (now_.next != way) return;
   }
   const Way other = bestOfOthers();
   now_.lost = std::max(0.0, now_.lost + cost - solve(other));
   const double to_lose = other == Way::block_jacobi ? setup(way) : setup(other);
-  if (now_.lost <= to_lose || now_.changes >= most_changes) return;
+  if (now_.lost <= to_lose) return;
+  if (other == Way::direct) return takeFactorsOfEach(solve(way) - solve(other));
+  if (now_.changes >= most_changes) return;
   now_.next = other;
   now_.may_factor = now_.may_factor && (!isFactored(way) || isFactored(other));
 }
 
-/// Of the ways that are known, and of the direct solver where there are factors: it orders and factors again.
+/// Where several solves share a matrix the direct solver saves more than it takes to make room for its numbers.
+void AutomaticInverse::takeFactorsOfEach(double gain) {
+  constexpr double several = 2;
+  if (perMatrix() < several) return void(now_.at_once = true);
+  if (now_.changes < most_changes && gain * horizon() > setup(Way::direct)) now_.next = Way::direct;
+}
+
+/// Of the ways that are known, and of factors of each matrix where there are former ones.
 AutomaticInverse::Way AutomaticInverse::bestOfOthers() const {
   const auto cost = [this](Way way) { return solve(way) * horizon() + setup(way); };
   Way best = Way::block_jacobi;
   if (!isFactored(now_.way)) return best;
   if (now_.rates[at(Way::multigrid)] > 0 && cost(Way::multigrid) < cost(best)) best = Way::multigrid;
-  return now_.way == Way::factors && cost(Way::direct) < cost(best) ? Way::direct : best;
+  return now_.way == Way::factors && !now_.at_once && cost(Way::direct) < cost(best) ? Way::direct : best;
 }
 
 /// Had they never to be renewed.
@@ -219,6 +225,7 @@ bool AutomaticInverse::followBy(Way way, SystemMatrix& matrix, SolveReport& repo
     return has_hierarchy;
   }
   WarpedFactor& former = factors();
+  if (now_.at_once) former.factorNext();
   if (!former.follow(matrix, report, stop)) return false;
   factored_ = report.factored;
   if (!factored_) return true;
@@ -245,6 +252,7 @@ WarpedFactor& AutomaticInverse::factors() {
 
 void AutomaticInverse::change(Way way) {
   now_.way = now_.next = way;
+  now_.at_once = false;
   now_.lost = 0;
   ++now_.changes;
   multigrid_.reset();

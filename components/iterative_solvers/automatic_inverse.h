@@ -16,7 +16,7 @@ namespace stroma {
 
 /// Block Jacobi until its iterations say that multigrid, factors of former matrices or a direct solver cost less. Each way has an
 /// estimate of a solve and of what comes before the first one, in nanoseconds, from counts and from the size of the matrix. A
-/// change has to pay in as many solves as there have been, and in those of 16 matrices more; a solve that gets on too slowly is
+/// change has to pay in as many solves as there have been, and in those of 8 matrices more; a solve that gets on too slowly is
 /// ended for it, and goes on from where it is. What was chosen and costs more than another way did is given up once that has cost
 /// as much as a hierarchy or a factorisation. No clock is read: each run does the same.
 ///
@@ -65,7 +65,7 @@ class AutomaticInverse final : public ApproximateInverse {
   std::string choice() const;
   int changes() const { return now_.changes; }
   /// Another number where choice() has another reason.
-  int reason() const { return 8 * now_.changes + 2 * int(now_.way) + isRefused(); }
+  int reason() const { return 16 * now_.changes + 4 * int(now_.way) + 2 * now_.at_once + isRefused(); }
   /// Iterations of a usual solve.
   int expectedIterations() const {
     return now_.way == Way::block_jacobi ? 100 : now_.way == Way::multigrid ? 15 : now_.way == Way::factors ? 8 : 1;
@@ -105,6 +105,7 @@ class AutomaticInverse final : public ApproximateInverse {
     Index blocks = 0;                  ///< of the matrix; 0: no hierarchy so far
     bool may_factor = true;
     bool has_new_pattern = false;      ///< since the last solve by factors
+    bool at_once = false;              ///< former factors do not serve: each matrix is factored
     FactorCosts factor_costs;          ///< estimated, and then those of the factors
     bool is_counted = false;           ///< these are not the least that the laws allow
     MatrixKey key;                     ///< of the last solve
@@ -121,6 +122,7 @@ class AutomaticInverse final : public ApproximateInverse {
   double byFactors(double each, double drift) const;
   double solveByFormer(double each, double renewal) const;
   double renewing() const;
+  double expectedRate() const;
   double cycle() const;
   bool isConstant() const;
   double turnedOnce(Way way) const;
@@ -129,8 +131,7 @@ class AutomaticInverse final : public ApproximateInverse {
   double solve(Way way) const;
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
   double perMatrix() const { return double(now_.solves) / std::max(1, now_.matrices); }
-  /// Solves that a change should pay in.
-  double horizon() const { return 16 * perMatrix() + now_.solves; }
+  double horizon() const;
   bool isSlow(int iterations, double residual);
   Way cheapest(double present, double left) const;
   bool findCheaper(double rate, double left);
@@ -143,6 +144,7 @@ class AutomaticInverse final : public ApproximateInverse {
   bool canFactor();
   bool refuse(SystemMatrix& matrix, SolveReport& report, StopToken stop);
   void judge(double cost);
+  void takeFactorsOfEach(double gain);
   Way bestOfOthers() const;
   void followDrifts(SystemMatrix& matrix);
   bool mightFactorsPay() const;

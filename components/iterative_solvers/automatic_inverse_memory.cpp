@@ -31,6 +31,7 @@ void AutomaticInverse::Memory::serialize(Archive& archive) {
   archive.value("auto_blocks", blocks);
   archive.value("auto_may_factor", may_factor);
   archive.value("auto_new_pattern", has_new_pattern);
+  archive.value("auto_at_once", at_once);
   archive.value("auto_counted", is_counted);
   archive.value("auto_single", factor_costs.is_single);
   archive.value("auto_order", factor_costs.order);
@@ -59,7 +60,10 @@ std::string AutomaticInverse::choice() const {
     return fmt::format("preconditioned by multigrid: block Jacobi took {:.0f} iterations for a digit", jacobi);
   if (isFactored(now_.way))
     return fmt::format("{}: block Jacobi took {:.0f} iterations for a digit",
-                       isDirect() ? "factors instead of iterations" : "preconditioned by factors of former matrices", jacobi);
+                       isDirect()     ? "factors instead of iterations"
+                       : now_.at_once ? "preconditioned by factors of each matrix"
+                                      : "preconditioned by factors of former matrices",
+                       jacobi);
   if (now_.changes > 0) {
     std::string others;
     if (const double rate = now_.rates[at(Way::multigrid)]; rate > 0)

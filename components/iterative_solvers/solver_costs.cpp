@@ -85,8 +85,8 @@ FactorCosts factorCosts(Index rows, const FactorCounts& counts, bool in_single) 
   const bool is_single = in_single || flops >= std::max(5e7, 180 * entries);
   FactorCosts costs;
   costs.order = order * rows;
-  costs.factor = (is_single ? flops / 115 + 2.3 * entries : flops / 40 + 9 * entries) + IterationCosts::assembly(rows);
-  costs.application = (is_single ? 0.65 : 1.05) * entries + FactorCosts::turning * rows;
+  costs.factor = (is_single ? flops / 115 + 2.3 * entries : flops / 40 + 6.5 * entries) + IterationCosts::assembly(rows);
+  costs.application = (is_single ? 0.55 : 1) * entries + FactorCosts::turning * rows;
   costs.entries = entries, costs.is_single = is_single;
   return costs;
 }

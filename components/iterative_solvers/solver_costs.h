@@ -48,26 +48,28 @@ bool factorsFit(double entries);
 
 /// Nanoseconds of what multigrid and conjugate gradients take, for a matrix of so many blocks. A V-cycle reads the finest blocks
 /// four times in 40 bytes; what goes with the rows is vectors, what leads to the next level and the levels below. Of 13 blocks of
-/// tetrahedra and hexahedra with 729 to 34,969 nodes on a machine that did nothing else.
+/// tetrahedra and hexahedra with 729 to 34,969 nodes on a machine that did nothing else, and of seven more beside other work: the
+/// means of both, new memory included.
 struct IterationCosts {
   static constexpr double vectors = 20, usual_product = 20;  ///< for a row
   static constexpr double usual_blocks = 13;                 ///< in a row, where no pattern is known: of tetrahedra
-  static constexpr double turn_hierarchy = 330;  ///< a node with what surrounds it, for each matrix
-  static double turnFactors(double blocks) { return 45 * blocks; }
+  /// Each node with what surrounds it, for each matrix.
+  static double turnHierarchy(double blocks) { return 16 * blocks; }
+  static double turnFactors(double blocks) { return 55 * blocks; }
   /// Times as much where the hierarchy needs patches: two to three times the iterations, each 1.4 to 3 times as dear.
   static constexpr double with_patches = 4;
-  /// Less where the levels fit into the second cache.
+  /// Less where the levels fit into the caches.
   static double cycle(double rows, double blocks) {
     const double megabytes = 50e-6 * blocks;
-    return (5.8 * blocks + 111 * rows) * (0.7 + 0.3 * std::clamp(megabytes / 2 - 0.2, 0.0, 1.0));
+    return (5.8 * blocks + 111 * rows) * (0.75 + 0.25 * std::clamp((megabytes - 3) / 6, 0.0, 1.0));
   }
-  /// Where the finest level goes by products of so many nanoseconds; what is turned costs as much again as the vectors.
-  static double cycleByProducts(double rows, double product, bool is_turned) { return 7 * product + (is_turned ? 180 : 80) * rows; }
-  static double hierarchy(double rows, double blocks) { return 112 * blocks + 2540 * rows; }
-  static double assembly(double rows) { return 1000 * rows; }
+  /// Where the finest level goes by products of so many nanoseconds.
+  static double cycleByProducts(double rows, double product, bool is_turned) { return 7 * product + (is_turned ? 85 : 60) * rows; }
+  static double hierarchy(double rows, double blocks) { return 150 * blocks + 3500 * rows; }
+  static double assembly(double rows) { return 600 * rows; }
   /// Of a direct solver, with the analysis, for factors of so many numbers.
-  static double order(double blocks, double entries) { return 550 * blocks + 14 * entries; }
-  static double pattern(double rows) { return 3000 * rows; }
+  static double order(double blocks, double entries) { return 5e6 + 450 * blocks + 10 * entries; }
+  static double pattern(double rows, double blocks) { return 2500 * rows + 150 * blocks; }
 };
 /// Nanoseconds of a product with an assembled matrix, 76 bytes a block: 47 GB/s from the second cache, 25 from the third, 11 from
 /// memory. With SymmetricBlocks 43 bytes.

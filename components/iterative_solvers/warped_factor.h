@@ -44,6 +44,8 @@ class WarpedFactor final : public ApproximateInverse {
   void takeBack(const SystemMatrix& matrix) override;
   /// With the values that were factored: they are factored again when they are needed.
   void serialize(SystemMatrix& matrix, Archive& archive) override;
+  /// The next follow() factors where the matrix is another one.
+  void factorNext() { now_.at_once = std::max(now_.at_once, 1); }
   /// Of the factors that follow() has left.
   Factorisation::Cost cost() const { return factors_->cost(); }
   void reset() override {

@@ -316,6 +316,24 @@ TEST(FactorPrecision, AllocatesNothingForTheNextMatrixOfAPattern) {
   }
   EXPECT_EQ(allocations, before);
 }
+
+/// METIS takes its memory in many pieces: half of all.
+TEST(FactorPrecision, AnotherMatrixOfTheSamePatternTakesItsOrder) {
+  StoredMatrix first = lattice(9, 9, 9), second = lattice(9, 9, 9), other = lattice(3, 9, 27);
+  const Vector b = randomVector(first.rows(), 1);
+  SolverInScene solver("<SparseLDLSolver/>"), alone("<SparseLDLSolver/>");
+  Vector x, same;
+  const auto takenBy = [&](StoredMatrix& matrix) {
+    const long before = allocations;
+    EXPECT_EQ(solver.solve(matrix, b, x).stop, SolveStop::converged);
+    return allocations - before;
+  };
+  const long taken = takenBy(first);
+  EXPECT_LT(3 * takenBy(second), 2 * taken);
+  EXPECT_EQ(alone.solve(second, b, same).stop, SolveStop::converged);
+  EXPECT_EQ(std::memcmp(x.rows().data, same.rows().data, x.rows().doubles() * sizeof(double)), 0);
+  EXPECT_GT(3 * takenBy(other), 2 * taken) << "which has an order of its own";
+}
 #endif
 
 }  // namespace STROMA_TEST_FILE

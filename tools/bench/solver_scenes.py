@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The scenes of solver_choice.py. `standing`: those that the estimates of a solver's time were made with. `fresh`: those that were
 written afterwards, without a look at the estimates, and were looked at when these were mended. `late`: those that were written
-after that; two mends came from looking at their first results. `held`: those that were written last, and only measured. SI
-units."""
+after that; two mends came from looking at their first results. `held`: those that were written next; rules were mended by what they
+had shown. `unseen`: those that were written last, and only measured. SI units."""
 import math
 import os
 import re
@@ -355,7 +355,58 @@ def held_out():
            root(body(grid((10, 8, 8), (.08, .06, .06)), hexas(5e4, .4, "polar"), '<NewmarkImplicitSolver name="solver"/>'), .01))
 
 
+def unseen():
+    t = "tetrahedra"
+
+    def spiral(u, v, w):
+        turn, r = 4 * (1 - u), .08 - .05 * u + .01 * v
+        return r * math.cos(turn), r * math.sin(turn), .012 * w
+
+    yield ("lattice", "mat of springs, `NewmarkImplicitSolver`, 2,880 nodes", 40,
+           root(body(grid((40, 12, 6), (.39, .11, .05)),
+                     '<MeshSpringForceField name="net" hexasStiffness="150" hexasDamping="0.05"/>',
+                     '<NewmarkImplicitSolver name="solver"/>'), .008))
+    yield ("flag", "membrane held at a side, 1,800 nodes", 40,
+           root(f'<Node name="body">{EULER}@SOLVER@<RegularGridTopology name="grid" n="60 30 1" min="0 0 0" max="0.6 0.3 0"/>'
+                '<TriangleSetTopologyContainer name="sheet"/><Quad2TriangleTopologicalMapping name="cut" input="@grid" '
+                'output="@sheet"/><MechanicalObject name="dofs" position="@grid.position"/><UniformMass totalMass="0.05"/>'
+                '<TriangularFEMForceField name="fem" topology="@sheet" youngModulus="5e5" poissonRatio="0.25" thickness="0.0008"/>'
+                + held("-0.0001 -1 -1 0.0001 1 1") + "</Node>", .02))
+    inner = ('<RegularGridTopology name="grid" n="11 9 5" min="0 0 0" max="0.12 0.1 0.03"/><Node name="body">'
+             + EULER + "@SOLVER@"
+             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
+             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
+             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
+             f'youngModulus="5e4" poissonRatio="0.42" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+    yield "quadratic_plate", "plate of quadratic tetrahedra, `svd`", 20, root(inner, .015)
+    yield ("jelly", "hexahedra, Poisson's ratio 0.499, `polar`, 3,536 nodes", 25,
+           root(body(grid((26, 17, 8), (.12, .08, .035)), hexas(1e4, .499, "polar", 'dilatation="mean"')), .02))
+    yield ("bdf_tets", "tetrahedra, `svd`, `BDFOdeSolver`, 3,159 nodes", 30,
+           root(body(grid((39, 9, 9), (.2, .045, .045)), tets(1.5e5, .4, "svd"), '<BDFOdeSolver name="solver" order="2"/>',
+                     cells=t), .01))
+    yield ("pole", "pole of hexahedra, `small`, 150 steps, 2,989 nodes", 150,
+           root(body(grid((61, 7, 7), (.36, .036, .036)), hexas(2e6, .3, "small")), .01))
+    mixed = "".join(body(grid(n, size, (0, .1 * i, 0)), field, "", kind, solver="").replace('name="body"', f'name="body{i}"')
+                    for i, (n, size, field, kind) in enumerate((
+                        ((14, 10, 10), (.09, .06, .06), hexas(4e4, .4, "polar"), "hexahedra"),
+                        ((31, 6, 6), (.2, .03, .03), tets(3e5, .35, "svd"), t),
+                        ((9, 9, 9), (.05, .05, .05), tets(2e3, .45, "svd"), t))))
+    yield "three", "three bodies of one solver, hexahedra and tetrahedra, 3,245 nodes", 20, root(EULER + "@SOLVER@" + mixed, .01)
+    yield ("coil", "spiral of hexahedra, `svd`, Newton's method, 4,199 nodes", 8,
+           root(body(bent((84, 10, 5), spiral), hexas(8e4, .4, "svd"), newton(1e-5), wall="-1 -0.0001 -1 1 0.0001 1"), .015))
+    yield ("twisted", "bar that is drawn aside, Mooney-Rivlin, Newton's method, 2,835 nodes", 12,
+           root(body(grid((35, 9, 9), (.24, .05, .05)), law("MooneyRivlin", 'youngModulus="4e4" poissonRatio="0.43" c2="1000"'),
+                     newton(1e-5), cells=t, more='<BoxROI name="end" box="0.2399 -1 -1 1 1 1" position="@dofs.rest_position"/>'
+                     '<LinearMovementProjectiveConstraint name="hand" indices="@end.indices" keyTimes="0 0.24" '
+                     'movements="0 0 0  0.02 0.05 0.01"/>'), .02))
+    yield ("loaded", "statics in six steps: block whose end is moved, `svd`, 4,096 nodes", 6,
+           root(body(grid((16, 16, 16), (.1, .1, .1)), tets(5e4, .4, "svd"), STATIC, cells=t,
+                     more='<BoxROI name="end" box="0.0999 -1 -1 1 1 1" position="@dofs.rest_position"/>'
+                     '<LinearMovementProjectiveConstraint name="hand" indices="@end.indices" keyTimes="0 6" '
+                     'movements="0 0 0  0.03 0.02 0"/>'), 1))
+
+
 def scenes():
-    for name, source in (("standing", standing), ("fresh", fresh), ("late", late), ("held", held_out)):
+    for name, source in (("standing", standing), ("fresh", fresh), ("late", late), ("held", held_out), ("unseen", unseen)):
         for found in source():
             yield Scene(found[0], name, *found[1:])
