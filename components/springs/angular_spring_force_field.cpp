@@ -99,7 +99,7 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
   double energy(ConstRows x) const override {
     double sum = 0;
     for (std::size_t s = 0; s < springs_.size(); ++s)
-      if (const Vec3 turn = turnOf(s, x); acts(s, turn)) sum += springs_[s].stiffness / 2 * turn.squaredNorm();
+      if (const Vec3 turn = turnOf(s, x); isBeyondLimits(s, turn)) sum += springs_[s].stiffness / 2 * turn.squaredNorm();
     return sum;
   }
 
@@ -107,7 +107,7 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
     for (std::size_t s = 0; s < springs_.size(); ++s) {
       const Vec3 turn = turnOf(s, x);
       stiffness_[s].setZero();
-      if (!acts(s, turn)) continue;
+      if (!isBeyondLimits(s, turn)) continue;
       const double k = springs_[s].stiffness;
       f[rows_[s][0]] -= k * turn;
       if (one_sided_) {
@@ -140,7 +140,7 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
     if (springs_[s].before == springs_[s].frame) return Vec3::Zero();
     return rotationVector(orientationIn(x, rows_[s][0]) * orientationIn(x, rows_[s][1]).conjugate());
   }
-  bool acts(std::size_t s, const Vec3& turn) const {
+  bool isBeyondLimits(std::size_t s, const Vec3& turn) const {
     const double angle = turn.norm();
     return one_sided_ || (angle >= springs_[s].least && angle <= springs_[s].most);
   }
