@@ -90,7 +90,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void checkStart(ConstRows x) override;
   double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
-  bool isOnTheWay() const override { return !is_explicit_ && (is_rough_ || (gets_on_ && obstaclesGoOn())); }
+  bool isOnTheWay() const override { return !is_explicit_ && gets_on_ && obstaclesGoOn(); }
   bool hasWay() const override { return waits_; }
   void addPush(Rows f) const override { terms_.addPush(goal_ - law_.moved, f), friction_.terms().addPush(goal_ - law_.moved, f); }
   void goAlong(double s) override;
@@ -147,7 +147,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0;
   bool gets_on_ = false;  ///< obstacles have gone far beside contactDistance; little says that a contact has not opened again
   bool is_behind_ = false;  ///< obstacles begin the step elsewhere than where path and hand had them then
-  bool waits_ = false, is_rough_ = false;  ///< see hasWay(); friction was changing much when the solve began: it need not be exact
+  bool waits_ = false;     ///< see hasWay()
   LineShares shares_;
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
   std::vector<Friction::Slide> solved_slides_;
@@ -268,7 +268,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 
 void BarrierContact::beginRounds() {
   obstacle_rounds_ = friction_rounds_ = share_rounds_ = 0, shares_.solveBegins();
-  left_start_ = is_carried_ = gets_on_ = is_rough_ = false;
+  left_start_ = is_carried_ = gets_on_ = false;
   friction_.beginAgain(), lookAgain(x_), law_.weigh(x_);
   friction_.note(law_, law_.touches(x_));
   waits_ = !hasArrived() && law_.moved == moved_at_start_;
@@ -311,13 +311,11 @@ bool BarrierContact::movesOn(ConstRows x) {
     law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
     return ++obstacle_rounds_, waits_ = true;
   }
-  constexpr double much = 0.1;  // while friction changes by more, the next solve need not be exact
   law_.copyShares(solved_shares_);
-  const bool was_rough = is_rough_, others = sharesChange(), held = friction_.release();
+  const bool others = sharesChange(), held = friction_.release();
   solved_slides_ = friction_.slides;
   const bool rubs = friction_.acts() && frictionChanges(held), again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
-  is_rough_ = again && outputs_.friction_change > much;
-  if (has_solved_ = !again && !others && !was_rough; has_solved_) return friction_.settle(), false;
+  if (has_solved_ = !again && !others; has_solved_) return friction_.settle(), false;
   return shares_.solveBegins(), true;
 }
 
