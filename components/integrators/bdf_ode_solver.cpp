@@ -40,7 +40,7 @@
 namespace stroma {
 namespace {
 
-class BDFOdeSolver final : public Integrator, public HeedsStepLimits, public FindsMultipliers {
+class BDFOdeSolver final : public Integrator, public AsksRightSides, public HeedsStepLimits, public FindsMultipliers {
  public:
   bool heedsStepLimits() const override { return implicit_.iterates(); }
   std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }

@@ -52,7 +52,7 @@
 namespace stroma {
 namespace {
 
-class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, public FindsMultipliers {
+class EulerImplicitSolver final : public Integrator, public AsksRightSides, public HeedsStepLimits, public FindsMultipliers {
  public:
   bool heedsStepLimits() const override { return implicit_.iterates() && !first_order_; }
   std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }

@@ -40,7 +40,7 @@
 namespace stroma {
 namespace {
 
-class NewmarkImplicitSolver final : public Integrator, public HeedsStepLimits {
+class NewmarkImplicitSolver final : public Integrator, public AsksRightSides, public HeedsStepLimits {
  public:
   bool heedsStepLimits() const override { return implicit_.iterates(); }
   std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }

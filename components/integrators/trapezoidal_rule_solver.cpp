@@ -31,7 +31,7 @@
 namespace stroma {
 namespace {
 
-class TrapezoidalRuleSolver final : public Integrator, public HeedsStepLimits, public FindsMultipliers {
+class TrapezoidalRuleSolver final : public Integrator, public AsksRightSides, public HeedsStepLimits, public FindsMultipliers {
  public:
   bool heedsStepLimits() const override { return implicit_.iterates(); }
   std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }

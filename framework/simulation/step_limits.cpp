@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "framework/mechanics/right_side.h"
 #include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 
@@ -15,7 +16,7 @@ void StepLimits::compile(System& system) {
   limiters_.clear();
   for (ForceField* field : system.forceFields())
     if (auto* limiter = dynamic_cast<StepLimiter*>(field)) limiters_.push_back(limiter);
-  if (!empty()) scaled_.resize(system.independentRows());
+  if (!empty()) scaled_.resize(system.independentRows()), still_.resize(system.independentRows());
   if (!bends()) return;
   for (Vector* vector : {&start_, &middle_, &end_}) vector->resize(system.allRows());
   bend_.resize(std::size_t(system.allRows()));
@@ -83,9 +84,7 @@ bool StepLimits::moveOn() {
 }
 
 void StepLimits::goAlong() {
-  if (!hasWay()) return;
-  Vector still(scaled_.count());
-  goAlong(longest(still, 1, true, true));
+  if (hasWay()) goAlong(longest(still_, 1, true, true));
 }
 
 void StepLimits::push(Rows out) const {
@@ -133,6 +132,12 @@ void checkStepLimits(const System& system) {
     throw ComponentError(fmt::format("{} does not find the forces of the constraint {}", system.integrator().type(),
                                      dynamic_cast<const Component&>(*lagrangian.front()).path()),
                          "an integrator that does: " + usualComponent(Part::integrator));
+  for (const ProjectiveConstraint* constraint : system.constraints().all())
+    if (const auto* side = dynamic_cast<const ProjectsRightSide*>(constraint);
+        side && side->leavesMatrix() && !dynamic_cast<const AsksRightSides*>(&system.integrator()))
+      throw ComponentError(fmt::format("{} has inMatrix=\"false\", and {} projects no right side", constraint->path(),
+                                       system.integrator().type()),
+                           usualComponent(Part::integrator) + ", or no inMatrix");
   const auto& fields = system.forceFields();
   const auto limiter = std::find_if(fields.begin(), fields.end(),
                                     [](ForceField* f) { return dynamic_cast<StepLimiter*>(f) != nullptr; });

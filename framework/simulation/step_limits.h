@@ -52,7 +52,7 @@ class StepLimits {
 
   System* system_ = nullptr;
   std::vector<StepLimiter*> limiters_;
-  Vector scaled_;               ///< shape (independentRows()), only with limiters
+  Vector scaled_, still_;       ///< shape (independentRows()), only with limiters; still_: zero
   Vector start_, middle_, end_;  ///< shape (allRows()), only where ways bend
   std::vector<double> bend_;
 };

@@ -407,6 +407,10 @@ TEST(MovingConstraints, SayWhatIsWrong) {
   expectContains(problems("<AffineMovementProjectiveConstraint indices='0' rotation='1 0 0 1'/>"), "4 numbers");
   expectContains(problems("<AffineMovementProjectiveConstraint indices='0' endConstraintTime='-1'/>"), "is not after");
   expectContains(problems("<ProjectToLineProjectiveConstraint indices='0' direction='0 0 0'/>"), "direction is zero");
+  for (const std::string integrator : {"EulerExplicitSolver", "StaticSolver"})
+    expectContains(problemsOf(chain("<" + integrator + "/>",
+                                    "<ProjectToLineProjectiveConstraint indices='0' direction='1 0 0' inMatrix='false'/>")),
+                   integrator + " projects no right side");
 }
 
 }  // namespace

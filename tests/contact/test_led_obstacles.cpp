@@ -34,19 +34,27 @@ void lead(Simulation& simulation, const Vec3& offset) {
   simulation.setAttribute("/contact", "offset", fmt::format("{} {} {}", offset[0], offset[1], offset[2]));
 }
 
-/// The nearest node of the block to the surface of the ball [m].
+/// The nearest node of the block's surface to that of the ball [m]. A ball that presses a surface down to the bottom turns cells of this
+/// law inside out: their inner nodes may be anywhere.
 double gapOfBall(const Simulation& simulation) {
   const Vec3 now = centre + vectorOf(simulation, "moved");
   const State& state = *simulation.states().front();
   double least = 1e300;
-  for (Index i = 0; i < state.size(); ++i) least = std::min(least, (Vec3(state.x()[i]) - now).norm() - radius);
+  for (Index node = 0; node < state.size(); ++node) {
+    const Index i = node % 6, j = node / 6 % 6, k = node / 36;
+    const bool is_inside = i % 5 != 0 && j % 5 != 0 && k == 1;
+    if (!is_inside) least = std::min(least, (Vec3(state.x()[node]) - now).norm() - radius);
+  }
   return least;
 }
 
 /// Thrust through the block to the other side, torn sideways and back: jumps of up to 1 m in a step of 10 ms.
-TEST(LedObstacles, StopAtWhatTheyMeetHoweverFast) {
+class LedAnyhow : public testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(LedObstacles, LedAnyhow, testing::Values(5, 7, 11));
+
+TEST_P(LedAnyhow, StopAtWhatTheyMeetHoweverFast) {
   Simulation simulation = simulationFromText(ballOverBlock("BarrierContact", 0.01));
-  std::mt19937 random(7);
+  std::mt19937 random(GetParam());
   std::uniform_real_distribution<double> uniform(-1, 1);
   bool was_late = false;
   for (int step = 0; step < 24; ++step) {

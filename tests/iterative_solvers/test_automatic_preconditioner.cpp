@@ -112,8 +112,7 @@ struct Counts {
   FactorCosts factors;
 };
 
-/// A hierarchy costs less than factors, and so it comes first; it stays where factors that never age would not cost less. Where it
-/// is known that no value changes, factors come once they pay.
+/// A hierarchy costs less than factors: it comes first, and stays where these would not cost less. With constant values they do.
 TEST(AutomaticPreconditioner, ManyIterationsOfACompactBodyBringMultigrid) {
   Cube cube(0);
   const Counts counts(cube);
