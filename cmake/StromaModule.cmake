@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # stroma_module(NAME COMPONENTS stem... [KERNELS stem...] [SHARED stem...] [LIBRARIES lib...] [LEVELS] [PACKAGE part]
-#   [UNITY size])
+#   [UNITY size] [WITH name...] [KERNELS_OF name...])
 #   Builds the components stem.cpp of the current folder as one runtime module, NAME.so, with its index and manual beside
-#   it: the target stroma_NAME. With LEVELS it is built once for each instruction set of STROMA_LEVELS. KERNELS are
+#   it: the target stroma_NAME. A folder whose first scenes need few of its components has two, so that nobody waits for the
+#   others to be compiled, or opens them: the second takes the SHARED sources of the first WITH it, and the KERNELS_OF it where
+#   its files are no unities. With LEVELS it is built once for each instruction set of STROMA_LEVELS. KERNELS are
 #   private sources that are compiled like components. SHARED are those that hold no element loops: they are compiled
 #   once, for all levels, as stroma_NAME_shared, which the family's tests link too. The generated registry lists every
 #   component by name, so nothing depends on static initialisers. PACKAGE names the package that brings the module, where its
@@ -130,7 +132,7 @@ if(NOT TARGET stroma::stroma_flags)
 endif()
 
 function(stroma_module name)
-  cmake_parse_arguments(arg "LEVELS" "PACKAGE;UNITY" "COMPONENTS;KERNELS;SHARED;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "LEVELS" "PACKAGE;UNITY" "COMPONENTS;KERNELS;SHARED;LIBRARIES;WITH;KERNELS_OF" ${ARGN})
   if(NOT arg_UNITY)
     set(arg_UNITY 12)
   endif()
@@ -182,12 +184,21 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     stroma_unity(stroma_${name}_shared ${arg_UNITY})
     target_precompile_headers(stroma_${name}_shared REUSE_FROM stroma_precompiled_baseline)
     set(shared $<TARGET_OBJECTS:stroma_${name}_shared>)
+    get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+    set_property(GLOBAL APPEND PROPERTY STROMA_SHARED_${folder} stroma_${name}_shared)
   endif()
+  foreach(other ${arg_WITH})
+    list(APPEND shared $<TARGET_OBJECTS:stroma_${other}_shared>)
+  endforeach()
   set(built "")
   foreach(level ${levels})
     set(target stroma_${name}_${level})
     # A linker keeps the first of equal inline functions: those of the level come first.
-    add_library(${target} MODULE ${sources} ${shared})
+    set(kernels "")
+    foreach(other ${arg_KERNELS_OF})
+      list(APPEND kernels $<FILTER:$<TARGET_OBJECTS:stroma_${other}_${level}>,EXCLUDE,_registry.cpp>)
+    endforeach()
+    add_library(${target} MODULE ${sources} ${kernels} ${shared})
     target_link_options(${target} PRIVATE -Wl,-Bsymbolic-functions)
     target_link_libraries(${target} PRIVATE stroma ${arg_LIBRARIES})
     if(STROMA_SANITIZE)

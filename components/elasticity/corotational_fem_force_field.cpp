@@ -22,6 +22,7 @@
 using namespace stroma;
 
 STROMA_COMPONENT(corotational_fem_force_field) {
+  offerElasticKind({"Tetrahedron", "tetrahedra", makeTetrahedra});
   using Field = ElasticForceField;
   factory.add<Field>("CorotationalFEMForceField", "corotational elements of the kind that the mesh holds");
   factory.add<Field>("LinearSmallStrainFEMForceField", "linear elements of the kind that the mesh holds, no rotations",

@@ -86,4 +86,7 @@ struct ElasticKind {
 const std::vector<ElasticKind>& elasticKinds();
 void offerElasticKind(const ElasticKind& kind);
 
+/// Each module that is built of this folder has its own list of kinds, and tetrahedra are in both.
+std::unique_ptr<ElasticElements> makeTetrahedra();
+
 }  // namespace stroma

@@ -42,7 +42,8 @@ def check_tests(stages, build):
     assert done == checks[:1] and result.stdout.endswith("\n0 passed, 1 failed\n"), (done, result)
     whole = [*checks, "cmake", "all", "all", "summarise_tests.py"]
     assert stages("test", "-y")[0] == whole
-    for name, place in (("test_scene", "bin"), ("test_fem", "bin"), ("fem.so", "lib/stroma/v4"), ("picture.so", "lib/stroma")):
+    for name, place in (("test_scene", "bin"), ("test_fem", "bin"), ("fem.so", "lib/stroma/v4"), ("further_fem.so", "lib/stroma/v4"),
+                        ("picture.so", "lib/stroma")):
         path = os.path.join(build, place, name)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         with open(path, "w", encoding="ascii"):
@@ -50,6 +51,13 @@ def check_tests(stages, build):
         os.utime(path, (1, 1) if name.startswith("test_") else None)
     later = os.stat(os.path.join(build, "tests.xml")).st_mtime + 2
     os.utime(os.path.join(build, "lib/stroma/v4/fem.so"), (later, later))
+    done = stages("test", "-y")[0]
+    assert done == [*whole[:4], "all", "^(fem)$", "^(fem)$", "summarise_tests.py"], done
+    # the second module of a folder
+    with open(os.path.join(build, "lib/stroma/modules.sources"), "w", encoding="ascii") as file:
+        file.write("fem\t/components/fem/one.cpp\nfurther_fem\t/components/fem/two.cpp\t/components/fem/three.cpp\n")
+    later = os.stat(os.path.join(build, "tests.xml")).st_mtime + 2
+    os.utime(os.path.join(build, "lib/stroma/v4/further_fem.so"), (later, later))
     done = stages("test", "-y")[0]
     assert done == [*whole[:4], "all", "^(fem)$", "^(fem)$", "summarise_tests.py"], done
 

@@ -6,9 +6,6 @@
 
 namespace stroma::command {
 
-/// The whole command but for its start: finds the subcommand, turns what goes wrong into a sentence and an exit code.
-int runCommand(const Arguments& arguments);
-
 /// Whether a word is a scene in Python, or a list with one.
 bool needsPython(const Arguments& arguments);
 /// Goes on as the interpreter. Returns with an exit code, and a sentence on standard error, when there is none.

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The command but for its start: finds the subcommand, turns what goes wrong into a sentence and an exit code.
+#include "tools/command/run_command.h"
+
 #include <fmt/format.h>
 
 #include <cstdio>
 
 #include "framework/scene/diagnostics.h"
-#include "tools/command/help.h"
-#include "tools/command/python_scene.h"
 #include "tools/session/scene_program.h"
 
 namespace stroma::command {
 
-int runCommand(const Arguments& arguments) {
+int tellErrors(const std::function<int()>& work) {
   try {
-    if (arguments[0] == "--version") return printVersion(), exit_done;
-    return subcommandNamed(arguments[0]).call({arguments.begin() + 1, arguments.end()});
+    return work();
   } catch (const SceneError& error) {
     const int errors = error.diagnostics().errorCount();
     fmt::print(stderr, "{}\n{} error{}: nothing was run\n", error.diagnostics().text(), errors, errors == 1 ? "" : "s");

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The one table of subcommands, in the order of the help.
+// The one table of subcommands, in the order of the help, and the call of any of them.
 #include <algorithm>
 #include <array>
 
 #include "tools/command/command.h"
+#include "tools/command/help.h"
+#include "tools/command/run_command.h"
 #include "tools/command/sofa_runs.h"
 
 namespace stroma::command {
@@ -41,6 +43,15 @@ const Subcommand* findSubcommand(std::string_view name) {
   const auto table = subcommands();
   const auto found = std::ranges::find(table, name, [](const Subcommand* one) { return std::string_view(one->name); });
   return found == table.end() ? nullptr : *found;
+}
+
+int runCommand(const Arguments& arguments) {
+  return tellErrors([&]() -> int {
+    if (arguments.empty()) return printOverview(stderr), exit_bad_input;
+    if (arguments[0] == "--help" || arguments[0] == "-h") return printOverview(stdout), exit_done;
+    if (arguments[0] == "--version") return printVersion(), exit_done;
+    return subcommandNamed(arguments[0]).call({arguments.begin() + 1, arguments.end()});
+  });
 }
 
 }  // namespace stroma::command

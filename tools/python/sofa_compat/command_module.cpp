@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "tools/command/long_work.h"
-#include "tools/command/python_scene.h"
+#include "tools/command/run_command.h"
 #include "tools/session/scene_program.h"
 #include "tools/session/session.h"
 
