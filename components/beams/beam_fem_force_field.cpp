@@ -37,6 +37,7 @@
 
 #include "components/beams/first_end_beam.h"
 #include "components/beams/frame_pair_field.h"
+#include "components/beams/twist_wrench.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/scene/factory.h"
@@ -161,8 +162,7 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
     if (axes_ == Axes::beam) return FramePairFieldOf::computeTangents();
     for (std::size_t i = 0; i < beams_.size(); ++i) beams_[i].setTangent(turns_[i], stiffness_[i]);
   }
-  /// dE/dp = dexp^-T(psi) s with s = dE/drho, and dE/dpsi has the change of rho with psi,
-  ///   s.drho/dpsi = -1/2 p x s + c ((psi.s) p + (psi.p) s - 2 (p.s) psi) + 2 c' ((psi.p)(psi.s) - |psi|^2 (p.s)) psi
+  /// twist_wrench.h has the formulas.
   template <class T>
   Wrench<T> evaluate(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>& term) const {
     const Pack length = packOf(batch_lengths_[batch][0]), stretch = axial_ / length, bend = bending_ / length;
@@ -172,11 +172,8 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
     const Triple<T> rho = inverseTimes(psi, c, p);
     const Triple<T> s{T(stretch) * (rho.x - T(length)), T(shear) * rho.y, T(shear) * rho.z};
     const Triple<T> couple{T(twist) * psi.x, T(bend) * psi.y, T(bend) * psi.z};
-    const T along_p = dot(psi, p), along_s = dot(psi, s), work = dot(p, s);
     Wrench<T> wrench;
-    wrench.n = inverseTimes(psi, c, s, 1);
-    wrench.k = couple + T(-0.5) * cross(p, s) + c * (along_s * p + along_p * s - (T(2) * work) * psi) +
-               (slope * (along_p * along_s - square * work)) * psi;
+    setTwistWrench(p, psi, c, slope, square, s, couple, wrench);
     wrench.energy = 0.5 * (valueOf(s.x) * (valueOf(rho.x) - length) + valueOf(s.y) * valueOf(rho.y) +
                            valueOf(s.z) * valueOf(rho.z) + valueOf(dot(couple, psi)));
     return wrench;

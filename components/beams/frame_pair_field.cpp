@@ -40,13 +40,21 @@ void FramePairField::compile() {
   for (std::size_t i = 0; i < fixed_.size() * lanes; ++i) {
     Fixed& fixed = fixed_[i / lanes];
     const std::size_t lane = i % lanes, last = std::min(i, pairs_.size() - 1);
+    for (std::size_t k = 0; k < 4; ++k) fixed.rows[k][lane] = rows_[last][k] * row_doubles;
+  }
+  placeAxes();
+  kept_.assign(fixed_.size(), {});
+}
+
+void FramePairField::placeAxes() {
+  const std::size_t lanes = std::size_t(pack_lanes);
+  for (std::size_t i = 0; i < fixed_.size() * lanes; ++i) {
+    const Pair& pair = pairs_[std::min(i, pairs_.size() - 1)];
     for (std::size_t k = 0; k < 4; ++k) {
-      fixed.rows[k][lane] = rows_[last][k] * row_doubles;
-      fixed.axes_a[k][lane] = pairs_[last].axes_a.coeffs()[Index(k)];
-      fixed.axes_b[k][lane] = pairs_[last].axes_b.coeffs()[Index(k)];
+      fixed_[i / lanes].axes_a[k][i % lanes] = pair.axes_a.coeffs()[Index(k)];
+      fixed_[i / lanes].axes_b[k][i % lanes] = pair.axes_b.coeffs()[Index(k)];
     }
   }
-  kept_.assign(fixed_.size(), {});
 }
 
 FramePairField::Placed FramePairField::keptPlace(std::size_t batch) const {

@@ -37,6 +37,8 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   /// In init(), after ForceField::init(). Throws ComponentError unless both states have frames.
   void setPairs(std::vector<Pair> pairs, State* second = nullptr);
   const std::vector<Pair>& pairs() const { return pairs_; }
+  /// The axes of pairs(), after these have been set again in a run, with the same rows.
+  void placeAxes();
   virtual double drawnRadius() const { return 0; }  ///< of beams [m]
   State& second() const { return second_ ? *second_ : state(); }
 

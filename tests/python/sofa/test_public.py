@@ -16,10 +16,8 @@ sys.path.insert(0, str(HERE))
 RUNS = ["finger", "gripper", "trunk", "pneunet", "cavity_of_library", "rigidified", "liver_like", "rest_shape_force", "all_events",
         "spheres_by_keys", "matrices", "springs_by_script", "recorder", "episodes", "cloth", "beam_needle", "exporters", "drawn",
         "of_sofapython2", "engines", "of_two_files", "folders", "values_in_place", "switches", "attached", "arm_of_joints", "hyperelastic",
-        "loop_of_program", "two_grippers", "dropped"]
+        "loop_of_program", "two_grippers", "dropped", "catheter"]
 LACKS = {
-    "catheter": ["WireRestShape", "WireBeamInterpolation", "AdaptiveBeamForceFieldAndMass", "InterventionalRadiologyController",
-                 "'rotationInstrument' cannot be read; what the scene does after this line is not known"],
     "haptic": ["GeomagicDriver", "CarvingManager"],
     "needs_more": ["gym_of_nobody", "sofa_of_nobody", "FluidGridOfNobody", "ShellOfNobody"],
 }

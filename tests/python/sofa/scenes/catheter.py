@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Parts that Stroma does not have: all are told at once."""
+"""A guide wire of BeamAdapter whose tip a script pushes out before the run."""
 import Sofa
 
 
@@ -7,7 +7,8 @@ def createScene(rootNode):
     rootNode.addObject('RequiredPlugin', name='BeamAdapter')
     rootNode.addObject('FreeMotionAnimationLoop')
     topo = rootNode.addChild('topoLines')
-    topo.addObject('WireRestShape', name='restShape', template='Rigid3d', straightLength=600.0, length=1000.0)
+    topo.addObject('WireRestShape', name='restShape', template='Rigid3d', straightLength=600.0, length=1000.0,
+                   spireDiameter=300.0, youngModulus=20000.0)
     topo.addObject('EdgeSetTopologyContainer', name='meshLines')
     rebuild = rootNode.addChild('InstrumentCombined')
     rebuild.addObject('EulerImplicitSolver', rayleighStiffness=0.2)

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// AdaptiveBeamForceFieldAndMass: elasticity, inertia and weight of the beams of a BeamInterpolation or a WireBeamInterpolation, for
+// turns of any size and small strains.
+//
+// With (rho, psi) as the twist that leads along a helix from the axes of one end to those of the other, and rho_0, psi_0 at rest,
+//
+//   E = EA/2L (rho_x - rho_0x)^2 + 6 EIz/L^3 (rho_y - rho_0y)^2 + 6 EIy/L^3 (rho_z - rho_0z)^2
+//     + GJ/2L (psi_x - psi_0x)^2 + EIy/2L (psi_y - psi_0y)^2 + EIz/2L (psi_z - psi_0z)^2,   G = E/(2 (1 + nu))
+//
+// which is the matrix of Euler and Bernoulli for small displacements. An arc of any angle below half a turn has no stretch, so that
+// the plug-in's reinforceLength has nothing to do here. The mass is the consistent one of Euler and Bernoulli with the inertia of
+// sections that turn, in the axes half way between those of the ends; the weight is that of the cubic curve between the frames,
+//
+//   V = -m g.((c_a + c_b)/2 + L/12 (t_a - t_b)),   t: x axes of the ends,   m = massDensity A L
+//
+// The inertia is that of a component AdaptiveBeamMass, which the node gets by itself unless computeMass is false. The density is
+// massDensity, or with instrumentParameters, or where massDensity is not given, that of the rod where it has one.
+//
+// Source: names, attributes and defaults are those of the plug-in BeamAdapter for SOFA, and the matrices at rest. It has the
+// displacements of the ends in the axes of the middle of the curve in the place of the twist: the same to first order.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <SparseLDLSolver/>
+//   <MeshTopology edges="0 1  1 2"/>
+//   <MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1   0.5 0 0  0 0 0 1   1 0 0  0 0 0 1"/>
+//   <BeamInterpolation name="beams" radius="0.01" defaultYoungModulus="1e9" defaultPoissonRatio="0.3"/>
+//   <AdaptiveBeamForceFieldAndMass interpolation="@beams" massDensity="1000"/>
+//   <FixedProjectiveConstraint indices="0"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "components/beams/beam_inertia.h"
+#include "components/beams/frame_pair_field.h"
+#include "components/beams/rod_shape.h"
+#include "components/beams/twist_wrench.h"
+#include "framework/mechanics/step_limiter.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeamForceFieldAndMass>,
+                                            public HasBeamInertia,
+                                            public HearsSteps {
+ public:
+  void declare(DataTable& table) override {
+    FramePairField::declare(table);
+    table.addLink("interpolation", link_).help("the beams; those of this node when not given");
+    table.addLink("instrumentParameters", parameters_).help("the shape of the rod, whose density is to be taken");
+    table.add("computeMass", has_mass_).help("with inertia and weight");
+    table.add("massDensity", density_).recompiled().help("of the rod").unit("kg/m^3").min(0, false);
+    table.add("reinforceLength", reinforced_).help("SOFA's; without effect: elongation is measured along the bent beam anyway");
+    table.add("shearStressComputation", shears_).help("SOFA's; only true is supported");
+    table.addVisualOnly("tolerance");
+  }
+
+  std::string missingPartner() const override {
+    if (!has_mass_) return {};
+    for (const auto& other : node().components())
+      if (other->type() == "AdaptiveBeamMass") return {};
+    return "AdaptiveBeamMass";
+  }
+
+  void init() override {
+    ForceField::init();
+    if (!shears_)
+      throw ComponentError("shearStressComputation is false: forces by stretch and twist of the curve alone are not supported",
+                           "shearStressComputation=\"true\"");
+    chain_ = link_.get();
+    if (!chain_ && !link_.target()) chain_ = find<BeamChain>();
+    if (!chain_) throw ComponentError("there are no beams", "interpolation=\"@...\", or a BeamInterpolation in this node");
+    if (&chain_->state() != &state())
+      throw ComponentError(fmt::format("{} has beams between frames of {}", chain_->path(), chain_->state().path()),
+                           fmt::format("beams between those of {}", state().path()));
+    makePairs();
+    if (has_mass_) warnOfDensity();
+  }
+
+  void compile() override {
+    chain_->checkBeams();
+    is_pushed_ = chain_->isPushed();
+    known_ = -1;
+    FramePairField::compile();
+    follow();
+  }
+
+  void stepBegins(ConstRows, double t, double t_end) override {
+    chain_->stepBegins(t, t_end);
+    follow();
+  }
+  BeamInertia* inertia() override { return has_mass_ ? &inertia_ : nullptr; }
+  const BeamChain& chain() const override { return *chain_; }
+  double wholeMass() const override {
+    double mass = 0, length = 0;
+    for (const ChainBeam& beam : chain_->beams())
+      if (beam.is_there) mass += densityOf(beam.section) * beam.section.area * beam.length, length += beam.length;
+    if (length > 0) return mass * chain_->wholeLength() / length;
+    const RodSection section = chain_->usualSection();
+    return densityOf(section) * section.area * chain_->wholeLength();
+  }
+
+  double energy(ConstRows x) const override { return FramePairFieldOf::energy(x) + weightEnergy(x); }
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    follow();
+    FramePairField::addForce(x, v, f);
+    if (!has_mass_) return;
+    inertia_.place(x);
+    addWeight(x, f);
+  }
+
+  ForceTraits traits() const override {
+    ForceTraits traits = FramePairField::traits();
+    traits.conservative = true;
+    traits.exact_tangent = traits.has_rest_shape = !is_pushed_;
+    traits.forces_balance = traits.torques_balance = !has_mass_;
+    return traits;
+  }
+
+  std::string worstElement(ConstRows x) const override {
+    std::size_t worst = 0;
+    double most = -1;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const ChainBeam& beam = chain_->beams()[i];
+      if (!beam.is_there) continue;
+      const double strain = std::abs((x[rows_[i][2]] - x[rows_[i][0]]).norm() / beam.length - 1);
+      if (strain > most) most = strain, worst = i;
+    }
+    if (most < 0) return {};
+    const ChainBeam& beam = chain_->beams()[worst];
+    return fmt::format("beam {} (nodes {} {}): its ends are {:.4g} m from each other, and it is {:.4g} m long", worst, beam.a, beam.b,
+                       (x[rows_[worst][2]] - x[rows_[worst][0]]).norm(), beam.length);
+  }
+
+ protected:
+  double drawnRadius() const override { return chain_->beams().empty() ? 0 : chain_->beams().back().section.radius; }
+
+ private:
+  friend FramePairFieldOf;
+
+  void makePairs() {
+    std::vector<Pair> pairs;
+    for (const ChainBeam& beam : chain_->beams()) pairs.push_back({2 * beam.a, 2 * beam.b, beam.axes_a, beam.axes_b, 0});
+    setPairs(std::move(pairs));
+  }
+  double densityOf(const RodSection& section) const {
+    const bool by_rod = section.density && (parameters_.target() || !data().find("massDensity")->isSet());
+    return by_rod ? *section.density : density_;
+  }
+  void warnOfDensity() const {
+    for (const ChainBeam& beam : chain_->beams())
+      if (beam.is_there && !beam.section.density && !data().find("massDensity")->isSet())
+        return warn(fmt::format("massDensity is not given: the default {:g} kg/m^3 is used", density_));
+  }
+
+  /// Takes over what the chain's beams are now.
+  void follow() {
+    if (known_ == chain_->revision()) return;
+    known_ = chain_->revision();
+    const std::vector<ChainBeam>& beams = chain_->beams();
+    makePairs();
+    placeAxes();
+    std::vector<double> densities;
+    for (const ChainBeam& beam : beams) densities.push_back(densityOf(beam.section));
+    if (has_mass_) inertia_.set(beams, densities, state().firstRow());
+    const auto twistAtRest = [&](std::size_t i, std::size_t k) {
+      if (!beams[i].is_there) return 0.;
+      return k < 3 ? (dexpInverse(beams[i].rest_turn) * beams[i].rest_way)[Index(k)] : beams[i].rest_turn[Index(k - 3)];
+    };
+    rest_ = lanesOf<6>(beams.size(), twistAtRest);
+    stiff_ = lanesOf<6>(beams.size(), [&](std::size_t i, std::size_t k) { return beams[i].is_there ? stiffnessOf(beams[i], k) : 0; });
+  }
+  static double stiffnessOf(const ChainBeam& beam, std::size_t k) {
+    const RodSection& s = beam.section;
+    const double l = beam.length;
+    const double of[6] = {s.young * s.area, 12 * s.young * s.about_z / (l * l), 12 * s.young * s.about_y / (l * l),
+                          s.shearModulus() * s.polar(), s.young * s.about_y, s.young * s.about_z};
+    return of[k] / l;
+  }
+
+  // ---- weight ----
+  /// t_a and t_b of a beam.
+  std::array<Vec3, 2> tangents(std::size_t i, ConstRows x) const {
+    const ChainBeam& beam = chain_->beams()[i];
+    return {orientationIn(x, rows_[i][1]) * (beam.axes_a * Vec3::UnitX()), orientationIn(x, rows_[i][3]) * (beam.axes_b * Vec3::UnitX())};
+  }
+  double lever(std::size_t i) const { return inertia_.massOf(i) * chain_->beams()[i].length / 12; }
+  double weightEnergy(ConstRows x) const {
+    const Vec3 g = node().gravity();
+    double sum = 0;
+    for (std::size_t i = 0; has_mass_ && !g.isZero() && i < rows_.size(); ++i) {
+      const auto [t_a, t_b] = tangents(i, x);
+      sum -= g.dot(inertia_.massOf(i) / 2 * (x[rows_[i][0]] + x[rows_[i][2]]) + lever(i) * (t_a - t_b));
+    }
+    return sum;
+  }
+  void addWeight(ConstRows x, Rows f) {
+    const Vec3 g = node().gravity();
+    tangents_.assign(g.isZero() ? 0 : rows_.size(), {});
+    for (std::size_t i = 0; i < tangents_.size(); ++i) {
+      tangents_[i] = tangents(i, x);
+      for (const std::size_t end : {0, 1}) {
+        f[rows_[i][2 * end]] += inertia_.massOf(i) / 2 * g;
+        f[rows_[i][2 * end + 1]] += (end == 0 ? lever(i) : -lever(i)) * tangents_[i][end].cross(g);
+      }
+    }
+  }
+  void computeTangents() const override {
+    FramePairFieldOf::computeTangents();
+    const Vec3 g = node().gravity();
+    for (std::size_t i = 0; i < tangents_.size(); ++i)
+      for (const int end : {0, 1}) {
+        const Vec3& t = tangents_[i][std::size_t(end)];
+        const Mat3 turned = 0.5 * (t * g.transpose() + g * t.transpose()) - t.dot(g) * Mat3::Identity();
+        stiffness_[i].block(2 * end + 1, 2 * end + 1) += (end == 0 ? lever(i) : -lever(i)) * turned;
+      }
+  }
+
+  /// A rod that is pushed starts each step with a beam that is far too short, and its exact stiffness would have no solution to go to.
+  /// Where the thrust of a beam is above EI/L^2, its batch has the stiffness without that of thrust and couples, which is definite.
+  template <class T>
+  Wrench<T> evaluate(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>& term) const {
+    const LanesOf<6>&rest = rest_[batch], &stiff = stiff_[batch];
+    const auto change = [&](const T& now, std::size_t k) { return now - T(packOf(rest[k])); };
+    const auto pull = [&](const T& by, std::size_t k) { return T(packOf(stiff[k])) * by; };
+    const T square = dot(psi, psi);
+    const T c = stroma::chain(square, term.c, term.c1), slope = stroma::chain(square, 2. * term.c1, 2. * term.c2);
+    const Triple<T> rho = inverseTimes(psi, c, p);
+    const Triple<T> shift{change(rho.x, 0), change(rho.y, 1), change(rho.z, 2)};
+    const Triple<T> turn{change(psi.x, 3), change(psi.y, 4), change(psi.z, 5)};
+    const Triple<T> s{pull(shift.x, 0), pull(shift.y, 1), pull(shift.z, 2)};
+    const Triple<T> couple{pull(turn.x, 3), pull(turn.y, 4), pull(turn.z, 5)};
+    Wrench<T> wrench;
+    if constexpr (std::is_same_v<T, PackJet>)
+      if (is_pushed_ && any(valueOf(s.x) * packOf(rest[0]) < -packOf(stiff[4]))) {
+        setTwistWrench(still(p), still(psi), PackJet(c.value), PackJet(slope.value), PackJet(square.value), s, couple, wrench);
+        for (Triple<T>* each : {&wrench.n, &wrench.k}) each->x.value = each->y.value = each->z.value = Pack(0.);
+        return wrench;
+      }
+    setTwistWrench(p, psi, c, slope, square, s, couple, wrench);
+    wrench.energy = 0.5 * (valueOf(dot(s, shift)) + valueOf(dot(couple, turn)));
+    return wrench;
+  }
+  static Triple<PackJet> still(const Triple<PackJet>& of) { return {PackJet(of.x.value), PackJet(of.y.value), PackJet(of.z.value)}; }
+
+  Link<BeamChain> link_{"interpolation of beams"};
+  Link<RodShape> parameters_{"shape of a rod"};
+  bool has_mass_ = true, shears_ = true, reinforced_ = false;
+  double density_ = 1;
+  BeamChain* chain_ = nullptr;
+  long known_ = -1;                              ///< revision of the chain that what follows is of
+  bool is_pushed_ = false;                       ///< by a controller
+  std::vector<LanesOf<6>> rest_, stiff_;         ///< rho_0, psi_0 and the six stiffnesses of each batch
+  BeamInertia inertia_;
+  std::vector<std::array<Vec3, 2>> tangents_;    ///< of the last addForce(), with a weight
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(adaptive_beam_force_field_and_mass) {
+  factory.add<stroma::AdaptiveBeamForceFieldAndMass>("AdaptiveBeamForceFieldAndMass", "elasticity, inertia and weight of a chain of beams");
+}

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/beams/beam_inertia.h"
+
+namespace stroma {
+
+void BeamInertia::set(const std::vector<ChainBeam>& beams, const std::vector<double>& densities, Index first_row) {
+  rows_.clear(), masses_.clear(), local_.clear(), axes_a_.clear(), axes_b_.clear();
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const Index a = first_row + 2 * beams[i].a, b = first_row + 2 * beams[i].b;
+    rows_.push_back({a, a + 1, b, b + 1});
+    masses_.push_back(beams[i].is_there ? densities[i] * beams[i].section.area * beams[i].length : 0);
+    local_.push_back(beams[i].is_there ? localMass(beams[i], densities[i]) : Matrix12(Matrix12::Zero()));
+    axes_a_.push_back(beams[i].axes_a), axes_b_.push_back(beams[i].axes_b);
+  }
+  middles_.resize(beams.size(), Quaternion::Identity());
+  blocks_.resize(beams.size());
+  outdated_ = true;
+}
+
+BeamInertia::Matrix12 BeamInertia::localMass(const ChainBeam& beam, double density) {
+  const double l = beam.length, area = beam.section.area;
+  Matrix12 m = Matrix12::Zero();
+  const auto put = [&m](int i, int j, double value) { m(i, j) = m(j, i) = value; };
+  for (const auto& [row, share] : {std::pair(0, 1.), std::pair(3, beam.section.polar() / area)}) {
+    put(row, row, share / 3), put(row + 6, row + 6, share / 3), put(row, row + 6, share / 6);
+  }
+  // bending in the planes x y and x z: displacement, turn, its sign
+  struct Plane {
+    int shift, turn;
+    double sign, moment;
+  };
+  for (const auto& [shift, turn, sign, moment] : {Plane{1, 5, 1, beam.section.about_z}, Plane{2, 4, -1, beam.section.about_y}}) {
+    const double g = moment / area;
+    for (const int end : {0, 6}) {
+      const double side = end == 0 ? sign : -sign;
+      put(shift + end, shift + end, 13. / 35 + 6 * g / (5 * l * l)), put(turn + end, turn + end, l * l / 105 + 2 * g / 15);
+      put(shift + end, turn + end, side * (11 * l / 210 + g / (10 * l)));
+    }
+    put(shift, shift + 6, 9. / 70 - 6 * g / (5 * l * l)), put(turn, turn + 6, -l * l / 140 - g / 30);
+    put(shift, turn + 6, sign * (-13 * l / 420 + g / (10 * l))), put(turn, shift + 6, sign * (13 * l / 420 - g / (10 * l)));
+  }
+  return density * area * l * m;
+}
+
+void BeamInertia::place(ConstRows x) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Quaternion a = orientationIn(x, rows_[i][1]) * axes_a_[i], b = orientationIn(x, rows_[i][3]) * axes_b_[i];
+    middles_[i] = a * turnedBy(0.5 * rotationVector(a.conjugate() * b));
+  }
+  outdated_ = true;
+}
+
+const std::vector<DenseTangent<4>>& BeamInertia::blocks() const {
+  if (!outdated_) return blocks_;
+  outdated_ = false;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Mat3 turn = middles_[i].toRotationMatrix();
+    for (int r = 0; r < 4; ++r)
+      for (int c = 0; c < 4; ++c) blocks_[i].block(r, c) = turn * local_[i].block<3, 3>(3 * r, 3 * c) * turn.transpose();
+  }
+  return blocks_;
+}
+
+}  // namespace stroma

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// InterventionalRadiologyController: catheters and guide wires that are pushed through one opening and turned there, one in the other.
+//
+// `instruments` names the rods, the outermost first. At the start of each step the tip of rod i is xtip[i] [m] behind the opening,
+// measured along it, and the rod is turned by rotationInstrument[i] about its axis where it comes in. The tip of controlledInstrument
+// goes on by speed dt in each step. Tips go no further than their rods are long. A program may set these attributes in a run.
+//
+// The last nodes of the mesh are the rods that are out, the last node the tip that is furthest. Nodes lie at key points of the rods and
+// where densityOfBeams has them, so that beams come and go as rods move; nodes that carry no beam wait at startingPos. Where a rod
+// is alone its nodes move on with it, and the beam at the opening becomes longer: that is what pushes. Where rods lie in one
+// another nodes stay in space and the rods slide through them; each has beams of its own between the same nodes. When nodes are
+// others than before, they get places and velocities on the curve between those that were there.
+//
+// startingPos is held: the opening. The nodes there are held by this component itself, whatever else holds them; indexFirstNode is the
+// number of the one where the rods come in. Links in a scene find the number 0 there, one of the nodes that wait.
+//
+// Source: names, attributes, defaults and the choice of nodes are those of the plug-in BeamAdapter for SOFA. There nodes of rods that
+// come out start in one place, and springs hold the opening; here they start where the rods have them at rest.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 0 0">
+//   <WireRestShape name="guide" length="0.3" straightLength="0.25" spireDiameter="0.08" spireHeight="0" densityOfBeams="10 6"
+//     radius="0.0005" radiusExtremity="0.0005" youngModulus="1e9" youngModulusExtremity="5e8" massDensity="1000"
+//     massDensityExtremity="1000"/>
+//   <EulerImplicitSolver rayleighStiffness="0.1" rayleighMass="0.1"/>
+//   <SparseLDLSolver/>
+//   <RegularGridTopology n="20 1 1" min="0 0 0" max="0.3 0 0"/>
+//   <MechanicalObject template="Rigid3"/>
+//   <WireBeamInterpolation name="wire" WireRestShape="@guide"/>
+//   <AdaptiveBeamForceFieldAndMass interpolation="@wire"/>
+//   <InterventionalRadiologyController instruments="@wire" xtip="0.05" speed="0.2" startingPos="0 0 0  0 0 0 1" threshold="0.001"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/beams/rod_sampling.h"
+#include "components/beams/wire_chain.h"
+#include "framework/mechanics/history.h"
+#include "framework/mechanics/projective_constraint.h"
+#include "framework/scene/archive.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class InterventionalRadiologyController final : public ProjectiveConstraint, public History, public MovesRods {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+  void reset() override;
+  void serialize(Archive& archive) override;
+
+  bool isConstant() const override { return false; }
+  bool projectsVelocity() const override { return true; }
+  void addProjectors(double, std::vector<NodeProjector>& out) const override {
+    for (Index row = 0; row < 2 * (entry() + 1); ++row) out.push_back({state().firstRow() + row, Mat3::Zero()});
+  }
+  void placeStart(double, Rows x, Rows v) const override;
+  void moveRods(double t, double t_end) override;
+  void stepEnded(double) override;
+  const std::vector<double>& history() const override { return is_.tips; }
+
+ protected:
+  bool takesAllRows() const override { return true; }
+
+ private:
+  struct Pushed {
+    std::vector<double> tips, turns;
+    RodNodes nodes;
+  };
+  void findRods();
+  void checkMesh() const;
+  std::vector<PushedRod> rodsAt(const std::vector<double>& tips) const;
+  Pushed pushedTo(std::vector<double> tips) const;
+  /// The node of the opening, and of the n-th from there.
+  Index entryOf(const Pushed& pushed) const { return state().nodes() - Index(pushed.nodes.at.size()); }
+  Index entry() const { return entryOf(is_); }
+  void take(const Pushed& pushed) { is_ = before_ = pushed, xtip_ = written_ = pushed.tips, is_moved_ = false; }
+  void giveBeams();
+  void moveNodes();
+  Placement formerAt(double at, const std::vector<Placement>& former, const std::vector<Vec3>& rates, std::array<Vec3, 2>& rate) const;
+  Placement opening() const {
+    return {Vec3(opening_[0], opening_[1], opening_[2]), Quaternion(opening_[6], opening_[3], opening_[4], opening_[5]).normalized()};
+  }
+  void put(const Placement& placement, const std::array<Vec3, 2>& rate, Index node, Rows x, Rows v) const {
+    const Index row = state().firstRow() + 2 * node;
+    x[row] = placement.centre, putOrientation(placement.turn, x, row + 1);
+    v[row] = rate[0], v[row + 1] = rate[1];
+  }
+
+  LinkList<WireChain> links_{"interpolation of a wire"};
+  std::vector<WireChain*> rods_;
+  std::vector<double> xtip_, turns_, opening_{0, 0, 0, 0, 0, 0, 1}, rigid_, curv_abs_;
+  int controlled_ = 0, first_ = 0;
+  double step_ = 0.1, angular_step_ = 3.1416 / 20, speed_ = 0, threshold_ = 0.01;
+  std::string motion_file_;
+  Pushed start_, before_, is_;     ///< at the start of the run and of the step, and in the step
+  std::vector<double> written_;    ///< what this component has put into xtip: another value is a program's
+  std::vector<double> told_;       ///< the last one of these, or empty
+  bool is_moved_ = false;          ///< moveRods() has been called for the step
+  double moved_to_ = 0;            ///< its end [s]
+  std::vector<double> moved_x_;    ///< rows of x after it
+};
+
+void InterventionalRadiologyController::declare(DataTable& table) {
+  ProjectiveConstraint::declare(table);
+  table.addLink("instruments", links_).help("the rods, the outermost first; the one of this node when not given");
+  table.add("xtip", xtip_).atOnce().help("how far the tip of each rod is out, along it").unit("m");
+  table.add("rotationInstrument", turns_).atOnce().help("by how much each rod is turned about its axis").unit("rad");
+  table.add("controlledInstrument", controlled_).atOnce().help("the rod that `speed` moves").min(0);
+  table.add("speed", speed_).atOnce().help("of its tip; negative: back").unit("m/s");
+  table.add("startingPos", opening_).help("the opening: x y z and a quaternion; the rods go along its x").inValuesOf(7);
+  table.add("threshold", threshold_).help("nodes nearer to each other than that are one").unit("m").min(0, false);
+  table.add("step", step_).help("SOFA's, of keys: there are none here, programs set xtip").unit("m");
+  table.add("angularStep", angular_step_).help("SOFA's, of keys: programs set rotationInstrument").unit("rad");
+  table.add("rigidCurvAbs", rigid_).help("SOFA's; rigid parts are not supported");
+  table.add("motionFilename", motion_file_).help("SOFA's; motion from a file is not supported");
+  table.add("indexFirstNode", first_).help("the node at the opening").output();
+  table.add("CurvAbs", curv_abs_).help("lengths from the opening where nodes are").unit("m").output();
+  for (const char* name : {"topology", "fixedConstraint", "mainDirection", "handleEventTriggersUpdate"}) table.addVisualOnly(name);
+}
+
+void InterventionalRadiologyController::findRods() {
+  rods_ = links_.all();
+  if (rods_.empty())
+    if (WireChain* only = find<WireChain>()) rods_.push_back(only);
+  if (rods_.empty()) throw ComponentError("there are no rods to push", "instruments=\"@...\", WireBeamInterpolation components");
+  for (WireChain* rod : rods_) {
+    if (&rod->state() != &state())
+      throw ComponentError(fmt::format("{} has beams between frames of {}", rod->path(), rod->state().path()),
+                           fmt::format("beams between those of {}", state().path()));
+    rod->followOf(*this);
+  }
+}
+
+void InterventionalRadiologyController::checkMesh() const {
+  const std::vector<Edge>& edges = rods_.front()->allEdges();
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edges[e][0] != Index(e) || edges[e][1] != Index(e) + 1)
+      throw ComponentError(fmt::format("edge {} of the mesh joins nodes {} and {}", e, edges[e][0], edges[e][1]),
+                           "edges that join each node with the next, as of RegularGridTopology n=\"60 1 1\"");
+  if (Index(edges.size()) + 1 != state().nodes())
+    throw ComponentError(fmt::format("the mesh has {} edges for {} nodes", edges.size(), state().nodes()), "one less than nodes");
+}
+
+void InterventionalRadiologyController::init() {
+  ProjectiveConstraint::init();
+  findRods();
+  checkMesh();
+  if (!motion_file_.empty()) throw ComponentError("motionFilename is not supported", "speed, or a program that sets xtip");
+  if (!rigid_.empty()) throw ComponentError("rigidCurvAbs is not supported", "a stiff stretch of the rod");
+  if (opening_.size() != 7) throw ComponentError(fmt::format("startingPos has {} numbers", opening_.size()), "x y z and a quaternion");
+  if (controlled_ >= int(rods_.size()))
+    throw ComponentError(fmt::format("controlledInstrument is {}", controlled_), fmt::format("0 to {}", rods_.size() - 1));
+  for (std::vector<double>* list : {&xtip_, &turns_}) {
+    if (list->size() > rods_.size())
+      warn(fmt::format("{} has {} values for {} instruments: the last ones are left out", list == &xtip_ ? "xtip" : "rotationInstrument",
+                       list->size(), rods_.size()));
+    list->resize(rods_.size(), 0);
+  }
+  start_ = pushedTo(xtip_);
+  take(start_);
+  first_ = 0;  // what links are to find
+  giveBeams();
+}
+
+std::vector<PushedRod> InterventionalRadiologyController::rodsAt(const std::vector<double>& tips) const {
+  std::vector<PushedRod> rods;
+  for (std::size_t i = 0; i < rods_.size(); ++i) rods.push_back({&rods_[i]->shape(), tips[i]});
+  return rods;
+}
+
+InterventionalRadiologyController::Pushed InterventionalRadiologyController::pushedTo(std::vector<double> tips) const {
+  tips.resize(rods_.size(), 0);
+  for (std::size_t i = 0; i < rods_.size(); ++i) tips[i] = std::min(tips[i], rods_[i]->wholeLength());
+  Pushed pushed;
+  pushed.nodes = sampleRods(rodsAt(tips), threshold_);
+  pushed.turns = turns_;
+  pushed.turns.resize(rods_.size(), 0);
+  if (Index(pushed.nodes.at.size()) > state().nodes())
+    throw ComponentError(fmt::format("{}: the rods need {} nodes where their tips are, and {} has {}", path(), pushed.nodes.at.size(),
+                                     state().path(), state().nodes()),
+                         "a mesh with more nodes, or smaller numbers in densityOfBeams");
+  pushed.tips = std::move(tips);
+  return pushed;
+}
+
+/// The beams of each rod between the nodes as they are in the step.
+void InterventionalRadiologyController::giveBeams() {
+  const std::vector<PushedRod> rods = rodsAt(is_.tips);
+  for (std::size_t i = 0; i < rods_.size(); ++i) {
+    std::vector<ChainBeam> beams = rods_[i]->noBeams();
+    const double whole = rods_[i]->wholeLength();
+    for (std::size_t n = 0; n + 1 < is_.nodes.at.size(); ++n) {
+      const double from = is_.nodes.at[n], to = is_.nodes.at[n + 1];
+      if (!rods[i].isAt(from, threshold_) || !rods[i].isAt(to, threshold_)) continue;
+      ChainBeam& beam = beams[std::size_t(entry()) + n];
+      beam.is_there = true;
+      rods_[i]->shape().fill(beam, std::clamp(from - rods[i].handle(), 0., whole), std::clamp(to - rods[i].handle(), 0., whole));
+      beam.axes_a = beam.axes_b = turnedBy(is_.turns[i] * Vec3::UnitX());
+    }
+    rods_[i]->setBeams(std::move(beams));
+  }
+  curv_abs_ = is_.nodes.at;
+}
+
+/// The rods lie as the outermost one does at rest.
+void InterventionalRadiologyController::placeStart(double, Rows x, Rows v) const {
+  const std::array<Vec3, 2> still{Vec3::Zero(), Vec3::Zero()};
+  Placement at = opening();
+  for (Index node = 0; node <= entryOf(start_); ++node) put(at, still, node, x, v);
+  for (std::size_t n = 0; n + 1 < start_.nodes.at.size(); ++n) {
+    const std::size_t edge = std::size_t(entryOf(start_)) + n;
+    for (const WireChain* rod : rods_) {
+      const ChainBeam& beam = rod->beams()[edge];
+      if (!beam.is_there) continue;
+      const Quaternion axes = at.turn * beam.axes_a;
+      at = {at.centre + axes * beam.rest_way, axes * turnedBy(beam.rest_turn) * beam.axes_b.conjugate()};
+      break;
+    }
+    put(at, still, Index(edge) + 1, x, v);
+  }
+}
+
+void InterventionalRadiologyController::moveRods(double t, double t_end) {
+  const Rows x = state().x();
+  const std::size_t size = std::size_t(x.count) * row_doubles;
+  if (is_moved_ && moved_to_ == t_end && moved_x_.size() == size && std::equal(moved_x_.begin(), moved_x_.end(), x.data)) return;
+  if (!(t_end > t)) return;  // the start of a run
+  std::vector<double> tips = before_.tips;
+  xtip_.resize(rods_.size(), 0);
+  if (xtip_ != written_) told_ = xtip_;
+  for (std::size_t i = 0; i < tips.size(); ++i)
+    if (xtip_[i] != written_[i]) tips[i] = xtip_[i];
+  const std::size_t moving = std::min(std::size_t(controlled_), tips.size() - 1);
+  tips[moving] += speed_ * (t_end - t);
+  if (speed_ < 0) tips[moving] = std::max(tips[moving], 0.);
+  is_ = pushedTo(std::move(tips));
+  moveNodes();
+  giveBeams();
+  is_moved_ = true, moved_to_ = t_end;
+  moved_x_.assign(x.data, x.data + size);
+}
+
+/// Where something was at a length from the opening, and how it moved, by the nodes of before.
+Placement InterventionalRadiologyController::formerAt(double at, const std::vector<Placement>& former, const std::vector<Vec3>& rates,
+                                                      std::array<Vec3, 2>& rate) const {
+  const std::vector<double>& places = before_.nodes.at;
+  std::size_t n = 0;
+  while (n < places.size() && places[n] + threshold_ <= at) ++n;
+  if (n == places.size()) n = places.size() - 1;
+  if (n == 0 || std::abs(places[n] - at) < threshold_) {
+    rate = {rates[2 * n], rates[2 * n + 1]};
+    return former[n];
+  }
+  const double length = places[n] - places[n - 1], s = std::min((at - places[n - 1]) / length, 1.);
+  for (const std::size_t k : {0, 1}) rate[k] = (1 - s) * rates[2 * n - 2 + k] + s * rates[2 * n + k];
+  return between(former[n - 1], former[n], length, s);
+}
+
+void InterventionalRadiologyController::moveNodes() {
+  const Rows x = state().x(), v = state().v();
+  std::vector<Placement> former;
+  std::vector<Vec3> rates;
+  for (Index node = entryOf(before_); node < state().nodes(); ++node) {
+    former.push_back({x[2 * node], orientationIn(x, 2 * node + 1)});
+    rates.push_back(v[2 * node]), rates.push_back(v[2 * node + 1]);
+  }
+  const std::vector<double> places = formerPlaces(is_.nodes, is_.nodes.at.back() - before_.nodes.at.back());
+  const auto place = [&](Index node, const Placement& at, const std::array<Vec3, 2>& rate) {
+    x[2 * node] = at.centre, putOrientation(at.turn, x, 2 * node + 1);
+    v[2 * node] = rate[0], v[2 * node + 1] = rate[1];
+  };
+  const std::array<Vec3, 2> still{Vec3::Zero(), Vec3::Zero()};
+  for (Index node = 0; node <= entry(); ++node) place(node, opening(), still);
+  for (std::size_t n = 1; n < places.size(); ++n) {
+    std::array<Vec3, 2> rate = still;
+    const Placement at = formerAt(places[n], former, rates, rate);
+    place(entry() + Index(n), at, rate);
+  }
+}
+
+void InterventionalRadiologyController::stepEnded(double) {
+  before_ = is_;
+  xtip_ = written_ = is_.tips;
+  first_ = int(entry());
+  is_moved_ = false;
+}
+
+/// What a program has set stays set: the first step goes there.
+void InterventionalRadiologyController::reset() {
+  if (xtip_ != written_) told_ = xtip_;
+  take(start_), giveBeams();
+  if (!told_.empty()) xtip_ = told_;
+}
+
+void InterventionalRadiologyController::serialize(Archive& archive) {
+  std::vector<double> wanted = xtip_, started = start_.tips;
+  archive.list("start", started);
+  archive.list("tips", before_.tips);
+  archive.list("wanted", wanted);
+  archive.list("told", told_);
+  if (!archive.isReading()) return;
+  take(pushedTo(before_.tips));
+  giveBeams();
+  xtip_ = started == start_.tips ? wanted : start_.tips;  // a scene that is written with other tips goes on to these
+  first_ = int(entry());
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(interventional_radiology_controller) {
+  factory.add<stroma::InterventionalRadiologyController>("InterventionalRadiologyController", "pushes and turns catheters and guide wires");
+}

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Chains of beams as the plug-in BeamAdapter describes them: forces, inertia and weight against closed forms.
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "framework/mechanics/frames.h"
+#include "framework/mechanics/mass.h"
+#include "tests/support/scene_text.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+constexpr double young = 1e9, radius = 0.02, density = 800, length = 2;
+const double area = std::numbers::pi * radius * radius, bending = young * std::numbers::pi * std::pow(radius, 4) / 4;
+
+std::string chain(int beams, const std::string& integrator, const std::string& more, const std::string& gravity = "0 0 0",
+                  const std::string& attributes = "") {
+  std::string position, edges;
+  for (int i = 0; i <= beams; ++i) position += fmt::format("{} 0 0  0 0 0 1  ", length * i / beams);
+  for (int i = 0; i < beams; ++i) edges += fmt::format("{} {}  ", i, i + 1);
+  return fmt::format(R"(<Node name="root" gravity="{}">{}<SparseLDLSolver/><MeshTopology edges="{}"/>
+    <MechanicalObject name="dofs" template="Rigid3" position="{}"/>
+    <BeamInterpolation name="beams" defaultYoungModulus="{}" defaultPoissonRatio="0.3" radius="{}" {}/>
+    <AdaptiveBeamForceFieldAndMass interpolation="@beams" massDensity="{}"/>
+    <FixedProjectiveConstraint indices="0"/>{}</Node>)",
+                     gravity, integrator, edges, position, young, radius, attributes, density, more);
+}
+
+TEST(BeamChains, ACantileverBendsByAForceAndByItsWeight) {
+  for (const int beams : {1, 3}) {
+    const double force = 1e-3;
+    Simulation pulled = simulationFromText(
+        chain(beams, "<StaticSolver/>", fmt::format("<ConstantForceField indices=\"{}\" forces=\"0 {} 0 0 0 0\"/>", beams, force)));
+    ASSERT_TRUE(pulled.step().newton_converged);
+    const double exact = force * std::pow(length, 3) / (3 * bending);
+    EXPECT_NEAR(pulled.systems()[0]->x[2 * beams].y(), exact, 1e-4 * exact);
+    Simulation heavy = simulationFromText(chain(beams, "<StaticSolver/>", "", "0 0 -0.001"));
+    ASSERT_TRUE(heavy.step().newton_converged);
+    const double sag = 0.001 * density * area * std::pow(length, 4) / (8 * bending);
+    EXPECT_NEAR(-heavy.systems()[0]->x[2 * beams].z(), sag, 1e-4 * sag) << "exact at nodes";
+  }
+}
+
+TEST(BeamChains, AnEndMomentRollsABeamUp) {
+  for (const int beams : {4, 10}) {
+    Simulation simulation = simulationFromText(
+        chain(beams, "<StaticSolver/>",
+              fmt::format("<ConstantForceField indices=\"{}\" forces=\"0 0 0 0 0 {:.17g}\"/><PartialFixedProjectiveConstraint "
+                          "indices=\"1-{}\" fixedDirections=\"0 0 1 1 1 0\"/>",
+                          beams, 2 * std::numbers::pi * bending / length, beams)));
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(report.newton_converged) << report.reason;
+    EXPECT_LT(simulation.systems()[0]->x[2 * beams].norm(), 1e-8 * length) << beams;
+  }
+}
+
+TEST(BeamChains, ARectangleIsStifferAcrossItsLongSide) {
+  for (const int side : {1, 2}) {
+    Simulation simulation = simulationFromText(
+        chain(2, "<StaticSolver/>", fmt::format("<ConstantForceField indices=\"2\" forces=\"0 {} {} 0 0 0\"/>", side == 1 ? 1e-3 : 0, side == 2 ? 1e-3 : 0),
+              "0 0 0", "crossSectionShape=\"rectangular\" lengthY=\"0.03\" lengthZ=\"0.01\""));
+    ASSERT_TRUE(simulation.step().newton_converged);
+    const double moment = side == 1 ? 0.01 * std::pow(0.03, 3) / 12 : 0.03 * std::pow(0.01, 3) / 12;
+    const double exact = 1e-3 * std::pow(length, 3) / (3 * young * moment);
+    EXPECT_NEAR(simulation.systems()[0]->x[4][side], exact, 1e-3 * exact);
+  }
+}
+
+/// The stiffness and the mass of a chain's free rows, for small motion.
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> matricesOf(System& system) {
+  Vector f(system.allRows()), v(system.allRows()), unit(system.allRows()), out(system.allRows());
+  system.computeForce(system.x, v, f);
+  const Index rows = system.allRows() - 2;
+  Eigen::MatrixXd k(3 * rows, 3 * rows), m(3 * rows, 3 * rows);
+  for (Index c = 0; c < 3 * rows; ++c) {
+    clear(unit), unit[2 + c / 3][c % 3] = 1;
+    for (Eigen::MatrixXd* each : {&k, &m}) {
+      clear(out);
+      if (each == &k) for (ForceField* field : system.forceFields()) field->addStiffnessProduct(unit, -1, out);
+      else system.addMassProduct(unit, 1, out);
+      for (Index r = 0; r < 3 * rows; ++r) (*each)(r, c) = out[2 + r / 3][r % 3];
+    }
+  }
+  return {k, m};
+}
+
+TEST(BeamChains, FrequenciesAreThoseOfACantilever) {
+  Simulation simulation = simulationFromText(chain(8, "<EulerImplicitSolver/>", ""));
+  const auto [k, m] = matricesOf(*simulation.systems()[0]);
+  EXPECT_LT((m - m.transpose()).norm(), 1e-14 * m.norm());
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(k, m, Eigen::EigenvaluesOnly);
+  const double unit = std::sqrt(bending / (density * area * std::pow(length, 4)));
+  // each twice, in both planes; the inertia of the turning sections takes less than the tolerance
+  const double exact[] = {1.87510407, 4.69409113, 7.85475744};
+  for (int i = 0; i < 3; ++i)
+    for (int plane : {0, 1})
+      EXPECT_NEAR(std::sqrt(modes.eigenvalues()[2 * i + plane]) / (unit * exact[i] * exact[i]), 1, 3e-3) << i;
+}
+
+struct Field {
+  Simulation simulation;
+  System& system;
+  explicit Field(const std::string& text) : simulation(simulationFromText(text)), system(*simulation.systems()[0]) {}
+  Vector forceAt(ConstRows x) {
+    Vector f(system.allRows()), v(system.allRows());
+    system.computeForce(x, v, f);
+    return f;
+  }
+  Vector movedBy(double s, ConstRows d, ConstRows from) const {
+    Vector x(system.allRows());
+    copy(from, x), system.motion().advance(s, d, x);
+    return x;
+  }
+};
+Vector randomRows(Index count, unsigned seed, double size) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-size, size);
+  Vector rows(count);
+  for (Index i = 0; i < count; ++i) rows[i] = Vec3(uniform(random), uniform(random), uniform(random));
+  return rows;
+}
+const std::string bent = R"(<Node name="root" gravity="{}"><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology edges="0 1  1 2"/>
+    <MechanicalObject template="Rigid3" position="0 0 0  0.1 0.2 0.3 0.9   1 0.2 0  0 0 0 1   2 0 0.3  -0.2 0 0.1 0.9"/>
+    <BeamInterpolation name="beams" straight="false" defaultYoungModulus="2e4 3e4" defaultPoissonRatio="0.3"
+      crossSectionShape="rectangular" lengthY="0.2" lengthZ="0.1"/>
+    <AdaptiveBeamForceFieldAndMass interpolation="@beams" massDensity="1000"/></Node>)";
+
+TEST(BeamChains, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForce) {
+  Field t(fmt::format(fmt::runtime(bent), "1 -9 2"));
+  for (const double size : {0.01, 0.3, 0.7}) {
+    const Vector x = t.movedBy(1, randomRows(6, 3, size), t.system.x), d = randomRows(6, 4, 1);
+    const Vector f = t.forceAt(x);
+    const double h = 1e-5;
+    const Vector there = t.movedBy(h, d, x), back = t.movedBy(-h, d, x);
+    const double slope = (t.system.potentialEnergy(there) - t.system.potentialEnergy(back)) / (2 * h);
+    EXPECT_NEAR(slope, -dot(f, d), 1e-7 * (norm(f) * norm(d))) << size;
+    const Vector plus = t.forceAt(there), minus = t.forceAt(back);
+    t.forceAt(x);
+    Vector product(6);
+    t.system.forceFields()[0]->addStiffnessProduct(d, 1, product);
+    for (Index i = 0; i < 6; ++i) {
+      Vec3 exact = (plus[i] - minus[i]) / (2 * h);
+      if (i % 2 == 1) exact -= 0.5 * Vec3(d[i]).cross(Vec3(f[i]));
+      EXPECT_LT((exact - product[i]).norm(), 1e-7 * norm(product)) << size;
+    }
+  }
+}
+
+TEST(BeamChains, ABentShapeIsAtRestWhereverItIsAndFallsAsAWhole) {
+  Field still(fmt::format(fmt::runtime(bent), "0 0 0"));
+  Vector x(6);
+  copy(still.system.x, x);
+  for (Index i = 0; i < 6; i += 2) {
+    x[i] = turnedBy(Vec3(0.5, -2, 1)) * Vec3(x[i]) + Vec3(1, 2, 3);
+    Motion::turnBy(Vec3(0.5, -2, 1), x.rows().data + std::size_t(i + 1) * row_doubles);
+  }
+  EXPECT_LT(norm(still.forceAt(x)), 1e-9);
+  // momentum of a motion along is mass times velocity, and the weight is mass times gravity
+  Field heavy(fmt::format(fmt::runtime(bent), "1 -9 2"));
+  const Vector f = heavy.forceAt(x);
+  Vector along(6), momentum(6);
+  for (Index i = 0; i < 6; i += 2) along[i] = Vec3(1, -9, 2);
+  heavy.system.addMassProduct(along, 1, momentum);
+  const double mass = heavy.system.masses()[0]->totalMass();
+  const double chords = std::sqrt(1.04) + std::sqrt(1.13);  // and the curves are longer
+  EXPECT_GT(mass, 1000 * 0.02 * chords);
+  EXPECT_LT(mass, 1000 * 0.02 * 1.05 * chords);
+  Vec3 force = Vec3::Zero(), carried = Vec3::Zero();
+  for (Index i = 0; i < 6; i += 2) force += f[i], carried += momentum[i];
+  EXPECT_LT((force - mass * Vec3(1, -9, 2)).norm(), 1e-9 * force.norm());
+  EXPECT_LT((carried - mass * Vec3(1, -9, 2)).norm(), 1e-12 * force.norm());
+}
+
+/// A load P at the length a of a cantilever bends its end by P a^2 (3 L - a)/(6 E I), and the place itself, where no node is, by P a^3/(3 E I)
+/// less what a cubic curve over the whole length does not have.
+TEST(BeamChains, ALoadBetweenNodesBendsAsOneOnTheBeam) {
+  for (const int beams : {1, 2}) {
+    const double force = 1e-3, at = 0.8;
+    Simulation simulation = simulationFromText(chain(
+        beams, "<StaticSolver/>",
+        fmt::format("<Node name=\"on\"><MechanicalObject name=\"points\" position=\"{} 0 0  {} 0 0.02\"/><AdaptiveBeamMapping "
+                    "interpolation=\"@../beams\"/><ConstantForceField indices=\"0\" forces=\"0 {} 0\"/></Node>",
+                    at, length, force)));
+    ASSERT_TRUE(simulation.step().newton_converged);
+    const double exact = force * at * at * (3 * length - at) / (6 * bending);
+    const Vec3 tip = simulation.systems()[0]->x[2 * beams];
+    EXPECT_NEAR(tip.y(), exact, 1e-4 * exact) << beams;
+    const State& points = *simulation.states()[1];
+    EXPECT_NEAR(points.x()[1].y(), tip.y(), 1e-12);
+    EXPECT_NEAR(points.x()[1].z(), 0.02, 1e-6);
+    EXPECT_GT(points.x()[0].y(), 0.3 * force * at * at * at / (3 * bending));
+    EXPECT_LT(points.x()[0].y(), force * at * at * at / (3 * bending));
+  }
+}
+
+TEST(BeamChains, SayWhatIsWrong) {
+  const auto problems = [](const std::string& beams, const std::string& field) {
+    return problemsOf(R"(<Node name="root"><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology edges="0 1"/><MechanicalObject template="Rigid3"
+      position="0 0 0 0 0 0 1  1 0 0 0 0 0 1"/><BeamInterpolation name="beams" )" +
+                      beams + "/><AdaptiveBeamForceFieldAndMass massDensity=\"1\" " + field + "/></Node>");
+  };
+  EXPECT_EQ(problems("defaultYoungModulus=\"1e5\"", ""), "");
+  expectContains(problems("defaultYoungModulus=\"1 2 3\"", ""), "defaultYoungModulus has 3 numbers for 1 beams");
+  expectContains(problems("edgeList=\"4\"", ""), "edgeList names edge 4");
+  expectContains(problems("innerRadius=\"2\"", ""), "the inner radius is 2 and the radius 1");
+  expectContains(problems("crossSectionShape=\"elliptic\"", ""), "elliptic");
+  expectContains(problems("DOF0TransformNode0=\"0 0 0 0 0 0 1\"", ""), "dofsAndBeamsAligned");
+  expectContains(problems("dofsAndBeamsAligned=\"false\" DOF0TransformNode0=\"1 0 0 0 0 0 1\"", ""), "not supported");
+  expectContains(problems("", "shearStressComputation=\"false\""), "not supported");
+  expectContains(problems("", "interpolation=\"@nowhere\""), "nowhere");
+}
+
+/// A rod on three nodes in a line, held at its handle: at rest it is what its shape says.
+std::string wire(const std::string& shape, double middle, double end) {
+  return fmt::format(R"(<Node name="root" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>{}<MeshTopology name="line" edges="0 1  1 2"/>
+    <MechanicalObject template="Rigid3" position="0 0 0 0 0 0 1  {} 0 0 0 0 0 1  {} 0 0 0 0 0 1"/>
+    <WireBeamInterpolation name="wire" WireRestShape="@shape" topology="@line"/>
+    <AdaptiveBeamForceFieldAndMass interpolation="@wire" massDensity="1000"/><FixedProjectiveConstraint indices="0"/></Node>)",
+                     shape, middle, end);
+}
+
+TEST(BeamChains, AWireComesToTheShapeThatItHasAtRest) {
+  const std::string hook = "length=\"0.35\" straightLength=\"0.3\" spireDiameter=\"0.05\" radius=\"0.001\" radiusExtremity=\"0.0005\" ";
+  for (const double height : {0., 0.01}) {
+    Simulation simulation = simulationFromText(
+        wire(fmt::format("<WireRestShape name=\"shape\" {} spireHeight=\"{}\" youngModulus=\"1e9\" youngModulusExtremity=\"1e8\"/>", hook, height),
+             0.3, 0.35));
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(report.newton_converged) << report.reason;
+    const double round = std::numbers::pi * 0.05, turn = 2 * std::numbers::pi * 0.05 / std::hypot(round, height);
+    const Vec3 tip(0.3 + 0.025 * std::sin(turn), height * turn / (2 * std::numbers::pi), 0.025 * (std::cos(turn) - 1));
+    EXPECT_LT((Vec3(simulation.systems()[0]->x[4]) - tip).norm(), 1e-9) << height;
+    EXPECT_LT((Vec3(simulation.systems()[0]->x[2]) - Vec3(0.3, 0, 0)).norm(), 1e-9);
+    // each stretch has its own stuff: 1e9 r^4 against 1e8 (r/2)^4
+    Vector f(6), v(6), x(6);
+    System& system = *simulation.systems()[0];
+    copy(system.x, x);
+    x[0] += Vec3(1e-5, 0, 0);
+    system.computeForce(x, v, f);
+    const double axial = 1e9 * std::numbers::pi * 1e-6 / 0.3;
+    EXPECT_NEAR(f[0].x(), -1e-5 * axial, 1e-3 * 1e-5 * axial);
+  }
+}
+
+TEST(BeamChains, SectionsInARowMakeARod) {
+  Simulation simulation = simulationFromText(wire(R"(<RodStraightSection name="handle" length="0.3" radius="0.001" youngModulus="1e9"/>
+    <RodSpireSection name="tip" length="0.05" radius="0.001" youngModulus="1e8" spireDiameter="0.05" spireHeight="0"/>
+    <WireRestShape name="shape" wireMaterials="@handle @tip"/>)",
+                                                  0.3, 0.35));
+  ASSERT_TRUE(simulation.step().newton_converged);
+  EXPECT_LT((Vec3(simulation.systems()[0]->x[4]) - Vec3(0.3 + 0.025 * std::sin(2.), 0, 0.025 * (std::cos(2.) - 1))).norm(), 1e-9);
+}
+
+TEST(BeamChains, WiresSayWhatIsWrong) {
+  const auto problems = [](const std::string& shape, double end = 0.35) {
+    return problemsOf(wire("<WireRestShape name=\"shape\" length=\"0.35\" youngModulus=\"1e9\" " + shape + "/>", 0.3, end));
+  };
+  EXPECT_EQ(problems("straightLength=\"0.3\" spireDiameter=\"0.1\""), "");
+  expectContains(problems("straightLength=\"0.4\""), "straightLength is 0.4 and length 0.35");
+  expectContains(problems("straightLength=\"0.3\" spireDiameter=\"0.01\""), "turns by");
+  expectContains(problems("keyPoints=\"0 0.2\""), "keyPoints end at 0.2");
+  expectContains(problems("straightLength=\"0.3\" keyPoints=\"0 0.2 0.35\""), "the end of the straight part");
+  expectContains(problems("procedural=\"false\""), "not supported");
+  expectContains(problems("wireMaterials=\"@wire\""), "wireMaterials");
+  expectContains(problems("straightLength=\"0.3\" spireDiameter=\"0.1\"", 0.5), "longer than the rod");
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

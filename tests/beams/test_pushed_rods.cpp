@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Rods that an InterventionalRadiologyController pushes and turns, alone and one in the other.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "framework/mechanics/frames.h"
+#include "framework/simulation/simulation.h"
+#include "tests/support/scene_text.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+struct Rods {
+  std::string shapes, wires, names;
+  void add(const std::string& name, const std::string& shape) {
+    shapes += fmt::format("<WireRestShape name=\"{}\" {} massDensity=\"1000\" massDensityExtremity=\"1000\"/>", name, shape);
+    wires += fmt::format("<WireBeamInterpolation name=\"wire_{0}\" WireRestShape=\"@{0}\"/>"
+                         "<AdaptiveBeamForceFieldAndMass interpolation=\"@wire_{0}\"/>",
+                         name);
+    names += "@wire_" + name + " ";
+  }
+  std::string scene(const std::string& controller, int nodes = 30, double dt = 0.1) const {
+    return fmt::format(R"(<Node name="root" dt="{}" gravity="0 0 0">{}<EulerImplicitSolver newtonIterations="30"/><SparseLDLSolver/>
+    <RegularGridTopology n="{} 1 1" min="0 0 0" max="1 0 0"/><MechanicalObject name="dofs" template="Rigid3"/>{}
+    <InterventionalRadiologyController name="push" instruments="{}" threshold="0.0005" {}/></Node>)",
+                       dt, shapes, nodes, wires, names, controller);
+  }
+};
+const std::string straight = "length=\"0.3\" straightLength=\"0.3\" radius=\"0.001\" youngModulus=\"1e9\" densityOfBeams=\"12\"";
+const std::string hooked = "length=\"0.3\" straightLength=\"0.25\" spireDiameter=\"0.05\" spireHeight=\"0\" radius=\"0.001\" "
+                           "radiusExtremity=\"0.001\" youngModulus=\"1e9\" youngModulusExtremity=\"1e9\" densityOfBeams=\"5 4\"";
+
+Vec3 tipOf(Simulation& simulation) {
+  const System& system = *simulation.systems()[0];
+  return system.x[system.allRows() - 2];
+}
+/// The last step is solved; those after a jump of a tip may not be.
+void run(Simulation& simulation, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    const StepReport report = simulation.step();
+    ASSERT_FALSE(report.diverged) << report.reason;
+    if (i + 1 == steps) ASSERT_TRUE(report.newton_converged) << i << ": " << report.newton_residual;
+  }
+}
+std::string valueOf(Simulation& simulation, const std::string& name) {
+  for (const auto& component : simulation.root().components())
+    if (component->name() == "push") return component->data().find(name)->print();
+  return {};
+}
+
+TEST(PushedRods, AStraightOneGoesStraightOnAndComesBack) {
+  Rods rods;
+  rods.add("guide", straight);
+  Simulation simulation = simulationFromText(rods.scene("xtip=\"0.01\" speed=\"0.04\" startingPos=\"1 2 3  0 0 0.70710678118654757 0.70710678118654757\""));
+  run(simulation, 50);
+  // 0.21 of it are out, straight along y, in ten beams: nine of 0.025 less what is not out yet
+  EXPECT_NEAR(std::stod(valueOf(simulation, "xtip")), 0.21, 1e-12);
+  EXPECT_LT((tipOf(simulation) - Vec3(1, 2.21, 3)).norm(), 1e-3 * 0.21);
+  EXPECT_EQ(valueOf(simulation, "indexFirstNode"), "20");
+  const System& system = *simulation.systems()[0];
+  for (Index node = 0; node <= 20; ++node) EXPECT_EQ(Vec3(system.x[2 * node]), Vec3(1, 2, 3)) << node;
+  simulation.setAttribute("/push", "speed", "-0.04");
+  run(simulation, 40);
+  EXPECT_NEAR(std::stod(valueOf(simulation, "xtip")), 0.05, 1e-12);
+  simulation.setAttribute("/push", "speed", "0");
+  run(simulation, 30);
+  EXPECT_LT((tipOf(simulation) - Vec3(1, 2.05, 3)).norm(), 1e-6);
+  simulation.setAttribute("/push", "xtip", "5");
+  run(simulation, 30);
+  EXPECT_NEAR(std::stod(valueOf(simulation, "xtip")), 0.3, 1e-12) << "it is no longer than that";
+  EXPECT_LT((tipOf(simulation) - Vec3(1, 2.3, 3)).norm(), 1e-6);
+}
+
+/// When all is at rest, what is out has its shape at rest, turned as the rod is.
+TEST(PushedRods, AHookComesOutAsItsShapeAndTurnsWithTheRod) {
+  Rods rods;
+  rods.add("guide", hooked);
+  Simulation simulation = simulationFromText(rods.scene("xtip=\"0.02\" speed=\"0.02\"", 30, 1));
+  run(simulation, 5);
+  simulation.setAttribute("/push", "speed", "0");
+  run(simulation, 200);
+  const Vec3 hook(0.07 + 0.025 * std::sin(2.), 0, 0.025 * (std::cos(2.) - 1));
+  EXPECT_LT((tipOf(simulation) - hook).norm(), 1e-6);
+  simulation.setAttribute("/push", "rotationInstrument", fmt::format("{:.17g}", std::numbers::pi / 2));
+  run(simulation, 200);
+  EXPECT_LT((tipOf(simulation) - Vec3(hook.x(), -hook.z(), 0)).norm(), 1e-6);
+}
+
+/// Of two rods of which one lies in the other each bends with the share of its stiffness.
+TEST(PushedRods, OneInTheOtherHasTheMeanCurvature) {
+  Rods rods;
+  rods.add("catheter", "length=\"0.2\" straightLength=\"0\" spireDiameter=\"0.2\" spireHeight=\"0\" radiusExtremity=\"0.002\" "
+                       "innerRadiusExtremity=\"0.001\" youngModulus=\"1e8\" youngModulusExtremity=\"1e8\" densityOfBeams=\"8\"");
+  rods.add("guide", straight);
+  Simulation simulation = simulationFromText(rods.scene("xtip=\"0.1 0.1\"", 40, 1));
+  run(simulation, 200);
+  const double of_catheter = 1e8 * (std::pow(0.002, 4) - std::pow(0.001, 4)), of_guide = 1e9 * std::pow(0.001, 4);
+  const auto bent = [&](double stiffness, double length) {
+    const double curvature = stiffness / 0.1;
+    return Vec3(std::sin(curvature * length) / curvature, 0, (std::cos(curvature * length) - 1) / curvature);
+  };
+  const double share = of_catheter / (of_catheter + of_guide);
+  EXPECT_LT((tipOf(simulation) - bent(share, 0.1)).norm(), 1e-6);
+  // the guide goes on alone: straight, along the tangent
+  simulation.setAttribute("/push", "xtip", "0.1 0.2");
+  run(simulation, 300);
+  const double turn = share / 0.1 * 0.1;
+  EXPECT_LT((tipOf(simulation) - bent(share, 0.1) - 0.1 * Vec3(std::cos(turn), 0, -std::sin(turn))).norm(), 1e-5);
+  // and back
+  simulation.setAttribute("/push", "xtip", "0.1 0.05");
+  run(simulation, 300);
+  EXPECT_GT(tipOf(simulation).x(), 0.08);
+}
+
+TEST(PushedRods, ARunGoesOnFromACheckpointAndRepeatsItself) {
+  Rods rods;
+  rods.add("guide", hooked);
+  const std::string scene = rods.scene("xtip=\"0.02\" speed=\"0.03\"");
+  Simulation one = simulationFromText(scene), other = simulationFromText(scene);
+  run(one, 20);
+  const Archive kept = one.checkpoint();
+  run(one, 15);
+  other.restore(kept.readable());
+  run(other, 15);
+  EXPECT_EQ(one.stateHash(), other.stateHash());
+  one.reset();
+  run(one, 35);
+  EXPECT_EQ(one.stateHash(), other.stateHash());
+}
+
+/// Points of the rod are on its curve as it comes out, and a load there is one on the rod.
+TEST(PushedRods, PointsOfTheRodGoWithIt) {
+  Rods rods;
+  rods.add("guide", straight);
+  const std::string on_tip = "<Node name=\"points\"><MechanicalObject name=\"points\" position=\"0.3 0 0  0.3 0.002 0  0.1 0 0\"/>"
+                             "<AdaptiveBeamMapping interpolation=\"@../wire_guide\"/>{}</Node></Node>";
+  const std::string scene = rods.scene("xtip=\"0.02\" speed=\"0.02\"");
+  const std::string open = scene.substr(0, scene.rfind("</Node>"));
+  Simulation carried = simulationFromText(
+      open + fmt::format(fmt::runtime(on_tip), "<ConstantForceField indices=\"0\" forces=\"0 0 1e-3\"/>"));
+  Simulation direct = simulationFromText(
+      open + "<ConstantForceField indices=\"29\" forces=\"0 0 1e-3 0 0 0\"/>" + fmt::format(fmt::runtime(on_tip), ""));
+  run(carried, 60), run(direct, 60);
+  for (Simulation* each : {&carried, &direct}) {
+    const System& system = *each->systems()[0];
+    const State& points = *each->states()[1];
+    const Vec3 tip = system.x[58];
+    EXPECT_GT(tip.z(), 1e-4);
+    EXPECT_LT((Vec3(points.x()[0]) - tip).norm(), 1e-12);
+    EXPECT_LT((Vec3(points.x()[1]) - tip - orientationIn(system.x, 59) * Vec3(0, 0.002, 0)).norm(), 1e-12);
+    EXPECT_LT(Vec3(points.x()[2]).norm(), 1e-12) << "not out yet: where the rod comes in";
+  }
+  EXPECT_LT((tipOf(carried) - tipOf(direct)).norm(), 1e-7);
+}
+
+TEST(PushedRods, SayWhatIsWrong) {
+  const auto problems = [](const std::string& controller, int nodes = 30) {
+    Rods rods;
+    rods.add("guide", straight);
+    return problemsOf(rods.scene(controller, nodes));
+  };
+  EXPECT_EQ(problems("xtip=\"0.1\""), "");
+  expectContains(problems("xtip=\"0.3\"", 5), "the rods need 13 nodes");
+  expectContains(problems("startingPos=\"0 0 0\""), "startingPos has 3 numbers");
+  expectContains(problems("controlledInstrument=\"2\""), "controlledInstrument is 2");
+  expectContains(problems("rigidCurvAbs=\"1 2\""), "not supported");
+  expectContains(problems("motionFilename=\"a.txt\""), "not supported");
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
