@@ -121,6 +121,7 @@ class CollisionResponse final : public ForceField,
   }
   void stepBegins(ConstRows, double, double) override { find(); }
   double energy(ConstRows x) const override;
+  bool acts() const override { return pushing_ > 0; }
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override;
   void addPattern(BlockPattern& pattern) const override;

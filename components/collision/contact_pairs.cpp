@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "components/collision/distances.h"
 #include "framework/collision/pair_distances.h"
@@ -61,10 +62,23 @@ bool closest(std::span<const Vec3> x, int k, std::span<const Vec3> y, std::array
 
 }  // namespace
 
+std::size_t ContactSearch::bodyOf(const CollisionModel& model) {
+  const State& state = model.state();
+  std::size_t body = 0;
+  while (body < bodies_.size() && bodies_[body].state != &state) ++body;
+  if (body == bodies_.size()) bodies_.push_back({&state});
+  std::vector<Index>& rows = bodies_[body].rows;
+  for (const Part& part : model.parts())
+    for (int i = 0; i < part.corners; ++i) rows.push_back(part.node[std::size_t(i)] * state.rows_per_node);
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return body;
+}
+
 std::size_t ContactSearch::surfaceOf(const CollisionModel& model) {
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     if (surfaces_[i].model == &model) return i;
-  surfaces_.push_back({&model, std::vector<Box>(model.parts().size()), {}, {}});
+  surfaces_.push_back({&model, bodyOf(model), std::vector<Box>(model.parts().size()), {}, {}});
   if (method_->hasCones()) surfaces_.back().cones.compile(model, method_->angleCone(), method_->coneFactor());
   fit(surfaces_.back());
   surfaces_.back().tree.build(surfaces_.back().boxes);
@@ -73,7 +87,7 @@ std::size_t ContactSearch::surfaceOf(const CollisionModel& model) {
 
 void ContactSearch::compile(const std::vector<ModelPair>& pairs, const Method& method) {
   method_ = &method;
-  surfaces_.clear(), pairs_.clear();
+  surfaces_.clear(), bodies_.clear(), pairs_.clear();
   for (const ModelPair& pair : pairs) {
     const std::size_t a = surfaceOf(*pair.a);
     pairs_.push_back({a, surfaceOf(*pair.b)});
@@ -126,23 +140,101 @@ void ContactSearch::meet(const Surface& a, const Part& p, const Surface& b, cons
     }
 }
 
+// ---- what need not be looked at ----
+
+Vec3 ContactSearch::Body::place(std::size_t node) const {
+  return state->isBound() ? Vec3(state->x()[rows[node]]) : state->position[std::size_t(rows[node])];
+}
+
+void ContactSearch::Body::follow() {
+  gone = {};
+  double sum = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Vec3 way = place(i) - from[i];
+    gone.add(way), sum += way.squaredNorm();
+  }
+  is_known = !from.empty() && std::isfinite(sum);
+}
+
+void ContactSearch::Body::startHere() {
+  from.resize(rows.size());
+  size = 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    from[i] = place(i);
+    size = std::max(size, from[i].cwiseAbs().maxCoeff()), sum += from[i].squaredNorm();
+  }
+  is_known = std::isfinite(sum);
+}
+
+/// Its distances, and by how much no displacement of one model differs more from any of the other.
+void ContactSearch::follow(Pair& pair) const {
+  const Surface &s = surfaces_[pair.a], &t = surfaces_[pair.b];
+  const Body &a = bodies_[s.body], &b = bodies_[t.body];
+  const double skins = s.model->contactDistance() + t.model->contactDistance();
+  const double alarm = method_->alarmDistance() + skins, contact = method_->contactDistance() + skins;
+  if (!a.is_known || !b.is_known || alarm != pair.alarm || contact != pair.contact) pair.room = -1;
+  pair.alarm = alarm, pair.contact = contact, ++pair.steps;
+  if (pair.room < 0) return;
+  constexpr double rounding = 4e-12;
+  const double most = (a.gone.high - b.gone.low).cwiseMax(b.gone.high - a.gone.low).norm();
+  pair.motion = pair.used + most + rounding * (a.size + b.size + most);
+}
+
+bool ContactSearch::mayMeet(const CollisionModel& a, const Part& p, const CollisionModel& b, const Part& q, double contact) {
+  return &a.state() != &b.state() || !(shareCorner(p, q) || a.restDistance(p, q) < contact);
+}
+
+/// Of a pair without a contact: for some steps like the last ones, where that is not far.
+void ContactSearch::findRoom(Pair& pair, double in_a_step) const {
+  constexpr double steps = 8, farthest = 4;  // of the alarm distance
+  const Surface &s = surfaces_[pair.a], &t = surfaces_[pair.b];
+  const CollisionModel &a = *s.model, &b = *t.model;
+  if (s.tree.empty() || t.tree.empty()) return;
+  const Box &p = s.tree.whole(), &q = t.tree.whole();
+  const double apart = (p.low - q.high).cwiseMax(q.low - p.high).cwiseMax(Vec3::Zero()).norm();
+  const double most = pair.alarm + std::clamp(steps * in_a_step, pair.alarm, farthest * pair.alarm);
+  double near = std::max(most, apart);
+  if (apart < most && in_a_step < most)
+    s.tree.forEachPair(t.tree, most, [&](Index i, Index j) {
+      const Part &mine = a.parts()[std::size_t(i)], &other = b.parts()[std::size_t(j)];
+      if (!mayMeet(a, mine, b, other, pair.contact)) return;
+      std::array<Vec3, 3> x, y;
+      near = std::min(near, distanceOf(a.corners(mine, x), b.corners(other, y)) - mine.radius - other.radius);
+    });
+  pair.room = near - pair.alarm;
+}
+
+void ContactSearch::ready(Surface& surface) const {
+  if (std::exchange(surface.is_fit, true)) return;
+  fit(surface);
+  surface.tree.refit(surface.boxes);
+}
+
+void ContactSearch::look(Pair& pair, std::vector<Contact>& out) {
+  Surface &s = surfaces_[pair.a], &t = surfaces_[pair.b];
+  ready(s), ready(t);
+  const CollisionModel &a = *s.model, &b = *t.model;
+  const std::size_t before = out.size();
+  s.tree.forEachPair(t.tree, pair.alarm, [&](Index i, Index j) {
+    const Part &p = a.parts()[std::size_t(i)], &q = b.parts()[std::size_t(j)];
+    if (mayMeet(a, p, b, q, pair.contact)) meet(s, p, t, q, pair.alarm, pair.contact, out);
+  });
+  const double in_a_step = pair.room < 0 ? 0 : pair.motion / pair.steps;
+  pair.room = -1, pair.used = pair.motion = pair.steps = 0;
+  if (out.size() == before && bodies_[s.body].is_known && bodies_[t.body].is_known) findRoom(pair, in_a_step);
+}
+
 void ContactSearch::find(std::vector<Contact>& out) {
   out.clear();
-  for (Surface& surface : surfaces_) {
-    fit(surface);
-    surface.tree.refit(surface.boxes);
-  }
-  for (const Pair& pair : pairs_) {
-    const Surface &s = surfaces_[pair.a], &t = surfaces_[pair.b];
-    const CollisionModel &a = *s.model, &b = *t.model;
-    const double skins = a.contactDistance() + b.contactDistance();
-    const double alarm = method_->alarmDistance() + skins, contact = method_->contactDistance() + skins;
-    s.tree.forEachPair(t.tree, alarm, [&](Index i, Index j) {
-      const Part &p = a.parts()[std::size_t(i)], &q = b.parts()[std::size_t(j)];
-      if (&a.state() == &b.state() && (shareCorner(p, q) || a.restDistance(p, q) < contact)) return;
-      meet(s, p, t, q, alarm, contact, out);
-    });
-  }
+  for (Body& body : bodies_) body.follow();
+  for (Pair& pair : pairs_) follow(pair);
+  if (std::all_of(pairs_.begin(), pairs_.end(), hasRoom)) return;
+  for (Pair& pair : pairs_) pair.used = pair.motion;
+  for (Body& body : bodies_) body.startHere();
+  for (Surface& surface : surfaces_) surface.is_fit = false;
+  for (Pair& pair : pairs_)
+    if (!hasRoom(pair)) look(pair, out);
 }
 
 }  // namespace stroma::collision

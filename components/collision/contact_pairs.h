@@ -23,6 +23,10 @@ struct Contact {
 /// where the closest points lie within both, more than 1e-6 of their size from the ends; a triangle and a line or a
 /// triangle by the corners, of which each belongs to one part, and by edges where the method says so. A LocalMinDistance
 /// asks both parts for their cones.
+///
+/// Where two models have no contact, a lower bound of the distances of their parts is found, less the alarm distance: the room of
+/// the pair. No distance falls by more than displacements of the two since then differ, so that they are not looked at again until
+/// that is as much. What a search finds at the models' present positions is the same with and without it.
 class ContactSearch {
  public:
   void compile(const std::vector<ModelPair>& pairs, const Method& method);
@@ -31,20 +35,47 @@ class ContactSearch {
  private:
   struct Surface {
     const CollisionModel* model;
+    std::size_t body;  ///< number of its state
     std::vector<Box> boxes;
     BoxTree tree;
     NormalCones cones;
+    bool is_fit = false;  ///< boxes are those of now
+  };
+  /// The nodes of a state that are corners of models.
+  struct Body {
+    const State* state;
+    std::vector<Index> rows{};
+    std::vector<Vec3> from{};  ///< where they were when rooms were found [m]
+    Box gone{};                ///< of their displacements since then [m]
+    double size = 0;           ///< largest coordinate there [m]
+    bool is_known = false;     ///< all of these are numbers
+    void follow();
+    void startHere();
+    Vec3 place(std::size_t node) const;
   };
   struct Pair {
     std::size_t a, b;
+    double alarm = 0, contact = 0;  ///< [m], with the skins of both
+    double room = -1;               ///< [m]; below zero: not known
+    double used = 0, motion = 0;    ///< up to Body::from, and up to now [m]
+    int steps = 0;                  ///< since it was looked at
   };
   std::size_t surfaceOf(const CollisionModel& model);
+  std::size_t bodyOf(const CollisionModel& model);
+  void follow(Pair& pair) const;
+  static bool hasRoom(const Pair& pair) { return pair.motion < pair.room; }
+  void findRoom(Pair& pair, double in_a_step) const;
+  void look(Pair& pair, std::vector<Contact>& out);
+  /// Not two neighbours of one state.
+  static bool mayMeet(const CollisionModel& a, const Part& p, const CollisionModel& b, const Part& q, double contact);
+  void ready(Surface& surface) const;
   void fit(Surface& surface) const;
   void meet(const Surface& a, const Part& p, const Surface& b, const Part& q, double alarm, double contact,
             std::vector<Contact>& out) const;
 
   const Method* method_ = nullptr;
   std::vector<Surface> surfaces_;
+  std::vector<Body> bodies_;
   std::vector<Pair> pairs_;
 };
 

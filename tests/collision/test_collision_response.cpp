@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <sstream>
 
 #include "framework/simulation/simulation.h"
@@ -68,6 +69,58 @@ TEST(CollisionResponse, HasItsFormula) {
   const double with_radius = 0.5 + 0.3 + 0.05;
   const Pushed ball = pushed(collisionScene(moved("a", "0.1 0.7 0.2", sphere) + still(plate, top), near_half));
   EXPECT_NEAR(ball.force.y(), 30 * 4 / with_radius * (with_radius - 0.7), 1e-10);
+}
+
+/// Some triangles, lines and points that drift together, each node its own way, and pass through another such body.
+std::string drifting(const std::string& name, double at, double speed, unsigned seed) {
+  std::mt19937 numbers(seed);
+  std::uniform_real_distribution<double> any(-1, 1);
+  std::string places, ways, triangles;
+  for (int i = 0; i < 12; ++i) {
+    places += fmt::format("{} {} {}  ", at + 0.5 * any(numbers), any(numbers), any(numbers));
+    ways += fmt::format("{} {} {}  ", speed + 0.2 * any(numbers), 0.2 * any(numbers), 0.2 * any(numbers));
+    if (i >= 2) triangles += fmt::format("{} {} {}  ", i - 2, i - 1, i);
+  }
+  return moved(name, places,
+               fmt::format("<MeshTopology triangles=\"{}\"/><TriangleCollisionModel contactStiffness=\"0.1\"/><LineCollisionModel "
+                           "contactStiffness=\"0.1\"/><PointCollisionModel contactStiffness=\"0.1\"/>", triangles),
+               ways);
+}
+
+/// What is not looked at has no contact: in each step there are those that a search finds which knows nothing of the steps before.
+TEST(CollisionResponse, FindsWhatAFirstSearchFinds) {
+  for (const std::string type : {"MinProximityIntersection", "NewProximityIntersection", "LocalMinDistance"}) {
+    const std::string scene = collisionScene(drifting("a", -1.5, 1, 1) + drifting("b", 1.5, -1, 2) + drifting("c", 20, -0.5, 3),
+                                             "<" + type + " alarmDistance=\"0.2\" contactDistance=\"0.1\"/>");
+    const auto found = [](Simulation& simulation) {
+      EXPECT_FALSE(simulation.step().failed());
+      std::vector<Component*> components;
+      simulation.root().collect(components);
+      for (const Component* component : components)
+        if (component->type() == "CollisionResponse")
+          return component->data().find("pairs")->print() + " " + component->data().find("gaps")->print();
+      return std::string();
+    };
+    Simulation simulation = simulationFromText(scene);
+    int none = 0;
+    for (int step = 0; step < 300; ++step) {
+      Simulation first = simulationFromText(scene);
+      for (std::size_t s = 0; s < first.systems().size(); ++s)
+        copy(simulation.systems()[s]->x, first.systems()[s]->x), copy(simulation.systems()[s]->v, first.systems()[s]->v);
+      const std::string now = found(simulation);
+      ASSERT_EQ(now, found(first)) << type << ", step " << step;
+      none += now == " ";
+    }
+    EXPECT_GT(none, 50) << type;
+    EXPECT_LT(none, 250) << type;
+  }
+}
+
+/// A surface of nothing meets nothing.
+TEST(CollisionResponse, ASurfaceMayBeEmpty) {
+  const std::string none = "<MeshTopology edges=\"0 1\"/><TriangleCollisionModel/><PointCollisionModel/>";
+  EXPECT_EQ(pushed(collisionScene(moved("a", "0.1 3 0.2  1 3 0.2", none) + still(plate, "<TriangleCollisionModel/>"),
+                                  "<NewProximityIntersection alarmDistance=\"1\" contactDistance=\"0.5\"/>")).contacts, 0);
 }
 
 /// What meets: points lie over triangles, not beside them; lines cross; corners of triangles belong to one of them.
