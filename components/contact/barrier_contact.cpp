@@ -181,7 +181,7 @@ void BarrierContact::placeStart(Rows x, Index independent, const std::function<v
 }
 
 void BarrierContact::checkStart(ConstRows x) {
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   refuseOverlap(path(), law_, x_, names(), leastMargin());
   refuseInside(path(), law_.surfaces, x_);
   has_new_pairs_ = true;
@@ -194,14 +194,14 @@ void BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
 }
 
 double BarrierContact::energy(ConstRows x) const {
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   if (!is_in_step_ && !law_.candidates.covers(x_)) return lawAt(x_).energy(x_);
   lookAgain(x_);
   return law_.energy(x_);
 }
 
 std::string BarrierContact::worstElement(ConstRows x) const {
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   return describeWorst(lawAt(x_), x_, names());
 }
 
@@ -248,7 +248,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   law_.candidates.stepBegins();
   is_in_step_ = true, has_solved_ = false;
   law_.small_range = is_explicit_ ? 0.5 : 0.1, law_.small_share = is_explicit_ ? 1 : 0.1;
-  if (is_explicit_) beginPart(t, t_end), law_.surfaces.gather(x, law_.moved, x_);
+  if (is_explicit_) beginPart(t, t_end), gather(x, law_.moved);
   duration_ = t_end - t;
   friction_.slip = slip_velocity_ * duration_;
   friction_.begin(x_.size());
@@ -276,13 +276,13 @@ void BarrierContact::beginRounds() {
 
 /// x_ become positions at x. Where an integrator takes bodies back to the start of a step, obstacles begin theirs again.
 void BarrierContact::follow(ConstRows x) {
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   if (is_explicit_) return;
   const bool is_back = law_.surfaces.areBodiesAt(x_, start_);
   if (is_back && left_start_) {
     if (holds_nothing_) moved_first_ = moved_at_start_;
     law_.moved = moved_first_;
-    law_.surfaces.gather(x, law_.moved, x_);
+    gather(x, law_.moved);
     beginRounds();
   }
   left_start_ = !is_back;
@@ -294,19 +294,17 @@ double BarrierContact::longestStep(ConstRows x, const Way& way) {
   shares_.lineBegins(way.is_carried), has_solved_ = false;
   const Vec3 from = is_explicit_ ? moved_at_start_ : law_.moved;
   const Vec3 along = waits_ ? Vec3(way.along * (goal_ - from)) : Vec3(law_.moved - from);
-  law_.surfaces.gather(x, from, x_);
+  gather(x, from);
+  law_.surfaces.gatherWay(way.dx, along, way_);
   bend_.assign(way.bend ? way_.size() : 0, 0);
-  for (std::size_t v = 0; v < way_.size(); ++v) {
-    const Index row = law_.surfaces.rows[v];
-    way_[v] = row >= 0 ? Vec3(way.dx[row]) : along;
-    if (way.bend && row >= 0) bend_[v] = way.bend[row];
-  }
+  for (std::size_t v = 0; v < bend_.size(); ++v)
+    if (const Index row = law_.surfaces.rows[v]; row >= 0) bend_[v] = way.bend[row];
   return law_.longestStep(x_, way_, bend_, along);
 }
 
 bool BarrierContact::movesOn(ConstRows x) {
   if (is_explicit_) return law_.moved = goal_, false;
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   if (obstaclesGoOn()) {
     law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
     return ++obstacle_rounds_, waits_ = true;

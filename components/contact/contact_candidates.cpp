@@ -46,7 +46,9 @@ void Candidates::compile(const Surfaces& surfaces) {
 void Candidates::forget() {
   found_at_.clear(), pairs_.clear(), pattern_.clear(), is_followed_ = false;
   for (Meeting& meeting : meetings_) meeting = {.a = meeting.a, .b = meeting.b};
-  for (MeetingGroup& each : groups_) each.is_counted = each.is_fine = false;
+  for (MeetingGroup& each : groups_) each.is_counted = each.is_fine = each.is_free = false;
+  for (BodyMeeting& each : body_meetings_) each.is_fine = false;
+  are_bodies_counted_ = false;
   ++revision_, step_ = 0, may_push_ = true, work_ = {};
 }
 
@@ -162,6 +164,7 @@ void Candidates::search(int number, const std::vector<Vec3>& x, double margin) {
   meeting.used = meeting.motion = 0, meeting.step = step_, meeting.has_faces = true;
   face_pairs_[std::size_t(number)].clear();
   searched_[std::size_t(number)] = true;
+  groups_[std::size_t(group_of_[std::size_t(number)])].is_free = false;
   if (apart >= reach + 2 * margin) return;
   forEachNearPair(meeting, near, [&](int f, int g) {
     face_pairs_[std::size_t(number)].push_back({f, g});
@@ -254,8 +257,7 @@ double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec
   };
   const bool knows_any = found_at_.size() == x.size();
   follow(x);
-  goes_way_.set(dx, nullptr);
-  for (std::size_t p = 0; p < parts_.size(); ++p) goes_[p] = displacementsOf(parts_[p], goes_way_, bend);
+  if (restBodies(x, dx, bend)) return 1;
   restGroups(x);
   std::fill(does_turn_.begin(), does_turn_.end(), false);
   double step = 1;
@@ -315,6 +317,7 @@ std::vector<Candidates::Crossing> Candidates::crossings(const std::vector<Vec3>&
   std::vector<Crossing> found;
   const bool knows_any = found_at_.size() == x.size();
   follow(x);
+  if (knows_any && areAllFree()) return found;
   fitNone();
   for (std::size_t m = 0; m < meetings_.size(); ++m) {
     Meeting& meeting = meetings_[m];
@@ -331,6 +334,8 @@ std::vector<Candidates::Crossing> Candidates::crossings(const std::vector<Vec3>&
     }
     meeting.is_free = is_near_known && found.size() == before;
   }
+  for (MeetingGroup& each : groups_)
+    each.is_free = std::ranges::all_of(each.meetings, [this](int m) { return meetings_[std::size_t(m)].is_free; });
   std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) {
     return a.depth != b.depth ? a.depth > b.depth : a.edge != b.edge ? a.edge < b.edge : a.face < b.face;
   });

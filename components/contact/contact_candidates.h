@@ -64,8 +64,12 @@ class Candidates {
   void forget();
   /// Grows when there are others.
   long revision() const { return revision_; }
+  /// x stays what it is until this is called again: nothing is asked twice there.
+  void placedAt(const std::vector<Vec3>& x) { placed_ = x.data(), is_placed_followed_ = false; }
   /// All pairs that are nearer than `reach` at x are known.
   bool covers(const std::vector<Vec3>& x) { return follow(x); }
+  /// The last search has found no pairs, and nothing is nearer than `distance` now.
+  bool areFarther(const std::vector<Vec3>& x, double distance);
   /// Nothing has been looked for yet.
   bool isNew() const { return found_at_.empty(); }
   /// What a matrix has places for: pairs that push, and others that have, so that it seldom needs another pattern.
@@ -108,8 +112,22 @@ class Candidates {
   void group();
   bool isFine(int meeting) const { return groups_[std::size_t(group_of_[std::size_t(meeting)])].is_fine; }
   bool follow(const std::vector<Vec3>& x);
+  bool isFollowed(const std::vector<Vec3>& x) const {
+    return is_followed_ && (x.data() == placed_ ? is_placed_followed_ : areSame(x, followed_));
+  }
   void follow(MeetingGroup& group, const std::vector<Vec3>& x);
+  void followParts(const BodyMeeting& each, const std::vector<Vec3>& x);
+  void measureParts(WholeBody& body, const std::vector<Vec3>& x);
   void restGroups(const std::vector<Vec3>& x);
+  // ---- contact_wholes.cpp ----
+  void joinBodies();
+  void countBodies();
+  bool followBodies(const std::vector<Vec3>& x);
+  bool turnsAsOne(BodyMeeting& body, const std::vector<Vec3>& x) const;
+  bool restBodies(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend);
+  bool goesAsOne(const BodyMeeting& body, const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
+                 double most) const;
+  bool areAllFree() const;
   double roundOff(double motion) const { return 4e-12 * (size_ + motion); }
   double goneOf(const Meeting& meeting) const {
     return gone_[std::size_t(meeting.a)].longest + gone_[std::size_t(meeting.b)].longest;
@@ -148,17 +166,23 @@ class Candidates {
   std::vector<char> is_turned_, does_turn_;   ///< they are made
   double radii_ = 0;                          ///< the largest of two triangles [m]
   std::vector<Meeting> meetings_;
+  std::vector<WholeBody> bodies_;
+  std::vector<BodyMeeting> body_meetings_;
+  bool are_bodies_counted_ = false;
   std::vector<PartGroup> part_groups_;
   std::vector<MeetingGroup> groups_;
   std::vector<int> group_of_;  ///< of each meeting
   AllDisplacements gone_way_, goes_way_;    ///< of all vertices; work space
+  bool has_gone_way_ = false;  ///< the first is of now
   std::vector<double> ways_;  ///< of each meeting: motion that a step wants
   std::vector<char> looks_, searched_;  ///< of each meeting: at its pairs; they are found anew
   std::vector<std::vector<std::array<int, 2>>> face_pairs_;
   std::vector<Candidate> pairs_, old_pairs_, found_;
   std::vector<PairName> pattern_, pushing_, both_;  ///< in order; the last two: work space
   std::vector<Vec3> found_at_;  ///< motion is measured from there
-  std::vector<Vec3> followed_;  ///< where motion was asked for last
+  std::vector<Vec3> followed_;  ///< where motion was asked for last; nothing: at placed_
+  const Vec3* placed_ = nullptr;     ///< see placedAt()
+  bool is_placed_followed_ = false;  ///< motion was asked for there last
   bool is_followed_ = false, is_all_known_ = false;  ///< it is of now; it is within all budgets
   double size_ = 0;             ///< largest coordinate there [m]
   bool may_push_ = true;

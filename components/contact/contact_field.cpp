@@ -53,7 +53,7 @@ std::string ContactField::choice() const {
 }
 
 double ContactField::lentEnergy(ConstRows x) const {
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   return friction_.energy(x_, start_, law_.moved - moved_at_start_);
 }
 

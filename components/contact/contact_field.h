@@ -32,6 +32,8 @@ class ContactField : public ForceField, public OpenChoices, public LendsEnergy, 
  protected:
   /// Rows are known: the law gets its surfaces, and contactDistance where it is not given.
   void compileSurfaces();
+  /// x_ become positions at x with obstacles moved by `moved`.
+  void gather(ConstRows x, const Vec3& moved) const { law_.surfaces.gather(x, moved, x_), law_.candidates.placedAt(x_); }
 
   // ---- attributes ----
   BarrierLaw law_;

@@ -76,6 +76,44 @@ void AllDisplacements::set(const std::vector<Vec3>& x, const std::vector<Vec3>* 
     square[v] = to[3 * v] * to[3 * v] + to[3 * v + 1] * to[3 * v + 1] + to[3 * v + 2] * to[3 * v + 2];
 }
 
+namespace {
+/// Of two vertices or more: numbers of two of them at once, so that a lane is always the same coordinate. The last ones come twice
+/// where their number is odd.
+template <bool has_start>
+bool boxAroundNumbers(const double* x, const double* from, std::size_t count, Box& box) {
+  using Two = Eigen::Array2d;
+  Two low[3], high[3], sum = Two::Zero();
+  for (Two& each : low) each = Two::Constant(std::numeric_limits<double>::infinity());
+  for (Two& each : high) each = Two::Constant(-std::numeric_limits<double>::infinity());
+  for (std::size_t done = 0; done < count; done += 6) {
+    const std::size_t i = std::min(done, count - 6);
+    Two u[3] = {Eigen::Map<const Two>(x + i), Eigen::Map<const Two>(x + i + 2), Eigen::Map<const Two>(x + i + 4)};
+    if constexpr (has_start) {
+      u[0] -= Eigen::Map<const Two>(from + i);
+      u[1] -= Eigen::Map<const Two>(from + i + 2);
+      u[2] -= Eigen::Map<const Two>(from + i + 4);
+    }
+    low[0] = low[0].min(u[0]), low[1] = low[1].min(u[1]), low[2] = low[2].min(u[2]);
+    high[0] = high[0].max(u[0]), high[1] = high[1].max(u[1]), high[2] = high[2].max(u[2]);
+    sum += u[0] + u[1] + u[2];
+  }
+  box.low = {std::min(low[0][0], low[1][1]), std::min(low[0][1], low[2][0]), std::min(low[1][0], low[2][1])};
+  box.high = {std::max(high[0][0], high[1][1]), std::max(high[0][1], high[2][0]), std::max(high[1][0], high[2][1])};
+  return std::isfinite(sum.sum());
+}
+}  // namespace
+
+bool boxAround(const Vec3* x, const Vec3* from, std::size_t count, Box& box) {
+  box = {};
+  if (count == 0) return false;
+  if (count == 1) {
+    box.add(from ? Vec3(*x - *from) : *x);
+    return box.low.allFinite();
+  }
+  return from ? boxAroundNumbers<true>(x->data(), from->data(), 3 * count, box)
+              : boxAroundNumbers<false>(x->data(), nullptr, 3 * count, box);
+}
+
 Displacements displacementsOf(const SurfacePart& part, const AllDisplacements& way, const std::vector<double>& bend) {
   using Four = Eigen::Array4d;  // the last of which is another vertex'
   Four low = Four::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -213,6 +251,19 @@ CommonMotion commonMotionAlong(const SurfacePart& part, const std::vector<Vec3>&
     for (const int v : part.vertices) off = std::max(off, bend[std::size_t(v)]);
   motion.left = motion.left.grownBy(off);
   return motion;
+}
+
+void leaveOf(CommonMotion& motion, const SurfacePart& part, const std::vector<Vec3>& p, const std::vector<Vec3>& x,
+             const std::vector<Vec3>* dx, const std::vector<double>& bend) {
+  double off = 0;
+  motion.left = {};
+  for (const int vertex : part.vertices) {
+    const std::size_t v = std::size_t(vertex);
+    const Vec3 u = dx ? (*dx)[v] : Vec3(x[v] - p[v]);
+    motion.left.add(Vec3(u - motion.shift - motion.gradient * (p[v] - motion.middle)));
+    if (!bend.empty()) off = std::max(off, bend[v]);
+  }
+  motion.left = motion.left.grownBy(off);
 }
 
 double mostApart(const CommonMotion& a, const CommonMotion& b) {

@@ -43,6 +43,13 @@ inline Displacements displacementsOf(const SurfacePart& part, const std::vector<
   way.set(x, from);
   return displacementsOf(part, way, bend);
 }
+/// Around the displacements of `count` vertices that lie side by side, from `from` to x; without `from`, x are displacements.
+/// False: one is no number.
+bool boxAround(const Vec3* x, const Vec3* from, std::size_t count, Box& box);
+/// No displacement in one box differs by more from one in the other [m].
+inline double mostApart(const Box& a, const Box& b) { return (a.high - b.low).cwiseMax(b.high - a.low).norm(); }
+/// None in it is longer [m].
+inline double longestIn(const Box& box) { return box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs()).norm(); }
 /// No displacement of a differs by more from one of b [m].
 double mostApart(const Displacements& a, const Displacements& b);
 /// The same bits: what followed from one follows from the other.
@@ -61,6 +68,9 @@ CommonMotion commonMotionTo(const SurfacePart& part, const std::vector<Vec3>& p,
 /// Along a straight way, p + s dx: here G - S is skew, and the bound is (1 - s |S|) l. `bend` as above.
 CommonMotion commonMotionAlong(const SurfacePart& part, const std::vector<Vec3>& p, const std::vector<Vec3>& dx,
                                const std::vector<double>& bend);
+/// Makes `left` what a motion leaves of the displacements of other vertices; `dx`: see commonMotionAlong(), else null.
+void leaveOf(CommonMotion& motion, const SurfacePart& part, const std::vector<Vec3>& p, const std::vector<Vec3>& x,
+             const std::vector<Vec3>* dx, const std::vector<double>& bend);
 /// What the motion of a leaves of a displacement of its part differs by no more from what it leaves of one of b's part [m].
 double mostApart(const CommonMotion& a, const CommonMotion& b);
 
@@ -102,8 +112,27 @@ struct MeetingGroup {
   double clear = 0;         ///< motion until something may touch [m]
   double motion = 0;        ///< at the positions asked last, of each of them [m]
   bool is_fine = false;     ///< that is less than `room`: `motion` of its meetings is not known
+  bool is_free = false;     ///< so are all of its meetings
   bool rests = false;       ///< nor has any of them to be looked at for the way of a step
   void count(const std::vector<Meeting>& all, double reach);
+};
+/// Two bodies, or a body and itself: the same of all of their groups.
+struct BodyMeeting {
+  int a = 0, b = 0;  ///< bodies
+  std::vector<int> groups{};
+  double room = 0, clear = 0;  ///< the least of them [m]
+  double near = 0;             ///< the largest of their meetings [m]
+  double away = 0;             ///< what was not listed was no nearer, less the motion used up [m]
+  double motion = 0;           ///< [m]
+  bool is_fine = false;        ///< it is less than `room`: that of groups is not known
+};
+/// What is known of a body as a whole.
+struct WholeBody {
+  int first_part = 0, end_part = 0, first_group = 0, end_group = 0;  ///< groups of parts
+  SurfacePart all{}, some{};     ///< its vertices; enough of them to see how it turns
+  Box gone{}, goes{};            ///< around all displacements [m]
+  bool has_gone = false, can_go = false;  ///< these are numbers
+  bool is_measured = false, is_way_measured = false;  ///< so it is of its parts
 };
 
 }  // namespace stroma::contact

@@ -42,29 +42,51 @@ void Candidates::group() {
     groups_[std::size_t(group)].meetings.push_back(int(group_of_.size()));
     group_of_.push_back(group);
   }
+  joinBodies();
 }
 
-/// Motion of each meeting at x, or of its group where that is enough. True: it is less than what the pairs of each were found for.
+/// Motion of each meeting at x, or of its group or its bodies where that is enough. True: it is less than what the pairs of each were
+/// found for.
 bool Candidates::follow(const std::vector<Vec3>& x) {
-  if (is_followed_ && areSame(x, followed_)) return is_all_known_;
+  if (isFollowed(x)) return is_all_known_;
   may_push_ = true, is_followed_ = false;
   if (found_at_.size() != x.size()) return false;
+  is_all_known_ = true, may_push_ = false, has_gone_way_ = false;
+  for (WholeBody& body : bodies_) body.is_measured = false;
+  const bool are_fine = followBodies(x);
+  for (const BodyMeeting& each : body_meetings_)
+    if (!each.is_fine) followParts(each, x);
+  is_placed_followed_ = x.data() == placed_;
+  if (is_placed_followed_)
+    followed_.clear(), is_followed_ = true;
+  else if (!are_fine)
+    followed_ = x, is_followed_ = true;  // else it costs no more to ask again than to remember
+  return is_all_known_;
+}
+
+/// How far parts and their groups have gone to x.
+void Candidates::measureParts(WholeBody& body, const std::vector<Vec3>& x) {
+  if (std::exchange(body.is_measured, true)) return;
+  if (!std::exchange(has_gone_way_, true)) gone_way_.set(x, &found_at_);
   const std::vector<double> straight;
-  gone_way_.set(x, &found_at_);
-  for (std::size_t p = 0; p < parts_.size(); ++p) gone_[p] = displacementsOf(parts_[p], gone_way_, straight);
-  for (PartGroup& parts : part_groups_) parts.join(gone_, parts.gone);
-  std::fill(is_turned_.begin(), is_turned_.end(), false);
-  is_all_known_ = true, may_push_ = false;
-  for (MeetingGroup& each : groups_) {
+  for (int p = body.first_part; p < body.end_part; ++p) {
+    gone_[std::size_t(p)] = displacementsOf(parts_[std::size_t(p)], gone_way_, straight);
+    is_turned_[std::size_t(p)] = false;
+  }
+  for (int g = body.first_group; g < body.end_group; ++g) part_groups_[std::size_t(g)].join(gone_, part_groups_[std::size_t(g)].gone);
+}
+
+/// Motion of each group of two bodies.
+void Candidates::followParts(const BodyMeeting& bodies, const std::vector<Vec3>& x) {
+  for (const int body : {bodies.a, bodies.b}) measureParts(bodies_[std::size_t(body)], x);
+  for (const int group : bodies.groups) {
+    MeetingGroup& each = groups_[std::size_t(group)];
     const Displacements &a = part_groups_[std::size_t(each.a)].gone, &b = part_groups_[std::size_t(each.b)].gone;
     const double longest = a.longest + b.longest;
-    each.count(meetings_, reach);
     each.motion = mostApart(a, b) + (longest > 0 ? roundOff(longest) : 0);
     each.is_fine = each.motion < each.room;
     if (!each.is_fine) follow(each, x);
   }
-  followed_ = x, is_followed_ = true;
-  return is_all_known_;
 }
 
 /// Motion of each meeting of a group.
@@ -83,11 +105,11 @@ void Candidates::follow(MeetingGroup& group, const std::vector<Vec3>& x) {
   }
 }
 
-/// Groups that have room for the ways of their parts from x, and a tenth of it besides; of others motion is found.
+/// Groups that have room for the ways of their parts from x, and a tenth of it besides; of others motion is found. After restBodies().
 void Candidates::restGroups(const std::vector<Vec3>& x) {
   const StepOptions options;
-  for (PartGroup& parts : part_groups_) parts.join(goes_, parts.goes);
   for (MeetingGroup& each : groups_) {
+    if (each.rests) continue;
     const Displacements &a = part_groups_[std::size_t(each.a)].goes, &b = part_groups_[std::size_t(each.b)].goes;
     const double way = mostApart(a, b), room = each.clear - each.motion - roundOff(a.longest + b.longest);
     each.rests = way == 0 || (each.is_fine && way <= (1 - options.left) * room);
@@ -126,12 +148,15 @@ double Candidates::takeOffTurns(const Meeting& meeting, const std::vector<Vec3>&
 
 /// Motion is measured from x from now on; what it was until then has been used up. Not to be called before follow().
 void Candidates::startFrom(const std::vector<Vec3>& x) {
+  if (found_at_.size() == x.size())
+    for (WholeBody& body : bodies_) measureParts(body, x);
   for (Meeting& meeting : meetings_) {
     if (meeting.near >= 0) takeOffShift(meeting), takeOffTurns(meeting, x);
     meeting.used = meeting.motion;
   }
   for (MeetingGroup& each : groups_) each.is_counted = each.is_fine = false;
-  is_followed_ = false;
+  for (BodyMeeting& each : body_meetings_) each.is_fine = false;
+  are_bodies_counted_ = is_followed_ = false;
   found_at_ = x;
   size_ = 0;
   for (const Vec3& p : x) size_ = std::max(size_, p.cwiseAbs().maxCoeff());

@@ -79,6 +79,7 @@ void Surfaces::finish() {
     faces_around.start.push_back(Index(faces_around.values.size()));
   }
   findEdges();
+  findMeanEdge();
   findOwners();
   findPieces();
   findSides();
@@ -186,28 +187,46 @@ void Surfaces::findOwners() {
 
 void Surfaces::gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const {
   out.resize(rows.size());
-  for (std::size_t v = 0; v < rows.size(); ++v) out[v] = rows[v] >= 0 ? Vec3(x[rows[v]]) : Vec3(rest[v] + moved);
+  for (const Body& body : bodies_) {
+    const std::size_t end = std::size_t(body.first_vertex + body.vertices);
+    if (body.moves)
+      for (std::size_t v = std::size_t(body.first_vertex); v < end; ++v) out[v] = x[rows[v]];
+    else
+      for (std::size_t v = std::size_t(body.first_vertex); v < end; ++v) out[v] = rest[v] + moved;
+  }
+}
+
+void Surfaces::gatherWay(ConstRows dx, const Vec3& along, std::vector<Vec3>& out) const {
+  out.resize(rows.size());
+  for (const Body& body : bodies_) {
+    const std::size_t end = std::size_t(body.first_vertex + body.vertices);
+    for (std::size_t v = std::size_t(body.first_vertex); v < end; ++v) out[v] = body.moves ? Vec3(dx[rows[v]]) : along;
+  }
 }
 
 bool Surfaces::areBodiesAt(const std::vector<Vec3>& x, const std::vector<Vec3>& other) const {
+  constexpr int at_once = 96;  // numbers: what has moved is mostly seen in the first of them
   if (x.size() != other.size()) return false;
   for (const Body& body : bodies_) {
     if (!body.moves || body.vertices == 0) continue;
     const double *p = x[std::size_t(body.first_vertex)].data(), *q = other[std::size_t(body.first_vertex)].data();
-    long differ = 0;
+    for (int begin = 0; begin < 3 * body.vertices; begin += at_once) {
+      const int end = std::min(begin + at_once, 3 * body.vertices);
+      long differ = 0;
 #pragma omp simd reduction(+ : differ)
-    for (int i = 0; i < 3 * body.vertices; ++i) differ += p[i] != q[i];
-    if (differ > 0) return false;
+      for (int i = begin; i < end; ++i) differ += p[i] != q[i];
+      if (differ > 0) return false;
+    }
   }
   return true;
 }
 
-double Surfaces::meanEdge() const {
+void Surfaces::findMeanEdge() {
   double sum = 0;
   int count = 0;
   for (std::size_t e = 0; e < edges.size(); ++e)
     if (moves(edges[e][0])) sum += std::sqrt(edge_square[e]), ++count;
-  return count > 0 ? sum / count : 0;
+  mean_edge_ = count > 0 ? sum / count : 0;
 }
 
 }  // namespace stroma::contact

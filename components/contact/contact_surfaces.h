@@ -31,7 +31,8 @@ class Surfaces {
   void finish();
   /// Positions of all vertices: rows of x, and obstacles moved by `moved`.
   void gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const;
-
+  /// Displacements of all of them: rows of dx, and `along` of obstacles.
+  void gatherWay(ConstRows dx, const Vec3& along, std::vector<Vec3>& out) const;
   /// Vertices that are no obstacles' are where they are in `other`; false for another number of them.
   bool areBodiesAt(const std::vector<Vec3>& x, const std::vector<Vec3>& other) const;
 
@@ -45,7 +46,7 @@ class Surfaces {
   bool sameEdge(int edge, int a, int b) const {
     return edges[std::size_t(edge)] == std::array{std::min(a, b), std::max(a, b)};
   }
-  double meanEdge() const;  ///< of what moves, at rest [m]
+  double meanEdge() const { return mean_edge_; }  ///< of what moves, at rest [m]
 
   // ---- vertices ----
   std::vector<Index> rows;  ///< of the system; -1: of an obstacle
@@ -72,11 +73,13 @@ class Surfaces {
   void addFaces(const Mesh& mesh, const State* state);
   void findCorners();
   void findEdges();
+  void findMeanEdge();
   void findOwners();
   void findPieces();
   void findSides();
 
   std::vector<Body> bodies_;
+  double mean_edge_ = 0;
   std::vector<int> halves_;        ///< first triangles of quads; each next one is the other half
   std::vector<int> body_, piece_;  ///< of each vertex
   std::vector<bool> one_sided_;    ///< of the first vertex of each piece

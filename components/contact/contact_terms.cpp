@@ -76,10 +76,11 @@ void BarrierLaw::compile() {
 
 void BarrierLaw::look(const std::vector<Vec3>& x) const {
   if (looked_revision_ == candidates.revision() && areSame(x, looked_at_)) return;
-  looked_revision_ = candidates.revision(), looked_at_ = x;
+  looked_revision_ = -1;
   in_reach_.clear();
   candidates.covers(x);
-  if (!candidates.mayPush()) return;
+  if (!candidates.mayPush()) return;  // which costs no more to ask again than to remember
+  looked_revision_ = candidates.revision(), looked_at_ = x;
   const auto& pairs = std::as_const(candidates).pairs();
   const double reach = far() + thickness;
   closest_.resize(pairs.size()), in_reach_.assign(pairs.size(), false);
@@ -153,19 +154,27 @@ double BarrierLaw::changeByWeighing(const std::vector<Vec3>& x, bool again, std:
 }
 
 void BarrierLaw::copyShares(Shares& out) const {
-  out.vertices = vertex_share_, out.planes = plane_share_, out.is_weighed = is_weighed_, out.revision = candidates.revision();
+  out.planes = plane_share_, out.is_weighed = is_weighed_, out.revision = candidates.revision();
+  if (!is_weighed_) return;  // the others are none
+  out.vertices = vertex_share_;
   out.edges.clear();
   for (const Candidate& pair : std::as_const(candidates).pairs()) out.edges.push_back(pair.factor);
 }
 
 bool BarrierLaw::putBack(const Shares& shares) const {
   if (shares.revision != candidates.revision()) return false;
-  vertex_share_ = shares.vertices, plane_share_ = shares.planes, is_weighed_ = shares.is_weighed;
+  plane_share_ = shares.planes;
+  if (!is_weighed_ && !shares.is_weighed) return true;
+  if (shares.is_weighed)
+    vertex_share_ = shares.vertices;
+  else
+    std::fill(vertex_share_.begin(), vertex_share_.end(), not_weighed);
   auto& pairs = candidates.pairs();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    pairs[i].factor = shares.edges[i];
+    pairs[i].factor = shares.is_weighed ? shares.edges[i] : not_weighed;
     pairs[i].tried = pairs[i].found = not_weighed;
   }
+  is_weighed_ = shares.is_weighed;
   return true;
 }
 

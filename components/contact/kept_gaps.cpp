@@ -158,7 +158,7 @@ void KeptGaps::compile(const BarrierLaw& law, double tolerated) {
 
 void KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, const ExpectedWays& ways, double way) {
   start_ = x, moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr;
-  law.candidates.find(x, way);
+  if (!law.candidates.areFarther(x, law.candidates.reach + 2 * way)) law.candidates.find(x, way);
   all_.clear(), watched_.clear();
   for (const Candidate& pair : law.candidates.pairs()) add({.pair = &pair, .v = pair.v}, law, ways);
   for (std::size_t p = 0; p < law.planes.size(); ++p)

@@ -24,7 +24,8 @@ class LineShares {
     ++weighings_;
     if (forces_ == 1) before_ = at_;
     is_ahead_ = is_on_line_;
-    return &(at_ = x);
+    at_ = x;
+    return &x;  // who asks has been told that nothing changes there
   }
 
  private:

@@ -105,7 +105,7 @@ void PenaltyContact::compile() {
 void PenaltyContact::noteEnd(ConstRows x) {
   pushed_.clear(), pushed_along_.clear();
   if (!friction_.acts() || found_.empty()) return;
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   pushed_.assign(start_.size(), law_.range), pushed_along_.assign(start_.size(), Vec3::Zero());
   for (const Touch& start : found_)
     if (const double gap = at(start, x_).gap; gap < std::min(start.range, pushed_[std::size_t(start.v[0])]))
@@ -132,7 +132,7 @@ void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
   began_ = t;
   led_next_ = obstacles_.ledFrom(led_, 0.5 * law_.alarm);
   law_.moved = obstacles_.pathAt(t) + led_;
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   law_.candidates.stepBegins();
   law_.candidates.findAgain(x_, 0.5 * law_.range, 0.25 * mean_edge_);
   law_.weigh(x_);
@@ -177,7 +177,7 @@ Term PenaltyContact::termOf(const Touch& touch) const {
 }
 
 double PenaltyContact::energy(ConstRows x) const {
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   double sum = 0;
   for (const Touch& touch : found_) sum += law_.slopesOf(at(touch, x_)).value;
   return sum;
@@ -190,7 +190,7 @@ void PenaltyContact::addForce(ConstRows x, ConstRows, Rows f) {
     law_.moved = moved_at_start_;
   }
   pattern_revision_ += std::exchange(has_new_, false);
-  law_.surfaces.gather(x, law_.moved, x_);
+  gather(x, law_.moved);
   terms_.clear(), touches_.clear();
   for (const Touch& start : found_) {
     const Touch touch = at(start, x_);

@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <random>
 #include <set>
 
 #include "tests/contact/candidate_scenery.h"
@@ -35,6 +37,31 @@ Surfaces bodiesOf(const Simulation& simulation) {
   for (const State* state : simulation.states()) surfaces.addState(*state, topologyOf(*state)->mesh());
   surfaces.finish();
   return surfaces;
+}
+
+/// The box around the displacements of a whole body is that of each of them, however many there are.
+TEST(TurningParts, WholeBodiesHaveTheirBoxes) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> number(-1, 1);
+  for (std::size_t count = 1; count < 40; ++count) {
+    std::vector<Vec3> from(count + 1), x = from;
+    Box expected, alone, box;
+    for (std::size_t v = 0; v < count; ++v) {
+      from[v] = Vec3(number(random), number(random), number(random)), x[v] = Vec3(number(random), number(random), number(random));
+      expected.add(Vec3(x[v] - from[v])), alone.add(x[v]);
+    }
+    EXPECT_TRUE(boxAround(x.data(), from.data(), count, box));
+    EXPECT_EQ(box.low, expected.low);
+    EXPECT_EQ(box.high, expected.high);
+    EXPECT_TRUE(boxAround(x.data(), nullptr, count, box));
+    EXPECT_EQ(box.low, alone.low);
+    EXPECT_EQ(box.high, alone.high);
+    for (const double none : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+      x[count / 2].y() = none;
+      EXPECT_FALSE(boxAround(x.data(), from.data(), count, box)) << count;
+      EXPECT_FALSE(boxAround(x.data(), nullptr, count, box)) << count;
+    }
+  }
 }
 
 /// Bodies that turn together, round and round, are looked at once.
