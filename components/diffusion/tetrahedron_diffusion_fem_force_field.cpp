@@ -2,7 +2,9 @@
 // TetrahedronDiffusionFEMForceField: a quantity that spreads in a body, as heat or a concentration. The nodes of a state of
 // template Vec1 have its values T, and linear tetrahedra between their places at rest carry it.
 //
-//   f_i = -sum over cells of D_c V_c sum_j (grad N_i . grad N_j) T_j
+//   f_i = -sum over cells of V_c sum_j (grad N_i . D_c grad N_j) T_j
+//
+// D_c is a number, or with fibres of the direction d along which it is `anisotropyRatio` r times as large D_c (1 + (r - 1) d d^T).
 //
 // With a MeshMatrixMass or a DiagonalMass of density rho on the values, and an integrator with firstOrder="true", that is
 // rho dT/dt = div (D grad T): D / rho is a diffusivity [m^2/s]. Without firstOrder it is a wave equation. Held values
@@ -11,8 +13,8 @@
 // The places are those of the state `mechanicalObject`, of the nearest state of points above when it is not given. They stay
 // those at rest where the body moves.
 //
-// Source: names and attributes are SOFA's. tagMechanics, by which SOFA finds the state of the places, is not looked at; fibres
-// (anisotropyRatio other than 1) are not available.
+// Source: names and attributes are SOFA's, and so is that d counts with the length that it is written with: 1 is meant.
+// tagMechanics, by which SOFA finds the state of the places, is not looked at.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -31,6 +33,7 @@
 
 #include <Eigen/LU>
 #include <array>
+#include <cmath>
 
 #include "framework/mechanics/node_group_field.h"
 #include "framework/mechanics/node_indices.h"
@@ -54,9 +57,18 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
         .help("D of all tetrahedra: flow through an area over the gradient of the values")
         .unit("-")
         .min(0);
-    table.add("tetrahedronDiffusionCoefficient", coefficients_).ofCells().help("D per cell, a tetrahedron, instead").unit("-").min(0);
-    table.add("anisotropyRatio", ratio_).help("D along fibres over that across; only 1 is available").unit("-");
-    for (const char* name : {"tagMechanics", "transverseAnisotropyArray", "drawConduc", "tetraInfo", "edgeInfo", "scalarDiffusion"})
+    table.add("tetrahedronDiffusionCoefficient", coefficients_)
+        .alias("tetraDiffusionCoefficient")
+        .ofCells()
+        .help("D per cell, a tetrahedron, instead")
+        .unit("-")
+        .min(0);
+    table.add("anisotropyRatio", ratio_).help("D along fibres over that across").unit("-").min(0);
+    table.add("transverseAnisotropyArray", fibres_)
+        .ofCells()
+        .help("with a ratio: direction of the fibres per cell, or one for all")
+        .unit("-");
+    for (const char* name : {"tagMechanics", "drawConduc", "tetraInfo", "edgeInfo", "scalarDiffusion"})
       table.addVisualOnly(name);
   }
 
@@ -66,7 +78,6 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
       throw ComponentError(fmt::format("the nodes of {} are no single numbers", state().path()), "a state of template Vec1");
     if (coefficients_.empty() && !data().find("constantDiffusionCoefficient")->isSet())
       warn("constantDiffusionCoefficient is not given: the default 1 is used");
-    if (ratio_ != 1) throw ComponentError("fibres that lead better than across are not available", "anisotropyRatio=\"1\"");
     const State* places = placesOfNodes();
     if (places->nodes() != state().nodes())
       throw ComponentError(
@@ -78,6 +89,7 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
       throw ComponentError(
           fmt::format("tetrahedronDiffusionCoefficient has {} values for {} tetrahedra", coefficients_.size(), cells_.size()),
           fmt::format("none, one or {}", cells_.size()));
+    checkFibres();
     for (std::size_t e = 0; e < cells_.size(); ++e) edgesOf(e);
   }
 
@@ -118,6 +130,17 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
   bool takesAllRows() const override { return true; }
 
  private:
+  void checkFibres() {
+    if (ratio_ == 1) return;
+    if (fibres_.size() != 1 && fibres_.size() != cells_.size())
+      throw ComponentError(
+          fmt::format("transverseAnisotropyArray has {} directions for {} tetrahedra", fibres_.size(), cells_.size()),
+          fmt::format("one or {}", cells_.size()));
+    constexpr double written = 1e-3;  // of a direction of few digits
+    for (const Vec3& d : fibres_)
+      if (std::abs(d.norm() - 1) > written)
+        return warn(fmt::format("a direction of transverseAnisotropyArray has the length {:.3g}, and counts with it", d.norm()));
+  }
   const State* placesOfNodes() const {
     if (State* given = places_.get()) {
       given->ensureReady();
@@ -155,14 +178,20 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
     for (int c = 0; c < 3; ++c) g[std::size_t(c + 1)] = inverse.row(c).transpose();
     g[0] = -(g[1] + g[2] + g[3]);
     const double d = coefficients_.empty() ? coefficient_ : coefficients_[coefficients_.size() > 1 ? e : 0];
+    Mat3 along = Mat3::Identity();
+    if (ratio_ != 1) {
+      const Vec3& fibre = fibres_[fibres_.size() > 1 ? e : 0];
+      along += (ratio_ - 1) * fibre * fibre.transpose();
+    }
     for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b) stiffness_[e].block(a, b)(0, 0) = -d * volume * g[std::size_t(a)].dot(g[std::size_t(b)]);
+      for (int b = 0; b < 4; ++b) stiffness_[e].block(a, b)(0, 0) = -d * volume * g[std::size_t(a)].dot(along * g[std::size_t(b)]);
   }
 
   TopologyLink topology_;
   Link<State> places_{"mechanical state"};
   double coefficient_ = 1, ratio_ = 1;
   std::vector<double> coefficients_;
+  std::vector<Vec3> fibres_;
   std::vector<Tetrahedron> cells_;
   const std::vector<Vec3>* rest_ = nullptr;  ///< of the state of the places
 };

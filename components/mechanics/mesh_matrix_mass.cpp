@@ -16,6 +16,8 @@
 // SOFA the volumes are those of the initial positions unless computeMassOnRest="true"; the two are the same for a body
 // that starts undeformed.
 //
+// A state of numbers has it too: of a quantity that spreads in the cells, whose nodes are those of geometryState.
+//
 // With matrix="edges" it has entries at vertices and along edges only, as in SOFA: a hexahedron V/20 at each vertex and V/40
 // along each of its 12 edges, a quad A/8 and A/16, simplices what they have anyway. Gravity, and the diagonal with lumping,
 // take 2.5 times the entry of a vertex in volumes and twice that on surfaces. That of hexahedra is not definite, and it is
@@ -105,6 +107,9 @@ class MeshMatrixMass final : public MeshMass {
     if (lumping_) return Mass::addDiagonal(factor, blocks);
     matrix_.addDiagonal(state().firstRow(), factor, blocks);
   }
+
+ protected:
+  bool takesAllRows() const override { return !state().hasFrames(); }
 
  private:
   bool isQuadratic() const { return !cells().empty() && cells().back().kind->order > 1; }

@@ -5,7 +5,8 @@
 //   the points that pointBaryCoords, edgeBaryCoords ... name, each as three numbers:
 //     node: x + (u, v, w)     edge: (1 - u) a + u b     triangle: (1 - u - v) a + u b + v c
 //     quad, hexahedron: bilinear, trilinear in u, v, w from 0 to 1     tetrahedron: (1 - u - v - w) a + u b + v c + w d
-//   copyEdges, copyTriangles and copyTetrahedra also copy these cells, between the first points of the nodes.
+//   copyEdges, copyTriangles and copyTetrahedra also copy these cells, between the first points of the nodes. splitTetrahedra cuts
+//   each tetrahedron into eight, between the points of its nodes and those of the middles of its edges.
 //   Mesh2PointMechanicalMapping carries a state in the same way.
 //
 // SubsetTopologicalMapping: of each node of `output` the node of `input` at the same place (samePoints: with the same number),
@@ -42,6 +43,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "framework/mesh/cell_lists.h"
 #include "framework/mesh/topology.h"
@@ -67,6 +69,8 @@ class Mesh2Point final : public TopologicalMapping {
     table.add("copyEdges", copies_edges_).help("the edges of the input too");
     table.add("copyTriangles", copies_triangles_).help("the triangles of the input too");
     table.add("copyTetrahedra", copies_tetrahedra_).help("the tetrahedra of the input too");
+    table.add("splitTetrahedra", splits_)
+        .help("eight for each tetrahedron, with pointBaryCoords 0 0 0 and edgeBaryCoords 0.5 0 0; edges as tetrahedra name them");
     table.add("position", mesh_.position).alias("points").help("the points").unit("m").output();
     table.add("edges", mesh_.edges).help("copied edges").output();
     table.add("triangles", mesh_.triangles).help("copied triangles").output();
@@ -89,7 +93,8 @@ class Mesh2Point final : public TopologicalMapping {
         for (const Vec3& p : places) addPoint(cell, weights(p[0], p[1], p[2]), Vec3::Zero());
     };
     using Weights = std::vector<double>;
-    if (!of_edges_.empty()) addAll(edgesOf(from), of_edges_, [](double u, double, double) { return Weights{1 - u, u}; });
+    const std::vector<Edge> edges = splits_ ? edgesOfTetrahedra(from) : of_edges_.empty() ? std::vector<Edge>() : edgesOf(from);
+    if (!of_edges_.empty()) addAll(edges, of_edges_, [](double u, double, double) { return Weights{1 - u, u}; });
     addAll(from.triangles, of_triangles_, [](double u, double v, double) { return Weights{1 - u - v, u, v}; });
     addAll(from.quads, of_quads_, [](double u, double v, double) { return bilinear(u, v, 1); });
     addAll(from.tetrahedra, of_tetrahedra_, [](double u, double v, double w) { return Weights{1 - u - v - w, u, v, w}; });
@@ -109,9 +114,47 @@ class Mesh2Point final : public TopologicalMapping {
     if (copies_edges_) copy(edgesOf(from), mesh_.edges, "copyEdges");
     if (copies_triangles_) copy(from.triangles, mesh_.triangles, "copyTriangles");
     if (copies_tetrahedra_) copy(from.tetrahedra, mesh_.tetrahedra, "copyTetrahedra");
+    if (splits_) split(from, edges);
   }
 
  private:
+  static constexpr int sides[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+  /// Those that the mesh lists, else those of its tetrahedra, one cell after the other.
+  static std::vector<Edge> edgesOfTetrahedra(const Mesh& from) {
+    std::vector<Edge> edges = from.edges;
+    std::map<std::pair<Index, Index>, bool> known;
+    for (const Tetrahedron& cell : from.tetrahedra)
+      for (const auto& side : sides) {
+        const auto [a, b] = std::minmax(cell[std::size_t(side[0])], cell[std::size_t(side[1])]);
+        if (from.edges.empty() && !std::exchange(known[{a, b}], true)) edges.push_back({a, b});
+      }
+    return edges;
+  }
+  void split(const Mesh& from, const std::vector<Edge>& edges) {
+    // corners 0 to 3, and from 4 on the middles of the sides
+    static constexpr int parts[8][4] = {{0, 4, 5, 6}, {1, 4, 8, 7}, {2, 5, 7, 9}, {3, 6, 9, 8},
+                                        {5, 4, 7, 9}, {5, 4, 9, 6}, {8, 4, 9, 7}, {8, 4, 6, 9}};
+    if (of_points_.size() != 1 || of_edges_.size() != 1)
+      throw ComponentError("splitTetrahedra needs one point of each node and one of each edge",
+                           "pointBaryCoords=\"0 0 0\" edgeBaryCoords=\"0.5 0 0\"");
+    std::map<std::pair<Index, Index>, Index> middles;
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      middles[{std::min(edges[e][0], edges[e][1]), std::max(edges[e][0], edges[e][1])}] = from.nodes() + Index(e);
+    for (const Tetrahedron& cell : from.tetrahedra) {
+      std::vector<Index> nodes(cell.begin(), cell.end());
+      for (const auto& side : sides) {
+        const auto [a, b] = std::minmax(cell[std::size_t(side[0])], cell[std::size_t(side[1])]);
+        const auto found = middles.find({a, b});
+        if (found == middles.end())
+          throw ComponentError(fmt::format("the mesh lists edges, and not that between {} and {}", a, b), "all edges, or none");
+        nodes.push_back(found->second);
+      }
+      for (const auto& part : parts) {
+        Tetrahedron& made = mesh_.tetrahedra.emplace_back();
+        for (std::size_t k = 0; k < 4; ++k) made[k] = nodes[std::size_t(part[k])];
+      }
+    }
+  }
   static std::vector<double> bilinear(double u, double v, double times) {
     return {times * (1 - u) * (1 - v), times * u * (1 - v), times * u * v, times * (1 - u) * v};
   }
@@ -131,7 +174,7 @@ class Mesh2Point final : public TopologicalMapping {
   }
 
   std::vector<Vec3> of_points_, of_edges_, of_triangles_, of_quads_, of_tetrahedra_, of_hexahedra_;
-  bool copies_edges_ = false, copies_triangles_ = false, copies_tetrahedra_ = false;
+  bool copies_edges_ = false, copies_triangles_ = false, copies_tetrahedra_ = false, splits_ = false;
   std::vector<int> nodes_, ends_;
   std::vector<double> weights_;
   std::vector<Vec3> offsets_;

@@ -72,9 +72,29 @@ TEST(TetrahedronDiffusion, EachTetrahedronHasItsOwn) {
   EXPECT_LT(largestError(simulation, 4, [](double x) { return x < 0.5 ? 4 * x : 1 + 2 * x; }), 1e-10);
 }
 
+/// What varies along fibres spreads as many times as quickly, and what varies across them as without.
+TEST(TetrahedronDiffusion, FibresLeadAlongThemAlone) {
+  const auto after = [](const std::string& field) {
+    Simulation simulation = simulationFromText(bar(5, [](double x) { return x * x; }, field));
+    for (int step = 0; step < 30; ++step) simulation.step();
+    const State& state = *simulation.systems()[0]->states()[0];
+    std::vector<double> values;
+    for (Index node = 0; node < state.size(); ++node) values.push_back(Vec3(state.x()[node])[0]);
+    return values;
+  };
+  const std::string fibres = "constantDiffusionCoefficient='0.5' anisotropyRatio='3' transverseAnisotropyArray=";
+  const auto along = after(fibres + "'1 0 0'"), across = after(fibres + "'0 0.6 0.8'");
+  const auto three = after("constantDiffusionCoefficient='1.5'"), one = after("constantDiffusionCoefficient='0.5'");
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_NEAR(along[i], three[i], 1e-12);
+    EXPECT_NEAR(across[i], one[i], 1e-12);
+  }
+  EXPECT_GT(std::abs(three[2] - one[2]), 1e-3);
+}
+
 TEST(TetrahedronDiffusion, SaysWhatDoesNotFit) {
   const auto told = [](const std::string& field) { return problemsOf(bar(1, [](double x) { return x; }, field)); };
-  expectContains(told("anisotropyRatio='2'"), "fibres");
+  expectContains(told("anisotropyRatio='2'"), "transverseAnisotropyArray has 0 directions for 6 tetrahedra");
   expectContains(told("tetrahedronDiffusionCoefficient='1 2'"), "2 values for ");
   expectContains(problemsOf("<Node name='root'><EulerImplicitSolver/><SparseLDLSolver/>"
                             "<TetrahedronSetTopologyContainer position='0 0 0 1 0 0 "

@@ -1459,6 +1459,10 @@ def penalties_between_two_solvers_are_those_of_the_start():
         run = Run(node(scene + more), 40, args=args)
         agree([run.x("a.dofs")[0, 1], run.x("b.dofs")[0, 1]], meet(1))
     differ(meet(0), meet(1), 1e-3)
+    iterates = scene.replace("<SparseLDLSolver/>", '<CGLinearSolver iterations="100" tolerance="1e-14" threshold="1e-30"/>')
+    for more, implicit in (("", 0), ("<CollisionGroup/>", 1)):  # SOFA merges the solvers of bodies that touch
+        run = Run(node(iterates + more), 40)
+        agree([run.x("a.dofs")[0, 1], run.x("b.dofs")[0, 1]], meet(implicit))
 
 
 @case
@@ -1701,31 +1705,44 @@ def springs_that_only_push():
 
 @case
 def values_that_spread_in_tetrahedra():
-    """Backward Euler of first order, with masses of a quarter of each cell: (M + h K) dT = -h K T."""
+    """Backward Euler of first order, with masses of a quarter of each cell: (M + h K) dT = -h K T. Along fibres it is quicker."""
+    for ratio, fibres, numbers in ((1, [[0, 0, 0]] * 2, [0.7] * 2), (4, [[0.6, 0, 0.8], [0, 1, 0]], [0.7] * 2),
+                                   (4, [[0.6, 0, 0.8], [0, 1, 0]], [0.7, 0.2]), (3, [[0, 0, 2]] * 2, [0.7] * 2)):
+        spreads_in_tetrahedra(ratio, fibres, numbers)
+    for mass in ('<MeshMatrixMass template="Vec1,Vec3" massDensity="1" lumping="0"/>', '<MeshMatrixMass massDensity="1" lumping="1"/>'):
+        spreads_in_tetrahedra(4, [[0.6, 0, 0.8], [0, 1, 0]], [0.7, 0.2], mass)
+
+
+def spreads_in_tetrahedra(ratio, fibres, numbers, mass='<DiagonalMass massDensity="1"/>'):
     cells = [(0, 1, 2, 3), (1, 2, 3, 4)]
     places = np.array([[0, 0, 0], [2, 0, 0], [0, 3, 0], [0, 0, 1.5], [2, 2, 2]], float)
-    D, h, T = 0.7, 0.01, np.array([5.0, 0, 1, 2, 0])
-    K, M = np.zeros((5, 5)), np.zeros(5)
-    for cell in cells:
+    h, T = 0.01, np.array([5.0, 0, 1, 2, 0])
+    K, M = np.zeros((5, 5)), np.zeros((5, 5))
+    for cell, d, D in zip(cells, np.array(fibres), numbers):
         edges = (places[list(cell[1:])] - places[cell[0]]).T
         G = np.vstack([[0, 0, 0], np.linalg.inv(edges)])
         G[0] = -G[1:].sum(axis=0)
         V = abs(np.linalg.det(edges)) / 6
-        K[np.ix_(cell, cell)] += D * V * G @ G.T
-        M[list(cell)] += V / 4
+        K[np.ix_(cell, cell)] += D * V * G @ (np.eye(3) + (ratio - 1) * np.outer(d, d)) @ G.T
+        M[np.ix_(cell, cell)] += V / 20 * (1 + np.eye(4)) if 'lumping="0"' in mass else V / 4 * np.eye(4)
     text = "  ".join(" ".join(map(str, p)) for p in places)
     heat = ('<Node name="heat"><EulerImplicitSolver firstOrder="1"/><SparseLDLSolver/><MechanicalObject name="T" template="Vec1d" '
-            'position="5 0 1 2 0"/><DiagonalMass massDensity="1"/><FixedConstraint indices="0"/><TetrahedronDiffusionFEMForceField '
-            f'template="Vec1d" constantDiffusionCoefficient="{D}" tagMechanics="mechanics" {{}}/></Node>')
+            f'position="5 0 1 2 0"/>{mass}<FixedConstraint indices="0"/><TetrahedronDiffusionFEMForceField '
+            'template="Vec1d" tagMechanics="mechanics" {}/></Node>')
     scene = node(f'<TetrahedronSetTopologyContainer position="{text}" tetrahedra="0 1 2 3  1 2 3 4"/><MechanicalObject name="dofs" '
                  f'tags="mechanics"/>{heat}')
     for _ in range(30):
-        A = np.diag(M) + h * K
+        A = M + h * K
         dT = np.zeros(5)
         dT[1:] = np.linalg.solve(A[1:, 1:], (-h * K @ T)[1:])
         T = T + dT
-    agree(Run(scene.format(""), 30).x("heat.T", 1).ravel(), T)
-    Run(scene.format('anisotropyRatio="2"'), 1).fails(2, "fibres")
+    of_cells = f'tetraDiffusionCoefficient="{numbers[0]} {numbers[1]}"'
+    more = f'constantDiffusionCoefficient="{numbers[0]}"' if numbers[0] == numbers[1] else of_cells
+    more += f' anisotropyRatio="{ratio}" transverseAnisotropyArray="{fibres}"'.replace("[", "").replace("]", "").replace(",", "")
+    run = Run(scene.format(more), 30)
+    agree(run.x("heat.T", 1).ravel(), T)
+    assert ("counts with it" in run.text) == (ratio == 3), run.text
+    Run(scene.format('anisotropyRatio="2"'), 1).fails(2, "transverseAnisotropyArray has 0 directions for 2 tetrahedra")
 
 
 @case
@@ -2170,6 +2187,223 @@ def files_in_other_formats():
     agree(placed('<MeshXspLoader name="e" filename="a.xs3"/>', "e.position", files), [[5, 0, 0], [6, 0, 0]])
     Run(node('<MeshTrianLoader name="e" filename="a.trian"/><MeshTopology src="@e"/>' + EXACT + '<MechanicalObject/>'), 1,
         {"a.trian": "3\n0 0 0\n1 0 0\n0 1"}).fails(2, "a.trian", "node 2")
+
+
+@case
+def voxels_of_a_file():
+    """Two by two by one voxels, of which the third counts for nothing: three cells with a node at (0, 0) ... without that at (0, 2)."""
+    def loaded(more, link="e.position", content=bytes([1, 2, 0, 3])):
+        return placed(f'<VoxelGridLoader name="e" filename="a.raw" resolution="2 2 1" {more}/>', link, {"a.raw": content})
+    flat = [(i, j, k) for k in range(2) for j in range(3) for i in range(3)]
+    agree(loaded('bgValue="0"'), [p for p in flat if p[:2] != (0, 2)])
+    agree(loaded('voxelSize="2 3 4" generateHexa="0" bgValue="0"'), [[0, 0, 0], [2, 0, 0], [2, 3, 0]])
+    agree(loaded('generateHexa="0" bgValue="1" dataValue="0 1" header="2"', content=bytes([9, 9, 1, 2, 0, 3])), [[0, 0, 0], [0, 1, 0]])
+    agree(loaded('ROI="1 0 0 1 7 7"'), [p for p in flat if p[0] > 0])
+    agree(loaded('generateHexa="0"'), [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    Run(node(EXACT + '<VoxelGridLoader name="e" filename="a.raw" resolution="3 2 1"/><MechanicalObject position="@e.position"/>'), 1,
+        {"a.raw": b"1234"}).fails(2, "has 4 bytes, and 6 voxels after a header of 0 are more")
+
+
+def voxels(container, content):
+    loader = '<VoxelGridLoader name="loader" filename="a.raw" resolution="2 1 1"/>'
+    return Run(root(EXACT + loader + f'<{container} src="@loader"/><MechanicalObject name="dofs"/>' + content), 10, {"a.raw": b"12"})
+
+
+@case
+def containers_of_voxels():
+    places = np.array([(i, j, k) for k in range(2) for j in range(2) for i in range(3)], float)
+    cells = [[0, 1, 4, 3, 6, 7, 10, 9], [1, 2, 5, 4, 7, 8, 11, 10]]
+    fields = together(gravity(np.ones(12), [0, -10, 0]), hexahedra(cells, places, 200, 0.3))
+    falls_so = euler(places, np.eye(12), fields, 10, 0.01, held=[0, 3, 6, 9])
+    for container in ('DynamicSparseGridTopologyContainer resolution="2 1 1" voxelSize="1 1 1"',
+                      'MultilevelHexahedronSetTopologyContainer level="1"'):
+        agree(voxels(container, '<DynamicSparseGridTopologyModifier/><DynamicSparseGridGeometryAlgorithms/><UniformMass totalMass="12"/>'
+                     '<FixedConstraint indices="0 3 6 9"/><HexahedralFEMForceField method="polar" youngModulus="200" '
+                     'poissonRatio="0.3"/>').x(), falls_so, 1e-7)
+
+
+@case
+def masses_of_voxels():
+    """Those of the finite element method: along an axis 1/3 of a part at its ends and 1/6 between them."""
+    end, both = np.array([[2, 1], [1, 2]]) / 6, np.array([[2, 1, 0], [1, 4, 1], [0, 1, 2]]) / 6
+    field = '<NonUniformHexahedralFEMForceFieldAndMass method="polar" youngModulus="1e-9" poissonRatio="0.3" density="6" {}/>'
+    places = np.array([(i, j, k) for k in range(2) for j in range(2) for i in range(3)], float)
+
+    def held(x, v):
+        return -300 * (x - places), -300 * np.eye(36)
+    M = 6 * np.kron(end, np.kron(end, both))
+    fields = together(gravity(M.sum(1), [0, -10, 0]), held)
+    springs_ = '<RestShapeSpringsForceField stiffness="300"/>'
+    agree(voxels("MultilevelHexahedronSetTopologyContainer", field.format('recursive="0" useMBK="1"') + springs_).x(),
+          euler(places, M, fields, 10, 0.01), 1e-7)
+    agree(voxels("MultilevelHexahedronSetTopologyContainer", field.format('lumpedMass="1"') + springs_).x(),
+          euler(places, np.diag(M.sum(1)), fields, 10, 0.01), 1e-7)
+    voxels('MultilevelHexahedronSetTopologyContainer level="1"', field.format("")).fails(2, "cells of several voxels")
+
+
+@case
+def parts_that_programs_fill():
+    """In a scene alone they hold and measure nothing."""
+    run = Run(root(EXACT + BODY + '<UnilateralLagrangianConstraint/><AugmentedLagrangianConstraint/><DataMonitor/><TimeMonitor/>'
+                   '<PerformanceMonitor/>'), 10)
+    falls(run)
+    run.says("UnilateralLagrangianConstraint", "AugmentedLagrangianConstraint", "PerformanceMonitor")
+    frames = '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  1 0 0 0 0 0 1"/><UniformMass totalMass="2"/>'
+    run = Run(root(EXACT + frames + '<GearSpringForceField template="Rigid3"/>'), 10)
+    run.says("has no pair of wheels")
+    agree(run.x(width=7)[:, 1], [fallen(10)] * 2)
+    for name in ("SkeletalMotionConstraint", "SkeletalMotionProjectiveConstraint"):
+        run = Run(root(EXACT + frames + f'<{name} animationSpeed="2"/>'), 10)
+        run.says("has no joints")
+        agree(run.x(width=7), [[0, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0, 0, 0, 1]])
+        agree(Run(root(EXACT + frames + f'<{name} active="0"/>'), 10).x(width=7)[:, 1], [fallen(10)] * 2)
+        Run(root(EXACT + frames + f'<{name} joints="a"/>'), 10).fails(2, "the movement of a skeleton")
+    run = Run(node(EXACT + '<SphereQuadTopology nx="3" ny="3" nz="3"/><MechanicalObject name="dofs"/><UniformMass totalMass="2"/>'), 1)
+    run.says("is 0 in SOFA when not given")
+
+
+@case
+def tetrahedra_cut_into_eight():
+    """Springs of a fine mesh whose nodes are those of the coarse one and the middles of its edges, as its cells name them."""
+    coarse = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], float)
+    cells = [(0, 1, 2, 3), (4, 3, 2, 1)]
+    edges = []
+    for cell in cells:
+        edges += [e for e in (tuple(sorted(p)) for p in itertools.combinations(cell, 2)) if e not in edges]
+    J = np.vstack([np.eye(5)] + [(np.eye(5)[a] + np.eye(5)[b]) / 2 for a, b in edges])
+    fine = []
+    for a, b, c, d in cells:
+        ab, ac, ad, bc, bd, cd = (5 + edges.index(tuple(sorted(p))) for p in itertools.combinations((a, b, c, d), 2))
+        fine += [(a, ab, ac, ad), (b, ab, bd, bc), (c, ac, bc, cd), (d, ad, cd, bd), (ac, ab, bc, cd), (ac, ab, cd, ad),
+                 (bd, ab, cd, bc), (bd, ab, ad, cd)]
+    field = tetrahedra(fine, J @ coarse, 300, 0.3)
+
+    def carried(x, v):
+        f, K = field(J @ x, J @ v)
+        I = np.kron(J, np.eye(3))
+        return J.T @ f, I.T @ K @ I
+    fields = together(gravity(np.ones(5), [0, -10, 0]), carried)
+    text = "  ".join(" ".join(map(str, p)) for p in coarse)
+    run = Run(root(EXACT + f'<TetrahedronSetTopologyContainer name="coarse" position="{text}" tetrahedra="0 1 2 3  4 3 2 1"/>'
+                   '<MechanicalObject name="dofs"/><UniformMass totalMass="5"/><FixedConstraint indices="0 1"/><Node name="fine">'
+                   '<TetrahedronSetTopologyContainer name="cells"/><TetrahedronSetTopologyModifier/>'
+                   '<SimpleTesselatedTetraTopologicalMapping input="@../coarse" output="@cells"/><MechanicalObject name="fine"/>'
+                   '<SimpleTesselatedTetraMechanicalMapping input="@../dofs" output="@fine"/><TetrahedronFEMForceField method="small" '
+                   'youngModulus="300" poissonRatio="0.3"/></Node>'), 10)
+    expected = euler(coarse, np.eye(5), fields, 10, 0.01, held=[0, 1])
+    agree(run.x(), expected, 1e-7)
+    agree(run.x("fine.fine"), J @ expected, 1e-7)
+
+
+@case
+def hexahedra_cut_into_eight():
+    """Nodes of the grid, and then what is new in a cell: middles of edges, of faces, and its own. The fine cells ride on the coarse."""
+    places = np.array([(i, j, k) for k in range(2) for j in range(2) for i in range(3)], float) * [2, 1, 1]
+    J = [np.eye(12)[i] for i in range(12)]
+
+    def mean(nodes):
+        row = np.eye(12)[list(nodes)].mean(axis=0)
+        found = [i for i, known in enumerate(J) if np.allclose(known, row)]
+        if not found:
+            J.append(row)
+        return found[0] if found else len(J) - 1
+    fine = []
+    for c in ((0, 1, 4, 3, 6, 7, 10, 9), (1, 2, 5, 4, 7, 8, 11, 10)):
+        for names in "01 12 32 03 04 15 26 37 45 56 76 47 0123 0154 1265 3267 0374 4567 01234567".split():
+            mean([c[int(i)] for i in names])
+        for corner in PLACES.astype(int):  # of the part at this corner
+            def at(side):
+                near = [k for k in range(8) if all(PLACES[k][a] == corner[a] for a in range(3) if side[a] == corner[a])]
+                return mean([c[k] for k in near])
+            fine.append([at([int(s) for s in side]) for side in PLACES])
+    J = np.array(J)
+    field = hexahedra(fine, J @ places, 300, 0.3)
+
+    def carried(x, v):
+        f, K = field(J @ x, J @ v)
+        I = np.kron(J, np.eye(3))
+        return J.T @ f, I.T @ K @ I
+    expected = euler(places, np.eye(12), together(gravity(np.ones(12), [0, -10, 0]), carried), 10, 0.01, held=[0, 3, 6, 9])
+    for mapping in ("BarycentricMapping", "Mesh2PointMechanicalMapping"):
+        run = Run(root(EXACT + '<RegularGridTopology name="grid" n="3 2 2" min="0 0 0" max="4 1 1"/><MechanicalObject name="dofs"/>'
+                       '<UniformMass totalMass="12"/><FixedConstraint indices="0 3 6 9"/><Node name="fine">'
+                       '<HexahedronSetTopologyContainer name="cells"/><HexahedronSetTopologyModifier/>'
+                       '<SimpleTesselatedHexaTopologicalMapping input="@../grid" output="@cells"/><MechanicalObject name="fine"/>'
+                       f'<{mapping}/><HexahedronFEMForceField method="polar" youngModulus="300" poissonRatio="0.3"/></Node>'), 10)
+        agree(run.x(), expected, 1e-7)
+        agree(run.x("fine.fine"), J @ expected, 1e-7)
+
+
+def weights_of_lines(point, frames, lines, k):
+    def weight(a, b):
+        places = frames[a, :3] + np.linspace(0, 1, 1001)[:, None] * (frames[b, :3] - frames[a, :3])
+        return np.sum(np.linalg.norm(places - point, axis=1)**-float(k)) * np.linalg.norm(frames[b, :3] - frames[a, :3]) / 1000
+    return np.array([weight(*line) for line in lines])
+
+
+@case
+def points_that_follow_lines():
+    """As those that follow the frames at the first nodes of the lines, by the integrals of 1/d^k over them."""
+    frames = np.array([[0, 0, 0, *oriented([1, 2, 0], 0.4)], [1, 0.1, 0, *oriented([0, 1, 1], -0.7)], [2, 0, 0.2, *oriented([1, 0, 0], 0.2)],
+                       [3, 0, 0, *oriented([1, 1, 1], 1.0)], [4, 0.5, 0, *oriented([0, 0, 1], 1.0)]])
+    lines = [(0, 1), (1, 2), (2, 3), (3, 4)]
+    points = np.array([[0.3, 0.5, 0.1], [1.4, -0.4, 0.2], [2.5, 0.2, 0.6], [3.5, 0.05, 2.0], [0.9, 0.3, -0.5]])
+    scene = node(EXACT + '<MeshTopology name="bones" position="0 0 0  1 0 0  2 0 0  3 0 0  4 0 0" lines="0 1  1 2  2 3  3 4"/>'
+                 f'<MechanicalObject name="dofs" template="Rigid3d" position="{numbers_of(frames)}"/>'
+                 '<UniformMass vertexMass="1.5 1 [0.2 0 0,0 0.3 0,0 0 0.4]"/><FixedConstraint indices="0"/><Node name="c">'
+                 f'<MechanicalObject name="skin" position="{numbers_of(points)}"/>{{}}<RestShapeSpringsForceField stiffness="60"/>'
+                 '<ConstantForceField totalForce="3 -2 5"/></Node>')
+    for more, k, most, level in (("", 4, 4, 3), ('weightCoef="2" numberInfluencedLines="2"', 2, 2, 3),
+                                 ('numberInfluencedLines="3" neighborhoodLevel="1"', 4, 3, 1)):
+        indices, weights = [], []
+        for point in points:
+            w = weights_of_lines(point, frames, lines, k)
+            order = np.argsort(-w)
+            near = [line for line in order if abs(line - order[0]) <= level][:most]  # of a chain
+            near += [near[0]] * (most - len(near))
+            shares = [w[line] if line not in near[:i] else 0 for i, line in enumerate(near)]
+            indices += [lines[line][0] for line in near]
+            weights += list(np.array(shares) / sum(shares))
+        named = f'<SkinningMapping nbRef="{most}" indices="{" ".join(map(str, indices))}" weight="{" ".join(map(str, weights))}"/>'
+        run, other = Run(scene.format(f"<LineSetSkinningMapping {more}/>"), 6), Run(scene.format(named), 6)
+        agree(run.x("c.skin"), other.x("c.skin"))
+        agree(run.x("dofs", 7), other.x("dofs", 7))
+
+
+@case
+def numbers_without_a_weight():
+    body = EXACT + '<MechanicalObject name="dofs" template="Vec1" position="0 1"/><UniformMass totalMass="2"/>'
+    for gravity_, more, told in (("-10 0 0", "", True), ("0 -10 0", "", False), ("0 0 0", '<Gravity gravity="1 0 0"/>', True)):
+        run = Run(root(more + body, f'gravity="{gravity_}"'), 1)
+        assert ("numbers have a weight" in run.text) == told, run.text
+
+
+@case
+def names_that_loops_had():
+    held = EXACT + BODY + '<LinearSolverConstraintCorrection/><UniformLagrangianConstraint constrainToRestPos="1"/>'
+    for loop in ('<MasterContactSolver tolerance="1e-6" maxIt="100"/>', '<FreeMotionMasterSolver/><LCPConstraintSolver/>'):
+        run = Run(root(loop + held), 5)
+        agree(run.x(), [[0, 0, 0], [1, 0, 0]])
+        assert "nothing finds forces of constraint" not in run.text, run.text
+    falls(Run(root('<MasterSolver/>' + EXACT + BODY), 10))
+    falls(Run(root('<MultiStepMasterSolver integrationSteps="2"/>' + EXACT + BODY), 10), h=0.005)
+
+
+@case
+def names_that_were_short():
+    """The same scene with the names that SOFA had until 24.12 and those that it has."""
+    pairs = (("SphereQuad", "SphereQuadTopology"), ("CylinderGrid", "CylinderGridTopology"), ("SphereGrid", "SphereGridTopology"))
+    grid = '<{} nx="3" ny="3" nz="3" radius="1" length="2" axis="0 0 1"/><MechanicalObject name="dofs"/><UniformMass totalMass="27"/>'
+    for short, name in pairs:
+        agree(Run(root(EXACT + grid.format(short)), 3).x(), Run(root(EXACT + grid.format(name)), 3).x())
+    for short, name in (("MinResSolver", "MinResLinearSolver"), ("MINRESSolver", "MinResLinearSolver"), ("SVD", "SVDLinearSolver"),
+                        ("SVDLinear", "SVDLinearSolver")):
+        falls(Run(root(f'<EulerImplicitSolver/><{short}/>' + BODY), 10))
+    falls(Run(root('<Background/><Stats/><Viewer/><AttachBodyButton/><PointSplat/><IncrementalSAP/>' + EXACT + BODY), 10))
+    slowed = BODY.replace("/><Uniform", ' velocity="1 0 0  1 0 0"/><Uniform')
+    agree(Run(node(EXACT + slowed + '<DampVelocity rate="3"/>'), 5).x(), Run(node(EXACT + slowed + '<DampVelocitySolver rate="3"/>'), 5).x())
+    variational = '<{} newtonError="1e-9" steps="9" rayleighMass="0" rayleighStiffness="0"/><SparseLDLSolver/>'
+    agree(*(Run(root(variational.format(name) + BODY), 5).x() for name in ("VariationalSolver", "VariationalSymplecticSolver")))
 
 
 X4_UNIT = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])

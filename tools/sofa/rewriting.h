@@ -36,6 +36,7 @@ class Rewriting {
   void renameType(Element& element);
   void splitMass(Element& field);
   void fillParts(Element& field);
+  void meanVoxels(Element& field);  // rewritten_masses.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();
@@ -114,6 +115,7 @@ class Rewriting {
   void meanMatrix(Element& element, const Element& integrator);
   void meanForceOfConstraint(const Element& constraint);
   bool findsForcesOfConstraint(const Element& asker);
+  void meanSkeleton(Element& constraint);
   void meanSlidingPlane(Element& plane, bool is_assembled);
   bool isAssembled(const Element& integrator) const;
   bool isOfFrames(const Element& constraint) const;
@@ -136,6 +138,7 @@ class Rewriting {
 
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
+  void warnOfWeight(const Element& mass);
   void shareMass(Element& mass, const Element& state);
   void holdMassless(Place& place, bool is_moved);
   bool movesNodes() const;

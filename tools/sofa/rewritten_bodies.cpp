@@ -163,7 +163,16 @@ class Bodies {
 
   /// Nothing but contacts and springs that are no part of the matrix has to do with several of them.
   bool areApart() const {
-    bool apart = isolated_;
+    bool apart = isolated_, groups = false, pushes = false;
+    tree_.forEachPlace([&groups](Place& place) {  // accepted, and no part any more
+      for (const auto& each : place.elements)
+        groups = groups || each->is("CollisionGroup") || each->written->type.ends_with("GroupManager");
+    });
+    tree_.forEach([&pushes](Element& each) {
+      pushes = pushes ||
+               (each.is("CollisionResponse") && isAnyOf(each.text("response"), {"", "default", "PenalityContactForceField"}));
+    });
+    if (groups && pushes) return false;  // bodies that touch have one solver
     tree_.forEach([&](Element& element) {
       const bool has_part = !element.probe || !element.probe->data().find("explicitForce") || element.place->nearest("integrator");
       if (has_part && !element.is("CollisionResponse") && bodiesAt(element).size() > 1) apart = false;

@@ -55,6 +55,21 @@ void Rewriting::meanMatrix(Element& element, const Element& integrator) {
        "CGLinearSolver, with which both do the same");
 }
 
+/// The frames of a skeleton that a program moves: without joints they all stay.
+void Rewriting::meanSkeleton(Element& constraint) {
+  for (const char* name : {"joints", "bones"})
+    if (const AttributeDescription* given = constraint.find(name); given && !trimmed(given->value).empty())
+      diagnostics_.error(given->where, constraint.path() + "." + name, "the movement of a skeleton is not available here",
+                         "movements of single frames: LinearMovementProjectiveConstraint");
+  if (saysNo(constraint.text("active"))) {
+    constraint.dropped = true;
+    return diagnostics_.note(constraint.written->where, constraint.path(), "is not active");
+  }
+  for (const char* name : {"joints", "bones", "animationSpeed", "active"}) constraint.remove(name);
+  constraint.set("fixAll", "true");
+  warn(constraint.written->where, constraint, {}, "has no joints: its frames stay where they are, as in SOFA");
+}
+
 /// An element of a type that ends so, also of those that are accepted and no part any more.
 static bool holdsType(const Place& place, std::string_view ending) {
   return std::any_of(place.elements.begin(), place.elements.end(),

@@ -84,6 +84,16 @@ void Rewriting::meanOfNames(Element& element) {
     element.set("forces", printed(forces));
     element.remove("force");
   }
+  if (element.is("NonUniformHexahedralFEMForceFieldAndMass")) meanVoxels(element);
+  if (element.written->type.starts_with("SkeletalMotion")) meanSkeleton(element);
+  if (element.is("SimpleTesselatedTetraTopologicalMapping"))
+    for (const auto& [name, value] : {std::pair("pointBaryCoords", "0 0 0"), {"edgeBaryCoords", "0.5 0 0"}, {"splitTetrahedra", "true"}})
+      element.set(name, value);
+  if (element.is("SphereQuadTopology") && !element.find("radius"))
+    warn(element.written->where, element, "radius", "is 0 in SOFA when not given, and the sphere a point: here it is 1");
+  if (element.is("WireRestShape") && !element.find("topology"))  // it fills the container of its node
+    for (const auto& other : element.place->elements)
+      if (other->is("EdgeSetTopologyContainer") && !other->find("edges")) element.set("topology", SceneTree::linkTo(*other));
   if (element.is("VTKExporter")) meanStressFields(element);
   if (element.written->type.starts_with("PartialLinearMovement")) shareMovement(element);
   if (element.is("TrianglePressureForceField") && element.writes("normal") && element.writes("dmin") && element.writes("dmax")) {
@@ -362,7 +372,7 @@ void Rewriting::holdArms(Element& mapping) {
     setQuirk(mapping, "no-centrifugal", "convectiveInertia", "false");
   const bool follows_frames = isAnyOf(mapping.written->type, {"RigidMapping", "RigidRigidMapping", "SkinningMapping", "BeamLinearMapping",
                                                               "TubularMapping", "ArticulatedSystemMapping",
-                                                              "DeformableOnRigidFrameMapping"});
+                                                              "LineSetSkinningMapping", "DeformableOnRigidFrameMapping"});
   if (!follows_frames || mapping.find("geometricStiffness")) return;
   const Element* solver = mapping.place->nearest("linear solver");
   const bool is_assembled = !solver || !solver->is("CGLinearSolver") || solver->text("template").starts_with("Compressed");

@@ -22,6 +22,8 @@ bool Rewriting::actsOnNothing(Element& element) {
     why = "has nothing to write";
   else if (type == "VTKExporter" && !element.find("topology") && has_no("topology"))
     why = "has nothing to write";
+  else if (type == "GearSpringForceField" && !element.find("spring"))
+    why = "has no pair of wheels: it does nothing";
   else if (joins_itself)
     why = "joins each node to itself: it does nothing";
   else if (acts && has_no("mechanical state"))

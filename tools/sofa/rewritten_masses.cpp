@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What masses mean in SOFA, and what becomes of states that have none.
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 
 #include "tools/sofa/rewriting.h"
@@ -19,6 +20,7 @@ void Rewriting::meanMass(Element& element) {
     warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
     element.remove("vertexMass");
   }
+  if (state && state->text("template").starts_with("Vec1")) warnOfWeight(element);
   if (state && state->text("template").starts_with("Vec1") && !element.find("geometryState"))  // values of nodes that lie elsewhere
     for (const Place* place = state->place->parent; place; place = place->parent) {
       Element* points = place->firstOf("mechanical state");
@@ -31,6 +33,17 @@ void Rewriting::meanMass(Element& element) {
       (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
   if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
+}
+
+/// Numbers have a mass in SOFA that the first component of gravity pulls.
+void Rewriting::warnOfWeight(const Element& mass) {
+  const auto given = std::find_if(scene_.root.attributes.begin(), scene_.root.attributes.end(),
+                                  [](const AttributeDescription& attribute) { return attribute.name == "gravity"; });
+  bool pulls = given != scene_.root.attributes.end() && std::atof(given->value.c_str()) != 0;
+  tree_->forEach([&pulls](Element& each) { pulls = pulls || (each.is("Gravity") && std::atof(each.text("gravity").c_str()) != 0); });
+  if (pulls)
+    warn(mass.written->where, mass, {}, "SOFA's numbers have a weight, mass times the gravity along x: here numbers have none",
+         "a ConstantForceField of that weight");
 }
 
 /// The mass of all frames together wins over that of each, which keeps its inertia per mass.
@@ -83,6 +96,16 @@ void Rewriting::fillParts(Element& field) {
   for (const char* read : {"nbVirtualFinerLevels", "useMass"}) field.remove(read);
   if (is_mass) return splitMass(field);
   for (const char* of_mass : {"density", "lumpedMass", "rayleighMass", "massMatrices", "totalMass"}) field.remove(of_mass);
+}
+
+/// A field of voxels on several levels, which are one until cells are cut out.
+void Rewriting::meanVoxels(Element& field) {
+  const Element* mesh = meshOf(field);
+  const std::string level = mesh ? mesh->text("level") : "";
+  if (std::atoi(level.c_str()) != 0)
+    diagnostics_.error(mesh->find("level")->where, mesh->path() + ".level",
+                       "cells of several voxels, whose stiffness " + field.path() + " sums up in SOFA, are not available here", "0");
+  for (const char* of_sums : {"recursive", "useMBK"}) field.remove(of_sums);
 }
 
 /// Some constraint puts nodes where they are to be.
@@ -158,7 +181,9 @@ static bool isOther(const Place& place) { return place.has("mechanical state") &
 /// In the place or below, but for other bodies.
 bool Rewriting::hasMass(const Place& place) const {
   const auto is_mass = [](const ComponentDescription& each) { return each.type.ends_with("Mass"); };  // split off a field
-  return place.has("mass") || std::any_of(place.added_components.begin(), place.added_components.end(), is_mass) ||
+  const auto weighs_beams = [](const auto& each) { return each->is("AdaptiveBeamForceFieldAndMass") && !each->dropped; };
+  return place.has("mass") || std::any_of(place.elements.begin(), place.elements.end(), weighs_beams) ||
+         std::any_of(place.added_components.begin(), place.added_components.end(), is_mass) ||
          std::any_of(place.children.begin(), place.children.end(),
                      [this](const auto& child) { return !child->dropped && !isOther(*child) && hasMass(*child); });
 }

@@ -80,7 +80,7 @@ void Rewriting::renameType(Element& element) {
   }
   if (type == "SubsetTopology" && saysYes(element.text("localIndices"))) parts_.push_back(&element);
   if (type == "SubsetTopology") element.remove("localIndices");
-  if (type == "HexahedronFEMForceFieldAndMass" || type == "HexahedralFEMForceFieldAndMass") splitMass(element);
+  if (type == "HexahedronFEMForceFieldAndMass" || type.ends_with("HexahedralFEMForceFieldAndMass")) splitMass(element);
   if (type.starts_with("NonUniformHexahedronFEM") || type == "HexahedronCompositeFEMForceFieldAndMass") fillParts(element);
   if (type == "HexahedronCompositeFEMMapping")
     warn(element.written->where, element, {}, "SOFA's points follow the parts of the cells: here they follow the cells");
@@ -116,7 +116,9 @@ void Rewriting::splitMass(Element& field) {
   mass.attributes.push_back({"massDensity", density, where});
   mass.attributes.push_back({"computeMassOnRest", "true", where});
   if (saysYes(field.text("lumpedMass"))) mass.attributes.push_back({"lumping", "true", where});
-  if (quirks_.use("pair-mass", field.path())) mass.attributes.push_back({"matrix", "pairs", where});
+  const bool is_exact = field.is("NonUniformHexahedralFEMForceFieldAndMass");  // as the finite element method has it
+  if (is_exact || quirks_.use("pair-mass", field.path()))
+    mass.attributes.push_back({"matrix", is_exact ? "consistent" : "pairs", where});
   for (const char* copied : {"topology", "rayleighMass"})
     if (const AttributeDescription* found = field.find(copied)) mass.attributes.push_back(*found);
   if (Element* mesh = meshOf(field); mesh && mesh->written->type.starts_with("SparseGrid"))

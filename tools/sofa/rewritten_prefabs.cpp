@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SOFA's prefabs, which lie as files Objects/NAME.xml beside its examples: where a scene brings no such file they are written out.
+#include <algorithm>
+#include <iterator>
+
 #include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
 
@@ -45,11 +48,38 @@ std::string_view loaderOf(std::string_view file) {
   return {};
 }
 
+/// Names that SOFA's components had beside their own until 24.12; a MasterContactSolver, older still, found the forces of contacts.
+static void renameOld(std::vector<ComponentDescription>& components) {
+  static const std::vector<std::pair<std::string_view, const char*>> names = {
+      {"MasterSolver", "DefaultAnimationLoop"}, {"DefaultMasterSolver", "DefaultAnimationLoop"},
+      {"DefaultAnimationMasterSolver", "DefaultAnimationLoop"}, {"FreeMotionMasterSolver", "FreeMotionAnimationLoop"},
+      {"MultiStepMasterSolver", "MultiStepAnimationLoop"}, {"MultiTagMasterSolver", "MultiTagAnimationLoop"},
+      {"MasterConstraintSolver", "ConstraintAnimationLoop"}, {"MasterContactSolver", "LCPConstraintSolver"},
+      {"DampVelocity", "DampVelocitySolver"}, {"VariationalSolver", "VariationalSymplecticSolver"},
+      {"SphereQuad", "SphereQuadTopology"}, {"CylinderGrid", "CylinderGridTopology"}, {"SphereGrid", "SphereGridTopology"},
+      {"SparseGridMultiple", "SparseGridMultipleTopology"}, {"SparseGridRamification", "SparseGridRamificationTopology"},
+      {"SVDLinear", "SVDLinearSolver"}, {"SVD", "SVDLinearSolver"}, {"MINRESSolver", "MinResLinearSolver"},
+      {"MinResSolver", "MinResLinearSolver"}, {"JacobiLinearSolver", "JacobiPreconditioner"},
+      {"JacobiSolver", "JacobiPreconditioner"}, {"SSORLinearSolver", "SSORPreconditioner"}, {"SSORSolver", "SSORPreconditioner"},
+      {"RigidEngine", "RigidToQuatEngine"}, {"RuleBasedCollisionResponse", "RuleBasedContactManager"},
+      {"SurfaceIdentityMapping", "SubsetMapping"}, {"ObjExporter", "OBJExporter"}};
+  std::vector<ComponentDescription> added;
+  for (ComponentDescription& component : components)
+    for (const auto& [old, present] : names)
+      if (component.type == old) {
+        if (old == "MasterContactSolver") added.push_back(partOf(component, "FreeMotionAnimationLoop", {}));
+        component.type = present;
+        break;
+      }
+  std::move(added.begin(), added.end(), std::back_inserter(components));
+}
+
 /// BoxConstraint and CGImplicit; and the old MeshLoader, which took files of any format.
 void Rewriting::expandPrefabs() {
   int count = 0;
   const auto expand = [&](const auto& self, NodeDescription& node) -> void {
     std::vector<ComponentDescription> components;
+    renameOld(node.components);
     for (ComponentDescription& component : node.components) {
       const bool selects = component.type == "BoxConstraint" || component.type == "FixedBoxConstraint";
       const bool solves = component.type == "CGImplicit" || component.type == "CGImplicitSolver";
