@@ -1,9 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The names that stand for a method, not for an element: they take the kind of cell that their mesh holds, or the one
-// that template="Vec3,Tetrahedron" or template="Vec3,Hexahedron" names where it holds several.
+// that template="Vec3,Tetrahedron", Hexahedron, Prism or Pyramid names where it holds several: then there is one for each.
 //
 // CorotationalFEMForceField: TetrahedronFEMForceField or HexahedronFEMForceField, whose pages say what is computed.
 // LinearSmallStrainFEMForceField: the same with method small, pure linear elasticity without rotations.
+//
+// Prisms (6 nodes: a triangle, then the opposite one) and pyramids (5 nodes: the base, then the top) have isoparametric
+// functions that fit to their neighbours', so that meshes of all four kinds pass the patch test. With F the deformation gradient
+// at a point, R its rotation, w its volume, D Hooke's law and B the strain of the nodes' displacements there,
+//   eps = sym(R^T F) - I,   f = -sum w B^T D eps,   df = -sum w B^T D B dx        (B in the axes that R has turned)
+// over six points of a prism and four of a pyramid. method = svd, with the nearest rotation at each point, has a potential: forces
+// and torques balance, and the exact tangent is symmetric; so do small and green. polar: the same with the least stretched axis
+// flipped where a point is inverted; large: QR of F in the axes of the scene. polarOf = nodes: one rotation a cell, the polar
+// factor of the sum of (x - c)(X - C)^T over its nodes, as in SOFA. dilatation = mean, tangent and the
+// cell fields are those of HexahedronFEMForceField. Source of the pyramid's functions: G. Bedrosian, "Shape functions and
+// integration formulas for three-dimensional finite element analysis", Int. J. Numer. Methods Eng. 35, 1992.
+// A prism has constant strain across its triangle: in bending it is stiffer than a hexahedron.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -24,6 +36,9 @@ using namespace stroma;
 STROMA_COMPONENT(corotational_fem_force_field) {
   offerElasticKind({"Tetrahedron", "tetrahedra", makeTetrahedra});
   using Field = ElasticForceField;
+  offerElasticKind({"Tetrahedron", "tetrahedra", makeTetrahedra});
+  offerElasticKind({"Prism", "prisms", makePrisms});
+  offerElasticKind({"Pyramid", "pyramids", makePyramids});
   factory.add<Field>("CorotationalFEMForceField", "corotational elements of the kind that the mesh holds");
   factory.add<Field>("LinearSmallStrainFEMForceField", "linear elements of the kind that the mesh holds, no rotations",
                      [](Field& f) { f.method_word = Field::Word::none, f.only_small = true; });

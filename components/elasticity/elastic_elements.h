@@ -86,7 +86,9 @@ struct ElasticKind {
 const std::vector<ElasticKind>& elasticKinds();
 void offerElasticKind(const ElasticKind& kind);
 
-/// Each module that is built of this folder has its own list of kinds, and tetrahedra are in both.
+/// Kinds without a component of their own beside them. Each module that is built of this folder has its own list of kinds.
 std::unique_ptr<ElasticElements> makeTetrahedra();
+std::unique_ptr<ElasticElements> makePrisms();
+std::unique_ptr<ElasticElements> makePyramids();
 
 }  // namespace stroma

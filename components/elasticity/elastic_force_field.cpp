@@ -98,7 +98,7 @@ void ElasticForceField::declare(DataTable& table) {
   ForceField::declare(table);
   topology_.declare(table, "mesh that holds the cells");
   table.add("template", template_)
-      .help("Vec3, or the kind of cell with it where a mesh holds several: Vec3,Tetrahedron or Vec3,Hexahedron");
+      .help("Vec3, or the kind of cell with it where a mesh holds several: Vec3,Tetrahedron, Vec3,Hexahedron, Vec3,Prism or Vec3,Pyramid");
   table.add("youngModulus", young_modulus_)
       .recompiled()
       .unit("Pa")
@@ -141,7 +141,7 @@ void ElasticForceField::declare(DataTable& table) {
           "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean from 0.4 on for hexahedra, "
           "above 0.45 for tetrahedra");
   table.addChoice("polarOf", polar_of_, {"gradient", "edges", "nodes"})
-      .help("of tetrahedra and hexahedra, method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its "
+      .help("method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its "
             "edges or the sum of (x - c)(X - C)^T over its nodes");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
@@ -216,8 +216,8 @@ void ElasticForceField::init() {
   if (polar_of_ != PolarOf::gradient) {
     const bool turns = variant_.method == ElasticMethod::polar || variant_.method == ElasticMethod::svd;
     if (!turns || variant_.exact_tangent || variant_.mean_dilatation || update_b_ || !elements_->usePolarOf(polar_of_))
-      throw ComponentError("polarOf is of method polar of tetrahedra and hexahedra, with local dilatation and constant B",
-                           "polarOf=\"gradient\"");
+      throw ComponentError("polarOf is of method polar of linear cells (of prisms and pyramids: nodes), with local dilatation and "
+                           "constant B", "polarOf=\"gradient\"");
   }
   elements_->bind(*mesh_, state().rest_position, variant_);
 }

@@ -32,8 +32,7 @@ void addOuter(T s, const V3<T>& a, const V3<T>& b, T (&block)[9]) {
 /// the angles omega_q of dR = R [omega]x by the place of node b, forces[a] those of its force by the angles.
 template <int N, int Q, class T>
 void addTurning(const V3<T> (&forces)[N][Q], const V3<T> (&spins)[N][Q], T (&k)[N * N * 9]) {
-  static_assert(N % 2 == 0);
-  for (int a = 0; a < N; a += 2)  // two at once read the spins half as often, which do not stay in the first cache beside K
+  for (int a = 0; a + 1 < N; a += 2)  // two at once read the spins half as often, which do not stay in the first cache beside K
     for (int b = 0; b < N; ++b) {
       T first[9], second[9];
       T *const to = k + (a * N + b) * 9, *const next = to + N * 9;
@@ -44,6 +43,13 @@ void addTurning(const V3<T> (&forces)[N][Q], const V3<T> (&spins)[N][Q], T (&k)[
       }
       for (int i = 0; i < 9; ++i) to[i] = first[i], next[i] = second[i];
     }
+  for (int b = 0; N % 2 && b < N; ++b) {
+    T last[9];
+    T* const to = k + ((N - 1) * N + b) * 9;
+    for (int i = 0; i < 9; ++i) last[i] = to[i];
+    for (int q = 0; q < Q; ++q) addOuter(forces[N - 1][q], spins[b][q], last);
+    for (int i = 0; i < 9; ++i) to[i] = last[i];
+  }
 }
 /// Derivatives of the three angles by v, where F changes by v (x) g: one for each angle, in `spin`.
 template <class Rotation, class T>

@@ -49,86 +49,15 @@
 //     <FixedProjectiveConstraint indices="@held.indices"/>
 //   </Node>
 // </Node>
-#include <algorithm>
-
 #include "components/elasticity/elastic_force_field.h"
-#include "components/elasticity/point_elements.h"
-#include "components/elasticity/quadratic_tetrahedron_kernels.h"
+#include "components/elasticity/quadratic_tetrahedron_models.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
-using namespace stroma::quadratic_tetrahedron;
-
-namespace {
-
-class QuadraticTetrahedra final : public PointElements<QuadraticTetrahedra> {
- public:
-  Index count(const Mesh& mesh) const override { return Index(mesh.quadratic_tetrahedra.size()); }
-  const CellKind& kind() const override { return cell_kinds::quadratic_tetrahedron; }
-  double meanDilatationFrom() const override { return 0.45; }  // the table of errors is in docs/validation.md
-  bool rotationHasPotential() const override { return true; }
-  bool updatesStrainDisplacement() const override { return false; }
-
-  std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
-    return withOwnMatrix(variant_, makeMethod({*shapes_, variant_, first_row, lame}));
-  }
-
-  std::string describe(std::size_t e) const override { return shapes_->describe(e); }
-  Nanoseconds cost() const override {
-    const double lanes = 8. / pack_lanes;
-    const bool green = variant_.method == ElasticMethod::green;
-    return {(green ? 50 : variant_.exact_tangent ? 110 : 28) * lanes, 1500};
-  }
-
-  // ---- for PointElements ----
-  void bindShapes(const Mesh& mesh, const std::vector<Vec3>& rest) { shapes_ = std::make_unique<Shapes>(mesh, rest); }
-  template <class Use>
-  void forEachJacobian(std::size_t e, ConstRows x, Use&& use) const {
-    const PointValues<double> now = shapes_->now(e, x), rest = shapes_->atRest(e);
-    for (int p = 0; p < points; ++p) use(Shapes::determinant(now, p) / Shapes::determinant(rest, p));
-  }
-  template <class Use>
-  void forEachStrain(std::size_t e, ConstRows x, Use&& use) const {
-    const PointValues<double> now = shapes_->now(e, x), rest = shapes_->atRest(e);
-    for (int p = 0; p < points; ++p) {
-      const Mat3 f = toEigen(now.matrix(p)) * toEigen(rest.matrix(p)).inverse();
-      const M3<double> r = rotationOf(fromEigen(f));
-      use(strainOf(f, r), variant_.method == ElasticMethod::green ? f : toEigen(r), Shapes::weight(rest, p));
-    }
-  }
-
- private:
-  M3<double> rotationOf(const M3<double>& f) const {
-    switch (variant_.method) {
-      case ElasticMethod::large:
-        return rotation::Qr::of(f);
-      case ElasticMethod::polar:
-        return rotation::Polar::of(f);
-      case ElasticMethod::svd:
-        return rotation::Svd::of(f);
-      default:
-        return fromEigen(Mat3::Identity());
-    }
-  }
-  Mat3 strainOf(const Mat3& f, const M3<double>& r) const {
-    if (variant_.method == ElasticMethod::small) return (f + f.transpose()) / 2 - Mat3::Identity();
-    if (variant_.method == ElasticMethod::green) return (f.transpose() * f - Mat3::Identity()) / 2;
-    return toEigen(rotation::stretch(r, fromEigen(f))) - Mat3::Identity();
-  }
-  std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
-    if (variant_.method == ElasticMethod::green) return kernelsOf<GreenModel<GreenShape, true>>(elements);
-    if (variant_.method == ElasticMethod::small) return kernelsOf<Linear>(elements);
-    return makeRotated(variant_, [&]<class Rotation>() { return rotatedKernels<Rotation>(elements); });
-  }
-
-  std::unique_ptr<Shapes> shapes_;
-};
-
-}  // namespace
 
 STROMA_COMPONENT(quadratic_tetrahedron_fem_force_field) {
   offerElasticKind({"QuadraticTetrahedron", "quadratic tetrahedra",
-                    []() -> std::unique_ptr<ElasticElements> { return std::make_unique<QuadraticTetrahedra>(); }});
+                    []() -> std::unique_ptr<ElasticElements> { return std::make_unique<PointCells<quadratic_tetrahedron::Shape>>(); }});
   factory.add<ElasticForceField>(
       "QuadraticTetrahedronFEMForceField",
       "tetrahedra of ten nodes: corotational at each point (svd, polar, large), small strains, Green-Lagrange",

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Quadratic tetrahedra with method = large, polar or svd.
-#include "components/elasticity/quadratic_tetrahedron_rotated.h"
+#include "components/elasticity/point_rotated.h"
+#include "components/elasticity/quadratic_tetrahedron_models.h"
 
-namespace stroma::quadratic_tetrahedron {
+namespace stroma {
 
-template std::unique_ptr<ElementKernels> rotatedKernels<rotation::Qr>(const Elements&);
-template std::unique_ptr<ElementKernels> rotatedKernels<rotation::Polar>(const Elements&);
-template std::unique_ptr<ElementKernels> rotatedKernels<rotation::Svd>(const Elements&);
+using Elements = PointElementsOf<quadratic_tetrahedron::Shape>;
+template std::unique_ptr<ElementKernels> rotatedKernels<quadratic_tetrahedron::Shape, rotation::Qr>(const Elements&);
+template std::unique_ptr<ElementKernels> rotatedKernels<quadratic_tetrahedron::Shape, rotation::Polar>(const Elements&);
+template std::unique_ptr<ElementKernels> rotatedKernels<quadratic_tetrahedron::Shape, rotation::Svd>(const Elements&);
 
-}  // namespace stroma::quadratic_tetrahedron
+}  // namespace stroma

@@ -168,7 +168,7 @@ class BarycentricMapping final : public WeightedMapping {
   void addTurn(Index frame, const EmbeddedPoint& place) {
     if (place.slopes.empty())
       throw ComponentError(fmt::format("frame {} has no cell with a volume to turn with", frame),
-                           "tetrahedra or hexahedra; frames of other frames take a RigidMapping");
+                           "a mesh of volume cells; frames of other frames take a RigidMapping");
     const std::vector<Vec3>& rows = from_rest_ ? output().rest_position : output().position;
     turns_.add(2 * frame + 1, place.nodes, place.slopes, turnedBy(rows[std::size_t(2 * frame + 1)]));
     addNode({});

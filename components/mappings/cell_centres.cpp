@@ -204,7 +204,7 @@ bool findsByCentres(const Topology& topology) {
   const bool has_cells =
       !mesh.tetrahedra.empty() || !mesh.hexahedra.empty() || !mesh.triangles.empty() || !mesh.quads.empty();
   if (isGrid(topology)) return !mesh.hexahedra.empty();
-  return has_cells && !topology.type().starts_with("SparseGrid");
+  return has_cells && mesh.prisms.empty() && mesh.pyramids.empty() && !topology.type().starts_with("SparseGrid");
 }
 
 std::vector<EmbeddedPoint> embedByCentres(const Topology& topology, const std::vector<Vec3>& body,

@@ -185,11 +185,13 @@ std::vector<EmbeddedPoint> embedPoints(const Topology& topology, const std::vect
                          "a mesh of a volume, of a surface or of lines");
   std::vector<EmbeddedPoint> found(points.size());
   Box around;
-  bool embedded = false;  // in cells of one kind, on surfaces in those of both
+  // in cells of one kind: others may fill the body again; on surfaces, and beside prisms and pyramids, in those of all
+  const bool of_all = dimension < 3 || !topology.mesh().prisms.empty() || !topology.mesh().pyramids.empty();
+  bool embedded = false;
   forEachCellList(
       [&](const CellKind& kind, const auto& cells) {
         const bool is_curved_surface = dimension < 3 && kind.nodes > 4;
-        if (kind.dimension != dimension || cells.empty() || (embedded && dimension == 3) || is_curved_surface) return;
+        if (kind.dimension != dimension || cells.empty() || (embedded && !of_all) || is_curved_surface) return;
         embed(kind, cells, body, points, around, found);
         embedded = true;
       },

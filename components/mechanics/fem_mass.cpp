@@ -4,8 +4,8 @@
 //   M_ij = sum over cells and points q of w_q |J(q)| rho(q) N_i(q) N_j(q),   rho(q) = sum_a N_a(q) rho_a,   at rest
 //   gravity: the sums of rows
 //
-// Points: edges, triangles and tetrahedra 1, quads 3, hexahedra 2 x 2 x 2. With fewer points than the products of N need, M
-// is not of full rank for the first three: MeshMatrixMass has the exact integrals.
+// Points: edges, triangles and tetrahedra 1, prisms 2, quads 3, hexahedra and pyramids 2 x 2 x 2. With fewer points than the
+// products of N need, M is not of full rank for the first four: MeshMatrixMass has the exact integrals.
 //
 // NodalMassDensity: `property` lists the density of each node; nodes beyond its end have the last one. FEMMass takes the one
 // that nodalMassDensity names, else the nearest in this node or above, else 1 kg/m^3 (per area or length on surfaces and
@@ -67,14 +67,22 @@ std::vector<Point> pointsOf(const CellKind& kind) {
     const double a = std::sqrt(2. / 3), b = 1 / std::sqrt(6.), c = 1 / std::sqrt(2.);
     return {{{a, 0, 0}, 4. / 3}, {{-b, -c, 0}, 4. / 3}, {{-b, c, 0}, 4. / 3}};
   }
-  if (&kind != &cell_kinds::hexahedron)
-    throw ComponentError(fmt::format("there are no quadrature points of {}", kind.plural),
-                         "edges, triangles, quads, tetrahedra or hexahedra", "MeshMatrixMass knows all cells");
-  std::vector<Point> points;
   const double g = 1 / std::sqrt(3.);
+  if (&kind == &cell_kinds::prism) return {{{1. / 3, 1. / 3, -g}, 0.5}, {{1. / 3, 1. / 3, g}, 0.5}};
+  const bool is_pyramid = &kind == &cell_kinds::pyramid;  // the points of a hexahedron whose upper face is one point
+  if (&kind != &cell_kinds::hexahedron && !is_pyramid)
+    throw ComponentError(fmt::format("there are no quadrature points of {}", kind.plural),
+                         "edges, triangles, quads, tetrahedra, hexahedra, prisms or pyramids", "MeshMatrixMass knows all cells");
+  std::vector<Point> points;
   for (const double z : {-g, g})
     for (const double y : {-g, g})
-      for (const double x : {-g, g}) points.push_back({{x, y, z}, 1});
+      for (const double x : {-g, g}) {
+        const double s = (1 - z) / 2;
+        if (is_pyramid)
+          points.push_back({{s * x, s * y, 1 - s}, s * s / 2});
+        else
+          points.push_back({{x, y, z}, 1});
+      }
   return points;
 }
 

@@ -76,8 +76,8 @@ void MeshMass::declare(DataTable& table) {
   Mass::declare(table);
   table.add("massDensity", mass_density_)
       .help(
-          "density, one for all cells or one per cell (tetrahedra, then hexahedra); per area on meshes without volumes, that of a "
-          "sheet times its thickness, and per length on lines")
+          "density, one for all cells or one per cell (tetrahedra, hexahedra, prisms, pyramids); per area on meshes without "
+          "volumes, that of a sheet times its thickness, and per length on lines")
       .unit("kg/m^3 or kg/m^2 or kg/m")
       .ofCells()
       .min(0, false);

@@ -4,7 +4,8 @@
 //   M_ij = sum over cells of rho * integral of N_i N_j dV  (times the 3x3 identity)
 //
 // In a tetrahedron rho V / 20 (1 + delta_ij); in a hexahedron the integral by two Gauss points per axis, which is exact
-// for parallelepipeds. On a mesh without volumes rho is a mass per area (triangles and quads) or per length (edges).
+// for parallelepipeds, and as much in prisms and pyramids. On a mesh without volumes rho is a mass per area (triangles and
+// quads) or per length (edges).
 // With `lumping` the rows are summed onto the diagonal, which gives the masses of DiagonalMass. In a quadratic
 // tetrahedron the integral is by fourteen points, exact where edges are straight (V/420 times 6 at a corner, 32 at the
 // middle of an edge); its weight is the consistent one, M g: -m/20 at a corner and m/5 at a middle. Lumped it has the
@@ -210,6 +211,9 @@ class MeshMatrixMass final : public MeshMass {
     if (&kind == &cell_kinds::tetrahedron) return {1. / 10, 1. / 20, 2.5};
     if (&kind == &cell_kinds::quad) return {1. / 8, 1. / 16, 2};
     if (&kind == &cell_kinds::triangle) return {1. / 6, 1. / 12, 2};
+    if (kind.dimension == 3)
+      throw ComponentError(fmt::format("matrix=\"edges\" has no entries for {}", kind.plural),
+                           "tetrahedra or hexahedra, or another matrix");
     return {1. / 3, 1. / 6, 1.5};
   }
 

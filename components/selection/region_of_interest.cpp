@@ -69,9 +69,8 @@ class RegionOfInterest : public Component {
  private:
   template <class Cell>
   struct Selection {
-    std::vector<Cell> cells;  ///< tested
+    std::vector<Cell> cells, inside_cells, outside_cells;  ///< `cells`: tested
     std::vector<int> indices, outside;
-    std::vector<Cell> inside_cells, outside_cells;
     bool wanted = true;
   };
   struct Selections {
@@ -81,8 +80,10 @@ class RegionOfInterest : public Component {
     Selection<QuadraticTriangle> quadratic_triangles;
     Selection<Tetrahedron> tetrahedra;
     Selection<Hexahedron> hexahedra;
+    Selection<Prism> prisms;
+    Selection<Pyramid> pyramids;
     Selection<QuadraticTetrahedron> quadratic_tetrahedra;
-  };
+  } cells_;
   void forget();
   void findPositions();
   void takeCells();
@@ -93,7 +94,6 @@ class RegionOfInterest : public Component {
   std::vector<Vec3> position_, points_inside_, points_outside_;
   std::vector<int> indices_, outside_;
   int count_ = 0;
-  Selections cells_;
   bool strict_ = true, allow_empty_ = false, update_ = false, exact_ = false;
   std::vector<char> inside_;     ///< of each node
   Eigen::AlignedBox3d around_;  ///< the nodes
@@ -127,8 +127,8 @@ void RegionOfInterest::declare(DataTable& table) {
   table.add("pointsInROI", points_inside_).unit("m").help("positions of the nodes inside").output();
   table.add("pointsOutROI", points_outside_).unit("m").help("positions of the nodes outside").output();
   table.add("nbIndices", count_).help("number of nodes inside").output();
-  for (const char* name : {"drawROI", "drawBoxes", "drawSphere", "drawPoints", "drawEdges", "drawTriangles",
-                           "drawQuads", "drawTetrahedra", "drawHexahedra", "drawSize"}) table.addVisualOnly(name);
+  for (const char* name : {"drawROI", "drawBoxes", "drawSphere", "drawPoints", "drawEdges", "drawTriangles", "drawQuads",
+                           "drawTetrahedra", "drawHexahedra", "drawSize"}) table.addVisualOnly(name);
 }
 
 void RegionOfInterest::init() {

@@ -161,8 +161,9 @@ Adjacency ShapeMemoryForceField::findNeighbours() const {
   if (nodes_ == NodesWord::contour) {
     Mesh surface;
     surface.position = mesh_->position;
-    surface.triangles = mesh_->tetrahedra.empty() ? mesh_->triangles : mesh_->boundaryTriangles();
-    surface.quads = mesh_->hexahedra.empty() ? mesh_->quads : mesh_->boundaryQuads();
+    const bool has_prisms = !mesh_->prisms.empty() || !mesh_->pyramids.empty();
+    surface.triangles = mesh_->tetrahedra.empty() && !has_prisms ? mesh_->triangles : mesh_->boundaryTriangles();
+    surface.quads = mesh_->hexahedra.empty() && !has_prisms ? mesh_->quads : mesh_->boundaryQuads();
     if (surface.triangles.empty() && surface.quads.empty())
       throw ComponentError("the mesh has no surface", "volume cells, triangles or quads, or nodes=\"all\"");
     const Adjacency& contour = surface.nodesAroundNode();

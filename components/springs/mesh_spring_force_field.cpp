@@ -150,7 +150,7 @@ class MeshSprings : public SpringField {
 };
 
 std::vector<Quad> quadsOf(const Mesh& mesh) {
-  return mesh.quads.empty() ? uniqueFaces(mesh.hexahedra, false) : mesh.quads;
+  return mesh.quads.empty() ? uniqueQuads(mesh, false) : mesh.quads;
 }
 
 class MeshSpringForceField final : public MeshSprings {
@@ -165,7 +165,7 @@ class MeshSpringForceField final : public MeshSprings {
     spreadToKinds();
     if (kinds_[lines].isSet()) addAllPairs(mesh.allEdges(), lines);
     if (kinds_[triangles].isSet())
-      addAllPairs(mesh.triangles.empty() ? mesh.tetrahedronFaces() : mesh.triangles, triangles);
+      addAllPairs(mesh.triangles.empty() ? mesh.triangularFaces() : mesh.triangles, triangles);
     if (kinds_[quads].isSet()) addAllPairs(quadsOf(mesh), quads);
     if (kinds_[tetrahedra].isSet()) addAllPairs(mesh.tetrahedra, tetrahedra);
     if (kinds_[cubes].isSet()) addAllPairs(mesh.hexahedra, cubes);

@@ -37,6 +37,8 @@ bool isOneOf(const std::string& type, std::initializer_list<std::string_view> st
 std::optional<CellType> cellOf(const std::string& type) {
   if (isOneOf(type, {"C3D4"})) return CellType::tetrahedron;
   if (isOneOf(type, {"C3D8"})) return CellType::hexahedron;
+  if (isOneOf(type, {"C3D6"})) return CellType::prism;
+  if (isOneOf(type, {"C3D5"})) return CellType::pyramid;
   if (isOneOf(type, {"C3D10"})) return CellType::quadratic_tetrahedron;
   if (isOneOf(type, {"S3", "STRI3", "M3D3", "SFM3D3", "R3D3", "CPS3", "CPE3"})) return CellType::triangle;
   if (isOneOf(type, {"S4", "M3D4", "SFM3D4", "R3D4", "CPS4", "CPE4"})) return CellType::quad;

@@ -32,7 +32,7 @@ struct GmshFile {
   std::map<std::pair<int, int>, std::string> group_names;
   /// Views by name; only those after the elements.
   std::map<std::string, GmshData> data;
-  /// Elements that Stroma has no cell for (points, prisms, pyramids) and their number.
+  /// Elements that Stroma has no cell for (points, quadratic edges) and their number.
   std::map<std::string, long> skipped;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads the mesh of an input file (.inp) of Abaqus or CalculiX: nodes, elements, sets and surfaces.
 //
-// Elements: C3D4 tetrahedra, C3D8 hexahedra, C3D10 quadratic tetrahedra; S3, STRI3, M3D3, CPS3, CPE3 and R3D3 triangles;
-// S4, M3D4, CPS4, CPE4 and R3D4 quads; STRI65, S6, M3D6, CPS6 and CPE6 quadratic triangles; B31, B21, T3D2 and T2D2 edges; with
-// the letters that may follow, as C3D8R or C3D10M. Wedges (C3D6), pyramids (C3D5) and others without a counterpart are counted
-// and reported; C3D15, C3D20 and the shells of eight nodes are an error. As by MeshGmshLoader the faces and edges of volume cells
+// Elements: C3D4 tetrahedra, C3D8 hexahedra, C3D6 prisms, C3D5 pyramids, C3D10 quadratic tetrahedra; S3, STRI3, M3D3, CPS3,
+// CPE3 and R3D3 triangles; S4, M3D4, CPS4, CPE4 and R3D4 quads; STRI65, S6, M3D6, CPS6 and CPE6 quadratic triangles; B31, B21,
+// T3D2 and T2D2 edges; with the letters that may follow, as C3D8R or C3D10M. Others without a counterpart are counted and
+// reported; C3D15, C3D20 and the shells of eight nodes are an error. As by MeshGmshLoader the faces and edges of volume cells
 // are added to the lists of the file unless createSubelements="false".
 //
 // Regions: `regions` lists element sets. `tetrahedraGroups` and its like hold 1 for cells of the first of them, 2 for those
@@ -55,6 +55,11 @@ constexpr std::array<std::array<int, 6>, 4> abaqus_quadratic{
     {{0, 1, 2, 4, 5, 6}, {0, 3, 1, 7, 8, 4}, {1, 3, 2, 8, 9, 5}, {2, 3, 0, 9, 7, 6}}};
 constexpr std::array<std::array<int, 4>, 6> abaqus_hexahedron{
     {{0, 1, 2, 3}, {4, 7, 6, 5}, {0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}}};
+/// Those of two triangles come first, the base of a pyramid too.
+constexpr std::array<std::array<int, 3>, 2> abaqus_prism_ends{{{0, 1, 2}, {3, 5, 4}}};
+constexpr std::array<std::array<int, 4>, 3> abaqus_prism_sides{{{0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}};
+constexpr std::array<int, 4> abaqus_pyramid_base{0, 1, 2, 3};
+constexpr std::array<std::array<int, 3>, 4> abaqus_pyramid_sides{{{0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}};
 
 class MeshAbaqusLoader final : public MeshLoader {
  public:
@@ -101,7 +106,7 @@ void MeshAbaqusLoader::tellSkipped(const AbaqusFile& content) {
   for (const auto& [type, count] : content.skipped) {
     const std::string number = fmt::format("{} {} {} of the file", count, count == 1 ? "element" : "elements", type);
     if (type.starts_with("C3D"))
-      warn(number + " without a counterpart here: the body has holes there", "tetrahedra and hexahedra alone");
+      warn(number + " without a counterpart here: the body has holes there", "C3D4, C3D5, C3D6, C3D8 and C3D10 alone");
     else
       inform(fmt::format("{} {} not used", number, count == 1 ? "is" : "are"));
   }
@@ -233,10 +238,11 @@ void MeshAbaqusLoader::selectFaces(AbaqusFile& content, const std::vector<Abaqus
       const auto place = content.elements.find(number);
       if (place == content.elements.end()) continue;
       const CellType type = place->second.type;
-      if (type == CellType::tetrahedron || type == CellType::hexahedron || type == CellType::quadratic_tetrahedron) {
-        if (!is_face || (type != CellType::hexahedron && face[1] > '4'))
+      if (kindOf(type).dimension == 3) {
+        const std::size_t faces = kindOf(type).faces.size();
+        if (!is_face || std::size_t(face[1] - '0') > faces)
           throw ComponentError(fmt::format("the surface '{}' names the face '{}' of element {}", group_, face, number),
-                               type == CellType::hexahedron ? "S1 to S6" : "S1 to S4");
+                               fmt::format("S1 to S{}", faces));
         if (made.emplace(number, face[1]).second) addFace(content.mesh, place->second, std::size_t(face[1] - '1'));
       } else {
         selectElements(content, {number});
@@ -262,6 +268,14 @@ void MeshAbaqusLoader::addFace(Mesh& mesh, const AbaqusFile::Place& place, std::
     add(mesh.tetrahedra[at], abaqus_tetrahedron[face], mesh.triangles, group_triangles_, groups_.triangles);
   if (place.type == CellType::hexahedron)
     add(mesh.hexahedra[at], abaqus_hexahedron[face], mesh.quads, group_quads_, groups_.quads);
+  if (place.type == CellType::prism && face < 2)
+    add(mesh.prisms[at], abaqus_prism_ends[face], mesh.triangles, group_triangles_, groups_.triangles);
+  if (place.type == CellType::prism && face >= 2)
+    add(mesh.prisms[at], abaqus_prism_sides[face - 2], mesh.quads, group_quads_, groups_.quads);
+  if (place.type == CellType::pyramid && face == 0)
+    add(mesh.pyramids[at], abaqus_pyramid_base, mesh.quads, group_quads_, groups_.quads);
+  if (place.type == CellType::pyramid && face > 0)
+    add(mesh.pyramids[at], abaqus_pyramid_sides[face - 1], mesh.triangles, group_triangles_, groups_.triangles);
   if (place.type == CellType::quadratic_tetrahedron)
     add(mesh.quadratic_tetrahedra[at], abaqus_quadratic[face], mesh.quadratic_triangles, group_quadratic_triangles_,
         groups_.quadratic_triangles);

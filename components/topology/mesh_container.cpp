@@ -22,8 +22,6 @@ void MeshContainer::declare(DataTable& table) {
             .help(fmt::format("{}, {} node numbers each, in VTK's order", kind.plural, kind.nodes));
       },
       mesh_);
-  table.add("prisms", prisms_).alias("pentahedra").alias("pentas").help("not supported: an error when not empty");
-  table.add("pyramids", pyramids_).help("not supported: an error when not empty");
   for (const char* name : {"drawEdges", "drawTriangles", "drawQuads", "drawTetrahedra", "drawHexahedra", "drawPoints",
                            "uv", "texcoords", "computeAllBuffers", "checkTopology", "checkConnexity"})
     table.addVisualOnly(name);
@@ -60,9 +58,6 @@ void MeshContainer::takeFromMapping() {
 }
 
 void MeshContainer::finish() {
-  if (!prisms_.empty() || !pyramids_.empty())
-    throw ComponentError(fmt::format("{} prisms and {} pyramids are given", prisms_.size(), pyramids_.size()),
-                         "tetrahedra or hexahedra");
   if (mesh_.position.empty()) takePositionsFromState();
   if (mesh_.position.empty() && allow_empty_) mesh_.position.assign(std::size_t(point_count_), Vec3::Zero());
   if (mesh_.position.empty() && !allow_empty_)

@@ -30,8 +30,6 @@ class MeshContainer : public Topology {
   void takePositionsFromState();
   void makeReady(Component& state);
   void takeNodesOf(Component& state, bool is_given);
-  std::vector<std::array<Index, 6>> prisms_;
-  std::vector<std::array<Index, 5>> pyramids_;
   bool asks_state_ = false;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads a Gmsh mesh: .msh formats 1, 2.2, 4.0 and 4.1, ASCII or binary (4.0: ASCII, as Gmsh itself).
 //
-// Edges, triangles, quads, tetrahedra and hexahedra are read, and quadratic triangles (6 nodes) and tetrahedra (10
-// nodes), whose nodes are brought to VTK's order; points, prisms, pyramids and quadratic edges are counted and reported;
-// other quadratic elements are an error. Nodes keep the order of the file, whatever their tags. As in SOFA the faces and
-// edges of the volume cells are added to the lists of the file unless createSubelements="false".
+// Edges, triangles, quads, tetrahedra, hexahedra, prisms and pyramids are read, and quadratic triangles (6 nodes) and
+// tetrahedra (10 nodes), whose nodes are brought to VTK's order; points and quadratic edges are counted and reported; other
+// quadratic elements are an error. Nodes keep the order of the file, whatever their tags. As in SOFA the faces and edges of
+// the volume cells are added to the lists of the file unless createSubelements="false".
 //
 // Physical groups: `tetrahedraGroups` and its like hold the tag of each cell of the file (0: none). With group="NAME"
 // (or a tag), `groupIndices` holds the nodes of the cells of that group, ascending: a surface named in the mesher is a
@@ -66,10 +66,7 @@ class MeshGmshLoader : public MeshLoader {
     for (const auto& [what, count] : content.skipped) {
       std::string number = fmt::format("{} {}", count, what);
       if (count == 1 && number.ends_with('s')) number.pop_back();
-      if (what == "prisms" || what == "pyramids")
-        warn(number + " of the file without a counterpart here: the body has holes there", "tetrahedra and hexahedra alone");
-      else
-        inform(fmt::format("{} of the file {} not used", number, count == 1 ? "is" : "are"));
+      inform(fmt::format("{} of the file {} not used", number, count == 1 ? "is" : "are"));
     }
     if (!group_.empty()) selectGroup(content);
     if (!directions_.array.empty()) readDirections(content);

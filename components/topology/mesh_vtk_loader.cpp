@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads a mesh in VTK's formats: legacy .vtk (ASCII or binary, versions 1 to 5.1) and XML .vtu and .vtp.
 //
-// Which of them it is, is seen from the content. Lines, triangles, quads, tetrahedra and hexahedra are read, pixels and
-// voxels turned into quads and hexahedra, polylines into edges, strips and polygons into triangles (around their first
-// corner). Quadratic triangles (6 nodes) and tetrahedra (10 nodes) are read too. Vertices, wedges, pyramids and quadratic
+// Which of them it is, is seen from the content. Lines, triangles, quads, tetrahedra, hexahedra, wedges (prisms) and pyramids
+// are read, pixels and voxels turned into quads and hexahedra, polylines into edges, strips and polygons into triangles
+// (around their first corner). Quadratic triangles (6 nodes) and tetrahedra (10 nodes) are read too. Vertices and quadratic
 // edges are counted and reported; other quadratic cells are an error. The faces and edges of the volume cells are added
 // to the lists of the file unless createSubelements="false", as by MeshGmshLoader: a scene selects faces alike, whichever
 // of the two has read its mesh. (In SOFA the default is false here.)
@@ -64,7 +64,7 @@ class MeshVTKLoader : public MeshLoader {
       if (const std::string cells = fmt::format("{} cell{} of kind {}", count, count == 1 ? "" : "s", what); leavesNoHole(what))
         inform(fmt::format("{} {} not used", cells, count == 1 ? "is" : "are"));
       else
-        warn(cells + " without a counterpart here: the body has holes there", "tetrahedra and hexahedra alone");
+        warn(cells + " without a counterpart here: the body has holes there", "tetrahedra, hexahedra, wedges and pyramids alone");
     mesh.position = std::move(content.position);
   }
 

@@ -39,8 +39,8 @@ class SetTopologyContainer : public MeshContainer {
     if (mainCells() == 0 && !allow_empty_)
       throw ComponentError(fmt::format("there are no {}", kind->plural),
                            fmt::format("{}=\"...\", or src=\"@loader\"", kind->plural));
-    if (create_triangles_ && mesh_.triangles.empty()) mesh_.triangles = uniqueFaces(mesh_.tetrahedra, false);
-    if (create_quads_ && mesh_.quads.empty()) mesh_.quads = uniqueFaces(mesh_.hexahedra, false);
+    if (create_triangles_ && mesh_.triangles.empty()) mesh_.triangles = uniqueTriangles(mesh_, false);
+    if (create_quads_ && mesh_.quads.empty()) mesh_.quads = uniqueQuads(mesh_, false);
     if (create_edges_ && mesh_.edges.empty()) mesh_.edges = Mesh(mesh_).allEdges();
   }
 

@@ -98,7 +98,7 @@ class VTKExporter : public Observer {
   std::vector<std::string> point_words_, cell_words_;
   int every_ = 1;
   bool at_begin_ = false, at_end_ = false, enable_ = true, xml_ = true, overwrite_ = false;
-  PerCellList<bool> wanted_{.tetrahedra = true, .hexahedra = true, .quadratic_tetrahedra = true};
+  PerCellList<bool> wanted_{.tetrahedra = true, .hexahedra = true, .prisms = true, .pyramids = true, .quadratic_tetrahedra = true};
 
   State* state_ = nullptr;
   const Topology* topology_ = nullptr;
@@ -167,7 +167,6 @@ void VTKExporter::chooseCells() {
 void VTKExporter::makeGrid() {
   const Mesh& mesh = this->mesh();
   grid_ = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  grid_->Allocate(vtkIdType(mesh.tetrahedra.size() + mesh.hexahedra.size() + mesh.quadratic_tetrahedra.size()));
   const auto add = [this](const CellKind& kind, const auto& cells) {
     for (const auto& cell : cells) {
       std::array<vtkIdType, most_cell_nodes> ids{};

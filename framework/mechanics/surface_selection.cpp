@@ -73,8 +73,7 @@ std::vector<Face> SurfaceSelection::listed(const Component& load, const Mesh& me
                            cells.empty() ? "" : "when a selection is linked here, check that its box holds faces");
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] < 0 || std::size_t(indices[i]) >= cells.size())
-        throw ComponentError(
-            fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),
+        throw ComponentError(fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),
             cells.empty() ? addsFaces() : fmt::format("indices in 0 ... {}", cells.size() - 1));
       faces.push_back(cells[indices[i]]);
     }
@@ -113,12 +112,9 @@ std::vector<Face> SurfaceSelection::inBox(const Component& load, const Mesh& mes
     take(mesh.boundaryTriangles(), {}), take(mesh.boundaryQuads(), {}), take(mesh.boundaryQuadraticTriangles(), {});
     return faces;
   }
-  take(mesh.triangles, mesh.tetrahedra.empty() ? std::vector<Triangle>()
-                                               : innerFaces(mesh.tetrahedronFaces(), mesh.boundaryTriangles()));
-  take(mesh.quads, mesh.hexahedra.empty() ? std::vector<Quad>()
-                                          : innerFaces(uniqueFaces(mesh.hexahedra, false), mesh.boundaryQuads()));
-  take(mesh.quadratic_triangles,
-       innerFaces(uniqueFaces(mesh.quadratic_tetrahedra, false), mesh.boundaryQuadraticTriangles()));
+  take(mesh.triangles, innerFaces(mesh.triangularFaces(), mesh.boundaryTriangles()));
+  take(mesh.quads, innerFaces(uniqueQuads(mesh, false), mesh.boundaryQuads()));
+  take(mesh.quadratic_triangles, innerFaces(uniqueQuadraticTriangles(mesh, false), mesh.boundaryQuadraticTriangles()));
   return faces;
 }
 

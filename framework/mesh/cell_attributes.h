@@ -12,6 +12,7 @@ template <class Cell>
 Data& addCellList(DataTable& table, const CellKind& kind, std::vector<Cell>& cells) {
   Data& data = table.add(std::string(kind.plural), cells);
   if (!kind.alias.empty()) data.alias(std::string(kind.alias));
+  if (kind.type == CellType::prism) data.alias("pentas");
   return data;
 }
 

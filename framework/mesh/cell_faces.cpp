@@ -15,11 +15,43 @@ struct FaceKey {
   CellFace where;
 };
 
-/// Of a kind whose faces all have N nodes.
+/// One list of cells.
+template <const CellKind& of, class Cell>
+struct CellsOf {
+  static constexpr const CellKind& kind = of;
+  const std::vector<Cell>& cells;
+};
+
 template <const CellKind& kind, std::size_t N, class Cell>
 std::array<Index, N> nodesOf(const Cell& cell, std::size_t face) {
   std::array<Index, N> nodes;
   for (std::size_t i = 0; i < N; ++i) nodes[i] = cell[kind.faces[face].nodes[i]];
+  return nodes;
+}
+
+/// visit(where, nodes) for each face of N nodes.
+template <std::size_t N, class Visit, class... Lists>
+void forEachFace(Visit&& visit, const Lists&... lists) {
+  Index number = 0;
+  const auto look = [&]<class List>(const List& list) {
+    for (const auto& cell : list.cells) {
+      for (std::size_t f = 0; f < List::kind.faces.size(); ++f)
+        if (kindOf(List::kind.faces[f].type).nodes == int(N)) visit(CellFace{number, int(f)}, nodesOf<List::kind, N>(cell, f));
+      ++number;
+    }
+  };
+  (look(lists), ...);
+}
+/// The nodes of one of them, as its cell has them.
+template <std::size_t N, class... Lists>
+std::array<Index, N> nodesAt(CellFace where, const Lists&... lists) {
+  std::array<Index, N> nodes;
+  const auto look = [&]<class List>(const List& list) {
+    const Index count = Index(list.cells.size());
+    if (where.cell >= 0 && where.cell < count) nodes = nodesOf<List::kind, N>(list.cells[where.cell], std::size_t(where.face));
+    where.cell -= count;
+  };
+  (look(lists), ...);
   return nodes;
 }
 
@@ -47,38 +79,37 @@ struct FaceBuckets {
   std::vector<std::size_t> start;  ///< shape (nodes + 1)
 };
 
-template <const CellKind& kind, std::size_t N, class Cell>
-FaceBuckets<N> bucketsOf(const std::vector<Cell>& cells) {
-  constexpr std::size_t faces = kind.faces.size();
-  Index nodes = 0;
-  for (const Cell& cell : cells) nodes = std::max(nodes, *std::max_element(cell.begin(), cell.end()) + 1);
-  const auto smallest = [&](const Cell& cell, std::size_t f) {
-    const auto of_face = nodesOf<kind, N>(cell, f);
-    Index least = of_face[0];
-    for (std::size_t i = 1; i < N; ++i) least = std::min(least, of_face[i]);
-    return std::size_t(least);
-  };
+template <std::size_t N, class... Lists>
+FaceBuckets<N> bucketsOf(const Lists&... lists) {
   FaceBuckets<N> buckets;
   std::vector<std::size_t>& start = buckets.start;
+  Index nodes = 0;
+  const auto count = [&nodes](const auto& list) {
+    for (const auto& cell : list.cells) nodes = std::max(nodes, *std::max_element(cell.begin(), cell.end()) + 1);
+  };
+  (count(lists), ...);
   start.assign(std::size_t(nodes) + 1, 0);
-  for (const Cell& cell : cells)
-    for (std::size_t f = 0; f < faces; ++f) ++start[smallest(cell, f) + 1];
+  const auto add = [&start](CellFace, const std::array<Index, N>& face) {
+    Index least = face[0];
+    for (std::size_t i = 1; i < N; ++i) least = std::min(least, face[i]);
+    ++start[std::size_t(least) + 1];
+  };
+  forEachFace<N>(add, lists...);
   for (std::size_t n = 0; n < std::size_t(nodes); ++n) start[n + 1] += start[n];
-  buckets.keys.resize(cells.size() * faces);
+  buckets.keys.resize(start.back());
   std::vector<std::size_t> next(start.begin(), start.end());
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (std::size_t f = 0; f < faces; ++f) {
-      auto key = nodesOf<kind, N>(cells[c], f);
-      std::sort(key.begin(), key.end());
-      buckets.keys[next[key[0]]++] = {key, {Index(c), int(f)}};
-    }
+  const auto put = [&](CellFace where, std::array<Index, N> face) {
+    std::sort(face.begin(), face.end());
+    buckets.keys[next[face[0]]++] = {face, where};
+  };
+  forEachFace<N>(put, lists...);
   return buckets;
 }
 
 /// All faces, equal ones side by side and in the order of their cells.
-template <const CellKind& kind, std::size_t N, class Cell>
-std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells) {
-  auto [keys, start] = bucketsOf<kind, N>(cells);
+template <std::size_t N, class... Lists>
+std::vector<FaceKey<N>> sortedFaces(const Lists&... lists) {
+  auto [keys, start] = bucketsOf<N>(lists...);
   for (std::size_t n = 0; n + 1 < start.size(); ++n)
     std::sort(keys.begin() + std::ptrdiff_t(start[n]), keys.begin() + std::ptrdiff_t(start[n + 1]), comesBefore<N>);
   return std::move(keys);
@@ -86,9 +117,9 @@ std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells) {
 
 /// Those of one cell alone, in the same order. Most faces have a partner, which a list for each second node finds
 /// without sorting.
-template <const CellKind& kind, std::size_t N, class Cell>
-std::vector<FaceKey<N>> loneFaces(const std::vector<Cell>& cells) {
-  const auto [keys, start] = bucketsOf<kind, N>(cells);
+template <std::size_t N, class... Lists>
+std::vector<FaceKey<N>> loneFaces(const Lists&... lists) {
+  const auto [keys, start] = bucketsOf<N>(lists...);
   std::vector<FaceKey<N>> lone;
   std::vector<std::size_t> newest(start.size(), 0), before;  // places in the bucket, from 1 on
   std::vector<char> shared;
@@ -112,32 +143,37 @@ std::vector<FaceKey<N>> loneFaces(const std::vector<Cell>& cells) {
   return lone;
 }
 
-template <const CellKind& kind, std::size_t N, class Cell>
-std::vector<std::array<Index, N>> uniqueFacesOf(const std::vector<Cell>& cells, bool boundary_only) {
-  const auto keys = boundary_only ? loneFaces<kind, N>(cells) : sortedFaces<kind, N>(cells);
+template <std::size_t N, class... Lists>
+std::vector<std::array<Index, N>> uniqueFaces(bool boundary_only, const Lists&... lists) {
+  const auto keys = boundary_only ? loneFaces<N>(lists...) : sortedFaces<N>(lists...);
   std::vector<std::array<Index, N>> out;
   for (std::size_t i = 0; i < keys.size(); ++i)
-    if (i == 0 || !sameNodes(keys[i - 1], keys[i]))
-      out.push_back(nodesOf<kind, N>(cells[keys[i].where.cell], std::size_t(keys[i].where.face)));
+    if (i == 0 || !sameNodes(keys[i - 1], keys[i])) out.push_back(nodesAt<N>(keys[i].where, lists...));
   return out;
 }
 
+using Tetrahedra = CellsOf<cell_kinds::tetrahedron, Tetrahedron>;
+using Hexahedra = CellsOf<cell_kinds::hexahedron, Hexahedron>;
+using Prisms = CellsOf<cell_kinds::prism, Prism>;
+using Pyramids = CellsOf<cell_kinds::pyramid, Pyramid>;
+using QuadraticTetrahedra = CellsOf<cell_kinds::quadratic_tetrahedron, QuadraticTetrahedron>;
+
 }  // namespace
 
-std::vector<Triangle> uniqueFaces(const std::vector<Tetrahedron>& cells, bool boundary_only) {
-  return uniqueFacesOf<cell_kinds::tetrahedron, 3>(cells, boundary_only);
+std::vector<Triangle> uniqueTriangles(const Mesh& mesh, bool boundary_only) {
+  return uniqueFaces<3>(boundary_only, Tetrahedra{mesh.tetrahedra}, Prisms{mesh.prisms}, Pyramids{mesh.pyramids});
 }
 
-std::vector<Quad> uniqueFaces(const std::vector<Hexahedron>& cells, bool boundary_only) {
-  return uniqueFacesOf<cell_kinds::hexahedron, 4>(cells, boundary_only);
+std::vector<Quad> uniqueQuads(const Mesh& mesh, bool boundary_only) {
+  return uniqueFaces<4>(boundary_only, Hexahedra{mesh.hexahedra}, Prisms{mesh.prisms}, Pyramids{mesh.pyramids});
 }
 
-std::vector<QuadraticTriangle> uniqueFaces(const std::vector<QuadraticTetrahedron>& cells, bool boundary_only) {
-  return uniqueFacesOf<cell_kinds::quadratic_tetrahedron, 6>(cells, boundary_only);
+std::vector<QuadraticTriangle> uniqueQuadraticTriangles(const Mesh& mesh, bool boundary_only) {
+  return uniqueFaces<6>(boundary_only, QuadraticTetrahedra{mesh.quadratic_tetrahedra});
 }
 
 std::vector<std::array<CellFace, 2>> sharedFaces(const std::vector<Hexahedron>& cells) {
-  const auto keys = sortedFaces<cell_kinds::hexahedron, 4>(cells);
+  const auto keys = sortedFaces<4>(Hexahedra{cells});
   std::vector<std::array<CellFace, 2>> out;
   for (std::size_t i = 0; i + 1 < keys.size(); ++i)
     if (sameNodes(keys[i], keys[i + 1])) out.push_back({keys[i].where, keys[i + 1].where});

@@ -50,10 +50,11 @@ double tetrahedronSize(const Vec3* x) { return simplexSize(3, x); }
 double quadArea(const Vec3* x) { return integralOfArea(cell_kinds::quad, x); }
 double quadraticTriangleArea(const Vec3* x) { return integralOfArea(cell_kinds::quadratic_triangle, x); }
 
-double hexahedronSize(const Vec3* x) {
-  // det J of the trilinear map is quadratic in each coordinate.
-  return integralOfDeterminant(cell_kinds::hexahedron, 2, x);
-}
+// det J of the trilinear map is quadratic in each coordinate, that of a prism linear in xi and eta, that of a pyramid quadratic
+// on its base and the same along a ray.
+double hexahedronSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::hexahedron, 2, x); }
+double prismSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::prism, 1, x); }
+double pyramidSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::pyramid, 1, x); }
 double quadraticTetrahedronSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::quadratic_tetrahedron, 3, x); }
 
 double tetrahedronShape(const Vec3* x) {
@@ -72,16 +73,26 @@ double quadraticTetrahedronShape(const Vec3* x) {
   return corners > 0 ? corners * least : corners;
 }
 
-double hexahedronShape(const Vec3* x) {
-  // The corner tetrahedron of a cube of edge 1 has volume 1/6 and edges 1, 1, 1, sqrt 2, sqrt 2, sqrt 2.
-  const double cube = 12 * std::cbrt(0.25) / 9;
+namespace {
+
+/// `best`: the mean ratio of the tetrahedra at the corners of the best cell.
+double worstCorner(const CellKind& kind, double best, const Vec3* x) {
   double worst = std::numeric_limits<double>::infinity();
-  for (std::size_t a = 0; a < hexahedron_corner_edges.size(); ++a) {
-    const auto& [i, j, k] = hexahedron_corner_edges[a];
+  for (std::size_t a = 0; a < kind.corner_edges.size(); ++a) {
+    const auto& [i, j, k] = kind.corner_edges[a];
     const Vec3 corner[] = {x[a], x[i], x[j], x[k]};
-    worst = std::min(worst, tetrahedronShape(corner) / cube);
+    worst = std::min(worst, tetrahedronShape(corner) / best);
   }
   return worst;
 }
+
+}  // namespace
+
+/// The corner tetrahedron of a cube of edge 1 has volume 1/6 and edges 1, 1, 1, sqrt 2, sqrt 2, sqrt 2.
+double hexahedronShape(const Vec3* x) { return worstCorner(cell_kinds::hexahedron, 12 * std::cbrt(0.25) / 9, x); }
+/// The height is (5/6)^(1/2) edges of an equilateral triangle.
+double prismShape(const Vec3* x) { return worstCorner(cell_kinds::prism, 1.6 * std::cbrt(5. / 32), x); }
+/// The height is (11/12)^(1/2) edges of a square.
+double pyramidShape(const Vec3* x) { return worstCorner(cell_kinds::pyramid, 16. / 11 * std::cbrt(11. / 48), x); }
 
 }  // namespace stroma::cell_tables

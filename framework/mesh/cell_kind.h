@@ -5,11 +5,14 @@
 // x(xi) = sum_a N_a(xi) x_a maps the reference cell to the cell. Boxes (edge, quad, hexahedron) have -1 <= xi_i <= 1 and
 //   N_a = prod_i (1 + s_ai xi_i) / 2,   s_a the coordinates of node a,
 // simplices (triangle, tetrahedron) xi_i >= 0, sum xi_i <= 1 and N_0 = 1 - sum xi_i, N_i = xi_i. With l_a these N_a, the
-// quadratic simplices have N_a = l_a (2 l_a - 1) at corners and 4 l_a l_b at the node between corners a and b.
+// quadratic simplices have N_a = l_a (2 l_a - 1) at corners and 4 l_a l_b at the node between corners a and b. A prism has
+// the products of a triangle's and an edge's. A pyramid has the base -1 <= xi, eta <= 1 and its top at zeta = 1; with s = 1 - zeta
+//   N_a = s (1 + xi_a xi / s) (1 + eta_a eta / s) / 4 at the base,   N_4 = zeta,
+// so that its faces have the functions of quads and triangles and fit to their neighbours.
 #pragma once
 #include <string_view>
 
-#include "framework/mesh/cell_tables.h"
+#include "framework/mesh/cell_rules.h"
 
 namespace stroma {
 
@@ -35,8 +38,8 @@ struct CellKind {
   /// Length [m], area [m^2] or signed volume [m^3] of the cell with nodes at x, shape (nodes); null for points.
   double (*size)(const Vec3* x) = nullptr;
   /// Of volume cells, else null: 1 for the regular cell, 0 flat, < 0 inverted. Of a tetrahedron the mean ratio
-  /// sign(V) 12 (3 |V|)^(2/3) / (sum of squared edge lengths); of a hexahedron the worst of the tetrahedra at its
-  /// corners, scaled so that a cube has 1.
+  /// sign(V) 12 (3 |V|)^(2/3) / (sum of squared edge lengths); of a hexahedron, prism or pyramid the worst of the tetrahedra
+  /// at its corners over the best that all of them can be: those of a cube; 0.996 and 0.963 where all edges are alike.
   double (*quality)(const Vec3* x) = nullptr;
   CellFormat vtk{}, gmsh{};
 
@@ -50,33 +53,25 @@ struct CellKind {
 
 namespace cell_kinds {
 
-using namespace cell_tables;  // NOLINT(google-build-using-namespace): one table in two files
+using namespace cell_tables;  // NOLINT(google-build-using-namespace): one table in three files
 
 /// What follows from the nodes of a reference cell.
 template <const auto& corners, int dimension>
-inline constexpr CellKind box{.nodes = int(corners.size()),
-                              .dimension = dimension,
-                              .affine = dimension == 1,
-                              .reference = corners,
-                              .shapes = boxShapes<corners, dimension>,
-                              .gradients = boxGradients<corners, dimension>,
+inline constexpr CellKind box{.nodes = int(corners.size()), .dimension = dimension, .affine = dimension == 1, .reference = corners,
+                              .shapes = boxShapes<corners, dimension>, .gradients = boxGradients<corners, dimension>,
                               .hold = holdInBox<dimension>};
 template <const auto& corners, int dimension>
-inline constexpr CellKind simplex{.nodes = dimension + 1,
-                                  .dimension = dimension,
-                                  .affine = true,
-                                  .reference = corners,
-                                  .shapes = simplexShapes<dimension>,
-                                  .gradients = simplexGradients<dimension>,
+inline constexpr CellKind simplex{.nodes = dimension + 1, .dimension = dimension, .affine = true, .reference = corners,
+                                  .shapes = simplexShapes<dimension>, .gradients = simplexGradients<dimension>,
                                   .hold = holdInSimplex<dimension>};
 template <const auto& places, const auto& middles, int dimension>
-inline constexpr CellKind quadratic{.nodes = int(places.size()),
-                                    .dimension = dimension,
-                                    .order = 2,
-                                    .reference = places,
+inline constexpr CellKind quadratic{.nodes = int(places.size()), .dimension = dimension, .order = 2, .reference = places,
                                     .shapes = quadraticShapes<middles, dimension>,
-                                    .gradients = quadraticGradients<middles, dimension>,
-                                    .hold = holdInSimplex<dimension>};
+                                    .gradients = quadraticGradients<middles, dimension>, .hold = holdInSimplex<dimension>};
+inline constexpr CellKind of_prism{.nodes = 6, .dimension = 3, .reference = prism_nodes, .shapes = prismShapes,
+                                   .gradients = prismGradients, .hold = holdInPrism};
+inline constexpr CellKind of_pyramid{.nodes = 5, .dimension = 3, .reference = pyramid_nodes, .shapes = pyramidShapes,
+                                     .gradients = pyramidGradients, .hold = holdInPyramid};
 
 /// singular, plural, word, alias.
 using Words = std::array<std::string_view, 4>;
@@ -91,62 +86,44 @@ constexpr CellKind kindFrom(CellType type, const Words& words, CellKind of_shape
 
 inline constexpr CellKind point = kindFrom(CellType::point, {"point", "points", "Point"}, simplex<point_nodes, 0>,
                                            {.rules = point_rules, .vtk = format(1, 1), .gmsh = format(15, 1)});
-inline constexpr CellKind edge =
-    kindFrom(CellType::edge, {"edge", "edges", "Edge", "lines"}, box<edge_nodes, 1>,
+inline constexpr CellKind edge = kindFrom(CellType::edge, {"edge", "edges", "Edge", "lines"}, box<edge_nodes, 1>,
              {.edges = edge_edges, .rules = edge_rules, .size = edgeLength, .vtk = format(3, 2), .gmsh = format(1, 2)});
-inline constexpr CellKind triangle =
-    kindFrom(CellType::triangle, {"triangle", "triangles", "Triangle"}, simplex<triangle_nodes, 2>,
-             {.edges = triangle_edges,
-              .rules = triangle_rules,
-              .size = triangleArea,
-              .vtk = format(5, 3),
-              .gmsh = format(2, 3)});
-inline constexpr CellKind quad =
-    kindFrom(CellType::quad, {"quad", "quads", "Quad"}, box<quad_nodes, 2>,
+inline constexpr CellKind triangle = kindFrom(CellType::triangle, {"triangle", "triangles", "Triangle"}, simplex<triangle_nodes, 2>,
+    {.edges = triangle_edges, .rules = triangle_rules, .size = triangleArea, .vtk = format(5, 3), .gmsh = format(2, 3)});
+inline constexpr CellKind quad = kindFrom(CellType::quad, {"quad", "quads", "Quad"}, box<quad_nodes, 2>,
              {.edges = quad_edges, .rules = quad_rules, .size = quadArea, .vtk = format(9, 4), .gmsh = format(3, 4)});
-inline constexpr CellKind tetrahedron = kindFrom(
-    CellType::tetrahedron, {"tetrahedron", "tetrahedra", "Tetrahedron", "tetras"}, simplex<tetrahedron_nodes, 3>,
-    {.edges = tetrahedron_edges,
-     .faces = tetrahedron_faces,
-     .corner_edges = tetrahedron_corner_edges,
-     .rules = tetrahedron_rules,
-     .size = tetrahedronSize,
-     .quality = tetrahedronShape,
-     .vtk = format(10, 4),
-     .gmsh = format(4, 4)});
+inline constexpr CellKind tetrahedron =
+    kindFrom(CellType::tetrahedron, {"tetrahedron", "tetrahedra", "Tetrahedron", "tetras"}, simplex<tetrahedron_nodes, 3>,
+             {.edges = tetrahedron_edges, .faces = tetrahedron_faces, .corner_edges = tetrahedron_corner_edges,
+              .rules = tetrahedron_rules, .size = tetrahedronSize, .quality = tetrahedronShape, .vtk = format(10, 4),
+              .gmsh = format(4, 4)});
 inline constexpr CellKind hexahedron =
     kindFrom(CellType::hexahedron, {"hexahedron", "hexahedra", "Hexahedron", "hexas"}, box<hexahedron_nodes, 3>,
-             {.edges = hexahedron_edges,
-              .faces = hexahedron_faces,
-              .corner_edges = hexahedron_corner_edges,
-              .rules = hexahedron_rules,
-              .size = hexahedronSize,
-              .quality = hexahedronShape,
-              .vtk = format(12, 8),
+             {.edges = hexahedron_edges, .faces = hexahedron_faces, .corner_edges = hexahedron_corner_edges,
+              .rules = hexahedron_rules, .size = hexahedronSize, .quality = hexahedronShape, .vtk = format(12, 8),
               .gmsh = format(5, 8)});
 inline constexpr CellKind quadratic_triangle =
     kindFrom(CellType::quadratic_triangle, {"quadraticTriangle", "quadraticTriangles", "QuadraticTriangle"},
              quadratic<quadratic_triangle_nodes, triangle_middles, 2>,
-             {.edges = quadratic_triangle_edges,
-              .rules = quadratic_triangle_rules,
-              .size = quadraticTriangleArea,
-              .vtk = format(22, 6),
-              .gmsh = format(9, 6)});
+             {.edges = quadratic_triangle_edges, .rules = quadratic_triangle_rules, .size = quadraticTriangleArea,
+              .vtk = format(22, 6), .gmsh = format(9, 6)});
 inline constexpr CellKind quadratic_tetrahedron =
     kindFrom(CellType::quadratic_tetrahedron, {"quadraticTetrahedron", "quadraticTetrahedra", "QuadraticTetrahedron"},
              quadratic<quadratic_tetrahedron_nodes, tetrahedron_middles, 3>,
-             {.edges = quadratic_tetrahedron_edges,
-              .faces = quadratic_tetrahedron_faces,
-              .corner_edges = quadratic_tetrahedron_corner_edges,
-              .rules = quadratic_tetrahedron_rules,
-              .size = quadraticTetrahedronSize,
-              .quality = quadraticTetrahedronShape,
-              .vtk = format(24, 10),
+             {.edges = quadratic_tetrahedron_edges, .faces = quadratic_tetrahedron_faces,
+              .corner_edges = quadratic_tetrahedron_corner_edges, .rules = quadratic_tetrahedron_rules,
+              .size = quadraticTetrahedronSize, .quality = quadraticTetrahedronShape, .vtk = format(24, 10),
               .gmsh = format(11, 10, last_two_swapped)});
+inline constexpr CellKind prism = kindFrom(CellType::prism, {"prism", "prisms", "Prism", "pentahedra"}, of_prism,
+             {.edges = prism_edges, .faces = prism_faces, .corner_edges = prism_corner_edges, .rules = prism_rules,
+              .size = prismSize, .quality = prismShape, .vtk = format(13, 6), .gmsh = format(6, 6)});
+inline constexpr CellKind pyramid = kindFrom(CellType::pyramid, {"pyramid", "pyramids", "Pyramid"}, of_pyramid,
+             {.edges = pyramid_edges, .faces = pyramid_faces, .corner_edges = pyramid_corner_edges, .rules = pyramid_rules,
+              .size = pyramidSize, .quality = pyramidShape, .vtk = format(14, 5), .gmsh = format(7, 5)});
 
 /// By CellType.
 inline constexpr std::array<const CellKind*, cell_types> all{
-    &point, &edge, &triangle, &quad, &tetrahedron, &hexahedron, &quadratic_triangle, &quadratic_tetrahedron};
+    &point, &edge, &triangle, &quad, &tetrahedron, &hexahedron, &quadratic_triangle, &quadratic_tetrahedron, &prism, &pyramid};
 
 }  // namespace cell_kinds
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The numbers behind the table of kinds of cells (cell_kind.h): reference nodes, edges, faces, shape functions and
-// quadrature.
+// The numbers behind the table of kinds of cells (cell_kind.h): reference nodes, edges, faces and shape functions.
 #pragma once
 #include <algorithm>
-#include <limits>
 #include <span>
 
 #include "framework/scene/types.h"
@@ -11,33 +9,14 @@
 namespace stroma {
 
 enum class CellType : int {
-  point,
-  edge,
-  triangle,
-  quad,
-  tetrahedron,
-  hexahedron,
-  quadratic_triangle,
-  quadratic_tetrahedron
+  point, edge, triangle, quad, tetrahedron, hexahedron, quadratic_triangle, quadratic_tetrahedron, prism, pyramid
 };
 
-inline constexpr int cell_types = 8;
+inline constexpr int cell_types = 10;
 inline constexpr int most_cell_nodes = 10;
 
 /// xi, or a derivative along it; zero beyond the dimension of the cell.
 using LocalPoint = std::array<double, 3>;
-
-struct QuadraturePoint {
-  LocalPoint xi;
-  double weight;
-};
-
-/// Weights sum to the size of the reference cell. Point a of a rule with as many points as a box has nodes lies towards
-/// node a.
-struct QuadratureRule {
-  int degree;  ///< exact for polynomials of this degree: in all for simplices, along each axis for boxes
-  std::span<const QuadraturePoint> points;
-};
 
 /// A face of a volume cell, counter-clockwise seen from outside a cell of positive volume.
 struct LocalFace {
@@ -60,6 +39,8 @@ inline constexpr std::array<LocalPoint, 4> quad_nodes{{{-1, -1, 0}, {1, -1, 0}, 
 inline constexpr std::array<LocalPoint, 4> tetrahedron_nodes{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 inline constexpr std::array<LocalPoint, 8> hexahedron_nodes{
     {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
+inline constexpr std::array<LocalPoint, 6> prism_nodes{{{0, 0, -1}, {1, 0, -1}, {0, 1, -1}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}}};
+inline constexpr std::array<LocalPoint, 5> pyramid_nodes{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}};
 
 inline constexpr std::array<std::array<int, 2>, 1> edge_edges{{{0, 1}}};
 inline constexpr std::array<std::array<int, 2>, 3> triangle_edges{{{0, 1}, {1, 2}, {2, 0}}};
@@ -81,31 +62,35 @@ inline constexpr auto quadratic_triangle_edges = halfEdges(triangle_middles, 3);
 inline constexpr auto quadratic_tetrahedron_edges = halfEdges(tetrahedron_middles, 4);
 inline constexpr std::array<std::array<int, 2>, 12> hexahedron_edges{
     {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+inline constexpr std::array<std::array<int, 2>, 9> prism_edges{
+    {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
+inline constexpr std::array<std::array<int, 2>, 8> pyramid_edges{{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
 
+constexpr LocalFace triangleFace(int a, int b, int c) { return {CellType::triangle, {a, b, c, c, c, c}}; }
+constexpr LocalFace quadFace(int a, int b, int c, int d) { return {CellType::quad, {a, b, c, d, d, d}}; }
 /// Face i is opposite node i.
-inline constexpr std::array<LocalFace, 4> tetrahedron_faces{{{CellType::triangle, {1, 2, 3, 3, 3, 3}},
-                                                             {CellType::triangle, {0, 3, 2, 2, 2, 2}},
-                                                             {CellType::triangle, {0, 1, 3, 3, 3, 3}},
-                                                             {CellType::triangle, {0, 2, 1, 1, 1, 1}}}};
-inline constexpr std::array<LocalFace, 4> quadratic_tetrahedron_faces{
-    {{CellType::quadratic_triangle, {1, 2, 3, 5, 9, 8}},
-     {CellType::quadratic_triangle, {0, 3, 2, 7, 9, 6}},
-     {CellType::quadratic_triangle, {0, 1, 3, 4, 8, 7}},
-     {CellType::quadratic_triangle, {0, 2, 1, 6, 5, 4}}}};
+inline constexpr std::array<LocalFace, 4> tetrahedron_faces{triangleFace(1, 2, 3), triangleFace(0, 3, 2), triangleFace(0, 1, 3),
+                                                            triangleFace(0, 2, 1)};
+inline constexpr std::array<LocalFace, 4> quadratic_tetrahedron_faces{{{CellType::quadratic_triangle, {1, 2, 3, 5, 9, 8}},
+                                                                       {CellType::quadratic_triangle, {0, 3, 2, 7, 9, 6}},
+                                                                       {CellType::quadratic_triangle, {0, 1, 3, 4, 8, 7}},
+                                                                       {CellType::quadratic_triangle, {0, 2, 1, 6, 5, 4}}}};
 /// In the order -zeta, +zeta, -eta, +xi, +eta, -xi.
-inline constexpr std::array<LocalFace, 6> hexahedron_faces{{{CellType::quad, {0, 3, 2, 1, 1, 1}},
-                                                            {CellType::quad, {4, 5, 6, 7, 7, 7}},
-                                                            {CellType::quad, {0, 1, 5, 4, 4, 4}},
-                                                            {CellType::quad, {1, 2, 6, 5, 5, 5}},
-                                                            {CellType::quad, {2, 3, 7, 6, 6, 6}},
-                                                            {CellType::quad, {3, 0, 4, 7, 7, 7}}}};
+inline constexpr std::array<LocalFace, 6> hexahedron_faces{quadFace(0, 3, 2, 1), quadFace(4, 5, 6, 7), quadFace(0, 1, 5, 4),
+                                                           quadFace(1, 2, 6, 5), quadFace(2, 3, 7, 6), quadFace(3, 0, 4, 7)};
+inline constexpr std::array<LocalFace, 5> prism_faces{triangleFace(0, 2, 1), triangleFace(3, 4, 5), quadFace(0, 1, 4, 3),
+                                                      quadFace(1, 2, 5, 4), quadFace(2, 0, 3, 5)};
+inline constexpr std::array<LocalFace, 5> pyramid_faces{quadFace(0, 3, 2, 1), triangleFace(0, 1, 4), triangleFace(1, 2, 4),
+                                                        triangleFace(2, 3, 4), triangleFace(3, 0, 4)};
 
-inline constexpr std::array<std::array<int, 3>, 4> tetrahedron_corner_edges{
-    {{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
-inline constexpr std::array<std::array<int, 3>, 4> quadratic_tetrahedron_corner_edges{
-    {{4, 6, 7}, {5, 4, 8}, {6, 5, 9}, {7, 9, 8}}};
+inline constexpr std::array<std::array<int, 3>, 4> tetrahedron_corner_edges{{{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}},
+    quadratic_tetrahedron_corner_edges{{{4, 6, 7}, {5, 4, 8}, {6, 5, 9}, {7, 9, 8}}};
 inline constexpr std::array<std::array<int, 3>, 8> hexahedron_corner_edges{
     {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}}};
+inline constexpr std::array<std::array<int, 3>, 6> prism_corner_edges{
+    {{1, 2, 3}, {2, 0, 4}, {0, 1, 5}, {5, 4, 0}, {3, 5, 1}, {4, 3, 2}}};
+/// Of the four edges at the top three.
+inline constexpr std::array<std::array<int, 3>, 5> pyramid_corner_edges{{{1, 3, 4}, {2, 0, 4}, {3, 1, 4}, {0, 2, 4}, {1, 0, 2}}};
 
 template <const auto& nodes, int dimension>
 constexpr void boxShapes(const LocalPoint& xi, double* n) {
@@ -155,6 +140,39 @@ constexpr void quadraticGradients(const LocalPoint& xi, LocalPoint* slopes) {
     }
   }
 }
+/// Products of the triangle's l_a and those of an edge.
+constexpr void prismShapes(const LocalPoint& xi, double* n) {
+  simplexShapes<2>(xi, n);
+  for (int a = 0; a < 3; ++a) n[a + 3] = 0.5 * (1 + xi[2]) * n[a], n[a] *= 0.5 * (1 - xi[2]);
+}
+constexpr void prismGradients(const LocalPoint& xi, LocalPoint* slopes) {
+  double l[3]{};
+  simplexShapes<2>(xi, l), simplexGradients<2>(xi, slopes);
+  for (int a = 0; a < 3; ++a) {
+    const auto [x, y, none] = slopes[a];
+    const double low = 0.5 * (1 - xi[2]), high = 0.5 * (1 + xi[2]);
+    slopes[a] = {low * x, low * y, -0.5 * l[a]}, slopes[a + 3] = {high * x, high * y, 0.5 * l[a]};
+  }
+}
+/// Where the ray from the top through xi meets the base: u, v, with 0, 0 of the top itself.
+constexpr std::array<double, 2> onBase(const LocalPoint& xi) {
+  const double below = 1 - xi[2];
+  return below == 0 ? std::array{0., 0.} : std::array{xi[0] / below, xi[1] / below};
+}
+constexpr void pyramidShapes(const LocalPoint& xi, double* n) {
+  const auto [u, v] = onBase(xi);
+  for (std::size_t a = 0; a < 4; ++a) n[a] = 0.25 * (1 - xi[2]) * (1 + pyramid_nodes[a][0] * u) * (1 + pyramid_nodes[a][1] * v);
+  n[4] = xi[2];
+}
+/// They are the same all along a ray.
+constexpr void pyramidGradients(const LocalPoint& xi, LocalPoint* slopes) {
+  const auto [u, v] = onBase(xi);
+  for (std::size_t a = 0; a < 4; ++a) {
+    const auto [s, t, none] = pyramid_nodes[a];
+    slopes[a] = {0.25 * s * (1 + t * v), 0.25 * t * (1 + s * u), 0.25 * (s * t * u * v - 1)};
+  }
+  slopes[4] = {0, 0, 1};
+}
 /// The nodes of a quadratic simplex.
 template <std::size_t N, std::size_t E>
 constexpr std::array<LocalPoint, N + E> withMiddles(const std::array<LocalPoint, N>& corners,
@@ -181,63 +199,14 @@ constexpr void holdInSimplex(LocalPoint& xi) {
   for (std::size_t i = 0; i < dimension; ++i) xi[i] /= sum;
 }
 
-/// Gauss's two points of [-1, 1] along each axis, at s_a / sqrt 3.
-inline constexpr double gauss = 1 / 1.7320508075688772;
-template <std::size_t N>
-constexpr std::array<QuadraturePoint, N> gaussPoints(const std::array<LocalPoint, N>& nodes) {
-  std::array<QuadraturePoint, N> points{};
-  for (std::size_t a = 0; a < N; ++a) points[a] = {{nodes[a][0] * gauss, nodes[a][1] * gauss, nodes[a][2] * gauss}, 1};
-  return points;
+constexpr void holdInPrism(LocalPoint& xi) {
+  holdInSimplex<2>(xi);
+  xi[2] = std::min(std::max(xi[2], -1.), 1.);
 }
-inline constexpr std::array<QuadraturePoint, 1> point_1{{{{0, 0, 0}, 1}}}, edge_1{{{{0, 0, 0}, 2}}},
-    triangle_1{{{{1. / 3, 1. / 3, 0}, 1. / 2}}}, quad_1{{{{0, 0, 0}, 4}}},
-    tetrahedron_1{{{{1. / 4, 1. / 4, 1. / 4}, 1. / 6}}}, hexahedron_1{{{{0, 0, 0}, 8}}};
-inline constexpr auto edge_2 = gaussPoints(edge_nodes);
-inline constexpr auto quad_4 = gaussPoints(quad_nodes);
-inline constexpr auto hexahedron_8 = gaussPoints(hexahedron_nodes);
-inline constexpr std::array<QuadraturePoint, 3> triangle_3{
-    {{{1. / 6, 1. / 6, 0}, 1. / 6}, {{2. / 3, 1. / 6, 0}, 1. / 6}, {{1. / 6, 2. / 3, 0}, 1. / 6}}};
-/// (5 -+ sqrt 5) / 20 and what is left for the fourth. Source: Hammer and Stroud 1956.
-inline constexpr double near_face = 0.1381966011250105, near_node = 0.5854101966249685;
-inline constexpr std::array<QuadraturePoint, 4> tetrahedron_4{{{{near_face, near_face, near_face}, 1. / 24},
-                                                               {{near_node, near_face, near_face}, 1. / 24},
-                                                               {{near_face, near_node, near_face}, 1. / 24},
-                                                               {{near_face, near_face, near_node}, 1. / 24}}};
-/// The points (a, a, 1 - 2a) of a triangle, its weights w; (a, a, a, 1 - 3a) and (a, a, 1/2 - a, 1/2 - a) of a
-/// tetrahedron. Sources: Strang and Fix 1973 (six points), Walkington 2000 (fourteen).
-constexpr auto trianglePoints(double a, double w, double b, double v) {
-  return std::array<QuadraturePoint, 6>{{{{a, a, 0}, w},
-                                         {{1 - 2 * a, a, 0}, w},
-                                         {{a, 1 - 2 * a, 0}, w},
-                                         {{b, b, 0}, v},
-                                         {{1 - 2 * b, b, 0}, v},
-                                         {{b, 1 - 2 * b, 0}, v}}};
+constexpr void holdInPyramid(LocalPoint& xi) {
+  xi[2] = std::min(std::max(xi[2], 0.), 1.);
+  for (std::size_t i = 0; i < 2; ++i) xi[i] = std::min(std::max(xi[i], xi[2] - 1), 1 - xi[2]);
 }
-inline constexpr auto triangle_6 =
-    trianglePoints(0.44594849091596488632, 0.11169079483900573285, 0.09157621350977074346, 0.05497587182766093382);
-constexpr std::array<QuadraturePoint, 14> tetrahedronPoints() {
-  constexpr double a[2] = {0.31088591926330060980, 0.092735250310891226402},
-                   w[2] = {0.018781320953002641800, 0.012248840519393658257}, c = 0.045503704125649649492, d = 0.5 - c,
-                   v = 0.0070910034628469110730;
-  std::array<QuadraturePoint, 14> points{};
-  for (std::size_t k = 0; k < 8; ++k) {
-    points[k] = {{a[k / 4], a[k / 4], a[k / 4]}, w[k / 4]};
-    if (k % 4 > 0) points[k].xi[k % 4 - 1] = 1 - 3 * a[k / 4];
-  }
-  for (std::size_t k = 0; k < 3; ++k) {  // c twice and d once leaves d for the fourth, c once and d twice c
-    points[8 + k] = {{d, d, d}, v}, points[11 + k] = {{c, c, c}, v};
-    points[8 + k].xi[k] = c, points[11 + k].xi[k] = d;
-  }
-  return points;
-}
-inline constexpr auto tetrahedron_14 = tetrahedronPoints();
-inline constexpr std::array<QuadratureRule, 1> point_rules{{{std::numeric_limits<int>::max(), point_1}}};
-inline constexpr std::array<QuadratureRule, 2> edge_rules{{{1, edge_1}, {3, edge_2}}},
-    triangle_rules{{{1, triangle_1}, {2, triangle_3}}}, quad_rules{{{1, quad_1}, {3, quad_4}}},
-    tetrahedron_rules{{{1, tetrahedron_1}, {2, tetrahedron_4}}},
-    hexahedron_rules{{{1, hexahedron_1}, {3, hexahedron_8}}},
-    quadratic_triangle_rules{{{2, triangle_3}, {4, triangle_6}}},
-    quadratic_tetrahedron_rules{{{2, tetrahedron_4}, {5, tetrahedron_14}}};
 
 /// Cells are numbered alike everywhere, but for the last edges of Gmsh's quadratic tetrahedron.
 inline constexpr std::array<int, most_cell_nodes> same_order{0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -251,10 +220,14 @@ double triangleArea(const Vec3* x);
 double quadArea(const Vec3* x);
 double tetrahedronSize(const Vec3* x);
 double hexahedronSize(const Vec3* x);
+double prismSize(const Vec3* x);
+double pyramidSize(const Vec3* x);
 double quadraticTriangleArea(const Vec3* x);
 double quadraticTetrahedronSize(const Vec3* x);
 double tetrahedronShape(const Vec3* x);
 double hexahedronShape(const Vec3* x);
+double prismShape(const Vec3* x);
+double pyramidShape(const Vec3* x);
 double quadraticTetrahedronShape(const Vec3* x);
 
 }  // namespace cell_tables

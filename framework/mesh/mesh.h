@@ -17,11 +17,11 @@ struct Adjacency {
 /// What a check of a mesh found. Volumes in m^3 (the mesh's unit cubed).
 struct MeshReport {
   Index nodes = 0, edges = 0, triangles = 0, quads = 0, quadratic_triangles = 0;
-  Index tetrahedra = 0, hexahedra = 0, quadratic_tetrahedra = 0;
+  Index tetrahedra = 0, hexahedra = 0, prisms = 0, pyramids = 0, quadratic_tetrahedra = 0;
   double volume = 0;         ///< sum of the signed volumes of the volume cells, over `overlap`
   double overlap = 1;        ///< Mesh::overlap
   double worst_quality = 1;  ///< smallest mean-ratio quality of a volume cell: 1 regular, 0 flat, < 0 inverted
-  Index worst_cell = -1;  ///< its index (tetrahedra first, then hexahedra, quadratic ones last), -1 when there is none
+  Index worst_cell = -1;  ///< its index in the order of the lists of cells, -1 when there is none
   std::vector<Index> inverted;                   ///< volume cells with a negative volume
   std::vector<Index> flat;                       ///< volume cells with a volume below 1e-12 of their longest edge cubed
   std::vector<Index> unused_nodes;               ///< nodes that no cell uses
@@ -39,6 +39,8 @@ class Mesh {
   std::vector<QuadraticTriangle> quadratic_triangles;
   std::vector<Tetrahedron> tetrahedra;  ///< positive volume: (b-a) x (c-a) . (d-a) > 0
   std::vector<Hexahedron> hexahedra;    ///< VTK order: bottom face counter-clockwise, then the top face
+  std::vector<Prism> prisms;            ///< the same of two triangles
+  std::vector<Pyramid> pyramids;        ///< bottom face counter-clockwise seen from the top, then the top
   std::vector<QuadraticTetrahedron> quadratic_tetrahedra;  ///< corners as a tetrahedron's, then the edges' nodes
   /// How many times the volume cells cover the body: 2 for the superposition of two cuttings (ten tetrahedra a
   /// hexahedron), else 1. Masses and elastic force fields divide each cell's contribution by it.
@@ -52,22 +54,20 @@ class Mesh {
 
   // ---- derived on demand ----
   const std::vector<Edge>& allEdges() const;                                 ///< unique edges of all cells, sorted
-  const std::vector<Triangle>& tetrahedronFaces() const;                     ///< unique faces of tetrahedra
-  const std::vector<Triangle>& boundaryTriangles() const;                    ///< faces of one tetrahedron only, outward
-  const std::vector<Quad>& boundaryQuads() const;                            ///< faces of one hexahedron only, outward
+  const std::vector<Triangle>& triangularFaces() const;                      ///< unique triangles of volume cells
+  const std::vector<Triangle>& boundaryTriangles() const;                    ///< those of one volume cell only, outward
+  const std::vector<Quad>& boundaryQuads() const;                            ///< quads of one volume cell only, outward
   const std::vector<QuadraticTriangle>& boundaryQuadraticTriangles() const;  ///< of one quadratic tetrahedron only
-  const Adjacency& tetrahedraAroundNode() const;
-  const Adjacency& hexahedraAroundNode() const;
   const Adjacency& nodesAroundNode() const;  ///< by edges of cells, without itself, ascending
   /// How many derived tables have been built: a scene that needs none pays for none.
   int derivedTables() const;
 
  private:
   mutable std::optional<std::vector<Edge>> all_edges_;
-  mutable std::optional<std::vector<Triangle>> tetrahedron_faces_, boundary_triangles_;
+  mutable std::optional<std::vector<Triangle>> triangular_faces_, boundary_triangles_;
   mutable std::optional<std::vector<Quad>> boundary_quads_;
   mutable std::optional<std::vector<QuadraticTriangle>> boundary_quadratic_triangles_;
-  mutable std::optional<Adjacency> tetrahedra_around_node_, hexahedra_around_node_, nodes_around_node_;
+  mutable std::optional<Adjacency> nodes_around_node_;
 };
 
 /// 1/6 (b-a) x (c-a) . (d-a)

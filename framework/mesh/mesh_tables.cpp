@@ -14,8 +14,7 @@ namespace {
 template <class Visit>
 void forEachEdge(const Mesh& mesh, Visit&& visit) {
   const auto ordered = [&visit](Index a, Index b) { a < b ? visit(a, b) : visit(b, a); };
-  forEachCellList(
-      [&](const CellKind& kind, const auto& cells) {
+  forEachCellList([&](const CellKind& kind, const auto& cells) {
         for (const auto& cell : cells)
           for (const auto& [i, j] : kind.edges) ordered(cell[i], cell[j]);
       },
@@ -37,20 +36,6 @@ std::vector<Edge> uniqueEdges(const Mesh& mesh) {
     for (auto it = first, end = std::unique(first, last); it != end; ++it) edges.push_back({Index(n), *it});
   }
   return edges;
-}
-
-template <class Cell>
-Adjacency cellsAroundNodes(const std::vector<Cell>& cells, std::size_t nodes) {
-  Adjacency out;
-  out.start.assign(nodes + 1, 0);
-  for (const Cell& cell : cells)
-    for (Index node : cell) ++out.start[node + 1];
-  for (std::size_t n = 0; n < nodes; ++n) out.start[n + 1] += out.start[n];
-  out.values.resize(out.start.back());
-  std::vector<Index> next(out.start.begin(), out.start.end());
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (Index node : cells[c]) out.values[next[node]++] = Index(c);
-  return out;
 }
 
 Adjacency nodesAroundNodes(const std::vector<Edge>& edges, std::size_t nodes) {
@@ -79,33 +64,25 @@ const Table& made(std::optional<Table>& table, Make&& make) {
 const std::vector<Edge>& Mesh::allEdges() const {
   return made(all_edges_, [&] { return uniqueEdges(*this); });
 }
-const std::vector<Triangle>& Mesh::tetrahedronFaces() const {
-  return made(tetrahedron_faces_, [&] { return uniqueFaces(tetrahedra, false); });
+const std::vector<Triangle>& Mesh::triangularFaces() const {
+  return made(triangular_faces_, [&] { return uniqueTriangles(*this, false); });
 }
 const std::vector<Triangle>& Mesh::boundaryTriangles() const {
-  return made(boundary_triangles_, [&] { return uniqueFaces(tetrahedra, true); });
+  return made(boundary_triangles_, [&] { return uniqueTriangles(*this, true); });
 }
 const std::vector<Quad>& Mesh::boundaryQuads() const {
-  return made(boundary_quads_, [&] { return uniqueFaces(hexahedra, true); });
+  return made(boundary_quads_, [&] { return uniqueQuads(*this, true); });
 }
 const std::vector<QuadraticTriangle>& Mesh::boundaryQuadraticTriangles() const {
-  return made(boundary_quadratic_triangles_, [&] { return uniqueFaces(quadratic_tetrahedra, true); });
-}
-const Adjacency& Mesh::tetrahedraAroundNode() const {
-  return made(tetrahedra_around_node_, [&] { return cellsAroundNodes(tetrahedra, position.size()); });
-}
-const Adjacency& Mesh::hexahedraAroundNode() const {
-  return made(hexahedra_around_node_, [&] { return cellsAroundNodes(hexahedra, position.size()); });
+  return made(boundary_quadratic_triangles_, [&] { return uniqueQuadraticTriangles(*this, true); });
 }
 const Adjacency& Mesh::nodesAroundNode() const {
   return made(nodes_around_node_, [&] { return nodesAroundNodes(allEdges(), position.size()); });
 }
 
 int Mesh::derivedTables() const {
-  return int(all_edges_.has_value()) + int(tetrahedron_faces_.has_value()) + int(boundary_triangles_.has_value()) +
-         int(boundary_quads_.has_value()) + int(boundary_quadratic_triangles_.has_value()) +
-         int(tetrahedra_around_node_.has_value()) + int(hexahedra_around_node_.has_value()) +
-         int(nodes_around_node_.has_value());
+  return int(all_edges_.has_value()) + int(triangular_faces_.has_value()) + int(boundary_triangles_.has_value()) +
+         int(boundary_quads_.has_value()) + int(boundary_quadratic_triangles_.has_value()) + int(nodes_around_node_.has_value());
 }
 
 }  // namespace stroma

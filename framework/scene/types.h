@@ -20,6 +20,8 @@ using Triangle = std::array<Index, 3>;
 using Quad = std::array<Index, 4>;
 using Tetrahedron = std::array<Index, 4>;
 using Hexahedron = std::array<Index, 8>;
+using Prism = std::array<Index, 6>;
+using Pyramid = std::array<Index, 5>;
 /// Corners, then a node on each edge, in VTK's order.
 using QuadraticTriangle = std::array<Index, 6>;
 using QuadraticTetrahedron = std::array<Index, 10>;

@@ -80,11 +80,11 @@ TEST(Tables, AgreeWithBruteForceForTetrahedra) {
     if (count == 1) boundary.insert(face);
   }
   std::set<Triangle> all_found, boundary_found;
-  for (const Triangle& f : mesh.tetrahedronFaces()) all_found.insert(sorted(f));
+  for (const Triangle& f : mesh.triangularFaces()) all_found.insert(sorted(f));
   for (const Triangle& f : mesh.boundaryTriangles()) boundary_found.insert(sorted(f));
   EXPECT_EQ(all_found, all);
   EXPECT_EQ(boundary_found, boundary);
-  EXPECT_EQ(mesh.tetrahedronFaces().size(), all.size());
+  EXPECT_EQ(mesh.triangularFaces().size(), all.size());
   EXPECT_EQ(mesh.boundaryTriangles().size(), 2u * 2 * (3 * 4 + 4 * 2 + 2 * 3));
 }
 
@@ -126,24 +126,6 @@ TEST(Tables, EdgesAndNeighboursOfAGrid) {
   }
 }
 
-TEST(Tables, CellsAroundNodes) {
-  const Mesh mesh = tetrahedronMesh(2, 3, 2, HexahedronCut::six);
-  const Mesh grid = gridMesh(2, 3, 2);
-  const auto check = [](const auto& cells, const Adjacency& around, Index nodes) {
-    ASSERT_EQ(around.size(), nodes);
-    for (Index n = 0; n < nodes; ++n) {
-      std::vector<Index> expected;
-      for (std::size_t c = 0; c < cells.size(); ++c)
-        if (std::count(cells[c].begin(), cells[c].end(), n)) expected.push_back(Index(c));
-      EXPECT_EQ(
-          std::vector<Index>(around.values.begin() + around.start[n], around.values.begin() + around.start[n + 1]),
-          expected);
-    }
-  };
-  check(mesh.tetrahedra, mesh.tetrahedraAroundNode(), mesh.nodes());
-  check(grid.hexahedra, grid.hexahedraAroundNode(), grid.nodes());
-}
-
 TEST(Tables, AreBuiltWhenAskedForAndOnce) {
   const Mesh mesh = tetrahedronMesh(1, 1, 1, HexahedronCut::six);
   mesh.report();
@@ -160,7 +142,7 @@ TEST(Subelements, FillTheListsWithoutRepeating) {
   const Triangle first = mesh.boundaryTriangles().front();
   mesh.triangles = {{first[2], first[1], first[0]}};  // the same face, turned over
   mesh.edges = {{first[1], first[0]}};
-  const std::size_t faces = mesh.tetrahedronFaces().size();
+  const std::size_t faces = mesh.triangularFaces().size();
   const Mesh before = mesh;
   addSubelements(mesh);
   EXPECT_EQ(mesh.triangles.size(), faces);

@@ -158,7 +158,7 @@ TEST_F(Abaqus, APartAndItsInstance) {
 
 TEST_F(Abaqus, WhatIsLeftOutIsToldAndWhatIsWrongIsRefused) {
   const std::string nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,0,1\n6,0,1,1\n", cell = "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n";
-  expectContains(load(nodes + cell + "*ELEMENT, TYPE=C3D6\n2,1,2,3,4,5,6\n").diagnostics.text(), "1 element C3D6");
+  expectContains(load(nodes + cell + "*ELEMENT, TYPE=C3D7\n2,1,2,3,4,5,6\n").diagnostics.text(), "1 element C3D7");
   expectContains(load(nodes + cell + "*ELEMENT, TYPE=MASS\n2,1\n3,2\n").diagnostics.text(), "2 elements MASS of the file are not used");
   const std::pair<std::string, const char*> wrong[] = {
       {nodes + "*ELEMENT, TYPE=C3D20\n", "file.inp:8: elements C3D20 are not supported"},

@@ -128,15 +128,19 @@ TEST_F(Loaders, AMirroredMeshHasNoInvertedCells) {
   EXPECT_EQ(mesh(grid).hexahedra.front(), (Hexahedron{4, 5, 6, 7, 0, 1, 2, 3}));
 }
 
-TEST_F(Loaders, CellsThatLeaveHolesAreWarnedOf) {
-  std::string text = two_tetrahedra;
-  text.replace(text.find("$EndElements"), 0, "9 6 0 10 20 30 40 50 10\n");
-  const std::string elements = "$Elements\n";
-  const auto count = text.find(elements) + elements.size();
-  text.replace(count, text.find('\n', count) - count, std::to_string(std::stoi(text.substr(count)) + 1));
-  const std::string told = sceneFromText(sceneText("MeshGmshLoader", write("prism.msh", text))).diagnostics.text();
-  expectContains(told, "warning: ");
-  expectContains(told, "1 prism of the file without a counterpart here: the body has holes there");
+TEST_F(Loaders, ReadPrismsAndPyramids) {
+  const std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n7\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 0 1 1\n"
+                           "7 2 2 0.5\n$EndNodes\n$Elements\n2\n1 6 2 3 0 1 2 3 4 5 6\n2 7 2 4 0 2 3 6 5 7\n$EndElements\n";
+  const Scene scene = sceneFromText(sceneText("MeshGmshLoader", write("prism.msh", text)));
+  EXPECT_EQ(scene.diagnostics.text(), "");
+  EXPECT_EQ(mesh(scene).prisms, (std::vector<Prism>{{0, 1, 2, 3, 4, 5}}));
+  EXPECT_EQ(mesh(scene).pyramids, (std::vector<Pyramid>{{1, 2, 5, 4, 6}}));
+  EXPECT_EQ(mesh(scene).triangles.size(), 6u);
+  EXPECT_EQ(mesh(scene).quads.size(), 3u) << "the one between them once";
+  EXPECT_NEAR(mesh(scene).report().volume, 1.5, 1e-14);
+  const Scene mirrored = sceneFromText(sceneText("MeshGmshLoader", write("prism.msh", text), R"(scale3d="1 -1 1")"));
+  EXPECT_NEAR(mesh(mirrored).report().volume, 1.5, 1e-14);
+  EXPECT_TRUE(mesh(mirrored).report().inverted.empty());
 }
 
 TEST_F(Loaders, WarnOfFaultsAndRefuseAnEmptyMesh) {

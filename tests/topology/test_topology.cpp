@@ -47,7 +47,7 @@ TEST(MeshTopology, SaysWhatIsWrong) {
   expectContains(with("position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 4\""),
                  "tetrahedron 0 names node 4, but the mesh has 4 nodes (0 to 3)");
   expectContains(with("position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 2\""), "names node 2 twice");
-  expectContains(with(one_tetrahedron + " prisms=\"0 1 2 3 4 5\""), "1 prisms and 0 pyramids are given");
+  expectContains(with(one_tetrahedron + " prisms=\"0 1 2 3 4 5\""), "prism 0 names node 5, but the mesh has 4 nodes (0 to 3)");
   expectContains(with(one_tetrahedron + " nbPoints=\"7\""), "nbPoints is 7, but there are 4 positions");
 }
 

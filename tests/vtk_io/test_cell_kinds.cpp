@@ -26,9 +26,14 @@ class VtkCellKinds : public testing::TestWithParam<const CellKind*> {
     for (vtkIdType k = 0; k < part.GetNumberOfPoints(); ++k) nodes.insert(int(part.GetPointId(int(k))));
     return nodes;
   }
-  /// VTK's reference cells go from 0 to 1.
+  /// VTK's reference cells go from 0 to 1; its pyramid is a hexahedron whose upper face is one point, its place at the corner.
   LocalPoint toVtk(const LocalPoint& xi) const {
     LocalPoint out = xi;
+    if (kind_.type == CellType::prism) return {xi[0], xi[1], (1 + xi[2]) / 2};
+    if (kind_.type == CellType::pyramid) {
+      const double s = 1 - xi[2];
+      return s == 0 ? LocalPoint{0, 0, 1} : LocalPoint{(1 + xi[0] / s) / 2, (1 + xi[1] / s) / 2, xi[2]};
+    }
     if (kind_.reference[0][0] < 0)
       for (int i = 0; i < kind_.dimension; ++i) out[i] = (1 + xi[i]) / 2;
     return out;

@@ -191,6 +191,22 @@ TEST_F(Exporter, QuadraticTetrahedraComeBack) {
   }
 }
 
+TEST_F(Exporter, PrismsAndPyramidsComeBack) {
+  for (const bool xml : {true, false}) {
+    Simulation simulation = simulationFromText(
+        R"(<Node name="root" gravity="0 0 0" dt="1"><StaticSolver/><SparseLDLSolver/>
+        <MeshTopology name="mesh" position="0 0 0  1 0 0  0 1 0  0 0 1  1 0 1  0 1 1  2 2 0.5" prisms="0 1 2 3 4 5" pyramids="1 2 5 4 6"/>
+        <MechanicalObject name="state"/><FixedProjectiveConstraint indices="0 1 2"/>
+        <CorotationalFEMForceField name="fem" template="Vec3,Prism" youngModulus="1000" poissonRatio="0"/>
+        <CorotationalFEMForceField name="top" template="Vec3,Pyramid" youngModulus="1000" poissonRatio="0"/>)" +
+        exporter(xml ? "cellsDataFields=\"fem.vonMises\"" : "XMLformat=\"false\"") + "</Node>");
+    simulation.step();
+    const Mesh mesh = load("MeshVTKLoader", at(xml ? "beam00000.vtu" : "beam00000.vtk"));
+    EXPECT_EQ(mesh.prisms, (std::vector<Prism>{{0, 1, 2, 3, 4, 5}}));
+    EXPECT_EQ(mesh.pyramids, (std::vector<Pyramid>{{1, 2, 5, 4, 6}}));
+  }
+}
+
 /// A hexahedron is pulled to a stress of 100 Pa and a strain of 0.1; the stiff tetrahedron on it goes along unstrained.
 TEST_F(Exporter, FieldsAreOnTheCellsOfTheirForceFieldWhereThereAreAsManyOfAnotherKind) {
   Simulation simulation = simulationFromText(

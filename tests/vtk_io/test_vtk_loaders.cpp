@@ -13,6 +13,7 @@
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
+#include "framework/mesh/cell_lists.h"
 #include "tests/vtk_io/vtk_fixture.h"
 
 namespace stroma::test {
@@ -44,6 +45,8 @@ Pointer<vtkUnstructuredGrid> allKinds() {
   add(VTK_TETRA, {4, 5, 6, 8});
   add(VTK_HEXAHEDRON, {0, 1, 3, 2, 4, 5, 7, 6});
   add(VTK_VOXEL, {0, 1, 2, 3, 4, 5, 6, 7});
+  add(VTK_WEDGE, {0, 1, 2, 4, 5, 6});
+  add(VTK_PYRAMID, {4, 5, 7, 6, 8});
   add(VTK_VERTEX, {5});
   return grid;
 }
@@ -58,6 +61,10 @@ void expectAllKinds(const Mesh& mesh) {
   EXPECT_EQ(mesh.quads, (std::vector<Quad>{{0, 1, 3, 2}, {4, 5, 7, 6}}));
   EXPECT_EQ(mesh.tetrahedra, (std::vector<Tetrahedron>{{4, 5, 6, 8}}));
   EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{{0, 1, 3, 2, 4, 5, 7, 6}, {0, 1, 3, 2, 4, 5, 7, 6}}));
+  EXPECT_EQ(mesh.prisms, (std::vector<Prism>{{0, 1, 2, 4, 5, 6}}));
+  EXPECT_EQ(mesh.pyramids, (std::vector<Pyramid>{{4, 5, 7, 6, 8}}));
+  EXPECT_NEAR(cell_kinds::prism.size(cornersOf(mesh.prisms[0], mesh.position).data()), 1. / 2, 1e-15);
+  EXPECT_NEAR(cell_kinds::pyramid.size(cornersOf(mesh.pyramids[0], mesh.position).data()), 1. / 3, 1e-15);
 }
 
 /// Two tetrahedra and a triangle with cell data "fibres" and point data "frames" of two vectors.

@@ -24,7 +24,8 @@ struct OwnedMesh {
 };
 
 std::size_t kindsOfVolumeCells(const Mesh& mesh) {
-  return std::size_t(!mesh.tetrahedra.empty()) + !mesh.hexahedra.empty() + !mesh.quadratic_tetrahedra.empty();
+  return std::size_t(!mesh.tetrahedra.empty()) + !mesh.hexahedra.empty() + !mesh.prisms.empty() + !mesh.pyramids.empty() +
+         !mesh.quadratic_tetrahedra.empty();
 }
 
 /// The meshes of a state with more than one kind; a loader whose cells nobody has taken over is one too.

@@ -53,46 +53,39 @@ void addEdges(std::vector<Edge>& edges, const std::vector<QuadraticTriangle>& fa
           {std::min(face[std::size_t(i)], face[std::size_t(j)]), std::max(face[std::size_t(i)], face[std::size_t(j)])});
 }
 
-/// The quadratic tetrahedron of each face, by the face's three middles: no other face has all of them.
-std::map<std::array<Index, 3>, Index> quadraticOwners(const Mesh& mesh) {
-  std::map<std::array<Index, 3>, Index> owners;
-  for (std::size_t c = 0; c < mesh.quadratic_tetrahedra.size(); ++c)
-    for (const LocalFace& face : cell_kinds::quadratic_tetrahedron.faces) {
-      std::array<Index, 3> middles;
-      for (std::size_t k = 0; k < 3; ++k) middles[k] = mesh.quadratic_tetrahedra[c][std::size_t(face.nodes[3 + k])];
-      std::sort(middles.begin(), middles.end());
-      owners[middles] = Index(c);
-    }
-  return owners;
-}
+/// The volume cells around each node, numbered as their lists follow each other.
+struct CellsAround {
+  std::vector<std::vector<Index>> of_node;
 
-/// The cell behind each face of the boundary: the one that has all its nodes, found around the face's first node.
-template <class Face, class Cell>
-Index cellBehind(const Face& face, const std::vector<Cell>& cells, const Adjacency& around) {
-  for (Index k = around.start[std::size_t(face[0])]; k < around.start[std::size_t(face[0]) + 1]; ++k) {
-    const Cell& cell = cells[std::size_t(around.values[std::size_t(k)])];
-    const bool has_all = std::all_of(face.begin(), face.end(), [&cell](Index node) {
-      return std::find(cell.begin(), cell.end(), node) != cell.end();
-    });
-    if (has_all) return around.values[std::size_t(k)];
+  explicit CellsAround(const Mesh& mesh) : of_node(std::size_t(mesh.nodes())) {
+    Index number = 0;
+    forEachCellList(
+        [&](const CellKind& kind, const auto& cells) {
+          for (std::size_t c = 0; kind.dimension == 3 && c < cells.size(); ++c, ++number)
+            for (const Index node : cells[c]) of_node[std::size_t(node)].push_back(number);
+        },
+        mesh);
   }
-  return 0;
-}
+  /// The cell behind a face of the boundary: the first that is around all its nodes.
+  template <class Face>
+  Index behind(const Face& face) const {
+    for (const Index cell : of_node[std::size_t(face[0])])
+      if (std::all_of(face.begin(), face.end(), [&](Index node) {
+            const auto& around = of_node[std::size_t(node)];
+            return std::binary_search(around.begin(), around.end(), cell);
+          }))
+        return cell;
+    return 0;
+  }
+};
 
 void addBoundary(Body& body, const Mesh& mesh) {
-  for (const Triangle& face : mesh.boundaryTriangles())
-    addTriangle(body, face[0], face[1], face[2], cellBehind(face, mesh.tetrahedra, mesh.tetrahedraAroundNode()));
-  for (const Quad& face : mesh.boundaryQuads())
-    addQuad(body, face, Index(mesh.tetrahedra.size()) + cellBehind(face, mesh.hexahedra, mesh.hexahedraAroundNode()));
+  const CellsAround cells(mesh);
+  for (const Triangle& face : mesh.boundaryTriangles()) addTriangle(body, face[0], face[1], face[2], cells.behind(face));
+  for (const Quad& face : mesh.boundaryQuads()) addQuad(body, face, cells.behind(face));
+  for (const QuadraticTriangle& face : mesh.boundaryQuadraticTriangles()) addQuadratic(body, face, cells.behind(face));
   addEdges(body.edges, mesh.boundaryTriangles());
   addEdges(body.edges, mesh.boundaryQuads());
-  if (mesh.quadratic_tetrahedra.empty()) return;
-  const auto owners = quadraticOwners(mesh);
-  for (const QuadraticTriangle& face : mesh.boundaryQuadraticTriangles()) {
-    std::array<Index, 3> middles{face[3], face[4], face[5]};
-    std::sort(middles.begin(), middles.end());
-    addQuadratic(body, face, Index(mesh.tetrahedra.size() + mesh.hexahedra.size()) + owners.at(middles));
-  }
   addEdges(body.edges, mesh.boundaryQuadraticTriangles());
 }
 
@@ -110,7 +103,9 @@ std::size_t facesOf(const Mesh& mesh) {
   return mesh.triangles.size() + mesh.quads.size() + mesh.quadratic_triangles.size();
 }
 std::size_t volumesOf(const Mesh& mesh) {
-  return mesh.tetrahedra.size() + mesh.hexahedra.size() + mesh.quadratic_tetrahedra.size();
+  std::size_t sum = 0;
+  forEachCellList([&sum](const CellKind& kind, const auto& cells) { sum += kind.dimension == 3 ? cells.size() : 0; }, mesh);
+  return sum;
 }
 bool hasVolume(const Mesh& mesh) { return highestDimension(mesh) == 3; }
 bool hasFaces(const Mesh& mesh) { return facesOf(mesh) > 0; }
@@ -154,14 +149,11 @@ void renumber(Body& body) {
   for (const Ball& ball : body.balls) drawn[std::size_t(ball.node)] = true;
   const bool has_cells = body.mesh && hasVolume(*body.mesh);
   std::vector<bool> in_cells(std::size_t(size), false);
-  if (has_cells) {
-    for (const auto& cell : body.mesh->tetrahedra)
-      for (const Index node : cell) in_cells[std::size_t(node)] = true;
-    for (const auto& cell : body.mesh->hexahedra)
-      for (const Index node : cell) in_cells[std::size_t(node)] = true;
-    for (const auto& cell : body.mesh->quadratic_tetrahedra)
-      for (const Index node : cell) in_cells[std::size_t(node)] = true;
-  }
+  const auto markCells = [&in_cells](const CellKind& kind, const auto& cells) {
+    for (std::size_t c = 0; kind.dimension == 3 && c < cells.size(); ++c)
+      for (const Index node : cells[c]) in_cells[std::size_t(node)] = true;
+  };
+  if (has_cells) forEachCellList(markCells, *body.mesh);
   body.page.assign(std::size_t(size), -1);
   const auto take = [&](Index row) {
     body.page[std::size_t(row)] = Index(body.node.size());

@@ -38,7 +38,7 @@ struct Body {
 
   std::vector<Triangle> triangles;  ///< page numbers, counter-clockwise from outside
   std::vector<Index>
-      owner;                ///< cell of each triangle: tetrahedra, then hexahedra; without those, triangles, then quads
+      owner;                ///< cell of each triangle, volume cells as their lists follow each other; without those, triangles, then quads
   std::vector<Edge> edges;  ///< of the faces, without diagonals of quads; or the lines
   std::vector<Index> points;                 ///< nodes that nothing else draws
   std::vector<Edge> springs;                 ///< within the body

@@ -40,8 +40,11 @@ void appendMissing(std::vector<Cell>& cells, const std::vector<Cell>& candidates
 /// The same volume cell with its nodes in the order of the mirror image.
 template <class Cell>
 void mirror(Cell& cell) {
-  if constexpr (std::tuple_size_v<Cell> == 8) {
-    std::swap_ranges(cell.begin(), cell.begin() + 4, cell.begin() + 4);
+  if constexpr (std::tuple_size_v<Cell> == 8 || std::tuple_size_v<Cell> == 6) {
+    const auto half = std::ptrdiff_t(cell.size() / 2);
+    std::swap_ranges(cell.begin(), cell.begin() + half, cell.begin() + half);
+  } else if constexpr (std::tuple_size_v<Cell> == 5) {
+    std::swap(cell[1], cell[3]);
   } else if constexpr (std::tuple_size_v<Cell> >= 4) {
     std::swap(cell[1], cell[2]);
     if constexpr (std::tuple_size_v<Cell> == 10) std::swap(cell[4], cell[6]), std::swap(cell[8], cell[9]);
@@ -163,7 +166,7 @@ void MeshLoader::init() {
   const bool has_cells = highestDimension(mesh_) > 0;
   if (!has_cells && !points_only_)
     throw ComponentError(fmt::format("{} has {} nodes but no cell that can be used", filename_.given, mesh_.nodes()),
-                         "edges, triangles, quads, tetrahedra or hexahedra");
+                         "edges, triangles, quads, tetrahedra, hexahedra, prisms or pyramids");
   if (const std::string error = mesh_.firstError(); !error.empty())
     throw ComponentError(fmt::format("{}: {}", filename_.given, error));
   if (only_attached_points_) removeUnusedNodes();
@@ -272,9 +275,9 @@ Mat3 rotationFromDegrees(const Vec3& angles) {
 }
 
 void addSubelements(Mesh& mesh) {
-  appendMissing(mesh.triangles, uniqueFaces(mesh.tetrahedra, false));
-  appendMissing(mesh.quads, uniqueFaces(mesh.hexahedra, false));
-  appendMissing(mesh.quadratic_triangles, uniqueFaces(mesh.quadratic_tetrahedra, false));
+  appendMissing(mesh.triangles, uniqueTriangles(mesh, false));
+  appendMissing(mesh.quads, uniqueQuads(mesh, false));
+  appendMissing(mesh.quadratic_triangles, uniqueQuadraticTriangles(mesh, false));
   // A mesh of its own, so that the lists derived from the cells before the new ones are not kept.
   const Mesh complete{mesh};
   appendMissing(mesh.edges, complete.allEdges());

@@ -166,16 +166,15 @@ void BodyActors::buildSurface() {
 /// The inside of the body where the plane cuts it.
 void BodyActors::buildSection() {
   grid_->SetPoints(nodes_);
-  const auto add = [&](const auto& cells, int kind) {
-    for (const auto& cell : cells) {
+  const auto add = [&](const CellKind& kind, const auto& cells) {
+    for (std::size_t c = 0; kind.dimension == 3 && c < cells.size(); ++c) {
       std::array<vtkIdType, most_cell_nodes> pages;
-      for (std::size_t k = 0; k < cell.size(); ++k) pages[k] = body_.page[std::size_t(cell[k])];
-      grid_->InsertNextCell(kind, vtkIdType(cell.size()), pages.data());
+      for (std::size_t k = 0; k < cells[c].size(); ++k) pages[k] = body_.page[std::size_t(cells[c][kind.vtk.order[k]])];
+      grid_->InsertNextCell(kind.vtk.number, vtkIdType(cells[c].size()), pages.data());
     }
   };
   grid_->Allocate(body_.cells());
-  add(body_.mesh->tetrahedra, VTK_TETRA), add(body_.mesh->hexahedra, VTK_HEXAHEDRON);
-  add(body_.mesh->quadratic_tetrahedra, VTK_QUADRATIC_TETRA);
+  forEachCellList(add, *body_.mesh);
   vtkNew<vtkCutter> cutter;
   cutter->SetInputData(grid_);
   cutter->SetCutFunction(style_.plane);

@@ -28,10 +28,8 @@ void forEachCell(const Body& body, Visit&& visit) {
   const auto all = [&](const auto& cells) {
     for (const auto& cell : cells) visit(number++, cell);
   };
-  if (highestDimension(mesh) < 3)
-    all(mesh.triangles), all(mesh.quads), all(mesh.quadratic_triangles);
-  else
-    all(mesh.tetrahedra), all(mesh.hexahedra), all(mesh.quadratic_tetrahedra);
+  const int dimension = highestDimension(mesh) < 3 ? 2 : 3;
+  forEachCellList([&](const CellKind& kind, const auto& cells) { kind.dimension == dimension ? all(cells) : void(); }, mesh);
 }
 
 /// The part of the values that is left when one in a hundred goes at either end.

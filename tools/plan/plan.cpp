@@ -20,9 +20,10 @@ std::vector<std::pair<std::string, double>> sizes(const Mesh& mesh) {
     return count > 0;
   };
   const bool tetrahedra = add("tetrahedra", mesh.tetrahedra.size()),
-             hexahedra = add("hexahedra", mesh.hexahedra.size()),
+             hexahedra = add("hexahedra", mesh.hexahedra.size()), prisms = add("prisms", mesh.prisms.size()),
+             pyramids = add("pyramids", mesh.pyramids.size()),
              quadratic = add("quadratic tetrahedra", mesh.quadratic_tetrahedra.size());
-  if (tetrahedra || hexahedra || quadratic) return all;
+  if (tetrahedra || hexahedra || prisms || pyramids || quadratic) return all;
   const bool triangles = add("triangles", mesh.triangles.size()), quads = add("quads", mesh.quads.size()),
              curved = add("quadratic triangles", mesh.quadratic_triangles.size());
   if (!triangles && !quads && !curved) add("edges", mesh.edges.size());

@@ -163,6 +163,8 @@ py::object meshOf(const StateRef& self) {
   addCells(cells, "triangle6", mesh.quadratic_triangles);
   addCells(cells, "tetra", mesh.tetrahedra);
   addCells(cells, "hexahedron", mesh.hexahedra);
+  addCells(cells, "wedge", mesh.prisms);
+  addCells(cells, "pyramid", mesh.pyramids);
   addCells(cells, "tetra10", mesh.quadratic_tetrahedra);
   py::dict surface;
   addCells(surface, "triangle", mesh.boundaryTriangles());

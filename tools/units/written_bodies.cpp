@@ -63,6 +63,10 @@ double volumeOf(const Mesh& mesh) {
   for (const Tetrahedron& t : mesh.tetrahedra) volume += tetrahedronVolume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
   for (const Hexahedron& h : mesh.hexahedra)  // as if it were a parallelepiped
     volume += (p[h[1]] - p[h[0]]).cross(p[h[3]] - p[h[0]]).dot(p[h[4]] - p[h[0]]);
+  for (const Prism& t : mesh.prisms)  // as if it were an oblique one
+    volume += (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]) / 2;
+  for (const Pyramid& t : mesh.pyramids)  // as if its base were a parallelogram
+    volume += 2 * tetrahedronVolume(p[t[0]], p[t[1]], p[t[3]], p[t[4]]);
   for (const QuadraticTetrahedron& t : mesh.quadratic_tetrahedra)  // as if its edges were straight
     volume += tetrahedronVolume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
   return volume / mesh.overlap;

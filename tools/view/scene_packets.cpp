@@ -42,6 +42,14 @@ Index carrierOf(const Body& body, const Drawing& drawing) {
   return -1;
 }
 
+/// The page knows prisms and pyramids as hexahedra with edges of no length.
+std::vector<Hexahedron> asHexahedra(const Mesh& mesh) {
+  std::vector<Hexahedron> all = mesh.hexahedra;
+  for (const Prism& p : mesh.prisms) all.push_back({p[0], p[1], p[2], p[2], p[3], p[4], p[5], p[5]});
+  for (const Pyramid& p : mesh.pyramids) all.push_back({p[0], p[1], p[2], p[3], p[4], p[4], p[4], p[4]});
+  return all;
+}
+
 json describe(const Body& body, const Drawing& drawing) {
   const std::string why = whyNoHand(body);
   json out{{"path", body.state->path()},
@@ -51,7 +59,7 @@ json describe(const Body& body, const Drawing& drawing) {
            {"surface", body.surface},
            {"cells",
             {{"tetrahedra", body.mesh ? body.mesh->tetrahedra.size() + body.mesh->quadratic_tetrahedra.size() : 0},
-             {"hexahedra", body.mesh ? body.mesh->hexahedra.size() : 0}}},
+             {"hexahedra", body.mesh ? asHexahedra(*body.mesh).size() : 0}}},
            {"interactive", why.empty()},
            {"why", why},
            {"carrier", why.empty() ? -1 : carrierOf(body, drawing)},
@@ -147,10 +155,11 @@ Packet cellsPacket(const Drawing& drawing, int generation) {
     if (!body.mesh) continue;
     // the inside of a cut is drawn flat: a quadratic tetrahedron by its corners, numbered like the values of fields
     std::vector<Tetrahedron> flat = body.mesh->tetrahedra;
-    if (body.mesh->hexahedra.empty())
+    const std::vector<Hexahedron> hexahedra = asHexahedra(*body.mesh);
+    if (hexahedra.empty())
       for (const QuadraticTetrahedron& t : body.mesh->quadratic_tetrahedra) flat.push_back({t[0], t[1], t[2], t[3]});
     packet.add(std::to_string(b) + ".tetrahedra", renumbered(flat, body));
-    packet.add(std::to_string(b) + ".hexahedra", renumbered(body.mesh->hexahedra, body));
+    packet.add(std::to_string(b) + ".hexahedra", renumbered(hexahedra, body));
   }
   return packet;
 }

@@ -9,10 +9,11 @@ from .errors import StromaError, refusal
 from .types import nearest
 
 #: Names of cells as meshio has them, and their numbers in VTK.
-VTK_TYPES = {"line": 3, "triangle": 5, "quad": 9, "triangle6": 22, "tetra": 10, "hexahedron": 12, "tetra10": 24}
-_VOLUMES = ("tetra", "hexahedron", "tetra10")
+VTK_TYPES = {"line": 3, "triangle": 5, "quad": 9, "triangle6": 22, "tetra": 10, "hexahedron": 12, "wedge": 13, "pyramid": 14,
+             "tetra10": 24}
+_VOLUMES = ("tetra", "hexahedron", "wedge", "pyramid", "tetra10")
 #: What meshio calls the cells that fields are on.
-_KINDS = {"tetrahedron": "tetra", "hexahedron": "hexahedron", "quadraticTetrahedron": "tetra10"}
+_KINDS = {"tetrahedron": "tetra", "hexahedron": "hexahedron", "prism": "wedge", "pyramid": "pyramid", "quadraticTetrahedron": "tetra10"}
 
 
 def _package(name: str) -> Any:
