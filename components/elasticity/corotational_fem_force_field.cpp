@@ -36,7 +36,6 @@ using namespace stroma;
 STROMA_COMPONENT(corotational_fem_force_field) {
   offerElasticKind({"Tetrahedron", "tetrahedra", makeTetrahedra});
   using Field = ElasticForceField;
-  offerElasticKind({"Tetrahedron", "tetrahedra", makeTetrahedra});
   offerElasticKind({"Prism", "prisms", makePrisms});
   offerElasticKind({"Pyramid", "pyramids", makePyramids});
   factory.add<Field>("CorotationalFEMForceField", "corotational elements of the kind that the mesh holds");

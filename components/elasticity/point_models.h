@@ -123,14 +123,14 @@ struct PointModels {
     using Tangent = PointTangent<T>;
 
     template <class T>
-    static void product(const Rest<T>&, const Tangent<T>& t, T factor, const V3<T> (&)[nodes], const V3<T> (&dx)[nodes],
+    static void product(const auto&, const Tangent<T>& t, T factor, const V3<T> (&)[nodes], const V3<T> (&dx)[nodes],
                         V3<T> (&df)[nodes]) {
       S3<T> strain[points];
       strainsOf(S::atPoints(dx), t.g, strain);
       forcesOf(t, strain, factor, df);
     }
     template <class T>
-    static void matrix(const Rest<T>&, const Tangent<T>& t, const V3<T> (&)[nodes], T (&k)[nodes * nodes * 9]) {
+    static void matrix(const auto&, const Tangent<T>& t, const V3<T> (&)[nodes], T (&k)[nodes * nodes * 9]) {
       stiffnessMatrix(t, k);
     }
 
@@ -226,17 +226,6 @@ struct PointModels {
       turn(rest, x, t);
       Model::strains(t, S::atPoints(x), strain);
       return Model::energyOf(t, strain);
-    }
-    template <class T>
-    static void product(const Rest<T>&, const Tangent<T>& t, T factor, const V3<T> (&)[S::nodes], const V3<T> (&dx)[S::nodes],
-                        V3<T> (&df)[S::nodes]) {
-      S3<T> strain[points];
-      strainsOf(S::atPoints(dx), t.g, strain);
-      forcesOf(t, strain, factor, df);
-    }
-    template <class T>
-    static void matrix(const Rest<T>&, const Tangent<T>& t, const V3<T> (&)[S::nodes], T (&k)[S::nodes * S::nodes * 9]) {
-      stiffnessMatrix(t, k);
     }
 
    private:
