@@ -12,7 +12,8 @@
 // over six points of a prism and four of a pyramid. method = svd, with the nearest rotation at each point, has a potential: forces
 // and torques balance, and the exact tangent is symmetric; so do small and green. polar: the same with the least stretched axis
 // flipped where a point is inverted; large: QR of F in the axes of the scene. polarOf = nodes: one rotation a cell, the polar
-// factor of the sum of (x - c)(X - C)^T over its nodes, as in SOFA. dilatation = mean, tangent and the
+// factor of the sum of (x - c)(X - C)^T over its nodes, as in SOFA. reducedIntegration: two points of a prism, as in SOFA, for
+// small and for polarOf = nodes; a twist of its ends against each other then has no stiffness. dilatation = mean, tangent and the
 // cell fields are those of HexahedronFEMForceField. Source of the pyramid's functions: G. Bedrosian, "Shape functions and
 // integration formulas for three-dimensional finite element analysis", Int. J. Numer. Methods Eng. 35, 1992.
 // A prism has constant strain across its triangle: in bending it is stiffer than a hexahedron.
@@ -36,7 +37,7 @@ using namespace stroma;
 STROMA_COMPONENT(corotational_fem_force_field) {
   offerElasticKind({"Tetrahedron", "tetrahedra", makeTetrahedra});
   using Field = ElasticForceField;
-  offerElasticKind({"Prism", "prisms", makePrisms});
+  offerElasticKind({"Prism", "prisms", makePrisms, makeReducedPrisms});
   offerElasticKind({"Pyramid", "pyramids", makePyramids});
   factory.add<Field>("CorotationalFEMForceField", "corotational elements of the kind that the mesh holds");
   factory.add<Field>("LinearSmallStrainFEMForceField", "linear elements of the kind that the mesh holds, no rotations",

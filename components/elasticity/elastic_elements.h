@@ -79,6 +79,7 @@ struct ElasticKind {
   std::string word;    ///< "Tetrahedron"
   std::string plural;  ///< "tetrahedra"
   std::unique_ptr<ElasticElements> (*make)() = nullptr;
+  std::unique_ptr<ElasticElements> (*make_reduced)() = nullptr;  ///< with fewer points, where the kind has that
 };
 
 /// All kinds offered so far, by word. Offering one again changes nothing: a module registers once for each factory, and
@@ -89,6 +90,7 @@ void offerElasticKind(const ElasticKind& kind);
 /// Kinds without a component of their own beside them. Each module that is built of this folder has its own list of kinds.
 std::unique_ptr<ElasticElements> makeTetrahedra();
 std::unique_ptr<ElasticElements> makePrisms();
+std::unique_ptr<ElasticElements> makeReducedPrisms();
 std::unique_ptr<ElasticElements> makePyramids();
 
 }  // namespace stroma

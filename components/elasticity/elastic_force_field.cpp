@@ -143,6 +143,7 @@ void ElasticForceField::declare(DataTable& table) {
   table.addChoice("polarOf", polar_of_, {"gradient", "edges", "nodes"})
       .help("method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its "
             "edges or the sum of (x - c)(X - C)^T over its nodes");
+  table.add("reducedIntegration", reduced_).help("prisms by two points, as in SOFA, for method small or polarOf nodes");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
@@ -194,7 +195,9 @@ void ElasticForceField::chooseKind(const Topology& topology) {
                          : topology.mesh().tetrahedra.empty() ? ""
                                                               : "TetrahedronFEMForceField");
   }
-  make_elements_ = found[0]->make;
+  if (reduced_ && !found[0]->make_reduced)
+    throw ComponentError(fmt::format("there is no reduced integration of {}", found[0]->plural), "reducedIntegration=\"false\"");
+  make_elements_ = reduced_ ? found[0]->make_reduced : found[0]->make;
   elements_ = make_elements_();
   kind_word_ = lowerCase(found[0]->word);
 }

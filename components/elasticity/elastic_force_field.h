@@ -91,6 +91,7 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   Assembling assembling_ = Assembling::automatic;
   Dilatation dilatation_ = Dilatation::automatic;
   PolarOf polar_of_ = PolarOf::gradient;
+  bool reduced_ = false;
   double plastic_max_threshold_ = 0;
 
   /// Of the topology, which owns it.

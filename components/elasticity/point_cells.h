@@ -4,6 +4,7 @@
 //   kind, of(mesh)                  its kind of cell, and their list
 //   name                            "prism", for messages
 //   volumeAt(determinant, p)        the volume of point p
+//   turns_as_one                    where it is there: no points turn by themselves
 //   mean_from                       the Poisson's ratio from which the volume change is a mean by default
 //   product, green, exact, assembly nanoseconds, as ElasticElements::Nanoseconds
 #pragma once
@@ -144,7 +145,11 @@ class PointCells final : public PointElements<PointCells<S>> {
   }
 
   // ---- for PointElements ----
-  void bindShapes(const Mesh& mesh, const std::vector<Vec3>& rest) { shapes_ = std::make_unique<PointShapes<S>>(mesh, rest); }
+  void bindShapes(const Mesh& mesh, const std::vector<Vec3>& rest) {
+    if (turns_as_one && variant_.method != ElasticMethod::small && !of_nodes_)
+      throw ComponentError("the points of a reduced integration do not turn one by one", "method=\"small\" or polarOf=\"nodes\"");
+    shapes_ = std::make_unique<PointShapes<S>>(mesh, rest);
+  }
   template <class Use>
   void forEachJacobian(std::size_t e, ConstRows x, Use&& use) const {
     const auto now = shapes_->now(e, x), rest = shapes_->atRest(e);
@@ -161,6 +166,7 @@ class PointCells final : public PointElements<PointCells<S>> {
   }
 
  private:
+  static constexpr bool turns_as_one = requires { S::turns_as_one; };
   Mat3 ofNodes(std::size_t e, ConstRows x) const {
     Mat3 sum = Mat3::Zero();
     const auto places = shapes_->places(e);
@@ -186,12 +192,16 @@ class PointCells final : public PointElements<PointCells<S>> {
   }
   std::unique_ptr<ElementKernels> makeMethod(const PointElementsOf<S>& elements) const {
     using Models = elastic::PointModels<S>;
-    if (variant_.method == ElasticMethod::green)
-      return kernelsOf<elastic::GreenModel<typename Models::GreenShape, true>>(elements);
     if (variant_.method == ElasticMethod::small) return kernelsOf<typename Models::Linear>(elements);
-    if constexpr (requires { S::polarKernels; })
-      if (of_nodes_) return S::polarKernels(elements);
-    return makeRotated(variant_, [&]<class Rotation>() { return rotatedKernels<S, Rotation>(elements); });
+    if constexpr (turns_as_one) {
+      return S::polarKernels(elements);
+    } else {
+      if (variant_.method == ElasticMethod::green)
+        return kernelsOf<elastic::GreenModel<typename Models::GreenShape, true>>(elements);
+      if constexpr (requires { S::polarKernels; })
+        if (of_nodes_) return S::polarKernels(elements);
+      return makeRotated(variant_, [&]<class Rotation>() { return rotatedKernels<S, Rotation>(elements); });
+    }
   }
 
   std::unique_ptr<PointShapes<S>> shapes_;

@@ -5,11 +5,14 @@
 namespace stroma {
 
 std::unique_ptr<ElementKernels> PrismShape::polarKernels(const PointElementsOf<PrismShape>& elements) {
-  using Models = elastic::PointModels<PrismShape>;
-  if (elements.variant.method == ElasticMethod::svd) return kernelsOf<Models::OneRotation<rotation::Svd>>(elements);
-  return kernelsOf<Models::OneRotation<rotation::Polar>>(elements);
+  return kernelsOfOneRotation(elements);
 }
 
+std::unique_ptr<ElementKernels> ReducedPrismShape::polarKernels(const PointElementsOf<ReducedPrismShape>& elements) {
+  return kernelsOfOneRotation(elements);
+}
+
+std::unique_ptr<ElasticElements> makeReducedPrisms() { return std::make_unique<PointCells<ReducedPrismShape>>(); }
 std::unique_ptr<ElasticElements> makePrisms() { return std::make_unique<PointCells<PrismShape>>(); }
 
 }  // namespace stroma

@@ -64,13 +64,27 @@ struct TabledShape {
 struct PrismShape : TabledShape<cell_kinds::prism, cell_tables::prism_6> {
   static constexpr double product = 28, green = 50, exact = 110, assembly = 500;
   static const std::vector<Prism>& of(const Mesh& mesh) { return mesh.prisms; }
-  /// polarOf = nodes.
   static std::unique_ptr<ElementKernels> polarKernels(const PointElementsOf<PrismShape>& elements);
+};
+/// SOFA's two points, for what it knows: small strains and one rotation for all points.
+struct ReducedPrismShape : TabledShape<cell_kinds::prism, cell_tables::prism_2> {
+  static constexpr bool turns_as_one = true;
+  static constexpr double product = 12, green = 20, exact = 40, assembly = 250;
+  static const std::vector<Prism>& of(const Mesh& mesh) { return mesh.prisms; }
+  static std::unique_ptr<ElementKernels> polarKernels(const PointElementsOf<ReducedPrismShape>& elements);
 };
 struct PyramidShape : TabledShape<cell_kinds::pyramid, cell_tables::pyramid_4> {
   static constexpr double product = 16, green = 30, exact = 70, assembly = 350;
   static const std::vector<Pyramid>& of(const Mesh& mesh) { return mesh.pyramids; }
   static std::unique_ptr<ElementKernels> polarKernels(const PointElementsOf<PyramidShape>& elements);
 };
+
+/// polarOf = nodes, for the polarKernels of a shape.
+template <class S>
+std::unique_ptr<ElementKernels> kernelsOfOneRotation(const PointElementsOf<S>& elements) {
+  using Models = elastic::PointModels<S>;
+  if (elements.variant.method == ElasticMethod::svd) return kernelsOf<typename Models::template OneRotation<rotation::Svd>>(elements);
+  return kernelsOf<typename Models::template OneRotation<rotation::Polar>>(elements);
+}
 
 }  // namespace stroma

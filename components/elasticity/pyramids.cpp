@@ -5,9 +5,7 @@
 namespace stroma {
 
 std::unique_ptr<ElementKernels> PyramidShape::polarKernels(const PointElementsOf<PyramidShape>& elements) {
-  using Models = elastic::PointModels<PyramidShape>;
-  if (elements.variant.method == ElasticMethod::svd) return kernelsOf<Models::OneRotation<rotation::Svd>>(elements);
-  return kernelsOf<Models::OneRotation<rotation::Polar>>(elements);
+  return kernelsOfOneRotation(elements);
 }
 
 std::unique_ptr<ElasticElements> makePyramids() { return std::make_unique<PointCells<PyramidShape>>(); }

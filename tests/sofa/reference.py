@@ -163,6 +163,36 @@ def mean_edges(x):
     return np.column_stack([np.mean([x[b] - x[a] for a, b in four], axis=0) for four in ends])
 
 
+def prisms(cells, rest, E, nu, turn, points):
+    """f = R K (X - R^T x) with K by one or three points of the triangle at the two heights of Gauss, and R = turn(now, then)."""
+    rest, D = np.array(rest, float), stiffness(E, nu)
+    triangle = {2: [(1 / 3, 1 / 3, 1 / 2)], 6: [(1 / 6, 1 / 6, 1 / 6), (2 / 3, 1 / 6, 1 / 6), (1 / 6, 2 / 3, 1 / 6)]}[points]
+    shapes = []
+    for cell in cells:
+        X, Ke = rest[list(cell)], np.zeros((18, 18))
+        for a, b, weight in triangle:
+            for z in (-1 / np.sqrt(3), 1 / np.sqrt(3)):
+                L, slopes = np.array([1 - a - b, a, b]), np.array([[-1, -1], [1, 0], [0, 1]])
+                dN = np.vstack([np.column_stack([slopes * (1 + s * z) / 2, L * s / 2]) for s in (-1, 1)])
+                J = dN.T @ X
+                B = np.zeros((6, 18))
+                for i, (p, q, r) in enumerate(dN @ np.linalg.inv(J).T):
+                    B[:, 3 * i:3 * i + 3] = [[p, 0, 0], [0, q, 0], [0, 0, r], [q, p, 0], [0, r, q], [r, 0, p]]
+                Ke += weight * abs(np.linalg.det(J)) * B.T @ D @ B
+        shapes.append((list(cell), X, Ke))
+
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for cell, X, Ke in shapes:
+            R = turn(x[cell], X)
+            T = np.kron(np.eye(6), R)
+            where = np.ravel([[3 * n, 3 * n + 1, 3 * n + 2] for n in cell])
+            f.ravel()[where] += T @ Ke @ (X - x[cell] @ R).ravel()
+            K[np.ix_(where, where)] -= T @ Ke @ T.T
+        return f, K
+    return field
+
+
 def hexahedra(cells, rest, E, nu, turn=None):
     """f = R K (R_0^T X - R^T x) with R and R_0 the polar factors of the mean edges, K of the shape in R_0. turn(now, then) stands for
     R R_0^T."""

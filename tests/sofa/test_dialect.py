@@ -15,7 +15,7 @@ import numpy as np
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from started import Started
 from reference import (axes_of, edge_polar, euler, euler_frames, fibres, first_end_beams, frame, gravity, hexahedra, inverse, load,
-                       membrane, multistep, polar, product, rotation_vector, springs, stiffness, tetrahedra, together, turn_of)
+                       membrane, multistep, polar, prisms, product, rotation_vector, springs, stiffness, tetrahedra, together, turn_of)
 
 STROMA = Started(sys.argv[1])
 CASES = []
@@ -411,6 +411,23 @@ def polar_factors_of_nodes():
     fields = together(gravity(np.ones(8), [0, -10, 0]), hexahedra([range(8)], x, 200, 0.3, lambda now, then: polar(
         (now - now.mean(axis=0)).T @ (then - then.mean(axis=0)))))
     agree(Run(brick, 30).x(), euler(x, np.eye(8), fields, 30, 0.01, held=[0]), 1e-7)
+
+
+@case
+def quirk_prism_points():
+    """Two of them, with which a twist of the ends has no stiffness, and one rotation for both."""
+    x = np.array([(a, b, c) for c in (0, 1.5) for a, b in ((0, 0), (1, 0.1), (0.2, 1.1), (1.1, 1))], float)
+    cells = [(0, 1, 2, 4, 5, 6), (1, 3, 2, 5, 7, 6)]
+    for field, turn in (('CorotationalFEMForceField', lambda now, then: polar((now - now.mean(axis=0)).T @ (then - then.mean(axis=0)))),
+                        ('LinearSmallStrainFEMForceField', lambda now, then: np.eye(3))):
+        scene = root(EXACT + f'<MeshTopology position="{" ".join(map(str, x.ravel()))}" prisms="{" ".join(str(n) for c in cells for n in c)}"/>'
+                     f'<MechanicalObject name="dofs"/><UniformMass totalMass="8"/><{field} template="Vec3,Prism" youngModulus="200" '
+                     'poissonRatio="0.3"/><FixedConstraint indices="0 1"/>')
+        two, six = (euler(x, np.eye(8), together(gravity(np.ones(8), [0, -10, 0]), prisms(cells, x, 200, 0.3, turn, points)), 30, 0.01,
+                          held=[0, 1]) for points in (2, 6))
+        agree(Run(scene, 30).x(), two, 1e-7)
+        agree(Run(scene, 30, args=["--without-quirk", "prism-points"]).x(), six, 1e-7)
+        differ(two, six, 1e-4)
 
 
 @case

@@ -17,6 +17,7 @@ const std::vector<Quirk>& allQuirks() {
       {"edge-mass", "the mass matrix of a mesh has entries at vertices and edges only"},
       {"pair-mass", "hexahedra that are a mass too couple all pairs of their corners alike, with 19 times their mass"},
       {"edge-polar", "rotations of tetrahedra and hexahedra are polar factors of edges instead of deformation gradients"},
+      {"prism-points", "prisms have two points instead of six: a twist of their ends has no stiffness"},
       {"membrane-shape", "membranes rebuild their strains from the shape of the moment"},
       {"fixed-fibres", "Costa's law has its fibre along x and its sheet along y, whatever AnisotropyDirections are given"},
       {"local-dilatation", "elements near incompressibility lock: no mean dilatation"},
