@@ -138,11 +138,10 @@ void ElasticForceField::declare(DataTable& table) {
   table.addChoice("dilatation", dilatation_, {"auto", "local", "mean"})
       .help(
           "volume change: that at each integration point, or its mean (over a hexahedron, around a node of "
-          "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean from 0.4 on for hexahedra, "
-          "above 0.45 for tetrahedra");
+          "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean above "
+          "0.45 for tetrahedra, from 0.4 on for others");
   table.addChoice("polarOf", polar_of_, {"gradient", "edges", "nodes"})
-      .help("method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its "
-            "edges or the sum of (x - c)(X - C)^T over its nodes");
+      .help("method polar or svd: what matrix's polar factor turns a cell, F or (SOFA) that of edges or sum (x - c)(X - C)^T of nodes");
   table.add("reducedIntegration", reduced_).help("prisms by two points, as in SOFA, for method small or polarOf nodes");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")

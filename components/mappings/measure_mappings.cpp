@@ -53,6 +53,7 @@
 #include "components/mappings/numbers_of_cells.h"
 #include "framework/mechanics/frames.h"
 #include "framework/mechanics/node_indices.h"
+#include "framework/mesh/simplex_size.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

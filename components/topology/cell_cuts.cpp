@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/scene/diagnostics.h"
 
 namespace stroma {
@@ -36,10 +36,32 @@ const auto& faceOf(int face) { return cell_kinds::hexahedron.faces[face].nodes; 
 
 using FaceNodes = std::array<Index, 4>;
 
+struct CellFace {
+  Index cell = 0;
+  int face = 0;  ///< of CellKind::faces
+};
+
 FaceNodes nodesOf(const std::vector<Hexahedron>& cells, const CellFace& where) {
   FaceNodes nodes;
   for (std::size_t i = 0; i < 4; ++i) nodes[i] = cells[where.cell][faceOf(where.face)[i]];
   return nodes;
+}
+
+/// Pairs of cells that share a face, in ascending order of its sorted nodes.
+std::vector<std::array<CellFace, 2>> sharedFaces(const std::vector<Hexahedron>& cells) {
+  std::vector<std::pair<FaceNodes, CellFace>> keys;
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (int f = 0; f < 6; ++f) {
+      const CellFace where{Index(c), f};
+      FaceNodes nodes = nodesOf(cells, where);
+      std::sort(nodes.begin(), nodes.end());
+      keys.emplace_back(nodes, where);
+    }
+  std::ranges::stable_sort(keys, {}, [](const auto& key) { return key.first; });
+  std::vector<std::array<CellFace, 2>> out;
+  for (std::size_t i = 0; i + 1 < keys.size(); ++i)
+    if (keys[i].first == keys[i + 1].first) out.push_back({keys[i].second, keys[i + 1].second});
+  return out;
 }
 
 /// For each cell its faces with neighbours.

@@ -39,6 +39,7 @@
 
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/cell_lists.h"
+#include "framework/mesh/simplex_size.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
 

@@ -74,7 +74,7 @@ std::vector<Face> SurfaceSelection::listed(const Component& load, const Mesh& me
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] < 0 || std::size_t(indices[i]) >= cells.size())
         throw ComponentError(fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),
-            cells.empty() ? addsFaces() : fmt::format("indices in 0 ... {}", cells.size() - 1));
+                             cells.empty() ? addsFaces() : fmt::format("indices in 0 ... {}", cells.size() - 1));
       faces.push_back(cells[indices[i]]);
     }
     if (!isSet(load, name) && !cells.empty())

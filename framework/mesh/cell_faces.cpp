@@ -8,6 +8,12 @@ namespace stroma {
 
 namespace {
 
+/// One face of one cell.
+struct CellFace {
+  Index cell = 0;  ///< in the order of the lists of cells
+  int face = 0;    ///< of CellKind::faces
+};
+
 /// A face with its nodes sorted, so that the two cells of an inner face name it alike.
 template <std::size_t N>
 struct FaceKey {
@@ -84,10 +90,8 @@ FaceBuckets<N> bucketsOf(const Lists&... lists) {
   FaceBuckets<N> buckets;
   std::vector<std::size_t>& start = buckets.start;
   Index nodes = 0;
-  const auto count = [&nodes](const auto& list) {
-    for (const auto& cell : list.cells) nodes = std::max(nodes, *std::max_element(cell.begin(), cell.end()) + 1);
-  };
-  (count(lists), ...);
+  const auto reach = [&nodes](Index node) { nodes = std::max(nodes, node + 1); };
+  forEachFace<N>([&reach](CellFace, const std::array<Index, N>& face) { std::ranges::for_each(face, reach); }, lists...);
   start.assign(std::size_t(nodes) + 1, 0);
   const auto add = [&start](CellFace, const std::array<Index, N>& face) {
     Index least = face[0];
@@ -170,14 +174,6 @@ std::vector<Quad> uniqueQuads(const Mesh& mesh, bool boundary_only) {
 
 std::vector<QuadraticTriangle> uniqueQuadraticTriangles(const Mesh& mesh, bool boundary_only) {
   return uniqueFaces<6>(boundary_only, QuadraticTetrahedra{mesh.quadratic_tetrahedra});
-}
-
-std::vector<std::array<CellFace, 2>> sharedFaces(const std::vector<Hexahedron>& cells) {
-  const auto keys = sortedFaces<4>(Hexahedra{cells});
-  std::vector<std::array<CellFace, 2>> out;
-  for (std::size_t i = 0; i + 1 < keys.size(); ++i)
-    if (sameNodes(keys[i], keys[i + 1])) out.push_back({keys[i].where, keys[i + 1].where});
-  return out;
 }
 
 }  // namespace stroma

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/mesh/cell_kind.h"
 
-#include <algorithm>
-#include <cmath>
 
 #include "framework/mesh/simplex_size.h"
 
@@ -56,43 +54,5 @@ double hexahedronSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::
 double prismSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::prism, 1, x); }
 double pyramidSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::pyramid, 1, x); }
 double quadraticTetrahedronSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::quadratic_tetrahedron, 3, x); }
-
-double tetrahedronShape(const Vec3* x) {
-  const double volume = tetrahedronSize(x);
-  double squares = 0;
-  for (const auto& [a, b] : cell_kinds::tetrahedron.edges) squares += (x[b] - x[a]).squaredNorm();
-  if (!(squares > 0)) return 0;
-  return std::copysign(12 * std::cbrt(9 * volume * volume) / squares, volume);
-}
-
-double quadraticTetrahedronShape(const Vec3* x) {
-  const double corners = tetrahedronShape(x), flat = 6 * tetrahedronSize(x);
-  double least = 1;  // det dx/dxi at a node over that of the flat cell, 1 where middles are in the middle
-  for (const LocalPoint& xi : quadratic_tetrahedron_nodes)
-    least = std::min(least, determinantAt(cell_kinds::quadratic_tetrahedron, xi, x) / flat);
-  return corners > 0 ? corners * least : corners;
-}
-
-namespace {
-
-/// `best`: the mean ratio of the tetrahedra at the corners of the best cell.
-double worstCorner(const CellKind& kind, double best, const Vec3* x) {
-  double worst = std::numeric_limits<double>::infinity();
-  for (std::size_t a = 0; a < kind.corner_edges.size(); ++a) {
-    const auto& [i, j, k] = kind.corner_edges[a];
-    const Vec3 corner[] = {x[a], x[i], x[j], x[k]};
-    worst = std::min(worst, tetrahedronShape(corner) / best);
-  }
-  return worst;
-}
-
-}  // namespace
-
-/// The corner tetrahedron of a cube of edge 1 has volume 1/6 and edges 1, 1, 1, sqrt 2, sqrt 2, sqrt 2.
-double hexahedronShape(const Vec3* x) { return worstCorner(cell_kinds::hexahedron, 12 * std::cbrt(0.25) / 9, x); }
-/// The height is (5/6)^(1/2) edges of an equilateral triangle.
-double prismShape(const Vec3* x) { return worstCorner(cell_kinds::prism, 1.6 * std::cbrt(5. / 32), x); }
-/// The height is (11/12)^(1/2) edges of a square.
-double pyramidShape(const Vec3* x) { return worstCorner(cell_kinds::pyramid, 16. / 11 * std::cbrt(11. / 48), x); }
 
 }  // namespace stroma::cell_tables

@@ -37,10 +37,6 @@ struct CellKind {
   void (*hold)(LocalPoint& xi) = nullptr;  ///< moves a point outside of the reference cell to its border
   /// Length [m], area [m^2] or signed volume [m^3] of the cell with nodes at x, shape (nodes); null for points.
   double (*size)(const Vec3* x) = nullptr;
-  /// Of volume cells, else null: 1 for the regular cell, 0 flat, < 0 inverted. Of a tetrahedron the mean ratio
-  /// sign(V) 12 (3 |V|)^(2/3) / (sum of squared edge lengths); of a hexahedron, prism or pyramid the worst of the tetrahedra
-  /// at its corners over the best that all of them can be: those of a cube; 0.996 and 0.963 where all edges are alike.
-  double (*quality)(const Vec3* x) = nullptr;
   CellFormat vtk{}, gmsh{};
 
   /// The rule with the fewest points that is exact for this degree; the last when there is none.
@@ -80,7 +76,7 @@ constexpr CellKind kindFrom(CellType type, const Words& words, CellKind of_shape
   CellKind kind = of_shape;
   kind.type = type, kind.singular = words[0], kind.plural = words[1], kind.word = words[2], kind.alias = words[3];
   kind.edges = own.edges, kind.faces = own.faces, kind.corner_edges = own.corner_edges, kind.rules = own.rules;
-  kind.size = own.size, kind.quality = own.quality, kind.vtk = own.vtk, kind.gmsh = own.gmsh;
+  kind.size = own.size, kind.vtk = own.vtk, kind.gmsh = own.gmsh;
   return kind;
 }
 
@@ -95,13 +91,11 @@ inline constexpr CellKind quad = kindFrom(CellType::quad, {"quad", "quads", "Qua
 inline constexpr CellKind tetrahedron =
     kindFrom(CellType::tetrahedron, {"tetrahedron", "tetrahedra", "Tetrahedron", "tetras"}, simplex<tetrahedron_nodes, 3>,
              {.edges = tetrahedron_edges, .faces = tetrahedron_faces, .corner_edges = tetrahedron_corner_edges,
-              .rules = tetrahedron_rules, .size = tetrahedronSize, .quality = tetrahedronShape, .vtk = format(10, 4),
-              .gmsh = format(4, 4)});
+              .rules = tetrahedron_rules, .size = tetrahedronSize, .vtk = format(10, 4), .gmsh = format(4, 4)});
 inline constexpr CellKind hexahedron =
     kindFrom(CellType::hexahedron, {"hexahedron", "hexahedra", "Hexahedron", "hexas"}, box<hexahedron_nodes, 3>,
              {.edges = hexahedron_edges, .faces = hexahedron_faces, .corner_edges = hexahedron_corner_edges,
-              .rules = hexahedron_rules, .size = hexahedronSize, .quality = hexahedronShape, .vtk = format(12, 8),
-              .gmsh = format(5, 8)});
+              .rules = hexahedron_rules, .size = hexahedronSize, .vtk = format(12, 8), .gmsh = format(5, 8)});
 inline constexpr CellKind quadratic_triangle =
     kindFrom(CellType::quadratic_triangle, {"quadraticTriangle", "quadraticTriangles", "QuadraticTriangle"},
              quadratic<quadratic_triangle_nodes, triangle_middles, 2>,
@@ -112,14 +106,13 @@ inline constexpr CellKind quadratic_tetrahedron =
              quadratic<quadratic_tetrahedron_nodes, tetrahedron_middles, 3>,
              {.edges = quadratic_tetrahedron_edges, .faces = quadratic_tetrahedron_faces,
               .corner_edges = quadratic_tetrahedron_corner_edges, .rules = quadratic_tetrahedron_rules,
-              .size = quadraticTetrahedronSize, .quality = quadraticTetrahedronShape, .vtk = format(24, 10),
-              .gmsh = format(11, 10, last_two_swapped)});
+              .size = quadraticTetrahedronSize, .vtk = format(24, 10), .gmsh = format(11, 10, last_two_swapped)});
 inline constexpr CellKind prism = kindFrom(CellType::prism, {"prism", "prisms", "Prism", "pentahedra"}, of_prism,
              {.edges = prism_edges, .faces = prism_faces, .corner_edges = prism_corner_edges, .rules = prism_rules,
-              .size = prismSize, .quality = prismShape, .vtk = format(13, 6), .gmsh = format(6, 6)});
+              .size = prismSize, .vtk = format(13, 6), .gmsh = format(6, 6)});
 inline constexpr CellKind pyramid = kindFrom(CellType::pyramid, {"pyramid", "pyramids", "Pyramid"}, of_pyramid,
              {.edges = pyramid_edges, .faces = pyramid_faces, .corner_edges = pyramid_corner_edges, .rules = pyramid_rules,
-              .size = pyramidSize, .quality = pyramidShape, .vtk = format(14, 5), .gmsh = format(7, 5)});
+              .size = pyramidSize, .vtk = format(14, 5), .gmsh = format(7, 5)});
 
 /// By CellType.
 inline constexpr std::array<const CellKind*, cell_types> all{

@@ -224,11 +224,6 @@ double prismSize(const Vec3* x);
 double pyramidSize(const Vec3* x);
 double quadraticTriangleArea(const Vec3* x);
 double quadraticTetrahedronSize(const Vec3* x);
-double tetrahedronShape(const Vec3* x);
-double hexahedronShape(const Vec3* x);
-double prismShape(const Vec3* x);
-double pyramidShape(const Vec3* x);
-double quadraticTetrahedronShape(const Vec3* x);
 
 }  // namespace cell_tables
 

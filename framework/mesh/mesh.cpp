@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 
@@ -28,8 +27,6 @@ std::string firstCellError(const std::vector<Cell>& cells, std::string_view word
 }
 
 }  // namespace
-
-double tetrahedronVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a) / 6; }
 
 std::string Mesh::firstError() const {
   if (position.size() > std::size_t(std::numeric_limits<Index>::max()))

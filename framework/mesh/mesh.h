@@ -70,7 +70,4 @@ class Mesh {
   mutable std::optional<Adjacency> nodes_around_node_;
 };
 
-/// 1/6 (b-a) x (c-a) . (d-a)
-double tetrahedronVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-
 }  // namespace stroma

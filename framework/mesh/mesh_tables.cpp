@@ -14,11 +14,11 @@ namespace {
 template <class Visit>
 void forEachEdge(const Mesh& mesh, Visit&& visit) {
   const auto ordered = [&visit](Index a, Index b) { a < b ? visit(a, b) : visit(b, a); };
-  forEachCellList([&](const CellKind& kind, const auto& cells) {
-        for (const auto& cell : cells)
-          for (const auto& [i, j] : kind.edges) ordered(cell[i], cell[j]);
-      },
-      mesh);
+  const auto visitCells = [&ordered](const CellKind& kind, const auto& cells) {
+    for (const auto& cell : cells)
+      for (const auto& [i, j] : kind.edges) ordered(cell[i], cell[j]);
+  };
+  forEachCellList(visitCells, mesh);
 }
 
 std::vector<Edge> uniqueEdges(const Mesh& mesh) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "framework/mesh/mesh.h"
+#include "framework/mesh/simplex_size.h"
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {

@@ -10,6 +10,7 @@
 
 #include "framework/fem/isotropic.h"
 #include "framework/mesh/cell_kind.h"
+#include "framework/mesh/simplex_size.h"
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {

@@ -9,7 +9,7 @@
 #include <list>
 
 #include "framework/scene/node.h"
-#include "framework/simulation/edit_values.h"
+#include "tools/live/edit_values.h"
 #include "framework/simulation/integrator.h"
 #include "tools/platform/error_sentence.h"
 

@@ -12,6 +12,7 @@
 
 #include "framework/mesh/cell_lists.h"
 #include "framework/mesh/mesh_loader.h"
+#include "tools/mesh_report/cell_quality.h"
 
 namespace stroma {
 
@@ -115,7 +116,7 @@ MeshReport Mesh::report() const {
         markUsed(cells, used);
         for (std::size_t c = 0; kind.dimension == 3 && c < cells.size(); ++c) {
           const auto corner = cornersOf(cells[c], position);
-          addCell(kind.size(corner.data()), kind.quality(corner.data()), longestEdge(kind, corner.data()), out,
+          addCell(kind.size(corner.data()), cellQuality(kind, corner.data()), longestEdge(kind, corner.data()), out,
                   volume_cells++);
         }
       },

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "framework/scene/spans.h"
-#include "framework/simulation/edit_values.h"
+#include "tools/live/edit_values.h"
 #include "framework/simulation/mesh_changer.h"
 #include "tools/mesh_report/read_meshes.h"
 #include "tools/session/carried_values.h"

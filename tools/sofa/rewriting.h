@@ -86,6 +86,7 @@ class Rewriting {
   void meanSelection(Element& element);
   void meanActuator(Element& element);
   void meanField(Element& element);
+  void meanPrisms(Element& element);
   // ---- rewritten_fields.cpp ----
   void meanOfNames(Element& element);
   void meanStressFields(Element& element);

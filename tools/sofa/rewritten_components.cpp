@@ -92,17 +92,23 @@ void Rewriting::meanMembrane(Element& element) {
   if (membrane || type == "TriangularFEMForceFieldOptim" || type == "QuadBendingFEMForceField") setDefault(element, "thickness", "1");
 }
 
+void Rewriting::meanPrisms(Element& element) {
+  if (!isOneOf(element.written->type, {"LinearSmallStrainFEMForceField", "CorotationalFEMForceField"})) return;
+  const std::string kind = element.text("template");
+  const bool is_prism = kind.ends_with("Prism"), turns = element.written->type == "CorotationalFEMForceField";
+  if (turns && (is_prism || kind.ends_with("Pyramid"))) setDefault(element, "rotationMethod", "stable_polar");
+  const bool by_gradients = turns && element.text("rotationMethod") != "identity" && !quirks_.isOn("edge-polar");
+  if (is_prism && !by_gradients) setQuirk(element, "prism-points", "reducedIntegration", "true");
+}
+
 void Rewriting::meanField(Element& element) {
   const std::string& type = element.written->type;
-  meanSprings(element), meanLoads(element);
+  meanSprings(element), meanLoads(element), meanPrisms(element);
   if (element.dropped) return;
   const bool corotational = isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField"});
   const bool elastic = corotational || isOneOf(type, {"HexahedronFEMForceField", "CorotationalFEMForceField",
                                                       "FastTetrahedralCorotationalForceField", "LinearSmallStrainFEMForceField"});
   if (elastic && quirks_.use("local-dilatation", element.path())) setDefault(element, "dilatation", "local");
-  const bool is_prism = elastic && element.text("template").ends_with("Prism");
-  if (type == "CorotationalFEMForceField" && (is_prism || element.text("template").ends_with("Pyramid")))
-    setDefault(element, "rotationMethod", "stable_polar");
   const std::string method = element.text("method");
   for (const char* name : {"youngModulus", "poissonRatio"})
     if (element.text(name).find_first_of("@ \t\n") != std::string::npos) setDefault(element, "firstForOthers", "true");
@@ -114,7 +120,6 @@ void Rewriting::meanField(Element& element) {
     warn(element.written->where, element, "updateStiffnessMatrix", "takes polar factors of deformation gradients here, and SOFA of edges");
   else if (of_edges || of_nodes)
     setQuirk(element, "edge-polar", "polarOf", of_nodes ? "nodes" : "edges");
-  if (is_prism && (!of_nodes || quirks_.isOn("edge-polar"))) setQuirk(element, "prism-points", "reducedIntegration", "true");
   if (type == "TetrahedronFEMForceField") cutHexahedra(element);
   if (const auto plastic = plasticity_.find(&element); plastic != plasticity_.end()) {
     if (const AttributeDescription* mesh = element.find("topology")) plastic->second.attributes.push_back(*mesh);
