@@ -10,7 +10,7 @@ namespace {
 
 /// One face of one cell.
 struct CellFace {
-  Index cell = 0;  ///< in the order of the lists of cells
+  Index cell = 0;  ///< in the order of the lists
   int face = 0;    ///< of CellKind::faces
 };
 
@@ -90,14 +90,10 @@ FaceBuckets<N> bucketsOf(const Lists&... lists) {
   FaceBuckets<N> buckets;
   std::vector<std::size_t>& start = buckets.start;
   Index nodes = 0;
-  const auto reach = [&nodes](Index node) { nodes = std::max(nodes, node + 1); };
-  forEachFace<N>([&reach](CellFace, const std::array<Index, N>& face) { std::ranges::for_each(face, reach); }, lists...);
+  const auto reach = [&nodes](CellFace, const auto& face) { nodes = std::max(nodes, 1 + *std::ranges::max_element(face)); };
+  forEachFace<N>(reach, lists...);
   start.assign(std::size_t(nodes) + 1, 0);
-  const auto add = [&start](CellFace, const std::array<Index, N>& face) {
-    Index least = face[0];
-    for (std::size_t i = 1; i < N; ++i) least = std::min(least, face[i]);
-    ++start[std::size_t(least) + 1];
-  };
+  const auto add = [&start](CellFace, const auto& face) { ++start[std::size_t(*std::ranges::min_element(face)) + 1]; };
   forEachFace<N>(add, lists...);
   for (std::size_t n = 0; n < std::size_t(nodes); ++n) start[n + 1] += start[n];
   buckets.keys.resize(start.back());

@@ -48,8 +48,7 @@ double tetrahedronSize(const Vec3* x) { return simplexSize(3, x); }
 double quadArea(const Vec3* x) { return integralOfArea(cell_kinds::quad, x); }
 double quadraticTriangleArea(const Vec3* x) { return integralOfArea(cell_kinds::quadratic_triangle, x); }
 
-// det J of the trilinear map is quadratic in each coordinate, that of a prism linear in xi and eta, that of a pyramid quadratic
-// on its base and the same along a ray.
+// det J is quadratic in each coordinate of a box, linear in xi and eta of a prism, on a pyramid's base quadratic and alike on rays.
 double hexahedronSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::hexahedron, 2, x); }
 double prismSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::prism, 1, x); }
 double pyramidSize(const Vec3* x) { return integralOfDeterminant(cell_kinds::pyramid, 1, x); }

@@ -25,6 +25,9 @@ struct Override {
   static Override parse(const std::string& text);  ///< throws std::invalid_argument with a sentence
 };
 
+/// Writes them to the present owner of the archive, or reads them.
+void visitEdits(Archive& archive, std::vector<Override>& edits);
+
 /// XML text to plain data. Problems go to `diagnostics`; what could be read is returned.
 NodeDescription readXml(const std::string& text, const std::string& file, const ReadLimits& limits,
                         Diagnostics& diagnostics);

@@ -9,7 +9,6 @@
 #include <list>
 
 #include "framework/scene/node.h"
-#include "tools/live/edit_values.h"
 #include "framework/simulation/integrator.h"
 #include "tools/platform/error_sentence.h"
 

@@ -11,7 +11,7 @@
 
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/state_topology.h"
-#include "tools/live/edit_values.h"
+#include "framework/scene/load.h"
 #include "tools/session/owned_values.h"
 
 namespace stroma {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <set>
 
+#include "framework/scene/load.h"
 #include "framework/scene/spans.h"
-#include "tools/live/edit_values.h"
 #include "framework/simulation/mesh_changer.h"
 #include "tools/mesh_report/read_meshes.h"
 #include "tools/session/carried_values.h"
