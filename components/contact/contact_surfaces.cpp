@@ -8,6 +8,8 @@
 #include <map>
 #include <numeric>
 
+#include "framework/mesh/cell_lists.h"
+
 namespace stroma::contact {
 
 int Surfaces::addVertex(Index row, const Vec3& x) {
@@ -35,7 +37,7 @@ void Surfaces::addFaces(const Mesh& mesh, const State* state) {
     const int i = vertex(a), j = vertex(b), k = vertex(c);
     faces.push_back({i, j, k});
   };
-  const bool hollow = mesh.tetrahedra.empty() && mesh.hexahedra.empty() && mesh.quadratic_tetrahedra.empty();
+  const bool hollow = highestDimension(mesh) < 3;
   bodies_.back().solid = !hollow;
   for (const Triangle& t : hollow ? mesh.triangles : mesh.boundaryTriangles()) add(t[0], t[1], t[2]);
   for (const Quad& q : hollow ? mesh.quads : mesh.boundaryQuads()) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
@@ -242,6 +243,8 @@ void writeMeasuredEnd(const Simulation& simulation, const MeasuredQuantity* quan
     values.add("x " + path, flat(count, [&](std::size_t i) { return state->x()[Index(i)]; }));
     values.add("v " + path, flat(count, [&](std::size_t i) { return state->v()[Index(i)]; }));
     if (const Mesh* mesh = volumeMeshOf(simulation, *state)) {
+      if (!mesh->prisms.empty() || !mesh->pyramids.empty())
+        throw std::runtime_error(path + " has prisms or pyramids: errors are measured in tetrahedra and hexahedra");
       values.add("tetrahedra " + path, flat(mesh->tetrahedra));
       values.add("hexahedra " + path, flat(mesh->hexahedra));
     }
