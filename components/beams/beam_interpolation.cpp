@@ -85,6 +85,8 @@ class BeamInterpolation final : public BeamChain {
   void init() override {
     BeamChain::init();
     std::vector<int> chosen = edge_list_;
+    if (const Data* list = data().find("edgeList"); list->isSet() && chosen.empty())
+      warn("edgeList is given and empty: all edges are beams", "the edges that are beams");
     for (std::size_t i = 0; edge_list_.empty() && i < edges().size(); ++i) chosen.push_back(int(i));
     checkSizes(chosen.size());
     beams_.clear();

@@ -47,9 +47,9 @@ class AdaptiveBeamMapping final : public FrameMapping {
     table.addLink("interpolation", link_).help("the beams; those of a node above when not given");
     table.add("points", points_).help("places on the rod: length, and offsets along y and z; the positions of the nodes when not given").unit("m");
     table.add("useCurvAbs", by_length_).help("the first number of a point is a length of the rod, not the number of a beam");
-    table.add("nbPointsPerBeam", per_beam_).help("SOFA's; only 0 is supported");
+    table.add("nbPointsPerBeam", per_beam_).help("SOFA's; only 0 is supported").unit("-");
     table.add("contactDuplicate", is_copy_).help("SOFA's; only false is supported");
-    table.add("proximity", proximity_).help("SOFA's; only 0 is supported");
+    table.add("proximity", proximity_).help("SOFA's; only 0 is supported").unit("m");
     for (const char* name : {"nameOfInputMap", "segmentsCurvAbs"}) table.addVisualOnly(name);
   }
 
