@@ -9,9 +9,9 @@
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
-//   <RodSpireSection name="hook" length="0.1" radius="0.001" youngModulus="1e8" massDensity="1000" spireDiameter="0.1" spireHeight="0"/>
+//   <RodSpireSection name="hook" length="0.1" radius="0.001" youngModulus="1e8" massDensity="1000" spireDiameter="1" spireHeight="0"/>
 //   <WireRestShape name="shape" wireMaterials="@hook"/>
-//   <EulerImplicitSolver/>
+//   <EulerImplicitSolver newtonIterations="20"/>
 //   <SparseLDLSolver/>
 //   <MeshTopology edges="0 1  1 2"/>
 //   <MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1   0.05 0 0  0 0 0 1   0.1 0 0  0 0 0 1"/>

@@ -16,14 +16,14 @@
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
-//   <WireRestShape name="shape" length="0.35" straightLength="0.3" spireDiameter="0.05" spireHeight="0" densityOfBeams="6 4"
+//   <WireRestShape name="shape" length="0.35" straightLength="0.3" spireDiameter="0.5" spireHeight="0" densityOfBeams="6 4"
 //     radius="0.001" radiusExtremity="0.001" youngModulus="1e9" youngModulusExtremity="1e8" massDensity="1000"/>
-//   <EulerImplicitSolver/>
+//   <EulerImplicitSolver newtonIterations="20"/>
 //   <SparseLDLSolver/>
 //   <MeshTopology edges="0 1  1 2"/>
 //   <MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1   0.3 0 0  0 0 0 1   0.35 0 0  0 0 0 1"/>
 //   <WireBeamInterpolation name="wire" WireRestShape="@shape"/>
-//   <AdaptiveBeamForceFieldAndMass interpolation="@wire"/>
+//   <AdaptiveBeamForceFieldAndMass interpolation="@wire" massDensity="1000"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
 #include <fmt/format.h>
