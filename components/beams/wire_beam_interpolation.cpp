@@ -5,6 +5,9 @@
 // the mesh carries the rod from its handle on: an edge has the beam from the length of the edges before it to its own end,
 // measured along the rod where the scene starts.
 //
+// A rod is far stiffer along than across: a step of one linear solve (newtonIterations="0") can press it by more than what buckles
+// it, and then it swings too far. Take Newton's method.
+//
 // Source: names and attributes are those of the plug-in BeamAdapter for SOFA, which does nothing without a controller.
 //
 // Example:
