@@ -3,7 +3,8 @@
 //
 // With wireMaterials the stretches are those of RodStraightSection and RodSpireSection, from the handle to the tip. Without it the rod
 // is straight up to straightLength, and from there on a helix (rod_sections.cpp has the formulas) with the attributes that end in
-// Extremity. A helix begins with a bend of atan(spireHeight/(pi spireDiameter)), as in the plug-in; a stretch behind one begins where it ends.
+// Extremity. A helix begins with a bend of atan(spireHeight/(pi spireDiameter)), as in the plug-in; a stretch behind one begins
+// where it ends.
 //
 // keyPoints are the lengths where nodes are always put: the handle, the end of the straight part and the tip when not given.
 // densityOfBeams says how many beams lie between two of them where all of that is out; when it has not as many numbers as there
@@ -70,7 +71,8 @@ class WireRestShape final : public RodShape {
 
   void init() override {
     if (!procedural_ || !file_.empty())
-      throw ComponentError("a shape from a mesh or a file is not supported", "straightLength, spireDiameter and spireHeight, or wireMaterials");
+      throw ComponentError("a shape from a mesh or a file is not supported",
+                           "straightLength, spireDiameter and spireHeight, or wireMaterials");
     if (is_broken_) throw ComponentError("a rod that is broken in two is not supported", "brokenIn2=\"false\"");
     if (materials_.target())
       takeMaterials();
@@ -99,7 +101,8 @@ class WireRestShape final : public RodShape {
   }
 
   void takeMaterials() {
-    for (const char* name : {"length", "straightLength", "spireDiameter", "spireHeight", "keyPoints", "densityOfBeams", "numEdges", "numEdgesCollis",
+    for (const char* name : {"length", "straightLength", "spireDiameter", "spireHeight", "keyPoints", "densityOfBeams", "numEdges",
+                           "numEdgesCollis",
                              "radius", "youngModulus", "massDensity", "radiusExtremity", "youngModulusExtremity", "poissonRatio"})
       if (data().find(name)->isSet()) throw ComponentError(fmt::format("{} and wireMaterials are both given", name), "one of them");
     std::vector<RodStretch> stretches;
@@ -118,7 +121,8 @@ class WireRestShape final : public RodShape {
   void takeAttributes() {
     if (straight_ > length_) {
       if (data().find("straightLength")->isSet())
-        throw ComponentError(fmt::format("straightLength is {:g} and length {:g}", straight_, length_), "a straight part no longer than the rod");
+        throw ComponentError(fmt::format("straightLength is {:g} and length {:g}", straight_, length_),
+                             "a straight part no longer than the rod");
       straight_ = length_;
     }
     if (!data().find("youngModulus")->isSet())
@@ -150,7 +154,8 @@ class WireRestShape final : public RodShape {
       if (i == 0 ? key_points_[i] != 0 : !(key_points_[i] > key_points_[i - 1]))
         throw ComponentError(fmt::format("keyPoints has {:g} at {}", key_points_[i], i), "ascending lengths from 0 on");
     if (key_points_.size() < 2 || std::abs(key_points_.back() - length_) > 1e-9 * length_)
-      throw ComponentError(fmt::format("keyPoints end at {:g}, and length is {:g}", key_points_.back(), length_), "the tip as the last one");
+      throw ComponentError(fmt::format("keyPoints end at {:g}, and length is {:g}", key_points_.back(), length_),
+                           "the tip as the last one");
     if (hasStraightPart() && hasHelix() &&
         std::none_of(key_points_.begin(), key_points_.end(), [this](double at) { return std::abs(at - straight_) <= 1e-9 * length_; }))
       throw ComponentError(fmt::format("the end of the straight part, {:g}, is not among keyPoints", straight_), "a key point there");
@@ -158,7 +163,8 @@ class WireRestShape final : public RodShape {
     if (densities_.size() > count) densities_.resize(count);
     if (densities_.size() < count) {
       if (!densities_.empty())
-        warn(fmt::format("densityOfBeams has {} numbers for {} stretches between key points: it is left out, as in SOFA", densities_.size(), count),
+        warn(fmt::format("densityOfBeams has {} numbers for {} stretches between key points: it is left out, as in SOFA", densities_.size(),
+                         count),
              "one for each");
       densities_.clear();
       if (hasStraightPart()) densities_.push_back(int(std::floor(5 * straight_ / length_)));
