@@ -102,8 +102,8 @@ class WireRestShape final : public RodShape {
 
   void takeMaterials() {
     for (const char* name : {"length", "straightLength", "spireDiameter", "spireHeight", "keyPoints", "densityOfBeams", "numEdges",
-                           "numEdgesCollis",
-                             "radius", "youngModulus", "massDensity", "radiusExtremity", "youngModulusExtremity", "poissonRatio"})
+                             "numEdgesCollis", "radius", "youngModulus", "massDensity", "radiusExtremity", "youngModulusExtremity",
+                             "poissonRatio"})
       if (data().find(name)->isSet()) throw ComponentError(fmt::format("{} and wireMaterials are both given", name), "one of them");
     std::vector<RodStretch> stretches;
     key_points_.assign(1, 0);
@@ -162,7 +162,7 @@ class WireRestShape final : public RodShape {
     const std::size_t count = key_points_.size() - 1;
     if (densities_.size() > count) densities_.resize(count);
     if (densities_.size() < count) {
-      if (!densities_.empty())
+      if (data().find("densityOfBeams")->isSet())
         warn(fmt::format("densityOfBeams has {} numbers for {} stretches between key points: it is left out, as in SOFA", densities_.size(),
                          count),
              "one for each");
@@ -171,7 +171,7 @@ class WireRestShape final : public RodShape {
       if (hasHelix()) densities_.push_back(int(std::floor(20 * (1 - straight_ / length_))));
       densities_.resize(count, 0);
     }
-    if (contact_edges_.empty()) contact_edges_.assign(count, 20);
+    if (!data().find("numEdgesCollis")->isSet()) contact_edges_.assign(count, 20);
     if (contact_edges_.size() != count)
       throw ComponentError(fmt::format("numEdgesCollis has {} numbers for {} stretches between key points", contact_edges_.size(), count),
                            "one for each");
