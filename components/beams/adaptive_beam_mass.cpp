@@ -21,6 +21,7 @@
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
 #include <algorithm>
+#include <iterator>
 
 #include "components/beams/beam_inertia.h"
 #include "framework/mechanics/mass.h"
@@ -32,14 +33,14 @@ namespace {
 class AdaptiveBeamMass final : public Mass {
  public:
   void init() override {
+    std::vector<HasBeamInertia*> inertias;
+    for (const auto& other : node().components())
+      if (auto* field = dynamic_cast<HasBeamInertia*>(other.get()); field && field->inertia())
+        other->ensureReady(), inertias.push_back(field);
+    if (isMadeForAnother() && !inertias.empty()) mstate_.set(&inertias.front()->chain().state());
     Mass::init();
     fields_.clear();
-    for (const auto& other : node().components()) {
-      auto* field = dynamic_cast<HasBeamInertia*>(other.get());
-      if (!field || !field->inertia()) continue;
-      other->ensureReady();
-      if (&field->chain().state() == &state()) fields_.push_back(field);
-    }
+    std::ranges::copy_if(inertias, std::back_inserter(fields_), [this](auto* each) { return &each->chain().state() == &state(); });
     if (fields_.empty())
       throw ComponentError("there are no beams of " + state().path() + " with a mass in this node",
                            "an AdaptiveBeamForceFieldAndMass with computeMass=\"true\"");

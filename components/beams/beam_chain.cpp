@@ -24,7 +24,8 @@ RodSection roundSection(double radius, double inner, double young, double poisso
 void BeamChain::declare(DataTable& table) {
   topology_.declare(table, "mesh whose edges are beams");
   table.add("beams", table_)
-      .help("14 numbers each: nodes, 1 where the beam is out, its length, the lengths of the rod at its ends, its axes in both frames (x y z w)")
+      .help("14 numbers each: nodes, 1 where the beam is out, its length, the lengths of the rod at its ends, "
+            "its axes in both frames (x y z w)")
       .inValuesOf(14)
       .output();
 }

@@ -41,7 +41,8 @@ namespace {
 double lengthOf(const Placement& a, const Placement& b, double length) {
   const Vec3 start = length / 3 * (a.turn * Vec3::UnitX()), end = length / 3 * (b.turn * Vec3::UnitX());
   const Vec3 middle = (b.centre - end) - (a.centre + start);
-  constexpr std::array<std::array<double, 2>, 2> points{{{0.33998104358485626, 0.6521451548625461}, {0.8611363115940526, 0.34785484513745385}}};
+  constexpr std::array<std::array<double, 2>, 2> points{
+      {{0.33998104358485626, 0.6521451548625461}, {0.8611363115940526, 0.34785484513745385}}};
   double sum = 0;
   for (const auto& [place, weight] : points)
     for (const double sign : {-1., 1.}) {
@@ -85,6 +86,8 @@ class BeamInterpolation final : public BeamChain {
   void init() override {
     BeamChain::init();
     std::vector<int> chosen = edge_list_;
+    if (const Data* list = data().find("edgeList"); list->isSet() && chosen.empty())
+      warn("edgeList is given and empty: all edges are beams", "the edges that are beams");
     for (std::size_t i = 0; edge_list_.empty() && i < edges().size(); ++i) chosen.push_back(int(i));
     checkSizes(chosen.size());
     beams_.clear();
@@ -164,7 +167,8 @@ class BeamInterpolation final : public BeamChain {
   void warnWhereTurned(std::size_t beam, const Placement& a, const Placement& b) const {
     const Vec3 along = (b.centre - a.centre).normalized();
     if (along.dot(a.turn * Vec3::UnitX()) > 0.5 || is_warned_) return;
-    warn(fmt::format("beam {} goes along {:.3g} {:.3g} {:.3g}, and the x of its first frame along {:.3g} {:.3g} {:.3g}: it starts far from its "
+    warn(fmt::format("beam {} goes along {:.3g} {:.3g} {:.3g}, and the x of its first frame along {:.3g} {:.3g} {:.3g}: it starts far "
+                     "from its "
                      "straight shape at rest",
                      beam, along.x(), along.y(), along.z(), (a.turn * Vec3::UnitX()).x(), (a.turn * Vec3::UnitX()).y(),
                      (a.turn * Vec3::UnitX()).z()),

@@ -115,7 +115,7 @@ void InterventionalRadiologyController::declare(DataTable& table) {
   table.add("threshold", threshold_).help("nodes nearer to each other than that are one").unit("m").min(0, false);
   table.add("step", step_).help("SOFA's, of keys: there are none here, programs set xtip").unit("m");
   table.add("angularStep", angular_step_).help("SOFA's, of keys: programs set rotationInstrument").unit("rad");
-  table.add("rigidCurvAbs", rigid_).help("SOFA's; rigid parts are not supported");
+  table.add("rigidCurvAbs", rigid_).help("SOFA's; rigid parts are not supported").unit("m");
   table.add("motionFilename", motion_file_).help("SOFA's; motion from a file is not supported");
   table.add("indexFirstNode", first_).help("the node at the opening").output();
   table.add("CurvAbs", curv_abs_).help("lengths from the opening where nodes are").unit("m").output();

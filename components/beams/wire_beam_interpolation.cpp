@@ -5,13 +5,16 @@
 // the mesh carries the rod from its handle on: an edge has the beam from the length of the edges before it to its own end,
 // measured along the rod where the scene starts.
 //
+// A rod is far stiffer along than across: a step of one linear solve (newtonIterations="0") can press it by more than what buckles
+// it, and then it swings too far. Take Newton's method.
+//
 // Source: names and attributes are those of the plug-in BeamAdapter for SOFA, which does nothing without a controller.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
-//   <RodSpireSection name="hook" length="0.1" radius="0.001" youngModulus="1e8" massDensity="1000" spireDiameter="0.1" spireHeight="0"/>
+//   <RodSpireSection name="hook" length="0.1" radius="0.001" youngModulus="1e8" massDensity="1000" spireDiameter="1" spireHeight="0"/>
 //   <WireRestShape name="shape" wireMaterials="@hook"/>
-//   <EulerImplicitSolver/>
+//   <EulerImplicitSolver newtonIterations="20"/>
 //   <SparseLDLSolver/>
 //   <MeshTopology edges="0 1  1 2"/>
 //   <MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1   0.05 0 0  0 0 0 1   0.1 0 0  0 0 0 1"/>

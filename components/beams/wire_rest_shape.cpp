@@ -3,7 +3,8 @@
 //
 // With wireMaterials the stretches are those of RodStraightSection and RodSpireSection, from the handle to the tip. Without it the rod
 // is straight up to straightLength, and from there on a helix (rod_sections.cpp has the formulas) with the attributes that end in
-// Extremity. A helix begins with a bend of atan(spireHeight/(pi spireDiameter)), as in the plug-in; a stretch behind one begins where it ends.
+// Extremity. A helix begins with a bend of atan(spireHeight/(pi spireDiameter)), as in the plug-in; a stretch behind one begins
+// where it ends.
 //
 // keyPoints are the lengths where nodes are always put: the handle, the end of the straight part and the tip when not given.
 // densityOfBeams says how many beams lie between two of them where all of that is out; when it has not as many numbers as there
@@ -16,14 +17,14 @@
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
-//   <WireRestShape name="shape" length="0.35" straightLength="0.3" spireDiameter="0.05" spireHeight="0" densityOfBeams="6 4"
+//   <WireRestShape name="shape" length="0.35" straightLength="0.3" spireDiameter="0.5" spireHeight="0" densityOfBeams="6 4"
 //     radius="0.001" radiusExtremity="0.001" youngModulus="1e9" youngModulusExtremity="1e8" massDensity="1000"/>
-//   <EulerImplicitSolver/>
+//   <EulerImplicitSolver newtonIterations="20"/>
 //   <SparseLDLSolver/>
 //   <MeshTopology edges="0 1  1 2"/>
 //   <MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1   0.3 0 0  0 0 0 1   0.35 0 0  0 0 0 1"/>
 //   <WireBeamInterpolation name="wire" WireRestShape="@shape"/>
-//   <AdaptiveBeamForceFieldAndMass interpolation="@wire"/>
+//   <AdaptiveBeamForceFieldAndMass interpolation="@wire" massDensity="1000"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
 #include <fmt/format.h>
@@ -70,7 +71,8 @@ class WireRestShape final : public RodShape {
 
   void init() override {
     if (!procedural_ || !file_.empty())
-      throw ComponentError("a shape from a mesh or a file is not supported", "straightLength, spireDiameter and spireHeight, or wireMaterials");
+      throw ComponentError("a shape from a mesh or a file is not supported",
+                           "straightLength, spireDiameter and spireHeight, or wireMaterials");
     if (is_broken_) throw ComponentError("a rod that is broken in two is not supported", "brokenIn2=\"false\"");
     if (materials_.target())
       takeMaterials();
@@ -99,8 +101,9 @@ class WireRestShape final : public RodShape {
   }
 
   void takeMaterials() {
-    for (const char* name : {"length", "straightLength", "spireDiameter", "spireHeight", "keyPoints", "densityOfBeams", "numEdges", "numEdgesCollis",
-                             "radius", "youngModulus", "massDensity", "radiusExtremity", "youngModulusExtremity", "poissonRatio"})
+    for (const char* name : {"length", "straightLength", "spireDiameter", "spireHeight", "keyPoints", "densityOfBeams", "numEdges",
+                             "numEdgesCollis", "radius", "youngModulus", "massDensity", "radiusExtremity", "youngModulusExtremity",
+                             "poissonRatio"})
       if (data().find(name)->isSet()) throw ComponentError(fmt::format("{} and wireMaterials are both given", name), "one of them");
     std::vector<RodStretch> stretches;
     key_points_.assign(1, 0);
@@ -118,7 +121,8 @@ class WireRestShape final : public RodShape {
   void takeAttributes() {
     if (straight_ > length_) {
       if (data().find("straightLength")->isSet())
-        throw ComponentError(fmt::format("straightLength is {:g} and length {:g}", straight_, length_), "a straight part no longer than the rod");
+        throw ComponentError(fmt::format("straightLength is {:g} and length {:g}", straight_, length_),
+                             "a straight part no longer than the rod");
       straight_ = length_;
     }
     if (!data().find("youngModulus")->isSet())
@@ -150,22 +154,24 @@ class WireRestShape final : public RodShape {
       if (i == 0 ? key_points_[i] != 0 : !(key_points_[i] > key_points_[i - 1]))
         throw ComponentError(fmt::format("keyPoints has {:g} at {}", key_points_[i], i), "ascending lengths from 0 on");
     if (key_points_.size() < 2 || std::abs(key_points_.back() - length_) > 1e-9 * length_)
-      throw ComponentError(fmt::format("keyPoints end at {:g}, and length is {:g}", key_points_.back(), length_), "the tip as the last one");
+      throw ComponentError(fmt::format("keyPoints end at {:g}, and length is {:g}", key_points_.back(), length_),
+                           "the tip as the last one");
     if (hasStraightPart() && hasHelix() &&
         std::none_of(key_points_.begin(), key_points_.end(), [this](double at) { return std::abs(at - straight_) <= 1e-9 * length_; }))
       throw ComponentError(fmt::format("the end of the straight part, {:g}, is not among keyPoints", straight_), "a key point there");
     const std::size_t count = key_points_.size() - 1;
     if (densities_.size() > count) densities_.resize(count);
     if (densities_.size() < count) {
-      if (!densities_.empty())
-        warn(fmt::format("densityOfBeams has {} numbers for {} stretches between key points: it is left out, as in SOFA", densities_.size(), count),
+      if (data().find("densityOfBeams")->isSet())
+        warn(fmt::format("densityOfBeams has {} numbers for {} stretches between key points: it is left out, as in SOFA", densities_.size(),
+                         count),
              "one for each");
       densities_.clear();
       if (hasStraightPart()) densities_.push_back(int(std::floor(5 * straight_ / length_)));
       if (hasHelix()) densities_.push_back(int(std::floor(20 * (1 - straight_ / length_))));
       densities_.resize(count, 0);
     }
-    if (contact_edges_.empty()) contact_edges_.assign(count, 20);
+    if (!data().find("numEdgesCollis")->isSet()) contact_edges_.assign(count, 20);
     if (contact_edges_.size() != count)
       throw ComponentError(fmt::format("numEdgesCollis has {} numbers for {} stretches between key points", contact_edges_.size(), count),
                            "one for each");

@@ -155,9 +155,10 @@ double BarrierLaw::changeByWeighing(const std::vector<Vec3>& x, bool again, std:
 
 void BarrierLaw::copyShares(Shares& out) const {
   out.planes = plane_share_, out.is_weighed = is_weighed_, out.revision = candidates.revision();
+  out.edges.clear(), out.edges.reserve(std::as_const(candidates).pairs().size());
+  out.vertices.reserve(vertex_share_.size());
   if (!is_weighed_) return;  // the others are none
   out.vertices = vertex_share_;
-  out.edges.clear();
   for (const Candidate& pair : std::as_const(candidates).pairs()) out.edges.push_back(pair.factor);
 }
 

@@ -138,6 +138,10 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
           fmt::format("one or {}", cells_.size()));
     constexpr double written = 1e-3;  // of a direction of few digits
     for (const Vec3& d : fibres_)
+      if (1 + (ratio_ - 1) * d.squaredNorm() < 0)
+        throw ComponentError(fmt::format("a direction of transverseAnisotropyArray has the length {:.3g}: along it nothing but the "
+                                         "opposite of diffusion is left", d.norm()), "directions of length 1");
+    for (const Vec3& d : fibres_)
       if (std::abs(d.norm() - 1) > written)
         return warn(fmt::format("a direction of transverseAnisotropyArray has the length {:.3g}, and counts with it", d.norm()));
   }

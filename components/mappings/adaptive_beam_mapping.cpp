@@ -45,11 +45,12 @@ class AdaptiveBeamMapping final : public FrameMapping {
   void declare(DataTable& table) override {
     FrameMapping::declare(table);
     table.addLink("interpolation", link_).help("the beams; those of a node above when not given");
-    table.add("points", points_).help("places on the rod: length, and offsets along y and z; the positions of the nodes when not given").unit("m");
+    table.add("points", points_).help("places on the rod: length, and offsets along y and z; the positions of the nodes when not given")
+        .unit("m");
     table.add("useCurvAbs", by_length_).help("the first number of a point is a length of the rod, not the number of a beam");
-    table.add("nbPointsPerBeam", per_beam_).help("SOFA's; only 0 is supported");
+    table.add("nbPointsPerBeam", per_beam_).help("SOFA's; only 0 is supported").unit("-");
     table.add("contactDuplicate", is_copy_).help("SOFA's; only false is supported");
-    table.add("proximity", proximity_).help("SOFA's; only 0 is supported");
+    table.add("proximity", proximity_).help("SOFA's; only 0 is supported").unit("m");
     for (const char* name : {"nameOfInputMap", "segmentsCurvAbs"}) table.addVisualOnly(name);
   }
 
@@ -90,7 +91,8 @@ class AdaptiveBeamMapping final : public FrameMapping {
         if (!chain && other->type().ends_with("BeamInterpolation")) chain = other.get(), chain->ensureReady();
     const Data* data = chain ? chain->data().find("beams") : nullptr;
     const auto* const* found = data ? std::get_if<std::vector<double>*>(&data->pointer()) : nullptr;
-    if (!found) throw ComponentError("there are no beams to follow", "interpolation=\"@...\", a BeamInterpolation or a WireBeamInterpolation");
+    if (!found) throw ComponentError("there are no beams to follow",
+                                   "interpolation=\"@...\", a BeamInterpolation or a WireBeamInterpolation");
     beams_ = *found;
     changes_ = chain->data().find("WireRestShape") != nullptr;
     for (std::size_t i = 0; i + 1 < beams_->size(); i += 14)
@@ -104,7 +106,8 @@ class AdaptiveBeamMapping final : public FrameMapping {
     for (std::size_t i = 0; i < known_.size(); i += 14) {
       const double* n = known_.data() + i;
       if (n[2] != 0)
-        out.push_back({Index(n[0]), Index(n[1]), n[3], n[4], n[5], Quaternion(n[9], n[6], n[7], n[8]), Quaternion(n[13], n[10], n[11], n[12])});
+        out.push_back({Index(n[0]), Index(n[1]), n[3], n[4], n[5], Quaternion(n[9], n[6], n[7], n[8]),
+                       Quaternion(n[13], n[10], n[11], n[12])});
     }
     for (const Vec3& point : points_) {
       const std::vector<Carried> by = out.empty() ? std::vector<Carried>{{input().nodes() - 1, 1, Vec3::Zero()}} : carriersOf(point, out);
@@ -125,7 +128,9 @@ class AdaptiveBeamMapping final : public FrameMapping {
     const Beam& beam = out[i];
     const double r = 1 - s, of_a = r * r * r + 3 * s * r * r, of_b = s * s * s + 3 * s * s * r;
     const Vec3 offset(0, point.y(), point.z());
-    const auto local = [&](double lever, double weight) { return Vec3((weight > 0 ? lever * beam.length / weight : 0.) * Vec3::UnitX() + offset); };
+    const auto local = [&](double lever, double weight) {
+      return Vec3((weight > 0 ? lever * beam.length / weight : 0.) * Vec3::UnitX() + offset);
+    };
     return {{beam.a, of_a, beam.axes_a * local(s * r * r, of_a)}, {beam.b, of_b, beam.axes_b * local(-s * s * r, of_b)}};
   }
 

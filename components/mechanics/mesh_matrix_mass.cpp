@@ -110,7 +110,7 @@ class MeshMatrixMass final : public MeshMass {
   }
 
  protected:
-  bool takesAllRows() const override { return !state().hasFrames(); }
+  bool takesAllRows() const override { return !state().hasFrames() && state().rows_per_node == 1; }  // nodes are numbers of rows
 
  private:
   bool isQuadratic() const { return !cells().empty() && cells().back().kind->order > 1; }

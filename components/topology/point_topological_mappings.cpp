@@ -134,9 +134,11 @@ class Mesh2Point final : public TopologicalMapping {
     // corners 0 to 3, and from 4 on the middles of the sides
     static constexpr int parts[8][4] = {{0, 4, 5, 6}, {1, 4, 8, 7}, {2, 5, 7, 9}, {3, 6, 9, 8},
                                         {5, 4, 7, 9}, {5, 4, 9, 6}, {8, 4, 9, 7}, {8, 4, 6, 9}};
-    if (of_points_.size() != 1 || of_edges_.size() != 1)
-      throw ComponentError("splitTetrahedra needs one point of each node and one of each edge",
+    if (of_points_.size() != 1 || of_edges_.size() != 1 || of_edges_[0].x() != 0.5)
+      throw ComponentError("splitTetrahedra needs one point of each node and the middle of each edge",
                            "pointBaryCoords=\"0 0 0\" edgeBaryCoords=\"0.5 0 0\"");
+    if (copies_tetrahedra_)
+      throw ComponentError("copyTetrahedra and splitTetrahedra: the cells would lie in their parts", "one of them");
     std::map<std::pair<Index, Index>, Index> middles;
     for (std::size_t e = 0; e < edges.size(); ++e)
       middles[{std::min(edges[e][0], edges[e][1]), std::max(edges[e][0], edges[e][1])}] = from.nodes() + Index(e);

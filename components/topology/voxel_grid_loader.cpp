@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <limits>
 
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
@@ -30,7 +31,7 @@ class VoxelGridLoader final : public MeshSource {
   void declare(DataTable& table) override {
     table.add("filename", filename_).help("file to read").input().alias("segmentationFile").required();
     table.add("resolution", resolution_).help("voxels along x, y and z").required();
-    table.add("voxelSize", size_).help("edges of a voxel").unit("m");
+    table.add("voxelSize", size_).help("edges of a voxel").unit("m").min(0, false);
     table.add("ROI", region_).help("xmin ymin zmin xmax ymax zmax: first and last voxel that may count");
     table.add("header", header_).help("bytes before the values").min(0);
     table.add("bgValue", background_).help("values that do not count");
@@ -45,6 +46,9 @@ class VoxelGridLoader final : public MeshSource {
   void init() override {
     for (const int n : resolution_)
       if (n < 1) throw ComponentError("resolution has no voxels", "three numbers from 1");
+    const double nodes = (resolution_[0] + 1.) * (resolution_[1] + 1.) * (resolution_[2] + 1.);
+    if (nodes > std::numeric_limits<int>::max())
+      throw ComponentError(fmt::format("resolution asks for {:.3g} nodes", nodes), "fewer than 2^31");
     if (region_.size() != 6) throw ComponentError(fmt::format("ROI has {} numbers", region_.size()), "six");
     readValues();
     position_.clear(), hexahedra_.clear(), places_.clear();
@@ -79,6 +83,8 @@ class VoxelGridLoader final : public MeshSource {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = std::max(region_[axis], 0);
       if (low[axis] >= resolution_[axis]) throw ComponentError("ROI begins after the last voxel");
+      if (region_[axis + 3] < region_[axis])
+        throw ComponentError(fmt::format("ROI ends at {} and begins at {}", region_[axis + 3], region_[axis]), "first and last voxels");
       high[axis] = std::max(std::min(region_[axis + 3], resolution_[axis] - 1), low[axis]);
     }
     for (int k = low[2]; k <= high[2]; ++k)

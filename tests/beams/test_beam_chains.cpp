@@ -61,7 +61,8 @@ TEST(BeamChains, AnEndMomentRollsABeamUp) {
 TEST(BeamChains, ARectangleIsStifferAcrossItsLongSide) {
   for (const int side : {1, 2}) {
     Simulation simulation = simulationFromText(
-        chain(2, "<StaticSolver/>", fmt::format("<ConstantForceField indices=\"2\" forces=\"0 {} {} 0 0 0\"/>", side == 1 ? 1e-3 : 0, side == 2 ? 1e-3 : 0),
+        chain(2, "<StaticSolver/>",
+              fmt::format("<ConstantForceField indices=\"2\" forces=\"0 {} {} 0 0 0\"/>", side == 1 ? 1e-3 : 0, side == 2 ? 1e-3 : 0),
               "0 0 0", "crossSectionShape=\"rectangular\" lengthY=\"0.03\" lengthZ=\"0.01\""));
     ASSERT_TRUE(simulation.step().newton_converged);
     const double moment = side == 1 ? 0.01 * std::pow(0.03, 3) / 12 : 0.03 * std::pow(0.01, 3) / 12;
@@ -175,7 +176,8 @@ TEST(BeamChains, ABentShapeIsAtRestWhereverItIsAndFallsAsAWhole) {
   EXPECT_LT((carried - mass * Vec3(1, -9, 2)).norm(), 1e-12 * force.norm());
 }
 
-/// A load P at the length a of a cantilever bends its end by P a^2 (3 L - a)/(6 E I), and the place itself, where no node is, by P a^3/(3 E I)
+/// A load P at the length a of a cantilever bends its end by P a^2 (3 L - a)/(6 E I), and the place itself, where no node
+/// is, by P a^3/(3 E I)
 /// less what a cubic curve over the whole length does not have.
 TEST(BeamChains, ALoadBetweenNodesBendsAsOneOnTheBeam) {
   for (const int beams : {1, 2}) {
@@ -199,7 +201,8 @@ TEST(BeamChains, ALoadBetweenNodesBendsAsOneOnTheBeam) {
 
 TEST(BeamChains, SayWhatIsWrong) {
   const auto problems = [](const std::string& beams, const std::string& field) {
-    return problemsOf(R"(<Node name="root"><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology edges="0 1"/><MechanicalObject template="Rigid3"
+    return problemsOf(R"(<Node name="root"><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology edges="0 1"/>
+        <MechanicalObject template="Rigid3"
       position="0 0 0 0 0 0 1  1 0 0 0 0 0 1"/><BeamInterpolation name="beams" )" +
                       beams + "/><AdaptiveBeamForceFieldAndMass massDensity=\"1\" " + field + "/></Node>");
   };
@@ -227,7 +230,8 @@ TEST(BeamChains, AWireComesToTheShapeThatItHasAtRest) {
   const std::string hook = "length=\"0.35\" straightLength=\"0.3\" spireDiameter=\"0.05\" radius=\"0.001\" radiusExtremity=\"0.0005\" ";
   for (const double height : {0., 0.01}) {
     Simulation simulation = simulationFromText(
-        wire(fmt::format("<WireRestShape name=\"shape\" {} spireHeight=\"{}\" youngModulus=\"1e9\" youngModulusExtremity=\"1e8\"/>", hook, height),
+        wire(fmt::format("<WireRestShape name=\"shape\" {} spireHeight=\"{}\" "
+                         "youngModulus=\"1e9\" youngModulusExtremity=\"1e8\"/>", hook, height),
              0.3, 0.35));
     const StepReport report = simulation.step();
     ASSERT_TRUE(report.newton_converged) << report.reason;

@@ -53,7 +53,8 @@ std::string valueOf(Simulation& simulation, const std::string& name) {
 TEST(PushedRods, AStraightOneGoesStraightOnAndComesBack) {
   Rods rods;
   rods.add("guide", straight);
-  Simulation simulation = simulationFromText(rods.scene("xtip=\"0.01\" speed=\"0.04\" startingPos=\"1 2 3  0 0 0.70710678118654757 0.70710678118654757\""));
+  Simulation simulation = simulationFromText(
+      rods.scene("xtip=\"0.01\" speed=\"0.04\" startingPos=\"1 2 3  0 0 0.70710678118654757 0.70710678118654757\""));
   run(simulation, 50);
   // 0.21 of it are out, straight along y, in ten beams: nine of 0.025 less what is not out yet
   EXPECT_NEAR(std::stod(valueOf(simulation, "xtip")), 0.21, 1e-12);

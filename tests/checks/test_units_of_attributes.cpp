@@ -59,7 +59,9 @@ const std::set<std::string> of_no_one_unit = {"ParameterSet", "c2",     "c4",   
                                               "value7", "value8", "rigidMass", "absolute",
                                               // a force and a torque, a product of two that a response may scale, a length or a number
                                               "wrenches", "pairWrenches", "contactStiffness", "StopperLagrangianConstraint.min",
-                                              "StopperLagrangianConstraint.max"};
+                                              "StopperLagrangianConstraint.max",
+                                              // places and quaternions
+                                              "beams", "DOF0TransformNode0", "DOF1TransformNode1", "startingPos"};
 
 TEST(UnitsOfAttributes, EachAttributeOfRealsSaysItsUnit) {
   forEachAttribute([](const std::string& type, const Data& data) {

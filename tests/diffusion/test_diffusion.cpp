@@ -96,6 +96,8 @@ TEST(TetrahedronDiffusion, SaysWhatDoesNotFit) {
   const auto told = [](const std::string& field) { return problemsOf(bar(1, [](double x) { return x; }, field)); };
   expectContains(told("anisotropyRatio='2'"), "transverseAnisotropyArray has 0 directions for 6 tetrahedra");
   expectContains(told("tetrahedronDiffusionCoefficient='1 2'"), "2 values for ");
+  EXPECT_EQ(told("anisotropyRatio='0.1' transverseAnisotropyArray='0 0 1'"), "");
+  expectContains(told("anisotropyRatio='0.1' transverseAnisotropyArray='0 0 2'"), "has the length 2");
   expectContains(problemsOf("<Node name='root'><EulerImplicitSolver/><SparseLDLSolver/>"
                             "<TetrahedronSetTopologyContainer position='0 0 0 1 0 0 "
                             "0 1 0 0 0 1' tetrahedra='0 1 2 3'/><MechanicalObject/><UniformMass totalMass='1'/>"

@@ -127,6 +127,8 @@ def test_examples_have_the_same_numbers_in_other_units(units, folder):
         as_written = run(text, (1, 1, 1))
         for what, (of, values) in run(text, units).items():
             expected = as_written[what][1]
+            if mixed and what.endswith((".residualGraph", ".factorisations")):
+                continue
             back = values / factor(of, units)
             if mixed and back.shape == expected.shape:
                 same = numpy.allclose(back, expected, rtol=1e-7, atol=1e-7 * numpy.abs(expected).max(initial=0))

@@ -2219,6 +2219,9 @@ def voxels_of_a_file():
     agree(loaded('generateHexa="0"'), [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
     Run(node(EXACT + '<VoxelGridLoader name="e" filename="a.raw" resolution="3 2 1"/><MechanicalObject position="@e.position"/>'), 1,
         {"a.raw": b"1234"}).fails(2, "has 4 bytes, and 6 voxels after a header of 0 are more")
+    for more, said in (('ROI="1 0 0 0 7 7"', "ROI ends at 0 and begins at 1"), ('voxelSize="1 1 0"', "voxelSize")):
+        Run(node(EXACT + f'<VoxelGridLoader name="e" filename="a.raw" resolution="2 2 1" {more}/><MechanicalObject position="@e.position"/>'),
+            1, {"a.raw": b"1234"}).fails(2, said)
 
 
 def voxels(container, content):
@@ -2393,6 +2396,8 @@ def numbers_without_a_weight():
     for gravity_, more, told in (("-10 0 0", "", True), ("0 -10 0", "", False), ("0 0 0", '<Gravity gravity="1 0 0"/>', True)):
         run = Run(root(more + body, f'gravity="{gravity_}"'), 1)
         assert ("numbers have a weight" in run.text) == told, run.text
+    sixes = EXACT + '<MechanicalObject name="dofs" template="Vec6" position="0 1 2 3 4 5"/><UniformMass totalMass="2"/>'
+    Run(root(sixes, 'gravity="0 -10 0"'), 1).says("numbers have a weight")
 
 
 @case

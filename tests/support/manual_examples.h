@@ -37,6 +37,7 @@ inline void writeExampleFiles(const std::filesystem::path& folder) {
   std::ofstream(folder / "two.xs3") << "Xsp 3.0\nnumm 2\nnums 1\nmass 1 s 0 0 0 0 0 0 1 0\nmass 2 s 1 0 0 0 0 0 1 0\n"
                                        "lspg 1 1 2 10 1 1\n";
   std::ofstream(folder / "two.sph") << "sph 1.0\nsphe 0 0 0 0 0.1\nsphe 1 1 0 0 0.2\n";
+  std::ofstream(folder / "two.raw") << "\1\1\1\1";
 }
 
 }  // namespace stroma::test

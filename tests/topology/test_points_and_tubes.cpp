@@ -78,6 +78,8 @@ TEST(Mesh2Point, SaysWhatIsWrong) {
   };
   expectContains(told(""), "no part of the input gives a point");
   expectContains(told("edgeBaryCoords='0.5 0 0' copyEdges='true'"), "copyEdges needs a point of each node");
+  expectContains(told("pointBaryCoords='0 0 0' edgeBaryCoords='0.3 0 0' splitTetrahedra='true'"), "the middle of each edge");
+  expectContains(told("pointBaryCoords='0 0 0' edgeBaryCoords='0.5 0 0' splitTetrahedra='true' copyTetrahedra='true'"), "one of them");
   expectContains(problemsOf("<Node name='root'><EulerExplicitSolver/><MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/>"
                             "<Node name='n'><MechanicalObject/><Mesh2PointMechanicalMapping/></Node></Node>"),
                  "there is no Mesh2PointTopologicalMapping");

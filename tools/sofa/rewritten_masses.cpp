@@ -20,7 +20,7 @@ void Rewriting::meanMass(Element& element) {
     warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
     element.remove("vertexMass");
   }
-  if (state && state->text("template").starts_with("Vec1")) warnOfWeight(element);
+  if (state && isOneOf(state->text("template").substr(0, 4), {"Vec1", "Vec6"})) warnOfWeight(element, *state);
   if (state && state->text("template").starts_with("Vec1") && !element.find("geometryState"))  // values of nodes that lie elsewhere
     for (const Place* place = state->place->parent; place; place = place->parent) {
       Element* points = place->firstOf("mechanical state");
@@ -35,14 +35,19 @@ void Rewriting::meanMass(Element& element) {
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
 }
 
-/// Numbers have a mass in SOFA that the first component of gravity pulls.
-void Rewriting::warnOfWeight(const Element& mass) {
+/// Numbers have a mass in SOFA that the first components of gravity pull.
+void Rewriting::warnOfWeight(const Element& mass, const Element& state) {
+  const std::size_t most = std::size_t(state.text("template")[3] - '0');
+  const auto pull = [most](const std::string& gravity) {
+    const std::vector<double> numbers = writtenNumbers(gravity);
+    return std::any_of(numbers.begin(), numbers.begin() + std::ptrdiff_t(std::min(most, numbers.size())), [](double g) { return g != 0; });
+  };
   const auto given = std::find_if(scene_.root.attributes.begin(), scene_.root.attributes.end(),
                                   [](const AttributeDescription& attribute) { return attribute.name == "gravity"; });
-  bool pulls = given != scene_.root.attributes.end() && std::atof(given->value.c_str()) != 0;
-  tree_->forEach([&pulls](Element& each) { pulls = pulls || (each.is("Gravity") && std::atof(each.text("gravity").c_str()) != 0); });
+  bool pulls = given != scene_.root.attributes.end() && pull(given->value);
+  tree_->forEach([&](Element& each) { pulls = pulls || (each.is("Gravity") && pull(each.text("gravity"))); });
   if (pulls)
-    warn(mass.written->where, mass, {}, "SOFA's numbers have a weight, mass times the gravity along x: here numbers have none",
+    warn(mass.written->where, mass, {}, "SOFA's numbers have a weight, mass times the first components of gravity: here they have none",
          "a ConstantForceField of that weight");
 }
 
