@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "framework/mesh/cell_kind.h"
+#include "framework/mesh/simplex_size.h"
 #include "tests/support/meshes.h"
 #include "tools/checks/folds.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "framework/mesh/cell_kind.h"
+#include "framework/mesh/simplex_size.h"
 #include "tests/support/quadratic_block.h"
 #include "tests/support/scene_text.h"
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "framework/mesh/mesh.h"
+#include "framework/mesh/simplex_size.h"
 
 namespace stroma::test {
 

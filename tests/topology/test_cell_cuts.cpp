@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "framework/mesh/simplex_size.h"
 #include "framework/scene/diagnostics.h"
 #include "tests/support/meshes.h"
 

@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "framework/mechanics/state_topology.h"
-#include "framework/mesh/cell_faces.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/mesh/cell_tables.h"
 
@@ -18,6 +17,10 @@ namespace {
 
 constexpr std::size_t most_cells = 100000, most_lines = 400;
 
+struct CellFace {
+  Index cell = 0;
+  int face = 0;  ///< of CellKind::faces
+};
 struct Side {
   std::array<Index, 4> sorted;  ///< nodes; -1 for the fourth of a triangle
   CellFace at;

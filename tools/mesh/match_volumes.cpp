@@ -12,6 +12,7 @@
 
 #include "framework/mesh/cell_kind.h"
 #include "framework/mesh/mesh.h"
+#include "framework/mesh/simplex_size.h"
 #include "tools/mesh/regions.h"
 
 namespace stroma {

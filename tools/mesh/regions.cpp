@@ -10,6 +10,7 @@
 
 #include "framework/mesh/cell_kind.h"
 #include "framework/mesh/mesh.h"
+#include "framework/mesh/simplex_size.h"
 
 namespace stroma {
 

@@ -8,6 +8,7 @@
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/simplex_size.h"
 #include "framework/scene/text.h"
 #include "tools/units/unit_system.h"
 #include "tools/units/units.h"
