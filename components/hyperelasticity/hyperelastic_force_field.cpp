@@ -28,11 +28,20 @@ using hyperelastic::residualStressKernels;
 using hyperelastic::ViscousLaw;
 
 void HyperelasticForceField::declare(DataTable& table) {
+  declareMesh(table);
+  declareLaw(table);
+  declareMethod(table);
+}
+
+void HyperelasticForceField::declareMesh(DataTable& table) {
   ForceField::declare(table);
-  std::set<std::string> names;
-  for (const HyperelasticLaw& law : hyperelasticLaws()) names.insert(law.name);
   topology_.declare(table, "mesh that holds the cells");
   table.add("template", template_).help("Vec3");
+}
+
+void HyperelasticForceField::declareLaw(DataTable& table) {
+  std::set<std::string> names;
+  for (const HyperelasticLaw& law : hyperelasticLaws()) names.insert(law.name);
   table.add("materialName", material_name_).physical().help(fmt::format("the law: {}", fmt::join(names, ", ")));
   table.add("ParameterSet", parameter_set_).help("the law's parameters by position, instead of by name");
   table.add("youngModulus", young_modulus_)
@@ -52,6 +61,12 @@ void HyperelasticForceField::declare(DataTable& table) {
       .unit("-")
       .ofCells()
       .help("fibre, or fibre and sheet (and normal): for all cells, or one after the other per cell or per node");
+  table.add("considerInversion", consider_inversion_)
+      .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
+  table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value per cell");
+}
+
+void HyperelasticForceField::declareMethod(DataTable& table) {
   table.addChoice("discretization", discretization, {"mjed", "standard"})
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
   table.addChoice("dilatation", dilatation_, {"auto", "local", "mean"})
@@ -67,9 +82,6 @@ void HyperelasticForceField::declare(DataTable& table) {
           "set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill (but for "
           "what "
           "viscosity adds)");
-  table.add("considerInversion", consider_inversion_)
-      .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
-  table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value per cell");
   prony_.declare(table);
 }
 

@@ -50,6 +50,20 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   /// What the kernels are built on.
   hyperelastic::Cells cells() const;
 
+  // ---- for a name that has its kind of cell or its law from elsewhere ----
+  void declareMesh(DataTable& table);
+  void declareMethod(DataTable& table);
+  /// mesh_, which holds cells of `kind`.
+  virtual void chooseMesh();
+  /// law_, and parameter_set_ unless attributes give parameters by name.
+  virtual void chooseLaw();
+
+  TopologyLink topology_;
+  std::string template_;
+  const Mesh* mesh_ = nullptr;
+  hyperelastic::HyperelasticLaw law_;  ///< as chosen, with its number of terms
+  std::vector<double> parameter_set_;
+
  private:
   /// What there is for a kind of cell; null: nothing.
   struct KindKernels {
@@ -60,10 +74,9 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
     double product, assembly;
   };
   KindKernels kernels() const;
+  void declareLaw(DataTable& table);
   void declareParameters(DataTable& table);
   void refusePlugin() const;
-  void chooseMesh();
-  void chooseLaw();
   hyperelastic::HyperelasticLaw withTerms(const hyperelastic::HyperelasticLaw& law) const;
   std::vector<std::string> givenNames() const;
   void readParameters();
@@ -107,9 +120,8 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   void makeViscous(const hyperelastic::Cells& cells, std::unique_ptr<ElementKernels> whole);
   ConstRows systemRows() const;
 
-  TopologyLink topology_;
-  std::string template_, material_name_ = "ArrudaBoyce";
-  std::vector<double> parameter_set_, young_modulus_, poisson_ratio_;
+  std::string material_name_ = "ArrudaBoyce";
+  std::vector<double> young_modulus_, poisson_ratio_;
   std::map<std::string, std::vector<double>> named_;
   std::vector<Vec3> directions_;
   bool regularised_ = false, projected_ = false, consider_inversion_ = false;
@@ -120,8 +132,6 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   std::string parameter_file_;
   PronyAttributes prony_;
 
-  const Mesh* mesh_ = nullptr;
-  hyperelastic::HyperelasticLaw law_;            ///< as chosen, with its number of terms
   std::vector<double> values_;                   ///< parameters, of one cell for all or of each
   std::vector<double> local_values_;             ///< the same with k = 0, where volumeIsApart()
   std::vector<Mat3> axes_;                       ///< one for all or one per cell

@@ -457,6 +457,9 @@ SCENES = {
        for law, values in (("StVenantKirchhoff", "400 600"), ("NeoHookean", "400 600"), ("StableNeoHookean", "400 600"),
                            ("MooneyRivlin", "100 100 600"), ("ArrudaBoyce", "400 600"), ("Ogden", "400 2 600"),
                            ("VerondaWestman", "100 1 600"))},
+    **{f"SolidMechanics/FEM/HyperelasticityFEMForceField_{law}": body(
+        TETRA + f'<{law}Material name="material"/><HyperelasticityFEMForceField template="Vec3,Tetrahedron" material="@material"/>' + HOLD)
+       for law in ("NeoHookean", "StVenantKirchhoff", "MooneyRivlin", "Ogden")},
     "SolidMechanics/FEM/StandardTetrahedralFEMForceField": body(
         TETRA + '<StandardTetrahedralFEMForceField materialName="StVenantKirchhoff" ParameterSet="400 600"/>' + HOLD),
     "SolidMechanics/FEM/BeamFEMForceField": body(

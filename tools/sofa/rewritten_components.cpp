@@ -101,14 +101,25 @@ void Rewriting::meanPrisms(Element& element) {
   if (is_prism && !by_gradients) setQuirk(element, "prism-points", "reducedIntegration", "true");
 }
 
+/// Fields whose volume change can be a mean, which SOFA does not have.
+static bool mayTakeMeans(const std::string& type) {
+  return isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField", "HexahedronFEMForceField",
+                        "CorotationalFEMForceField", "FastTetrahedralCorotationalForceField", "LinearSmallStrainFEMForceField",
+                        "HyperelasticityFEMForceField"});
+}
+
+/// Of several materials of a node SOFA takes the first.
+static void takeMaterial(Element& field) {
+  if (!trimmed(field.text("material")).empty()) return;
+  if (Element* material = field.place->nearest("hyperelastic material")) field.set("material", SceneTree::linkTo(*material));
+}
+
 void Rewriting::meanField(Element& element) {
   const std::string& type = element.written->type;
   meanSprings(element), meanLoads(element), meanPrisms(element);
   if (element.dropped) return;
   const bool corotational = isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField"});
-  const bool elastic = corotational || isOneOf(type, {"HexahedronFEMForceField", "CorotationalFEMForceField",
-                                                      "FastTetrahedralCorotationalForceField", "LinearSmallStrainFEMForceField"});
-  if (elastic && quirks_.use("local-dilatation", element.path())) setDefault(element, "dilatation", "local");
+  if (mayTakeMeans(type) && quirks_.use("local-dilatation", element.path())) setDefault(element, "dilatation", "local");
   const std::string method = element.text("method");
   for (const char* name : {"youngModulus", "poissonRatio"})
     if (element.text(name).find_first_of("@ \t\n") != std::string::npos) setDefault(element, "firstForOthers", "true");
@@ -121,6 +132,7 @@ void Rewriting::meanField(Element& element) {
   else if (of_edges || of_nodes)
     setQuirk(element, "edge-polar", "polarOf", of_nodes ? "nodes" : "edges");
   if (type == "TetrahedronFEMForceField") cutHexahedra(element);
+  if (type == "HyperelasticityFEMForceField") takeMaterial(element);
   if (const auto plastic = plasticity_.find(&element); plastic != plasticity_.end()) {
     if (const AttributeDescription* mesh = element.find("topology")) plastic->second.attributes.push_back(*mesh);
     element.place->added_components.push_back(plastic->second);

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A material that stands in the scene as a component of its own: a law and its parameters, for the field that asks.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "components/hyperelasticity/hyperelastic_law.h"
+#include "framework/scene/component.h"
+
+namespace stroma {
+
+class HyperelasticMaterial : public Component {
+ public:
+  std::string roleText() const override { return "hyperelastic material"; }
+  /// Parameters have the names that they have in the scene.
+  virtual hyperelastic::HyperelasticLaw law() const = 0;
+  /// In the order of law().parameters.
+  virtual std::vector<double> values() const = 0;
+};
+
+}  // namespace stroma
