@@ -12,10 +12,6 @@ namespace stroma::sofa {
 
 namespace {
 
-bool isOneOf(const std::string& word, std::initializer_list<std::string_view> list) {
-  return std::find(list.begin(), list.end(), word) != list.end();
-}
-
 Vec3 numbersOf(const std::string& text, const Vec3& otherwise) {
   Vec3 value = otherwise;
   if (Data("value", &value).parse(text, DataOrigin::written)) return otherwise;
@@ -43,7 +39,7 @@ void Rewriting::applyMeaning(Element& element) {
   meanTimes(element);
   if (element.written->type == "CableConstraint" || element.written->type == "SurfacePressureConstraint") meanActuator(element);
   // rest positions stay as they are written: in the axes of the frames
-  if (isOneOf(element.written->type, {"RigidMapping", "DeformableOnRigidFrameMapping"}))
+  if (isAnyOf(element.written->type, {"RigidMapping", "DeformableOnRigidFrameMapping"}))
     setDefault(element, "applyRestPosition", "false");
   if (element.role() == "mapping") holdArms(element);
   if (element.is("IdentityMapping")) setDefault(element, "resizes", "true");
@@ -81,7 +77,7 @@ void Rewriting::meanSelection(Element& element) {
 
 void Rewriting::meanMembrane(Element& element) {
   const std::string &type = element.written->type, method = element.text("method");
-  const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField", "TriangularAnisotropicFEMForceField"});
+  const bool membrane = isAnyOf(type, {"TriangularFEMForceField", "TriangleFEMForceField", "TriangularAnisotropicFEMForceField"});
   if (membrane && method != "small") setQuirk(element, "membrane-shape", "strain", "current");
   if (type == "TriangularAnisotropicFEMForceField" && method == "small")
     warn(element.written->where, element, "method",
@@ -93,7 +89,7 @@ void Rewriting::meanMembrane(Element& element) {
 }
 
 void Rewriting::meanPrisms(Element& element) {
-  if (!isOneOf(element.written->type, {"LinearSmallStrainFEMForceField", "CorotationalFEMForceField"})) return;
+  if (!isAnyOf(element.written->type, {"LinearSmallStrainFEMForceField", "CorotationalFEMForceField"})) return;
   const std::string kind = element.text("template");
   const bool is_prism = kind.ends_with("Prism"), turns = element.written->type == "CorotationalFEMForceField";
   if (turns && (is_prism || kind.ends_with("Pyramid"))) setDefault(element, "rotationMethod", "stable_polar");
@@ -103,7 +99,7 @@ void Rewriting::meanPrisms(Element& element) {
 
 /// Fields whose volume change can be a mean, which SOFA does not have.
 static bool mayTakeMeans(const std::string& type) {
-  return isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField", "HexahedronFEMForceField",
+  return isAnyOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField", "HexahedronFEMForceField",
                         "CorotationalFEMForceField", "FastTetrahedralCorotationalForceField", "LinearSmallStrainFEMForceField",
                         "HyperelasticityFEMForceField"});
 }
@@ -118,15 +114,15 @@ void Rewriting::meanField(Element& element) {
   const std::string& type = element.written->type;
   meanSprings(element), meanLoads(element), meanPrisms(element);
   if (element.dropped) return;
-  const bool corotational = isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField"});
+  const bool corotational = isAnyOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField"});
   if (mayTakeMeans(type) && quirks_.use("local-dilatation", element.path())) setDefault(element, "dilatation", "local");
   const std::string method = element.text("method");
   for (const char* name : {"youngModulus", "poissonRatio"})
     if (element.text(name).find_first_of("@ \t\n") != std::string::npos) setDefault(element, "firstForOthers", "true");
-  const bool is_box = isOneOf(type, {"HexahedronFEMForceField", "NonUniformHexahedronFEMForceField",
+  const bool is_box = isAnyOf(type, {"HexahedronFEMForceField", "NonUniformHexahedronFEMForceField",
                                     "HexahedronCompositeFEMForceField"}) && method == "polar";
-  const bool of_edges = is_box || (corotational && isOneOf(method, {"polar", "svd"})) || method == "polar2";
-  const bool of_nodes = type == "CorotationalFEMForceField" && isOneOf(element.text("rotationMethod"), {"polar", "stable_polar"});
+  const bool of_edges = is_box || (corotational && isAnyOf(method, {"polar", "svd"})) || method == "polar2";
+  const bool of_nodes = type == "CorotationalFEMForceField" && isAnyOf(element.text("rotationMethod"), {"polar", "stable_polar"});
   if (of_edges && saysYes(element.text("updateStiffnessMatrix")))
     warn(element.written->where, element, "updateStiffnessMatrix", "takes polar factors of deformation gradients here, and SOFA of edges");
   else if (of_edges || of_nodes)
@@ -140,8 +136,8 @@ void Rewriting::meanField(Element& element) {
   if (type == "HexahedronFEMForceField")
     if (Element* mesh = meshOf(element); mesh && mesh->written->type.starts_with("SparseGrid"))
       setDefault(element, "localStiffnessFactor", SceneTree::linkTo(*mesh) + ".cellFactors");
-  if (isOneOf(type, {"TriangularBendingSprings", "QuadBendingSprings"})) setDefault(element, "allowEmpty", "true");
-  if (isOneOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
+  if (isAnyOf(type, {"TriangularBendingSprings", "QuadBendingSprings"})) setDefault(element, "allowEmpty", "true");
+  if (isAnyOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
     setQuirk(element, "spring-length", "perLength", "true"), setDefault(element, "allowEmpty", "true");
   // without another body they count in the same rest shape
   if (type == "RestShapeSpringsForceField") meanRestShape(element);
@@ -163,8 +159,8 @@ void Rewriting::meanField(Element& element) {
   }
   if (type == "TetrahedronDiffusionFEMForceField") setDefault(element, "constantDiffusionCoefficient", "1");
   if (type == "BeamFEMForceField") setQuirk(element, "first-end-beams", "axes", "firstEnd"), setDefault(element, "poissonRatio", "0.49");
-  if (isOneOf(type, {"AngularSpringForceField", "GearSpringForceField"})) setQuirk(element, "one-sided-turns", "oneSided", "true");
-  if (isOneOf(type, {"EllipsoidForceField", "InteractionEllipsoidForceField"})) {
+  if (isAnyOf(type, {"AngularSpringForceField", "GearSpringForceField"})) setQuirk(element, "one-sided-turns", "oneSided", "true");
+  if (isAnyOf(type, {"EllipsoidForceField", "InteractionEllipsoidForceField"})) {
     setQuirk(element, "ellipsoid-ratio", "depth", "ratio");
     if (element.is("InteractionEllipsoidForceField")) setQuirk(element, "ellipsoid-ratio", "onCentre", "true");
   }
@@ -188,7 +184,7 @@ Element* Rewriting::meshOf(const Element& element) const {
 /// of hexahedra it mirrors as if they were two cells wide, and the tetrahedra do not fit: the field then says what it needs.)
 void Rewriting::cutHexahedra(Element& field) {
   Element* mesh = meshOf(field);
-  if (!mesh || !isOneOf(mesh->written->type, {"RegularGridTopology", "CylinderGridTopology", "SphereGridTopology"})) return;
+  if (!mesh || !isAnyOf(mesh->written->type, {"RegularGridTopology", "CylinderGridTopology", "SphereGridTopology"})) return;
   const auto component = [&field](std::string type, std::vector<std::pair<std::string, std::string>> attributes) {
     ComponentDescription made{std::move(type), {}, field.written->where, field.written->folder};
     for (auto& [name, value] : attributes) made.attributes.push_back({name, value, field.written->where});
@@ -214,7 +210,7 @@ void Rewriting::meanMesh(Element& element) {
   setDefault(element, "allowEmpty", "true");
   if (element.find("src")) leaveOtherCells(element);
   takeNodesOfNeighbour(element);
-  if (isOneOf(type, {"RegularGridTopology", "CylinderGridTopology", "SphereGridTopology"})) completeGrid(element);
+  if (isAnyOf(type, {"RegularGridTopology", "CylinderGridTopology", "SphereGridTopology"})) completeGrid(element);
   if (type != "RegularGridTopology") return;
   setDefault(element, "allowMirrored", "true");
   const std::array<std::array<const char*, 2>, 3> names = {{{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}}};
@@ -294,7 +290,7 @@ void Rewriting::completeGrid(Element& grid) {
   bool asked = false;
   tree_->forEach([&](Element& element) {
     const std::string& type = element.written->type;
-    asked = asked || isOneOf(type, {"MeshSpringForceField", "VectorSpringForceField", "SurfacePressureForceField",
+    asked = asked || isAnyOf(type, {"MeshSpringForceField", "VectorSpringForceField", "SurfacePressureForceField",
                                     "TrianglePressureForceField",
                                     "QuadPressureForceField", "EdgePressureForceField", "LineCollisionModel"});
     for (const AttributeDescription& attribute : element.written->attributes)

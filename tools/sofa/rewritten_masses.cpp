@@ -20,7 +20,7 @@ void Rewriting::meanMass(Element& element) {
     warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
     element.remove("vertexMass");
   }
-  if (state && isOneOf(state->text("template").substr(0, 4), {"Vec1", "Vec6"})) warnOfWeight(element, *state);
+  if (state && isAnyOf(state->text("template").substr(0, 4), {"Vec1", "Vec6"})) warnOfWeight(element, *state);
   if (state && state->text("template").starts_with("Vec1") && !element.find("geometryState"))  // values of nodes that lie elsewhere
     for (const Place* place = state->place->parent; place; place = place->parent) {
       Element* points = place->firstOf("mechanical state");
