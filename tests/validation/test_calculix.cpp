@@ -36,12 +36,15 @@ void writeCells(std::ofstream& deck, const Mesh& mesh, const Vector& rest) {
     deck << fmt::format("{},{},{},{},{}\n", ++count, t[0] + 1, t[1] + 1, t[2] + 1, t[3] + 1);
   }
   if (!mesh.tetrahedra.empty()) return;
-  deck << "*ELEMENT,TYPE=C3D8,ELSET=BODY\n";
-  for (const auto& h : mesh.hexahedra) {
-    deck << ++count;
-    for (const Index node : h) deck << "," << node + 1;
-    deck << "\n";
-  }
+  const auto write = [&](const char* type, const auto& cells) {
+    if (!cells.empty()) deck << fmt::format("*ELEMENT,TYPE={},ELSET=BODY\n", type);
+    for (const auto& cell : cells) {
+      deck << ++count;
+      for (const Index node : cell) deck << "," << node + 1;
+      deck << "\n";
+    }
+  };
+  write("C3D8", mesh.hexahedra), write("C3D6", mesh.prisms);
 }
 
 /// Forces and stresses in the deck are in this part of N and Pa: ccx takes a residual below 1e-6 for zero.
@@ -113,9 +116,9 @@ void expectAgreement(Simulation& simulation, const std::string& mesh_path, const
     largest = std::max(largest, theirs[i].norm());
     apart = std::max(apart, (theirs[i] - ours.moved[i]).norm());
   }
-  fmt::print("{} nodes, {} tetrahedra, {} hexahedra: largest displacement {:.6g} m, largest difference {:.1e} of it\n",
-             theirs.size(), topology->mesh().tetrahedra.size(), topology->mesh().hexahedra.size(), largest,
-             apart / largest);
+  fmt::print("{} nodes, {} tetrahedra, {} hexahedra, {} prisms: largest displacement {:.6g} m, largest difference {:.1e} of it\n",
+             theirs.size(), topology->mesh().tetrahedra.size(), topology->mesh().hexahedra.size(), topology->mesh().prisms.size(),
+             largest, apart / largest);
   EXPECT_GT(largest, 0);
   EXPECT_LT(apart / largest, 1e-6);
 }
@@ -133,6 +136,28 @@ TEST(CalculiX, OrganHasTheSameDisplacements) {
       loadScene(STROMA_SOURCE_DIR "/scenes/examples/organ_static.xml", overrides, factory(), modules()));
   simulation.dropObservers();
   expectAgreement(simulation, "/organ/mesh", {.young = 10000, .poisson = 0.45});
+}
+
+/// A beam of prisms, two in the place of each cube. C3D6 has two points.
+TEST(CalculiX, BeamOfPrismsHasTheSameDisplacements) {
+  const int n[3] = {9, 3, 3};
+  std::string position, prisms;
+  for (int k = 0; k < n[2]; ++k)
+    for (int j = 0; j < n[1]; ++j)
+      for (int i = 0; i < n[0]; ++i) {
+        position += fmt::format("{} {} {} ", 0.05 * i, 0.05 * j, 0.05 * k);
+        if (i + 1 == n[0] || j + 1 == n[1] || k + 1 == n[2]) continue;
+        const int a = (k * n[1] + j) * n[0] + i, row = n[0], up = n[0] * n[1];
+        prisms += fmt::format("{} {} {} {} {} {} ", a, a + 1, a + row + 1, a + up, a + up + 1, a + up + row + 1);
+        prisms += fmt::format("{} {} {} {} {} {} ", a, a + row + 1, a + row, a + up, a + up + row + 1, a + up + row);
+      }
+  Simulation simulation = simulationFromText(fmt::format(R"(<Node name="root" dt="1" gravity="0 -0.02 -0.01">
+  <StaticSolver/><SparseLDLSolver/><MeshTopology name="mesh" position="{}" prisms="{}"/><MechanicalObject/>
+  <MeshMatrixMass massDensity="1000"/>
+  <LinearSmallStrainFEMForceField dilatation="local" reducedIntegration="true" youngModulus="3000" poissonRatio="0.3"/>
+  <BoxROI name="clamped" box="-1 -1 -1 0.001 1 1"/><FixedProjectiveConstraint indices="@clamped.indices"/></Node>)",
+                                                         position, prisms));
+  expectAgreement(simulation, "/mesh", {.young = 3000, .poisson = 0.3});
 }
 
 // ---- beam, cube and a single element; both elements, both strains, regular and distorted ----
