@@ -48,7 +48,7 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
     if (isBalanced(settings, now, report)) break;
     report.stopped = stop.isStopAsked();
     if (report.stopped) return report;
-    if (settings.fixed_count && report.newton_iterations == most) break;
+    if (settings.fixed_count && report.newton_iterations - first == most) break;
     if (swings_ || report.newton_iterations - first == most) {
       report.newton_converged = false;
       const std::string how =

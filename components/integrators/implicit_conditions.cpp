@@ -4,13 +4,24 @@
 
 namespace stroma {
 
+/// Where no force of constraint acts, the step is first made as if there were no conditions. It stands where they hold: with
+/// barriers the solve with forces goes on from there otherwise, else from where the step starts.
 StepReport ImplicitStep::solveConditions(StopToken stop) {
   StepReport report;
+  const bool may_be_free = multipliers_.areFree();
+  if (may_be_free || !limits_.empty()) {
+    report = iterates() ? solveIterating(stop) : solveAsNeeded(stop);
+    const bool is_solved = !report.failed() && report.newton_converged;
+    if (report.stopped || (report.failed() && !limits_.empty())) return report;
+    if (may_be_free && is_solved && multipliers_.areFree()) {
+      multipliers_.giveNone();
+      return report;
+    }
+  }
   if (limits_.empty()) {
+    if (may_be_free) report = startAgain(report);
+    exact_.end();  // which forces of constraint do without
     startIterating();
-  } else {  // these are heeded by a solve without forces of constraint but those carried
-    report = solveIterating(stop);
-    if (report.failed()) return report;
   }
   report = conditions_.solve(newton_, *solver_, stop, report);
   if (report.failed()) return report;
@@ -18,6 +29,15 @@ StepReport ImplicitStep::solveConditions(StopToken stop) {
   if (settings_component_) settings_component_->noteResult(report, newton_);
   takeBack(report);
   takeChange();
+  return report;
+}
+
+/// With the counts of what has been done for nothing.
+StepReport ImplicitStep::startAgain(const StepReport& before) {
+  copy(x0_, x());
+  copy(v0_, v());
+  StepReport report;
+  addCounts(before, report);
   return report;
 }
 

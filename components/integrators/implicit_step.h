@@ -136,6 +136,7 @@ class ImplicitStep final : public NonlinearProblem {
   bool mayTryExact() const;
   bool beginFaster();
   StepReport solveConditions(StopToken stop);
+  StepReport startAgain(const StepReport& before);
   void takeBack(StepReport& report);
   void takeChange();
   void startIterating();

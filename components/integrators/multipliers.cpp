@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "components/integrators/uncoupled_constraint_correction.h"
-#include "framework/scene/archive.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
@@ -351,46 +350,6 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
                        "when their rounds end",
                        system_->integrator().path(), step / size));
   }
-}
-
-// ---- for Newton's method ----
-
-void Multipliers::addCarried(Rows out) const { axpy(1, carried_, out); }
-
-void Multipliers::carry(Rows out) {
-  takeDirections(), takeBends();
-  clear(added_);
-  share_ = 1;
-  for (std::size_t i = 0; i < rows_.rows().size(); ++i) axpy(rule_.weight * solve_.l[Eigen::Index(i)], directions_[i], added_);
-  axpy(-1, carried_, added_);
-  axpy(1, added_, carried_);
-  axpy(1, added_, out);
-}
-
-void Multipliers::carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out) {
-  axpy(-1, carried_, out);
-  mixing.next(from, to, carried_);
-  axpy(1, carried_, out);
-}
-
-void Multipliers::carryShare(double share, Rows out) {
-  axpy(share - share_, added_, carried_);
-  axpy(share - share_, added_, out);
-  share_ = share;
-}
-
-void Multipliers::stepTaken() {
-  if (empty() || !carries_) return;
-  copy(carried_, last_);
-  scale(1 / rule_.weight, last_);
-}
-
-void Multipliers::reset() {
-  if (!empty()) clear(last_);
-}
-
-void Multipliers::serialize(Archive& archive) {
-  if (!empty()) archive.rows("forces_of_constraint", last_);
 }
 
 }  // namespace stroma

@@ -67,6 +67,11 @@ class Multipliers {
   /// The iterate `to` that came of `from` is mixed with those before, and what is carried with it.
   void carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out);
 
+  /// Of one that carries: nothing is, and all conditions hold where x is, without a force. Contact where nothing is near has such.
+  bool areFree();
+  /// The step ends where areFree() was asked last.
+  void giveNone();
+
   // ---- what an integrator that carries passes on ----
   void stepTaken();
   void reset();

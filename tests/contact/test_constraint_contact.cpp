@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Contact by forces of constraint in an implicit step: Coulomb's law on a slope, a fast body, a tool that is moved.
+// Contact by forces of constraint in an implicit step: Coulomb's law on a slope, a fast body, a tool that is moved, steps
+// in which nothing is near.
 #include "framework/collision/pair_distances.h"
 #include "framework/mechanics/state_topology.h"
 #include "tests/contact/contact_scenes.h"
@@ -181,6 +182,82 @@ TEST(ConstraintContact, AStartInOneAnotherIsRefused) {
   const std::string problems = problemsOf(contactScene(
       bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<ConstraintContact planes=\"0 0 1 0.5\"/>"), 0.01, Vec3::Zero(), euler));
   expectContains(problems, "node 0 of /a/dofs is 0.5 m inside a plane");
+}
+
+/// A bar that is held at one end, as it bends under its weight; no linear solver is named. `more`: in its node.
+std::string heldBar(const std::string& integrator, const std::string& more) {
+  const std::string held = "<BoxROI name=\"end\" box=\"-0.01 -9 -9 0.01 9 9\"/><FixedProjectiveConstraint indices=\"@end.indices\"/>";
+  const Body body = boxOf(Vec3(0, 0, 0), Vec3(1, 0.2, 0.2), {10, 2, 2});
+  return fmt::format("<Node name=\"root\" dt=\"0.02\" gravity=\"0 0 -9.81\">{}{}</Node>", integrator,
+                     bodyNode("a", body, held + more, "", 1e5));
+}
+
+const std::string far = "<ConstraintContact name=\"contact\" contactDistance=\"0.01\" planes=\"0 0 1 -3\" friction=\"0.2\"/>";
+/// It is watched from the first step on, and never met: the bar falls along it.
+const std::string beside = "<ConstraintContact name=\"contact\" contactDistance=\"0.01\" planes=\"0 1 0 -0.02\"/>";
+
+struct Steps {
+  std::vector<int> newton, linear;
+  Vector x;
+  explicit Steps(const std::string& text, int steps = 12) {
+    Simulation simulation = simulationFromText(text);
+    for (int step = 0; step < steps; ++step) {
+      const StepReport report = simulation.step();
+      EXPECT_TRUE(report.newton_converged && !report.failed() && report.constraints_converged) << "step " << step << report.reason;
+      newton.push_back(report.newton_iterations), linear.push_back(report.linear_iterations);
+    }
+    const Vector& end = simulation.systems().front()->x;
+    x.resize(end.count());
+    copy(end, x);
+  }
+};
+
+TEST(ConstraintContact, WhereNothingIsNearAStepIsThatWithoutContact) {
+  for (const char* integrator : {"<EulerImplicitSolver newtonIterations=\"30\"/>", "<TrapezoidalRuleSolver newtonIterations=\"30\"/>",
+                                 "<BDFOdeSolver order=\"2\" newtonIterations=\"30\"/>", "<TrapezoidalRuleSolver/>"}) {
+    const Steps without(heldBar(integrator, ""));
+    EXPECT_GT(without.linear.back(), without.newton.back()) << "products solve";
+    for (const std::string& contact : {far, beside}) {
+      SCOPED_TRACE(integrator + contact);
+      const Steps with(heldBar(integrator, contact));
+      EXPECT_EQ(with.newton, without.newton);
+      EXPECT_EQ(with.linear, without.linear);
+      for (Index i = 0; i < with.x.count(); ++i) ASSERT_EQ(Vec3(with.x[i]), Vec3(without.x[i])) << "node " << i;
+    }
+  }
+}
+
+/// Its free end meets a plane in the fourth step or so: what is solved roughly before has no part in what is found.
+TEST(ConstraintContact, WhatMeetsSomethingIsSolvedToTheSameTolerance) {
+  const std::string contact = "<ConstraintContact name=\"contact\" contactDistance=\"0.01\" planes=\"0 0 1 -0.03\" friction=\"0.2\"/>";
+  const auto scene = [&](const char* forcing) {
+    return heldBar(fmt::format("<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-7\" newtonForcing=\"{}\"/>", forcing),
+                   contact);
+  };
+  Simulation rough = simulationFromText(scene("0.1")), exact = simulationFromText(scene("0"));
+  const Vector &x = rough.systems().front()->x, &y = exact.systems().front()->x;
+  int met = 0, rough_products = 0, exact_products = 0;
+  for (int step = 1; step <= 8; ++step) {
+    const StepReport one = rough.step(), other = exact.step();
+    SCOPED_TRACE(step);
+    for (const StepReport& report : {one, other}) {
+      ASSERT_FALSE(report.failed()) << report.reason;
+      EXPECT_TRUE(report.newton_converged && report.constraints_converged) << report.reason << report.constraint_reason;
+      EXPECT_LE(report.newton_residual, 1e-7);
+    }
+    double lowest = 1;
+    for (Index i = 0; i < x.count(); ++i) {
+      lowest = std::min(lowest, x[i].z());
+      EXPECT_LT((x[i] - y[i]).norm(), 1e-6) << "node " << i;
+    }
+    EXPECT_GE(lowest, -0.03 + 0.01 - 1.001e-5) << "gaps may be off by a thousandth";
+    const double pushes = constraintOutput(rough, "wrenches").at(2);
+    if (met == 0 && pushes == 0) rough_products += one.linear_iterations, exact_products += other.linear_iterations;
+    met += pushes > 0;
+    if (met == 1) EXPECT_LT(lowest, -0.03 + 0.01 + 1e-4);
+  }
+  EXPECT_GT(met, 3);
+  EXPECT_LT(rough_products, exact_products);
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Forces of constraint that Newton's method carries (multipliers.h), and steps in which there are none.
+#include <algorithm>
+
+#include "components/integrators/multipliers.h"
+#include "framework/scene/archive.h"
+
+namespace stroma {
+
+bool Multipliers::areFree() {
+  if (largest(carried_) != 0) return false;
+  findConditions();
+  return std::ranges::all_of(rows_.rows(), [](const LagrangianRows::Row& row) {
+    switch (row.kind) {
+      case LagrangianRows::Kind::push: return row.value >= 0;
+      case LagrangianRows::Kind::rub: return true;  // with the force of a push, which is none
+      case LagrangianRows::Kind::given: return row.factor == 0;
+      default: return false;
+    }
+  });
+}
+
+void Multipliers::giveNone() {
+  solve_.l.setZero(solve_.g.size());
+  knows_forces_ = true;
+  give();
+}
+
+void Multipliers::addCarried(Rows out) const { axpy(1, carried_, out); }
+
+void Multipliers::carry(Rows out) {
+  takeDirections(), takeBends();
+  clear(added_);
+  share_ = 1;
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i) axpy(rule_.weight * solve_.l[Eigen::Index(i)], directions_[i], added_);
+  axpy(-1, carried_, added_);
+  axpy(1, added_, carried_);
+  axpy(1, added_, out);
+}
+
+void Multipliers::carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out) {
+  axpy(-1, carried_, out);
+  mixing.next(from, to, carried_);
+  axpy(1, carried_, out);
+}
+
+void Multipliers::carryShare(double share, Rows out) {
+  axpy(share - share_, added_, carried_);
+  axpy(share - share_, added_, out);
+  share_ = share;
+}
+
+void Multipliers::stepTaken() {
+  if (empty() || !carries_) return;
+  copy(carried_, last_);
+  scale(1 / rule_.weight, last_);
+}
+
+void Multipliers::reset() {
+  if (!empty()) clear(last_);
+}
+
+void Multipliers::serialize(Archive& archive) {
+  if (!empty()) archive.rows("forces_of_constraint", last_);
+}
+
+}  // namespace stroma
