@@ -186,7 +186,9 @@ static bool isOther(const Place& place) { return place.has("mechanical state") &
 /// In the place or below, but for other bodies.
 bool Rewriting::hasMass(const Place& place) const {
   const auto is_mass = [](const ComponentDescription& each) { return each.type.ends_with("Mass"); };  // split off a field
-  const auto weighs_beams = [](const auto& each) { return each->is("AdaptiveBeamForceFieldAndMass") && !each->dropped; };
+  const auto weighs_beams = [](const auto& each) {
+    return each->is("AdaptiveBeamForceFieldAndMass") && !each->dropped && !saysNo(each->text("computeMass"));
+  };
   return place.has("mass") || std::any_of(place.elements.begin(), place.elements.end(), weighs_beams) ||
          std::any_of(place.added_components.begin(), place.added_components.end(), is_mass) ||
          std::any_of(place.children.begin(), place.children.end(),
