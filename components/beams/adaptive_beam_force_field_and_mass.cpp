@@ -38,14 +38,18 @@
 #include "components/beams/rod_shape.h"
 #include "components/beams/twist_wrench.h"
 #include "framework/mechanics/step_limiter.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/usual_component.h"
+#include "framework/simulation/integrator.h"
 
 namespace stroma {
 namespace {
 
 class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeamForceFieldAndMass>,
                                             public HasBeamInertia,
-                                            public HearsSteps {
+                                            public HearsSteps,
+                                            public PlacesStart {
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);
@@ -77,6 +81,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
       throw ComponentError(fmt::format("{} has beams between frames of {}", chain_->path(), chain_->state().path()),
                            fmt::format("beams between those of {}", state().path()));
     makePairs();
+    if (parameters_.get()) parameters_.get()->ensureReady();
     if (has_mass_) warnOfDensity();
   }
 
@@ -92,18 +97,34 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     chain_->stepBegins(t, t_end);
     follow();
   }
-  BeamInertia* inertia() override { return has_mass_ ? &inertia_ : nullptr; }
+  /// What an integrator remembers of each row would be of other places than those where nodes of a rod are then.
+  void placeStart(Rows, Index independent, const std::function<void(Rows)>&) override {
+    Integrator* integrator = is_pushed_ ? find<Integrator>() : nullptr;
+    if (!integrator) return;
+    Archive memory;
+    integrator->serialize(memory);
+    for (const auto& [name, entry] : memory.entries())
+      if (entry.kind == Archive::Kind::real && entry.bytes.size() == std::size_t(independent) * row_doubles * sizeof(double))
+        throw ComponentError(fmt::format("it remembers the {} of each node from step to step, and nodes of {} get other places on the rod",
+                                         name.substr(name.find(':') + 1), chain_->path()),
+                             usualComponent(Part::integrator) + " newtonIterations=\"30\"");
+  }
+  BeamInertia* inertia() override { return has_mass_ ? (follow(), &inertia_) : nullptr; }
   const BeamChain& chain() const override { return *chain_; }
   double wholeMass() const override {
     double mass = 0, length = 0;
     for (const ChainBeam& beam : chain_->beams())
-      if (beam.is_there) mass += densityOf(beam.section) * beam.section.area * beam.length, length += beam.length;
+      if (beam.is_there) mass += densityOf(beam) * beam.section.area * beam.length, length += beam.length;
     if (length > 0) return mass * chain_->wholeLength() / length;
-    const RodSection section = chain_->usualSection();
-    return densityOf(section) * section.area * chain_->wholeLength();
+    ChainBeam usual;
+    usual.section = chain_->usualSection();
+    return densityOf(usual) * usual.section.area * chain_->wholeLength();
   }
 
-  double energy(ConstRows x) const override { return FramePairFieldOf::energy(x) + weightEnergy(x); }
+  double energy(ConstRows x) const override {
+    self_->follow();
+    return FramePairFieldOf::energy(x) + weightEnergy(x);
+  }
   void addForce(ConstRows x, ConstRows v, Rows f) override {
     follow();
     FramePairField::addForce(x, v, f);
@@ -121,6 +142,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   }
 
   std::string worstElement(ConstRows x) const override {
+    self_->follow();
     std::size_t worst = 0;
     double most = -1;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -146,13 +168,17 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     for (const ChainBeam& beam : chain_->beams()) pairs.push_back({2 * beam.a, 2 * beam.b, beam.axes_a, beam.axes_b, 0});
     setPairs(std::move(pairs));
   }
-  double densityOf(const RodSection& section) const {
-    const bool by_rod = section.density && (parameters_.target() || !data().find("massDensity")->isSet());
-    return by_rod ? *section.density : density_;
+  /// Of the rod that a beam is of, or that is named: where there is none, massDensity.
+  std::optional<double> ownDensityOf(const ChainBeam& beam) const {
+    return parameters_.target() ? parameters_.get()->stretchAt(beam.to).section.density : beam.section.density;
+  }
+  double densityOf(const ChainBeam& beam) const {
+    const bool by_rod = parameters_.target() || !data().find("massDensity")->isSet();
+    return (by_rod ? ownDensityOf(beam) : std::nullopt).value_or(density_);
   }
   void warnOfDensity() const {
     for (const ChainBeam& beam : chain_->beams())
-      if (beam.is_there && !beam.section.density && !data().find("massDensity")->isSet())
+      if (beam.is_there && !ownDensityOf(beam) && !data().find("massDensity")->isSet())
         return warn(fmt::format("massDensity is not given: the default {:g} kg/m^3 is used", density_));
   }
 
@@ -164,8 +190,12 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     makePairs();
     placeAxes();
     std::vector<double> densities;
-    for (const ChainBeam& beam : beams) densities.push_back(densityOf(beam.section));
-    if (has_mass_) inertia_.set(beams, densities, state().firstRow());
+    for (const ChainBeam& beam : beams) densities.push_back(densityOf(beam));
+    if (has_mass_) {
+      const std::size_t before = std::size_t(state().firstRow());
+      inertia_.set(beams, densities, state().firstRow());
+      if (state().isBound()) inertia_.place({state().x().data - before * row_doubles, Index(before) + state().size()});
+    }
     const auto twistAtRest = [&](std::size_t i, std::size_t k) {
       if (!beams[i].is_there) return 0.;
       return k < 3 ? (dexpInverse(beams[i].rest_turn) * beams[i].rest_way)[Index(k)] : beams[i].rest_turn[Index(k - 3)];
@@ -220,7 +250,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   }
 
   /// A rod that is pushed starts each step with a beam that is far too short, and its exact stiffness would have no solution to go to.
-  /// Where the thrust of a beam is above EI/L^2, its batch has the stiffness without that of thrust and couples, which is definite.
+  /// Where the thrust of a beam is above EI/L^2, it has the stiffness without that of thrust and couples, which is definite.
   template <class T>
   Wrench<T> evaluate(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>& term) const {
     const LanesOf<6>&rest = rest_[batch], &stiff = stiff_[batch];
@@ -234,15 +264,23 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     const Triple<T> s{pull(shift.x, 0), pull(shift.y, 1), pull(shift.z, 2)};
     const Triple<T> couple{pull(turn.x, 3), pull(turn.y, 4), pull(turn.z, 5)};
     Wrench<T> wrench;
-    if constexpr (std::is_same_v<T, PackJet>)
-      if (is_pushed_ && any(valueOf(s.x) * packOf(rest[0]) < -packOf(stiff[4]))) {
-        setTwistWrench(still(p), still(psi), PackJet(c.value), PackJet(slope.value), PackJet(square.value), s, couple, wrench);
-        for (Triple<T>* each : {&wrench.n, &wrench.k}) each->x.value = each->y.value = each->z.value = Pack(0.);
-        return wrench;
-      }
     setTwistWrench(p, psi, c, slope, square, s, couple, wrench);
+    if constexpr (std::is_same_v<T, PackJet>)
+      if (const auto is_thrust = valueOf(s.x) * packOf(rest[0]) < -packOf(stiff[4]); is_pushed_ && any(is_thrust)) {
+        Wrench<T> definite;
+        setTwistWrench(still(p), still(psi), PackJet(c.value), PackJet(slope.value), PackJet(square.value), s, couple, definite);
+        take(is_thrust, definite.n, wrench.n), take(is_thrust, definite.k, wrench.k);
+      }
     wrench.energy = 0.5 * (valueOf(dot(s, shift)) + valueOf(dot(couple, turn)));
     return wrench;
+  }
+  /// Where it is so, derivatives are those of `other`, and the value is nothing.
+  template <class Mask>
+  static void take(const Mask& where, const Triple<PackJet>& other, Triple<PackJet>& of) {
+    for (const auto& [from, to] : {std::pair(&other.x, &of.x), std::pair(&other.y, &of.y), std::pair(&other.z, &of.z)}) {
+      to->value = select(where, Pack(0.), to->value);
+      for (std::size_t k = 0; k < 6; ++k) to->slope[k] = select(where, from->slope[k], to->slope[k]);
+    }
   }
   static Triple<PackJet> still(const Triple<PackJet>& of) { return {PackJet(of.x.value), PackJet(of.y.value), PackJet(of.z.value)}; }
 
@@ -254,6 +292,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   long known_ = -1;                              ///< revision of the chain that what follows is of
   bool is_pushed_ = false;                       ///< by a controller
   std::vector<LanesOf<6>> rest_, stiff_;         ///< rho_0, psi_0 and the six stiffnesses of each batch
+  AdaptiveBeamForceFieldAndMass* const self_ = this;  ///< what it has of the beams follows from them, whenever it is asked for
   BeamInertia inertia_;
   std::vector<std::array<Vec3, 2>> tangents_;    ///< of the last addForce(), with a weight
 };

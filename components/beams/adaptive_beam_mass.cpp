@@ -5,6 +5,8 @@
 //
 // with m the mass matrix of a straight beam of Euler and Bernoulli with the inertia of sections that turn, and R the axes half way
 // between those of its ends. M follows the beams as they turn, and as a rod comes out. Weight is the matter of the force fields.
+// Forces by the change of M as it turns, M' v and w x J w, are left out, as in the plug-in: momentum is kept, angular momentum is not. A
+// free rod of 0.5 m and a radius of 0.02 m, with 100 rad/s about its axis and 1 rad/s across, loses 16 % of it in 0.1 s.
 //
 // Source: the matrix is the one of the plug-in BeamAdapter for SOFA, whose force field is a mass at the same time; J. S. Przemieniecki,
 // "Theory of matrix structural analysis", 1968, chapter 11.
@@ -35,8 +37,10 @@ class AdaptiveBeamMass final : public Mass {
   void init() override {
     std::vector<HasBeamInertia*> inertias;
     for (const auto& other : node().components())
-      if (auto* field = dynamic_cast<HasBeamInertia*>(other.get()); field && field->inertia())
-        other->ensureReady(), inertias.push_back(field);
+      if (auto* field = dynamic_cast<HasBeamInertia*>(other.get())) {
+        other->ensureReady();
+        if (field->inertia()) inertias.push_back(field);
+      }
     if (isMadeForAnother() && !inertias.empty()) mstate_.set(&inertias.front()->chain().state());
     Mass::init();
     fields_.clear();
@@ -44,10 +48,9 @@ class AdaptiveBeamMass final : public Mass {
     if (fields_.empty())
       throw ComponentError("there are no beams of " + state().path() + " with a mass in this node",
                            "an AdaptiveBeamForceFieldAndMass with computeMass=\"true\"");
-    // M turns with the beams: no tensor of a body has it, and one of nothing says so
-    setTurningInertias({{1, Mat3::Zero(), false}});
     shareOut();
   }
+  void compile() override { shareOut(); }
 
   const std::vector<double>& lumped() const override { return lumped_; }
   const std::vector<double>& rowSums() const override { return none_; }
@@ -113,6 +116,10 @@ class AdaptiveBeamMass final : public Mass {
       for (std::size_t node = 0; node < is_of.size(); ++node)
         if (is_of[node]) lumped_[2 * node] += share, lumped_[2 * node + 1] += share * usual * usual / 105;
     }
+    // M turns with the beams: no tensor of a body has it, and one that is the same about all axes says so
+    for (Index row = 1; row < state().size(); row += 2)
+      if (const double inertia = lumped_[std::size_t(row)]; inertia > 0)
+        return setTurningInertias({{row, inertia * Mat3::Identity(), false}});
   }
 
   std::vector<HasBeamInertia*> fields_;

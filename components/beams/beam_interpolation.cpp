@@ -85,6 +85,9 @@ class BeamInterpolation final : public BeamChain {
 
   void init() override {
     BeamChain::init();
+    for (const char* size : {"radius", "lengthY", "lengthZ"})
+      if ((shape_ == Shape::circular) == (size[0] == 'r') && !data().find(size)->isSet())
+        warn(fmt::format("{} is not given: the default {} m is used", size, data().find(size)->defaultText()));
     std::vector<int> chosen = edge_list_;
     if (const Data* list = data().find("edgeList"); list->isSet() && chosen.empty())
       warn("edgeList is given and empty: all edges are beams", "the edges that are beams");

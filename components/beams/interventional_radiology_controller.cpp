@@ -9,7 +9,9 @@
 // where densityOfBeams has them, so that beams come and go as rods move; nodes that carry no beam wait at startingPos. Where a rod
 // is alone its nodes move on with it, and the beam at the opening becomes longer: that is what pushes. Where rods lie in one
 // another nodes stay in space and the rods slide through them; each has beams of its own between the same nodes. When nodes are
-// others than before, they get places and velocities on the curve between those that were there.
+// others than before, they get places and velocities on the curve between those that were there. That is done once, where a step
+// begins, also by integrators that make it in parts. Those that remember rows from step to step, as NewmarkImplicitSolver does
+// accelerations, are refused: their memory would be that of other places.
 //
 // startingPos is held: the opening. The nodes there are held by this component itself, whatever else holds them; indexFirstNode is the
 // number of the one where the rods come in. Links in a scene find the number 0 there, one of the nodes that wait.
@@ -77,7 +79,10 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   /// The node of the opening, and of the n-th from there.
   Index entryOf(const Pushed& pushed) const { return state().nodes() - Index(pushed.nodes.at.size()); }
   Index entry() const { return entryOf(is_); }
-  void take(const Pushed& pushed) { is_ = before_ = pushed, xtip_ = written_ = pushed.tips, is_moved_ = false; }
+  void take(const Pushed& pushed) { is_ = before_ = pushed, xtip_ = written_ = pushed.tips, moved_.is_made = false; }
+  bool isMovedFor(double t, double t_end) const;
+  std::vector<double> asked() const;
+  void checkWay() const;
   void giveBeams();
   void moveNodes();
   Placement formerAt(double at, const std::vector<Placement>& former, const std::vector<Vec3>& rates, std::array<Vec3, 2>& rate) const;
@@ -99,9 +104,13 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   Pushed start_, before_, is_;     ///< at the start of the run and of the step, and in the step
   std::vector<double> written_;    ///< what this component has put into xtip: another value is a program's
   std::vector<double> told_;       ///< the last one of these, or empty
-  bool is_moved_ = false;          ///< moveRods() has been called for the step
-  double moved_to_ = 0;            ///< its end [s]
-  std::vector<double> moved_x_;    ///< rows of x after it
+  /// What moveRods() has done for a step.
+  struct Moved {
+    bool is_made = false;
+    double from = 0, to = 0;       ///< of the step [s]
+    std::vector<double> asked;     ///< what decides how rods move: xtip, turns, speed, dt
+    std::vector<double> x;         ///< rows after it
+  } moved_;
 };
 
 void InterventionalRadiologyController::declare(DataTable& table) {
@@ -162,6 +171,7 @@ void InterventionalRadiologyController::init() {
   }
   start_ = pushedTo(xtip_);
   take(start_);
+  checkWay();
   first_ = 0;  // what links are to find
   giveBeams();
 }
@@ -187,6 +197,35 @@ InterventionalRadiologyController::Pushed InterventionalRadiologyController::pus
   return pushed;
 }
 
+/// Whether there are nodes for the rods wherever their tips may come to; an error where `speed` itself leads to it.
+void InterventionalRadiologyController::checkWay() const {
+  constexpr int places = 12, led = 200;
+  const auto nodesAt = [this](const std::vector<double>& tips) { return Index(sampleRods(rodsAt(tips), threshold_).at.size()); };
+  std::vector<double> tips = start_.tips, worst = tips;
+  Index most = 0;
+  const auto look = [&] {
+    if (const Index nodes = nodesAt(tips); nodes > most) most = nodes, worst = tips;
+  };
+  const auto moving = std::size_t(controlled_);
+  const double goal = rods_[moving]->wholeLength(), start = tips[moving];
+  for (int i = 0; speed_ > 0 && i <= led; ++i) tips[moving] = start + (goal - start) * i / led, look();
+  const bool is_led = most > state().nodes();
+  if (!is_led) {
+    std::vector<int> at(rods_.size(), 0);
+    for (std::size_t i = 0; i < at.size();) {
+      for (std::size_t k = 0; k < at.size(); ++k) tips[k] = rods_[k]->wholeLength() * at[k] / places;
+      look();
+      for (i = 0; i < at.size() && ++at[i] > places; ++i) at[i] = 0;
+    }
+  }
+  if (most <= state().nodes()) return;
+  const std::string what = fmt::format("the rods need {} nodes where their tips are at {:.4g} m, and {} has {}", most,
+                                       fmt::join(worst, " "), state().path(), state().nodes());
+  const std::string more = fmt::format("a mesh of {} nodes, or smaller numbers in densityOfBeams", most);
+  if (is_led) throw ComponentError(what + ": speed leads there", more);
+  warn(what + ": a run that goes there ends with an error", more);
+}
+
 /// The beams of each rod between the nodes as they are in the step.
 void InterventionalRadiologyController::giveBeams() {
   const std::vector<PushedRod> rods = rodsAt(is_.tips);
@@ -198,7 +237,9 @@ void InterventionalRadiologyController::giveBeams() {
       if (!rods[i].isAt(from, threshold_) || !rods[i].isAt(to, threshold_)) continue;
       ChainBeam& beam = beams[std::size_t(entry()) + n];
       beam.is_there = true;
-      rods_[i]->shape().fill(beam, std::clamp(from - rods[i].handle(), 0., whole), std::clamp(to - rods[i].handle(), 0., whole));
+      // what a node is beyond an end of the rod by less than the threshold: rods between two nodes are equally long
+      const double beyond = std::clamp(from - rods[i].handle(), std::min(to - from - whole, 0.), 0.) + std::max(to - rods[i].tip, 0.);
+      rods_[i]->shape().fill(beam, from - rods[i].handle() - beyond, to - rods[i].handle() - beyond);
       beam.axes_a = beam.axes_b = turnedBy(is_.turns[i] * Vec3::UnitX());
     }
     rods_[i]->setBeams(std::move(beams));
@@ -224,11 +265,23 @@ void InterventionalRadiologyController::placeStart(double, Rows x, Rows v) const
   }
 }
 
-void InterventionalRadiologyController::moveRods(double t, double t_end) {
+std::vector<double> InterventionalRadiologyController::asked() const {
+  std::vector<double> all = xtip_;
+  all.insert(all.end(), turns_.begin(), turns_.end());
+  all.push_back(speed_), all.push_back(node().dt());
+  return all;
+}
+
+/// Rods go all their way where a step begins. Integrators that make it in parts tell each of these, and again when it has been taken
+/// back: x is then that of nodes as they are in the step. Where all of the step is made again, x is that of its start.
+bool InterventionalRadiologyController::isMovedFor(double t, double t_end) const {
+  if (!moved_.is_made || t < moved_.from || t_end > moved_.to) return false;
   const Rows x = state().x();
-  const std::size_t size = std::size_t(x.count) * row_doubles;
-  if (is_moved_ && moved_to_ == t_end && moved_x_.size() == size && std::equal(moved_x_.begin(), moved_x_.end(), x.data)) return;
-  if (!(t_end > t)) return;  // the start of a run
+  return t > moved_.from || (moved_.asked == asked() && std::equal(moved_.x.begin(), moved_.x.end(), x.data));
+}
+
+void InterventionalRadiologyController::moveRods(double t, double t_end) {
+  if (!(t_end > t) || isMovedFor(t, t_end)) return;  // the first: where a run starts
   std::vector<double> tips = before_.tips;
   xtip_.resize(rods_.size(), 0);
   if (xtip_ != written_) told_ = xtip_;
@@ -237,11 +290,16 @@ void InterventionalRadiologyController::moveRods(double t, double t_end) {
   const std::size_t moving = std::min(std::size_t(controlled_), tips.size() - 1);
   tips[moving] += speed_ * (t_end - t);
   if (speed_ < 0) tips[moving] = std::max(tips[moving], 0.);
+  moved_.is_made = false;
+  for (std::size_t i = 0; i < rods_.size(); ++i) tips[i] = std::min(tips[i], rods_[i]->wholeLength());
+  turns_.resize(rods_.size(), 0);
+  const bool moves = tips != before_.tips || turns_ != before_.turns;
+  if (!moves && is_.tips == before_.tips && is_.turns == before_.turns) return;
   is_ = pushedTo(std::move(tips));
-  moveNodes();
+  if (moves) moveNodes();
   giveBeams();
-  is_moved_ = true, moved_to_ = t_end;
-  moved_x_.assign(x.data, x.data + size);
+  const Rows x = state().x();
+  moved_ = {true, t, t_end, asked(), std::vector<double>(x.data, x.data + std::size_t(x.count) * row_doubles)};
 }
 
 /// Where something was at a length from the opening, and how it moved, by the nodes of before.
@@ -286,7 +344,7 @@ void InterventionalRadiologyController::stepEnded(double) {
   before_ = is_;
   xtip_ = written_ = is_.tips;
   first_ = int(entry());
-  is_moved_ = false;
+  moved_.is_made = false;
 }
 
 /// What a program has set stays set: the first step goes there.

@@ -6,6 +6,47 @@
 
 namespace stroma {
 
+namespace {
+
+/// Tips that are out, from the last one back, each apart from the one before and from the opening.
+std::vector<double> tipsOf(const std::vector<PushedRod>& rods, double threshold) {
+  std::vector<double> tips, kept;
+  for (const PushedRod& rod : rods) tips.push_back(rod.tip);
+  std::sort(tips.rbegin(), tips.rend());
+  for (const double tip : tips)
+    if (tip >= threshold && (kept.empty() || kept.back() - tip >= threshold)) kept.push_back(tip);
+  return kept;
+}
+
+/// Sorted, without what is nearer to the one before than the threshold: the opening, which is 0, and tips stay.
+void keepApart(std::vector<double>& at, const std::vector<double>& tips, double threshold) {
+  const auto isBesideTip = [&](double place) {
+    return std::any_of(tips.begin(), tips.end(), [&](double tip) { return std::abs(tip - place) < threshold; });
+  };
+  std::erase_if(at, [&](double place) { return place > 0 && isBesideTip(place); });
+  at.insert(at.end(), tips.begin(), tips.end());
+  std::sort(at.begin(), at.end());
+  at.erase(std::unique(at.begin(), at.end(), [threshold](double a, double b) { return b - a < threshold; }), at.end());
+}
+
+/// A helix may lie where another rod says how beams are divided: none of its own may turn by half a turn at rest.
+void divideBends(std::vector<double>& at, const std::vector<PushedRod>& rods, double threshold) {
+  constexpr double most = 2.5;  // [rad]
+  std::vector<double> more;
+  for (std::size_t n = 0; n + 1 < at.size(); ++n) {
+    double turn = 0;
+    for (const PushedRod& rod : rods)
+      if (rod.isAt(at[n], threshold) && rod.isAt(at[n + 1], threshold))
+        turn = std::max(turn, rod.shape->stretchAt(at[n + 1] - rod.handle()).turnPerLength() * (at[n + 1] - at[n]));
+    const int parts = int(std::ceil(turn / most - 1e-9));
+    for (int k = 1; k < parts; ++k) more.push_back(at[n] + (at[n + 1] - at[n]) * k / parts);
+  }
+  at.insert(at.end(), more.begin(), more.end());
+  std::sort(at.begin(), at.end());
+}
+
+}  // namespace
+
 RodNodes sampleRods(const std::vector<PushedRod>& rods, double threshold) {
   RodNodes nodes;
   nodes.at.push_back(0);
@@ -22,9 +63,8 @@ RodNodes sampleRods(const std::vector<PushedRod>& rods, double threshold) {
       for (int k = 1; k <= int(std::floor((end - divided) / spacing)); ++k) nodes.at.push_back(end - k * spacing);
       divided = end;
     }
-  std::sort(nodes.at.begin(), nodes.at.end());
-  nodes.at.erase(std::unique(nodes.at.begin(), nodes.at.end(), [threshold](double a, double b) { return b - a < threshold; }),
-                 nodes.at.end());
+  keepApart(nodes.at, tipsOf(rods, threshold), threshold);
+  divideBends(nodes.at, rods, threshold);
   nodes.rods.resize(nodes.at.size());
   for (std::size_t n = 0; n < nodes.at.size(); ++n)
     for (std::size_t i = 0; i < rods.size(); ++i)

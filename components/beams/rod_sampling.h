@@ -23,7 +23,8 @@ struct RodNodes {
 };
 
 /// At key points that are out, and between them where a stretch has its beams: those of the first rod, and of the next ones where no
-/// former one has a stretch. Nodes nearer to the one before than `threshold` are left out. Without a rod that is out: one node.
+/// former one has a stretch; more where a helix would turn by half a turn. Of nodes nearer to each other than `threshold` one is left,
+/// the opening or a tip where one of these is among them. Without a rod that is out: one node.
 RodNodes sampleRods(const std::vector<PushedRod>& rods, double threshold);
 
 /// For each node the length where it was before the last tip went on by `moved`: nodes from the last tip back to where

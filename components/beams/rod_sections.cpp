@@ -31,7 +31,7 @@ class RodStretchComponent final : public HasRodStretch {
 
   void declare(DataTable& table) override {
     table.add("length", stretch_.length).help("of the stretch").unit("m").min(0, false);
-    table.add("radius", radius_).help("of its section").unit("m").min(0, false);
+    table.add("radius", radius_).help("of its section").unit("m").min(0, false).physical();
     table.add("innerRadius", inner_).help("of its bore").unit("m").min(0);
     table.add("youngModulus", young_).help("Young's modulus").unit("Pa").min(0, false).physical();
     table.add("poissonRatio", poisson_).help("Poisson's ratio").unit("-").min(-1, false).max(0.5);

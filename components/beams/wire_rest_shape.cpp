@@ -102,8 +102,8 @@ class WireRestShape final : public RodShape {
 
   void takeMaterials() {
     for (const char* name : {"length", "straightLength", "spireDiameter", "spireHeight", "keyPoints", "densityOfBeams", "numEdges",
-                             "numEdgesCollis", "radius", "youngModulus", "massDensity", "radiusExtremity", "youngModulusExtremity",
-                             "poissonRatio"})
+                             "numEdgesCollis", "radius", "innerRadius", "youngModulus", "massDensity", "radiusExtremity",
+                             "innerRadiusExtremity", "youngModulusExtremity", "massDensityExtremity", "poissonRatio"})
       if (data().find(name)->isSet()) throw ComponentError(fmt::format("{} and wireMaterials are both given", name), "one of them");
     std::vector<RodStretch> stretches;
     key_points_.assign(1, 0);
@@ -125,14 +125,19 @@ class WireRestShape final : public RodShape {
                              "a straight part no longer than the rod");
       straight_ = length_;
     }
-    if (!data().find("youngModulus")->isSet())
-      warn(fmt::format("youngModulus is not given: the default {:g} Pa is used", stuff_[0].young));
+    for (const bool tip : {false, true}) {
+      if (tip ? !hasHelix() : !hasStraightPart()) continue;
+      const std::string end = tip ? "Extremity" : "";
+      const Stuff& stuff = stuff_[tip ? 1 : 0];
+      for (const auto& [name, unit, value] : {std::tuple("youngModulus" + end, "Pa", stuff.young), {"radius" + end, "m", stuff.radius}})
+        if (!data().find(name)->isSet()) warn(fmt::format("{} is not given: the default {:g} {} is used", name, value, unit));
+    }
     findKeyPoints();
     std::vector<RodStretch> stretches;
     for (std::size_t i = 0; i + 1 < key_points_.size(); ++i) {
       RodStretch stretch;
       stretch.length = key_points_[i + 1] - key_points_[i];
-      const bool is_helix = hasHelix() && key_points_[i] > straight_ - 1e-9 * length_;
+      const bool is_helix = hasHelix() && (!hasStraightPart() || key_points_[i] > straight_ - 1e-9 * length_);
       if (is_helix) stretch.diameter = diameter_, stretch.height = height_;
       const Stuff& stuff = stuff_[is_helix ? 1 : 0];
       stretch.section = roundSection(stuff.radius, stuff.inner, stuff.young, poisson_);
