@@ -59,7 +59,7 @@ double ExplicitParts::angularFrequency(const StepContext& context) {
     for (const ForceField* field : fields_) field->addStiffnessProduct(direction, -1, force_);
     chain.pullBack(force_);
     const double energy = dot(p_, system_->independent(force_));
-    if (!(energy > 0) || !acceleration_->solveForMomenta(system_->x, force_, a_, context.stop, report)) break;
+    if (!(energy > 0) || !acceleration_->solveForMomenta(system_->x, system_->independent(force_), a_, context.stop, report)) break;
     square = std::max(square, dot(a_, system_->independent(force_)) / energy);
     const double size = norm(a_);
     if (!(size > 0)) break;

@@ -220,6 +220,25 @@ TEST(ContactIntegrators, CollidingBodiesKeepWhatTheyHave) {
   }
 }
 
+/// A skin of many nodes on a body of eight, whose mass couples them: what contact asks of parts of steps has the rows of the body.
+TEST(ContactIntegrators, APartOfAStepKnowsTheRowsOfTheBody) {
+  const double low = 0.9 * range;
+  Simulation simulation = simulationFromText(contactScene(
+      fmt::format("<Node name=\"body\"><RegularGridTopology n=\"2 2 2\" min=\"0 0 {0}\" max=\"1 1 {1}\"/><MechanicalObject "
+                  "name=\"dofs\"/><MeshMatrixMass massDensity=\"1000\"/><HexahedronFEMForceField youngModulus=\"1e6\" "
+                  "poissonRatio=\"0\"/><Node name=\"skin\">{2}<MechanicalObject name=\"dofs\"/><BarycentricMapping/></Node></Node>"
+                  "<BarrierContact mstate=\"@body/skin/dofs\" planes=\"0 0 1 0\" contactDistance=\"{3}\" stiffness=\"5e4\"/>",
+                  low, low + 0.5, boxOf(Vec3(0, 0, low), Vec3(1, 1, low + 0.5), {12, 12, 6}).mesh(), range),
+      2e-4, Vec3(0, 0, -g), "<EulerExplicitSolver/>"));
+  double least = 1;
+  for (int i = 0; i < 300; ++i) {
+    expectCleanStep(simulation, i, false);
+    for (Index node = 0; node < 8; ++node) least = std::min(least, simulation.systems()[0]->x[node].z());
+  }
+  EXPECT_GT(least, 0);
+  EXPECT_LT(least, low);
+}
+
 /// A ball that is driven at 10 m/s into a sheet of 3 mm, in which waves are three times as fast.
 TEST(ContactIntegrators, AFastToolDoesNotPassThroughASheet) {
   for (const auto& [integrator, dt] :
