@@ -51,7 +51,8 @@ const std::set<std::string> of_no_one_unit = {"ParameterSet", "c2",     "c4",   
                                               "PolynomialRestShapeSpringsForceField.smoothScale",
                                               "table",        "values", "defaultValue", "transformation", "planes", "proj_mat",
                                               // a file does not say what its numbers are
-                                              "tetrahedraValues", "hexahedraValues", "prismsValues", "pyramidsValues", "quadraticTetrahedraValues",
+                                              "tetrahedraValues", "hexahedraValues", "prismsValues", "pyramidsValues",
+                                              "quadraticTetrahedraValues",
                                               // lists of engines have the unit of what is linked to them
                                               "in", "out", "global", "inputValues", "value", "outputValues", "input", "output",
                                               "substractor", "indices", "input1", "input2", "input3", "input4", "input5", "input6",
