@@ -123,10 +123,14 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
 
   double energy(ConstRows x) const override {
     self_->follow();
-    return FramePairFieldOf::energy(x) + weightEnergy(x);
+    const bool was_pressed = is_pressed_;
+    const double sum = FramePairFieldOf::energy(x) + weightEnergy(x);
+    is_pressed_ = was_pressed;
+    return sum;
   }
   void addForce(ConstRows x, ConstRows v, Rows f) override {
     follow();
+    is_pressed_ = false;
     FramePairField::addForce(x, v, f);
     if (!has_mass_) return;
     inertia_.place(x);
@@ -250,7 +254,8 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   }
 
   /// A rod that is pushed starts each step with a beam that is far too short, and its exact stiffness would have no solution to go to.
-  /// Where the thrust of a beam is above EI/L^2, it has the stiffness without that of thrust and couples, which is definite.
+  /// Where the thrust of one of its beams is above EI/L^2, all have the stiffness without that of thrust and couples, which is
+  /// definite: with neighbours that keep theirs it is not.
   template <class T>
   Wrench<T> evaluate(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>& term) const {
     const LanesOf<6>&rest = rest_[batch], &stiff = stiff_[batch];
@@ -264,23 +269,18 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     const Triple<T> s{pull(shift.x, 0), pull(shift.y, 1), pull(shift.z, 2)};
     const Triple<T> couple{pull(turn.x, 3), pull(turn.y, 4), pull(turn.z, 5)};
     Wrench<T> wrench;
-    setTwistWrench(p, psi, c, slope, square, s, couple, wrench);
-    if constexpr (std::is_same_v<T, PackJet>)
-      if (const auto is_thrust = valueOf(s.x) * packOf(rest[0]) < -packOf(stiff[4]); is_pushed_ && any(is_thrust)) {
-        Wrench<T> definite;
-        setTwistWrench(still(p), still(psi), PackJet(c.value), PackJet(slope.value), PackJet(square.value), s, couple, definite);
-        take(is_thrust, definite.n, wrench.n), take(is_thrust, definite.k, wrench.k);
+    if constexpr (std::is_same_v<T, PackJet>) {
+      if (is_pressed_) {
+        setTwistWrench(still(p), still(psi), PackJet(c.value), PackJet(slope.value), PackJet(square.value), s, couple, wrench);
+        for (Triple<T>* each : {&wrench.n, &wrench.k}) each->x.value = each->y.value = each->z.value = Pack(0.);
+        return wrench;
       }
+    } else {
+      is_pressed_ = is_pressed_ || (is_pushed_ && any(s.x * packOf(rest[0]) < -packOf(stiff[4])));
+    }
+    setTwistWrench(p, psi, c, slope, square, s, couple, wrench);
     wrench.energy = 0.5 * (valueOf(dot(s, shift)) + valueOf(dot(couple, turn)));
     return wrench;
-  }
-  /// Where it is so, derivatives are those of `other`, and the value is nothing.
-  template <class Mask>
-  static void take(const Mask& where, const Triple<PackJet>& other, Triple<PackJet>& of) {
-    for (const auto& [from, to] : {std::pair(&other.x, &of.x), std::pair(&other.y, &of.y), std::pair(&other.z, &of.z)}) {
-      to->value = select(where, Pack(0.), to->value);
-      for (std::size_t k = 0; k < 6; ++k) to->slope[k] = select(where, from->slope[k], to->slope[k]);
-    }
   }
   static Triple<PackJet> still(const Triple<PackJet>& of) { return {PackJet(of.x.value), PackJet(of.y.value), PackJet(of.z.value)}; }
 
@@ -291,6 +291,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   BeamChain* chain_ = nullptr;
   long known_ = -1;                              ///< revision of the chain that what follows is of
   bool is_pushed_ = false;                       ///< by a controller
+  mutable bool is_pressed_ = false;              ///< where the last force was: a beam has a thrust above EI/L^2
   std::vector<LanesOf<6>> rest_, stiff_;         ///< rho_0, psi_0 and the six stiffnesses of each batch
   AdaptiveBeamForceFieldAndMass* const self_ = this;  ///< what it has of the beams follows from them, whenever it is asked for
   BeamInertia inertia_;

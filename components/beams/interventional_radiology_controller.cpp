@@ -24,7 +24,7 @@
 //   <WireRestShape name="guide" length="0.3" straightLength="0.25" spireDiameter="0.08" spireHeight="0" densityOfBeams="10 6"
 //     radius="0.0005" radiusExtremity="0.0005" youngModulus="1e9" youngModulusExtremity="5e8" massDensity="1000"
 //     massDensityExtremity="1000"/>
-//   <EulerImplicitSolver rayleighStiffness="0.1" rayleighMass="0.1"/>
+//   <EulerImplicitSolver newtonIterations="20" newtonTolerance="1e-10" rayleighStiffness="0.1" rayleighMass="0.1"/>
 //   <SparseLDLSolver/>
 //   <RegularGridTopology n="20 1 1" min="0 0 0" max="0.3 0 0"/>
 //   <MechanicalObject template="Rigid3"/>
