@@ -35,11 +35,14 @@
 using namespace stroma;
 
 STROMA_COMPONENT(corotational_fem_force_field) {
-  offerElasticKind({"Tetrahedron", "tetrahedra", makeTetrahedra});
   using Field = ElasticForceField;
-  offerElasticKind({"Prism", "prisms", makePrisms, makeReducedPrisms});
-  offerElasticKind({"Pyramid", "pyramids", makePyramids});
-  factory.add<Field>("CorotationalFEMForceField", "corotational elements of the kind that the mesh holds");
+  static const std::vector<ElasticKind> all{{"Tetrahedron", "tetrahedra", makeTetrahedra},
+                                            {"Prism", "prisms", makePrisms, makeReducedPrisms},
+                                            {"Pyramid", "pyramids", makePyramids},
+                                            {"Hexahedron", "hexahedra", makeHexahedra},
+                                            {"QuadraticTetrahedron", "quadratic tetrahedra", makeQuadraticTetrahedra}};
+  factory.add<Field>("CorotationalFEMForceField", "corotational elements of the kind that the mesh holds",
+                     [](Field& f) { f.kinds = all; });
   factory.add<Field>("LinearSmallStrainFEMForceField", "linear elements of the kind that the mesh holds, no rotations",
-                     [](Field& f) { f.method_word = Field::Word::none, f.only_small = true; });
+                     [](Field& f) { f.kinds = all, f.method_word = Field::Word::none, f.only_small = true; });
 }

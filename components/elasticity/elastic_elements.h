@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // One kind of element (tetrahedra, hexahedra) as ElasticForceField sees it: which methods it has, what shapes it
-// refuses, its kernels and its fields. A component offers its kind once; names that serve several kinds find all of
-// them.
+// refuses, its kernels and its fields. The registration of a component lists the kinds that it serves.
 #pragma once
 #include <Eigen/Eigenvalues>
 #include <functional>
@@ -11,8 +10,8 @@
 #include <vector>
 
 #include "components/elasticity/elastic_variant.h"
+#include "components/elasticity/lame_of.h"
 #include "framework/fem/element_kernels.h"
-#include "framework/fem/isotropic.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/mesh/mesh.h"
 
@@ -40,8 +39,8 @@ class ElasticElements {
 
   /// Looks at the rest shapes; throws ComponentError for a cell without a volume. `rest` is kept by reference.
   virtual void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) = 0;
-  /// `first_row`: row of node 0; `lame`: Lame's constants of a cell.
-  virtual std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const = 0;
+  /// `first_row`: row of node 0. What `lame` refers to is to outlive the kernels.
+  virtual std::unique_ptr<ElementKernels> make(Index first_row, const LameOf& lame) const = 0;
   /// Kernels of the exact tangent lie as those of the warped one: what is known of the matrix of the one holds for the other.
   virtual bool tangentsLieAlike() const { return false; }
   /// "tetrahedron 12 (nodes 3 4 8 9)"
@@ -82,13 +81,9 @@ struct ElasticKind {
   std::unique_ptr<ElasticElements> (*make_reduced)() = nullptr;  ///< with fewer points, where the kind has that
 };
 
-/// All kinds offered so far, by word. Offering one again changes nothing: a module registers once for each factory, and
-/// other threads may be reading.
-const std::vector<ElasticKind>& elasticKinds();
-void offerElasticKind(const ElasticKind& kind);
-
-/// Kinds without a component of their own beside them. Each module that is built of this folder has its own list of kinds.
 std::unique_ptr<ElasticElements> makeTetrahedra();
+std::unique_ptr<ElasticElements> makeHexahedra();
+std::unique_ptr<ElasticElements> makeQuadraticTetrahedra();
 std::unique_ptr<ElasticElements> makePrisms();
 std::unique_ptr<ElasticElements> makeReducedPrisms();
 std::unique_ptr<ElasticElements> makePyramids();

@@ -15,11 +15,6 @@ namespace stroma {
 
 namespace {
 
-std::vector<ElasticKind>& offeredKinds() {
-  static std::vector<ElasticKind> kinds;
-  return kinds;
-}
-
 /// "quadratic tetrahedron" of "QuadraticTetrahedron".
 std::string lowerCase(const std::string& word) {
   std::string text;
@@ -86,14 +81,6 @@ constexpr const char* without_effect[] = {"plasticYieldThreshold",
 
 }  // namespace
 
-const std::vector<ElasticKind>& elasticKinds() { return offeredKinds(); }
-
-void offerElasticKind(const ElasticKind& kind) {
-  auto& kinds = offeredKinds();
-  const bool is_known = std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.word == kind.word; });
-  if (!is_known) kinds.push_back(kind);
-}
-
 void ElasticForceField::declare(DataTable& table) {
   ForceField::declare(table);
   topology_.declare(table, "mesh that holds the cells");
@@ -155,29 +142,21 @@ void ElasticForceField::declare(DataTable& table) {
   for (const char* name : without_effect) table.addVisualOnly(name);
 }
 
-std::vector<ElasticKind> ElasticForceField::servedKinds() const {
-  std::vector<ElasticKind> served;
-  for (const ElasticKind& kind : elasticKinds())
-    if (kinds.empty() || std::find(kinds.begin(), kinds.end(), kind.word) != kinds.end()) served.push_back(kind);
-  return served;
-}
-
 // The kind that the template names; else the one that the mesh holds.
 void ElasticForceField::chooseKind(const Topology& topology) {
-  const std::vector<ElasticKind> served = servedKinds();
   std::vector<std::string> words, plurals;
-  for (const ElasticKind& kind : served) words.push_back("Vec3," + kind.word), plurals.push_back(kind.plural);
+  for (const ElasticKind& kind : kinds) words.push_back("Vec3," + kind.word), plurals.push_back(kind.plural);
   const auto comma = template_.find(',');
   const std::string vector = template_.substr(0, comma),
                     wanted = comma == std::string::npos ? "" : template_.substr(comma + 1);
   const bool known = wanted.empty() ||
-                     std::any_of(served.begin(), served.end(), [&](const auto& kind) { return kind.word == wanted; });
+                     std::any_of(kinds.begin(), kinds.end(), [&](const auto& kind) { return kind.word == wanted; });
   if (!known || (!vector.empty() && vector != "Vec3" && vector != "Vec3d" && vector != "Vec3f"))
     throw ComponentError(fmt::format("template '{}' is none that {} has", template_, type()),
                          fmt::format("Vec3, {}", fmt::join(words, ", ")), nearest(template_, words));
 
   std::vector<const ElasticKind*> found;
-  for (const ElasticKind& kind : served)
+  for (const ElasticKind& kind : kinds)
     if ((wanted.empty() || kind.word == wanted) && kind.make()->count(topology.mesh()) > 0) found.push_back(&kind);
   if (found.size() > 1)
     throw ComponentError(fmt::format("{} holds {}", topology.path(), fmt::join(plurals, " and ")),
@@ -185,7 +164,7 @@ void ElasticForceField::chooseKind(const Topology& topology) {
                          fmt::format("template=\"{}\"", fmt::join(words, "\" or template=\"")));
   if (found.empty()) {
     if (!wanted.empty())
-      for (const ElasticKind& kind : served)
+      for (const ElasticKind& kind : kinds)
         if (kind.word == wanted) plurals = {kind.plural};
     const bool may_cut = !topology.mesh().hexahedra.empty();
     throw ComponentError(fmt::format("{} holds no {}", topology.path(), fmt::join(plurals, " and no ")),
@@ -361,7 +340,7 @@ void ElasticForceField::compile() {
 }
 
 std::unique_ptr<ElementKernels> ElasticForceField::makeMethod(const ElasticElements& elements) const {
-  return elements.make(state().firstRow(), [this](std::size_t cell) { return lame(cell); });
+  return elements.make(state().firstRow(), LameOf(constants_));
 }
 
 bool ElasticForceField::useExactTangent(bool exact) {

@@ -31,7 +31,7 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   };
 
   // ---- set by the registration of a name ----
-  std::vector<std::string> kinds;  ///< words of the kinds that it serves; empty: all
+  std::vector<ElasticKind> kinds;  ///< that it serves
   Word method_word = Word::large;
   bool only_small = false;  ///< a name that stands for method small
 
@@ -58,7 +58,6 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
 
   /// The kind of element that the mesh has and the name serves; throws ComponentError when none or several fit.
   void chooseKind(const Topology& topology);
-  std::vector<ElasticKind> servedKinds() const;
   /// Throws ComponentError for combinations of attributes that mean nothing together.
   void checkVariant() const;
   void checkMeanDilatation() const;
@@ -72,7 +71,7 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   /// Throws ComponentError for lists of a wrong length or a value without a material.
   void readMaterial();
   /// Of one cell [Pa], localStiffnessFactor included.
-  Lame lame(std::size_t cell) const { return constants_[constants_.size() > 1 ? cell : 0]; }
+  Lame lame(std::size_t cell) const { return LameOf(constants_)(cell); }
   std::unique_ptr<ElementKernels> makeMethod(const ElasticElements& elements) const;
   /// The rows of this state out of the system's.
   ConstRows ownRows(ConstRows x) const;

@@ -72,7 +72,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
     return true;
   }
 
-  std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
+  std::unique_ptr<ElementKernels> make(Index first_row, const LameOf& lame) const override {
     return withOwnMatrix(variant_, makeMethod({*shapes_, first_row, lame}));
   }
 
@@ -146,10 +146,10 @@ class Hexahedra final : public PointElements<Hexahedra> {
 
 }  // namespace
 
+std::unique_ptr<ElasticElements> stroma::makeHexahedra() { return std::make_unique<Hexahedra>(); }
+
 STROMA_COMPONENT(hexahedron_fem_force_field) {
-  offerElasticKind(
-      {"Hexahedron", "hexahedra", []() -> std::unique_ptr<ElasticElements> { return std::make_unique<Hexahedra>(); }});
   factory.add<ElasticForceField>("HexahedronFEMForceField",
                                  "trilinear hexahedra: corotational (large, polar, svd), small strains, Green-Lagrange",
-                                 [](ElasticForceField& f) { f.kinds = {"Hexahedron"}; });
+                                 [](ElasticForceField& f) { f.kinds = {{"Hexahedron", "hexahedra", makeHexahedra}}; });
 }

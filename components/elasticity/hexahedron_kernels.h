@@ -3,6 +3,7 @@
 #pragma once
 #include "components/elasticity/elastic_kernels.h"
 #include "components/elasticity/hexahedron_shapes.h"
+#include "components/elasticity/lame_of.h"
 
 namespace stroma::hexahedron {
 
@@ -10,7 +11,7 @@ namespace stroma::hexahedron {
 struct Elements {
   const HexahedronShapes& shapes;
   Index first_row;  ///< row of node 0
-  const std::function<Lame(std::size_t)>& lame;
+  const LameOf& lame;
 };
 
 /// method = large, polar, svd (Rotation) but for a mean dilatation of shapes that are no boxes: hexahedron_large.cpp,
@@ -25,8 +26,7 @@ std::unique_ptr<ElementKernels> meanKernels(const Elements& elements);
 std::unique_ptr<ElementKernels> exactMeanKernels(const Elements& elements);
 
 template <class Storage>
-[[gnu::noinline]] void fillCells(Storage& storage, const HexahedronShapes& shapes,
-                                 const std::function<Lame(std::size_t)>& lame) {
+[[gnu::noinline]] void fillCells(Storage& storage, const HexahedronShapes& shapes, const LameOf& lame) {
   // cells that cover the body twice share its stiffness; a padding lane has none
   const double overlap = shapes.mesh().overlap;
   storage.fill([&](std::size_t e, bool padding, auto& rest, auto& tangent) {

@@ -100,7 +100,7 @@ struct PointElementsOf {
   const PointShapes<S>& shapes;
   const ElasticVariant& variant;
   Index first_row;  ///< row of node 0
-  const std::function<Lame(std::size_t)>& lame;
+  const LameOf& lame;
 };
 
 /// method = large, polar, svd (Rotation), compiled apart: point_rotated.h.
@@ -109,13 +109,17 @@ std::unique_ptr<ElementKernels> rotatedKernels(const PointElementsOf<S>& element
 
 template <class Model, class S>
 std::unique_ptr<ElementKernels> kernelsOf(const PointElementsOf<S>& elements) {
-  const Mesh& mesh = elements.shapes.mesh();
-  StorageOf<Model> storage;
-  storage.build(S::of(mesh), elements.shapes.positions(), elements.first_row,
-                [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
-                  elements.shapes.set(e, elements.variant, elements.lame(e), padding ? 0 : 1 / mesh.overlap, rest, tangent);
-                });
-  return std::make_unique<ModelKernels<Model>>(std::move(storage));
+  using Storage = StorageOf<Model>;
+  const PointShapes<S>& shapes = elements.shapes;
+  const auto fill = [&shapes, variant = elements.variant, lame = elements.lame](Storage& stored) {
+    stored.fill([&](std::size_t e, bool padding, auto& rest, auto& tangent) {
+      shapes.set(e, variant, lame(e), padding ? 0 : 1 / shapes.mesh().overlap, rest, tangent);
+    });
+  };
+  Storage storage;
+  storage.arrange(S::of(shapes.mesh()), shapes.positions(), elements.first_row);
+  fill(storage);
+  return std::make_unique<ModelKernels<Model>>(std::move(storage), fill);
 }
 
 template <class S>
@@ -134,7 +138,7 @@ class PointCells final : public PointElements<PointCells<S>> {
       of_nodes_ = what == PolarOf::nodes;
     return of_nodes_;
   }
-  std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
+  std::unique_ptr<ElementKernels> make(Index first_row, const LameOf& lame) const override {
     return withOwnMatrix(variant_, makeMethod({*shapes_, variant_, first_row, lame}));
   }
   std::string describe(std::size_t e) const override { return shapes_->describe(e); }

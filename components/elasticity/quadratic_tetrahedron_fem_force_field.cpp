@@ -55,11 +55,16 @@
 
 using namespace stroma;
 
+std::unique_ptr<ElasticElements> stroma::makeQuadraticTetrahedra() {
+  return std::make_unique<PointCells<quadratic_tetrahedron::Shape>>();
+}
+
 STROMA_COMPONENT(quadratic_tetrahedron_fem_force_field) {
-  offerElasticKind({"QuadraticTetrahedron", "quadratic tetrahedra",
-                    []() -> std::unique_ptr<ElasticElements> { return std::make_unique<PointCells<quadratic_tetrahedron::Shape>>(); }});
   factory.add<ElasticForceField>(
       "QuadraticTetrahedronFEMForceField",
       "tetrahedra of ten nodes: corotational at each point (svd, polar, large), small strains, Green-Lagrange",
-      [](ElasticForceField& f) { f.kinds = {"QuadraticTetrahedron"}, f.method_word = ElasticForceField::Word::svd; });
+      [](ElasticForceField& f) {
+        f.kinds = {{"QuadraticTetrahedron", "quadratic tetrahedra", makeQuadraticTetrahedra}};
+        f.method_word = ElasticForceField::Word::svd;
+      });
 }

@@ -70,7 +70,7 @@ class Tetrahedra final : public ElasticElements {
     shapes_ = std::make_unique<TetrahedronShapes>(mesh, rest, variant.update);
   }
 
-  std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
+  std::unique_ptr<ElementKernels> make(Index first_row, const LameOf& lame) const override {
     return withOwnMatrix(variant_, makeMethod({*shapes_, first_row, lame}));
   }
 
@@ -124,18 +124,24 @@ class Tetrahedra final : public ElasticElements {
   }
   template <class Model>
   static std::unique_ptr<ElementKernels> polarKernels(const Elements& elements) {
-    return std::make_unique<ModelKernels<Model>>(oneByOne<StorageOf<Model>>(elements));
+    using Storage = StorageOf<Model>;
+    const auto fill = [&shapes = elements.shapes, lame = elements.lame](Storage& stored) { fillOneByOne(stored, shapes, lame); };
+    return std::make_unique<ModelKernels<Model>>(oneByOne<Storage>(elements), fill);
   }
   /// Not in fans, which change the order of the nodes of a cell.
   template <class Storage>
   static Storage oneByOne(const Elements& elements) {
-    const std::vector<Tetrahedron>& cells = elements.shapes.mesh().tetrahedra;
     Storage storage;
-    storage.build(cells, elements.shapes.positions(), elements.first_row,
-                  [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
-                    elements.shapes.set(e, cells[e], padding, elements.lame, rest, tangent);
-                  });
+    storage.arrange(elements.shapes.mesh().tetrahedra, elements.shapes.positions(), elements.first_row);
+    fillOneByOne(storage, elements.shapes, elements.lame);
     return storage;
+  }
+  template <class Storage>
+  static void fillOneByOne(Storage& storage, const TetrahedronShapes& shapes, const LameOf& lame) {
+    const std::vector<Tetrahedron>& cells = shapes.mesh().tetrahedra;
+    storage.fill([&](std::size_t e, bool padding, auto& rest, auto& tangent) {
+      shapes.set(e, cells[e], padding, lame, rest, tangent);
+    });
   }
 
   ElasticVariant variant_;

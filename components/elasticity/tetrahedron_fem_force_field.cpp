@@ -62,12 +62,11 @@
 using namespace stroma;
 
 STROMA_COMPONENT(tetrahedron_fem_force_field) {
-  offerElasticKind({"Tetrahedron", "tetrahedra", makeTetrahedra});
   using Field = ElasticForceField;
   const std::string help = "linear tetrahedra: corotational (large, polar, svd, nodal), small strains, Green-Lagrange";
-  const auto here = [](Field& f) { f.kinds = {"Tetrahedron"}; };
+  const auto here = [](Field& f) { f.kinds = {{"Tetrahedron", "tetrahedra", makeTetrahedra}}; };
   factory.add<Field>("TetrahedronFEMForceField", help, here);
   factory.add<Field>("TetrahedralCorotationalFEMForceField", help, here);
   factory.add<Field>("FastTetrahedralCorotationalForceField", help,
-                     [](Field& f) { f.kinds = {"Tetrahedron"}, f.method_word = Field::Word::qr; });
+                     [here](Field& f) { here(f), f.method_word = Field::Word::qr; });
 }

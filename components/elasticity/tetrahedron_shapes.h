@@ -4,19 +4,15 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <functional>
 
+#include "components/elasticity/lame_of.h"
 #include "components/elasticity/rotation_methods.h"
 #include "components/elasticity/tetrahedron_models.h"
 #include "framework/fem/eigen_matrix.h"
-#include "framework/fem/isotropic.h"
 #include "framework/mesh/mesh.h"
 #include "framework/scene/diagnostics.h"
 
 namespace stroma::tetrahedron {
-
-/// Lame's constants of a cell [Pa].
-using LameOf = std::function<Lame(std::size_t)>;
 
 class TetrahedronShapes {
  public:

@@ -36,7 +36,7 @@ class SetTopologyContainer : public MeshContainer {
   void init() override {
     takeFromMapping();
     finish();
-    if (mainCells() == 0 && !allow_empty_)
+    if (countOfMainCells() == 0 && !allow_empty_)
       throw ComponentError(fmt::format("there are no {}", kind->plural),
                            fmt::format("{}=\"...\", or src=\"@loader\"", kind->plural));
     if (create_triangles_ && mesh_.triangles.empty()) mesh_.triangles = uniqueTriangles(mesh_, false);
@@ -44,16 +44,18 @@ class SetTopologyContainer : public MeshContainer {
     if (create_edges_ && mesh_.edges.empty()) mesh_.edges = Mesh(mesh_).allEdges();
   }
 
+  std::string mainCells() const override { return std::string(kind->plural); }
+
   const CellKind* kind = &cell_kinds::edge;  ///< of the main cells
   void allowEmpty() { allow_empty_ = true; }
 
  private:
-  std::size_t mainCells() const;
+  std::size_t countOfMainCells() const;
 
   bool create_triangles_ = false, create_quads_ = false, create_edges_ = false;
 };
 
-std::size_t SetTopologyContainer::mainCells() const {
+std::size_t SetTopologyContainer::countOfMainCells() const {
   std::size_t count = 0;
   forEachCellList([&](const CellKind& each, const auto& cells) { count += &each == kind ? cells.size() : 0; }, mesh_);
   return count;

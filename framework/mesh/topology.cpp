@@ -7,8 +7,8 @@ Topology* TopologicalMapping::output() const {
   if (auto* linked = dynamic_cast<Topology*>(output_.target())) return linked;
   if (!data().find("tetrahedra")) return nullptr;  // it makes none for a container of tetrahedra beside it
   for (const auto& component : node().components())
-    if (component.get() != this && component->type() == "TetrahedronSetTopologyContainer")
-      return dynamic_cast<Topology*>(component.get());
+    if (auto* beside = dynamic_cast<Topology*>(component.get()); beside && beside != this && beside->mainCells() == "tetrahedra")
+      return beside;
   return nullptr;
 }
 

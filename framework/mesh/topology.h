@@ -13,6 +13,8 @@ class Topology : public Component {
   std::string roleText() const override { return "topology"; }
   /// Positions [m] and cells; valid after init().
   const Mesh& mesh() const { return mesh_; }
+  /// "tetrahedra": of a container for one kind of cell, which a mapping that makes them may fill; else empty.
+  virtual std::string mainCells() const { return {}; }
 
  protected:
   Mesh mesh_;

@@ -34,6 +34,8 @@ std::string_view adviceOn(std::string_view attribute);
 const std::vector<std::string_view>& acceptedWithoutEffect();
 /// Those of them that draw the body of a node.
 const std::vector<std::string_view>& visualModels();
+/// What a node that only carries a visual model holds beside it: the mapping that moves it and the mesh it is made of.
+bool servesVisualModels(std::string_view type);
 /// Attributes any component may carry that only matter for drawing or for SOFA's own bookkeeping.
 const std::vector<std::string_view>& visualAttributes();
 

@@ -23,13 +23,6 @@ bool hasNoEffect(const ComponentDescription& component) { return contains(accept
 
 bool isVisualModel(const ComponentDescription& component) { return contains(visualModels(), component.type); }
 
-/// What a node that only carries a visual model holds beside it: the mapping that moves it and the mesh it is made of.
-bool servesVisualModel(const ComponentDescription& component) {
-  const std::string_view type = component.type;
-  return type.ends_with("Mapping") || type.ends_with("Loader") || type.ends_with("Topology") ||
-         type.ends_with("SetTopologyContainer") || type == "Mesh";
-}
-
 bool holdsVisualModel(const NodeDescription& node) {
   return std::any_of(node.components.begin(), node.components.end(), isVisualModel) ||
          std::any_of(node.children.begin(), node.children.end(), holdsVisualModel);
@@ -37,7 +30,7 @@ bool holdsVisualModel(const NodeDescription& node) {
 
 bool holdsOnlyVisuals(const NodeDescription& node) {
   return std::all_of(node.components.begin(), node.components.end(),
-                     [](const auto& component) { return hasNoEffect(component) || servesVisualModel(component); }) &&
+                     [](const auto& component) { return hasNoEffect(component) || servesVisualModels(component.type); }) &&
          std::all_of(node.children.begin(), node.children.end(), holdsOnlyVisuals);
 }
 

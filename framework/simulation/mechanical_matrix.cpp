@@ -45,8 +45,7 @@ void sumDiagonals(const Actors& actors, const MatrixFactors& factors, std::vecto
 
 /// See held_size.h; beside what the rows of relations have on the diagonal without constraints: the same number whether
 /// something has been assembled or not.
-double heldBeside(const Actors& actors, const MatrixFactors& factors, const LinearRelations& relations) {
-  std::vector<double> blocks;
+double heldBeside(const Actors& actors, const MatrixFactors& factors, const LinearRelations& relations, std::vector<double>& blocks) {
   sumDiagonals(actors, factors, blocks);
   double sum = 0;
   for (const LinearRelations::Term& term : relations.terms) sum += diagonalSize(blockAt(blocks, term.row));
@@ -141,7 +140,7 @@ void MechanicalMatrix::multiply(ConstRows p, Rows out) const {
   }
   const auto size = free_part_[rows()];  // the last row keeps s, and for which values it holds
   if (const double values = double(valuesRevision() + 1); size[1] != values)
-    free_part_[rows()] = Vec3(heldBeside(actors_, factors_, constraints_.relations().relations()), values, 0);
+    free_part_[rows()] = Vec3(heldBeside(actors_, factors_, constraints_.relations().relations(), diagonals_), values, 0);
   const Rows free = free_part_.head(rows());
   copy(p, free);
   constraints_.project(free);

@@ -52,7 +52,8 @@ class MechanicalMatrix final : public SystemMatrix {
   long factors_revision_ = 0;
   mutable AssembledMatrix assembled_;  ///< made on demand, also by a question about its size
   long assembled_revision_ = -1;
-  mutable Vector free_part_;  ///< work space, only with relations
+  mutable Vector free_part_;               ///< work space, only with relations
+  mutable std::vector<double> diagonals_;  ///< the same
 };
 
 }  // namespace stroma

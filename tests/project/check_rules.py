@@ -53,7 +53,8 @@ BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$|^tests/fuzz/corpus/")  # 
 MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|home)/")
 TEST = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", re.M)
 NAME_OF_TEST = re.compile(r"[A-Z][A-Za-z0-9]*$")
-REGISTERED = re.compile(r'\badd<[^;()]*>\(\s*"([A-Z]\w+)"')  # a component in its module
+# a component in its module, also by a helper of the registration
+REGISTERED = re.compile(r'\badd\w*(?:<[^;()]*>)?\(\s*"([A-Z]\w+)"')
 LITERAL = re.compile(r'"((?:\\.|[^"\\\n])*)"')
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
@@ -140,7 +141,7 @@ def problems(tree):
         for start, why in shared_files(text) if path.startswith("tests/") and path.endswith((".h", ".cpp")) else []:
             found.append(f"{path}:{text.count(chr(10), 0, start) + 1}: {why}")
         if path.startswith("components/") and path.endswith(".cpp"):
-            components.update(REGISTERED.findall(text))
+            components.update(REGISTERED.findall(text[max(text.find("STROMA_COMPONENT("), 0):]))
         if path.startswith("framework/") and path.endswith((".h", ".cpp")):
             engine[path] = text
         if path.endswith((".h", ".cpp")):
@@ -183,6 +184,8 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "framework/mesh/p.cpp": (LICENCE + "#include <CGAL/Random.h>\n", "which only tools/mesh/meshing/"),
     "components/loads/a.cpp": (LICENCE + 'STROMA_COMPONENT(a) { factory.add<A>("SomeForceField", "pushes"); }\n', None),
     "framework/simulation/a.cpp": (LICENCE + 'const char* text = "use a SomeForceField";\n', "knows SomeForceField by name"),
+    "components/loads/b.cpp": (LICENCE + 'STROMA_COMPONENT(b) { const auto add = adder(factory); add("OtherForceField", 1); }\n', None),
+    "framework/simulation/c.cpp": (LICENCE + 'const char* text = "use an OtherForceField";\n', "knows OtherForceField by name"),
     "framework/simulation/b.cpp": (LICENCE + '// "SomeForceField"\nconst char* text = "use SomeForceFields";\n', None),
     "framework/simulation/j.cpp": (LICENCE + '#include "framework/fem/d.h"\n#include <vector>\n', None),
     "tests/scene/test_w.cpp": (LICENCE + "TEST(Suite, CaseOne) {}\nTEST_F(Suite2, Case) {}\n", None),

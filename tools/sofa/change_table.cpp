@@ -109,6 +109,11 @@ const std::vector<std::string_view>& acceptedWithoutEffect() {
   return list;
 }
 
+bool servesVisualModels(std::string_view type) {
+  return type.ends_with("Mapping") || type.ends_with("Loader") || type.ends_with("Topology") ||
+         type.ends_with("SetTopologyContainer") || type == "Mesh";
+}
+
 const std::vector<std::string_view>& visualModels() {
   static const std::vector<std::string_view> list = {"OglModel",   "VisualModelImpl",  "VisualModel",
                                                      "VisualMesh", "OglCylinderModel", "SlicedVolumetricModel"};
