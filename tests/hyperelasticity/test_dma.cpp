@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The swinging disc of scenes/validation/dma.xml on its coarse mesh: the complex modulus from the torque on the plate.
-// tools/validate/dma.py has the frequencies and the finer meshes.
+// docs/validate/dma.py has the frequencies and the finer meshes.
 #include <complex>
 #include <numbers>
 

@@ -52,30 +52,43 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
   EXPECT_EQ(allocations, before);
 }
 
-/// Bytes allocated by loading a body of `method`, and then by a change of its Young's modulus.
-std::pair<std::size_t, std::size_t> bytesToLoadAndToChange(const std::string& element, const std::string& method) {
+/// Bytes allocated by loading a body with this field, and then by a change of its Young's modulus.
+std::pair<std::size_t, std::size_t> bytesToLoadAndToChange(const std::string& body) {
   const std::size_t start = allocated_bytes;
   Simulation simulation(
       sceneFromText("<Node name=\"root\"><EulerImplicitSolver/><CGLinearSolver iterations=\"20\" tolerance=\"1e-8\"/>"
                     "<RegularGridTopology name=\"grid\" n=\"9 9 17\" min=\"0 0 0\" max=\"0.1 0.1 0.2\"/>"
-                    "<Node name=\"body\"><TetrahedronSetTopologyContainer name=\"mesh\"/><Hexa2TetraTopologicalMapping "
-                    "input=\"@../grid\" output=\"@mesh\" swapping=\"true\"/><MechanicalObject/><UniformMass "
-                    "totalMass=\"1\"/><" +
-                    element + " name=\"fem\" " + method + "/></Node></Node>"));
+                    "<Node name=\"body\">" + body + "</Node></Node>"));
   simulation.step();
   const std::size_t loaded = allocated_bytes;
   simulation.setAttribute("/body/fem", "youngModulus", "9000");
   return {loaded - start, allocated_bytes - loaded};
 }
 
-// Kinds, shapes, fans and the order of the elements stay what they are: 5,120 tetrahedra of some hundred bytes each.
+/// The grid's cells as tetrahedra.
+std::string ofTetrahedra(const std::string& field) {
+  return "<TetrahedronSetTopologyContainer name=\"mesh\"/><Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@mesh\" "
+         "swapping=\"true\"/><MechanicalObject/><UniformMass totalMass=\"1\"/>" + field;
+}
+
+// Kinds, shapes, fans and the order of the elements stay what they are: 1,024 hexahedra or five times as many tetrahedra of some
+// hundred bytes each.
 TEST(LiveEdit, OfYoungsModulusMakesNoElementsAnew) {
-  for (const std::string method : {"method=\"large\"", "method=\"svd\" poissonRatio=\"0.49\"", "method=\"small\""}) {
-    SCOPED_TRACE(method);
-    bytesToLoadAndToChange("TetrahedronFEMForceField", method);  // modules are opened once for all tests
-    const auto [load, change] = bytesToLoadAndToChange("TetrahedronFEMForceField", method);
-    EXPECT_GT(load, 5120u * 300) << "bytes of elements are not counted, of which a change makes less than half";
-    EXPECT_LT(change, 5120u * 150);
+  const std::string of_tetrahedra[] = {"method=\"large\"", "method=\"svd\" poissonRatio=\"0.49\"", "method=\"small\"",
+                                       "method=\"polar\" polarOf=\"edges\""};
+  std::vector<std::pair<std::string, std::size_t>> bodies;
+  for (const std::string& method : of_tetrahedra)
+    bodies.emplace_back(ofTetrahedra("<TetrahedronFEMForceField name=\"fem\" " + method + "/>"), 5120);
+  bodies.emplace_back("<MechanicalObject/><UniformMass totalMass=\"1\"/><HexahedronFEMForceField name=\"fem\" method=\"svd\"/>", 1024);
+  bodies.emplace_back("<Hexa2TetraTopologicalMapping name=\"mesh\" input=\"@../grid\"/><Linear2QuadraticTopologicalMapping name=\"ten\" "
+                      "input=\"@mesh\"/><MechanicalObject src=\"@ten\"/><UniformMass totalMass=\"1\"/>"
+                      "<QuadraticTetrahedronFEMForceField name=\"fem\" topology=\"@ten\"/>", 5120);
+  for (const auto& [body, cells] : bodies) {
+    SCOPED_TRACE(body);
+    bytesToLoadAndToChange(body);  // modules are opened once for all tests
+    const auto [load, change] = bytesToLoadAndToChange(body);
+    EXPECT_GT(load, cells * 300) << "bytes of elements are not counted, of which a change makes less than half";
+    EXPECT_LT(change, cells * 150);
   }
 }
 

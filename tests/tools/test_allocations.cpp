@@ -153,12 +153,11 @@ void expectNoneInSteps(Simulation& simulation) {
   EXPECT_EQ(in_libraries, 0);
 }
 
-std::string beam(const std::string& integrator, const std::string& more = {}) {
+std::string beam(const std::string& integrator, const std::string& more = {}, const std::string& method = "small") {
   return "<" + integrator + R"(/><CGLinearSolver iterations="30" tolerance="1e-8"/>
     <RegularGridTopology n="3 3 5" min="0 0 0" max="0.1 0.1 0.3"/><MechanicalObject name="dofs"/>
-    <UniformMass totalMass="1"/><HexahedronFEMForceField youngModulus="5000" poissonRatio="0.3" method="small"/>
-    <FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/>)" +
-         more;
+    <UniformMass totalMass="1"/><HexahedronFEMForceField youngModulus="5000" poissonRatio="0.3" method=")" +
+         method + R"("/><FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/>)" + more;
 }
 
 /// Products that go through relations, ties and mappings.
@@ -168,11 +167,14 @@ TEST(Allocations, NoneInStepsOfCoupledNodes) {
       "<LinearRelationProjectiveConstraint indices='36 37 38  39 40 41' coefficients='1 -2 1'/>",
       "<AttachProjectiveConstraint indices1='36 37' indices2='44 43' twoWay='1'/>",
       "<Node name='ends'><MechanicalObject position='0 0 0.3  0.1 0.1 0.3'/><SubsetMapping indices='36 44'/>"
+      "<SpringForceField springsIndices1='0' springsIndices2='1' lengths='0.1' stiffness='100'/></Node>",
+      "<Node name='inside'><MechanicalObject position='0.02 0.03 0.27  0.08 0.07 0.29'/><BarycentricMapping/>"
       "<SpringForceField springsIndices1='0' springsIndices2='1' lengths='0.1' stiffness='100'/></Node>"};
   for (const std::string& coupling : couplings)
-    for (const char* integrator : {"EulerImplicitSolver", "EulerImplicitSolver newtonIterations='3'"}) {
-      SCOPED_TRACE(coupling + integrator);
-      std::string body = beam(integrator, coupling);
+    for (const auto& [integrator, method] : {std::pair("EulerImplicitSolver", "small"), {"EulerImplicitSolver", "svd"},
+                                             {"EulerImplicitSolver newtonIterations='3'", "svd"}}) {
+      SCOPED_TRACE(coupling + integrator + method);
+      std::string body = beam(integrator, coupling, method);
       const std::string solver = "<CGLinearSolver ";
       body.insert(body.find(solver) + solver.size(), "template='GraphScattered' ");
       Simulation simulation(test::sceneFromText("<Node name='root' dt='0.005' gravity='0 -1 0'>" + body + "</Node>"));

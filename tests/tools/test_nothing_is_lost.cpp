@@ -256,6 +256,9 @@ TEST_F(NothingIsLost, ALongStepIsGivenUp) {
   <HexahedronFEMForceField youngModulus="4000" poissonRatio="0.4" method="svd" tangent="exact"/>
   <BoxROI name="end" box="-1 -0.001 -1  1 0.001 1"/><FixedProjectiveConstraint indices="@end.indices"/></Node>)";
   };
+  // a fifth of a second of processor time after the recording began, so that it is the factorisation that is met
+  const std::string ticks = "$(cut -d' ' -f14 /proc/$pid/stat 2>/dev/null || echo 1000000)",
+                    calculates_on = "until_tick=$((" + ticks + " + 20)); " + waitFor("[ " + ticks + " -ge $until_tick ]");
   for (const auto& [signals, code] : {std::pair("kill -TERM $pid", 143), std::pair("kill -INT $pid", 130),
                                       std::pair("kill -INT $pid; kill -INT $pid", 130)}) {
     Finished run;
@@ -263,7 +266,7 @@ TEST_F(NothingIsLost, ALongStepIsGivenUp) {
       fs::remove_all(folder_ / "out");
       write("long.xml", scene(nodes));
       run = shell("'" STROMA_COMMAND "' run long.xml -n 1 --quiet --record out & pid=$!; " +
-                  waitFor("[ -s out/dofs.state.gz ]") + "sleep 0.3; " + std::string(signals) + "; wait $pid");
+                  waitFor("[ -s out/dofs.state.gz ]") + calculates_on + std::string(signals) + "; wait $pid");
       if (run.code != 0) break;
     }
     EXPECT_EQ(run.code, code) << run.err;
