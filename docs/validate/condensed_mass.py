@@ -3,7 +3,7 @@
 """Measure what condensation makes of the mass inside: CondensedDynamicSolver, interiorMass shared and neglected, against the
 whole body with the same step.
 
-  tools/validate/condensed_mass.py --stroma build/release/bin/stroma
+  docs/validate/condensed_mass.py --stroma build/release/bin/stroma
 
 A cube of tetrahedra held at its floor, three loads that set in at once, two time steps. Prints the table of docs/validation.md.
 """

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs the stability matrix (tests/stability/test_matrix.cpp) and writes its tables, a page each.
 
-  tools/validate/stability.py --build build/release --out docs/stability            every cell, an hour on one core
-  tools/validate/stability.py --build build/release --out docs/stability --sample   the cells that ctest runs
+  docs/validate/stability.py --build build/release --out docs/stability            every cell, an hour on one core
+  docs/validate/stability.py --build build/release --out docs/stability --sample   the cells that ctest runs
 
 docs/stability.md says in prose what these tables show. It is written by hand: read it again after a new run.
 """
@@ -22,7 +22,7 @@ SAID = ENDINGS[2:5]
 
 HEAD = """# {title}
 
-Written by `tools/validate/stability.py --build build/release --out docs/stability` ({arguments}; {date}, {machine}).
+Written by `docs/validate/stability.py --build build/release --out docs/stability` ({arguments}; {date}, {machine}).
 
 {text}
 """

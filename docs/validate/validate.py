@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs the experiments of Nesme et al. 2005 and hyperelastic benchmarks, and writes their tables and figures.
 
-  tools/validate/validate.py --stroma build/release/bin/stroma --out docs/experiments
-  tools/validate/validate.py --stroma ... --out ... --only torque beam
+  docs/validate/validate.py --stroma build/release/bin/stroma --out docs/experiments
+  docs/validate/validate.py --stroma ... --out ... --only torque beam
 
 Fixed beam (figures 8 and 9), time per step (figures 4 and 7), artificial torque (figure 3), dragged liver (figures 5 and 6),
 truth cube (tables 1 to 3); deforming bar of Land et al. 2015 and an inflated sphere; the complete liver of Marchesseau et al.
 2010. The measured beads of the truth cube and the livers are read from --data: without them the truth cube is skipped and the
 example organ stands in for a liver, and the text says so.
 Writes a page for each experiment, CSV and most a picture, and OUT/README.md, which lists all pages of the folder. The truth
-cube takes about seven minutes on a quiet machine, the rest three. Needs numpy and matplotlib. tools/validate/condensation.py,
+cube takes about seven minutes on a quiet machine, the rest three. Needs numpy and matplotlib. docs/validate/condensation.py,
 condensed_mass.py, dma.py, statics.py and stability.py are programs of their own.
 """
 import argparse
@@ -62,7 +62,7 @@ def main():
 
 def write_page(path, report):
     with open(path, "w") as file:
-        file.write(f"Written by `tools/validate/validate.py` on {datetime.date.today()}; {sr.machine()}.\n\n" + "\n".join(report))
+        file.write(f"Written by `docs/validate/validate.py` on {datetime.date.today()}; {sr.machine()}.\n\n" + "\n".join(report))
 
 
 def write_index(folder):

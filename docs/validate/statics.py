@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Forty static problems in one step each: Newton's iterations, the parts that a step was divided into, and times.
 
-  tools/validate/statics.py --stroma build/release/bin/stroma --out docs/experiments
-  tools/validate/statics.py --stroma ... --out ... --before OTHER/bin/stroma   # the same of another build beside it
+  docs/validate/statics.py --stroma build/release/bin/stroma --out docs/experiments
+  docs/validate/statics.py --stroma ... --out ... --before OTHER/bin/stroma   # the same of another build beside it
 
 Blocks of 4 x 4 x 4 cells pressed to 0.4 or drawn to 2.5 times their height, beams of 16 x 2 x 2 cells that sag
 under their weight, laws and corotational methods with both tangents, Poisson's ratio up to 0.49999. Each case runs nine
@@ -137,7 +137,7 @@ def main():
     if len(programs) > 1:
         header += ["before: iterations", "parts", "ms"]
     with open(os.path.join(arguments.out, "statics.md"), "w") as file:
-        file.write(f"Written by `tools/validate/statics.py` on {datetime.date.today()}; {sr.machine()}.\n\n"
+        file.write(f"Written by `docs/validate/statics.py` on {datetime.date.today()}; {sr.machine()}.\n\n"
                    "# Static steps\n\n"
                    "Newton's iterations of a step, those of parts that failed included, and into how many parts it was "
                    "divided. Times are medians of nine runs, one thread.\n\n" + sr.markdown(header, rows))

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Dynamic mechanical analysis of Marchesseau et al. 2010, section 4.2: a disc between two plates, the upper one swinging.
 
-  tools/validate/dma.py --stroma build/release/bin/stroma --out docs/experiments
-  tools/validate/dma.py --mesh scenes/meshes/disc.msh 8 4
+  docs/validate/dma.py --stroma build/release/bin/stroma --out docs/experiments
+  docs/validate/dma.py --mesh scenes/meshes/disc.msh 8 4
 
 Runs scenes/validation/dma.xml over frequencies and meshes, takes the complex modulus from the torque on the upper plate,
 G* = 2 H T/(pi R^4 angle), and compares it with the two-mode generalised Maxwell model whose parameters the scene has. Writes
@@ -118,7 +118,7 @@ def run(stroma, out):
     with open(os.path.join(out, "dma.md"), "w") as file:
         file.write(f"""# Dynamic mechanical analysis of a disc (Marchesseau et al. 2010, section 4.2)
 
-Written by `tools/validate/dma.py`; {sr.machine()}.
+Written by `docs/validate/dma.py`; {sr.machine()}.
 
 A disc of radius {RADIUS * 1e3:g} mm and height {HEIGHT * 1e3:g} mm between plates, the upper one swinging by {ANGLE:g} rad
 (`scenes/validation/dma.xml`, St Venant-Kirchhoff, without inertia). G* is taken from the torque on the upper plate over the last

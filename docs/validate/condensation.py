@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Time per step of the condensed solvers (Bro-Nielsen and Cotin 1996) against the nodes inside, kept and loaded.
 
-  tools/validate/condensation.py --stroma build/release/bin/stroma --out docs/experiments
-  tools/validate/condensation.py --stroma build/release/bin/stroma --start    the precomputation and starts from its file
+  docs/validate/condensation.py --stroma build/release/bin/stroma --out docs/experiments
+  docs/validate/condensation.py --stroma build/release/bin/stroma --start    the precomputation and starts from its file
 
 FD, FS, CD and CS are the paper's: full or condensed, dynamic or static with selective products. Beside them a static step by
 conjugate gradients and one by a sparse factorisation kept over the steps. CD neglects the mass inside, as published; "CD, exact" keeps it. Blocks of tetrahedra held at their floor; each number
@@ -161,7 +161,7 @@ def main():
     figure.savefig(os.path.join(arguments.out, "condensation.png"), dpi=90)
     sr.write_csv(os.path.join(arguments.out, "condensation.csv"),
                  ["sweep", "method", "free nodes", "kept", "loaded", "ms per step", "seconds to the first step"], rows)
-    head = (f"# Condensation, explicit inverse and selective products\n\nWritten by `tools/validate/condensation.py` on "
+    head = (f"# Condensation, explicit inverse and selective products\n\nWritten by `docs/validate/condensation.py` on "
             f"{datetime.date.today()}; {sr.machine()}. Milliseconds per step on one core, the whole step; every load changes in "
             "every step. FD takes the sparse factor, which is measured to be faster than the inverse of these blocks. FS is left out "
             f"above {LARGEST_FULL} nodes. CS and CD work in memory-mapped files of the precomputation.\n\n"

@@ -81,7 +81,7 @@ def of_one_element():
     rows = [[name] + [f"{one_element.largest_torque(rest, method, update_b, inverted):.1e}"
                       for method, update_b, _ in compared]
             for name, rest, inverted in shapes]
-    return (WHY + f"Checked apart from the simulator, by the formulas in Python (`tools/validate/one_element.py`): the largest "
+    return (WHY + f"Checked apart from the simulator, by the formulas in Python (`docs/validate/one_element.py`): the largest "
             f"\\|sum x_i cross f_i\\| / sum \\|x_i\\|\\|f_i\\| of {one_element.DRAWS} random shapes of one element. When what varies over "
             f"the box is halved, its torque becomes {one_element.halving():.2f} times less.\n\n" +
             sr.markdown(["element"] + [variants.name(*variant) for variant in compared], rows))

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Forty scenes as people write them, with default settings, against closed forms and CalculiX.
 
-    tools/validate/everyday.py --stroma build/release/bin/stroma [NAME ...]
+    docs/validate/everyday.py --stroma build/release/bin/stroma [NAME ...]
 
 runs scenes/validation/everyday/*.xml and prints for each the quantity, its reference and the error. A scene is right when
 the error is below 3 %, or when the run says in a sentence that it is not to be relied on. Closed forms are below, with their

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Error against processor time: the fixed beam of docs/validation.md by tetrahedra, hexahedra and quadratic tetrahedra.
 
-  tools/validate/quadratic.py --stroma build/release/bin/stroma
+  docs/validate/quadratic.py --stroma build/release/bin/stroma
 
 Each case is a whole command on one thread (read, mesh, solve, write), with the solver that is fastest for it of the two
 tried (CGLinearSolver to 1e-8, SparseLDLSolver); the processor time is the least of --repeats runs, all cases in turn. The
