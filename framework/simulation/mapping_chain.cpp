@@ -24,7 +24,8 @@ void MappingChain::compile(const Actors& actors) {
     for (std::size_t j = i + 1; j < mappings.size(); ++j)
       if (has(mappings[j]->inputs())) loads_[i].insert(loads_[i].end(), loads_[j].begin(), loads_[j].end());
     const bool has_mass = std::ranges::any_of(actors.masses, [&](const Mass* m) { return has({&m->state()}); });
-    if (has_mass || loads_[i].empty()) loads_[i].push_back(nullptr);  // empty: something reads it
+    // what conditions or readers alone look at has no force, nor has its mapping a geometric stiffness: it adds nothing to a product
+    if (has_mass) loads_[i].push_back(nullptr);
   }
 }
 
@@ -59,13 +60,13 @@ void MappingChain::curve(ConstRows v, Rows a) const {
 }
 
 Rows MappingChain::beginSum(Rows out) const {
-  if (empty()) return out;
+  if (acting_.empty()) return out;
   clear(f_);
   return f_;
 }
 
 void MappingChain::finishProduct(ConstRows p, double k, Rows all, Rows out) const {
-  if (empty()) return;
+  if (acting_.empty()) return;
   for (auto mapping = acting_.rbegin(); mapping != acting_.rend(); ++mapping) {
     if (k != 0 && !(*mapping)->isLinear()) (*mapping)->addGeometricProduct(last_force_, p, k, all);
     heard("map", *mapping)->applyJT(all);
