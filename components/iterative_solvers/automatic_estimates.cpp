@@ -30,6 +30,18 @@ double AutomaticInverse::iteration(Way way) const {
   return others + (way == Way::multigrid ? cycle() : now_.factor_costs.application);
 }
 
+int AutomaticInverse::expectedIterations(double target) const {
+  constexpr double usual_rate = 12.5, most = 1e6;  // of block Jacobi: 100 to 1e-8
+  constexpr int by_multigrid = 15, by_factors = 8;
+  const Way way = now_.next;
+  if (way == Way::direct) return 1;
+  double rate = now_.rates[at(way)];
+  if (rate == 0 && way != Way::block_jacobi) return way == Way::multigrid ? by_multigrid : by_factors;
+  if (rate == 0) rate = usual_rate;
+  const double to_target = -std::log10(std::clamp(target, 1e-16, 0.1));
+  return int(std::clamp(std::ceil(rate * to_target * std::max(1.0, perMatrix())), 1.0, most));
+}
+
 double AutomaticInverse::cycle() const {
   const bool has_patches = multigrid_.hierarchy() && multigrid_.hierarchy()->hasPatches();
   const bool by_products = now_.product > 0 && now_.product < now_.blocks && !has_patches;

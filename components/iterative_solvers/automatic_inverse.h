@@ -35,6 +35,8 @@ class AutomaticInverse final : public ApproximateInverse {
   void begin(double product, double target, bool is_constant = false) {
     product_ = product, target_ = std::max(target, 1e-16), start_ = 1, has_begun_ = true, is_constant_ = is_constant;
   }
+  /// From here on, in the solve that runs.
+  void noteProduct(double product) { product_ = product; }
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override {
     const Way way = by_blocks_ ? Way::block_jacobi : now_.way;
@@ -66,10 +68,9 @@ class AutomaticInverse final : public ApproximateInverse {
   int changes() const { return now_.changes; }
   /// Another number where choice() has another reason.
   int reason() const { return 16 * now_.changes + 4 * int(now_.way) + 2 * now_.at_once + isRefused(); }
-  /// Iterations of a usual solve.
-  int expectedIterations() const {
-    return now_.way == Way::block_jacobi ? 100 : now_.way == Way::multigrid ? 15 : now_.way == Way::factors ? 8 : 1;
-  }
+  /// Iterations that the next solve to such a residual and those with the same matrix are expected to take: by what former ones
+  /// have taken.
+  int expectedIterations(double target) const;
 
  private:
   static constexpr std::size_t ways = 4;

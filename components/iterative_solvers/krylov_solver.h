@@ -39,15 +39,22 @@ class KrylovSolver : public LinearSolver {
       report.stop = SolveStop::zero_right_side;
       return false;
     }
-    const bool assemble =
-        form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(expected_iterations_));
-    assembled_ = assemble ? &matrix.assemble() : nullptr;
-    halved_ = assemble && expected_iterations_ >= few && matrix.symmetric() ? &halves_.of(matrix) : nullptr;
-    if (halved_ && !halved_->follow(*assembled_, matrix.key())) halved_ = nullptr;
+    assembled_ = nullptr, halved_ = nullptr;
+    if (form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(expected_iterations_)))
+      takeMatrix(matrix, expected_iterations_);
     if (!isStopAsked()) return true;
     report.stop = SolveStop::stopped;
     report.relative_residual = 1;
     return false;
+  }
+  /// Where elements multiply for longer than was expected: whether the matrix does from here on, because so many products would
+  /// have paid for it.
+  bool assemblesLate(SystemMatrix& matrix, int products) {
+    constexpr int often = 4;
+    if (assembled_ || form_ != Form::automatic || products <= expected_iterations_ || products % often != 0) return false;
+    if (!matrix.prefersAssembled(products)) return false;
+    takeMatrix(matrix, products);
+    return true;
   }
   /// out = A p
   void product(const SystemMatrix& matrix, ConstRows p, Rows out) const {
@@ -67,7 +74,8 @@ class KrylovSolver : public LinearSolver {
     return dot(r, r);
   }
   /// The |b - A x| at which a solve ends.
-  double target() const { return std::max(tolerance(), terms_.relative_residual) * norm_b_; }
+  double target() const { return relativeTarget(terms_) * norm_b_; }
+  double relativeTarget(const SolveTerms& terms) const { return std::max(tolerance(), terms.relative_residual); }
   bool isStopAsked() const { return terms_.stop.isStopAsked(); }
   /// A scene that writes `iterations` and no tolerance, as SOFA's do, has SOFA's.
   double tolerance() const { return is_capped_ && !tolerance_data_->isSet() ? 1e-5 : tolerance_; }
@@ -86,6 +94,11 @@ class KrylovSolver : public LinearSolver {
   SolveTerms terms_;   ///< its terms
 
  private:
+  void takeMatrix(SystemMatrix& matrix, int products) {
+    assembled_ = &matrix.assemble();
+    halved_ = products >= few && matrix.symmetric() ? &halves_.of(matrix) : nullptr;
+    if (halved_ && !halved_->follow(*assembled_, matrix.key())) halved_ = nullptr;
+  }
   enum class Form { automatic, product, assembled };
   static constexpr int few = 3;  ///< iterations, for which halves of a matrix are not worth being copied
   std::string template_ = "auto";

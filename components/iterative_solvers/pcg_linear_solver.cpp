@@ -196,7 +196,7 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   SolveReport report;
   auto& [inverse, work] = keptFor(matrix);
   auto* const automatic = dynamic_cast<AutomaticInverse*>(inverse.get());
-  if (automatic && may_change_) expected_iterations_ = automatic->expectedIterations();
+  if (automatic && may_change_) expected_iterations_ = automatic->expectedIterations(relativeTarget(terms));
   if (!begin(matrix, b, x, terms, report)) return report;
   work.resize(b.count);
   if (automatic) {
@@ -272,7 +272,9 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
   int iterations = 0;
   const auto note = [&](double residual) {
     record(residual / norm_b_);
-    if (automatic && residual > target() && automatic->isLost(++iterations, residual / norm_b_)) limits.iterations = iterations;
+    if (!automatic || residual <= target()) return;
+    if (assemblesLate(matrix, ++iterations)) automatic->noteProduct(productCost(matrix));
+    if (automatic->isLost(iterations, residual / norm_b_)) limits.iterations = iterations;
   };
   SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, work, x);
   report.relative_residual /= norm_b_;

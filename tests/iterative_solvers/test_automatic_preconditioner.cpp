@@ -216,6 +216,38 @@ TEST(AutomaticPreconditioner, AMassThatKeepsIterationsFewKeepsBlockJacobi) {
   EXPECT_EQ(beam.matrix.assemblies, 0);
 }
 
+/// Where elements multiply up to so many times for less than an assembly, solves that take fewer iterations get no matrix, those
+/// that take more get one at once. What a loose solve took counts for the digits that it gained.
+TEST(AutomaticPreconditioner, TheMatrixIsAssembledWhereIterationsSeenPayForIt) {
+  Beam heavy(5), light(0.5);
+  heavy.matrix.assembled_from = 60, light.matrix.assembled_from = 20;
+  SolverInScene plain("<PCGLinearSolver/>"), solver("<PCGLinearSolver/>");
+  for (int step = 0; step < 4; ++step) EXPECT_LT(heavy.solve(plain), 60);
+  EXPECT_EQ(heavy.matrix.assemblies, 1) << "before anything was seen";
+  const auto solve = [&](double target) {
+    Vector x(light.b.count());
+    ++light.matrix.revision_number;
+    return solver.solver->solve(light.matrix, light.b, x, {.relative_residual = target}).iterations;
+  };
+  for (int step = 0; step < 2; ++step) EXPECT_LT(solve(0.1), 20);
+  EXPECT_EQ(light.matrix.assemblies, 0);
+  const int products = light.matrix.products;
+  for (int step = 0; step < 2; ++step) EXPECT_GT(solve(0), 20);
+  EXPECT_EQ(light.matrix.assemblies, 2);
+  EXPECT_EQ(light.matrix.products, products);
+}
+
+/// Of a first solve too few iterations may be expected: it goes on with a matrix once that would have paid.
+TEST(AutomaticPreconditioner, ASolveThatTakesLongGoesOnWithAMatrix) {
+  Beam beam(0.02);
+  beam.matrix.assembled_from = 27;
+  SolverInScene solver("<PCGLinearSolver/>");
+  Vector x(beam.b.count());
+  EXPECT_GT(solver.solver->solve(beam.matrix, beam.b, x, {.relative_residual = 0.01}).iterations, 28);
+  EXPECT_EQ(beam.matrix.products, 28);
+  EXPECT_GE(beam.matrix.assemblies, 1);
+}
+
 /// The same body with products that cost ten times as much, as those of hyperelastic hexahedra: a V-cycle is then worth more
 /// iterations of block Jacobi.
 TEST(AutomaticPreconditioner, DearProductsBringMultigridEarlier) {

@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <random>
 
@@ -16,6 +17,7 @@ class StoredMatrix final : public SystemMatrix {
   BlockMatrix values;
   long revision_number = 1, pattern_number = 1;
   bool is_symmetric = true, prefers_assembled = false;
+  int assembled_from = std::numeric_limits<int>::max();  ///< products, and else where it prefers that
   double product_nanoseconds = 0;  ///< 0: not known
   mutable int products = 0, assemblies = 0;
 
@@ -36,7 +38,7 @@ class StoredMatrix final : public SystemMatrix {
   }
   MatrixKey key() const override { return {identity().get(), pattern_number, revision_number}; }
   bool symmetric() const override { return is_symmetric; }
-  bool prefersAssembled(int) const override { return prefers_assembled; }
+  bool prefersAssembled(int count) const override { return prefers_assembled || count >= assembled_from; }
   double productCost() const override { return product_nanoseconds; }
   std::vector<Vec3> nodes;  ///< where the rows are, or empty
   ConstRows positions() const override {
