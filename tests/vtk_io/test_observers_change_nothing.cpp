@@ -70,7 +70,7 @@ std::string bodyWith(const std::string& parts, const std::string& solver, const 
 const std::pair<const char*, const char*> other_bodies[] = {
     {"<BarrierContact contactDistance='0.02' stiffness='1e4' friction='0.3' planes='0 1 0 -0.005'/>", "<CGLinearSolver/>"},
     {"<PenaltyContact contactDistance='0.02' stiffness='1e3' planes='0 1 0 -0.005'/>", "<CGLinearSolver/>"},
-    {"<ConstraintContact contactDistance='0.02' planes='0 1 0 -0.005'/>", "<SparseLDLSolver/>"},
+    {"<ConstraintContact contactDistance='0.004' planes='0 1 0 -0.005'/>", "<SparseLDLSolver/>"},
     {"<BilateralLagrangianConstraint first_point='11' second_point='35'/>", "<SparseLDLSolver/>"},
     {"<Node name='tool'><MechanicalObject template='Rigid3' position='0.3 0.1 0.1 0 0 0 1'/><UniformMass totalMass='1'/>"
      "<Node name='tip'><MechanicalObject name='at' position='0 0.1 0  0 0 0.1'/><RigidMapping/>"
