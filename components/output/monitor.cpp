@@ -9,9 +9,9 @@
 // that read back to the same bits. To plot the height of the first node: `plot "tip_x.txt" using 1:3 with lines`.
 //
 // `attributes` are words `component.attribute` or `label=component.attribute`, of a component of this node or above, or at a path:
-// contact.wrenches, /body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt: of lists with a
-// value for each node those of the chosen ones, of others all numbers. Lines begin when there is something. States have none: their
-// attributes are what they start with.
+// contact.wrenches, /body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt. Of lists with a
+// value for each node it has those of the chosen ones, or of all where no `indices` are given; of others all numbers. Lines begin when
+// there is something. States have none: their attributes are what they start with.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -41,7 +41,7 @@ class Monitor final : public Observer {
  public:
   void declare(DataTable& table) override {
     table.addLink("mstate", mstate_).help("state to watch; the one of this node when not given");
-    table.add("indices", nodes_).help("nodes to watch").required();
+    table.add("indices", nodes_).help("nodes to watch; with attributes alone, those of which lists for all nodes are written; empty: all");
     table.add("ExportPositions", export_x_).help("write <fileName>_x.txt");
     table.add("ExportVelocities", export_v_).help("write <fileName>_v.txt");
     table.add("ExportForces", export_f_).help("write <fileName>_f.txt");
@@ -56,11 +56,12 @@ class Monitor final : public Observer {
   void init() override {
     state_ = mstate_.get() ? mstate_.get() : find<State>();
     if (!state_) throw ComponentError("no state to watch", "a MechanicalObject in this node, or mstate=\"@path\"");
-    checkedNodesInOrder(nodes_, *state_, "indices");
+    const bool writes_state = export_x_ || export_v_ || export_f_;
+    if (writes_state || data().find("indices")->isSet()) checkedNodesInOrder(nodes_, *state_, "indices");
     if (export_f_) state_->requestForce();
     watched_.clear();
     for (const std::string& word : words_) watch(word);
-    if (!export_x_ && !export_v_ && !export_f_ && words_.empty())
+    if (!writes_state && words_.empty())
       warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true, or attributes");
   }
 
@@ -80,9 +81,9 @@ class Monitor final : public Observer {
     for (const auto& each : watched_) {
       const std::string& si_unit = each->data->unitText();
       const std::string head =
-          fmt::format("# {}{} of {}\n# column 1: time{}; then its numbers, of lists for all nodes those of nodes {}\n",
+          fmt::format("# {}{} of {}\n# column 1: time{}; then its numbers, of lists for all nodes those of {}{}\n",
                       each->data->name(), si_unit.empty() || si_unit == "-" ? "" : unit(si_unit.c_str()), each->owner->path(),
-                      time_unit_, fmt::join(nodes_, " "));
+                      time_unit_, nodes_.empty() ? "all" : "nodes ", fmt::join(nodes_, " "));
       is_new = each->file.open(fileOf(each->label.c_str()), goes_on_, head) || is_new;
     }
     if (!is_new) return;
@@ -117,9 +118,12 @@ class Monitor final : public Observer {
   }
 
   std::string describe() const override {
-    return fmt::format("writes {}{}{}of {} nodes of {}{}{} to {}_*.txt every step", export_x_ ? "positions " : "",
-                       export_v_ ? "velocities " : "", export_f_ ? "forces " : "", nodes_.size(), state_->path(),
-                       words_.empty() ? "" : " and ", fmt::join(words_, " "), stem());
+    std::string what;
+    if (export_x_ || export_v_ || export_f_)
+      what = fmt::format("{}{}{}of {} nodes of {}", export_x_ ? "positions " : "", export_v_ ? "velocities " : "",
+                         export_f_ ? "forces " : "", nodes_.size(), state_->path());
+    return fmt::format("writes {}{}{} to {}_*.txt every step", what, what.empty() || words_.empty() ? "" : " and ",
+                       fmt::join(words_, " "), stem());
   }
 
  private:
@@ -229,7 +233,7 @@ void Monitor::writeLine(Watched& watched, double t) {
       appendNumber(line_ += ' ', double(value));
   };
   const auto addList = [&](const auto* list) {
-    if (Index(list->size()) != state_->nodes()) return std::for_each(list->begin(), list->end(), add), void();
+    if (nodes_.empty() || Index(list->size()) != state_->nodes()) return std::for_each(list->begin(), list->end(), add), void();
     for (const int node : nodes_) add((*list)[std::size_t(node)]);
   };
   const DataPointer& at = watched.data->pointer();

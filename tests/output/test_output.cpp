@@ -161,6 +161,24 @@ TEST_F(Output, MonitorWritesWhatOtherComponentsCompute) {
   expectContains(problemsOf(body("v2=/MechanicalObject.velocity")), "ExportPositions, ExportVelocities or ExportForces");
 }
 
+TEST_F(Output, AMonitorOfAttributesAloneNeedsNoNodes) {
+  const auto body = [](const std::string& monitor) {
+    return R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><EulerImplicitSolver newtonIterations="30"/><SparseLDLSolver/>
+      <RegularGridTopology n="2 2 2" min="0 0 0.009" max="1 1 1.009"/><MechanicalObject/><UniformMass totalMass="10"/>
+      <HexahedronFEMForceField youngModulus="1e5" poissonRatio="0.3"/>
+      <BarrierContact name="contact" contactDistance="0.01" planes="0 0 1 0"/><Monitor name="m" )" + monitor + "/></Node>";
+  };
+  Simulation simulation = simulationFromText(body("attributes='contact.pressures contact.smallestGap'"));
+  simulation.begin();
+  simulation.step();
+  simulation.end();
+  ASSERT_EQ(columns("m_pressures.txt").size(), 1u);
+  EXPECT_EQ(columns("m_pressures.txt")[0].size(), 1u + 8u) << "of all nodes";
+  EXPECT_EQ(columns("m_smallestGap.txt").back().size(), 2u);
+  expectContains(problemsOf(body("ExportPositions='1'")), "indices lists no node");
+  expectContains(problemsOf(body("indices='' attributes='contact.smallestGap'")), "indices lists no node");
+}
+
 /// Particles tell no units; what the scene declares is written.
 TEST_F(Output, MonitorNamesTheUnitsOfTheScene) {
   const auto headOf = [](const std::string& file) {
