@@ -252,13 +252,13 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   duration_ = t_end - t;
   friction_.slip = slip_velocity_ * duration_;
   friction_.begin(x_.size());
-  if (is_explicit_) return void(start_ = x_);
+  if (is_explicit_) return copyPlaces(x_, start_);
   if (friction_.acts() && start_.size() == x_.size()) {
     lookAgain(x_), law_.weigh(x_);
     friction_.note(law_, law_.touches(x_));
     friction_.remember(x_, start_, law_.moved - moved_at_start_);
   }
-  start_ = x_;
+  copyPlaces(x_, start_);
   moved_at_start_ = moved_first_ = law_.moved;
   is_behind_ = (law_.moved - obstacles_.displacement(t)).norm() > 1e-9 * law_.range;
   outputs_.friction_change = 0;

@@ -39,6 +39,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "components/contact/contact_bodies.h"
@@ -97,7 +98,8 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void checkMoves() const;
   void measureTravel();
   void startObstacles();
-  void expectWays(double dt);
+  void findWay(double dt);
+  void expectWays(double dt, const Vec3& way);
   double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
@@ -115,7 +117,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   Wrenches wrenches_;
 
   std::vector<State*> bodies_;
-  bool is_built_ = false;
+  bool is_built_ = false, is_clear_ = false;  ///< with rows of a system; forces on nodes are all zero
   std::vector<Vec3> start_, end_;  ///< of all vertices, where the step starts, and where the last one ended
   mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
   mutable KeptGaps gaps_;
@@ -250,11 +252,10 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   law_.surfaces.gather(x, law_.moved, x_);
   measureTravel();
   checkMoves();
-  expectWays(node().root().dt());
-  start_ = x_;
-  for (std::size_t v = 0; v < x_.size(); ++v)
-    if (!law_.surfaces.moves(int(v))) ways_.last[v] = ways_.straight[v] = way;
-  gaps_.begin(law_, x_, ways_, way_ + way.norm());
+  findWay(node().root().dt());
+  const bool has_pairs = gaps_.begin(law_, x_, way_ + way.norm());
+  if (has_pairs) expectWays(node().root().dt(), way), gaps_.addPairs(law_, ways_);
+  copyPlaces(x_, start_);
   law_.moved = goal;
 }
 
@@ -271,19 +272,30 @@ void ConstraintContact::measureTravel() {
     if (law_.surfaces.moves(int(v))) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
 }
 
-/// What the next step may move, from the way and the speed of the last one.
-void ConstraintContact::expectWays(double dt) {
+/// How far pairs are looked for: what the next step may move, from the way and the speed of the last one.
+void ConstraintContact::findWay(double dt) {
   const Surfaces& s = law_.surfaces;
-  ways_.last.assign(x_.size(), Vec3::Zero()), ways_.straight = ways_.last;
-  double fastest = 0;
+  double square = 0;
+  for (const Surfaces::Body& each : s.bodies()) {
+    if (!each.moves) continue;
+    const State& body = *bodies_[std::size_t(s.bodyOf(each.first_vertex))];
+    const ConstRows v = body.v();
+    for (int i = each.first_vertex; i < each.first_vertex + each.vertices; ++i)
+      square = std::max(square, (dt * Vec3(v[s.rows[std::size_t(i)] - body.firstRow()])).squaredNorm());
+  }
+  way_ = std::max({2 * travel_, 2 * std::sqrt(square), of_edge * s.meanEdge()});
+}
+
+/// That of each vertex; obstacles go `way`.
+void ConstraintContact::expectWays(double dt, const Vec3& way) {
+  const Surfaces& s = law_.surfaces;
+  ways_.last.assign(x_.size(), way), ways_.straight.assign(x_.size(), way);
   for (std::size_t v = 0; v < x_.size(); ++v) {
     if (!s.moves(int(v))) continue;
     const State& body = *bodies_[std::size_t(s.bodyOf(int(v)))];
     ways_.straight[v] = dt * Vec3(body.v()[s.rows[v] - body.firstRow()]);
-    if (start_.size() == x_.size()) ways_.last[v] = x_[v] - start_[v];
-    fastest = std::max(fastest, ways_.straight[v].norm());
+    ways_.last[v] = start_.size() == x_.size() ? Vec3(x_[v] - start_[v]) : Vec3(Vec3::Zero());
   }
-  way_ = std::max({2 * travel_, 2 * fastest, of_edge * s.meanEdge()});
   ways_.other = 2 * of_edge * s.meanEdge();
 }
 
@@ -327,11 +339,13 @@ void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& ro
 void ConstraintContact::takeForces(std::span<const double> forces) {
   moved_at_start_ = law_.moved, led_ = led_next_;
   forces_.assign(forces.begin(), forces.end());
-  end_ = x_;
+  gaps_.all().empty() ? end_.clear() : copyPlaces(x_, end_);
   contacts_ = 0;
   smallest_gap_ = std::numeric_limits<double>::infinity();
-  contact_forces_.assign(std::size_t(bodies_.front()->size()), Vec3::Zero()), friction_forces_ = contact_forces_;
-  wrenches_.begin();
+  const std::size_t nodes = std::size_t(bodies_.front()->size());
+  const bool was_clear = is_clear_ && contact_forces_.size() == nodes;
+  is_clear_ = std::ranges::none_of(forces, [](double each) { return each > 0; });
+  if (!is_clear_ || !was_clear) contact_forces_.assign(nodes, Vec3::Zero()), friction_forces_ = contact_forces_, wrenches_.begin();
   const std::size_t each = friction_ > 0 ? 3 : 1;
   for (std::size_t i = 0; i < gaps_.all().size(); ++i) {
     const KeptGap& gap = gaps_.all()[i];
@@ -373,7 +387,7 @@ void ConstraintContact::serialize(Archive& archive) {
   archive.list("contact_forces", contact_forces_);
   archive.list("friction_forces", friction_forces_);
   wrenches_.serialize(archive);
-  if (archive.isReading()) end_.clear();
+  if (archive.isReading()) end_.clear(), is_clear_ = false;
 }
 
 }  // namespace

@@ -139,6 +139,11 @@ double mostApart(const Displacements& a, const Displacements& b) {
   return std::min(sum, (a.box.high - b.box.low).cwiseMax(b.box.high - a.box.low).norm());
 }
 
+void copyPlaces(const std::vector<Vec3>& from, std::vector<Vec3>& to) {
+  to.resize(from.size());
+  if (!from.empty()) std::memcpy(to.front().data(), from.front().data(), 3 * from.size() * sizeof(double));
+}
+
 bool areSame(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
 }

@@ -52,6 +52,8 @@ inline double mostApart(const Box& a, const Box& b) { return (a.high - b.low).cw
 inline double longestIn(const Box& box) { return box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs()).norm(); }
 /// No displacement of a differs by more from one of b [m].
 double mostApart(const Displacements& a, const Displacements& b);
+/// `to` becomes `from`, as a copy of bytes.
+void copyPlaces(const std::vector<Vec3>& from, std::vector<Vec3>& to);
 /// The same bits: what followed from one follows from the other.
 bool areSame(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
 

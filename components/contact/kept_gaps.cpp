@@ -156,15 +156,26 @@ void KeptGaps::compile(const BarrierLaw& law, double tolerated) {
   moved_.resize(bodies_.size());
 }
 
-void KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, const ExpectedWays& ways, double way) {
-  start_ = x, moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr;
+bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double way) {
+  copyPlaces(x, start_);
+  moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr;
   if (!law.candidates.areFarther(x, law.candidates.reach + 2 * way)) law.candidates.find(x, way);
   all_.clear(), watched_.clear();
+  if (!law.candidates.pairs().empty()) return true;
+  addPlanes(law, x);
+  return false;
+}
+
+void KeptGaps::addPairs(const BarrierLaw& law, const ExpectedWays& ways) {
   for (const Candidate& pair : law.candidates.pairs()) add({.pair = &pair, .v = pair.v}, law, ways);
+  addPlanes(law, start_);
+}
+
+void KeptGaps::addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x) {
   for (std::size_t p = 0; p < law.planes.size(); ++p)
     for (int v = 0; v < int(x.size()); ++v)
-      if (law.surfaces.moves(v) && law.gapToPlane(p, x[std::size_t(v)]) < law.range + 2 * way)
-        add({.plane = p, .v = {v, -1, -1, -1}}, law, ways);
+      if (law.surfaces.moves(v) && law.gapToPlane(p, x[std::size_t(v)]) < law.range + 2 * way_)
+        add({.plane = p, .v = {v, -1, -1, -1}}, law, {});
 }
 
 void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways) {
@@ -203,7 +214,9 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
 void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x) {
   constexpr double none = 2;
   double least = none;
-  first_.assign(x.size(), none), not_free_ = nullptr;
+  not_free_ = nullptr;
+  if (all_.empty() && watched_.empty()) return;
+  first_.assign(x.size(), none);
   for (std::vector<KeptGap>* gaps : {&all_, &watched_})
     for (KeptGap& gap : *gaps) {
       gap.findFreeWay(law, start_, x);
@@ -228,20 +241,47 @@ bool KeptGaps::tells(const KeptGap& gap, const BarrierLaw& law, const std::vecto
   return gap.passing() == 0 || (gap.free - first) * mostAgainst(gap.pair->kind, ways) <= together * law.range;
 }
 
+/// Of two bodies that may meet, and of each that planes may meet with -1.
+template <class Visit>
+void KeptGaps::forEachMeeting(const BarrierLaw& law, Visit&& visit) const {
+  const auto& bodies = law.surfaces.bodies();
+  for (int a = 0; a < int(bodies.size()); ++a) {
+    const bool moves = bodies[std::size_t(a)].moves;
+    if (moves && !law.planes.empty()) visit(a, -1);
+    for (int b = law.candidates.self_contact && moves ? a : a + 1; b < int(bodies.size()); ++b)
+      if (moves || bodies[std::size_t(b)].moves) visit(a, b);
+  }
+}
+
+/// Boxes around displacements say that nothing has moved farther than pairs were looked for.
+bool KeptGaps::isWithin(const BarrierLaw& law, const std::vector<Vec3>& x) {
+  const auto& bodies = law.surfaces.bodies();
+  around_.resize(bodies.size());
+  Box of_planes;
+  of_planes.add(Vec3(law.moved - moved_at_start_));
+  bool are_numbers = true;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (const std::size_t first = std::size_t(bodies[b].first_vertex), count = std::size_t(bodies[b].vertices); count > 0)
+      are_numbers = boxAround(x.data() + first, start_.data() + first, count, around_[b]) && are_numbers;
+  double most = 0;
+  forEachMeeting(law, [&](int a, int b) {
+    most = std::max(most, mostApart(around_[std::size_t(a)], b < 0 ? of_planes : around_[std::size_t(b)]));
+  });
+  return are_numbers && most <= 2 * way_;
+}
+
 /// By how much something has moved farther than pairs were looked for.
 double KeptGaps::beyond(const BarrierLaw& law, const std::vector<Vec3>& x) {
-  const auto& bodies = law.surfaces.bodies();
+  if (isWithin(law, x)) return 0;
   all_moved_.set(x, &start_);
   for (std::size_t b = 0; b < bodies_.size(); ++b) moved_[b] = displacementsOf(bodies_[b], all_moved_, {});
   Displacements of_planes;
   of_planes.box.add(Vec3(law.moved - moved_at_start_));
   of_planes.longest = (law.moved - moved_at_start_).norm();
   double most = 0;
-  for (std::size_t a = 0; a < bodies_.size(); ++a) {
-    if (bodies[a].moves && !law.planes.empty()) most = std::max(most, mostApart(moved_[a], of_planes));
-    for (std::size_t b = law.candidates.self_contact && bodies[a].moves ? a : a + 1; b < bodies_.size(); ++b)
-      if (bodies[a].moves || bodies[b].moves) most = std::max(most, mostApart(moved_[a], moved_[b]));
-  }
+  forEachMeeting(law, [&](int a, int b) {
+    most = std::max(most, mostApart(moved_[std::size_t(a)], b < 0 ? of_planes : moved_[std::size_t(b)]));
+  });
   return std::max(0.0, most - 2 * way_);
 }
 

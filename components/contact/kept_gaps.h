@@ -62,8 +62,10 @@ class KeptGaps {
  public:
   /// After `surfaces` of the law have been finished. Gaps may be off by `tolerated` [m].
   void compile(const BarrierLaw& law, double tolerated);
-  /// A step starts at x. Pairs are looked for up to twice `way`; conditions are those that may come near.
-  void begin(const BarrierLaw& law, const std::vector<Vec3>& x, const ExpectedWays& ways, double way);
+  /// A step starts at x. Pairs are looked for up to twice `way`. True: there are some, and addPairs() is to follow.
+  bool begin(const BarrierLaw& law, const std::vector<Vec3>& x, double way);
+  /// Those that may come near have conditions.
+  void addPairs(const BarrierLaw& law, const ExpectedWays& ways);
   /// All of them at x, while obstacles are where they will be at the end of the step.
   void look(const BarrierLaw& law, const std::vector<Vec3>& x);
   /// How far the step to the last x is from being proved [m]; 0: it is.
@@ -78,9 +80,13 @@ class KeptGaps {
   void clear() { all_.clear(), watched_.clear(), start_.clear(), not_free_ = nullptr; }
 
  private:
+  void addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x);
   void add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways);
   void ignoreDoubles();
+  bool isWithin(const BarrierLaw& law, const std::vector<Vec3>& x);
   double beyond(const BarrierLaw& law, const std::vector<Vec3>& x);
+  template <class Visit>
+  void forEachMeeting(const BarrierLaw& law, Visit&& visit) const;
   void findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x);
   bool tells(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const;
 
@@ -92,8 +98,9 @@ class KeptGaps {
   };
   std::vector<KeptGap> all_, watched_;  ///< with a condition and without
   std::vector<SurfacePart> bodies_;     ///< all vertices of each
-  AllDisplacements all_moved_;          ///< work space, as is
+  AllDisplacements all_moved_;          ///< work space, as are
   std::vector<Displacements> moved_;    ///< of bodies_
+  std::vector<Box> around_;             ///< their displacements
   std::vector<Vec3> start_;  ///< of all vertices
   Vec3 moved_at_start_ = Vec3::Zero();
   std::vector<double> first_;  ///< of each vertex, the part of its way to its first touch; above 1: none

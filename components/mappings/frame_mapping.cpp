@@ -72,33 +72,35 @@ void FrameMapping::placeArms(ConstRows x) const {
 }
 
 void FrameMapping::apply(Rows x) const {
-  const Index first = output().firstRow();
+  const State& child = output();
+  const Index first = child.firstRow(), parent = input().firstRow();
   placeArms(x);
   std::size_t turn = 0;
   for (std::size_t i = 0; i + 1 < start_.size(); ++i) {
     const Index row = first + Index(i);
-    if (output().kindOf(Index(i)) == RowKind::turn) {
+    if (!turns_.empty() && child.kindOf(Index(i)) == RowKind::turn) {
       const auto& [frame, local] = turns_[turn++];
-      putOrientation(orientationIn(x, parentRow(frame) + 1) * local, x, row);
+      putOrientation(orientationIn(x, parent + 2 * frame + 1) * local, x, row);
       continue;
     }
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
       const Carried& by = carried_[k];
-      sum += by.weight * (x[parentRow(by.frame)] + arms_[k]);
+      sum += by.weight * (x[parent + 2 * by.frame] + arms_[k]);
     }
     x[row] = sum;
   }
 }
 
 void FrameMapping::applyJ(Rows v) const {
-  const Index first = output().firstRow();
+  const State& child = output();
+  const Index first = child.firstRow(), parent = input().firstRow();
   std::size_t turn = 0;
   for (std::size_t i = 0; i + 1 < start_.size(); ++i) {
     Vec3 sum = Vec3::Zero();
-    if (output().kindOf(Index(i)) == RowKind::turn) sum = v[parentRow(turns_[turn++].first) + 1];
+    if (!turns_.empty() && child.kindOf(Index(i)) == RowKind::turn) sum = v[parent + 2 * turns_[turn++].first + 1];
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
-      const Index row = parentRow(carried_[k].frame);
+      const Index row = parent + 2 * carried_[k].frame;
       sum += carried_[k].weight * (v[row] + v[row + 1].cross(arms_[k]));
     }
     v[first + Index(i)] = sum;
@@ -106,13 +108,14 @@ void FrameMapping::applyJ(Rows v) const {
 }
 
 void FrameMapping::applyJT(Rows f) const {
-  const Index first = output().firstRow();
+  const State& child = output();
+  const Index first = child.firstRow(), parent = input().firstRow();
   std::size_t turn = 0;
   for (std::size_t i = 0; i + 1 < start_.size(); ++i) {
     const Vec3 force = f[first + Index(i)];
-    if (output().kindOf(Index(i)) == RowKind::turn) f[parentRow(turns_[turn++].first) + 1] += force;
+    if (!turns_.empty() && child.kindOf(Index(i)) == RowKind::turn) f[parent + 2 * turns_[turn++].first + 1] += force;
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
-      const Index row = parentRow(carried_[k].frame);
+      const Index row = parent + 2 * carried_[k].frame;
       f[row] += carried_[k].weight * force;
       f[row + 1] += carried_[k].weight * arms_[k].cross(force);
     }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "framework/mechanics/right_side.h"
+#include "framework/scene/spans.h"
 #include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 
@@ -28,20 +29,20 @@ double StepLimits::ask(ConstRows x, const Way& way) const {
   return step;
 }
 
+/// No mapping bends the way: what those follow that are not linear stays.
+static bool isStraight(const Actors& actors, ConstRows dx) {
+  const auto moves = [&](const State* s) { return s->firstRow() >= actors.independent_rows || norm(s->segment(dx)) != 0; };
+  return std::ranges::all_of(actors.mappings, [&](const Mapping* m) { return m->isLinear() || std::ranges::none_of(m->inputs(), moves); });
+}
+
 double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool goes_along) {
   if (empty()) return 1;
-  if (bends()) {
-    const Rows x = system_->independent(system_->x);
-    copy(x, scaled_);
-    return longest(dx, factor, is_carried, goes_along, [&](double s) {
-      copy(scaled_, x);
-      system_->motion().advance(s * factor, dx, x);
-    });
-  }
-  copy(dx, scaled_);
-  scale(factor, scaled_);
-  const MappingChain& chain = system_->mappingChain();
-  return ask(chain.positions(system_->x), {chain.direction(scaled_), nullptr, is_carried, goes_along ? 1. : 0.});
+  const Rows x = system_->independent(system_->x);
+  if (bends()) copy(x, scaled_);
+  return longest(dx, factor, is_carried, goes_along, [&](double s) {
+    copy(scaled_, x);
+    system_->motion().advance(s * factor, dx, x);
+  });
 }
 
 double StepLimits::largestTurn(ConstRows dx) const {
@@ -53,27 +54,28 @@ double StepLimits::largestTurn(ConstRows dx) const {
 
 /// A point that turns by an angle q at a distance r from the axis is at most r q^2/8 away from where it would be on its
 /// chord; in the middle it is r (1 - cos(q/2)), which for q up to 1.5 is no less than 0.95 of that.
-double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool goes_along,
-                           const std::function<void(double)>& goTo) {
-  constexpr double most_turn = 1.5, margin = 1.1;
-  constexpr int trials = 60;
-  const auto placesAt = [&](double s, Vector& out) { goTo(s), copy(system_->mappingChain().positions(system_->x), out); };
-  copy(system_->mappingChain().positions(system_->x), start_);  // as after goTo(0)
+double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool goes_along, const std::function<void(double)>& goTo) {
+  constexpr double most_turn = 1.5, margin = 1.1, trials = 60;
+  if (isStraight(system_->actors(), dx)) {
+    copy(dx, scaled_), scale(factor, scaled_);
+    const MappingChain& chain = system_->mappingChain();
+    return ask(chain.positions(system_->x), {chain.direction(scaled_), nullptr, is_carried, goes_along ? 1. : 0.});
+  }
+  const auto placeAt = [&](double s, Vector& out) {
+    goTo(s), copy(system_->independent(system_->x), system_->independent(out));
+    for (const Mapping* mapping : system_->actors().mappings) heard("map", mapping)->apply(out);
+  };
   const double turn = factor * largestTurn(dx);
   double step = turn > most_turn ? most_turn / turn : 1;
-  for (int trial = 0;; ++trial) {
-    placesAt(0.5 * step, middle_), placesAt(step, end_);
-    for (Index row = 0; row < start_.count(); ++row) {
-      const Vec3 chord = Vec3(end_[row]) - Vec3(start_[row]);
-      bend_[std::size_t(row)] = margin * (Vec3(middle_[row]) - Vec3(start_[row]) - 0.5 * chord).norm();
-      end_[row] = chord;
-    }
+  for (int trial = 0; step > 0; ++trial) {
+    placeAt(0.5 * step, middle_), placeAt(step, end_), placeAt(0, start_);  // after which mappings are where they were
+    axpy(-1, start_, end_);
+    for (Index row = system_->independentRows(); row < start_.count(); ++row)  // others go straight, or are no places
+      bend_[std::size_t(row)] = margin * (Vec3(middle_[row]) - Vec3(start_[row]) - 0.5 * Vec3(end_[row])).norm();
     const double free = ask(start_, {end_, bend_.data(), is_carried, goes_along ? step : 0});
     if (free == 1) break;
     step = trial == trials ? 0 : step * (free > 0 ? std::min(free, 0.9) : 0.5);
-    if (step == 0) break;
   }
-  goTo(0), system_->mappingChain().positions(system_->x);  // mappings are where they were
   return step;
 }
 

@@ -260,5 +260,30 @@ TEST(ConstraintContact, WhatMeetsSomethingIsSolvedToTheSameTolerance) {
   EXPECT_LT(rough_products, exact_products);
 }
 
+/// Forces that another body carries keep a step from being tried without forces: what is tried leaves no trace in what is found.
+TEST(ConstraintContact, AStepThatIsTriedWithoutForcesLeavesNoTrace) {
+  const std::string bar = heldBar("<EulerImplicitSolver newtonIterations=\"90\" newtonTolerance=\"1e-11\"/>",
+                                  "<ConstraintContact name=\"contact\" contactDistance=\"0.01\" planes=\"0 0 1 -0.03\" friction=\"0.2\" "
+                                  "toleratedError=\"1e-9\" spheres=\"1.02 0.1 -0.1 0.06\"/>");
+  std::string both = bar;
+  both.insert(both.rfind("</Node>"), bodyNode("b", boxOf(Vec3(0, 5, 0), Vec3(0.2, 5.2, 0.2)),
+                                              "<ConstraintContact contactDistance=\"0.01\" planes=\"0 0 1 -0.01\"/>", "", 1e5));
+  Simulation tried = simulationFromText(bar), carrying = simulationFromText(both);
+  const State &one = *tried.states().front(), &other = *carrying.states().front();
+  ASSERT_EQ(one.path(), other.path());
+  int met = 0;
+  for (int step = 1; step <= 10; ++step) {
+    SCOPED_TRACE(step);
+    for (Simulation* simulation : {&tried, &carrying}) {
+      const StepReport report = simulation->step();
+      ASSERT_TRUE(report.newton_converged && report.constraints_converged) << report.reason << report.constraint_reason;
+    }
+    for (Index i = 0; i < one.size(); ++i) EXPECT_LT((one.x()[i] - other.x()[i]).norm(), 1e-8) << "node " << i;
+    met += constraintOutput(tried, "wrenches").at(2) > 0;
+  }
+  EXPECT_GT(met, 2);
+  EXPECT_LT(met, 9) << "steps are tried before that";
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -9,6 +9,7 @@
 
 #include "framework/scene/spans.h"
 #include "framework/simulation/simulation.h"
+#include "framework/simulation/step_limits.h"
 #include "tests/contact/contact_scenes.h"
 
 namespace stroma::test {
@@ -301,6 +302,46 @@ TEST(MappedSurfaces, ProductsLeaveOutWhatDoesNotAct) {
     ASSERT_TRUE(has_met) << contact;
     if (contact == "BarrierContact") EXPECT_GT(last, 3 * first) << "what is pushed is in the products";
   }
+}
+
+/// Of a way that mappings bend, its middle and its ends are placed; where what they follow stays, its start and its direction are enough.
+TEST(MappedSurfaces, AWayIsPlacedInPartsWhereItBends) {
+  const std::string tool = rigid("tool", boxOf(Vec3(-.2, -.2, -.1), Vec3(.2, .2, .1)), "position=\"0.5 0.5 1.25  0 0 0 1\"", 100, 1);
+  Simulation simulation = simulationFromText(contactScene(
+      bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2}), "<FixedProjectiveConstraint indices=\"0 1 2 3\"/>") + tool +
+          "<BarrierContact name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" other=\"@tool/skin/dofs\" contactDistance=\"0.02\"/>",
+      0.01, Vec3::Zero()));
+  expectCleanStep(simulation, 0, false);
+  System& system = *simulation.systems()[0];
+  StepLimits limits;
+  limits.compile(system);
+  Vector way(system.independentRows()), before(system.allRows());
+  copy(system.x, before);
+  const auto rise = [&](double height) {
+    for (const State* state : system.states())
+      if (state->path() == "/a/dofs")
+        for (Index i = 0; i < state->size(); ++i) way[state->firstRow() + i] = Vec3(0, 0, height);
+  };
+  const auto ask = [&](long& placings) {
+    const CountsMaps counts;
+    const double longest = limits.longest(way);
+    placings = counts.maps.load();
+    return longest;
+  };
+  long placings = 0;
+  rise(0.6);
+  const double straight = ask(placings);
+  EXPECT_NEAR(straight, 0.15 / 0.6, 0.03);
+  EXPECT_EQ(placings, 2);
+  for (const State* state : system.states())
+    if (state->hasFrames() && state->firstRow() < system.independentRows()) way[state->firstRow() + 1] = Vec3(1e-7, 0, 0);
+  const double bent = ask(placings);
+  EXPECT_LT(bent, straight + 1e-5);
+  EXPECT_GT(bent, 0.8 * straight);
+  rise(0.05);
+  EXPECT_EQ(ask(placings), 1);
+  EXPECT_EQ(placings, 3);
+  EXPECT_EQ(distance(system.x, before), 0);
 }
 
 }  // namespace STROMA_TEST_FILE
