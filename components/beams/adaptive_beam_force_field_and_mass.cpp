@@ -13,6 +13,13 @@
 //
 //   V = -m g.((c_a + c_b)/2 + L/12 (t_a - t_b)),   t: x axes of the ends,   m = massDensity A L
 //
+// With w as the mean of the turnings of both ends, p = M v and p_r, v_r, w_r of the rows of a beam, M turns with it:
+//
+//   f_r -= w x p_r - (M (w x v))_r,    torques of both ends += 1/2 sum_r p_r x v_r - p_r x w_r
+//
+// by which the momenta stay, and work is not done. They are taken from the velocities of each evaluation; their derivatives are left out.
+// Without turningForces they are zero, as in the plug-in.
+//
 // The inertia is that of a component AdaptiveBeamMass, which the node gets by itself unless computeMass is false. The density is
 // massDensity, or with instrumentParameters, or where massDensity is not given, that of the rod where it has one.
 //
@@ -56,6 +63,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     table.addLink("interpolation", link_).help("the beams; those of this node when not given");
     table.addLink("instrumentParameters", parameters_).help("the shape of the rod, whose density is to be taken");
     table.add("computeMass", has_mass_).help("with inertia and weight");
+    table.add("turningForces", turns_).help("with the forces by which momenta stay as the inertia of beams turns with them");
     table.add("massDensity", density_).recompiled().help("of the rod").unit("kg/m^3").min(0, false);
     table.add("reinforceLength", reinforced_).help("SOFA's; without effect: elongation is measured along the bent beam anyway");
     table.add("shearStressComputation", shears_).help("SOFA's; only true is supported");
@@ -91,6 +99,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     known_ = -1;
     FramePairField::compile();
     follow();
+    tellMass();
   }
 
   void stepBegins(ConstRows, double t, double t_end) override {
@@ -109,19 +118,21 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
                                          name.substr(name.find(':') + 1), chain_->path()),
                              usualComponent(Part::integrator) + " newtonIterations=\"30\"");
   }
-  BeamInertia* inertia() override { return has_mass_ ? (follow(), &inertia_) : nullptr; }
+  BeamInertia* inertia() override {
+    if (!has_mass_) return nullptr;
+    if (state().isBound()) chain_->askedAt(state().x());
+    follow();
+    return &inertia_;
+  }
   const BeamChain& chain() const override { return *chain_; }
   double wholeMass() const override {
-    double mass = 0, length = 0;
-    for (const ChainBeam& beam : chain_->beams())
-      if (beam.is_there) mass += densityOf(beam) * beam.section.area * beam.length, length += beam.length;
-    if (length > 0) return mass * chain_->wholeLength() / length;
-    ChainBeam usual;
-    usual.section = chain_->usualSection();
-    return densityOf(usual) * usual.section.area * chain_->wholeLength();
+    double mass = 0;
+    for (const ChainBeam& part : chain_->wholeRod()) mass += densityOf(part) * part.section.area * part.length;
+    return mass;
   }
 
   double energy(ConstRows x) const override {
+    chain_->askedAt(state().segment(x));
     self_->follow();
     const bool was_pressed = is_pressed_;
     const double sum = FramePairFieldOf::energy(x) + weightEnergy(x);
@@ -129,12 +140,14 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     return sum;
   }
   void addForce(ConstRows x, ConstRows v, Rows f) override {
+    chain_->askedAt(state().segment(x));
     follow();
     is_pressed_ = false;
     FramePairField::addForce(x, v, f);
     if (!has_mass_) return;
     inertia_.place(x);
     addWeight(x, f);
+    if (turns_) inertia_.addTurning(v, f);
   }
 
   ForceTraits traits() const override {
@@ -191,6 +204,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     if (known_ == chain_->revision()) return;
     known_ = chain_->revision();
     const std::vector<ChainBeam>& beams = chain_->beams();
+    if (!is_pushed_) tellMass();  // no attribute of a rod that is pushed changes what it is made of
     makePairs();
     placeAxes();
     std::vector<double> densities;
@@ -286,7 +300,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
 
   Link<BeamChain> link_{"interpolation of beams"};
   Link<RodShape> parameters_{"shape of a rod"};
-  bool has_mass_ = true, shears_ = true, reinforced_ = false;
+  bool has_mass_ = true, turns_ = true, shears_ = true, reinforced_ = false;
   double density_ = 1;
   BeamChain* chain_ = nullptr;
   long known_ = -1;                              ///< revision of the chain that what follows is of

@@ -52,13 +52,15 @@ class BeamChain : public Component {
   long revision() const { return revision_; }
   /// The length of the whole rod [m], in and out.
   virtual double wholeLength() const = 0;
-  /// Of a beam where none is there.
-  virtual RodSection usualSection() const { return beams_.front().section; }
+  /// The rod in stretches of one section, in and out: `length`, `to` and `section` of each.
+  virtual std::vector<ChainBeam> wholeRod() const { return beams_; }
   /// When all components are ready. Throws ComponentError where beams are missing.
   virtual void checkBeams() const {}
   /// A step begins: what is out of the rod may change, and frames with it.
   virtual void stepBegins(double /*t*/, double /*t_end*/) {}
   virtual bool isPushed() const { return false; }  ///< stepBegins() may do something
+  /// Something is asked for where frames are at x: at the start of a step that was taken back, beams are those of then.
+  virtual void askedAt(ConstRows /*x of the state*/) {}
 
  protected:
   const std::vector<Edge>& edges() const { return *edges_; }

@@ -61,4 +61,27 @@ const std::vector<DenseTangent<4>>& BeamInertia::blocks() const {
   return blocks_;
 }
 
+// With w = (w_a + w_b)/2 for the turning of R, Hamel's equations of 1/2 v^T M v, where w_r is the turning that a row stands for.
+void BeamInertia::addTurning(ConstRows v, Rows f) const {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const std::array<Index, 4>& rows = rows_[i];
+    std::array<Vec3, 4> rate, turned, p, change;
+    p.fill(Vec3::Zero()), change.fill(Vec3::Zero());
+    for (std::size_t r = 0; r < 4; ++r) rate[r] = v[rows[r]];
+    if (masses_[i] == 0 || (rate[1].isZero(0) && rate[3].isZero(0))) continue;
+    const Vec3 w = 0.5 * (rate[1] + rate[3]);
+    for (std::size_t r = 0; r < 4; ++r) turned[r] = w.cross(rate[r]);
+    const DenseTangent<4>& m = blocks()[i];
+    for (int r = 0; r < 4; ++r)
+      for (int c = 0; c < 4; ++c) {
+        const Mat3& block = m.blocks[std::size_t(4 * r + c)];
+        p[std::size_t(r)] += block * rate[std::size_t(c)], change[std::size_t(r)] -= block * turned[std::size_t(c)];
+      }
+    Vec3 couple = Vec3::Zero();
+    for (std::size_t r = 0; r < 4; ++r) couple += 0.5 * p[r].cross(rate[r]);
+    for (std::size_t r = 0; r < 4; ++r) f[rows[r]] -= w.cross(p[r]) + change[r];
+    for (const std::size_t r : {1, 3}) f[rows[r]] += couple - p[r].cross(rate[r]);
+  }
+}
+
 }  // namespace stroma

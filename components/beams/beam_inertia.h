@@ -2,6 +2,7 @@
 // The consistent mass of beams, in the axes half way between those of their ends.
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 
 #include "components/beams/beam_chain.h"
 #include "framework/mechanics/node_group_field.h"
@@ -17,6 +18,8 @@ class BeamInertia {
   void place(ConstRows x);
   const std::vector<std::array<Index, 4>>& rows() const { return rows_; }
   const std::vector<DenseTangent<4>>& blocks() const;
+  /// f += the forces by which momenta stay as M turns with the beams, at the x of the last place().
+  void addTurning(ConstRows v, Rows f) const;
   double massOf(std::size_t beam) const { return masses_[beam]; }  ///< [kg]
   bool empty() const { return rows_.empty(); }
 
@@ -42,6 +45,8 @@ class HasBeamInertia {
   virtual const BeamChain& chain() const = 0;
   /// The mass of the whole rod [kg].
   virtual double wholeMass() const = 0;
+  /// Called where what the beams are made of may have changed.
+  std::function<void()> tellMass = [] {};
 };
 
 }  // namespace stroma

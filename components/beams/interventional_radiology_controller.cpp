@@ -61,6 +61,7 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   }
   void placeStart(double, Rows x, Rows v) const override;
   void moveRods(double t, double t_end) override;
+  void askedAt(ConstRows x) override;
   void stepEnded(double) override;
   const std::vector<double>& history() const override { return is_.tips; }
 
@@ -110,6 +111,9 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
     double from = 0, to = 0;       ///< of the step [s]
     std::vector<double> asked;     ///< what decides how rods move: xtip, turns, speed, dt
     std::vector<double> x;         ///< rows after it
+    std::vector<double> before;    ///< and before it, where they are others
+    Pushed pushed;                 ///< what it led to
+    bool is_back = false;          ///< `is_` is for now that of before the step
   } moved_;
 };
 
@@ -296,10 +300,22 @@ void InterventionalRadiologyController::moveRods(double t, double t_end) {
   const bool moves = tips != before_.tips || turns_ != before_.turns;
   if (!moves && is_.tips == before_.tips && is_.turns == before_.turns) return;
   is_ = pushedTo(std::move(tips));
+  const ConstRows x = state().x();
+  std::vector<double> before(x.data, x.data + x.doubles());
   if (moves) moveNodes();
   giveBeams();
-  const Rows x = state().x();
-  moved_ = {true, t, t_end, asked(), std::vector<double>(x.data, x.data + std::size_t(x.count) * row_doubles)};
+  std::vector<double> after(x.data, x.data + x.doubles());
+  if (after == before) before.clear();
+  moved_ = {true, t, t_end, asked(), std::move(after), std::move(before), is_, false};
+}
+
+void InterventionalRadiologyController::askedAt(ConstRows x) {
+  if (!moved_.is_made || moved_.before.empty()) return;
+  const bool is_before = std::equal(moved_.before.begin(), moved_.before.end(), x.data);
+  if (is_before == moved_.is_back) return;
+  moved_.is_back = is_before;
+  is_ = is_before ? before_ : moved_.pushed;
+  giveBeams();
 }
 
 /// Where something was at a length from the opening, and how it moved, by the nodes of before.
@@ -341,6 +357,7 @@ void InterventionalRadiologyController::moveNodes() {
 }
 
 void InterventionalRadiologyController::stepEnded(double) {
+  if (moved_.is_made && moved_.is_back) is_ = moved_.pushed, giveBeams();
   before_ = is_;
   xtip_ = written_ = is_.tips;
   first_ = int(entry());

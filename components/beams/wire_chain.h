@@ -10,6 +10,8 @@ class MovesRods {
   virtual ~MovesRods() = default;
   /// A step from t to t_end [s]: gives beams to the rods, and moves frames. Called for each rod.
   virtual void moveRods(double t, double t_end) = 0;
+  /// Beams are from now on those of the step, or where frames are as before it, those of then.
+  virtual void askedAt(ConstRows x) = 0;
 };
 
 /// A rod that comes out as a controller pushes it: the role of WireBeamInterpolation.
@@ -22,9 +24,20 @@ class WireChain : public BeamChain {
   bool isPushed() const override { return mover_ != nullptr; }
   const std::vector<Edge>& allEdges() const { return edges(); }
   double wholeLength() const override { return shape_->length(); }
-  RodSection usualSection() const override { return shape_->stretches().front().section; }
+  std::vector<ChainBeam> wholeRod() const override {
+    std::vector<ChainBeam> rod;
+    for (const RodStretch& stretch : shape_->stretches()) {
+      ChainBeam& part = rod.emplace_back();
+      part.length = stretch.length, part.to = stretch.length + (rod.size() > 1 ? rod[rod.size() - 2].to : 0);
+      part.section = stretch.section;
+    }
+    return rod;
+  }
   void stepBegins(double t, double t_end) override {
     if (mover_) mover_->moveRods(t, t_end);
+  }
+  void askedAt(ConstRows x) override {
+    if (mover_) mover_->askedAt(x);
   }
   /// Beams of edges that carry nothing.
   std::vector<ChainBeam> noBeams() const {

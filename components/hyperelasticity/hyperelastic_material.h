@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A material that stands in the scene as a component of its own: a law and its parameters, for the field that asks.
 #pragma once
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/hyperelasticity/hyperelastic_law.h"
@@ -16,6 +18,19 @@ class HyperelasticMaterial : public Component {
   virtual hyperelastic::HyperelasticLaw law() const = 0;
   /// In the order of law().parameters.
   virtual std::vector<double> values() const = 0;
+  /// `remake` is called where parameters are others; one for each that follows.
+  void follow(const Component& follower, std::function<void()> remake) {
+    for (auto& [known, call] : followers_)
+      if (known == &follower) return void(call = std::move(remake));
+    followers_.emplace_back(&follower, std::move(remake));
+  }
+  void recompile() override {
+    init();
+    for (const auto& [follower, remake] : followers_) remake();
+  }
+
+ private:
+  std::vector<std::pair<const Component*, std::function<void()>>> followers_;
 };
 
 }  // namespace stroma

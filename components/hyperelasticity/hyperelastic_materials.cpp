@@ -76,7 +76,7 @@ class Material : public HyperelasticMaterial {
   void declare(DataTable& table) override {
     table.add("template", template_).help("Vec3");
     for (Parameter& number : numbers) {
-      Data& data = table.add(number.name, number.value).unit(number.unit).physical().help(number.help);
+      Data& data = table.add(number.name, number.value).recompiled().unit(number.unit).physical().help(number.help);
       if (number.is_positive) data.min(0, false);
     }
   }

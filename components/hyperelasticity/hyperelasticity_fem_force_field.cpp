@@ -28,6 +28,7 @@
 #include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "components/hyperelasticity/hyperelastic_material.h"
 #include "framework/mesh/cell_lists.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/names.h"
 
@@ -50,7 +51,7 @@ class HyperelasticityFEMForceField final : public HyperelasticForceField {
     HyperelasticForceField::chooseMesh();
   }
   void chooseLaw() override {
-    const HyperelasticMaterial* material = material_.get();
+    HyperelasticMaterial* material = material_.get();
     if (!material) material = find<HyperelasticMaterial>(true);
     if (!material)
       throw ComponentError("there is no material in this node or above",
@@ -59,6 +60,15 @@ class HyperelasticityFEMForceField final : public HyperelasticForceField {
                            "materialName of Tetrahedron- or HexahedronHyperelasticityFEMForceField has more laws");
     law_ = material->law();
     parameter_set_ = material->values();
+    material->follow(*this, [this] { makeAnew(); });
+  }
+  /// The material has other parameters while the scene runs: what steps have left behind stays.
+  void makeAnew() {
+    Archive memory;
+    serialize(memory);
+    init(), compile();
+    memory = memory.readable();
+    serialize(memory);
   }
   /// Where no mesh holds anything of it, the base says so.
   void chooseKind();

@@ -83,12 +83,12 @@ class AdaptiveBeamMapping final : public FrameMapping {
     Quaternion axes_a, axes_b;
   };
 
-  /// Another family has them: by their attribute.
+  /// Another family has them: by their role and its attribute.
   void findBeams() {
     Component* chain = link_.get();
     for (Node* here = &node(); !chain && !link_.target() && here; here = here->parent())
       for (const auto& other : here->components())
-        if (!chain && other->type().ends_with("BeamInterpolation")) chain = other.get(), chain->ensureReady();
+        if (!chain && other->roleText() == role) chain = other.get(), chain->ensureReady();
     const Data* data = chain ? chain->data().find("beams") : nullptr;
     const auto* const* found = data ? std::get_if<std::vector<double>*>(&data->pointer()) : nullptr;
     if (!found) throw ComponentError("there are no beams to follow",
@@ -142,7 +142,8 @@ class AdaptiveBeamMapping final : public FrameMapping {
     return all;
   }
 
-  Link<Component> link_{"interpolation of beams"};
+  static constexpr const char* role = "interpolation of beams";
+  Link<Component> link_{role};
   std::vector<Vec3> points_;
   bool by_length_ = true, is_copy_ = false;
   double per_beam_ = 0, proximity_ = 0;

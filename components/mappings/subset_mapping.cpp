@@ -7,8 +7,9 @@
 // node's initial position, which must be within `radius` of it. With the first two a state may be without positions: it gets
 // those of the nodes that it follows.
 //
-// Source: the attributes are SOFA's. There, a node that is not found is left out or placed at node 0; here it is an
-// error.
+// ignoreNotFound: a node that is near none stays where it starts, and what acts on it is lost. Without it, it is an error.
+//
+// Source: the attributes are SOFA's, whose nodes that are not found stay in both cases.
 //
 // Example:
 // <Node name="root" dt="0.01">
@@ -26,6 +27,7 @@
 
 #include "components/mappings/followed_nodes.h"
 #include "components/mappings/weighted_mapping.h"
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
 
@@ -43,6 +45,7 @@ class SubsetMapping final : public WeightedMapping {
         .help("how far a node may be from the one it follows, when neither is given")
         .unit("m")
         .min(0);
+    table.add("ignoreNotFound", may_stay_).help("a node that is further than radius from all others stays where it starts");
   }
 
   void init() override {
@@ -53,8 +56,31 @@ class SubsetMapping final : public WeightedMapping {
       throw ComponentError(
           fmt::format("{} has {} nodes, and {} are to be followed", output().path(), output().nodes(), nodes.size()),
           "as many of each");
-    for (const Index node : nodes) addCopy(node);
+    staying_.clear();
+    for (const Index& node : nodes) {
+      if (node >= 0) {
+        addCopy(node);
+        continue;
+      }
+      const Index first = Index(&node - nodes.data()) * output().rows_per_node;
+      for (Index row = first; row < first + output().rows_per_node; ++row) staying_.push_back(row), addNode({});
+    }
+    if (!staying_.empty())
+      inform(fmt::format("{} nodes of {} are near none that they could follow: they stay where they are",
+                         Index(staying_.size()) / output().rows_per_node, output().path()));
   }
+
+  void apply(Rows x) const override {
+    WeightedMapping::apply(x);
+    for (const Index row : staying_) {
+      const Vec3& start = output().position[std::size_t(row)];
+      if (output().kindOf(row) == RowKind::turn)
+        putOrientation(turnedBy(start), x, output().firstRow() + row);
+      else
+        x[output().firstRow() + row] = start;
+    }
+  }
+  void applyJ(Rows v) const override { WeightedMapping::apply(v); }
 
  private:
   std::vector<Index> chosen() const {
@@ -74,6 +100,7 @@ class SubsetMapping final : public WeightedMapping {
     return nodes;
   }
 
+  /// The first row of each; -1 where there is none.
   std::vector<Index> nearest() const {
     std::vector<Index> nodes;
     for (const Index i : allNodes(output())) {
@@ -82,10 +109,14 @@ class SubsetMapping final : public WeightedMapping {
       for (const Index node : allNodes(input()))
         if ((input().position[node] - own).squaredNorm() < (input().position[best] - own).squaredNorm()) best = node;
       const double distance = (input().position[best] - own).norm();
+      if (!(distance <= radius_) && may_stay_) {
+        nodes.push_back(-1);
+        continue;
+      }
       if (!(distance <= radius_))
         throw ComponentError(fmt::format("node {} of {} is {:.3g} m from the nearest node of {}",
                                          i / output().rows_per_node, output().path(), distance, input().path()),
-                             fmt::format("at most radius = {:g} m", radius_), "indices, or a larger radius");
+                             fmt::format("at most radius = {:g} m", radius_), "indices, a larger radius, or ignoreNotFound=\"true\"");
       nodes.push_back(best);
     }
     return nodes;
@@ -94,6 +125,8 @@ class SubsetMapping final : public WeightedMapping {
   std::vector<int> indices_;
   int first_ = 0, last_ = 0;
   double radius_ = 1e-5;
+  bool may_stay_ = false;
+  std::vector<Index> staying_;  ///< rows of output() that follow nothing
 };
 
 }  // namespace

@@ -45,6 +45,7 @@ TEST(RodsInSteps, RodsMoveOnceInAStepThatIsMadeInParts) {
   const auto tell = [&](double t, double t_end) {
     for (ForceField* field : system.forceFields()) dynamic_cast<HearsSteps&>(*field).stepBegins(system.x, t, t_end);
   };
+  const double energy = system.potentialEnergy(system.x), moving = system.kineticEnergy();
   tell(0.3, 0.4);  // a node comes out, and others get its number
   const Vector moved = copyOf(system.x), rates = copyOf(system.v);
   EXPECT_GT(difference(moved, start), 1e-3);
@@ -64,7 +65,13 @@ TEST(RodsInSteps, RodsMoveOnceInAStepThatIsMadeInParts) {
   tell(0.32, 0.4);
   EXPECT_EQ(difference(system.x, after), 0) << "and again";
   // all of the step again
+  const double energy_after = system.potentialEnergy(system.x);
   copy(start, system.x), copy(velocity, system.v);
+  EXPECT_EQ(system.potentialEnergy(system.x), energy) << "a step that failed leaves no beams";
+  EXPECT_EQ(system.kineticEnergy(), moving);
+  copy(after, system.x);
+  EXPECT_EQ(system.potentialEnergy(system.x), energy_after) << "nor takes them away from one that goes on";
+  copy(start, system.x);
   tell(0.3, 0.4);
   EXPECT_EQ(difference(system.x, moved), 0) << "from the start";
   EXPECT_EQ(difference(system.v, rates), 0);

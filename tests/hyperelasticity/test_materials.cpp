@@ -122,6 +122,29 @@ TEST(HyperelasticMaterials, AFieldFindsItsMaterial) {
   EXPECT_EQ(stretched("<Node name='beside'>" + soft + "</Node>" + field("material='@beside/soft'")), of_soft);
 }
 
+/// In a run too, with what steps have left behind: here the strains of a viscous part.
+TEST(HyperelasticMaterials, AFieldFollowsItsMaterialInARun) {
+  const std::string viscous =
+      field("viscous='true' ParameterAlpha='0.5' ParameterTau='0.1'") + "<FixedProjectiveConstraint indices='0 1 2'/>";
+  const auto started = [&](const std::string& young) {
+    return simulationFromText(sceneOf(tetrahedron, "<NeoHookeanMaterial name='tissue' youngModulus='" + young +
+                                                       "' poissonRatio='0.3'/>" + viscous));
+  };
+  Simulation stiff = started("1e4"), changed = started("1e3");
+  changed.setAttribute("/tissue", "youngModulus", "1e4");
+  for (int i = 0; i < 5; ++i) stiff.step(), changed.step();
+  EXPECT_EQ(changed.stateHash(), stiff.stateHash());
+  stiff.setAttribute("/tissue", "youngModulus", "1e4");  // nothing is new, and nothing is forgotten
+  for (int i = 0; i < 5; ++i) stiff.step(), changed.step();
+  EXPECT_EQ(changed.stateHash(), stiff.stateHash());
+  EXPECT_THROW(stiff.setAttribute("/tissue", "poissonRatio", "0.5"), ComponentError);
+  for (int i = 0; i < 5; ++i) stiff.step(), changed.step();
+  EXPECT_EQ(changed.stateHash(), stiff.stateHash()) << "the old value stays";
+  changed.setAttribute("/tissue", "youngModulus", "2e3");
+  stiff.step(), changed.step();
+  EXPECT_NE(changed.stateHash(), stiff.stateHash());
+}
+
 void expectRefused(const std::string& scene, const std::vector<std::string>& words) {
   const std::string problems = problemsOf(scene);
   for (const std::string& word : words) EXPECT_NE(problems.find(word), std::string::npos) << word << ": " << problems;

@@ -312,6 +312,7 @@ TEST(Mappings, SaysWhatIsWrong) {
   };
   says({.mapping = "<IdentityMapping/>"}, "/body/child/points has 1 nodes and /body/dofs has 60");
   says({.mapping = "<SubsetMapping/>"}, "node 0 of /body/child/points is");
+  says({.mapping = "<SubsetMapping/>"}, "ignoreNotFound");
   says({.mapping = "<SubsetMapping first=\"3\" last=\"60\"/>"}, "the range 3 to 60 of the 60 nodes");
   says({.mapping = "<SubsetMapping first=\"3\"/>"}, "one end of the range is missing");
   says({.mapping = "<SubsetMapping indices=\"3 4\"/>"}, "has 1 nodes, and 2 are to be followed");

@@ -552,6 +552,35 @@ def dilatation_of_bricks_with_a_material():
 
 
 @case
+def poisson_ratios_out_of_range():
+    """SOFA's fields take 0.45 in the place of each one; its materials take any, and there are none for it here."""
+    x, cells, held = HYPERELASTIC["Tetrahedron"]
+    field = '<TetrahedronFEMForceField method="large" youngModulus="300" poissonRatio="{}"/>'
+    scene = lambda written: root(hyperelastic_scene("Tetrahedron", field.format(written)))
+    for written, taken in (("-0.2", "0.45"), ("0.5", "0.45"), ("-1.5", "0.45")):
+        run = Run(scene(written), 6)
+        run.says("SOFA takes 0.45")
+        agree(run.x(), Run(scene(taken), 6).x(), 0)
+    differ(Run(scene("0.45"), 6).x(), Run(scene("0.3"), 6).x(), 1e-6)
+    material = '<NeoHookeanMaterial youngModulus="300" poissonRatio="0.6"/><HyperelasticityFEMForceField/>'
+    Run(root(hyperelastic_scene("Tetrahedron", material)), 1).fails(2, "poissonRatio", "(-1, 0.5)")
+
+
+@case
+def nodes_that_follow_none():
+    """With ignoreNotFound they stay where they are; the others hang on what they follow."""
+    scene = node(EXACT + '<MechanicalObject name="p" position="0 0 0 1 0 0"/><UniformMass vertexMass="1"/><Node name="c">'
+                 '<MechanicalObject name="s" position="1 0 0 5 1 2"/><SubsetMapping ignoreNotFound="1"/>'
+                 '<ConstantForceField indices="0 1" forces="1 0 0 7 7 7"/></Node>')
+    run = Run(scene, 5)
+    X = np.array([[0, 0, 0], [1, 0, 0]], float)
+    expected = euler(X, np.eye(2), load({1: np.array([1.0, 0, 0])}), 5, 0.01)
+    agree(run.x("p"), expected)
+    agree(run.x("c.s"), [expected[1], [5, 1, 2]])
+    Run(scene.replace('ignoreNotFound="1"', ""), 1).fails(2, "from the nearest node", "ignoreNotFound")
+
+
+@case
 def fields_without_a_material_that_fits():
     body = '<HyperelasticityFEMForceField template="Vec3,Tetrahedron" {}/>{}'
     neo = '<NeoHookeanMaterial name="neo" youngModulus="300" poissonRatio="0.3"/>'

@@ -275,7 +275,6 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"ClusteringEngine", {"fixedPosition", "inFile"}},
       {"DeformableOnRigidFrameMapping",
        {"repartition", "globalToLocalCoords", "rootAngularForceScaleFactor", "rootLinearForceScaleFactor"}},
-      {"SubsetMapping", {"ignoreNotFound"}},
       {"PartialLinearMovementProjectiveConstraint", {"linearMovementBetweenNodesInIndices"}},
       {"MeshSpringForceField", {"object1", "object2"}},
       {"RegularGridSpringForceField", {"object1", "object2"}},
@@ -300,7 +299,7 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
 
 bool isSofasDefault(std::string_view attribute, std::string_view value) {
   static const std::map<std::string_view, List> table = {
-      {"damping", {"0"}}, {"restScale", {"1"}}, {"ignoreNotFound", {"0", "false"}},
+      {"damping", {"0"}}, {"restScale", {"1"}},
       {"linearMovementBetweenNodesInIndices", {"0", "false"}}, {"edgeAngle", {"0"}},
       {"triAngle", {"0"}}, {"repartition", {""}}, {"filename", {"", "unused"}}, {"positionFactor", {"1"}}, {"velocityFactor", {"1"}},
       {"responseFactor", {"1"}}, {"constraintFactor", {"1"}}, {"freeRotations", {"0", "false"}}, {"lastFreeRotation", {"0", "false"}},

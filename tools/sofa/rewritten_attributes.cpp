@@ -141,7 +141,30 @@ bool Rewriting::keepsAttribute(Element& element, AttributeDescription& attribute
   return data ? keepsValue(element, *data, attribute) : keepsUnknown(element, attribute);
 }
 
+/// SOFA's fields of linear elasticity put 0.45 in the place of each value out of [0, 0.5); its materials take any.
+static bool mendsPoissonRatio(std::string_view type) {
+  static const std::vector<std::string_view> all = {
+      "TetrahedronFEMForceField", "HexahedronFEMForceField", "TetrahedralCorotationalFEMForceField", "CorotationalFEMForceField",
+      "FastTetrahedralCorotationalForceField", "HexahedralFEMForceField", "TriangularFEMForceField", "TriangleFEMForceField",
+      "LinearSmallStrainFEMForceField"};
+  return std::find(all.begin(), all.end(), type) != all.end();
+}
+
 bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& attribute) {
+  if (attribute.name == "poissonRatio" && mendsPoissonRatio(element.written->type) && !attribute.value.starts_with("@")) {
+    std::string mended;
+    double out = 0;
+    bool is_out = false;
+    for (const double ratio : writtenNumbers(attribute.value)) {
+      const bool is_in = ratio >= 0 && ratio < 0.5;
+      if (!is_in) out = ratio, is_out = true;
+      mended += (mended.empty() ? "" : " ") + printReal(is_in ? ratio : 0.45);
+    }
+    if (is_out) {
+      warn(attribute.where, element, attribute.name, printReal(out) + " is outside of [0, 0.5): SOFA takes 0.45 in its place");
+      attribute.value = mended;
+    }
+  }
   const std::string text(trimmed(attribute.value));
   if (text.starts_with("@") || data.link()) return !text.empty();
   if (text.empty() && !attribute.typed && data.defaultText().empty()) return false;  // as scenes that a program saved have it
@@ -169,7 +192,8 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
       return true;
     }
   }
-  if (attribute.name == "poissonRatio") {  // SOFA's answer to a value out of [0, 0.5)
+  // the answer of SOFA's fields to a value out of [0, 0.5); its materials take any
+  if (attribute.name == "poissonRatio" && element.role() != "hyperelastic material") {
     warn(attribute.where, element, attribute.name, problem->message + ": SOFA takes 0.45 in its place");
     attribute.value = "0.45";
     return true;

@@ -29,6 +29,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "selection") meanSelection(element);
   if (role == "force field") meanField(element);
   if (role == "mass") meanMass(element);
+  if (element.is("AdaptiveBeamForceFieldAndMass")) setQuirk(element, "fixed-inertia", "turningForces", "false");
   if (role == "constraint correction") meanCorrection(element);
   if (role == "topology") meanMesh(element);
   if (role == "mechanical state") meanState(element);
