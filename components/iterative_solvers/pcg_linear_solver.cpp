@@ -11,6 +11,7 @@
 //                        size of the matrix, so that each run does the same. A solve that gets on slowly changes within;
 //                        what does not pay is given up. Bodies below 100 nodes, and scenes that write `iterations` or
 //                        template GraphScattered, stay with block_jacobi. `choice` says what preconditions, and why
+//                        Products are by the elements until the iterations that solves take pay for a matrix
 //   none                 plain conjugate gradients
 //   jacobi               the diagonal
 //   block_jacobi         the 3x3 diagonal blocks of the nodes; costs next to nothing
