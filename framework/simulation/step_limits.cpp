@@ -20,7 +20,12 @@ void StepLimits::compile(System& system) {
   if (!empty()) scaled_.resize(system.independentRows()), still_.resize(system.independentRows());
   if (!bends()) return;
   for (Vector* vector : {&start_, &middle_, &end_}) vector->resize(system.allRows());
-  bend_.resize(std::size_t(system.allRows()));
+  const Index all = system.allRows(), independent = system.independentRows();
+  bend_.assign(std::size_t(all + independent), 0);  // and then, of independent rows, not zero where mappings that bend follow them
+  for (const Mapping* mapping : system.actors().mappings)
+    for (const State* state : mapping->inputs())
+      if (const bool is_mapped = state->firstRow() >= independent; !mapping->isLinear())
+        std::fill_n(bend_.begin() + all + (is_mapped ? 0 : state->firstRow()), is_mapped ? independent : state->size(), 1.);
 }
 
 double StepLimits::ask(ConstRows x, const Way& way) const {
@@ -29,20 +34,12 @@ double StepLimits::ask(ConstRows x, const Way& way) const {
   return step;
 }
 
-/// No mapping bends the way: what those follow that are not linear stays.
-static bool isStraight(const Actors& actors, ConstRows dx) {
-  const auto moves = [&](const State* s) { return s->firstRow() >= actors.independent_rows || norm(s->segment(dx)) != 0; };
-  return std::ranges::all_of(actors.mappings, [&](const Mapping* m) { return m->isLinear() || std::ranges::none_of(m->inputs(), moves); });
-}
-
 double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool goes_along) {
   if (empty()) return 1;
   const Rows x = system_->independent(system_->x);
   if (bends()) copy(x, scaled_);
-  return longest(dx, factor, is_carried, goes_along, [&](double s) {
-    copy(scaled_, x);
-    system_->motion().advance(s * factor, dx, x);
-  });
+  const auto goTo = [&](double s) { copy(scaled_, x), system_->motion().advance(s * factor, dx, x); };
+  return longest(dx, factor, is_carried, goes_along, std::cref(goTo));
 }
 
 double StepLimits::largestTurn(ConstRows dx) const {
@@ -56,10 +53,14 @@ double StepLimits::largestTurn(ConstRows dx) const {
 /// chord; in the middle it is r (1 - cos(q/2)), which for q up to 1.5 is no less than 0.95 of that.
 double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool goes_along, const std::function<void(double)>& goTo) {
   constexpr double most_turn = 1.5, margin = 1.1, trials = 60;
-  if (isStraight(system_->actors(), dx)) {
+  const bool is_straight = !bends() || std::ranges::none_of(system_->states(), [&](const State* s) {
+    const Index row = s->firstRow(), all = system_->allRows();
+    return row < system_->independentRows() && bend_[std::size_t(all + row)] != 0 && norm(s->segment(dx)) != 0;
+  });
+  if (is_straight) {
     copy(dx, scaled_), scale(factor, scaled_);
-    const MappingChain& chain = system_->mappingChain();
-    return ask(chain.positions(system_->x), {chain.direction(scaled_), nullptr, is_carried, goes_along ? 1. : 0.});
+    const ConstRows x = system_->mappingChain().positions(system_->x), way = system_->mappingChain().direction(scaled_);
+    return ask(x, {way, nullptr, is_carried, goes_along ? 1. : 0.});
   }
   const auto placeAt = [&](double s, Vector& out) {
     goTo(s), copy(system_->independent(system_->x), system_->independent(out));
@@ -81,8 +82,7 @@ double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool go
 
 bool StepLimits::moveOn() {
   const bool again = solvesAgain();
-  goAlong();
-  return again;
+  return goAlong(), again;
 }
 
 void StepLimits::goAlong() {
