@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The organ meshes of the examples are good meshes, and their tool still makes them, byte for byte."""
+"""The organ meshes of the examples are good meshes, and their tool still makes them, byte for byte; so does that of the skin."""
 import filecmp
 import os
 import subprocess
@@ -53,6 +53,16 @@ def check_tool():
         assert subprocess.run([sys.executable, tool, "--tets", "5", "--out", made], capture_output=True).returncode == 2
 
 
+def check_skin():
+    with tempfile.TemporaryDirectory() as folder:
+        made = os.path.join(folder, "skin.msh")
+        tool = os.path.join(sys.argv[1], "scenes", "meshes", "make_skin.py")
+        subprocess.run([sys.executable, tool, "--out", made], check=True)
+        assert filecmp.cmp(made, os.path.join(MESHES, "skin.msh"), shallow=False), "skin.msh has changed"
+        assert subprocess.run([sys.executable, tool, "--cells", "5", "--out", made], capture_output=True).returncode == 2
+
+
 check_stored()
 check_judgement()
 check_tool()
+check_skin()

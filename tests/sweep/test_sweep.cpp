@@ -287,6 +287,22 @@ TEST_F(Sweep, TheGoalIsTheCheapestOfTheWholeGrid) {
 
 // ---- refusals ----
 
+/// Errors are measured in tetrahedra and hexahedra: what has other cells is refused before its first step.
+TEST_F(Sweep, PrismsAreRefusedBeforeARun) {
+  write("prism.xml", R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver/>
+    <MeshTopology position="0 0 0 1 0 0 0 1 0 0 0 1 1 0 1 0 1 1" prisms="0 1 2 3 4 5"/><MechanicalObject name="dofs"/>
+    <UniformMass totalMass="500"/><CorotationalFEMForceField name="fem" youngModulus="1e5" poissonRatio="0.3"/>
+    <FixedProjectiveConstraint indices="0 1 2"/></Node>)");
+  const std::string sentence = "errors are measured in tetrahedra and hexahedra";
+  const Finished run = stroma("run prism.xml -n 3 --measure end.values --record made");
+  EXPECT_EQ(run.code, 2) << run.err;
+  EXPECT_TRUE(has(run.err, sentence)) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "made")) << "no step was made";
+  const Finished sweep = stroma("sweep prism.xml --vary /fem.youngModulus=1e5,2e5 -n 3 -o out -q");
+  EXPECT_EQ(sweep.code, 2) << sweep.err;
+  EXPECT_TRUE(has(sweep.err, sentence) && has(sweep.err, "nothing was run")) << sweep.err;
+}
+
 TEST_F(Sweep, BadInputIsRefusedBeforeAnythingIsRun) {
   write("bar.xml", bar);
   const std::pair<const char*, const char*> cases[] = {

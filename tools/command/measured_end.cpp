@@ -226,6 +226,13 @@ void MeasuredQuantity::ofCells(const Simulation& simulation, const ForceField& f
   };
 }
 
+void checkMeasurable(const Simulation& simulation) {
+  for (const State* state : simulation.states())
+    if (const Mesh* mesh = volumeMeshOf(simulation, *state); mesh && !(mesh->prisms.empty() && mesh->pyramids.empty()))
+      throw ComponentError(state->path() + " has prisms or pyramids: errors are measured in tetrahedra and hexahedra",
+                           "a mesh of tetrahedra or hexahedra, to measure with --measure or to sweep over");
+}
+
 void writeMeasuredEnd(const Simulation& simulation, const MeasuredQuantity* quantity, const std::string& file) {
   simulation.complete();
   ValueLists values;
@@ -243,8 +250,6 @@ void writeMeasuredEnd(const Simulation& simulation, const MeasuredQuantity* quan
     values.add("x " + path, flat(count, [&](std::size_t i) { return state->x()[Index(i)]; }));
     values.add("v " + path, flat(count, [&](std::size_t i) { return state->v()[Index(i)]; }));
     if (const Mesh* mesh = volumeMeshOf(simulation, *state)) {
-      if (!mesh->prisms.empty() || !mesh->pyramids.empty())
-        throw std::runtime_error(path + " has prisms or pyramids: errors are measured in tetrahedra and hexahedra");
       values.add("tetrahedra " + path, flat(mesh->tetrahedra));
       values.add("hexahedra " + path, flat(mesh->hexahedra));
     }

@@ -41,6 +41,8 @@ class MeasuredQuantity {
   std::function<std::vector<double>()> evaluate_;
 };
 
+/// Before a run: throws ComponentError where writeMeasuredEnd() would have cells that errors are not measured in.
+void checkMeasurable(const Simulation& simulation);
 /// Writes the present instant. Throws OutputError.
 void writeMeasuredEnd(const Simulation& simulation, const MeasuredQuantity* quantity, const std::string& file);
 

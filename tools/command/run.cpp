@@ -210,7 +210,7 @@ struct Run {
     progress.loaded();
     simulation.computeOnDemand(true);
     warnings = reportProblems(simulation.scene(), request.quiet);
-    if (!request.measure_file.empty()) dropReaders(simulation);
+    if (!request.measure_file.empty()) checkMeasurable(simulation), dropReaders(simulation);
     if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
     if (!measured) session.followMeshChanges();
     if (measured && measured->mayFollow())
