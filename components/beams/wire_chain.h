@@ -10,7 +10,7 @@ class MovesRods {
   virtual ~MovesRods() = default;
   /// A step from t to t_end [s]: gives beams to the rods, and moves frames. Called for each rod.
   virtual void moveRods(double t, double t_end) = 0;
-  /// Beams are from now on those of the step, or where frames are as before it, those of then.
+  /// Gives the rods the beams that belong to frames at x: those before the step, or those that it led to.
   virtual void askedAt(ConstRows x) = 0;
 };
 

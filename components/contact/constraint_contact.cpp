@@ -170,6 +170,7 @@ void ConstraintContact::init() {
 }
 
 void ConstraintContact::build() {
+  is_clear_ = false;
   law_.surfaces.clear(), gaps_.clear();
   addSurfaces(law_.surfaces, bodies_, topology_, *this);
   obstacles_.addTo(law_);

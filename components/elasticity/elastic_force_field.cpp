@@ -185,6 +185,7 @@ void ElasticForceField::init() {
   const Topology* topology = topology_.find(*this, state(), MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
+  method_.reset(), other_method_.reset(), other_elements_.reset();  // before the shapes that they look at
   chooseKind(*topology);
   variant_.method = canonical(method_word);
   variant_.update = update_volume_ ? elastic::Update::strain_displacement_and_volume
@@ -192,7 +193,6 @@ void ElasticForceField::init() {
                                    : elastic::Update::none;
   variant_.exact_tangent = tangent_ == Tangent::exact;
   variant_.own_matrix = assembling_ == Assembling::yes;
-  method_.reset();
   compileMaterial();
   if (polar_of_ != PolarOf::gradient) {
     const bool turns = variant_.method == ElasticMethod::polar || variant_.method == ElasticMethod::svd;

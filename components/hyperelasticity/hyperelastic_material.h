@@ -18,10 +18,10 @@ class HyperelasticMaterial : public Component {
   virtual hyperelastic::HyperelasticLaw law() const = 0;
   /// In the order of law().parameters.
   virtual std::vector<double> values() const = 0;
-  /// `remake` is called where parameters are others; one for each that follows.
+  /// `remake` is called where parameters are others; the first of each that follows, which may ask again while it is called.
   void follow(const Component& follower, std::function<void()> remake) {
-    for (auto& [known, call] : followers_)
-      if (known == &follower) return void(call = std::move(remake));
+    for (const auto& [known, call] : followers_)
+      if (known == &follower) return;
     followers_.emplace_back(&follower, std::move(remake));
   }
   void recompile() override {

@@ -57,12 +57,12 @@ class SubsetMapping final : public WeightedMapping {
           fmt::format("{} has {} nodes, and {} are to be followed", output().path(), output().nodes(), nodes.size()),
           "as many of each");
     staying_.clear();
-    for (const Index& node : nodes) {
-      if (node >= 0) {
-        addCopy(node);
+    for (Index point = 0; point < Index(nodes.size()); ++point) {
+      if (nodes[std::size_t(point)] >= 0) {
+        addCopy(nodes[std::size_t(point)]);
         continue;
       }
-      const Index first = Index(&node - nodes.data()) * output().rows_per_node;
+      const Index first = point * output().rows_per_node;
       for (Index row = first; row < first + output().rows_per_node; ++row) staying_.push_back(row), addNode({});
     }
     if (!staying_.empty())

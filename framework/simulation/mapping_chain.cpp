@@ -24,7 +24,7 @@ void MappingChain::compile(const Actors& actors) {
     for (std::size_t j = i + 1; j < mappings.size(); ++j)
       if (has(mappings[j]->inputs())) loads_[i].insert(loads_[i].end(), loads_[j].begin(), loads_[j].end());
     const bool has_mass = std::ranges::any_of(actors.masses, [&](const Mass* m) { return has({&m->state()}); });
-    if (has_mass) loads_[i].push_back(nullptr);  // what is only looked at has no force: neither do products need its mapping
+    if (has_mass) loads_[i].push_back(nullptr);  // of what is only looked at products know no force
   }
 }
 

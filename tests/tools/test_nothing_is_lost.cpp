@@ -257,8 +257,8 @@ TEST_F(NothingIsLost, ALongStepIsGivenUp) {
   <BoxROI name="end" box="-1 -0.001 -1  1 0.001 1"/><FixedProjectiveConstraint indices="@end.indices"/></Node>)";
   };
   // a fifth of a second of processor time after the recording began, so that it is the factorisation that is met
-  const std::string ticks = "$(cut -d' ' -f14 /proc/$pid/stat 2>/dev/null || echo 1000000)",
-                    calculates_on = "until_tick=$((" + ticks + " + 20)); " + waitFor("[ " + ticks + " -ge $until_tick ]");
+  const std::string ticks = "$(cut -d' ' -f14 /proc/$pid/stat 2>/dev/null || echo ",
+                    calculates_on = "until_tick=$((" + ticks + "0) + 20)); " + waitFor("[ " + ticks + "1000000) -ge $until_tick ]");
   for (const auto& [signals, code] : {std::pair("kill -TERM $pid", 143), std::pair("kill -INT $pid", 130),
                                       std::pair("kill -INT $pid; kill -INT $pid", 130)}) {
     Finished run;
