@@ -19,7 +19,7 @@
 // <Node name="root" dt="0.01" gravity="0 0 0">
 //   <WireRestShape name="shape" length="0.35" straightLength="0.3" spireDiameter="0.5" spireHeight="0" densityOfBeams="6 4"
 //     radius="0.001" radiusExtremity="0.001" youngModulus="1e9" youngModulusExtremity="1e8" massDensity="1000"/>
-//   <EulerImplicitSolver newtonIterations="20"/>
+//   <EulerImplicitSolver newtonIterations="30" newtonTolerance="1e-10"/>
 //   <SparseLDLSolver/>
 //   <MeshTopology edges="0 1  1 2"/>
 //   <MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1   0.3 0 0  0 0 0 1   0.35 0 0  0 0 0 1"/>
