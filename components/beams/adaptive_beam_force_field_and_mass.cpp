@@ -65,7 +65,8 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     table.addLink("interpolation", link_).help("the beams; those of this node when not given");
     table.addLink("instrumentParameters", parameters_).help("the shape of the rod, whose density is to be taken");
     table.add("computeMass", has_mass_).help("with inertia and weight");
-    table.add("turningForces", turns_).help("with the forces by which momenta stay as the inertia of beams turns, to the first order in their bend");
+    table.add("turningForces", turns_)
+        .help("with the forces by which momenta stay as the inertia of beams turns, to the first order in their bend");
     table.add("massDensity", density_).recompiled().help("of the rod").unit("kg/m^3").min(0, false);
     table.add("reinforceLength", reinforced_).help("SOFA's; without effect: elongation is measured along the bent beam anyway");
     table.add("shearStressComputation", shears_).help("SOFA's; only true is supported");
