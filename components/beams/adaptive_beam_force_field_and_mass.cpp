@@ -13,13 +13,12 @@
 //
 //   V = -m g.((c_a + c_b)/2 + L/12 (t_a - t_b)),   t: x axes of the ends,   m = massDensity A L
 //
-// With w as the mean of the turnings of both ends, p = M v and p_r, v_r, w_r of the rows of a beam, M turns with it:
+// With the turn by t about n from one end to the other, g = n tan(t/4), the middle axes turn by w = (w_a + w_b)/2 - g/2 x (w_b - w_a), and
+// M with them. With p = M v and p_r, v_r, w_r of the rows of a beam, c = 1/2 sum_r p_r x v_r:
 //
-//   f_r -= w x p_r - (M (w x v))_r,    torques of both ends += 1/2 sum_r p_r x v_r - p_r x w_r
+//   f_r -= w x p_r - (M (w x v))_r,    torques of the ends += c - g x c - p_a x w_a,   c + g x c - p_b x w_b
 //
-// by which the momenta stay and no work is done, to the first order in the bend of a beam: the mean of w is that of the middle axes
-// where the ends lie alike (half a per cent off for each 1.3 degrees between them, where they turn differently). They are taken from the
-// velocities of each evaluation; their derivatives are left out.
+// by which momenta stay and energy is kept. They are taken from the velocities of each evaluation; their derivatives are left out.
 // Without turningForces they are zero, as in the plug-in.
 //
 // The inertia is that of a component AdaptiveBeamMass, which the node gets by itself unless computeMass is false. The density is
@@ -66,7 +65,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
     table.addLink("instrumentParameters", parameters_).help("the shape of the rod, whose density is to be taken");
     table.add("computeMass", has_mass_).help("with inertia and weight");
     table.add("turningForces", turns_)
-        .help("with the forces by which momenta stay as the inertia of beams turns, to the first order in their bend");
+        .help("with the forces by which momenta stay as the inertia of beams turns");
     table.add("massDensity", density_).recompiled().help("of the rod").unit("kg/m^3").min(0, false);
     table.add("reinforceLength", reinforced_).help("SOFA's; without effect: elongation is measured along the bent beam anyway");
     table.add("shearStressComputation", shears_).help("SOFA's; only true is supported");

@@ -5,8 +5,8 @@
 //
 // with m the mass matrix of a straight beam of Euler and Bernoulli with the inertia of sections that turn, and R the axes half way
 // between those of its ends. M follows the beams as they turn, and as a rod comes out. Weight is the matter of the force fields.
-// Forces by the change of M as it turns are those of the field, by which momentum and angular momentum stay (of beams that bend, to the
-// first order); where its turningForces is false there are none, as in the plug-in.
+// Forces by the change of M as it turns are those of the field, by which momentum and angular momentum stay as they are; where its
+// turningForces is false there are none, as in the plug-in.
 //
 // Source: the matrix is the one of the plug-in BeamAdapter for SOFA, whose force field is a mass at the same time; J. S. Przemieniecki,
 // "Theory of matrix structural analysis", 1968, chapter 11.

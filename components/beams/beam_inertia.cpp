@@ -13,6 +13,7 @@ void BeamInertia::set(const std::vector<ChainBeam>& beams, const std::vector<dou
     axes_a_.push_back(beams[i].axes_a), axes_b_.push_back(beams[i].axes_b);
   }
   middles_.resize(beams.size(), Quaternion::Identity());
+  bends_.resize(beams.size(), Vec3::Zero());
   blocks_.resize(beams.size());
   outdated_ = true;
 }
@@ -45,7 +46,10 @@ BeamInertia::Matrix12 BeamInertia::localMass(const ChainBeam& beam, double densi
 void BeamInertia::place(ConstRows x) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Quaternion a = orientationIn(x, rows_[i][1]) * axes_a_[i], b = orientationIn(x, rows_[i][3]) * axes_b_[i];
-    middles_[i] = a * turnedBy(0.5 * rotationVector(a.conjugate() * b));
+    Quaternion bend = a.conjugate() * b;
+    if (bend.w() < 0) bend.coeffs() = -bend.coeffs();
+    middles_[i] = a * turnedBy(0.5 * rotationVector(bend));
+    bends_[i] = a * Vec3(bend.vec() / (1 + bend.w()));
   }
   outdated_ = true;
 }
@@ -61,7 +65,9 @@ const std::vector<DenseTangent<4>>& BeamInertia::blocks() const {
   return blocks_;
 }
 
-// With w = (w_a + w_b)/2 for the turning of R, Hamel's equations of 1/2 v^T M v, where w_r is the turning that a row stands for.
+// Hamel's equations of 1/2 v^T M v, where w_r is the turning that a row stands for. R = a exp(log(a^-1 b)/2) turns by
+// w = (w_a + w_b)/2 - g/2 x (w_b - w_a): with J the left Jacobian of exp it is w_a + a J(u/2)/2 J(u)^-1 a^T (w_b - w_a), u = log(a^-1 b),
+// which across the axis is 1/(1 + e^(i|u|/2)) = (1 - i tan(|u|/4))/2.
 void BeamInertia::addTurning(ConstRows v, Rows f) const {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const std::array<Index, 4>& rows = rows_[i];
@@ -69,7 +75,7 @@ void BeamInertia::addTurning(ConstRows v, Rows f) const {
     p.fill(Vec3::Zero()), change.fill(Vec3::Zero());
     for (std::size_t r = 0; r < 4; ++r) rate[r] = v[rows[r]];
     if (masses_[i] == 0 || (rate[1].isZero(0) && rate[3].isZero(0))) continue;
-    const Vec3 w = 0.5 * (rate[1] + rate[3]);
+    const Vec3 &g = bends_[i], w = 0.5 * (rate[1] + rate[3] - g.cross(rate[3] - rate[1]));
     for (std::size_t r = 0; r < 4; ++r) turned[r] = w.cross(rate[r]);
     const DenseTangent<4>& m = blocks()[i];
     for (int r = 0; r < 4; ++r)
@@ -80,7 +86,8 @@ void BeamInertia::addTurning(ConstRows v, Rows f) const {
     Vec3 couple = Vec3::Zero();
     for (std::size_t r = 0; r < 4; ++r) couple += 0.5 * p[r].cross(rate[r]);
     for (std::size_t r = 0; r < 4; ++r) f[rows[r]] -= w.cross(p[r]) + change[r];
-    for (const std::size_t r : {1, 3}) f[rows[r]] += couple - p[r].cross(rate[r]);
+    f[rows[1]] += couple - g.cross(couple) - p[1].cross(rate[1]);
+    f[rows[3]] += couple + g.cross(couple) - p[3].cross(rate[3]);
   }
 }
 

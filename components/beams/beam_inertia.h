@@ -32,6 +32,7 @@ class BeamInertia {
   std::vector<double> masses_;
   std::vector<Matrix12> local_;
   std::vector<Quaternion> axes_a_, axes_b_, middles_;
+  std::vector<Vec3> bends_;  ///< g = n tan(t/4) of the turn by t about n from one end to the other
   mutable std::vector<DenseTangent<4>> blocks_;
   mutable bool outdated_ = true;
 };

@@ -278,6 +278,27 @@ TEST(BeamChains, AngularMomentumStaysWhereASpinIsTurned) {
   }
 }
 
+/// A quarter of a circle, whose ends turn differently: M turns as the middle axes do, which the mean of the ends' turnings is not.
+TEST(BeamChains, EnergyStaysWhereAMuchBentBeamTurns) {
+  for (const double bend : {0.8, -0.8}) {
+    const double c = std::cos(bend / 2), s = std::sin(bend / 2);
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" gravity="0 0 0" dt="2e-5"><RungeKutta4Solver/><SparseLDLSolver/><MeshTopology edges="0 1"/>
+    <MechanicalObject template="Rigid3" position="0 0 0 0 0 {} {}  0.4 0 0 0 0 {} {}" velocity="0 -1 0 40 0 5  0 1 0.5 10 20 5"/>
+    <BeamInterpolation name="beams" defaultYoungModulus="1e4" defaultPoissonRatio="0.3" radius="0.05"/>
+    <AdaptiveBeamForceFieldAndMass interpolation="@beams" massDensity="1000"/></Node>)", -s, c, s, c));
+    System& system = *simulation.systems()[0];
+    const auto energy = [&] {
+      Vector v(system.allRows()), f(system.allRows());
+      system.computeForce(system.x, v, f);
+      return system.kineticEnergy() + system.elasticEnergy(system.x);
+    };
+    const double start = energy();
+    while (simulation.time() < 0.05 - 1e-9) ASSERT_FALSE(simulation.step().diverged);
+    EXPECT_NEAR(energy() / start, 1, 1e-7);
+  }
+}
+
 TEST(BeamChains, SayWhatIsWrong) {
   const auto problems = [](const std::string& beams, const std::string& field) {
     return problemsOf(R"(<Node name="root"><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology edges="0 1"/>
