@@ -59,7 +59,7 @@ MISTAKES = [
      "<BoxROI name=\"end\" box=\"-0.01 -1 -1  0.01 1 1\"><Node/></BoxROI>"),
     ("a component inside a component", 'template="Vec3"/>', 'template="Vec3"><BoxROI/></UniformMass>'),
     ("a required attribute that is not there", '<Monitor name="watch" indices="0, 1 2"/>', '<WriteState name="watch"/>'),
-    ("a list that must be given and is not", '<Monitor name="watch" indices="0, 1 2"/>', '<Monitor name="watch"/>'),
+    ("a list that must be given and is not", '<Monitor name="watch" indices="0, 1 2"/>', '<TorsionForceField name="watch"/>'),
     ("an attribute that a Node does not have", 'dt="0.01"', 'timeStep="0.01"'),
     ("a time step of zero", 'dt="0.01"', 'dt="0"'),
     ("a word for a time step", 'dt="0.01"', 'dt="fast"'),

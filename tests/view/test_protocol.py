@@ -176,7 +176,10 @@ class EveryExample(unittest.TestCase):
             length = body["nodes"] if field["on"] == "nodes" else sum(body["cells"].values())
             values = page.frame.arrays[f"f{field['id']}"]
             self.assertEqual(len(values), length, field)
-            self.assertTrue(numpy.isfinite(values).all(), field)
+            # NaN is of cells that the force field does not have, in a body with cells of several kinds
+            is_mixed = field["on"] == "cells" and sum(count > 0 for count in body["cells"].values()) > 1
+            self.assertTrue((numpy.isfinite if not is_mixed else lambda v: ~numpy.isinf(v))(values).all(), field)
+            self.assertTrue(numpy.isfinite(values).any(), field)
         page.until(lambda: page.cells is not None or not any(sum(body["cells"].values()) for body in page.scene["bodies"]), "cells")
 
 
