@@ -38,7 +38,7 @@ TEST_F(ProgramNamed, IsTheFirstThatCanBeStarted) {
 TEST_F(ProgramNamed, IsFoundWhereThisProcessWorks) {
   const fs::path here = fs::current_path();
   fs::current_path(folder_ / "fourth");
-  for (const std::string path : {std::string(":/usr/bin"), file("second") + "::" + file("third")}) {
+  for (const std::string& path : {std::string(":/usr/bin"), file("second") + "::" + file("third")}) {
     setenv("PATH", path.c_str(), 1);
     EXPECT_TRUE(fs::equivalent(programNamed("tool"), folder_ / "fourth" / "tool")) << programNamed("tool");
     EXPECT_TRUE(fs::path(programNamed("tool")).is_absolute());

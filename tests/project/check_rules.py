@@ -43,6 +43,7 @@ TOOLS_FOR_TOOLS = {
     "stress": {"sweep", "session", "units", "checks"},
     "python": {"checks", "command", "session", "plan", "sofa", "view"},
     "live": {"platform"},
+    "bench": {"platform"},
     "recordings": {"platform"},
     "session": {"checks", "mesh_report", "units"},
     "plan": {"units"},

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Whole processes: start-up (load and compile a scene, no step), and a static load step from start to end.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
 
 #include "tools/bench/body.h"
 #include "tools/bench/figures.h"
-
-extern char** environ;
+#include "tools/platform/process.h"
 
 namespace stroma::bench {
 namespace {
@@ -31,19 +28,10 @@ double processSeconds(const Command& command, const std::string& scene, const st
   std::vector<std::string> words{programFolder() + "/stroma",   "run",     scene,        "-n",
                                  std::to_string(command.steps), "--quiet", "--no-record"};
   for (const std::string& text : command.overrides) words.insert(words.end(), {"--set", text});
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  for (int stream : {1, 2}) posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_WRONLY, 0);
-  const auto start = Clock::now();
-  pid_t child = 0;
-  int status = -1;
-  if (posix_spawn(&child, arguments[0], &actions, nullptr, arguments.data(), environ) == 0) waitpid(child, &status, 0);
-  posix_spawn_file_actions_destroy(&actions);
-  return status == 0 ? std::chrono::duration<double>(Clock::now() - start).count() : -1;
+  const auto start_time = Clock::now();
+  const std::string nothing = "/dev/null";
+  const int code = exitCodeOf(start({words, folder, {}, nothing, nothing}));
+  return code == 0 ? std::chrono::duration<double>(Clock::now() - start_time).count() : -1;
 }
 
 /// The factorisations of a command's steps, each of them once: what else it does has no share in the limit.

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // stroma view: a scene, or a recorded run, in the browser.
 #include <fmt/format.h>
-#include <spawn.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
@@ -17,6 +16,7 @@
 #include "tools/command/shown_scene.h"
 #include "tools/command/termination.h"
 #include "tools/command/view_request.h"
+#include "tools/platform/process.h"
 #include "tools/session/action_file.h"
 #include "tools/session/replay.h"
 #include "tools/units/unit_system.h"
@@ -30,19 +30,10 @@ namespace {
 bool isLoopback(const std::string& host) { return host.starts_with("127.") || host == "localhost" || host == "::1"; }
 
 /// Says so when it does not work; the address has been printed.
-void openBrowser(const std::string& address) {
-  std::string program = "xdg-open", text = address;
-  char* arguments[] = {program.data(), text.data(), nullptr};
-  posix_spawnattr_t with_signals;  // a browser hears SIGTERM, unlike the threads here
-  sigset_t none;
-  sigemptyset(&none);
-  posix_spawnattr_init(&with_signals);
-  posix_spawnattr_setsigmask(&with_signals, &none);
-  posix_spawnattr_setflags(&with_signals, POSIX_SPAWN_SETSIGMASK);
-  pid_t child = 0;
-  if (posix_spawnp(&child, "xdg-open", nullptr, &with_signals, arguments, environ) != 0)
-    fmt::print(stderr, "note: there is no xdg-open: open the address by hand\n");
-  posix_spawnattr_destroy(&with_signals);
+void openBrowser(const std::string& address) try {
+  start({{"xdg-open", address}});
+} catch (const std::system_error&) {
+  fmt::print(stderr, "note: there is no xdg-open: open the address by hand\n");
 }
 
 void tellAddress(const ViewCommand& command, const std::string& address) {

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // stroma watch: runs a scene again whenever one of its files is saved. Each run is a process of its own, `stroma run`
 // with the same options: whatever becomes of it, the watch goes on.
-#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,6 +24,7 @@
 #include "tools/command/run_request.h"
 #include "tools/command/session.h"
 #include "tools/command/watched_files.h"
+#include "tools/platform/process.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;
@@ -76,15 +75,11 @@ class Scratch {
 class RunningProcess {
  public:
   explicit RunningProcess(const Arguments& arguments) {
-    std::vector<char*> words{program_invocation_name, const_cast<char*>("run")};
-    for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
-    words.push_back(nullptr);
-    child_ = ::fork();
-    if (child_ < 0) throw std::runtime_error(fmt::format("cannot start a run: {}", std::strerror(errno)));
-    if (child_ > 0) return;
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a watch that is killed leaves no run behind
-    ::execv("/proc/self/exe", words.data());
-    ::_exit(127);
+    Program program{{program_invocation_name, "run"}};
+    program.words.insert(program.words.end(), arguments.begin(), arguments.end());
+    program.file = "/proc/self/exe";  // this one, also where another one was put in its place
+    program.signal_with_parent = SIGTERM;  // a watch that is killed leaves no run behind
+    child_ = start(program);
   }
   RunningProcess(const RunningProcess&) = delete;
   ~RunningProcess() {
@@ -97,7 +92,7 @@ class RunningProcess {
   std::optional<int> code() {
     int status = 0;
     if (!code_ && ::waitpid(child_, &status, WNOHANG) == child_)
-      code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+      code_ = exitCodeOfStatus(status);
     return code_;
   }
 

@@ -95,7 +95,7 @@ void Engine::stop(int process) const {
   }
   const std::string cancel = programNamed("scancel");
   if (cancel.empty()) return;
-  const pid_t canceller = start({{cancel, "--name=" + job_name_}, request_.folder, fileOf("cancel.log"), {}});
+  const pid_t canceller = start(silentProgram({cancel, "--name=" + job_name_}, request_.folder, fileOf("cancel.log")));
   ProcessEnd end;
   while (!hasEnded(canceller, end)) SignalGuard().wait(0.05);
 }
@@ -105,7 +105,8 @@ Engine::End Engine::run(const std::vector<int>& open, int shares) const {
   constexpr double most_wait = 0.5;
   writeScript(shares);
   for (const int share : open) fs::remove(fileOf(fmt::format("share_{}.log", share)));  // what it said in an earlier round
-  const pid_t process = start({is_slurm_ ? slurmWords(open) : parallelWords(open), request_.folder, fileOf("engine.log"), {}});
+  const pid_t process =
+      start(silentProgram(is_slurm_ ? slurmWords(open) : parallelWords(open), request_.folder, fileOf("engine.log")));
   End end;
   ProcessEnd of_process;
   while (!hasEnded(process, of_process)) {

@@ -93,13 +93,13 @@ void runAll(const SweepRequest& request, const ErrorMeasure& measure, const fs::
     words.insert(words.begin(), request.program);
     words.insert(words.end(), {"--quiet", "--no-record", "--measure", end});
     if (measure.asksRun()) words.insert(words.end(), {"--measure-value", measure.quantity});
-    job.process = {words, fs::current_path().string(), (folder / fmt::format("{}.log", i)).string(), {}};
+    job.process = silentProgram(words, fs::current_path().string(), (folder / fmt::format("{}.log", i)).string());
     scheduler.add(job);
   }
   const auto finished = [&](const Job& job, const ProcessEnd& ended, const Circumstances&) {
     Trial& trial = trials[job.number];
     trial.exit_code = ended.signal ? -1 : ended.exit_code;
-    std::ifstream log(job.process.log);
+    std::ifstream log(job.process.errors);
     trial.messages.assign(std::istreambuf_iterator<char>(log), {});
     const fs::path end = folder / fmt::format("{}.values", job.number);
     if (ended.exit_code == 0 && fs::exists(end)) trial.end = EndState::read(end.string());

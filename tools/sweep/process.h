@@ -2,19 +2,10 @@
 // A run as a process of its own.
 #pragma once
 #include <signal.h>
-#include <sys/types.h>
 
-#include <string>
-#include <vector>
+#include "tools/platform/process.h"
 
 namespace stroma::sweep {
-
-struct ProcessRequest {
-  std::vector<std::string> words;  ///< program and arguments
-  std::string folder;              ///< where it works
-  std::string log;                 ///< file that gets its standard error
-  std::vector<int> cores;          ///< processors that it may use; empty: any
-};
 
 /// How a process ended, and what it took.
 struct ProcessEnd {
@@ -23,8 +14,8 @@ struct ProcessEnd {
   long preemptions = 0;  ///< how often somebody else got its core
 };
 
-/// Starts it. It ends with this process, whatever becomes of that. Throws std::runtime_error.
-pid_t start(const ProcessRequest& request);
+/// Silent but for its errors, which `log` gets. It ends with this process, whatever becomes of that.
+Program silentProgram(std::vector<std::string> words, std::string folder, std::string log);
 /// Whether it has ended; `end` tells how.
 bool hasEnded(pid_t process, ProcessEnd& end);
 

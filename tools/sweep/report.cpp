@@ -2,13 +2,13 @@
 #include "tools/sweep/report.h"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 #include "framework/scene/output_file.h"
+#include "tools/platform/process.h"
 #include "tools/session/xml_text.h"
 #include "tools/sweep/cores.h"
 #include "tools/sweep/report_files.h"
@@ -111,15 +111,10 @@ std::string embedded(const nlohmann::ordered_json& json) {
 constexpr int not_installed = 127;
 
 /// The exit code of the program that makes the picture.
-int makePicture(const std::string& svg, const std::string& png) {
-  const pid_t child = fork();
-  if (child == 0) {
-    execlp("rsvg-convert", "rsvg-convert", "--zoom=2", "--output", png.c_str(), svg.c_str(), nullptr);
-    _exit(not_installed);
-  }
-  int status = 0;
-  const bool has_ended = child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status);
-  return has_ended ? WEXITSTATUS(status) : -1;
+int makePicture(const std::string& svg, const std::string& png) try {
+  return exitCodeOf(start({{"rsvg-convert", "--zoom=2", "--output", png, svg}}));
+} catch (const std::system_error&) {
+  return not_installed;
 }
 
 }  // namespace

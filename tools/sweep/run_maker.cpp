@@ -50,15 +50,15 @@ Job RunMaker::jobFor(std::size_t number, const Entry& entry, int repetition) con
                 "--measure", endFile(configuration.folder)});
   if (measure_.asksRun()) words.insert(words.end(), {"--measure-value", measure_.quantity});
   // names of files are those that the user's own command would have
-  job.process = {
-      words, std::filesystem::current_path().string(), fmt::format("{}/{}.log", configuration.folder, repetition), {}};
+  job.process = silentProgram(words, std::filesystem::current_path().string(),
+                              fmt::format("{}/{}.log", configuration.folder, repetition));
   return job;
 }
 
 void RunMaker::take(Entry& entry, const Job& job, const ProcessEnd& end, const Circumstances& circumstances) {
   const std::string& folder = entry.configuration.folder;
   std::string outcome;
-  if (isWhole(end, job.process.log)) {
+  if (isWhole(end, job.process.errors)) {
     writeOutcome(folder, job, end, circumstances);
     ++made_;
     entry.runs = readRuns(folder);
@@ -71,7 +71,7 @@ void RunMaker::take(Entry& entry, const Job& job, const ProcessEnd& end, const C
       scheduler_.add(job);
       progress_.expect(entry.configuration);
     } else {
-      const std::string sentence = sentenceIn(job.process.log);
+      const std::string sentence = sentenceIn(job.process.errors);
       entry.runs.outcome = end.signal ? "killed" : "failed";
       entry.runs.failure = fmt::format("the run {}{} {} times{}", end.signal ? "was " : "", how, most_attempts,
                                        sentence.empty() ? "" : ": " + sentence);

@@ -17,7 +17,7 @@ struct Job {
   int repetition = 0;
   int cores = 1;
   bool timed = true;
-  ProcessRequest process{};
+  Program process{};
 };
 
 /// Under which circumstances a job ran.
