@@ -2,11 +2,6 @@
 #include "tools/command/progress.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 
 #include "tools/command/long_work.h"
 #include "tools/units/unit_system.h"
@@ -18,11 +13,6 @@ constexpr double redrawn_every = 0.1, looked_every = 0.25;  // [s]
 constexpr double shortest_told = 1;                         // [s] between two lines, and from the start to the first
 constexpr double longest_untold = 30;                       // [s]
 constexpr double long_step = 2;                             // [s]
-
-bool isTerminal() {
-  const char* kind = std::getenv("TERM");
-  return isatty(STDERR_FILENO) && !(kind && std::strcmp(kind, "dumb") == 0);
-}
 
 /// Pieces of a line. Those that matter least go first where it is too long.
 class Pieces {
@@ -48,14 +38,14 @@ std::string counted(int count, const char* what) { return fmt::format("{} {}{}",
 }  // namespace
 
 Progress::Progress(std::string scene, bool quiet, std::function<bool()> is_stopping)
-    : scene_(std::move(scene)), is_stopping_(std::move(is_stopping)), terminal_(isTerminal()) {
+    : scene_(std::move(scene)), is_stopping_(std::move(is_stopping)) {
   if (!quiet) thread_ = std::thread([this] { tell(); });
 }
 
 void Progress::loaded() {
   const std::lock_guard lock(mutex_);
   stage_ = waits;
-  clear();
+  line_.clear();
 }
 
 void Progress::begin(const Simulation& simulation, long last) {
@@ -76,20 +66,15 @@ void Progress::finish() {
   {
     const std::lock_guard lock(mutex_);
     stage_ = ends;
-    clear();
+    line_.clear();
   }
   wake_.notify_one();
   thread_.join();
 }
 
-void Progress::clear() {
-  if (line_open_) print("");
-  line_open_ = false;
-}
-
 void Progress::tell() {
   std::unique_lock lock(mutex_);
-  const std::chrono::duration<double> pause(terminal_ ? redrawn_every : looked_every);
+  const std::chrono::duration<double> pause(line_.isOnTerminal() ? redrawn_every : looked_every);
   while (!wake_.wait_for(lock, pause, [this] { return stage_ == ends; })) {
     const double now = std::chrono::duration<double>(Clock::now() - start_).count();
     if (stage_ == loads) lookAtLoad(now);
@@ -99,13 +84,12 @@ void Progress::tell() {
 
 void Progress::lookAtLoad(double now) {
   if (isTellingLongWork()) {  // the line is another's
-    line_open_ = false;
+    line_.leave();
     return;
   }
-  if (now < (terminal_ ? shortest_told : told_ + longest_untold)) return;
+  if (now < (line_.isOnTerminal() ? shortest_told : told_ + longest_untold)) return;
   told_ = now;
-  print(fittedLine("loading " + scene_, fmt::format(": {} so far", durationText(now)),
-                   terminal_ ? terminalWidth() : std::string::npos));
+  line_.tell(fittedLine("loading " + scene_, fmt::format(": {} so far", durationText(now)), line_.width()));
 }
 
 void Progress::look(double now) {
@@ -114,8 +98,7 @@ void Progress::look(double now) {
   newton_pace_.look(now - began_, made, step_.newton_iterations.load(std::memory_order_relaxed),
                     step_.newton_residual.load(std::memory_order_relaxed),
                     step_.newton_goal.load(std::memory_order_relaxed));
-  if (terminal_) return print(text(now, terminalWidth()));
-  if (isLineDue(now, made - first_)) print(text(now, std::string::npos));
+  if (line_.isOnTerminal() || isLineDue(now, made - first_)) line_.tell(text(now, line_.width()));
 }
 
 /// In a pipe.
@@ -159,16 +142,6 @@ std::string Progress::text(double now, std::size_t width) {
   else if (pace_.isSteady())
     pieces.add(1, durationText(pace_.secondsToGo(last_ - made)) + " to go");
   return pieces.joined(width);
-}
-
-/// On a terminal in place of the line before.
-void Progress::print(const std::string& text) {
-  if (terminal_)
-    fmt::print(stderr, "\r\033[K{}", text);
-  else
-    fmt::print(stderr, "{}\n", text);
-  std::fflush(stderr);
-  line_open_ = terminal_;
 }
 
 }  // namespace stroma::command

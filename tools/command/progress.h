@@ -11,6 +11,7 @@
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/step_progress.h"
 #include "tools/command/pace.h"
+#include "tools/session/told_line.h"
 
 namespace stroma::command {
 
@@ -39,15 +40,12 @@ class Progress {
   void tell();
   void look(double now);
   void lookAtLoad(double now);
-  void clear();
   bool isLineDue(double now, long done);
-  void print(const std::string& text);
   std::string text(double now, std::size_t width);
 
   using Clock = std::chrono::steady_clock;
   const std::string scene_;
   const std::function<bool()> is_stopping_;
-  const bool terminal_;
   const Clock::time_point start_ = Clock::now();
 
   // what the stepping thread leaves behind
@@ -64,7 +62,7 @@ class Progress {
   double began_ = 0;  ///< when the steps did, since start_ [s]
   double told_ = 0;   ///< when the last line was printed, since start_ [s]
   int tenths_ = 0;    ///< of the run that lines have told of
-  bool line_open_ = false;
+  ToldLine line_;
   Pace pace_;
   NewtonPace newton_pace_;
   std::thread thread_;

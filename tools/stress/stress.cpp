@@ -19,6 +19,7 @@
 #include "tools/stress/record.h"
 #include "tools/stress/table.h"
 #include "tools/sweep/digest.h"
+#include "tools/session/told_line.h"
 #include "tools/sweep/process.h"
 
 namespace stroma::stress {
@@ -138,9 +139,10 @@ class Campaign {
     const auto end_of_time = Clock::now() + std::chrono::milliseconds(long(request_.seconds * 1000));
     Children children;
     long next = 1;
+    ToldLine line;
     const auto told = [&] {
-      if (!request_.quiet && isatty(STDERR_FILENO))
-        fmt::print(stderr, "\r{} cases, {} at work ", record.made().size(), children.running());
+      if (!request_.quiet && line.isOnTerminal())
+        line.tell(fmt::format("{} cases, {} at work", record.made().size(), children.running()));
     };
     for (;;) {
       while (next <= last() && int(children.running()) < request_.jobs && Clock::now() < end_of_time) {
@@ -154,7 +156,6 @@ class Campaign {
       record.add(end.number, outcomeOf(end, list_->at(end.number).kind));
       told();
     }
-    if (!request_.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\n");
     return 0;
   }
 

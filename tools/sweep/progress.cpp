@@ -2,16 +2,13 @@
 #include "tools/sweep/progress.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace stroma::sweep {
 
-SweepProgress::SweepProgress(const std::vector<Axis>& axes, bool quiet)
-    : axes_(axes), quiet_(quiet), terminal_(isatty(STDERR_FILENO)) {}
+SweepProgress::SweepProgress(const std::vector<Axis>& axes, bool quiet) : axes_(axes), quiet_(quiet) {}
 
 void SweepProgress::expect(const Configuration& configuration) {
   expected_.push_back(&configuration);
@@ -32,11 +29,7 @@ double SweepProgress::guess(const Configuration& configuration) const {
 }
 
 std::string SweepProgress::timeToGo(double seconds) const {
-  if (known_.empty()) return "";
-  const long whole = std::lround(seconds);
-  if (whole < 100) return fmt::format(", {} s to go", whole);
-  if (whole < 6000) return fmt::format(", {} min to go", (whole + 30) / 60);
-  return fmt::format(", {:.1f} h to go", seconds / 3600);
+  return known_.empty() ? "" : fmt::format(", {} to go", durationText(seconds));
 }
 
 void SweepProgress::finished(const Configuration& configuration, const std::string& outcome, double seconds) {
@@ -44,30 +37,22 @@ void SweepProgress::finished(const Configuration& configuration, const std::stri
   const auto expected = std::ranges::find(expected_, &configuration);
   if (expected != expected_.end()) expected_.erase(expected);
   known_.emplace_back(&configuration, seconds);
-  if (quiet_ || terminal_) return;
+  if (quiet_ || line_.isOnTerminal()) return;
   double left = 0;
   for (const Configuration* one : expected_) left += guess(*one);
-  fmt::print(stderr, "run {}/{}  {}: {} after {:.3g} s{}\n", made_, all_, nameOf(axes_, configuration), outcome,
-             seconds, timeToGo(left));
+  line_.tell(fmt::format("run {}/{}  {}: {} after {:.3g} s{}", made_, all_, nameOf(axes_, configuration), outcome,
+                         seconds, timeToGo(left)));
 }
 
 void SweepProgress::draw(const Scheduler& scheduler) {
-  if (quiet_ || !terminal_) return;
+  if (quiet_ || !line_.isOnTerminal()) return;
   const auto now = std::chrono::steady_clock::now();
   if (now - last_drawn_ < std::chrono::milliseconds(200)) return;
   last_drawn_ = now;
   double left = 0;
   for (const Configuration* configuration : expected_) left += guess(*configuration);
   const auto running = std::max<std::size_t>(1, scheduler.running());
-  fmt::print(stderr, "\r\033[K{} of {} runs, {} running{}", made_, all_, scheduler.running(),
-             timeToGo(left / double(running)));
-  std::fflush(stderr);
-  line_open_ = true;
-}
-
-void SweepProgress::leaveLine() {
-  if (line_open_) fmt::print(stderr, "\r\033[K");
-  line_open_ = false;
+  line_.tell(fmt::format("{} of {} runs, {} running{}", made_, all_, scheduler.running(), timeToGo(left / double(running))));
 }
 
 }  // namespace stroma::sweep

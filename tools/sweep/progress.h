@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/session/told_line.h"
 #include "tools/sweep/configuration.h"
 #include "tools/sweep/scheduler.h"
 
@@ -18,14 +19,15 @@ class SweepProgress {
   void expect(const Configuration& configuration);
   void finished(const Configuration& configuration, const std::string& outcome, double seconds);
   void draw(const Scheduler& scheduler);
-  void leaveLine();
+  void leaveLine() { line_.clear(); }
 
  private:
   double guess(const Configuration& configuration) const;
   std::string timeToGo(double seconds) const;
 
   const std::vector<Axis>& axes_;
-  bool quiet_, terminal_, line_open_ = false;
+  bool quiet_;
+  ToldLine line_;
   std::vector<const Configuration*> expected_;
   std::vector<std::pair<const Configuration*, double>> known_;  ///< and the seconds that they took
   std::size_t made_ = 0, all_ = 0;
