@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Reads JUnit files of ctest and prints the tests that were skipped, then what those said that failed; before
-the last line, which is "N passed, N failed", stands how many were skipped. Usage: summarise_tests.py FILE.xml... CTEST_EXIT_CODE.
+the last line, which is "N passed, N failed", stands how many were skipped. Of a test of ctest that holds many of Python's, those that were
+skipped inside are told as well. Usage: summarise_tests.py FILE.xml... CTEST_EXIT_CODE.
 Exit code 0 when nothing failed and ctest itself said so."""
 import re
 import sys
@@ -17,14 +18,23 @@ def cases_of(path):
     return ElementTree.fromstring(text).iter("testcase")
 
 
+def skipped_inside(case):
+    """How many tests of pytest or unittest a test of ctest says that it has skipped."""
+    said = case.findtext("system-out") or ""
+    return sum(int(count) for pair in re.findall(r"\b\d+ passed, (\d+) skipped\b|^OK \(skipped=(\d+)", said, re.M) for count in pair if count)
+
+
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
-    passed, failed, skipped, said = [], [], [], {}
+    passed, failed, skipped, inside, said = [], [], [], 0, {}
     for case in (case for path in sys.argv[1:-1] for case in cases_of(path)):
         reason = case.find("skipped")
         if case.get("status") == "run" and case.find("failure") is None:
             passed.append(case.get("name"))
+            if count := skipped_inside(case):
+                print(f"skipped: {count} inside {case.get('name')}")
+                inside += count
         elif case.get("status") == "disabled" or (reason is not None and "SKIP" in reason.get("message", "")):
             skipped.append(case.get("name"))
         else:  # failed, timed out, crashed, or its program was not built
@@ -39,8 +49,8 @@ def main():
     elif int(sys.argv[-1]) != 0:
         print(f"ctest ended with {sys.argv[-1]} although no test is marked as failed")
         failed.append("ctest")
-    if skipped:
-        print(f"{len(skipped)} skipped")
+    if skipped or inside:
+        print(f"{len(skipped) + inside} skipped")
     print(f"{len(passed)} passed, {len(failed)} failed")
     sys.exit(1 if failed or not passed else 0)
 

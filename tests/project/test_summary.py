@@ -12,10 +12,13 @@ SKIP = '<testcase name="c" status="notrun"><skipped message="SKIP_REGULAR_EXPRES
 CODE = '<testcase name="d" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/></testcase>'
 GONE = '<testcase name="e" status="notrun"><skipped message="Unable to find executable"/></testcase>'
 OFF = '<testcase name="f" status="disabled"/>'
+INSIDE = '<testcase name="g" status="run"><system-out>...s. [100%]\n4 passed, 1 skipped in 2.1s</system-out></testcase>'
+UNITTEST = '<testcase name="h" status="run"><system-out>Ran 9 tests in 1s\nOK (skipped=2)</system-out></testcase>'
 CASES = [  # cases, exit code of ctest, the end of what is said, exit code
     ([PASS, PASS], 0, "2 passed, 0 failed", 0),
     ([PASS, FAIL], 8, "1 passed, 1 failed", 1),
     ([PASS, SKIP, CODE, OFF], 0, "3 skipped\n1 passed, 0 failed", 0),
+    ([PASS, INSIDE, UNITTEST, SKIP], 0, "4 skipped\n3 passed, 0 failed", 0),
     ([PASS, GONE], 8, "1 passed, 1 failed", 1),
     ([PASS, GONE], 0, "1 passed, 1 failed", 1),
     ([PASS], 8, "1 passed, 1 failed", 1),  # ctest says that something went wrong

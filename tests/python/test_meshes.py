@@ -111,8 +111,3 @@ def test_a_grid_of_vtk(mesh):
 def test_a_mesh_of_meshio(mesh):
     meshio = pytest.importorskip("meshio")
     assert isinstance(mesh.to_meshio(), meshio.Mesh)
-
-
-def test_a_grid_of_pyvista(mesh):
-    pyvista = pytest.importorskip("pyvista")
-    assert mesh.to_pyvista().n_cells == 48 and isinstance(mesh.to_pyvista(), pyvista.UnstructuredGrid)
