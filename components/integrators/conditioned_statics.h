@@ -62,6 +62,10 @@ class ConditionedStatics final : public NonlinearProblem {
   ConstRows positions() const override { return x(); }
   double travelled() const override { return norm(way_); }
   double loadScale() const override { return norm(system_->f); }
+  double loads() override {
+    Vector work(system_->allRows());
+    return loadsOn(*system_, work);
+  }
   RoundOff roundOff() override { return {}; }
 
  private:

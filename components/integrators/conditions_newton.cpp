@@ -48,8 +48,10 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
     if (isBalanced(settings, now, report)) break;
     report.stopped = stop.isStopAsked();
     if (report.stopped) return report;
-    if (settings.fixed_count && report.newton_iterations - first == most) break;
-    if (swings_ || report.newton_iterations - first == most) {
+    constexpr int most_left = 25;  // beyond a fixed number, for conditions that no forces along their directions have held
+    const int done = report.newton_iterations - first;
+    if (settings.fixed_count && done >= most && (!multipliers_->wasLeft() || done >= most + most_left)) break;
+    if (swings_ || (done == most && !settings.fixed_count)) {
       report.newton_converged = false;
       const std::string how =
           swings_ ? fmt::format("goes to and fro by {:.2g} m, as constraints tolerate, after {} iterations", moved_, iterations_)
@@ -104,7 +106,7 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
   multipliers_->correct(solver, problem_->tangent(), problem_->sinceStart(), direction_, stop, report);
   if (report.failed()) return false;
   multipliers_->carry(load_);
-  holds_ = true;
+  holds_ = !multipliers_->wasLeft();
   copy(u, direction_);
   axpy(-1, last_, direction_);
   moved_ = problem_->displacementPerUnknown() * norm(direction_);

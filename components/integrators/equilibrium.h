@@ -106,9 +106,9 @@ class Equilibrium final : public NonlinearProblem {
   ConstRows positions() const override { return rows(); }
   double travelled() const override { return distance(rows(), start_); }
   bool restsWithoutForces() const override { return true; }
-  bool isLoaded() override {
-    Vector loads(system_->allRows());
-    return stroma::isLoaded(*system_, loads);
+  double loads() override {
+    Vector work(system_->allRows());
+    return loadsOn(*system_, work);
   }
   RoundOff roundOff() override {
     const Index rows = start_.count();

@@ -112,6 +112,7 @@ class ImplicitStep final : public NonlinearProblem {
   double residualOfParts(ConstRows residual) const override;
   double longestStep(ConstRows d) override;
   bool meetsBarriers() const override { return !limits_.empty(); }
+  bool meetsWalls() const override { return meets_walls_; }
   bool movesOn() override;
   bool hasWay() override { return carries() || limits_.hasWay(); }
   bool addPush(Rows residual) override;
@@ -121,7 +122,7 @@ class ImplicitStep final : public NonlinearProblem {
   ConstRows positions() const override { return x(); }
   double travelled() const override;
   double loadScale() const override;
-  bool isLoaded() override { return stroma::isLoaded(*system_, right_side_); }
+  double loads() override { return scheme_.weight * loadsOn(*system_, right_side_); }
   RoundOff roundOff() override;
 
  private:
@@ -166,6 +167,7 @@ class ImplicitStep final : public NonlinearProblem {
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;
   bool depends_on_time_ = false;
+  bool meets_walls_ = false;  ///< penalties that begin where they are touched
   bool lends_energy_ = false;  ///< some forces have a potential within a solve only
   bool has_constant_ = false;  ///< with Newton's method: constant_ is not zero
 

@@ -113,6 +113,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   // an iteration costs as much as a digit of a solve; errors of steps add up
   newton_.settings.forcing_reach = 10, newton_.settings.forcing_margin = 0.05;
   lends_energy_ = !system.isConservative();
+  meets_walls_ = std::ranges::any_of(system.forceFields(), [](const ForceField* field) { return field->traits().lagged; });
   // the turn that a velocity makes in a step is no gradient of it
   newton_.settings.use_energy = from_energy && !system.motion().turns() && !system.hasCurvedInertia();
   for (std::vector<Vec3>* list : {&start_momenta_, &end_momenta_, &momentum_predictor})

@@ -9,11 +9,22 @@
 
 namespace stroma {
 
-/// B and S of the rows that push, with the forces that they had last.
+/// By how much more than A the turning of a gradient resists: with the compliance that the row itself has.
+double Multipliers::shareOf(const LagrangianRows::Bend& bend) const {
+  double sum = 0;
+  for (const auto& entry : rows_.entriesOf(bend)) sum += entry.gradient.squaredNorm();
+  const double size = solve_.sizes[bend.row];
+  return size > 0 ? solve_.l[Eigen::Index(bend.row)] * bend.size * own_[bend.row] * sum / (size * size) : 0;
+}
+
+/// B and S, with the forces that rows had last. Each costs a solve: those of rows that do not push are left out where iterates come
+/// to rest without them.
 void Multipliers::takeBends() {
+  constexpr double little = 0.2;
   bend_count_ = 0;
   if (!knows_forces_ || solve_.l.size() != Eigen::Index(rows_.rows().size())) return;
   for (const LagrangianRows::Bend& bend : rows_.bends()) {
+    if (rows_.rows()[bend.row].kind != LagrangianRows::Kind::push && !(shareOf(bend) > little)) continue;
     const double size = rule_.weight * rule_.displacement * solve_.l[Eigen::Index(bend.row)] * bend.size;
     if (!(size > 0)) continue;
     if (bends_.size() == bend_count_) bends_.emplace_back();

@@ -172,6 +172,7 @@ void Multipliers::couple() {
     if (!isIdle(i)) live_.push_back(i);
   const auto count = Eigen::Index(live_.size());
   solve_.w.resize(count, count);
+  own_.assign(rows.size(), 0);
   for (Eigen::Index i = 0; i < count; ++i) {
     const ConstRows along = system_->mappingChain().direction(responses_[live_[std::size_t(i)]]);
     for (Eigen::Index j = 0; j < count; ++j) {
@@ -179,6 +180,7 @@ void Multipliers::couple() {
       for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
       solve_.w(j, i) = rule_.weight * rule_.displacement * sum;
     }
+    own_[live_[std::size_t(i)]] = solve_.w(i, i);
   }
 }
 
@@ -235,6 +237,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   copy(s.independent(s.x), free_);
   clear(whole_);
   bool is_mixed = false;
+  is_left_ = false;
   mixing_.restart();
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
@@ -262,12 +265,19 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
       for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
         solve_.g[i] -= rule_.displacement * gradient.dot(along[row]);
     const double little = far_less * leastTolerance(false);
+    last_forces_ = solve_.l;
     solve_.solve(rows_.rows(), stop, allowed_);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     sumResponses();
     const double last = step;
     step = rule_.displacement * distance(whole_, before_);
+    if (round > 0 && step > 0.5 * last && carries_ && areFewAndSmooth()) {
+      // along these directions no force may do it, as of a cable that bends much: Newton's method goes on from the linear answer
+      solve_.l = last_forces_, is_left_ = true;
+      step = last;
+      break;
+    }
     // two places that share a force may pass it to and fro for ever, by round-off of their directions
     if (!(step > 0.5 * least)) least = step, least_round = round;
     const int idle = round - least_round;

@@ -18,7 +18,8 @@
 // carries the impulses J^T p found so far as a load, and each correction starts from there. Forces then keep the directions
 // of the iterate that A is of, until the next: what they turn by is taken late, as is what stresses turn by in most matrices A;
 // of a body that a cable presses together the one balances the other. How gradients turn where a row says so
-// (LagrangianRows::Bend) is a part of the matrix instead, A + B S B^T with the forces of the iterate before:
+// (LagrangianRows::Bend) is a part of the matrix instead, of pushes always and of others where it is no small one,
+// A + B S B^T with the forces of the iterate before:
 //   (A + B S B^T)^-1 v = z - Y (S^-1 + B^T Y)^-1 B^T z,   z = A^-1 v,   Y = A^-1 B
 // Cells that roll on a sphere turn by more than any step that lacks it can follow.
 #pragma once
@@ -59,6 +60,8 @@ class Multipliers {
   double leastTolerance(bool kept);
   /// out += J^T p, of the step before and then of the last carry() [N s].
   void addCarried(Rows out) const;
+  /// The last correct() has left conditions to the next one, with other directions.
+  bool wasLeft() const { return is_left_; }
   double carriedSize() const { return norm(carried_); }
   /// From now on J^T p of the last correct() is carried; out += by how much that is another.
   void carry(Rows out);
@@ -86,6 +89,7 @@ class Multipliers {
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
   void takeDirections();
   void takeBends();
+  double shareOf(const LagrangianRows::Bend& bend) const;
   bool respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void takeBendsFrom(Rows response);
   bool answerCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report);
@@ -113,6 +117,7 @@ class Multipliers {
   std::vector<Vector> responses_;          ///< A^-1 of them
   std::vector<char> is_answered_;          ///< of each row: they are known
   std::vector<std::size_t> live_;          ///< rows of W
+  std::vector<double> own_;                ///< of each row: its diagonal of W
   std::vector<double> allowed_;            ///< by how much each row may be off; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
   struct Bend {
@@ -134,6 +139,8 @@ class Multipliers {
   Vector added_;           ///< by the last carry(), with share_ of it
   Vector base_;            ///< A^-1 of it
   Vector last_;            ///< J^T l of the step before [N]
+  Eigen::VectorXd last_forces_;  ///< of the round before
+  bool is_left_ = false;
   double share_ = 1;
   Mixing mixing_;
 };

@@ -177,8 +177,10 @@ bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& rep
   report.reason.clear();
   const double attainable = problem.roundOff().residual;
   if (!(now <= 3 * attainable)) return false;
+  const double loads = problem.loads();
+  scale_ = std::max(scale_, loads);
   report.newton_residual = now / scale_;
-  if (now <= most_of_loads * scale_ || !problem.isLoaded()) return true;
+  if (now <= most_of_loads * scale_ || loads == 0) return true;
   report.reason = tooSmallLoads(attainable / scale_);
   return false;
 }
@@ -189,7 +191,7 @@ bool Newton::isAtRest(NonlinearProblem& problem) {
   constexpr double nearly_none = 1e-9;
   if (!problem.restsWithoutForces() || history_.size() > 1) return false;
   if (problem.displacementPerUnknown() * largestNumber(direction_) > nearly_none * largestNumber(problem.positions())) return false;
-  return scale_ <= 3 * problem.roundOff().residual && !problem.isLoaded();
+  return scale_ <= 3 * problem.roundOff().residual && problem.loads() == 0;
 }
 
 /// The relative residual that the next linear solve must reach; 0: what its solver is set to.
@@ -287,6 +289,8 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   }
   for (;;) {
     const int done = int(history_.size());
+    // what rests on something has next to no net force where the solve starts
+    if (done == 2) scale_ = std::max(scale_, problem.loads());
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
     tellNewtonIterate(done, report.newton_residual, goal());
@@ -364,10 +368,13 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   if (shifted || !(is_round_off || isCorrectionSmall(problem))) return true;
   history_.push_back(now);
   report.newton_residual = now / scale_;
-  if (!is_round_off || now <= most_of_loads * scale_ || settings.fixed_count) return false;
+  if (!is_round_off || settings.fixed_count) return false;
+  const double loads = problem.loads(), attainable = problem.roundOff().residual;
   // a body on which nothing acts has a residual of round-off from the start
-  const double attainable = problem.roundOff().residual;
-  if (std::min(scale_, now) <= 3 * attainable && !problem.isLoaded()) return false;
+  const bool is_at_rest = loads == 0 && std::min(scale_, now) <= 3 * attainable;
+  scale_ = std::max(scale_, loads);
+  report.newton_residual = now / scale_;
+  if (is_at_rest || now <= most_of_loads * scale_) return false;
   report.newton_converged = false;
   report.reason = fmt::format("Newton's corrections are below the round-off of positions at a relative residual of {:.2g}{}",
                               report.newton_residual, tooSmallLoads(attainable / scale_));

@@ -38,6 +38,8 @@ class NonlinearProblem {
   virtual double longestStep(ConstRows /*d*/) { return 1; }
   /// Something may stand in the way, whose energy has no bound where it is near: lines are searched to nearer their least energy.
   virtual bool meetsBarriers() const { return false; }
+  /// Something may be met within the step that pushes from there on, and nothing tells of it before.
+  virtual bool meetsWalls() const { return false; }
   /// The equations are solved at u with what was held fixed meanwhile. True: that has moved on, and they are others.
   virtual bool movesOn() { return false; }
   /// Something is moved from outside and has a way left, which goAlong() is to let it go before the next solve.
@@ -63,8 +65,8 @@ class NonlinearProblem {
   virtual double loadScale() const = 0;
   /// True for equations of forces alone: where these are round-off there is nothing to do.
   virtual bool restsWithoutForces() const { return false; }
-  /// True when something besides the body's own forces acts on it now.
-  virtual bool isLoaded() { return true; }
+  /// The size of what acts besides the forces of bodies, in R's unit: gravity and fields without stiffness, now.
+  virtual double loads() = 0;
   /// At the u of the last residual(). Costs a product with the tangent; asked for only where a solve gets no further.
   virtual RoundOff roundOff() = 0;
 };
@@ -73,8 +75,8 @@ class NonlinearProblem {
 /// one rounding error of each coordinate, with signs that follow no pattern of the mesh. `work`, `product`: shape (independentRows()).
 RoundOff positionRoundOff(const System& system, Rows work, Rows product);
 
-/// Gravity or fields without stiffness give forces now. `work`: shape (allRows()).
-bool isLoaded(System& system, Rows work);
+/// The norm of the forces of gravity and of fields without stiffness at x. `work`: shape (allRows()).
+double loadsOn(System& system, Rows work);
 
 struct NewtonSettings {
   int iterations = 25;
@@ -82,7 +84,8 @@ struct NewtonSettings {
       0;  ///< the solve is given up when |R| has not halved in so many iterations, the first 25 aside; 0: never
   bool leaves_slow = false;  ///< for callers with another tangent: a solve that converges by small factors is given up
   int slow_factors = 3;      ///< after so many of them, the first one of a solve aside
-  double relative_residual = 1e-8;  ///< |R| <= this * the larger of |R| and loadScale() where the solve starts
+  /// |R| <= this * the larger of |R| and loadScale() where the solve starts, or loads() where that takes more than two iterations
+  double relative_residual = 1e-8;
   double absolute_residual = 0;     ///< |R| <= this; 0: not used
   double successive_residual = 0;   ///< |R| <= this * |R| one iteration before; 0: not used
   double relative_correction = 0;   ///< |dx| <= this * travelled(); 0: not used. dx is the whole Newton correction,
@@ -156,13 +159,18 @@ class Newton {
   double lengthen(NonlinearProblem& problem, double step, double refused, double before, double slope, double& norm);
   void goOn(NonlinearProblem& problem, double slope, double& norm);
   double searchWork(NonlinearProblem& problem, double longest, double& norm);
+  /// A length along the direction that was refused, and the work R.d that it leaves.
+  struct Refused {
+    double step = 0, left = 0;
+  };
+  double shorter(double step, double left, double slope, Refused& before) const;
 
   Vector residual_, direction_, trial_;
   Vector base_, best_;  ///< the iterate that move() starts from; the one that is left when nothing converges
   std::vector<double> history_;
   StopToken stop_;        ///< of the last solve()
   double enough_ = 0;     ///< |R| of a solution that is only a place to go on from; else 0
-  double scale_ = 0;      ///< the larger of |R| and loadScale() where the solve starts
+  double scale_ = 0;      ///< what the relative residual is relative to
   double best_norm_ = 0;  ///< |R| of best_
   double parts_ = 0;      ///< residualOfParts() at the last iteration that was made for these; infinity: none was
   bool was_slow_ = false, went_on_ = false;  ///< went on: with another tangent, whose first direction is to be found

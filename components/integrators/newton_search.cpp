@@ -113,23 +113,43 @@ void Newton::goOn(NonlinearProblem& problem, double slope, double& now) {
   }
 }
 
+/// The next length after one that was refused. Where the work that it leaves says that it went far beyond what stopped it, as into
+/// a wall, a tenth of it; where lengths have done so before, the root of the secant of the last two: the wall as both have felt it,
+/// and not a place before it, where no derivative knows of it.
+double Newton::shorter(double step, double left, double slope, Refused& before) const {
+  constexpr double far = 0.01;  // of the step, where the secant from its beginning has its root
+  const bool is_beyond = std::isfinite(left) && left * slope < 0;
+  const bool is_far = is_beyond && std::abs(slope) < far * std::abs(left);
+  double next = settings.line_search_coefficient * step;
+  if (is_beyond && before.step > 0) {
+    const double root = step - left * (before.step - step) / (before.left - left);
+    if (root > 0 && root < step) next = root;
+  } else if (is_far) {
+    next = std::min(next, 0.1 * step);
+  }
+  before = is_far || (is_beyond && before.step > 0) ? Refused{step, left} : Refused{};
+  return next;
+}
+
 /// Without an energy: |R(u + s d).d| <= 0.9 |R(u).d|, the criterion of Matthies and Strang 1979, or a smaller |R|. The
 /// work along d plays the part of the energy's slope; |R| alone would reject good steps of a body that turns, whose
 /// stiff directions are out of balance by the square of the rotation until the next iteration.
 double Newton::searchWork(NonlinearProblem& problem, double longest, double& now) {
-  const double before = std::abs(dot(residual_, direction_));
+  const double slope = dot(residual_, direction_);
   double step = longest;
+  Refused refused;
   const int trials = std::min(20, settings.line_search_iterations);
-  for (int trial = 0; trial < trials && !stop_.isStopAsked(); ++trial, step *= settings.line_search_coefficient) {
+  for (int trial = 0; trial < trials && !stop_.isStopAsked(); ++trial) {
     move(problem, step);
     problem.residual(trial_);
-    const double candidate = norm(trial_);
-    if (!std::isfinite(candidate)) continue;
-    if (candidate <= (1 - 1e-4 * step) * now ||
-        std::abs(dot(trial_, direction_)) <= (longest < 1 ? 1 - 0.1 * step : 0.9) * before) {
+    const double candidate = norm(trial_), left = dot(trial_, direction_);
+    const bool is_enough = candidate <= (1 - 1e-4 * step) * now ||
+                           std::abs(left) <= (longest < 1 ? 1 - 0.1 * step : 0.9) * std::abs(slope);
+    if (std::isfinite(candidate) && is_enough) {
       now = candidate;
       return step;
     }
+    step = problem.meetsWalls() ? shorter(step, left, slope, refused) : settings.line_search_coefficient * step;
   }
   return 0;
 }

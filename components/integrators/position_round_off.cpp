@@ -5,6 +5,7 @@
 
 #include "components/integrators/newton.h"
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/mass.h"
 
 namespace stroma {
 
@@ -31,12 +32,12 @@ RoundOff positionRoundOff(const System& system, Rows work, Rows product) {
   return {norm(product) + sums, 0.5 * std::abs(dot(work, product)) + cell * norm(product)};
 }
 
-bool isLoaded(System& system, Rows work) {
-  if (system.hasGravity()) return true;
+double loadsOn(System& system, Rows work) {
   clear(work);
+  for (const Mass* mass : system.masses()) mass->addGravity(work);
   for (ForceField* field : system.forceFields())
     if (!field->traits().has_stiffness) field->addForce(system.x, system.v, work);
-  return largest(work) > 0;
+  return norm(work);
 }
 
 }  // namespace stroma

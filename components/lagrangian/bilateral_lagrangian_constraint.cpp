@@ -170,6 +170,7 @@ class Distance final : public Pairs {
       const Vec3 n = length > 0 ? Vec3(way / length) : Vec3(Vec3::UnitX());
       rows.begin(Kind::equal, length - kept_[i]);
       rows.add(a(i), -n), rows.add(b(i), n);
+      if (length > 0) addTurning(n, a(i), b(i), -1 / length, rows);
     }
   }
   void reset() override {

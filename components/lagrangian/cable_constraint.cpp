@@ -116,6 +116,7 @@ class Cable final : public Actuator {
       const Vec3 n = length > 0 ? Vec3(sign / length * way) : Vec3(Vec3::Zero());
       rows.add(row, -n);
       if (row_before >= 0) rows.add(row_before, n);
+      if (length > 0) addTurning(n, row_before, row, sign / length, rows);
       before = x[row], row_before = row;
     }
   }

@@ -59,6 +59,15 @@ void PairConstraint::checkNode(const State& state, Index node, const char* attri
                          fmt::format("a node from 0 to {}", state.nodes() - 1));
 }
 
+void PairConstraint::addTurning(const Vec3& n, Index from, Index to, double size, LagrangianRows& rows) {
+  const Vec3 across = n.unitOrthogonal();
+  for (const Vec3& t : {across, Vec3(n.cross(across))}) {
+    rows.bend(size);
+    rows.addToBend(to, t);
+    if (from >= 0) rows.addToBend(from, -t);
+  }
+}
+
 void PairConstraint::serialize(Archive& archive) { archive.list("forces", forces_); }
 
 }  // namespace stroma::lagrangian

@@ -30,6 +30,9 @@ class PairConstraint : public Component, public LagrangianConstraint {
   State& second() const { return *second_; }
   /// Throws ComponentError for a node that the state does not have.
   void checkNode(const State& state, Index node, const char* attribute) const;
+  /// Of the last row, whose gradient has the unit vector n of the way between two rows: it turns across n with both, and becomes at
+  /// `to` what it was less size (1 - n n^T) (dx_to - dx_from). `from` -1: a place that stays.
+  static void addTurning(const Vec3& n, Index from, Index to, double size, LagrangianRows& rows);
   /// The system's row of a node; of a frame that of its centre, its orientation is in the next.
   static Index rowOf(const State& state, Index node) { return state.firstRow() + node * state.rows_per_node; }
 

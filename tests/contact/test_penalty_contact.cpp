@@ -58,6 +58,37 @@ TEST(PenaltyContact, BlocksRestAtTheGapOfTheirPressure) {
   }
 }
 
+/// A block falls onto a plane in one step that would take it far through, and rests where its weight says: with a step, a stiffness
+/// and a body a million times what is usual.
+TEST(PenaltyContact, ABlockRestsAfterStepsThatAreFarTooLarge) {
+  struct Case {
+    double dt, kappa, young;
+    const char* method;
+  };
+  constexpr double range = 1e-3;
+  for (const Case& c : {Case{10, 1e3, 1e4, "svd"}, Case{10, 1e3, 1e4, "large"}, Case{1, 1e3, 1e4, "large"},
+                        Case{0.01, 1e12, 1e4, "svd"}, Case{0.01, 1e3, 1e12, "large"}}) {
+    SCOPED_TRACE(fmt::format("dt {}, stiffness {}, E {}, {}", c.dt, c.kappa, c.young, c.method));
+    Simulation simulation = simulationFromText(fmt::format(
+        "<Node dt='{}' gravity='0 0 -10'><EulerImplicitSolver newtonIterations='40'/><SparseLDLSolver/>"
+        "<RegularGridTopology n='3 3 3' min='0 0 0.0015' max='0.1 0.1 0.1015'/><MechanicalObject name='dofs'/>"
+        "<UniformMass totalMass='0.1'/><HexahedronFEMForceField method='{}' youngModulus='{}' poissonRatio='0.3'/>"
+        "<PenaltyContact contactDistance='{}' stiffness='{}' planes='0 0 1 0'/></Node>",
+        c.dt, c.method, c.young, range, c.kappa));
+    int iterations = 0;
+    for (int i = 0; i < 30; ++i) {
+      const StepReport report = simulation.step();
+      ASSERT_TRUE(report.newton_converged) << "step " << i << ": " << report.reason;
+      iterations += report.newton_iterations;
+    }
+    EXPECT_LT(iterations, 300);
+    EXPECT_NEAR(valuesOf(simulation, "PenaltyContact", "wrenches").at(2), 1, 0.05) << "the weight";
+    const double gap = valuesOf(simulation, "PenaltyContact", "smallestGap").at(0);
+    EXPECT_GT(gap, 0) << "under a pressure of 100";
+    EXPECT_LT(gap, 1.0001 * range);
+  }
+}
+
 /// In a step the contacts stay, so that force, energy, product, matrix and diagonal are of one potential.
 TEST(PenaltyContact, ForceProductAndMatrixBelongTogether) {
   int checked = 0;

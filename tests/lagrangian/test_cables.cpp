@@ -58,6 +58,28 @@ TEST(Cables, TheFirstLengthIsThatOfTheRestShape) {
   EXPECT_NEAR(at(mapped, 0).x(), 10, 1e-10);
 }
 
+/// A cable beside the axis bends a beam by more than its thickness, in one step of a second as in statics.
+TEST(Cables, ABeamIsBentByTheSameForceInStepsOfAnyLength) {
+  double expected = 0;
+  for (const auto& [solver, dt, steps] : {std::tuple("<StaticSolver newton_iterations=\"100\"/>", 1.0, 1),
+                                          std::tuple("<EulerImplicitSolver newtonIterations=\"40\" newtonTolerance=\"1e-10\"/>", 1.0, 20),
+                                          std::tuple("<EulerImplicitSolver newtonIterations=\"40\" newtonTolerance=\"1e-10\"/>", 0.1, 60)}) {
+    SCOPED_TRACE(fmt::format("{}, dt {}", solver, dt));
+    Simulation simulation = simulationFromText(sceneOf(
+        "<RegularGridTopology n=\"9 3 3\" min=\"0 0 0\" max=\"0.1 0.02 0.02\"/><MechanicalObject/><UniformMass totalMass=\"0.04\"/>"
+        "<HexahedronFEMForceField method=\"svd\" youngModulus=\"1e5\" poissonRatio=\"0.3\"/>"
+        "<FixedProjectiveConstraint indices=\"0 9 18 27 36 45 54 63 72\"/>"
+        "<CableConstraint indices=\"64 65 66 67 68 69 70 71\" pullPoint=\"-0.01 0.01 0.02\" value=\"0.005\" minForce=\"0\"/>",
+        dt, "0 0 0", solver));
+    run(simulation, steps);
+    if (testing::Test::HasFatalFailure()) return;
+    const double force = numbersOf(simulation, "CableConstraint", "force").at(0);
+    if (expected == 0) expected = force;
+    EXPECT_NEAR(force, expected, 1e-6 * expected);
+    EXPECT_GT(at(simulation, 71).z(), 0.03) << "it is bent";
+  }
+}
+
 /// A bar of nu = 0 along x under four cables at the corners of its end: E A u / L, a quarter each, with any step.
 TEST(Cables, CablesShortenABar) {
   constexpr double young = 1000, length = 3, shortening = 0.05, tension = young * shortening / length / 4;
