@@ -43,7 +43,7 @@ class Cable final : public Actuator {
   void declare(DataTable& table) override {
     declareOneState(table);
     table.add("indices", nodes_).required().help("points that the cable runs through, from its pulled end on");
-    table.add("pullPoint", pull_).help("where it is pulled").unit("m");
+    table.add("pullPoint", pull_).atOnce().help("where it is pulled; L_0 stays where that moves in a run").unit("m");
     table.add("hasPullPoint", has_pull_).help("false: it ends at the first of indices");
     table.add("method", method_).help("point: forces act on the points themselves");
     declareValue(table, "displacement", "force", true, "displacement [m] or force [N]");

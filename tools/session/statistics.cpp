@@ -68,7 +68,8 @@ std::vector<std::string> UnconvergedSteps::warnings() const {
         "the linear solver stopped before its tolerance in {} of {} steps (worst relative residual {:.2g}): {}",
         linear_at_limit, steps, worst_residual,
         linear_at_round_off > 0 ? "round-off allows no more where stiffnesses are far apart or a body is hardly held"
-                                : "raise its iterations or its tolerance"));
+                                : "raise its iterations or its tolerance; where the `threshold` of a CGLinearSolver of SOFA's dialect "
+                                  "ended it, lower that"));
   if (linear > linear_at_limit)
     warnings.push_back(fmt::format(
         "the matrix of the linear solves was singular or not positive definite in {} of {} steps: they went on along a "

@@ -385,6 +385,17 @@ def test_nodes_are_switched_off_in_the_run():
         animate(root, 1)
         assert dofs.position.value - start == pytest.approx(np.tile([0, 0, z], (8, 1)), abs=1e-9), step
     assert len(root.body.fem.vonMisesPerElement.value) == 1 and root.body.fem.vonMisesPerElement.value[0] == pytest.approx(0, abs=1e-6)
+    assert root.body.fem.vonMisesPerNode.value == pytest.approx(np.zeros(8), abs=1e-6)
+
+
+def test_stresses_at_nodes_are_means_over_cells():
+    root = started("stressed")
+    animate(root, 3)
+    fem, cells = root.body.fem, root.body.grid.tetrahedra.array()
+    of_cells, of_nodes = fem.vonMisesPerElement.value, fem.vonMisesPerNode.value
+    assert len(of_cells) == len(cells) and of_cells.max() > 1
+    for node, value in enumerate(of_nodes):
+        assert value == pytest.approx(of_cells[(cells == node).any(axis=1)].mean(), rel=1e-12)
 
 
 def test_controllers_come_and_go():

@@ -32,7 +32,7 @@ _BESIDES = {
     "RequiredPlugin": {"pluginName": ""},
 }
 for _each in ("TetrahedronFEMForceField", "HexahedronFEMForceField", "TetrahedralCorotationalFEMForceField"):
-    _BESIDES[_each] = {"vonMisesPerElement": np.zeros(0)}
+    _BESIDES[_each] = {"vonMisesPerElement": np.zeros(0), "vonMisesPerNode": np.zeros(0)}
 for _each in ("VisualModel", "OglCylinderModel", "VisualModelImpl"):
     _BESIDES[_each] = _BESIDES["OglModel"]
 DRAWN = _BESIDES["OglModel"]
@@ -47,7 +47,7 @@ for _each in ("GenericConstraintSolver", "LCPConstraintSolver", "BlockGaussSeide
     _BESIDES[_each] = CONSTRAINTS
 
 #: of those, what SOFA computes in each step
-NOT_COMPUTED = {"currentIterations", "currentError", "vonMisesPerElement", "constraint", "derivX", "externalForce"}
+NOT_COMPUTED = {"currentIterations", "currentError", "vonMisesPerElement", "vonMisesPerNode", "constraint", "derivX", "externalForce"}
 
 #: lists of numbers that SOFA keeps in rows; of a name in place of a number: as many as velocities or positions of the template have
 _ROWS = {("ConstantForceField", "forces"): "velocity", ("BoxROI", "box"): 6, ("BoxROI", "orientedBox"): 10, ("PlaneROI", "plane"): 10,

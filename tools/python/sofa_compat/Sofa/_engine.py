@@ -17,8 +17,8 @@ from ._objects import DataEngine, Object, Unavailable
 _STATE = {"position", "velocity", "rest_position", "force", "free_position", "free_velocity", "reset_position", "reset_velocity",
           "lambda"}
 
-#: data of force fields that are fields of cells here
-_FIELDS = {"vonMisesPerElement": "vonMises"}
+#: data of force fields that are fields of cells here; of nodes they are means over the cells around
+_FIELDS = {"vonMisesPerElement": "vonMises", "vonMisesPerNode": "vonMises"}
 
 #: attributes that say the same in several ways
 _ONE_OF = {"ConstantForceField": ("forces", "force", "totalForce")}
@@ -128,9 +128,26 @@ class Engine:
         if state is not None and data._s_name in _STATE:
             return self._of_state(thing, state, data._s_name)
         if data._s_name in _FIELDS:
-            return np.array(self._components[id(thing)].field(_FIELDS[data._s_name]))
+            component = self._components[id(thing)]
+            values = np.array(component.field(_FIELDS[data._s_name]))
+            return self._at_nodes(component, values) if data._s_name.endswith("PerNode") else values
         value = self._components[id(thing)].get(data._s_name)
         return value if data._s_sample is None else _values.like(data._s_sample, value)
+
+    def _at_nodes(self, component, values):
+        """The mean over the cells around each node; 0 where there is none."""
+        state = self.sim.state(component.path.rpartition("/")[0] or "/")
+        mesh = state.mesh()
+        blocks = [cells for _, cells in mesh.blocks()] if mesh is not None else []
+        if sum(len(cells) for cells in blocks) != len(values):
+            raise RuntimeError(f"{component.path} has {len(values)} cells, and they are not those of the mesh beside it")
+        sums, counts, first = np.zeros(state.nodes), np.zeros(state.nodes), 0
+        for cells in blocks:
+            for column in cells.T:
+                np.add.at(sums, column, values[first:first + len(cells)])
+                np.add.at(counts, column, 1)
+            first += len(cells)
+        return sums / np.maximum(counts, 1)
 
     def _of_state(self, thing, state, name):
         if name in ("position", "free_position"):
