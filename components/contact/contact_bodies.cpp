@@ -12,6 +12,9 @@
 namespace stroma::contact {
 
 std::vector<State*> bodiesInContact(State& first, const std::vector<State*>& others) {
+  if (std::find(others.begin(), others.end(), &first) != others.end())
+    throw ComponentError(fmt::format("other names {}, which is mstate itself", first.path()), "states of other bodies",
+                         "selfContact=\"true\" for what it meets of its own");
   std::vector<State*> bodies{&first};
   for (State* body : others)
     if (std::find(bodies.begin(), bodies.end(), body) == bodies.end()) bodies.push_back(body);

@@ -166,8 +166,10 @@ double fastestLead(const BarrierLaw& law, const std::vector<State*>& bodies) {
 std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfaces,
                      const std::function<std::string(int)>& name) {
   const auto& ends = surfaces.edges[std::size_t(crossing.edge)];
-  return fmt::format("the edge from {} to {} goes {:.3g} m through the triangle at {}", name(ends[0]), name(ends[1]),
-                     crossing.depth, name(surfaces.faces[std::size_t(crossing.face)][0]));
+  const auto& corners = surfaces.faces[std::size_t(crossing.face)];
+  const std::string how = crossing.depth > 0 ? fmt::format("goes {:.3g} m through", crossing.depth) : "touches";
+  return fmt::format("the edge from {} to {} {} the triangle of {}, {} and {}", name(ends[0]), name(ends[1]), how, name(corners[0]),
+                     name(corners[1]), name(corners[2]));
 }
 
 std::string describeWorst(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& name) {
@@ -196,7 +198,8 @@ void refuseOverlap(const std::string& path, const BarrierLaw& law, const std::ve
   const auto look = [&](double gap, int vertex, const char* what) {
     if (gap > 0) return;
     if (++pairs == 1 || gap < deepest)
-      deepest = gap, found = fmt::format("{} is {:.3g} m inside {}", name(vertex), -gap, what);
+      deepest = gap, found = gap < 0 ? fmt::format("{} is {:.3g} m inside {}", name(vertex), -gap, what)
+                                     : fmt::format("{} touches {}", name(vertex), what);
   };
   for (const Candidate& pair : law.candidates.pairs())
     if (pair.pushes && pair.distance <= law.thickness)  // a lower bound

@@ -247,6 +247,12 @@ TEST(BarrierContact, RefusesAStartInOverlap) {
   expectContains(problemsOf(contactScene(
                      bodyNode("a", boxOf(Vec3(0, 0, -0.1), Vec3(1, 1, 1)), "<BarrierContact planes=\"0 0 1 0\"/>"))),
                  "0.1 m inside a plane");
+  expectContains(problemsOf(contactScene(
+                     bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<BarrierContact planes=\"0 0 1 0\"/>"))),
+                 "node 0 of /a/dofs touches a plane");
+  expectContains(problemsOf(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 1), Vec3(1, 1, 2)),
+                                                  "<BarrierContact other=\"@dofs\" planes=\"0 0 1 0\"/>"))),
+                 "other names /a/dofs, which is mstate itself");
   const Body block = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2});
   for (const char* inside : {"spheres=\"0.4 0.4 0.6 0.05\"", "capsules=\"0.3 0.4 0.6 0.7 0.4 0.6 0.05\"",
                              "boxes=\"0.3 0.3 0.3 0.6 0.6 0.6\"", "cylinders=\"0.3 0.4 0.6 0.7 0.4 0.6 0.05\""})

@@ -446,7 +446,7 @@ TEST(ConstraintBodies, BadStartsAreRefusedWithTheirPlaces) {
   };
   const std::string crossing = problems(Vec3(0.5, 0.4, 0.9), 0.3, 0.01);
   expectContains(crossing, "bodies of /contact start in one another");
-  expectContains(crossing, "through the triangle at node");
+  expectContains(crossing, "through the triangle of node");
   expectContains(problems(Vec3(0.5, 0.4, 0.3), 0.3, 0.01), "of /contact is inside of another body");
   const std::string near = problems(Vec3(0.5, 0.4, 1.02), 0.3, 0.05);
   expectContains(near, "starts with a gap of 0.02 m from the surface at node");
