@@ -123,7 +123,7 @@ class Candidates {
   void joinBodies();
   void countBodies();
   bool followBodies(const std::vector<Vec3>& x);
-  bool turnsAsOne(BodyMeeting& body, const std::vector<Vec3>& x) const;
+  bool turnsAsOne(BodyMeeting& body, const std::vector<Vec3>& x);
   bool restBodies(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend);
   bool goesAsOne(const BodyMeeting& body, const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
                  double most) const;

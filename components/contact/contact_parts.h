@@ -135,6 +135,8 @@ struct WholeBody {
   Box gone{}, goes{};            ///< around all displacements [m]
   bool has_gone = false, can_go = false;  ///< these are numbers
   bool is_measured = false, is_way_measured = false;  ///< so it is of its parts
+  std::vector<Vec3> turned_at{};  ///< of its vertices, where it was last found to turn as one; none: nowhere
+  double turned = 0;              ///< what was left of its motion there [m]
 };
 
 }  // namespace stroma::contact

@@ -3,6 +3,7 @@
 // all of their displacements. Where two such boxes say that no two displacements differ by more than what every group of their parts
 // has room for, no group has to be looked at. A body that turns as one has little left of its displacements when that is taken off.
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -19,6 +20,7 @@ void Candidates::joinBodies() {
     const int first = bodies[b].first_vertex, count = bodies[b].vertices, stride = std::max(1, count / enough);
     for (int v = 0; v < count; ++v) bodies_[b].all.vertices.push_back(first + v);
     for (int v = 0; v < count; v += stride) bodies_[b].some.vertices.push_back(first + v);
+    bodies_[b].turned_at.reserve(std::size_t(count));
   }
   for (std::size_t p = parts_.size(); p-- > 0;) {
     WholeBody& body = bodies_[std::size_t(parts_[p].body)];
@@ -40,6 +42,7 @@ void Candidates::joinBodies() {
 
 void Candidates::countBodies() {
   if (std::exchange(are_bodies_counted_, true)) return;
+  for (WholeBody& body : bodies_) body.turned_at.clear();
   for (BodyMeeting& each : body_meetings_) {
     each.room = each.clear = each.away = std::numeric_limits<double>::infinity(), each.near = 0;
     for (const int number : each.groups) {
@@ -82,17 +85,22 @@ bool Candidates::followBodies(const std::vector<Vec3>& x) {
   return are_fine;
 }
 
-/// Of a body and itself. True, and its motion is what is left: it has room for that.
-bool Candidates::turnsAsOne(BodyMeeting& each, const std::vector<Vec3>& x) const {
+/// Of a body and itself. True, and its motion is what is left: it has room for that. A tool is asked for many times where it is.
+bool Candidates::turnsAsOne(BodyMeeting& each, const std::vector<Vec3>& x) {
   if (each.a != each.b) return false;
-  const WholeBody& body = bodies_[std::size_t(each.a)];
+  WholeBody& body = bodies_[std::size_t(each.a)];
+  const Vec3* const at = x.data() + surfaces_->bodies()[std::size_t(each.a)].first_vertex;
+  const std::size_t count = body.all.vertices.size();
+  if (body.turned_at.size() == count && std::memcmp(at, body.turned_at.data(), count * sizeof(Vec3)) == 0)
+    return each.motion = body.turned, true;
   const double round_off = roundOff(2 * longestIn(body.gone));
   CommonMotion motion = commonMotionTo(body.some, found_at_, x);
   const auto left = [&] { return mostApart(motion, motion) + motion.shrink * (each.near + radii_) + round_off; };
   if (!(left() < each.room)) return false;
   leaveOf(motion, body.all, found_at_, x, nullptr, {});
   if (!(left() < each.room)) return false;
-  each.motion = left();
+  each.motion = body.turned = left();
+  body.turned_at.assign(at, at + count);
   return true;
 }
 

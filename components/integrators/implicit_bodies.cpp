@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Of an implicit step: bodies whose inertia turns with them.
 #include <algorithm>
+#include <limits>
 
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/largest_number.h"
 
 namespace stroma {
 
@@ -58,7 +60,7 @@ void ImplicitStep::turnBodies() {
 
 /// As in turnBodies(): a correction d of a body is the change J d of its momentum. Whatever torques it leaves out of balance,
 /// without any the momentum is kept after each iteration.
-void ImplicitStep::addTo(Rows u, double s, ConstRows d) const {
+void ImplicitStep::addTo(Rows u, double s, ConstRows d, RowRange rows) const {
   if (s == 0) return;
   std::vector<Vec3>& velocities = velocities_;
   velocities.resize(bodies_.count());
@@ -67,8 +69,20 @@ void ImplicitStep::addTo(Rows u, double s, ConstRows d) const {
     const Vec3 w0 = v0_[row];
     velocities[b] = bodies_.corrected(b, x0_, predictedTurn(b, w0), scheme_.displacement, w0, u[row], s * d[row]);
   }
-  axpy(s, d, u);
+  axpy(s, rows.of(d), rows.of(u));
   for (std::size_t b = 0; b < velocities.size(); ++b) bodies_.put(b, velocities[b], u);
+}
+
+/// From the first row that d moves by more than round-off to the last one; bodies are among them, whose velocities addTo() rounds.
+ImplicitStep::RowRange ImplicitStep::rowsMovedBy(ConstRows d) const {
+  const double round_off = 4 * std::numeric_limits<double>::epsilon() * largestNumber(x0_) / scheme_.displacement;
+  const auto moves = [&](Index row) { return !(d[row].cwiseAbs().maxCoeff() <= round_off); };
+  RowRange rows{0, d.count};
+  while (rows.first < rows.end && !moves(rows.first)) ++rows.first;
+  while (rows.end > rows.first && !moves(rows.end - 1)) --rows.end;
+  for (std::size_t b = 0; b < bodies_.count(); ++b)
+    rows = {std::min(rows.first, bodies_.row(b)), std::max(rows.end, bodies_.row(b) + 1)};
+  return rows;
 }
 
 /// The momentum of each body, beside its own or what its torque makes of it in the step: those of light ones are little

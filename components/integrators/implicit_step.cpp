@@ -256,19 +256,19 @@ void ImplicitStep::startIterating() {
   lack_ = 1;
 }
 
-void ImplicitStep::unknownsChanged() {
+void ImplicitStep::place(RowRange rows) {
   const double old_part = scheme_.drift - scheme_.displacement, new_part = scheme_.displacement;
   const double* __restrict x0 = x0_.rows().data;
   const double* __restrict v0 = v0_.rows().data;
   const double* __restrict u = v().data;
   double* __restrict position = x().data;
-  const std::size_t count = x().doubles();
-  orientations_.take(system_->motion(), x0_);
+  const std::size_t from = std::size_t(rows.first) * row_doubles, to = std::size_t(rows.end) * row_doubles;
+  orientations_.take(system_->motion(), x0_.head(rows.end), rows.first);
 #pragma omp simd
-  for (std::size_t i = 0; i < count; ++i) position[i] = x0[i] + old_part * v0[i] + new_part * u[i];
-  if (scheme_.has_history) axpy(1, position_predictor, x());
-  orientations_.turn(x());
-  orientations_.turn(x0_);
+  for (std::size_t i = from; i < to; ++i) position[i] = x0[i] + old_part * v0[i] + new_part * u[i];
+  if (scheme_.has_history) axpy(1, rows.of(ConstRows(position_predictor)), rows.of(x()));
+  orientations_.turn(x().head(rows.end));
+  orientations_.turn(x0_.head(rows.end));
 }
 
 /// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor), M that of x(u), or the mean of both where both

@@ -107,8 +107,8 @@ class ImplicitStep final : public NonlinearProblem {
     takeChange();
     return change_;
   }
-  void unknownsChanged() override;
-  void addTo(Rows u, double s, ConstRows d) const override;
+  void unknownsChanged() override { place({0, x().count}); }
+  void addTo(Rows u, double s, ConstRows d) const override { addTo(u, s, d, {0, d.count}); }
   double residualOfParts(ConstRows residual) const override;
   double longestStep(ConstRows d) override;
   bool meetsBarriers() const override { return !limits_.empty(); }
@@ -126,6 +126,14 @@ class ImplicitStep final : public NonlinearProblem {
   RoundOff roundOff() override;
 
  private:
+  struct RowRange {
+    Index first = 0, end = 0;
+    Rows of(Rows all) const { return all.segment(first, end - first); }
+    ConstRows of(ConstRows all) const { return all.segment(first, end - first); }
+  };
+  void place(RowRange rows);  ///< see unknownsChanged()
+  void addTo(Rows u, double s, ConstRows d, RowRange rows) const;
+  RowRange rowsMovedBy(ConstRows d) const;
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
   void chooseSolves();

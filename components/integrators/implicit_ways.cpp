@@ -53,15 +53,19 @@ bool ImplicitStep::addPush(Rows residual) {
 bool ImplicitStep::goAlong(Rows d, bool wholly) {
   if (lack_ > 0) axpy(lack_ / scheme_.displacement, carried_, d);
   copy(v(), work_);
-  const auto goTo = [&](double s) {
-    copy(work_, v());
-    addTo(v(), s, d);
-    unknownsChanged();
+  const auto goTo = [&](double s, RowRange rows) {
+    copy(rows.of(ConstRows(work_)), rows.of(v()));
+    addTo(v(), s, d, rows);
+    place(rows);
   };
   const double h = scheme_.displacement;
-  const double part = limits_.bends() ? limits_.longest(d, h, true, true, goTo) : limits_.longest(d, h, true, true);
+  const auto longest = [&] {
+    const RowRange rows = rowsMovedBy(d);  // where nothing gives way yet, few
+    return limits_.longest(d, h, true, true, [&](double s) { goTo(s, rows); });
+  };
+  const double part = limits_.bends() ? longest() : limits_.longest(d, h, true, true);
   if (wholly && part < 1) return false;
-  goTo(part);
+  goTo(part, {0, d.count});
   limits_.goAlong(part);
   carries_ += lack_ > 0;
   lack_ = part == 1 ? 0 : lack_ * (1 - part);

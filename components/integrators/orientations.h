@@ -12,11 +12,12 @@ namespace stroma {
 /// step, which allocates the first time alone.
 class Orientations {
  public:
-  /// Takes them out of x and leaves zeros, on which rotation vectors are added up as everything is.
-  void take(const Motion& motion, Rows x) {
-    turning_ = &motion.turningRows();
+  /// Takes them out of x, from row `first_row` on, and leaves zeros, on which rotation vectors are added up as everything is.
+  void take(const Motion& motion, Rows x, Index first_row = 0) {
+    turning_ = &motion.turningRows(), first_ = 0;
+    if (first_row > 0) first_ = countBelow(first_row);
     q_.resize(turning_->size() * row_doubles);
-    for (std::size_t i = 0, count = countIn(x); i < count; ++i) {
+    for (std::size_t i = first_, count = countBelow(x.count); i < count; ++i) {
       double* const row = rowOf(i, x);
       std::copy_n(row, row_doubles, q_.data() + i * row_doubles);
       std::fill_n(row, row_doubles, 0.);
@@ -24,15 +25,15 @@ class Orientations {
   }
   /// Puts them into x, turned by what has come together there; into several vectors, if several are made of the one.
   void turn(Rows x) {
-    const std::size_t count = countIn(x);
-    for (std::size_t first = 0; first < count; first += many) turnSome(first, std::min(many, count - first), x);
+    const std::size_t count = countBelow(x.count);
+    for (std::size_t first = first_; first < count; first += many) turnSome(first, std::min(many, count - first), x);
   }
 
  private:
   static constexpr std::size_t many = 64;
 
-  std::size_t countIn(Rows x) const {
-    return std::size_t(std::lower_bound(turning_->begin(), turning_->end(), x.count) - turning_->begin());
+  std::size_t countBelow(Index row) const {
+    return std::size_t(std::lower_bound(turning_->begin(), turning_->end(), row) - turning_->begin());
   }
   double* rowOf(std::size_t i, Rows x) const { return x.data + std::size_t((*turning_)[i]) * row_doubles; }
 
@@ -75,6 +76,7 @@ class Orientations {
   }
 
   const std::vector<Index>* turning_ = nullptr;
+  std::size_t first_ = 0;  ///< of these, that is taken
   std::vector<double> q_;  ///< shape (turning rows, 4)
 };
 

@@ -54,6 +54,12 @@ void FrameMapping::placeChild(bool at_rest) {
   }
 }
 
+/// q p as Eigen has it, to the last bit: a tool turns more than once in a step, and has many points.
+static Vec3 turnedArm(const double* q, const Vec3& p) {
+  const Vec3 axis(q[0], q[1], q[2]), once = axis.cross(p), twice = once + once;
+  return p + q[3] * twice + axis.cross(twice);
+}
+
 /// Arms stay as long as no frame turns: a tool that is held or moved along is asked for many times in a step.
 void FrameMapping::placeArms(ConstRows x) const {
   const std::size_t frames = std::size_t(input().size()) / 2;
@@ -68,7 +74,7 @@ void FrameMapping::placeArms(ConstRows x) const {
   if (stay) return;
   pulled_.clear();
   for (std::size_t k = 0; k < carried_.size(); ++k)
-    arms_[k] = orientationIn(x, parentRow(carried_[k].frame) + 1) * carried_[k].local;
+    arms_[k] = turnedArm(turned_.data() + std::size_t(carried_[k].frame) * row_doubles, carried_[k].local);
 }
 
 void FrameMapping::apply(Rows x) const {

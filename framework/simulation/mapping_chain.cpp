@@ -75,11 +75,13 @@ void MappingChain::finishProduct(ConstRows p, double k, Rows all, Rows out) cons
 
 void MappingChain::pullBack(Rows all) const {
   for (auto mapping = actors_->mappings.rbegin(); mapping != actors_->mappings.rend(); ++mapping)
-    heard("map", *mapping)->applyJT(all);
+    if (const Rows f = (*mapping)->output().segment(all); std::any_of(f.data, f.data + f.doubles(), [](double v) { return v != 0; }))
+      heard("map", *mapping)->applyJT(all);
 }
 
 void MappingChain::noteForce(ConstRows f) {
-  if (!linear_) copy(f, last_force_);
+  const Index first = actors_->independent_rows, count = f.count - first;  // of these are geometric stiffnesses
+  if (!linear_) copy(f.segment(first, count), last_force_.rows().segment(first, count));
 }
 
 void MappingChain::place(Rows x, Rows v) const {

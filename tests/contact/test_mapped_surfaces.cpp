@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <string_view>
 
@@ -301,6 +303,30 @@ TEST(MappedSurfaces, ProductsLeaveOutWhatDoesNotAct) {
     }
     ASSERT_TRUE(has_met) << contact;
     if (contact == "BarrierContact") EXPECT_GT(last, 3 * first) << "what is pushed is in the products";
+  }
+}
+
+/// Where no force acts on what is carried, none is handed on; any other is, however small.
+TEST(MappedSurfaces, NoForceIsNotPulledBack) {
+  Simulation simulation = simulationFromText(contactScene(
+      rigid("tool", boxOf(Vec3(-.2, -.2, -.1), Vec3(.2, .2, .1)), "position=\"0.5 0.5 1.25  0 0 0 1\"", 100, 1) +
+          "<BarrierContact mstate=\"@tool/skin/dofs\" topology=\"@tool/skin/mesh\" planes=\"0 0 1 0\" contactDistance=\"0.02\" "
+          "stiffness=\"1e4\"/>",
+      0.01, Vec3::Zero()));
+  System& system = *simulation.systems()[0];
+  const auto mapsOf = [](const auto& what) {
+    const CountsMaps counts;
+    what();
+    return counts.maps.load();
+  };
+  EXPECT_EQ(mapsOf([&] { system.computeForce(system.x, system.v, system.f); }), 2) << "places and velocities";
+  Vector forces(system.allRows());
+  EXPECT_EQ(mapsOf([&] { system.mappingChain().pullBack(forces); }), 0);
+  for (const double size : {1e-300, std::numeric_limits<double>::quiet_NaN()}) {
+    clear(forces);
+    forces[system.allRows() - 1] = Vec3(0, 0, size);
+    EXPECT_EQ(mapsOf([&] { system.mappingChain().pullBack(forces); }), 1) << size;
+    EXPECT_TRUE(forces[0].z() == size || std::isnan(forces[0].z())) << size;
   }
 }
 

@@ -64,6 +64,33 @@ TEST(TurningParts, WholeBodiesHaveTheirBoxes) {
   }
 }
 
+/// What a body has left when it turns as one is of where it was searched last: it is not what it has left at the same place when it
+/// has been searched elsewhere since, in another shape.
+TEST(TurningParts, WhatTurnsAsOneIsMeasuredAnewAfterASearch) {
+  constexpr double flat = 0.06, gap = 0.5 * flat, closing = 0.1;  // it has two layers
+  Scenery scene(3);
+  const Surfaces surfaces = bodiesOf(scene.simulation);
+  Candidates candidates;
+  candidates.reach = 0.02;
+  candidates.compile(surfaces);
+  const Mat3 turn = Eigen::AngleAxisd(1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  std::vector<Vec3> whole = surfaces.rest, pressed = whole, turned = whole, way(whole.size(), Vec3::Zero());
+  for (std::size_t v = 0; v < whole.size(); ++v) {
+    if (surfaces.bodyOf(int(v)) == 1) whole[v] += Vec3(5, 0, 0);
+    pressed[v] = turned[v] = whole[v];
+    if (surfaces.bodyOf(int(v)) == 1) continue;
+    if (whole[v].z() > 0.9) way[v] = turn * Vec3(0, 0, -closing);
+    pressed[v].z() *= flat, turned[v] = turn * pressed[v];
+  }
+  candidates.findAgain(pressed, 0.004, 0.004);
+  EXPECT_TRUE(candidates.covers(turned));
+  EXPECT_LT(candidates.longestStep(turned, way, {}), gap / closing);
+  candidates.findAgain(whole, 0.1, 0.1);
+  const double step = candidates.longestStep(turned, way, {});
+  EXPECT_LT(step, gap / closing);
+  EXPECT_GT(step, 0);
+}
+
 /// Bodies that turn together, round and round, are looked at once.
 TEST(TurningParts, TurningTogetherCostsNothing) {
   Scenery scene(3);
