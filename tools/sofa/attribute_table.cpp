@@ -38,7 +38,8 @@ bool isKeptBySofa(std::string_view type, std::string_view attribute) {
       {"TriangularBiquadraticSpringsForceField", {"triangleInfo", "edgeInfo"}},
       {"TriangularTensorMassForceField", {"edgeInfo"}},
       {"EllipsoidForceField", {"contacts"}},
-      {"TriangularFEMForceFieldOptim", {"triangleInfo", "triangleState", "vertexInfo", "edgeInfo"}},
+      {"TetrahedronFEMForceField", {"initialPoints"}}, {"HexahedronFEMForceField", {"initialPoints"}},  // overwritten with the rest shape
+      {"TriangularFEMForceFieldOptim", {"damping", "triangleInfo", "triangleState", "vertexInfo", "edgeInfo"}},
       {"FastTetrahedralCorotationalForceField", {"pointInfo", "edgeInfo", "tetrahedronInfo"}},
       {"TetrahedronFEMForceField", {"vonMisesPerElement", "vonMisesPerNode", "vonMisesStressColors", "edgeInfo"}},
       {"TetrahedralCorotationalFEMForceField", {"vonMisesPerElement", "vonMisesPerNode"}},
@@ -259,15 +260,14 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
   static const std::map<std::string_view, List> table = {
       {"MechanicalObject", {"externalForce", "filename"}},
       {"RestShapeSpringsForceField", {"external_points", "external_rest_shape", "pivot_points", "activeDirections"}},
-      {"TetrahedronFEMForceField", {"initialPoints", "plasticYieldThreshold", "plasticCreep", "localStiffnessFactor"}},
-      {"HexahedronFEMForceField", {"initialPoints"}},
+      {"TetrahedronFEMForceField", {"plasticYieldThreshold", "plasticCreep", "localStiffnessFactor"}},
+      {"NonUniformHexahedronFEMForceFieldAndMass", {"initialPoints"}},
       {"UniformMass", {"filename"}},
       {"DiagonalMass", {"filename", "fileMass"}},
       {"VectorSpringForceField", {"filename"}},
       {"SpringForceField", {"filename", "fileSprings"}},
       {"TrianglePressureForceField", {"normal", "dmin", "dmax"}},
       {"SphereROI", {"direction", "normal", "edgeAngle", "triAngle"}},
-      {"TriangularFEMForceFieldOptim", {"damping", "restScale"}},
       {"RigidMapping", {"filename", "fileRigidMapping"}},
       {"SphereCollisionModel", {"filename", "fileSphere"}},
       {"RigidRigidMapping", {"filename"}},
@@ -282,7 +282,6 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"BarycentricMapping", {"mapper", "baseTriangulation"}},
       {"MeshOBJLoader", {"transformation"}},
       {"TaitSurfacePressureForceField", {"initialVolume"}},
-      {"TriangleFEMForceField", {"initialPoints"}},
       {"TriangularQuadraticSpringsForceField", {"initialPoints"}},
       {"TriangularBiquadraticSpringsForceField", {"initialPoints", "matrixRegularization"}},
       {"InteractionEllipsoidForceField", {"object2_invert"}},
@@ -296,7 +295,7 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
 
 bool isSofasDefault(std::string_view attribute, std::string_view value) {
   static const std::map<std::string_view, List> table = {
-      {"damping", {"0"}}, {"restScale", {"1"}},
+      {"damping", {"0"}},
       {"linearMovementBetweenNodesInIndices", {"0", "false"}}, {"edgeAngle", {"0"}},
       {"triAngle", {"0"}}, {"repartition", {""}}, {"filename", {"", "unused"}},
       {"force", {"1"}}, {"maxInjectionRate", {"1000"}}, {"initialVolume", {"0"}},

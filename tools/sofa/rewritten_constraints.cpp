@@ -150,6 +150,10 @@ void Rewriting::meanSlidingPlane(Element& plane, bool is_assembled) {
 }
 
 void Rewriting::meanConstraint(Element& element) {
+  if (element.is("InterventionalRadiologyController") && std::atof(element.text("speed").c_str()) < 0 && !element.find("motionFilename")) {
+    warn(element.find("speed")->where, element, "speed", "is below 0: SOFA moves rods of a scene by a speed above 0 only, and they stay");
+    element.remove("speed");
+  }
   const Element* integrator = element.place->nearest("integrator");
   const bool moves = integrator && !integrator->is("StaticSolver") && !element.place->has("mapping");
   if (element.is("FixedRotationProjectiveConstraint") && moves && quirks_.use("one-sided-turns", element.path()))
