@@ -2608,6 +2608,33 @@ def hexahedra_cut_into_eight():
         agree(run.x("fine.fine"), J @ expected, 1e-7)
 
 
+@case
+def points_of_edges_in_the_order_of_cells():
+    """Edges that a mesh does not list: of tetrahedra, then hexahedra, else of triangles (from the side across their first node on)
+    and quads, as they come."""
+    rng = np.random.default_rng(3)
+    nodes = rng.uniform(size=(9, 3))
+    tet, hexa = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)], [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5),
+                                                                   (4, 7), (5, 6), (6, 7)]
+    turns = {n: [((j + 1) % n, (j + 2) % n) for j in range(n)] for n in (3, 4)}
+    for kind, container, lists in (("triangles", "TriangleSetTopologyContainer", [((5, 2, 7), turns[3]), ((7, 2, 1), turns[3])]),
+                                   ("quads", "QuadSetTopologyContainer", [((3, 1, 7, 4), turns[4])]),
+                                   ("tetrahedra", "TetrahedronSetTopologyContainer", [((4, 0, 7, 2), tet), ((7, 5, 2, 4), tet)]),
+                                   ("hexahedra", "HexahedronSetTopologyContainer", [((8, 3, 1, 0, 2, 7, 6, 5), hexa)])):
+        edges = []
+        for cell, sides in lists:
+            for a, b in sides:
+                edge = tuple(sorted((cell[a], cell[b])))
+                if edge not in edges:
+                    edges.append(edge)
+        cells = "  ".join(" ".join(map(str, cell)) for cell, _ in lists)
+        run = Run(root(EXACT + f'<{container} name="cells" position="{numbers_of(nodes)}" {kind}="{cells}"/><MechanicalObject name="dofs"/>'
+                       '<UniformMass totalMass="1"/><Node name="points"><PointSetTopologyContainer name="cloud"/>'
+                       '<Mesh2PointTopologicalMapping input="@../cells" output="@cloud" edgeBaryCoords="0.25 0 0"/>'
+                       '<MechanicalObject name="dofs"/><Mesh2PointMechanicalMapping/></Node>', 'gravity="0 0 0"'), 1)
+        agree(run.x("points.dofs"), [0.75 * nodes[a] + 0.25 * nodes[b] for a, b in edges])
+
+
 def weights_of_lines(point, frames, lines, k):
     def weight(a, b):
         places = frames[a, :3] + np.linspace(0, 1, 1001)[:, None] * (frames[b, :3] - frames[a, :3])
