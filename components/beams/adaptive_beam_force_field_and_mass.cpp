@@ -154,7 +154,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
 
   ForceTraits traits() const override {
     ForceTraits traits = FramePairField::traits();
-    traits.conservative = true;
+    traits.conservative = !(has_mass_ && turns_);  // forces of turning inertia are no gradient
     traits.exact_tangent = traits.has_rest_shape = !is_pushed_;
     traits.forces_balance = traits.torques_balance = !has_mass_;
     return traits;

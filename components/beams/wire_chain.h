@@ -10,7 +10,8 @@ class MovesRods {
   virtual ~MovesRods() = default;
   /// A step from t to t_end [s]: gives beams to the rods, and moves frames. Called for each rod.
   virtual void moveRods(double t, double t_end) = 0;
-  /// Gives the rods the beams that belong to frames at x: those before the step, or those that it led to.
+  /// What a rod is asked for next (forces, energies, masses) is asked at x. A step that moveRods() has begun may be taken back: where x is
+  /// that of before it, the rods get the beams of before it; at any other x those that moveRods() has made.
   virtual void askedAt(ConstRows x) = 0;
 };
 

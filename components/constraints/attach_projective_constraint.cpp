@@ -11,12 +11,20 @@
 // its start. The weight of a body that hangs or rests on its followers alone is then carried by nobody: a run says how
 // large the force is that the attachment took.
 //
-// There meet="halfway" does as SOFA does with points: in a step the follower goes on with its velocity; then both have the mean of
-// their velocities, and the follower the mean of both places. What is followed feels that: half of its acceleration is lost. With
-// twoWay it takes points that start apart to their mean, whatever their masses.
+// There meet="halfway" does as SOFA does with points: in a step the follower goes on with its velocity; then
+//
+//   c = (v2 - v1) velocityFactor k / 2,  v1 += c,  v2 -= c,   x2 -= (x2 - x1) positionFactor k / 2
+//
+// with k the pair's constraintFactor. What is followed feels that: half of its acceleration is lost. With twoWay points that start
+// apart are put where the first is; with inMatrix="false" the right side of the step has b1 += c, b2 -= c, with responseFactor.
+//
+// A pair is free while (x1 - lastPos) . lastDir > 0; with clamp its second node is then held at lastPos. A pair is free too while its
+// nodes are farther apart than minDistance. Of followers and of inMatrix="false" alone: what feels the other is one node for good.
 //
 // Rigid frames that are attached are one body: the sum of their masses and inertias, with one orientation, their mean at the
-// start. A frame and a point share the frame's centre.
+// start. A frame and a point share the frame's centre. With freeRotations frames share centres alone, with lastFreeRotation those of
+// the last pair, the one before a pair that is free. With restRotations a follower has, against what it follows, the turn that
+// takes the way to the node after it at rest, in its own axes, to x.
 //
 // Where one body is meshed finer, pairs of nodes join its surface at single nodes and leave the rest of it free: it is then too
 // soft, and a warning says so. Stiff springs between all nodes of the finer surface and points that a BarycentricMapping places in
@@ -48,6 +56,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "framework/mechanics/frames.h"
@@ -105,6 +114,17 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
     table.add("inMatrix", in_matrix_)
         .help("with twoWay, of points, false: both ends are free in the matrix of an implicit step of one linear solve, whose right side "
               "has their mean, and meet after it: SOFA's way with assembled matrices");
+    table.add("positionFactor", position_factor_).help("of the way to what is followed, with meet=halfway").min(0).max(1);
+    table.add("velocityFactor", velocity_factor_).help("of the change of both velocities, with meet=halfway").min(0).max(1);
+    table.add("responseFactor", response_factor_).help("of the change of both right sides, with inMatrix=false").min(0).max(1);
+    table.add("constraintFactor", pair_factors_).help("of all three, one for each pair; 1 when not given").min(0).max(1);
+    table.add("lastPos", last_place_).help("where a pair comes free that goes along lastDir").unit("m");
+    table.add("lastDir", last_way_).help("zero: pairs stay together wherever they go").unit("-");
+    table.add("clamp", clamp_).help("the second node of a pair that is past lastPos stays there, and is not free");
+    table.add("minDistance", min_distance_).help("pairs farther apart are free; -1: none is").unit("m");
+    table.add("freeRotations", free_turns_).help("frames share centres, and turn by themselves");
+    table.add("lastFreeRotation", last_free_turn_).help("the frame of the last pair turns by itself");
+    table.add("restRotations", rest_turns_wanted_).help("frames follow with the turn that they have to the next one at rest");
   }
 
   void init() override {
@@ -113,7 +133,10 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
     second_ = object2_.get() ? object2_.get() : &state();
     std::tie(leaders_, followers_) = checkedPairs({"indices1", indices1_, state()}, {"indices2", indices2_, *second_});
     rows_ = sharedRows();
-    freely_.reserve(leaders_.size());
+    checkWays();
+    freely_.assign(leaders_.size(), {});
+    bonds_.assign(leaders_.size(), Bond::leader);
+    placed_.reserve(4 * leaders_.size());
     double farthest = 0;
     for (std::size_t i = 0; i < leaders_.size(); ++i) {
       if (second_ == &state() && leaders_[i] == followers_[i])
@@ -138,15 +161,27 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
   }
 
   std::vector<State*> states() const override { return {&state(), second_}; }
+  bool isConstant() const override { return !changes(); }
   bool prescribesMotion() const override { return !two_way_ || leavesMatrix(); }
   bool leavesMatrix() const override { return two_way_ && !in_matrix_; }
   void projectRightSide(Rows b) const override {
-    forEachRow([&](Index one, Index other) { b[one] = b[other] = Vec3((b[one] + b[other]) / 2); });
+    for (std::size_t i = 0; i < leaders_.size(); ++i) {
+      const Bond bond = bondNow(i);
+      const double share = halfOf(response_factor_, i);
+      const Vec3 change = share * (Vec3(b[follower(i)]) - Vec3(b[leader(i)]));
+      if (bond == Bond::clamped) b[follower(i)] = Vec3::Zero();
+      if (bond == Bond::leader) b[leader(i)] += change, b[follower(i)] -= change;
+    }
   }
   void addProjectors(double, std::vector<NodeProjector>& out) const override {
-    if (!two_way_) forEachRow([&](Index, Index follower) { out.push_back({follower, Mat3::Zero()}); });
-    if (leavesMatrix())
-      forEachRow([&](Index one, Index other) { out.insert(out.end(), {{one, Mat3::Identity()}, {other, Mat3::Identity()}}); });
+    if (!prescribesMotion()) return;
+    for (std::size_t i = 0; i < leaders_.size(); ++i) {
+      const Bond bond = changes() ? bondNow(i) : Bond::leader;
+      const bool held = !leavesMatrix() && bond != Bond::none;
+      for (Index k = 0; k < rowsOf(i, bond); ++k)
+        out.push_back({follower(i) + k, held ? Mat3(Mat3::Zero()) : Mat3(Mat3::Identity())});
+      if (leavesMatrix()) out.push_back({leader(i), Mat3::Identity()});
+    }
   }
   void addTies(std::vector<Tie>& out) const override {
     if (two_way_ && in_matrix_) forEachRow([&](Index leader, Index follower) { out.push_back({leader, follower}); });
@@ -157,28 +192,29 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
   bool keepsStartVelocity() const override { return meetsHalfway(); }
   void placeStart(double t, Rows x, Rows v) const override {
     if (!activeIn(t, t)) return;  // SOFA projects before the first step too
-    if (two_way_ && meet_ == Meet::halfway && ofPoints()) join(x, v);
-    if (!meetsHalfway()) return;
+    if (prescribesMotion()) return placeAll(x, v);
+    if (meet_ != Meet::halfway || !ofPoints()) return;
     forEachRow([&](Index leader, Index follower) {
-      x[follower] = (x[leader] + x[follower]) / 2;
+      x[follower] = Vec3(x[leader]);
       v[leader] = v[follower] = Vec3((v[leader] + v[follower]) / 2);
     });
   }
-  void beginMotion(double, ConstRows x) override {
-    if (!meetsHalfway()) return;
-    freely_.clear();
-    forEachRow([&](Index, Index follower) {
-      freely_.push_back(x[follower] + node().dt() * second_->v()[follower - second_->firstRow()]);
-    });
+  void beginMotion(double t, ConstRows x) override {
+    begun_ = t;
+    placed_.clear();
+    for (std::size_t i = 0; i < leaders_.size(); ++i) {
+      const Vec3 v = second_->v()[follower(i) - second_->firstRow()];
+      freely_[i] = {meetsHalfway() && bondOf(x[leader(i)], x[follower(i)]) != Bond::none, x[follower(i)] + node().dt() * v, v};
+    }
   }
-  void prescribe(double, Rows x, Rows v) const override {
-    if (leavesMatrix()) join(x, v);
-    if (two_way_) return;
-    if (meetsHalfway()) return meet(x, v);
-    forEachRow([&](Index leader, Index follower) {
-      std::copy_n(x.data + std::size_t(leader) * row_doubles, row_doubles, x.data + std::size_t(follower) * row_doubles);
-      v[follower] = Vec3(v[leader]);
-    });
+  /// May be done again: what it has led to is remembered, and left as it is.
+  void prescribe(double t, Rows x, Rows v) const override {
+    if (!prescribesMotion() || (sharesWays() && (t == begun_ || isPlaced(x, v)))) return;
+    for (std::size_t i = 0; i < leaders_.size(); ++i)
+      if (freely_[i].is_own) x[follower(i)] = freely_[i].place, v[follower(i)] = freely_[i].velocity;
+    placeAll(x, v);
+    placed_.clear();
+    forEachPlaced(x, v, [this](const Vec3& each) { placed_.push_back(each); });
   }
 
  protected:
@@ -191,23 +227,115 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
     if (numbers != others || (numbers && state().rows_per_node != second_->rows_per_node))
       throw ComponentError(fmt::format("the nodes of {} and {} are of different types", state().path(), second_->path()),
                            "states of one template, or points and frames");
-    return std::min(state().rows_per_node, second_->rows_per_node);
+    return free_turns_ && !numbers ? 1 : std::min(state().rows_per_node, second_->rows_per_node);
+  }
+  /// What the second node of a pair is bound to.
+  enum class Bond : char { leader, clamped, none };
+  struct Freely {
+    bool is_own = false;                  ///< it goes on by itself in the step
+    Vec3 place = Vec3::Zero(), velocity = Vec3::Zero();  ///< at its end [m], [m/s]
+  };
+  bool changes() const { return last_way_.norm() > 1e-10 || min_distance_ != -1; }
+  double pastBy(const Vec3& one) const { return (one - last_place_).dot(last_way_); }
+  bool isPast(const Vec3& one) const { return last_way_.norm() > 1e-10 && pastBy(one) > 0; }
+  Bond bondOf(const Vec3& one, const Vec3& other) const {
+    if (!changes()) return Bond::leader;
+    const bool is_past = isPast(one);
+    if (is_past && !clamp_) return Bond::none;
+    if (min_distance_ != -1 && (other - (is_past ? last_place_ : one)).norm() > min_distance_) return Bond::none;
+    return is_past ? Bond::clamped : Bond::leader;
+  }
+  Vec3 placeOf(const State& of, Index row) const { return of.isBound() ? Vec3(of.x()[row]) : of.position[std::size_t(row)]; }
+  Bond bondNow(std::size_t i) const { return bondOf(placeOf(state(), leaders_[i]), placeOf(*second_, followers_[i])); }
+  Index leader(std::size_t i) const { return state().firstRow() + leaders_[i]; }
+  Index follower(std::size_t i) const { return second_->firstRow() + followers_[i]; }
+  double halfOf(double factor, std::size_t i) const { return factor * (pair_factors_.empty() ? 1 : pair_factors_[i]) / 2; }
+  /// How many rows of its second node a pair holds.
+  Index rowsOf(std::size_t i, Bond bond) const {
+    if (!last_free_turn_ || bond == Bond::clamped || !state().hasFrames()) return rows_;
+    const bool is_last = i + 1 == leaders_.size() || isPast(placeOf(state(), leaders_[i + 1]));
+    return is_last ? 1 : rows_;
   }
   bool ofPoints() const { return rows_ == 1 && state().kindOf(0) == RowKind::place; }
   bool meetsHalfway() const { return !two_way_ && meet_ == Meet::halfway && ofPoints(); }
-  void join(Rows x, Rows v) const {
-    forEachRow([&](Index one, Index other) {
-      x[one] = x[other] = Vec3((x[one] + x[other]) / 2);
-      v[one] = v[other] = Vec3((v[one] + v[other]) / 2);
-    });
+  /// Both nodes of a pair move to each other.
+  bool sharesWays() const { return meetsHalfway() || leavesMatrix(); }
+  template <class Visit>
+  void forEachPlaced(ConstRows x, ConstRows v, Visit&& visit) const {
+    for (std::size_t i = 0; i < leaders_.size(); ++i)
+      for (const Vec3& each : {Vec3(x[follower(i)]), Vec3(x[leader(i)]), Vec3(v[follower(i)]), Vec3(v[leader(i)])}) visit(each);
   }
-  /// May be done again: the followers' own ways are those of beginMotion(), and means of equal velocities are equal.
-  void meet(Rows x, Rows v) const {
-    std::size_t i = 0;
-    forEachRow([&](Index leader, Index follower) {
-      x[follower] = (x[leader] + freely_[i++]) / 2;
-      v[leader] = v[follower] = Vec3((v[leader] + v[follower]) / 2);
-    });
+  bool isPlaced(ConstRows x, ConstRows v) const {
+    if (placed_.empty()) return false;
+    std::size_t at = 0;
+    bool same = true;
+    forEachPlaced(x, v, [&](const Vec3& each) { same = same && each == placed_[at++]; });
+    return same;
+  }
+  /// All pairs, one after another; which of them are free is seen before.
+  void placeAll(Rows x, Rows v) const {
+    for (std::size_t i = 0; i < leaders_.size(); ++i) bonds_[i] = bondOf(x[leader(i)], x[follower(i)]);
+    for (std::size_t i = 0; i < leaders_.size(); ++i)
+      if (bonds_[i] != Bond::none) sharesWays() ? bringNearer(i, x, v) : bringThere(i, x, v);
+  }
+  void bringNearer(std::size_t i, Rows x, Rows v) const {
+    const bool clamped = bonds_[i] == Bond::clamped;
+    const Index one = leader(i), other = follower(i);
+    const Vec3 goal = clamped ? last_place_ : Vec3(x[one]), speed = clamped ? Vec3(Vec3::Zero()) : Vec3(v[one]);
+    const Vec3 change = halfOf(velocity_factor_, i) * (Vec3(v[other]) - speed);
+    x[other] -= halfOf(position_factor_, i) * (Vec3(x[other]) - goal);
+    v[other] -= change;
+    if (!clamped) v[one] += change;
+  }
+  void bringThere(std::size_t i, Rows x, Rows v) const {
+    const bool clamped = bonds_[i] == Bond::clamped;
+    for (Index k = 0; k < rowsOf(i, bonds_[i]); ++k) {
+      const Index one = leader(i) + k, other = follower(i) + k;
+      std::copy_n(x.data + std::size_t(one) * row_doubles, row_doubles, x.data + std::size_t(other) * row_doubles);
+      v[other] = clamped ? Vec3(Vec3::Zero()) : Vec3(v[one]);
+      if (k == 1 && !rest_turns_.empty()) putOrientation(orientationIn(x, one) * restTurn(i, x), x, other);
+    }
+    if (clamped) x[follower(i)] = last_place_;
+  }
+  /// Of the pair whose next one is free a part: as much of the way between both as lies before lastPos.
+  Quaternion restTurn(std::size_t i, ConstRows x) const {
+    if (i + 1 >= leaders_.size() || !isPast(x[leader(i + 1)])) return rest_turns_[i];
+    const double from = pastBy(x[leader(i)]), to = pastBy(x[leader(i + 1)]);
+    const Eigen::AngleAxisd turn(rest_turns_[i]);
+    return Quaternion(Eigen::AngleAxisd(-from / (to - from) * turn.angle(), turn.axis()));
+  }
+  /// Attributes that say how pairs meet and when they part.
+  void checkWays() {
+    const auto refuse = [this](const char* what, const char* expected) { throw ComponentError(what, expected); };
+    const bool numbers = state().kindOf(0) == RowKind::value, frames = state().hasFrames() && second_->hasFrames();
+    if (!pair_factors_.empty() && pair_factors_.size() != leaders_.size())
+      throw ComponentError(fmt::format("constraintFactor has {} values for {} pairs", pair_factors_.size(), leaders_.size()), "one each");
+    const auto isBelow = [this](double factor) {
+      for (std::size_t i = 0; i < leaders_.size(); ++i)
+        if (halfOf(factor, i) != 0.5) return true;
+      return false;
+    };
+    if (!sharesWays() && !frames && (isBelow(position_factor_) || isBelow(velocity_factor_)))
+      refuse("factors below 1 are of points that meet halfway", "meet=\"halfway\" without twoWay, or inMatrix=\"false\"");
+    if (two_way_ && in_matrix_ && !frames && isBelow(response_factor_))
+      refuse("a responseFactor below 1 is of nodes that are free in the matrix", "inMatrix=\"false\", or no twoWay");
+    if (changes() && (numbers || (two_way_ && in_matrix_)))
+      refuse("lastDir and minDistance are of points and frames that follow", "no twoWay, or inMatrix=\"false\"");
+    if (rest_turns_wanted_ && frames && two_way_) refuse("restRotations is of frames that follow", "no twoWay");
+    if (last_free_turn_ && frames && two_way_) refuse("lastFreeRotation is of frames that follow", "no twoWay, or freeRotations");
+    if (rest_turns_wanted_ && frames) findRestTurns();
+  }
+  void findRestTurns() {
+    const auto& rest = second_->rest_position;
+    for (const Index row : followers_) {
+      Quaternion turn = Quaternion::Identity();
+      if (std::size_t(row) + 2 < rest.size()) {
+        const Vec3 way = (turnedBy(rest[std::size_t(row) + 1]).conjugate() * (rest[std::size_t(row) + 2] - rest[std::size_t(row)])).normalized();
+        const Vec3 axis = way.cross(Vec3::UnitX());  // SOFA's, of a turn by the angle between both
+        if (axis.norm() > 1e-12) turn = Eigen::AngleAxisd(std::acos(std::clamp(way.x(), -1., 1.)), axis.normalized());
+      }
+      rest_turns_.push_back(turn);
+    }
   }
   /// One surface is joined as a whole, the other at single nodes.
   void tellOfFreeSurface() const {
@@ -240,7 +368,15 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
   std::vector<int> indices1_, indices2_;
   bool two_way_ = true, in_matrix_ = true;
   enum class Meet { leader, halfway } meet_ = Meet::leader;
-  std::vector<Vec3> freely_;  ///< where followers go by themselves in the step [m], shape (pairs)
+  double position_factor_ = 1, velocity_factor_ = 1, response_factor_ = 1, min_distance_ = -1;
+  std::vector<double> pair_factors_;
+  Vec3 last_place_ = Vec3::Zero(), last_way_ = Vec3::Zero();
+  bool clamp_ = false, free_turns_ = false, last_free_turn_ = false, rest_turns_wanted_ = false;
+  std::vector<Quaternion> rest_turns_;   ///< of followers to what they follow, shape (pairs) or none
+  std::vector<Freely> freely_;           ///< shape (pairs)
+  double begun_ = -1;                    ///< where the step began [s]
+  mutable std::vector<Bond> bonds_;      ///< shape (pairs)
+  mutable std::vector<Vec3> placed_;     ///< what prescribe() has led to, shape (4 pairs)
   State* second_ = nullptr;
   std::vector<Index> leaders_, followers_;  ///< first rows of the nodes, shape (pairs)
   Index rows_ = 1;                          ///< of a node that are shared

@@ -19,6 +19,9 @@
 // with the B of the rest shape or of the shape of the moment. They are no gradient, turn a free triangle a little, and
 // differ from the others in second order of the strain. TriangularFEMForceFieldOptim has the first of them.
 //
+// initialPoints of TriangleFEMForceField are nodes of its rest shape, other than those of the state. restScale of
+// TriangularFEMForceFieldOptim makes that shape larger: below 1 a sheet at the place of its state is stretched.
+//
 // TriangularAnisotropicFEMForceField is a sheet with fibres: sigma = T^T Q T eps, T turning to the fibre's axes, with
 //
 //   Q_11 = E/(1 - nu nu_t),  Q_12 = nu E_t/(1 - nu nu_t),  Q_22 = E_t/(1 - nu nu_t),  Q_66 = E/(2 (1 + nu)),  nu_t = nu E_t/E
@@ -65,7 +68,8 @@ class TriangularFEMForceField final : public ElementKernelsField {
     ForceTraits traits;
     const bool small = method_word_ == Method::small, own = strain == StrainWord::energy;
     traits.linear = traits.constant_stiffness = small;
-    traits.symmetric = traits.forces_balance = true;
+    traits.symmetric = true;
+    traits.forces_balance = !hasOtherShape();
     traits.conservative = small || own;
     traits.exact_tangent = small || (own && tangent_ == TangentWord::exact);
     traits.torques_balance = !small && own;
@@ -82,7 +86,7 @@ class TriangularFEMForceField final : public ElementKernelsField {
   /// Set by the registration of a name.
   enum class StrainWord : int { energy, rest, current };
   StrainWord strain = StrainWord::energy;
-  bool has_fibres = false;
+  bool has_fibres = false, takes_points = false;
 
  private:
   enum class Method : int { small, large };
@@ -106,7 +110,10 @@ class TriangularFEMForceField final : public ElementKernelsField {
     const Vec3 a = position(t[0]);
     return (position(t[1]) - a).cross(position(t[2]) - a) / 2;
   }
-  Vec3 restPosition(Index node) const { return state().rest_position[node]; }
+  bool hasOtherShape() const { return rest_scale_ != 1 || !initial_points_.empty(); }
+  Vec3 restPosition(Index node) const {
+    return rest_scale_ * (initial_points_.empty() ? state().rest_position : initial_points_)[std::size_t(node)];
+  }
   std::string describe(std::size_t triangle) const {
     const Triangle& t = (*triangles_)[triangle];
     return fmt::format("triangle {} (nodes {} {} {})", triangle, t[0], t[1], t[2]);
@@ -116,8 +123,8 @@ class TriangularFEMForceField final : public ElementKernelsField {
 
   TopologyLink topology_;
   std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, transverse_modulus_{1000};
-  double thickness_ = 1, fibre_angle_ = 0;
-  std::vector<Vec3> fibre_centre_;
+  double thickness_ = 1, fibre_angle_ = 0, rest_scale_ = 1;
+  std::vector<Vec3> fibre_centre_, initial_points_;
   bool plane_strain_ = false, first_for_others_ = false;
   Method method_word_ = Method::large;
   TangentWord tangent_ = TangentWord::warped;
@@ -151,6 +158,8 @@ void TriangularFEMForceField::declare(DataTable& table) {
       .help("stiffness: R K R^T and that of tension, or the exact derivative of the force");
   table.addChoice("strain", strain, {"energy", "rest", "current"})
       .help("of large: energy, the gradient of an energy; rest and current, SOFA's, with its B of that shape");
+  if (takes_points) table.add("initialPoints", initial_points_).help("nodes at rest; those of the state when not given").unit("m");
+  if (strain == StrainWord::rest) table.add("restScale", rest_scale_).help("of the size of the rest shape").unit("-").min(0, false);
   for (const char* name : {"hosfordExponant", "criteriaValue", "showStressValue", "showStressVector",
                            "showFracturableTriangles", "computePrincipalStress"})
     table.addVisualOnly(name);
@@ -175,6 +184,10 @@ void TriangularFEMForceField::init() {
   if (!problem.empty()) throw ComponentError(problem);
   if (strain != StrainWord::energy && (method_word_ == Method::small || tangent_ == TangentWord::exact))
     throw ComponentError("strain rest and current are of method large and the warped tangent", "strain=\"energy\"");
+  if (!initial_points_.empty() && Index(initial_points_.size()) != state().nodes())
+    throw ComponentError(fmt::format("initialPoints has {} points for {} nodes", initial_points_.size(), state().nodes()), "one each");
+  if (hasOtherShape() && method_word_ == Method::small)
+    throw ComponentError("initialPoints and restScale are of method large", "rest_position of the MechanicalObject");
   spreadValues(young_modulus_, "youngModulus"), spreadValues(poisson_ratio_, "poissonRatio");
   checkTriangles();
   if (has_fibres) spreadValues(transverse_modulus_, "transverseYoungModulus"), checkFibres();
@@ -312,7 +325,7 @@ std::string TriangularFEMForceField::worstElement(ConstRows x) const {
 STROMA_COMPONENT(triangular_fem_force_field) {
   const std::string help = "an elastic membrane of triangles in plane stress";
   factory.add<TriangularFEMForceField>("TriangularFEMForceField", help);
-  factory.add<TriangularFEMForceField>("TriangleFEMForceField", help);
+  factory.add<TriangularFEMForceField>("TriangleFEMForceField", help, [](auto& f) { f.takes_points = true; });
   factory.add<TriangularFEMForceField>("TriangularFEMForceFieldOptim", help + ", with the strain of displacements", [](auto& f) {
     f.strain = TriangularFEMForceField::StrainWord::rest;
   });

@@ -10,8 +10,9 @@
 //   surface winds around it once: when the solid angles of its triangles add up to 4 pi (van Oosterom and Strackee 1983).
 // ValuesFromPositions: values, linear in the coordinate along `direction`: the first of inputValues where it is least, the second
 //   where it is largest. edgeValues, triangleValues and tetrahedronValues are those at the centres of cells.
-// Vertex2Frame: frames, one for each node: z is its normal; x = a x z and y = z x x with a the x axis, or the z axis where the
-//   normal is within 45 degrees of x.
+// Vertex2Frame: frames, one for each node: z is its normal; x = a x z and y = z x x with a the y axis, or the z axis where the
+//   normal is along y. With useNormals="false" x points to the next node, y = a x x and z = x x y with a the x axis, or the z axis
+//   where that way is along x; the last node has the axes of the one before. Each frame then turns about its axis `rotation`.
 //
 // The random numbers are the same for one randomSeed, on every machine.
 //
@@ -276,36 +277,51 @@ class Vertex2Frame final : public Engine {
   void declare(DataTable& table) override {
     table.add("position", position_).help("nodes").unit("m");
     table.add("normals", normals_).help("of the nodes").unit("-");
-    table.add("useNormals", by_normals_).help("frames by normals, the only ones there are");
+    table.add("useNormals", by_normals_).help("z along normals; false: x along the way to the next node");
     table.add("invertNormals", opposite_).help("the opposite normals");
-    table.add("rotationAngle", angle_).help("of a turn of each frame; only 0 is available").unit("-");
+    table.add("rotation", axis_).help("about which of its axes each frame turns: 0 x, 1 y, 2 z").min(0).max(2);
+    table.add("rotationAngle", angle_).help("by how much").unit("deg");
     table.add("frames", frames_).help("x y z and x y z w of each frame").unit("-").output().inValuesOf(7);
-    for (const char* name : {"texCoords", "rotation"}) table.addVisualOnly(name);
+    table.addVisualOnly("texCoords");
   }
   void init() override {
-    if (!by_normals_) throw ComponentError("frames by the ways between nodes are not available", "useNormals=\"true\"");
-    if (angle_ != 0) throw ComponentError("a turn of the frames is not available", "rotationAngle=\"0\"");
-    if (normals_.size() != position_.size())
+    frames_.clear();
+    if (by_normals_ && normals_.size() != position_.size())
       throw ComponentError(fmt::format("there are {} nodes and {} normals", position_.size(), normals_.size()), "one for each node",
                            "normals of NormalsFromPoints");
-    frames_.clear();
+    if (!by_normals_ && position_.size() == 1) throw ComponentError("there is one node, and no way to a next one", "useNormals=\"true\"");
+    const double turn = angle_ * std::numbers::pi / 180;
     for (std::size_t i = 0; i < position_.size(); ++i) {
-      if (!(normals_[i].norm() > 0)) throw ComponentError(fmt::format("the normal of node {} is zero", i));
-      constexpr double near_the_axis = 0.7;  // cosine of 45 degrees
-      Mat3 axes;
-      axes.col(2) = (opposite_ ? -1 : 1) * normals_[i].normalized();
-      const Vec3 across = std::abs(axes.col(2).x()) > near_the_axis ? Vec3::UnitZ() : Vec3::UnitX();
-      axes.col(0) = across.cross(axes.col(2)).normalized();
-      axes.col(1) = axes.col(2).cross(axes.col(0)).normalized();
-      const Eigen::Quaterniond q(axes);
+      const Mat3 axes = by_normals_ ? onNormal(i) : towardsNext(std::min(i, position_.size() - 2));
+      const Eigen::Quaterniond q = Eigen::AngleAxisd(turn, axes.col(axis_)) * Eigen::Quaterniond(axes);
       const Vec3& p = position_[i];
       frames_.insert(frames_.end(), {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
     }
   }
 
  private:
+  /// Along which axis something points to within round-off.
+  static bool isAlong(double cosine) { return 1 - std::abs(cosine) <= std::numeric_limits<double>::epsilon(); }
+  Mat3 onNormal(std::size_t node) const {
+    if (!(normals_[node].norm() > 0)) throw ComponentError(fmt::format("the normal of node {} is zero", node));
+    Mat3 axes;
+    axes.col(2) = (opposite_ ? -1 : 1) * normals_[node].normalized();
+    axes.col(0) = (isAlong(axes(1, 2)) ? Vec3::UnitZ() : Vec3::UnitY()).cross(axes.col(2)).normalized();
+    axes.col(1) = axes.col(2).cross(axes.col(0)).normalized();
+    return axes;
+  }
+  Mat3 towardsNext(std::size_t node) const {
+    const Vec3 way = position_[node + 1] - position_[node];
+    if (!(way.norm() > 0)) throw ComponentError(fmt::format("nodes {} and {} are in one place", node, node + 1));
+    Mat3 axes;
+    axes.col(0) = way.normalized();
+    axes.col(1) = (isAlong(axes(0, 0)) ? Vec3::UnitZ() : Vec3::UnitX()).cross(axes.col(0)).normalized();
+    axes.col(2) = axes.col(0).cross(axes.col(1)).normalized();
+    return axes;
+  }
   std::vector<Vec3> position_, normals_;
   bool by_normals_ = true, opposite_ = false;
+  int axis_ = 0;
   double angle_ = 0;
   std::vector<double> frames_;
 };

@@ -4,7 +4,8 @@
 // The nodes are those of the lowest layer with x fastest, of the highest, and then of each layer between: the row of the least y,
 // that of the largest, the column of the least x without its ends, that of the largest. With `internalPoints`, or where one of
 // the numbers is 1, they are all nodes of the box in the order of RegularGridTopology. Quads are those normal to z, y, then x,
-// of the lower end before the upper.
+// of the lower end before the upper. With `splitNormals` each side has nodes of its own: sides of the least x, y, z, then of the largest,
+// in each the first of the other two axes fastest. Edges then join nodes of the first of these sides (least x, largest x, least y ...).
 //
 // SphereQuadTopology: the same quads on a sphere, each node p of the cube from -1 to 1 at  center + radius (max |p_i| / |p|) p.
 //
@@ -42,6 +43,7 @@ class CubeTopology : public Topology {
       table.add(std::string("n") + "xyz"[a], n_[a]).help("number of nodes along one axis").min(1).required();
     declareShape(table);
     table.add("internalPoints", is_full_).help("the nodes inside are there too");
+    table.add("splitNormals", is_split_).help("each side has nodes of its own");
     table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
     addCellList(table, cell_kinds::quad, mesh_.quads).help("the cells").output();
     addCellList(table, cell_kinds::edge, mesh_.edges).help("their sides").output();
@@ -51,6 +53,8 @@ class CubeTopology : public Topology {
     if (double(n_[0]) * n_[1] * n_[2] > most) throw ComponentError("the box has too many nodes", fmt::format("at most {:g}", most));
     if ((n_[0] > 1) + (n_[1] > 1) + (n_[2] > 1) < 2)
       throw ComponentError(fmt::format("a box of {} x {} x {} nodes has no quads", n_[0], n_[1], n_[2]), "two of them above 1");
+    if (is_split_ && (n_[0] < 2 || n_[1] < 2 || n_[2] < 2))
+      throw ComponentError(fmt::format("splitNormals, and a box of {} x {} x {} nodes", n_[0], n_[1], n_[2]), "two nodes along each axis");
     mesh_ = Mesh();
     number_.assign(std::size_t(n_[0]) * n_[1] * n_[2], -1);
     makeNodes();
@@ -84,7 +88,33 @@ class CubeTopology : public Topology {
     for (int j = 0; j < n_[1]; ++j)
       for (int i = 0; i < n_[0]; ++i) addNode({i, j, k});
   }
+  /// Of a node of one side, where sides have nodes of their own.
+  Index numberOn(const Place& at, std::size_t axis, bool upper) {
+    if (!is_split_) return number(at);
+    const std::array<int, 3> sizes{n_[1] * n_[2], n_[0] * n_[2], n_[0] * n_[1]};
+    const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+    int first = upper ? sizes[0] + sizes[1] + sizes[2] : 0;
+    for (std::size_t a = 0; a < axis; ++a) first += sizes[a];
+    return Index(first + at[u] + n_[u] * at[v]);
+  }
+  Index numberOnFirstSide(const Place& at) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const bool upper : {false, true})
+        if (at[axis] == (upper ? n_[axis] - 1 : 0)) return numberOn(at, axis, upper);
+    return number(at);
+  }
+  void makeSplitNodes() {
+    for (const bool upper : {false, true})
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+        Place at{};
+        at[axis] = upper ? n_[axis] - 1 : 0;
+        for (at[v] = 0; at[v] < n_[v]; ++at[v])
+          for (at[u] = 0; at[u] < n_[u]; ++at[u]) mesh_.position.push_back(placeOf(at));
+      }
+  }
   void makeNodes() {
+    if (is_split_) return makeSplitNodes();
     const bool is_hollow = !is_full_ && n_[0] > 1 && n_[1] > 1 && n_[2] > 1;
     if (is_hollow) addLayer(0), addLayer(n_[2] - 1);
     for (int k = is_hollow ? 1 : 0; k < (is_hollow ? n_[2] - 1 : n_[2]); ++k) {
@@ -109,7 +139,7 @@ class CubeTopology : public Topology {
             if (at[axis] == n_[axis] - 1 || (!isAtEnd(at[u], u) && !isAtEnd(at[v], v))) continue;
             Place next = at;
             ++next[axis];
-            mesh_.edges.push_back({number(at), number(next)});
+            mesh_.edges.push_back({numberOnFirstSide(at), numberOnFirstSide(next)});
           }
   }
   void makeQuads(std::size_t axis, bool upper) {
@@ -120,7 +150,7 @@ class CubeTopology : public Topology {
         const auto corner = [&](int di, int dj) {
           Place at{};
           at[axis] = upper ? n_[axis] - 1 : 0, at[u] = i + di, at[v] = j + dj;
-          return number(at);
+          return numberOn(at, axis, upper);
         };
         if (is_u_first)
           mesh_.quads.push_back({corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)});
@@ -131,7 +161,7 @@ class CubeTopology : public Topology {
 
   Place n_{2, 2, 2};
   Vec3 min_ = Vec3::Zero(), max_ = Vec3::Ones();
-  bool is_full_ = false;
+  bool is_full_ = false, is_split_ = false;
   std::vector<Index> number_;  ///< of the nodes of the box; -1: not there
 };
 

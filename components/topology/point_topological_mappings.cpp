@@ -5,6 +5,7 @@
 //   the points that pointBaryCoords, edgeBaryCoords ... name, each as three numbers:
 //     node: x + (u, v, w)     edge: (1 - u) a + u b     triangle: (1 - u - v) a + u b + v c
 //     quad, hexahedron: bilinear, trilinear in u, v, w from 0 to 1     tetrahedron: (1 - u - v - w) a + u b + v c + w d
+//   Where the input lists no edges they are those of its solid cells, or of its faces where there are none, one cell after the other.
 //   copyEdges, copyTriangles and copyTetrahedra also copy these cells, between the first points of the nodes. splitTetrahedra cuts
 //   each tetrahedron into eight, between the points of its nodes and those of the middles of its edges.
 //   Mesh2PointMechanicalMapping carries a state in the same way.
@@ -43,6 +44,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "framework/mesh/cell_lists.h"
@@ -52,8 +54,29 @@
 namespace stroma {
 namespace {
 
-/// Those that it lists, else those of its cells.
-const std::vector<Edge>& edgesOf(const Mesh& mesh) { return mesh.edges.empty() ? mesh.allEdges() : mesh.edges; }
+using Sides = std::vector<std::array<std::size_t, 2>>;
+const Sides sides_of_triangles{{1, 2}, {2, 0}, {0, 1}}, sides_of_quads{{1, 2}, {2, 3}, {3, 0}, {0, 1}},
+    sides_of_tetrahedra{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}},
+    sides_of_hexahedra{{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 7}, {5, 6}, {6, 7}};
+
+/// Those that it lists, else those of its solid cells, or of its faces where there are none, one cell after the other.
+std::vector<Edge> edgesOf(const Mesh& mesh) {
+  std::vector<Edge> edges = mesh.edges;
+  if (!edges.empty()) return edges;
+  std::set<Edge> known;
+  const auto add = [&](Index one, Index other) {
+    const Edge edge{std::min(one, other), std::max(one, other)};
+    if (known.insert(edge).second) edges.push_back(edge);
+  };
+  const auto addAll = [&](const auto& cells, const Sides& sides) {
+    for (const auto& cell : cells)
+      for (const auto& side : sides) add(cell[side[0]], cell[side[1]]);
+  };
+  addAll(mesh.tetrahedra, sides_of_tetrahedra), addAll(mesh.hexahedra, sides_of_hexahedra);
+  if (edges.empty()) addAll(mesh.triangles, sides_of_triangles), addAll(mesh.quads, sides_of_quads);
+  for (const Edge& edge : mesh.allEdges()) add(edge[0], edge[1]);  // of other kinds of cells
+  return edges;
+}
 
 class Mesh2Point final : public TopologicalMapping {
  public:
@@ -93,7 +116,7 @@ class Mesh2Point final : public TopologicalMapping {
         for (const Vec3& p : places) addPoint(cell, weights(p[0], p[1], p[2]), Vec3::Zero());
     };
     using Weights = std::vector<double>;
-    const std::vector<Edge> edges = splits_ ? edgesOfTetrahedra(from) : of_edges_.empty() ? std::vector<Edge>() : edgesOf(from);
+    const std::vector<Edge> edges = of_edges_.empty() && !splits_ ? std::vector<Edge>() : edgesOf(from);
     if (!of_edges_.empty()) addAll(edges, of_edges_, [](double u, double, double) { return Weights{1 - u, u}; });
     addAll(from.triangles, of_triangles_, [](double u, double v, double) { return Weights{1 - u - v, u, v}; });
     addAll(from.quads, of_quads_, [](double u, double v, double) { return bilinear(u, v, 1); });
@@ -118,19 +141,7 @@ class Mesh2Point final : public TopologicalMapping {
   }
 
  private:
-  static constexpr int sides[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-  /// Those that the mesh lists, else those of its tetrahedra, one cell after the other.
-  static std::vector<Edge> edgesOfTetrahedra(const Mesh& from) {
-    std::vector<Edge> edges = from.edges;
-    std::map<std::pair<Index, Index>, bool> known;
-    for (const Tetrahedron& cell : from.tetrahedra)
-      for (const auto& side : sides) {
-        const auto [a, b] = std::minmax(cell[std::size_t(side[0])], cell[std::size_t(side[1])]);
-        if (from.edges.empty() && !std::exchange(known[{a, b}], true)) edges.push_back({a, b});
-      }
-    return edges;
-  }
-  void split(const Mesh& from, const std::vector<Edge>& edges) {
+    void split(const Mesh& from, const std::vector<Edge>& edges) {
     // corners 0 to 3, and from 4 on the middles of the sides
     static constexpr int parts[8][4] = {{0, 4, 5, 6}, {1, 4, 8, 7}, {2, 5, 7, 9}, {3, 6, 9, 8},
                                         {5, 4, 7, 9}, {5, 4, 9, 6}, {8, 4, 9, 7}, {8, 4, 6, 9}};
@@ -144,8 +155,8 @@ class Mesh2Point final : public TopologicalMapping {
       middles[{std::min(edges[e][0], edges[e][1]), std::max(edges[e][0], edges[e][1])}] = from.nodes() + Index(e);
     for (const Tetrahedron& cell : from.tetrahedra) {
       std::vector<Index> nodes(cell.begin(), cell.end());
-      for (const auto& side : sides) {
-        const auto [a, b] = std::minmax(cell[std::size_t(side[0])], cell[std::size_t(side[1])]);
+      for (const auto& side : sides_of_tetrahedra) {
+        const auto [a, b] = std::minmax(cell[side[0]], cell[side[1]]);
         const auto found = middles.find({a, b});
         if (found == middles.end())
           throw ComponentError(fmt::format("the mesh lists edges, and not that between {} and {}", a, b), "all edges, or none");

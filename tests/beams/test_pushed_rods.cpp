@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 
 #include "framework/mechanics/frames.h"
@@ -34,6 +36,30 @@ TEST(PushedRods, AStraightOneGoesStraightOnAndComesBack) {
   run(simulation, 30);
   EXPECT_NEAR(std::stod(valueOf(simulation, "xtip")), 0.3, 1e-12) << "it is no longer than that";
   EXPECT_LT((tipOf(simulation) - Vec3(1, 2.3, 3)).norm(), 1e-6);
+}
+
+/// By rows of times [ms] and ways: the last one before the start of a step, and from the last row on the opening.
+TEST(PushedRods, AFileMovesTheRod) {
+  const auto written = [](const std::string& rows) {
+    const std::string path = std::filesystem::temp_directory_path() / "stroma_pushed_rods.txt";
+    std::ofstream(path) << rows;
+    return path;
+  };
+  Rods rods;
+  rods.add("guide", straight);
+  const std::string path = written("0 0.002 7\n\n45 0.005 7\n85 -0.001 7\n125 0.1 7\n");
+  Simulation simulation = simulationFromText(rods.scene("xtip=\"0.01\" motionFilename=\"" + path + "\""));
+  const double dt = simulation.systems()[0]->node().dt();
+  double tip = 0.01;
+  for (int step = 0; step < 16; ++step) {
+    const double t = 1000 * dt * step;
+    tip = t > 125 ? 0 : tip + (t > 85 ? -0.001 : t > 45 ? 0.005 : 0.002);
+    EXPECT_EQ(run(simulation, 1), 0);
+    EXPECT_NEAR(std::stod(valueOf(simulation, "xtip")), tip, 1e-12) << step;
+  }
+  const auto told = [&](const std::string& rows) { return problemsOf(rods.scene("motionFilename=\"" + written(rows) + "\"")); };
+  EXPECT_NE(told("0 1 2\n5 x 2\n").find(":2: '5 x 2' is no time and length"), std::string::npos);
+  EXPECT_NE(told("0 1 2\n").find("has 1 rows"), std::string::npos);
 }
 
 /// When all is at rest, what is out has its shape at rest, turned as the rod is.
@@ -145,7 +171,6 @@ TEST(PushedRods, SayWhatIsWrong) {
   expectContains(problems("startingPos=\"0 0 0\""), "startingPos has 3 numbers");
   expectContains(problems("controlledInstrument=\"2\""), "controlledInstrument is 2");
   expectContains(problems("rigidCurvAbs=\"1 2\""), "not supported");
-  expectContains(problems("motionFilename=\"a.txt\""), "not supported");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -145,6 +145,28 @@ TEST(HyperelasticMaterials, AFieldFollowsItsMaterialInARun) {
   EXPECT_NE(changed.stateHash(), stiff.stateHash());
 }
 
+/// Without a viscous part the shape alone decides: from one place on, a run with a new value is one that began with it there.
+TEST(HyperelasticMaterials, ANewValueIsThatOfARunThatBeganWithIt) {
+  const auto started = [&](const std::string& young) {
+    return simulationFromText(sceneOf(tetrahedron, "<NeoHookeanMaterial name='tissue' youngModulus='" + young +
+                                                       "' poissonRatio='0.3'/>" + field() + "<FixedProjectiveConstraint indices='0 1 2'/>"));
+  };
+  Simulation changed = started("1e4"), soft = started("2e3");
+  for (int i = 0; i < 5; ++i) changed.step();
+  const System &from = *changed.systems()[0], &to = *soft.systems()[0];
+  const auto take = [](ConstRows values, Rows out) { std::copy_n(values.data, values.doubles(), out.data); };
+  take(from.x, soft.systems()[0]->x), take(from.v, soft.systems()[0]->v);
+  changed.setAttribute("/tissue", "youngModulus", "2e3");
+  for (int i = 0; i < 5; ++i) changed.step(), soft.step();
+  double most = 0, moved = 0;
+  for (Index row = 0; row < from.independentRows(); ++row) {
+    most = std::max(most, (Vec3(from.x[row]) - Vec3(to.x[row])).norm());
+    moved = std::max(moved, Vec3(from.v[row]).norm());
+  }
+  EXPECT_GT(moved, 1e-3);
+  EXPECT_LT(most, 1e-14);
+}
+
 void expectRefused(const std::string& scene, const std::vector<std::string>& words) {
   const std::string problems = problemsOf(scene);
   for (const std::string& word : words) EXPECT_NE(problems.find(word), std::string::npos) << word << ": " << problems;

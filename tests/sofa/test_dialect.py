@@ -792,6 +792,22 @@ def membrane_with_the_strain_at_rest():
 
 
 @case
+def sheets_with_another_rest_shape():
+    """restScale makes triangles larger before their frames are taken; initialPoints of TriangleFEMForceField are its rest shape, those
+    of other fields are overwritten with the rest positions."""
+    other = X_SHEET * [1.1, 0.9, 1] + [0, 0, 3]
+    for name, more, rest, current in (("TriangularFEMForceFieldOptim", 'restScale="0.9" damping="0.5"', 0.9 * X_SHEET, False),
+                                      ("TriangleFEMForceField", f'initialPoints="{numbers_of(other)}"', other, True)):
+        fields = together(gravity(np.ones(4), [0, -10, 0]), membrane(TRIANGLES, rest, 2000, 0.3, current))
+        agree(Run(sheet(name, more), 10).x(), euler(X_SHEET, np.eye(4), fields, 10, 0.01, held=[0, 1]), 1e-7)
+    solid = (EXACT + '<MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/>'
+             '<UniformMass totalMass="1"/><FixedConstraint indices="0"/><TetrahedronFEMForceField youngModulus="100" poissonRatio="0.3" {}/>')
+    given = Run(root(solid.format('initialPoints="0 0 0  2 0 0  0 2 0  0 0 2"')), 5)
+    given.says("initialPoints")
+    agree(given.x(), Run(root(solid.format("")), 5).x())
+
+
+@case
 def quirk_trapezoidal_positions():
     scene = root('<EulerImplicitSolver trapezoidalScheme="1"/><SparseLDLSolver/>' + BODY +
                  '<RestShapeSpringsForceField stiffness="100" points="0 1"/>')
@@ -2295,6 +2311,62 @@ def surface_of_a_box():
 
 
 @case
+def sides_with_nodes_of_their_own():
+    """Sides of the least x, y, z, then of the largest."""
+    n, places, at = (2, 3, 4), [], {}
+    for upper in (0, 1):
+        for axis in range(3):
+            u, v = [a for a in range(3) if a != axis]
+            for j in range(n[v]):
+                for i in range(n[u]):
+                    p = [0, 0, 0]
+                    p[axis], p[u], p[v] = (n[axis] - 1) * upper, i, j
+                    at[axis, upper, *p] = len(places)
+                    places.append(p)
+    cube = '<CubeTopology name="e" nx="2" ny="3" nz="4" max="1 2 3" splitNormals="1"/>'
+    agree(placed(cube, "e.position"), places)
+    # a pressure on all sides pushes each as a whole, and none of their corners is shared
+    scene = root(EXACT + cube + '<MechanicalObject name="dofs"/><UniformMass vertexMass="1"/><SurfacePressureForceField pressure="6"/>',
+                 'gravity="0 0 0"')
+    moved = Run(scene, 1).x() - places
+    for (axis, upper, *_), number in at.items():
+        side = np.zeros(3)
+        side[axis] = 1 if upper else -1
+        assert moved[number] @ side > 1e-6 and np.abs(moved[number] - moved[number] @ side * side).max() < 1e-12, (axis, upper)
+
+
+@case
+def frames_on_nodes():
+    """z along the normal and x = y axis x z; or x along the way to the next node; turned about one of their axes."""
+    def quaternion(axes, axis, angle):
+        turn = turn_of(np.radians(angle) * axes[:, axis])
+        return axes_of(turn) @ axes
+
+    def unit(v):
+        return np.asarray(v) / np.linalg.norm(v)
+
+    def frames_of(engine):
+        return Run(root(engine + EXACT + '<Node name="a"><MechanicalObject name="dofs" template="Rigid3" position="@../e.frames"/>'
+                        '<UniformMass totalMass="1"/></Node>', 'gravity="0 0 0"'), 1).x("a.dofs", 7)
+    nodes, normals = np.array([[0, 0, 0], [1, 0, 0], [1.5, 1, 0.5]]), np.array([[0, 0, 2.0], [0, 1, 0], [0.3, -0.9, 0.2]])
+    for more, by_normals, sign, axis, angle in (("", True, 1, 0, 0), ('invertNormals="1" rotation="2" rotationAngle="40"', True, -1, 2, 40),
+                                                ('useNormals="0" rotation="1" rotationAngle="-30"', False, 1, 1, -30),
+                                                ('rotationAngle="25"', True, 1, 0, 25)):
+        frames = frames_of(f'<Vertex2Frame name="e" position="{numbers_of(nodes)}" normals="{numbers_of(normals)}" {more}/>')
+        for i, got in enumerate(frames):
+            if by_normals:
+                z = sign * unit(normals[i])
+                x = unit(np.cross([0, 0, 1] if abs(z[1]) == 1 else [0, 1, 0], z))
+                y = np.cross(z, x)
+            else:
+                x = unit(nodes[min(i, 1) + 1] - nodes[min(i, 1)])
+                y = unit(np.cross([0, 0, 1] if abs(x[0]) == 1 else [1, 0, 0], x))
+                z = np.cross(x, y)
+            agree(got[:3], nodes[i])
+            agree(axes_of(got[3:]), quaternion(np.array([x, y, z]).T, axis, angle))
+
+
+@case
 def loads_on_edges_and_quads():
     body = ('<MeshTopology position="0 0 0  3 0 0  3 4 0  0 4 0" edges="0 1  1 2" quads="0 1 2 3"/><MechanicalObject name="dofs"/>'
             '<UniformMass totalMass="4"/>')
@@ -2536,6 +2608,33 @@ def hexahedra_cut_into_eight():
         agree(run.x("fine.fine"), J @ expected, 1e-7)
 
 
+@case
+def points_of_edges_in_the_order_of_cells():
+    """Edges that a mesh does not list: of tetrahedra, then hexahedra, else of triangles (from the side across their first node on)
+    and quads, as they come."""
+    rng = np.random.default_rng(3)
+    nodes = rng.uniform(size=(9, 3))
+    tet, hexa = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)], [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5),
+                                                                   (4, 7), (5, 6), (6, 7)]
+    turns = {n: [((j + 1) % n, (j + 2) % n) for j in range(n)] for n in (3, 4)}
+    for kind, container, lists in (("triangles", "TriangleSetTopologyContainer", [((5, 2, 7), turns[3]), ((7, 2, 1), turns[3])]),
+                                   ("quads", "QuadSetTopologyContainer", [((3, 1, 7, 4), turns[4])]),
+                                   ("tetrahedra", "TetrahedronSetTopologyContainer", [((4, 0, 7, 2), tet), ((7, 5, 2, 4), tet)]),
+                                   ("hexahedra", "HexahedronSetTopologyContainer", [((8, 3, 1, 0, 2, 7, 6, 5), hexa)])):
+        edges = []
+        for cell, sides in lists:
+            for a, b in sides:
+                edge = tuple(sorted((cell[a], cell[b])))
+                if edge not in edges:
+                    edges.append(edge)
+        cells = "  ".join(" ".join(map(str, cell)) for cell, _ in lists)
+        run = Run(root(EXACT + f'<{container} name="cells" position="{numbers_of(nodes)}" {kind}="{cells}"/><MechanicalObject name="dofs"/>'
+                       '<UniformMass totalMass="1"/><Node name="points"><PointSetTopologyContainer name="cloud"/>'
+                       '<Mesh2PointTopologicalMapping input="@../cells" output="@cloud" edgeBaryCoords="0.25 0 0"/>'
+                       '<MechanicalObject name="dofs"/><Mesh2PointMechanicalMapping/></Node>', 'gravity="0 0 0"'), 1)
+        agree(run.x("points.dofs"), [0.75 * nodes[a] + 0.25 * nodes[b] for a, b in edges])
+
+
 def weights_of_lines(point, frames, lines, k):
     def weight(a, b):
         places = frames[a, :3] + np.linspace(0, 1, 1001)[:, None] * (frames[b, :3] - frames[a, :3])
@@ -2617,7 +2716,6 @@ X4_UNIT = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 def attributes_that_would_change_the_result():
     """What SOFA reads and is not here is an error; at its default it is nothing."""
     mesh = '<MeshTopology position="0 0 0  1 0 0  0 1 0" triangles="0 1 2"/><MechanicalObject name="dofs"/><UniformMass totalMass="3"/>'
-    Run(root(EXACT + mesh + '<TriangularFEMForceFieldOptim youngModulus="10" poissonRatio="0.3" restScale="2"/>'), 1).fails(2, "restScale")
     falls(Run(root(EXACT + mesh + '<TriangularFEMForceFieldOptim youngModulus="10" poissonRatio="0.3" restScale="1" damping="0"/>'),
               10), start=(0, 0, 1))
     Run(root(EXACT + mesh + '<TrianglePressureForceField pressure="0 0 1" normal="0 1 1" dmin="-1" dmax="1"/>'), 1).fails(2, "dmin")
@@ -5610,15 +5708,15 @@ def nodes_that_assembled_matrices_do_not_hold():
 
 @case
 def ends_attached_both_ways():
-    """Ends start at their mean, whatever their masses. Products with a matrix then see one node; assembled matrices see two free ones
-    whose right sides are the mean, and both are brought together after the step."""
+    """Ends have the mean of their velocities. Products with a matrix see one node; assembled matrices see two free ones whose right
+    sides are the mean."""
     for solver, args, assembled in ((DAMPED_SOLVERS[0], [], False), (DAMPED_SOLVERS[1], [], True),
                                     (DAMPED_SOLVERS[1], ["--without-quirk", "unheld-matrix"], False)):
-        x, v, mass, lists = both_bodies(np.array([0.1, 0.05, -0.1]))
+        x, v, mass, lists = both_bodies()
         mean = np.eye(21)
         for i in range(3):
             mean[np.ix_((9 + i, 12 + i), (9 + i, 12 + i))] = 0.5
-        x, v = (mean @ x.ravel()).reshape(-1, 3), (mean @ v.ravel()).reshape(-1, 3)
+        v = (mean @ v.ravel()).reshape(-1, 3)
         for _ in range(15):
             A, b = damped_system(x, v, mass, lists)
             if not assembled:
@@ -5627,9 +5725,9 @@ def ends_attached_both_ways():
             dv[3:] = np.linalg.solve(A[3:, 3:], (mean @ b)[3:])
             v = v + dv.reshape(-1, 3)
             x = x + 0.01 * v
-            x, v = (mean @ x.ravel()).reshape(-1, 3), (mean @ v.ravel()).reshape(-1, 3)
+            x[4], v = (x[3] + x[4]) / 2, (mean @ v.ravel()).reshape(-1, 3)
         text = '<AttachProjectiveConstraint object1="@one/dofs" object2="@two/dofs" indices1="3" indices2="0" twoWay="1"/>'
-        run = Run(two_bodies(text, solver, np.array([0.1, 0.05, -0.1])), 15, args=args)
+        run = Run(two_bodies(text, solver), 15, args=args)
         agree(np.vstack([run.x("bodies.one.dofs"), run.x("bodies.two.dofs")]), x, 1e-8)
 
 
@@ -5702,6 +5800,86 @@ def attached_ends_take_means_after_each_step():
             agree(np.vstack([run.x("bodies.one.dofs"), run.x("bodies.two.dofs")]), x)
         run = Run(two_bodies(text, DAMPED_SOLVERS[1], apart), 15, args=["--without-quirk", "moved-inertia"])
         differ(run.x("bodies.one.dofs"), x[:4], 0.01)
+
+
+@case
+def pairs_that_attach_in_part():
+    """c = (v2 - v1) b k / 2 changes both velocities, and x2 goes a k / 2 of the way to x1, which stays. Pairs are free past lastPos,
+    unless clamp holds the second there, and farther apart than minDistance."""
+    apart = np.array([0.1, 0.05, -0.1])
+    last = {"place": SWINGING[0][3] + [0.01, 0, 0], "way": np.array([1.0, 0.5, 0])}
+    passes = f'lastPos="{numbers_of(last["place"])}" lastDir="1 0.5 0"'
+    met = [0, 0]
+    for more, factors, ends, clamp, least, both in (
+            ("", (1, 1, 1), False, False, -1, True),
+            ('positionFactor="0.5" velocityFactor="0.3" constraintFactor="0.8"', (0.4, 0.24, 1), False, False, -1, False),
+            ('positionFactor="0.5" velocityFactor="0.3" responseFactor="0.6"', (0.5, 0.3, 0.6), False, False, -1, True),
+            (passes, (1, 1, 1), True, False, -1, False), (passes + ' clamp="1"', (1, 1, 1), True, True, -1, False),
+            ('minDistance="0.149"', (1, 1, 1), False, False, 0.149, False), ('minDistance="0.2"', (1, 1, 1), False, False, 0.2, False)):
+        for solver in DAMPED_SOLVERS[:1] if least > 0 else DAMPED_SOLVERS:
+            assembled = solver is DAMPED_SOLVERS[1]
+            if both and not more and not assembled:
+                continue
+            x, v, mass, lists = both_bodies(apart)
+            mix = np.eye(21)
+            for i in range(3):
+                share = factors[2] / 2 if assembled else 0
+                mix[np.ix_((9 + i, 12 + i), (9 + i, 12 + i))] = [[1 - share, share], [share, 1 - share]]
+            follows = is_clamped = False
+            for step in range(16):
+                if step > 0:
+                    A, b = damped_system(x, v, mass, lists)
+                    held = {0, 1, 2} | ({12, 13, 14} if not both and (follows or is_clamped) else set())
+                    free = [i for i in range(21) if i not in held]
+                    dv = np.zeros(21)
+                    dv[free] = np.linalg.solve(A[np.ix_(free, free)], (mix @ b if both else b)[free])
+                    v = v + dv.reshape(-1, 3)
+                    x = x + 0.01 * v
+                is_past = ends and (x[3] - last["place"]) @ last["way"] > 0
+                follows, is_clamped = not is_past, is_past and clamp
+                if least > 0 and np.linalg.norm(x[4] - x[3]) > least:
+                    follows = False
+                met[follows] += 1
+                if follows:
+                    x[4] -= factors[0] / 2 * (x[4] - x[3])
+                    change = factors[1] / 2 * (v[4] - v[3])
+                    v[3], v[4] = v[3] + change, v[4] - change
+                if is_clamped:
+                    x[4], v[4] = (x[4] + last["place"]) / 2, v[4] / 2
+            text = (f'<AttachProjectiveConstraint object1="@one/dofs" object2="@two/dofs" indices1="3" indices2="0" {more} '
+                    f'twoWay="{int(both)}"/>')
+            run = Run(two_bodies(text, solver, apart), 15)
+            agree(np.vstack([run.x("bodies.one.dofs"), run.x("bodies.two.dofs")]), x, 1e-8)
+    assert min(met) > 10, met
+    Run(two_bodies('<AttachProjectiveConstraint object1="@one/dofs" object2="@two/dofs" indices1="3" indices2="0" minDistance="0.1" '
+                   'twoWay="1"/>', DAMPED_SOLVERS[0]), 1).fails(2, "lastDir and minDistance are of points and frames that follow")
+
+
+@case
+def frames_that_attach_in_part():
+    """Followers take centres alone, or their rest turn too: the one that takes the way to the next node, in its own axes, to x."""
+    turn = turn_of(np.array([0.3, -0.2, 0.4]))
+    scene = (EXACT + '<Node name="one"><MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  1 0 0 0 0 0 1" '
+             'velocity="1 0 0 0 0 2  1 0 0 0.5 0 0"/><UniformMass totalMass="2"/></Node><Node name="two"><MechanicalObject name="dofs" '
+             f'template="Rigid3" position="0 0 0 {numbers_of(turn)}  1 2 0 0 0 0 1" velocity="0 0 0 0 0.3 0  0 0 0 0 0 0"/>'
+             '<UniformMass totalMass="2"/></Node><AttachProjectiveConstraint object1="@one/dofs" object2="@two/dofs" indices1="0 1" '
+             'indices2="0 1" {}/>')
+    way = axes_of(inverse(turn)) @ np.array([1, 2, 0]) / np.sqrt(5)
+    axis = np.cross(way, [1, 0, 0])
+    rest = turn_of(np.arccos(way[0]) * axis / np.linalg.norm(axis))
+    ahead = turn_of(np.array([0, 0, 0.2]))
+    for more, first, second in (("", ahead, turn_of(np.array([0.05, 0, 0]))), ('restRotations="1"', product(ahead, rest), None),
+                                ('freeRotations="1"', product(turn_of(np.array([0, 0.03, 0])), turn), np.array([0, 0, 0, 1.0])),
+                                ('lastFreeRotation="1"', ahead, np.array([0, 0, 0, 1.0])),
+                                ('lastFreeRotation="1" lastPos="0.5 0 0" lastDir="1 0 0" clamp="1"',
+                                 product(turn_of(np.array([0, 0.03, 0])), turn), turn_of(np.array([0.05, 0, 0])))):
+        run = Run(root(scene.format(more), 'gravity="0 0 0"'), 10)
+        two = run.x("two.dofs", 7)
+        agree(two[0, :3], [0.1, 0, 0])
+        agree(two[1, :3], [0.5 if "clamp" in more else 1.1, 0, 0])
+        second = turn_of(np.array([0.05, 0, 0])) if second is None else second
+        for k, q in enumerate((first, second)):
+            agree(two[k, 3:] * np.sign(two[k, 6]), q * np.sign(q[3]))
 
 
 @case

@@ -117,6 +117,7 @@ class Rewriting {
   void meanForceOfConstraint(const Element& constraint);
   bool findsForcesOfConstraint(const Element& asker);
   void meanSkeleton(Element& constraint);
+  void meanPairs(Element& pairs, bool is_assembled);
   void meanSlidingPlane(Element& plane, bool is_assembled);
   bool isAssembled(const Element& integrator) const;
   bool isOfFrames(const Element& constraint) const;

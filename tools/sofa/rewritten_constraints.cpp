@@ -55,6 +55,31 @@ void Rewriting::meanMatrix(Element& element, const Element& integrator) {
        "CGLinearSolver, with which both do the same");
 }
 
+/// What SOFA's released assembled matrices do with pairs that come free, and how its products answer factors.
+void Rewriting::meanPairs(Element& pairs, bool is_assembled) {
+  const bool both = saysYes(pairs.text("twoWay"));
+  const auto isBelow = [&pairs](const char* name) {
+    for (const double each : writtenNumbers(pairs.text(name)))
+      if (each != 1) return true;
+    return false;
+  };
+  if (both && !is_assembled && (isBelow("responseFactor") || isBelow("constraintFactor"))) {
+    pairs.set("inMatrix", "false"), pairs.set("responseFactor", "0");
+    warn(pairs.written->where, pairs, {},
+         "has factors below 1: SOFA's conjugate gradients then go to the velocities of nodes that are free, which are computed here");
+  }
+  if (both || !is_assembled) return;
+  const std::vector<double> nodes = writtenNumbers(pairs.text("indices2"));
+  if (pairs.find("lastDir") && !saysYes(pairs.text("clamp")) && nodes.size() > 1)
+    warn(pairs.written->where, pairs, "lastDir",
+         "frees pairs one by one: SOFA's assembled matrix asks other pairs than those of its vectors, and free nodes move otherwise",
+         "CGLinearSolver, with which both do the same");
+  if (pairs.find("minDistance") && writtenNumbers(pairs.text("minDistance")) != std::vector<double>{-1})
+    warn(pairs.written->where, pairs, "minDistance",
+         "frees nodes: in SOFA's assembled matrix they still feel no forces, and go on as they were",
+         "CGLinearSolver, with which both do the same");
+}
+
 /// The frames of a skeleton that a program moves: without joints they all stay.
 void Rewriting::meanSkeleton(Element& constraint) {
   for (const char* name : {"joints", "bones"})
@@ -125,6 +150,10 @@ void Rewriting::meanSlidingPlane(Element& plane, bool is_assembled) {
 }
 
 void Rewriting::meanConstraint(Element& element) {
+  if (element.is("InterventionalRadiologyController") && std::atof(element.text("speed").c_str()) < 0 && !element.find("motionFilename")) {
+    warn(element.find("speed")->where, element, "speed", "is below 0: SOFA moves rods of a scene by a speed above 0 only, and they stay");
+    element.remove("speed");
+  }
   const Element* integrator = element.place->nearest("integrator");
   const bool moves = integrator && !integrator->is("StaticSolver") && !element.place->has("mapping");
   if (element.is("FixedRotationProjectiveConstraint") && moves && quirks_.use("one-sided-turns", element.path()))
@@ -135,6 +164,7 @@ void Rewriting::meanConstraint(Element& element) {
       !hasForcesOfConstraint())
     setQuirk(element, "unheld-matrix", "inMatrix", "false");
   if (integrator && !element.place->has("mapping")) meanMatrix(element, *integrator);
+  if (element.is("AttachProjectiveConstraint") && integrator) meanPairs(element, isAssembled(*integrator));
   setDefault(element, "ignoreMissing", "true");
   setDefault(element, "startsThere", "true");
   if (element.is("PatchTestMovementProjectiveConstraint")) setDefault(element, "velocity", "zero");
