@@ -112,11 +112,9 @@ struct Kinematics {
   V3<T> d[3];
 };
 
-/// At x [m]; the table at the top of the file says what the updates are.
+/// From the edges e_i [m]; the table at the top of the file says what the updates are.
 template <class Rotation, Update update, class T>
-Kinematics<T> kinematics(const RestOf<update, T>& rest, const V3<T> (&x)[4]) {
-  const Edges<T> edges(x);
-  const auto& e = edges.e;
+Kinematics<T> kinematics(const RestOf<update, T>& rest, const V3<T> (&e)[3]) {
   Kinematics<T> k;
   k.rotation = Rotation::of(outerSum(e, rest.g));
   if constexpr (update == Update::none) {
@@ -130,6 +128,11 @@ Kinematics<T> kinematics(const RestOf<update, T>& rest, const V3<T> (&x)[4]) {
     for (int i = 0; i < 3; ++i) k.d[i] = e[i] - k.rotation * rest.edges[i];
   }
   return k;
+}
+/// The same at x [m].
+template <class Rotation, Update update, class T>
+Kinematics<T> kinematics(const RestOf<update, T>& rest, const V3<T> (&x)[4]) {
+  return kinematics<Rotation, update>(rest, Edges<T>(x).e);
 }
 
 /// The strain times `one`, for gradients g that hold the same factor: 1, or the root (mu V_0)^1/2.

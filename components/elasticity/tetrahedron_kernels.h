@@ -2,8 +2,8 @@
 // The kernels of tetrahedra, by groups that are compiled apart: element loops take a compiler long.
 #pragma once
 #include "components/elasticity/elastic_kernels.h"
+#include "components/elasticity/fan_kernels.h"
 #include "components/elasticity/tetrahedron_shapes.h"
-#include "framework/fem/fan_model.h"
 
 namespace stroma::tetrahedron {
 
@@ -35,13 +35,17 @@ template <class Storage>
     }
   });
 }
+/// The nodes of each fan.
+inline std::vector<std::array<Index, fan_nodes>> nodesOf(const std::vector<Fan>& fans) {
+  std::vector<std::array<Index, fan_nodes>> nodes;
+  nodes.reserve(fans.size());
+  for (const Fan& fan : fans) nodes.push_back(fan.nodes);
+  return nodes;
+}
 template <class Storage>
 Storage fanStorage(const std::vector<Fan>& fans, const Elements& elements) {
-  std::vector<std::array<Index, fan_nodes>> cells;
-  cells.reserve(fans.size());
-  for (const Fan& fan : fans) cells.push_back(fan.nodes);
   Storage storage;
-  storage.arrange(cells, elements.shapes.positions(), elements.first_row);
+  storage.arrange(nodesOf(fans), elements.shapes.positions(), elements.first_row);
   fillFans(storage, fans, elements.shapes, elements.lame);
   return storage;
 }
@@ -50,10 +54,15 @@ std::unique_ptr<ElementKernels> kernelsOf(const Elements& elements) {
   using Storage = StorageOf<FanOf<Single>>;
   std::vector<Fan> fans = gatherFans(elements.shapes.mesh().tetrahedra, elements.shapes.positions().size());
   Storage storage = fanStorage<Storage>(fans, elements);
-  return std::make_unique<ModelKernels<FanOf<Single>>>(
-      std::move(storage), [fans = std::move(fans), &shapes = elements.shapes, lame = elements.lame](Storage& stored) {
-        fillFans(stored, fans, shapes, lame);
-      });
+  FanTiles tiles;
+  if constexpr (requires { Single::turns; }) tiles.build(nodesOf(fans), elements.shapes.positions(), elements.first_row);
+  auto fill = [fans = std::move(fans), &shapes = elements.shapes, lame = elements.lame](Storage& stored) {
+    fillFans(stored, fans, shapes, lame);
+  };
+  if constexpr (requires { Single::turns; })
+    return std::make_unique<FanKernels<Single>>(std::move(storage), std::move(tiles), std::move(fill));
+  else
+    return std::make_unique<ModelKernels<FanOf<Single>>>(std::move(storage), std::move(fill));
 }
 
 }  // namespace stroma::tetrahedron

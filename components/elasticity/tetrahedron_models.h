@@ -45,23 +45,14 @@ struct Linear : ByStrain<Linear> {
   template <class T>
   using Rest = RestRoot<T>;
   template <class T>
-  static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
-                              V3<T> (&f)[4]) {
-    Edges<T> e(x);  // in which the strain is linear
-    const Edges<T> de(dx);
-    for (int i = 0; i < 3; ++i) e.e[i] = fma(factor, de.e[i], e.e[i]);
-    nodalForces(restoringStress(minusRoot(rest, strainOf(e.e, t.g)), t.ratio, T(1.)), t.g, f);
-  }
-  template <class T>
   static S3<T> strain(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
-    return minusRoot(rest, strainOf(Edges(x).e, t.g));
+    return strainFrom(rest, t, Edges(x).e);
   }
-
- private:
+  // ---- for FanKernels ----
+  static constexpr bool turns = false, keeps_differences = false;
   template <class T>
-  static S3<T> minusRoot(const Rest<T>& rest, S3<T> scaled) {
-    scaled.xx -= rest.root, scaled.yy -= rest.root, scaled.zz -= rest.root;
-    return scaled;
+  static S3<T> strainFrom(const Rest<T>& rest, const auto& t, const V3<T> (&edges)[3]) {
+    return strainOfKinematics<Update::none>(edges, t.g, rest.root);
   }
 };
 
@@ -74,25 +65,22 @@ struct Corotational : ByStrain<Corotational<Rotation, update>> {
   template <class T>
   using Tangent = tetrahedron::Tangent<T>;
   template <class T>
-  static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
-                              V3<T> (&f)[4]) {
-    auto k = heldKinematics(rest, t, x);
-    const Edges<T> de(dx);
-    for (int i = 0; i < 3; ++i) k.d[i] = fma(factor, de.e[i], k.d[i]);
-    nodalForces(restoringStress(strainOfKinematics<update>(k.d, t.g, rest.root), t.ratio, T(1.)), t.g, f);
-  }
-  template <class T>
   static S3<T> strain(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
-    const auto k = heldKinematics(rest, t, x);
-    return strainOfKinematics<update>(k.d, t.g, rest.root);
+    V3<T> d[3];
+    turn(rest, t, Edges(x).e, d);
+    return strainFrom(rest, t, d);
   }
-
- private:
+  // ---- for FanKernels ----
+  static constexpr bool turns = true, keeps_differences = update != Update::none;
   template <class T>
-  static Kinematics<T> heldKinematics(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
-    const auto k = kinematics<Rotation, update>(rest, x);
+  static void turn(const Rest<T>& rest, auto& t, const V3<T> (&edges)[3], V3<T> (&d)[3]) {
+    const auto k = kinematics<Rotation, update>(rest, edges);
     t.g = {k.g.g1 * rest.root, k.g.g2 * rest.root, k.g.g3 * rest.root};
-    return k;
+    for (int i = 0; i < 3; ++i) d[i] = k.d[i];
+  }
+  template <class T>
+  static S3<T> strainFrom(const Rest<T>& rest, const auto& t, const V3<T> (&d)[3]) {
+    return strainOfKinematics<update>(d, t.g, rest.root);
   }
 };
 

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Kernels of fans of tetrahedra whose force is linear in edges once their gradients have turned, in parts (fan_tiles.h).
+#pragma once
+#include "components/elasticity/fan_tiles.h"
+#include "components/elasticity/tetrahedron_corotational.h"
+
+namespace stroma::tetrahedron {
+
+/// df += factor K dx with the gradients of the tangents.
+[[gnu::noinline]] inline void addFanProduct(const FanTiles& tiles, const Fanned<Tangent<Pack>>* tangent, ConstRows dx,
+                                            double factor, Rows df) {
+  const Pack scale(factor);
+  tiles.forEach<1>([&](Index batch, Index count) __attribute__((flatten)) {
+    for (Index k = 0; k < count; ++k) {  // one: else the compiler keeps more packs than there are registers
+      FanEdges edges[1];
+      tiles.gather(batch, dx, edges[k]);
+      V3<Pack> f[fan_size][4];
+#pragma GCC unroll 2
+      for (int i = 0; i < fan_size; ++i) {
+        const V3<Pack> d[3] = {edges[k][0], edges[k][1 + i], edges[k][2 + i]};
+        const Tangent<Pack>& t = tangent[batch].of[i];
+        nodalForces(restoringStress(strainOf(d, t.g), scale * t.ratio, scale), t.g, f[i]);
+      }
+      tiles.scatter(batch, f[0], f[1], df);
+    }
+  });
+}
+
+/// `Single`: a model of tetrahedra with Tangent and
+///   turns                 its gradients turn with x
+///   keeps_differences     d_i below are not the edges, and kept
+///   turn(rest, tangent, e, d)        sets the gradients of the tangent, and d_i where these are kept, from the edges e_i
+///   strainFrom(rest, tangent, d)     (mu V_0)^1/2 eps
+template <class Single>
+class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
+  using Model = FanOf<Single>;
+  using Base = StoredKernels<StorageOf<Model>>;
+  using Products = ProductLoops<Model>;
+  using Base::storage_;
+
+ public:
+  FanKernels(StorageOf<Model>&& storage, FanTiles&& tiles, typename Base::Fill fill)
+      : Base(std::move(storage), std::move(fill)), tiles_(std::move(tiles)) {}
+  void addForce(ConstRows x, Rows f) override { add<false>(x, x, 0, f); }
+  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override { add<true>(x, dx, factor, f); }
+  double energy(ConstRows x) const override { return ForceLoops<Model>::energy(storage_, x); }
+  void addProduct(ConstRows dx, double factor, Rows df) const override {
+    addFanProduct(tiles_, storage_.tangent.data(), dx, factor, df);
+  }
+  void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
+    Products::assemble(storage_, {}, factor, slots, values);
+  }
+  void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
+    Products::assembleDiagonal(storage_, {}, factor, blocks);
+  }
+
+ private:
+  static constexpr Index tile = 4;
+  struct Work {
+    FanEdges edges[tile], change[tile];
+    Pack differences[Single::keeps_differences ? tile * fan_size : 1][9];
+  };
+
+  /// f += the forces at x and, if there is a `change`, factor K dx.
+  template <bool change>
+  void add(ConstRows x, ConstRows dx, double factor, Rows f) {
+    const Pack scale(factor);
+    tiles_.template forEach<tile>([&](Index first, Index count) __attribute__((flatten)) {
+      Work work;
+      for (Index k = 0; k < count; ++k) {
+        tiles_.gather(first + k, x, work.edges[k]);
+        if constexpr (change) tiles_.gather(first + k, dx, work.change[k]);
+      }
+      if constexpr (Single::turns)
+        for (Index j = 0; j < fan_size * count; ++j) turn(first, j, work);
+      for (Index k = 0; k < count; ++k) {
+        V3<Pack> own[fan_size][4];
+#pragma GCC unroll 2
+        for (int i = 0; i < fan_size; ++i) force<change>(first, k, i, scale, work, own[i]);
+        tiles_.scatter(first + k, own[0], own[1], f);
+      }
+    });
+  }
+  static void edgesOf(const FanEdges& edges, int i, V3<Pack> (&e)[3]) {
+    e[0] = edges[0], e[1] = edges[1 + i], e[2] = edges[2 + i];
+  }
+  /// Tetrahedron j % fan_size of batch first + j / fan_size.
+  void turn(Index first, Index j, Work& work) {
+    const Index batch = first + j / fan_size, i = j % fan_size;
+    V3<Pack> e[3], d[3];
+    edgesOf(work.edges[j / fan_size], int(i), e);
+    Single::turn(storage_.rest[batch].of[i], storage_.tangent[batch].of[i], e, d);
+    if constexpr (Single::keeps_differences)
+      for (int n = 0; n < 3; ++n)
+        work.differences[j][3 * n] = d[n].x, work.differences[j][3 * n + 1] = d[n].y, work.differences[j][3 * n + 2] = d[n].z;
+  }
+  template <bool change>
+  void force(Index first, Index k, int i, Pack factor, const Work& work, V3<Pack> (&f)[4]) const {
+    V3<Pack> d[3], de[3];
+    if constexpr (Single::keeps_differences) {
+      const Pack(&kept)[9] = work.differences[k * fan_size + i];
+      for (int n = 0; n < 3; ++n) d[n] = {kept[3 * n], kept[3 * n + 1], kept[3 * n + 2]};
+    } else {
+      edgesOf(work.edges[k], i, d);
+    }
+    if constexpr (change) {
+      edgesOf(work.change[k], i, de);
+      for (int n = 0; n < 3; ++n) d[n] = fma(factor, de[n], d[n]);
+    }
+    const Tangent<Pack>& t = storage_.tangent[first + k].of[i];
+    nodalForces(restoringStress(Single::strainFrom(storage_.rest[first + k].of[i], t, d), t.ratio, Pack(1.)), t.g, f);
+  }
+
+  FanTiles tiles_;
+};
+
+}  // namespace stroma::tetrahedron
