@@ -238,6 +238,45 @@ TEST(BarrierContact, SticksAndSlipsWhereCoulombSays) {
   }
 }
 
+/// Forces between two bodies have neither sum nor moment.
+TEST(BarrierContact, ForcesBetweenBodiesHaveNoMoment) {
+  int checked = 0;
+  for (unsigned seed = 1; seed < 60; ++seed) {
+    FieldUnderTest t(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "") + bodyNode("b", boxAbove(seed, 0.03), "") +
+                                  contact("contactDistance=\"0.2\"")),
+                     "BarrierContact");
+    const Vector f = t.force();
+    Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+    double size = 0;
+    for (Index i = 0; i < f.count(); ++i) {
+      sum += Vec3(f[i]), moment += Vec3(t.x[i]).cross(Vec3(f[i]));
+      size += Vec3(f[i]).norm();
+    }
+    if (size == 0) continue;
+    ++checked;
+    EXPECT_LT(sum.norm(), 1e-13 * size) << "seed " << seed;
+    EXPECT_LT(moment.norm(), 1e-13 * size) << "seed " << seed;
+  }
+  EXPECT_GT(checked, 5);
+}
+
+/// The exact test of a step sees a body that something else has put through another one, and says where.
+TEST(BarrierContact, ACrossingIsSeenAndNamed) {
+  Simulation simulation = simulationFromText(
+      contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2}), "") +
+                   bodyNode("b", boxOf(Vec3(0.2, 0.3, 1.2), Vec3(0.8, 0.7, 1.8)), "") + contact("contactDistance=\"0.05\"")));
+  StepReport report = simulation.step();
+  EXPECT_TRUE(report.constraints_converged) << report.constraint_reason;
+  EXPECT_EQ(outputOf(simulation, "crossings"), 0);
+  System& system = *simulation.systems()[0];
+  const State& b = *simulation.states()[1];
+  for (Index i = 0; i < b.size(); ++i) system.x[b.firstRow() + i] -= Vec3(0, 0, 0.4);
+  report = simulation.step();
+  EXPECT_TRUE(report.diverged || !report.constraints_converged);
+  expectContains(report.constraint_reason + report.reason, "through the triangle of node");
+  EXPECT_GT(outputOf(simulation, "crossings"), 0);
+}
+
 TEST(BarrierContact, RefusesAStartInOverlap) {
   const std::string text =
       problemsOf(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "") +

@@ -87,8 +87,9 @@ Body refined(const Body& coarse) {
   return fine;
 }
 
-/// The ten of Erleben; tips point down and start 1e-4 above what they hit, cubes 0.05.
+/// The ten of Erleben; what falls starts farther above what it hits than contacts act.
 std::vector<Case> cases() {
+  constexpr double above = 2e-3;
   std::vector<Case> list;
   const Body cube = boxOf(Vec3(-.5, 0, -.5), Vec3(.5, 1, .5));
   Body across = wedge(true), cliff = boxOf(Vec3(-.5, -.5, -.5), Vec3(.5, .5, .5));
@@ -101,17 +102,23 @@ std::vector<Case> cases() {
   for (Vec3& p : groove.points)
     if (p.x() == 0 && p.y() > 0) p.y() = 0;
   const Body plate = boxOf(Vec3(-1, -.5, -1), Vec3(1, .5, 1), {4, 1, 4});
-  list.push_back({"spikes", spike(true), spike(), 6 + 1e-4});
-  list.push_back({"spike on wedge", spike(true), wedge(), 6 + 1e-4});
-  list.push_back({"wedges", across, wedge(), 6 + 1e-4});
-  list.push_back({"spike in a hole", spike(true), pit, 3 + 1e-4});
-  list.push_back({"spike in a crack", spike(true), groove, 3 + 1e-4});
-  list.push_back({"wedge in a crack", wedge(true), groove, 3 + 1e-4});
-  list.push_back({"sliding spike", spike(true), plate, 3.5 + 1e-4, 10, 2e11});
-  list.push_back({"sliding wedge", wedge(true), plate, 3.5 + 1e-4, 10, 2e11});
-  list.push_back({"cliff edges", cube, cliff, 0.55});
-  list.push_back({"inner edges", cube, plate, 0.55});
+  list.push_back({"spikes", spike(true), spike(), 6 + above});
+  list.push_back({"spike on wedge", spike(true), wedge(), 6 + above});
+  list.push_back({"wedges", across, wedge(), 6 + above});
+  list.push_back({"spike in a hole", spike(true), pit, 3 + above});
+  list.push_back({"spike in a crack", spike(true), groove, 3 + above});
+  list.push_back({"wedge in a crack", wedge(true), groove, 3 + above});
+  list.push_back({"sliding spike", spike(true), plate, 3.5 + above, 10, 2e11});
+  list.push_back({"sliding wedge", wedge(true), plate, 3.5 + above, 10, 2e11});
+  list.push_back({"cliff edges", cube, cliff, 0.5 + above});
+  list.push_back({"inner edges", cube, plate, 0.5 + above});
   return list;
+}
+
+double kineticEnergyOf(Simulation& simulation) {
+  double sum = 0;
+  for (const auto& system : simulation.systems()) sum += system->kineticEnergy();
+  return sum;
 }
 
 double energyOf(Simulation& simulation) {
@@ -145,25 +152,29 @@ TEST(Drops, OfErlebensDegenerateCasesAreClean) {
         Body falls = fine ? refined(each.falls) : each.falls;
         const Body stands = fine ? refined(each.stands) : each.stands;
         falls.turn(Mat3::Identity(), Vec3(0, each.start, 0));
+        const double speed = dt == 0.001 ? 1 : 0;  // else nothing would meet within the steps that are made
         std::string ground, velocity;
         const double low = stands.lowest(1);
         for (std::size_t i = 0; i < stands.points.size(); ++i)
           if (stands.points[i].y() < low + 1e-9) ground += fmt::format("{} ", i);
-        for (std::size_t i = 0; i < falls.points.size(); ++i) velocity += fmt::format("{} 0 0 ", each.sliding);
+        for (std::size_t i = 0; i < falls.points.size(); ++i) velocity += fmt::format("{} {} 0 ", each.sliding, -speed);
         Simulation simulation = simulationFromText(contactScene(
             bodyNode("a", falls, "", "velocity=\"" + velocity + "\"", each.young) +
                 bodyNode("b", stands, "<FixedProjectiveConstraint indices=\"" + ground + "\"/>", "", each.young) +
                 fmt::format(fmt::runtime(between), fmt::format("contactDistance=\"1e-3\" stiffness=\"{}\"", 0.1 * each.young)),
             dt, Vec3(0, -9.81, 0), "<EulerImplicitSolver newtonIterations=\"20\" newtonTolerance=\"1e-6\"/>"));
         const double start = energyOf(simulation);
+        double fastest = kineticEnergyOf(simulation);
         bool touched = false;
         for (int i = 0; i < (fine ? 4 : 12); ++i) {
-          EXPECT_LE(excessOfStep(simulation, i), 1e-4 * std::abs(start)) << "step " << i;
+          const double excess = excessOfStep(simulation, i);
           if (HasFatalFailure()) return;
+          fastest = std::max(fastest, kineticEnergyOf(simulation));
+          EXPECT_LE(excess, 1e-3 * fastest) << "step " << i;
           touched = touched || outputOf(simulation, "smallestGap") > 0;
         }
-        EXPECT_TRUE(touched || each.start == 0.55 || dt == 0.001);
-        EXPECT_LE(energyOf(simulation) - start, 1e-3 * std::abs(start));
+        EXPECT_TRUE(touched) << "a gap within contactDistance, in which nothing starts";
+        EXPECT_LE(energyOf(simulation) - start, 0.01 * fastest);
       }
 }
 
