@@ -5,8 +5,8 @@
 // measured along it, and the rod is turned by rotationInstrument[i] about its axis where it comes in. The tip of controlledInstrument
 // goes on by speed dt in each step. Tips go no further than their rods are long. A program may set these attributes in a run.
 //
-// motionFilename is a text file instead of `speed`. Its rows are the time [ms], by how much the tip goes on in each step from then on, and a
-// third number that nobody reads. A step goes by the last row that is before its start, the first steps by the first row. From the
+// motionFilename is a text file instead of `speed`. Its rows are the time [ms], by how much the tip goes on in each step from then
+// on, and a third number that nobody reads. A step goes by the last row that is before its start, the first steps by the first row. From the
 // last row on the tip is at the opening, as in SOFA.
 //
 // The last nodes of the mesh are the rods that are out, the last node the tip that is furthest. Nodes lie at key points of the rods and

@@ -330,7 +330,8 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
     for (const Index row : followers_) {
       Quaternion turn = Quaternion::Identity();
       if (std::size_t(row) + 2 < rest.size()) {
-        const Vec3 way = (turnedBy(rest[std::size_t(row) + 1]).conjugate() * (rest[std::size_t(row) + 2] - rest[std::size_t(row)])).normalized();
+        const Vec3 apart = rest[std::size_t(row) + 2] - rest[std::size_t(row)];
+        const Vec3 way = (turnedBy(rest[std::size_t(row) + 1]).conjugate() * apart).normalized();
         const Vec3 axis = way.cross(Vec3::UnitX());  // SOFA's, of a turn by the angle between both
         if (axis.norm() > 1e-12) turn = Eigen::AngleAxisd(std::acos(std::clamp(way.x(), -1., 1.)), axis.normalized());
       }

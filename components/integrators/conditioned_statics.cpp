@@ -17,6 +17,7 @@ void ConditionedStatics::compile(System& system) {
     throw ComponentError("statics find no forces of constraint beside BarrierContact",
                          "ConstraintContact instead of it, or EulerImplicitSolver");
   for (Vector* vector : {&start_, &way_, &load_}) vector->resize(system.independentRows());
+  loads_.resize(system.allRows());
   conditions_.compile(system, *this, multipliers_, load_);
 }
 

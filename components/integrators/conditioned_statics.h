@@ -62,10 +62,7 @@ class ConditionedStatics final : public NonlinearProblem {
   ConstRows positions() const override { return x(); }
   double travelled() const override { return norm(way_); }
   double loadScale() const override { return norm(system_->f); }
-  double loads() override {
-    Vector work(system_->allRows());
-    return loadsOn(*system_, work);
-  }
+  double loads() override { return loadsOn(*system_, loads_); }
   RoundOff roundOff() override { return {}; }
 
  private:
@@ -75,6 +72,7 @@ class ConditionedStatics final : public NonlinearProblem {
   Multipliers multipliers_;
   ConditionsNewton conditions_;
   Vector start_, way_;  ///< x0 and u
+  Vector loads_;        ///< work space
   Vector load_;         ///< J^T l
 };
 

@@ -34,6 +34,7 @@ class Equilibrium final : public NonlinearProblem {
     limits_.compile(system);
     lends_energy_ = !system.isConservative();
     start_.resize(system.independentRows());
+    loads_.resize(system.allRows());
   }
   void begin() {
     copy(rows(), start_);
@@ -106,10 +107,7 @@ class Equilibrium final : public NonlinearProblem {
   ConstRows positions() const override { return rows(); }
   double travelled() const override { return distance(rows(), start_); }
   bool restsWithoutForces() const override { return true; }
-  double loads() override {
-    Vector work(system_->allRows());
-    return loadsOn(*system_, work);
-  }
+  double loads() override { return loadsOn(*system_, loads_); }
   RoundOff roundOff() override {
     const Index rows = start_.count();
     return positionRoundOff(*system_, provided(error_, rows), provided(product_, rows));
@@ -120,7 +118,7 @@ class Equilibrium final : public NonlinearProblem {
   System* system_ = nullptr;
   StepLimits limits_;
   bool lends_energy_ = false;  ///< some forces have a potential within a solve only
-  Vector start_;
+  Vector start_, loads_;
   Vector start_force_, error_, product_;  ///< see provided()
   double share_ = 1;
 };

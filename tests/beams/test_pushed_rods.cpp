@@ -3,16 +3,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include "framework/mechanics/frames.h"
 #include "framework/simulation/simulation.h"
 #include "tests/beams/pushed_rods.h"
+#include "tests/support/folder_fixture.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
+
+class RodsOfFiles : public FolderTest {};
 
 TEST(PushedRods, AStraightOneGoesStraightOnAndComesBack) {
   Rods rods;
@@ -39,12 +40,8 @@ TEST(PushedRods, AStraightOneGoesStraightOnAndComesBack) {
 }
 
 /// By rows of times [ms] and ways: the last one before the start of a step, and from the last row on the opening.
-TEST(PushedRods, AFileMovesTheRod) {
-  const auto written = [](const std::string& rows) {
-    const std::string path = std::filesystem::temp_directory_path() / "stroma_pushed_rods.txt";
-    std::ofstream(path) << rows;
-    return path;
-  };
+TEST_F(RodsOfFiles, AFileMovesTheRod) {
+  const auto written = [this](const std::string& rows) { return write("motion.txt", rows); };
   Rods rods;
   rods.add("guide", straight);
   const std::string path = written("0 0.002 7\n\n45 0.005 7\n85 -0.001 7\n125 0.1 7\n");

@@ -148,8 +148,8 @@ TEST(HyperelasticMaterials, AFieldFollowsItsMaterialInARun) {
 /// Without a viscous part the shape alone decides: from one place on, a run with a new value is one that began with it there.
 TEST(HyperelasticMaterials, ANewValueIsThatOfARunThatBeganWithIt) {
   const auto started = [&](const std::string& young) {
-    return simulationFromText(sceneOf(tetrahedron, "<NeoHookeanMaterial name='tissue' youngModulus='" + young +
-                                                       "' poissonRatio='0.3'/>" + field() + "<FixedProjectiveConstraint indices='0 1 2'/>"));
+    const std::string material = "<NeoHookeanMaterial name='tissue' youngModulus='" + young + "' poissonRatio='0.3'/>";
+    return simulationFromText(sceneOf(tetrahedron, material + field() + "<FixedProjectiveConstraint indices='0 1 2'/>"));
   };
   Simulation changed = started("1e4"), soft = started("2e3");
   for (int i = 0; i < 5; ++i) changed.step();
