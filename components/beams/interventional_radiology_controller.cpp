@@ -6,8 +6,8 @@
 // goes on by speed dt in each step. Tips go no further than their rods are long. A program may set these attributes in a run.
 //
 // motionFilename is a text file instead of `speed`. Its rows are the time [ms], by how much the tip goes on in each step from then
-// on, and a third number that nobody reads. A step goes by the last row that is before its start, the first steps by the first row. From the
-// last row on the tip is at the opening, as in SOFA.
+// on, and a third number that nobody reads. A step goes by the last row that is before its start, the first steps by the first row.
+// From the last row on the tip is at the opening, as in SOFA.
 //
 // The last nodes of the mesh are the rods that are out, the last node the tip that is furthest. Nodes lie at key points of the rods and
 // where densityOfBeams has them, so that beams come and go as rods move; nodes that carry no beam wait at startingPos. Where a rod
