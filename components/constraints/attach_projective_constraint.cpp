@@ -117,7 +117,7 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
     table.add("positionFactor", position_factor_).help("of the way to what is followed, with meet=halfway").unit("-").min(0).max(1);
     table.add("velocityFactor", velocity_factor_).help("of the change of both velocities, with meet=halfway").unit("-").min(0).max(1);
     table.add("responseFactor", response_factor_).help("of the change of both right sides, with inMatrix=false").unit("-").min(0).max(1);
-    table.add("constraintFactor", pair_factors_).help("of all three, one for each pair; 1 when not given").min(0).max(1);
+    table.add("constraintFactor", pair_factors_).help("of all three, one for each pair; 1 when not given").unit("-").min(0).max(1);
     table.add("lastPos", last_place_).help("where a pair comes free that goes along lastDir").unit("m");
     table.add("lastDir", last_way_).help("zero: pairs stay together wherever they go").unit("-");
     table.add("clamp", clamp_).help("the second node of a pair that is past lastPos stays there, and is not free");
