@@ -5,10 +5,7 @@
 // measured along it, and the rod is turned by rotationInstrument[i] about its axis where it comes in. The tip of controlledInstrument
 // goes on by speed dt in each step. Tips go no further than their rods are long. A program may set these attributes in a run.
 //
-// motionFilename is a text file instead of `speed`. Its rows are the time [ms], by how much the tip goes on in each step from then
-// on, and a third number that nobody reads. A step goes by the last row that is before its start, the first steps by the first row.
-// From the last row on the tip is at the opening, as in SOFA.
-//
+// motionFilename is a text file instead of `speed` (tip_motion.h).
 // The last nodes of the mesh are the rods that are out, the last node the tip that is furthest. Nodes lie at key points of the rods and
 // where densityOfBeams has them, so that beams come and go as rods move; nodes that carry no beam wait at startingPos. Where a rod
 // is alone its nodes move on with it, and the beam at the opening becomes longer: that is what pushes. Where rods lie in one
@@ -40,10 +37,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "components/beams/rod_sampling.h"
+#include "components/beams/tip_motion.h"
 #include "components/beams/wire_chain.h"
 #include "framework/mechanics/history.h"
 #include "framework/mechanics/projective_constraint.h"
@@ -90,7 +86,6 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   bool isMovedFor(double t, double t_end) const;
   std::vector<double> asked() const;
   void checkWay() const;
-  void readMotion();
   void moveControlled(double& tip, double t, double t_end) const;
   void giveBeams();
   void moveNodes();
@@ -110,7 +105,7 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   int controlled_ = 0, first_ = 0;
   double step_ = 0.1, angular_step_ = 3.1416 / 20, speed_ = 0, threshold_ = 0.01;
   FileName motion_file_;
-  std::vector<std::array<double, 2>> motion_;  ///< time [s] and how far the tip goes in a step [m]
+  TipMotion motion_;
   Pushed start_, before_, is_;     ///< at the start of the run and of the step, and in the step
   std::vector<double> written_;    ///< what this component has put into xtip: another value is a program's
   std::vector<double> told_;       ///< the last one of these, or empty
@@ -171,7 +166,8 @@ void InterventionalRadiologyController::init() {
   ProjectiveConstraint::init();
   findRods();
   checkMesh();
-  if (!motion_file_.empty()) readMotion();
+  if (!motion_file_.empty()) motion_.read(motion_file_);
+  if (!motion_.empty() && speed_ != 0) warn("motionFilename and speed are given: the file moves the rod");
   if (!rigid_.empty()) throw ComponentError("rigidCurvAbs is not supported", "a stiff stretch of the rod");
   if (opening_.size() != 7) throw ComponentError(fmt::format("startingPos has {} numbers", opening_.size()), "x y z and a quaternion");
   if (controlled_ >= int(rods_.size()))
@@ -293,30 +289,9 @@ bool InterventionalRadiologyController::isMovedFor(double t, double t_end) const
   return t > moved_.from || (moved_.asked == asked() && std::equal(moved_.x.begin(), moved_.x.end(), x.data));
 }
 
-void InterventionalRadiologyController::readMotion() {
-  std::ifstream file(motion_file_.found);
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    std::istringstream words(line);
-    double time = 0, advance = 0;
-    if (!(words >> time >> advance))
-      throw ComponentError(fmt::format("{}:{}: '{}' is no time and length", motion_file_.given, number, line), "three numbers in a row");
-    motion_.push_back({time / 1000, advance});
-  }
-  if (motion_.size() < 2) throw ComponentError(fmt::format("{} has {} rows", motion_file_.given, motion_.size()), "two or more");
-  if (speed_ != 0) warn("motionFilename and speed are given: the file moves the rod");
-}
-
 void InterventionalRadiologyController::moveControlled(double& tip, double t, double t_end) const {
-  if (motion_.empty()) {
-    tip += speed_ * (t_end - t);
-    if (speed_ < 0) tip = std::max(tip, 0.);
-    return;
-  }
-  std::size_t row = 0;
-  while (row + 1 < motion_.size() && motion_[row + 1][0] < t) ++row;
-  tip = row + 1 == motion_.size() ? 0 : std::max(tip + motion_[row][1], 0.);
+  tip = motion_.empty() ? tip + speed_ * (t_end - t) : motion_.next(tip, t);
+  if (speed_ < 0) tip = std::max(tip, 0.);
 }
 
 void InterventionalRadiologyController::moveRods(double t, double t_end) {

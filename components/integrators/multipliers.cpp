@@ -229,6 +229,16 @@ bool Multipliers::answerCarried(LinearSolver& solver, SystemMatrix& matrix, Cons
   return true;
 }
 
+/// g as it would be without the forces of the last round.
+void Multipliers::leaveOutForces() {
+  copy(whole_, before_);
+  if (carries_) axpy(1, base_, before_);
+  const ConstRows along = system_->mappingChain().direction(before_);
+  for (Eigen::Index i = 0; i < solve_.g.size(); ++i)
+    for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
+      solve_.g[i] -= rule_.displacement * gradient.dot(along[row]);
+}
+
 void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
                           StepReport& report) {
   constexpr int most_rounds = 100, most_idle = 10, few_idle = 2;
@@ -258,12 +268,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
       if (!respond(solver, matrix, stop, report)) return;
       couple();
     }
-    copy(whole_, before_);
-    if (carries_) axpy(1, base_, before_);
-    const ConstRows along = s.mappingChain().direction(before_);
-    for (Eigen::Index i = 0; i < solve_.g.size(); ++i)
-      for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
-        solve_.g[i] -= rule_.displacement * gradient.dot(along[row]);
+    leaveOutForces();
     const double little = far_less * leastTolerance(false);
     last_forces_ = solve_.l;
     solve_.solve(rows_.rows(), stop, allowed_);
@@ -274,8 +279,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     step = rule_.displacement * distance(whole_, before_);
     if (round > 0 && step > 0.5 * last && carries_ && areFewAndSmooth()) {
       // along these directions no force may do it, as of a cable that bends much: Newton's method goes on from the linear answer
-      solve_.l = last_forces_, is_left_ = true;
-      step = last;
+      solve_.l = last_forces_, is_left_ = true, step = last;
       break;
     }
     // two places that share a force may pass it to and fro for ever, by round-off of their directions
@@ -292,8 +296,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   }
   findConditions();
   solve_.l.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
-  knows_forces_ = true;
-  give();
+  knows_forces_ = true, give();
   judge(step, size, rounding, report);
 }
 

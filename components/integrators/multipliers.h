@@ -97,6 +97,7 @@ class Multipliers {
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
+  void leaveOutForces();
   void sumResponses();
   void apply(Rows change);
   void give();

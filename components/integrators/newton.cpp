@@ -222,14 +222,17 @@ void Newton::goToGuess(NonlinearProblem& problem, double& now) {
 }
 
 void Newton::keepIfBest(NonlinearProblem& problem, double now) {
-  if (settings.use_energy || !(now < best_norm_)) return;
+  // a solve on the energy has no use for it where one iteration is enough
+  if (!(now < best_norm_) || (settings.use_energy && history_.size() < 3)) return;
   if (best_.count() != base_.count()) best_.resize(base_.count());
   copy(problem.unknowns(), best_), best_norm_ = now;
 }
 
 void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report) {
   report.newton_converged = false;
-  if (!(best_norm_ < now)) return;
+  // each iterate has less energy than those before, so that the last one is the best, but not where it is further from balance than
+  // the first
+  if (!(best_norm_ < now) || (settings.use_energy && now <= scale_)) return;
   copy(best_, problem.unknowns());
   problem.unknownsChanged();
   problem.residual(residual_);
@@ -290,7 +293,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   for (;;) {
     const int done = int(history_.size());
     // what rests on something has next to no net force where the solve starts
-    if (done == 2) scale_ = std::max(scale_, problem.loads());
+    if (done == 2 && !stop_.isStopAsked()) scale_ = std::max(scale_, problem.loads());
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
     tellNewtonIterate(done, report.newton_residual, goal());
