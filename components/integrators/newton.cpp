@@ -177,6 +177,8 @@ bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& rep
   report.reason.clear();
   const double attainable = problem.roundOff().residual;
   if (!(now <= 3 * attainable)) return false;
+  report.newton_residual = now / scale_;
+  if (now <= most_of_loads * scale_) return true;
   const double loads = problem.loads();
   scale_ = std::max(scale_, loads);
   report.newton_residual = now / scale_;
@@ -292,9 +294,9 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   }
   for (;;) {
     const int done = int(history_.size());
-    // what rests on something has next to no net force where the solve starts
-    if (done == 2 && !stop_.isStopAsked()) scale_ = std::max(scale_, problem.loads());
     history_.push_back(now);
+    // what rests on something has next to no net force where the solve starts
+    if (done == 2 && !converged(now) && !stop_.isStopAsked()) scale_ = std::max(scale_, problem.loads());
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
     tellNewtonIterate(done, report.newton_residual, goal());
     if (!std::isfinite(now)) {
@@ -371,7 +373,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   if (shifted || !(is_round_off || isCorrectionSmall(problem))) return true;
   history_.push_back(now);
   report.newton_residual = now / scale_;
-  if (!is_round_off || settings.fixed_count) return false;
+  if (!is_round_off || now <= most_of_loads * scale_ || settings.fixed_count) return false;
   const double loads = problem.loads(), attainable = problem.roundOff().residual;
   // a body on which nothing acts has a residual of round-off from the start
   const bool is_at_rest = loads == 0 && std::min(scale_, now) <= 3 * attainable;
