@@ -90,7 +90,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void checkStart(ConstRows x) override;
   double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
-  bool isOnTheWay() const override { return !is_explicit_ && gets_on_ && obstaclesGoOn(); }
+  bool isOnTheWay() const override { return !is_explicit_ && ((gets_on_ && obstaclesGoOn()) || frictionGoesOn()); }
   bool hasWay() const override { return waits_; }
   void addPush(Rows f) const override { terms_.addPush(goal_ - law_.moved, f), friction_.terms().addPush(goal_ - law_.moved, f); }
   void goAlong(double s) override;
@@ -127,6 +127,8 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
     is_explicit_ ? friction_.stretch(law_, law_.touches(x), x, start_, way) : friction_.compute(law_.surfaces, x, start_, way);
   }
   bool frictionChanges(bool was_held);
+  /// The present solve is but a place to go on from: friction is expected to change after it by so much that another one follows.
+  bool frictionGoesOn() const { return friction_rounds_ + 2 < friction_iterations_ && is_to_change_ && !friction_.isHolding(); }
   bool sharesChange();
   auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
@@ -147,7 +149,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0;
   bool gets_on_ = false;  ///< obstacles have gone far beside contactDistance; little says that a contact has not opened again
   bool is_behind_ = false;  ///< obstacles begin the step elsewhere than where path and hand had them then
-  bool waits_ = false;     ///< see hasWay()
+  bool waits_ = false, is_to_change_ = false;  ///< see hasWay(); frictionGoesOn()
   LineShares shares_;
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
   std::vector<Friction::Slide> solved_slides_;
@@ -270,7 +272,7 @@ void BarrierContact::beginRounds() {
   obstacle_rounds_ = friction_rounds_ = share_rounds_ = 0, shares_.solveBegins();
   left_start_ = is_carried_ = gets_on_ = false;
   friction_.beginAgain(), lookAgain(x_), law_.weigh(x_);
-  friction_.note(law_, law_.touches(x_));
+  friction_.note(law_, law_.touches(x_)), is_to_change_ = friction_.hasSlid() && !friction_.slides.empty();
   waits_ = !hasArrived() && law_.moved == moved_at_start_;
 }
 
@@ -310,9 +312,10 @@ bool BarrierContact::movesOn(ConstRows x) {
     return ++obstacle_rounds_, waits_ = true;
   }
   law_.copyShares(solved_shares_);
-  const bool others = sharesChange(), held = friction_.release();
+  const bool others = sharesChange(), goes_on = frictionGoesOn(), held = friction_.release();
   solved_slides_ = friction_.slides;
-  const bool rubs = friction_.acts() && frictionChanges(held), again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
+  const bool rubs = (friction_.acts() && frictionChanges(held)) || goes_on;
+  const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
   if (has_solved_ = !again && !others; has_solved_) return friction_.settle(), false;
   return shares_.solveBegins(), true;
 }
@@ -333,7 +336,7 @@ bool BarrierContact::sharesChange() {
 
 /// Friction with the forces and shares that have been found now, against that of the solve before. What was held says nothing of slip.
 bool BarrierContact::frictionChanges(bool was_held) {
-  constexpr double settled = 1e-3;
+  constexpr double settled = 1e-3, usual_factor = 0.1, surely = 3;
   slideTo(x_);
   friction_.forces(forces_before_);
   if (was_held)
@@ -343,6 +346,7 @@ bool BarrierContact::frictionChanges(bool was_held) {
   slideTo(x_);
   friction_.forces(forces_);
   outputs_.friction_change = relativeChange(forces_before_, forces_);
+  is_to_change_ = !was_held && usual_factor * outputs_.friction_change > surely * settled;
   return outputs_.friction_change > settled;
 }
 

@@ -62,6 +62,8 @@ class Friction {
   void remember(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   /// At the first x of a solve: holds what is off by more than e, has not been held in this step, and does not go on as before.
   void hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
+  bool hasSlid() const { return std::ranges::any_of(slid_, [](const Vec3& u) { return !u.isZero(0); }); }  ///< in the step before
+  bool isHolding() const { return std::ranges::any_of(slides, &Slide::held); }
   /// Nothing is held any more. True: something was.
   bool release();
   /// Obstacles have moved since the last x: that counts as the first one of a solve.

@@ -251,8 +251,10 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopTo
   }
   StepReport report = solveFixed(problem, solver);
   while (report.newton_converged && !report.failed() && problem.movesOn()) {
-    if (problem.hasWay()) goAlong(problem, solver, report);
+    const bool has_way = problem.hasWay();
+    if (has_way) goAlong(problem, solver, report);
     if (report.stopped) return report;
+    keeps_scale_ = enough_ > 0 && !has_way;  // what was solved roughly is solved on
     const StepReport before = report;
     report = solveFixed(problem, solver);
     addCounts(before, report);
