@@ -4345,6 +4345,14 @@ def floors_and_anchors_without_an_integrator_carry_others_along():
     run = Run(root(contacts + floor + ball), 150)
     agree(run.x("floor.floor")[:, 1], np.full(4, 0.3))
     agree(run.x("ball.dofs", 7)[0, :3], [0.2, 0.3 + 0.1 + 0.02, 0.1], 1e-6)
+    pushed = contacts.replace("FrictionContactConstraint", "PenalityContactForceField").replace("FreeMotionAnimationLoop", "DefaultAnimationLoop")
+    light = ('<Node name="ball">{}<MechanicalObject name="dofs" position="0.2 0.12 0.1"/><UniformMass totalMass="0.1"/><SphereCollisionModel '
+             'radius="0.1" contactStiffness="5"/></Node>')
+    for solver in ("<EulerExplicitSolver/>", "<RungeKutta4Solver/>"):  # of the body: it goes on with its own
+        run = Run(root(pushed + floor + light.format(solver)), 40)
+        assert "not alike" not in run.text and "warning" not in run.text, run.text
+        by_hand = Run(root(pushed + floor.replace("<MeshTopology", solver + '<UniformMass totalMass="1"/><MeshTopology') + light.format(solver)), 40)
+        agree(run.x("ball.dofs"), by_hand.x("ball.dofs"))
     moving = '<LinearMovementConstraint indices="0" keyTimes="0 1 2" movements="0 0 0  1 0 0  1 0 0"/>'
     k, m, h = 1000.0, 0.01, 0.01
     anchor = f'<Node name="a"><MechanicalObject name="anchor" position="5 0 0"/>{moving}</Node>'

@@ -210,7 +210,8 @@ class Bodies {
     return true;
   }
 
-  /// The integrator and the linear solver that all of them have from now on; none: they are left.
+  /// The integrator and the linear solver that all of them have from now on, or the first of them if they are not alike: what is held
+  /// gets them too. None: nothing of them moves.
   std::optional<Solvers> makeAlike(const std::vector<Place*>& meeting) {
     std::vector<Place*> moved;
     std::copy_if(meeting.begin(), meeting.end(), std::back_inserter(moved),
@@ -230,7 +231,7 @@ class Bodies {
     if (!same_kind) {  // the first one moves all of them, which the engine tells
       for (Place* body : moved)
         if (!same_damping) handDown(*body);
-      return std::nullopt;
+      return Solvers{kindOf(*moved[0]->firstOf("integrator"), same_damping), first.empty() ? Kind{} : kindOf(*first[0], true)};
     }
     if (!same_damping) shared = {};
     for (std::size_t i = 0; i < shared.size(); ++i)
@@ -283,9 +284,12 @@ class Bodies {
   void hold(Place& place, const Solvers& solvers) {
     diagnostics_.note(place.node->where, place.path(),
                       "no integrator moves it: it is held where it is, or where the scene puts it");
-    if (bodyAt(&place) == &place) add(place, solvers.integrator), add(place, solvers.solver);
+    if (bodyAt(&place) == &place) add(place, solvers.integrator), addIfAny(place, solvers.solver);
     // what moved nodes does not go on with them after its end
     add(place, {"FixedProjectiveConstraint", {{"fixAll", "true"}, {"activate_projectVelocity", "true"}}});
+  }
+  void addIfAny(Place& place, const Kind& solver) {
+    if (!solver.type.empty()) add(place, solver);
   }
   void add(Place& place, const Kind& kind) {
     const SourceLocation& where = place.node->where;
