@@ -4382,6 +4382,90 @@ def moved_nodes_have_the_velocity_of_a_steps_start():
 
 
 @case
+def what_no_integrator_moves_goes_where_constraints_put_it():
+    """SOFA ends a step by projecting the positions of all states, those without a solver too. Without a solver nothing goes on."""
+    state = '<MechanicalObject name="dofs" position="0 0 0  5 0 0"/>'
+    falling = f'<Node name="body">{EXACT}<MechanicalObject name="body" position="0 0 0"/><UniformMass totalMass="1"/></Node>'
+    ramp = '<LinearMovementConstraint indices="0" keyTimes="0 0.1 0.2" movements="0 0 0  1 0 0  1 2 0"/>'
+
+    def x(content, steps, more=falling):
+        run = Run(root(f'{more}<Node name="tool">{state}{content}</Node>'), steps)
+        run.says("no integrator moves it: it is held where it is, or where the scene puts it")
+        assert "warning" not in run.text, run.text
+        return run.x("tool.dofs")
+    rest = [5, 0, 0]
+    for more in (falling, ""):  # with a body that moves, and where nothing else does
+        agree(x(ramp, 8, more), [[0.7, 0, 0], rest])
+        agree(x(ramp, 16, more), [[1, 1, 0], rest])
+    agree(x(ramp, 30), [[1, 1.8, 0], rest])  # the last step that moves it starts at 0.19
+    agree(x('<UniformMass totalMass="1"/>' + ramp, 16), [[1, 1, 0], rest])  # without falling
+    part = '<PartialLinearMovementConstraint indices="0" keyTimes="0 0.1" movements="0 0 0  1 1 0" movedDirections="0 1 0"/>'
+    agree(x(part, 6), [[0, 0.5, 0], rest])
+    agree(x(part, 30), [[0, 0.9, 0], rest])
+    agree(x('<OscillatorConstraint oscillators="0  1 2 3  0 1 0  20 0.5"/>', 9), [[1, 2 + np.sin(20 * 0.08 + 0.5), 3], rest])
+    flow = '<LinearVelocityConstraint indices="0" keyTimes="0 0.1" velocities="1 0 0  3 0 0"/>'
+    places = [0.01] + [0.01 * (1 + 20 * 0.01 * n) for n in range(10)]  # one before the first step
+    agree(x(flow, 5), [[sum(places[:6]), 0, 0], rest])
+    agree(x(flow, 20), [[sum(places), 0, 0], rest])
+    turn = '<AffineMovementConstraint {}translation="0.5 0 0" rotation="1 0 0 0 1 0 0 0 1" beginConstraintTime="0" endConstraintTime="0.1"/>'
+    agree(x(turn.format('indices="0" meshIndices="0 1" '), 30), [[0.5, 0, 0], rest])
+    frame_of = Run(root('<Node name="tool"><MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><LinearMovementConstraint '
+                        'template="Rigid3" indices="0" keyTimes="0 1" movements="0 0 0 0 0 0  1 0 0 0 0 2"/><Node name="other"><MechanicalObject '
+                        'name="other" position="7 0 0"/><UniformMass totalMass="1"/></Node></Node>'), 26)
+    agree(frame_of.x("tool.dofs", 7), [[0.25, 0, 0, 0, 0, np.sin(0.25), np.cos(0.25)]])
+    agree(frame_of.x("tool.other.other"), [[7, 0, 0]])  # below it, and moved by nothing
+    named = Run(root(f'{falling}<Node name="tool">{state}</Node>' + ramp.replace(" indices", ' mstate="@tool/dofs" indices')), 8)
+    agree(named.x("tool.dofs"), [[0.7, 0, 0], rest])
+    agree(named.x("body.body"), [[0, fallen(8), 0]])
+
+
+@case
+def states_of_files_need_no_integrator():
+    """A recorded motion of what others touch or hang on; after its end it stays where it is."""
+    file = "".join(f"T= {0.01 * n}\n  X= {n * n} 0 0 {n} 1 0\n  V= {2 * n} 0 0 1 0 0\n" for n in range(11))
+    scene = node('<Node name="tool"><MechanicalObject name="dofs" position="0 0 0  0 1 0"/><ReadState filename="tool.state"/></Node>')
+    for steps, n in ((4, 4), (10, 10), (25, 10)):
+        run = Run(scene, steps, {"tool.state": file})
+        agree(run.x("tool.dofs"), [[n * n, 0, 0], [n, 1, 0]])
+        assert "warning" not in run.text, run.text
+
+
+@case
+def floors_and_anchors_without_an_integrator_carry_others_along():
+    contacts = ('<FreeMotionAnimationLoop/><GenericConstraintSolver tolerance="1e-9" maxIterations="1000"/><CollisionPipeline/>'
+                '<BruteForceBroadPhase/><BVHNarrowPhase/><LocalMinDistance alarmDistance="0.1" contactDistance="0.02"/>'
+                '<CollisionResponse response="FrictionContactConstraint" responseParams="mu=0.1"/>')
+    rising = '<LinearMovementConstraint indices="0 1 2 3" keyTimes="0 1 2" movements="0 0 0  0 0.3 0  0 0.3 0"/>'
+    floor = ('<Node name="floor"><MeshTopology position="-1 0 -1  1 0 -1  1 0 1  -1 0 1" triangles="0 2 1  0 3 2"/><MechanicalObject '
+             f'name="floor"/>{rising}<TriangleCollisionModel/><LineCollisionModel/><PointCollisionModel/></Node>')
+    ball = (f'<Node name="ball">{EXACT}<MechanicalObject template="Rigid3" name="dofs" position="0.2 0.12 0.1 0 0 0 1"/>'
+            '<UniformMass totalMass="1"/><SphereCollisionModel radius="0.1"/><UncoupledConstraintCorrection/></Node>')
+    run = Run(root(contacts + floor + ball), 150)
+    agree(run.x("floor.floor")[:, 1], np.full(4, 0.3))
+    agree(run.x("ball.dofs", 7)[0, :3], [0.2, 0.3 + 0.1 + 0.02, 0.1], 1e-6)
+    pushed = contacts.replace("FrictionContactConstraint", "PenalityContactForceField").replace("FreeMotionAnimationLoop", "DefaultAnimationLoop")
+    light = ('<Node name="ball">{}<MechanicalObject name="dofs" position="0.2 0.12 0.1"/><UniformMass totalMass="0.1"/><SphereCollisionModel '
+             'radius="0.1" contactStiffness="5"/></Node>')
+    for solver in ("<EulerExplicitSolver/>", "<RungeKutta4Solver/>"):  # of the body: it goes on with its own
+        run = Run(root(pushed + floor + light.format(solver)), 40)
+        assert "not alike" not in run.text and "warning" not in run.text, run.text
+        by_hand = Run(root(pushed + floor.replace("<MeshTopology", solver + '<UniformMass totalMass="1"/><MeshTopology') + light.format(solver)), 40)
+        agree(run.x("ball.dofs"), by_hand.x("ball.dofs"))
+    moving = '<LinearMovementConstraint indices="0" keyTimes="0 1 2" movements="0 0 0  1 0 0  1 0 0"/>'
+    k, m, h = 1000.0, 0.01, 0.01
+    anchor = f'<Node name="a"><MechanicalObject name="anchor" position="5 0 0"/>{moving}</Node>'
+    body = (f'<Node name="b">{EXACT}<MechanicalObject name="dofs" position="5 0 0"/><UniformMass totalMass="{m}"/><RestShapeSpringsForceField '
+            f'points="0" stiffness="{k}" external_rest_shape="@../a/anchor" external_points="0"/></Node>')
+    run = Run(node(body + anchor), 50)
+    x, v, at = 0.0, 0.0, 0.0
+    for n in range(50):  # the anchor is where it was when the step began
+        v = (m * v + h * k * (at - x)) / (m + h * h * k)
+        x, at = x + h * v, n * h
+    agree(run.x("b.dofs"), [[5 + x, 0, 0]])
+    agree(run.x("a.anchor"), [[5.49, 0, 0]])
+
+
+@case
 def nodes_whose_velocity_is_given_go_on_with_that_of_a_steps_start():
     """Where they are is a sum over the steps, whatever kinks their velocity has, and their neighbours feel that of the step before."""
     body = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/><SpringForceField spring="0 1 100 0 1"/>')

@@ -144,4 +144,21 @@ with tempfile.TemporaryDirectory() as folder:
     for wrong in (["--jobs", "0"], ["--jobs=-1"], ["--limit", "nan"], ["--limit=-5"], ["--steps=-1"]):
         done = subprocess.run([STROMA, "check", "--sofa", folder, *wrong], capture_output=True, text=True, timeout=1800)
         assert done.returncode == 2 and "expected" in done.stderr, f"{wrong}: {done.returncode} {done.stderr}"
+
+# scenes in Python are loaded, as far as `stroma check` goes; other files in Python are none
+with tempfile.TemporaryDirectory() as folder:
+    scene = 'def createScene(root):\n    print("{")\n    root.addObject("%s")\n'
+    for name, text in {"good.scn": SCENE, "it's good.py": scene % "DefaultAnimationLoop", "missing.py": scene % "Strange", "helper.py": "x = 1\n",
+                       "list": "good.scn\nmissing.py\n"}.items():
+        with open(os.path.join(folder, name), "w") as out:
+            out.write(text)
+    for where, lines in ((folder, ("it's good.py: loads", "missing.py: cannot run because /Strange: there is no component 'Strange'",
+                                   "3 scenes: 1 run as they are, 0 run without what has no effect, 1 in Python load (stroma run makes their "
+                                   "steps), 1 cannot run")),
+                         (os.path.join(folder, "list"), ("good.scn: runs as it is", "missing.py: cannot run", "2 scenes: 1 run as they are"))):
+        done = subprocess.run([STROMA, "check", "--sofa", where, "--limit", "600"], capture_output=True, text=True, timeout=1800)
+        for line in lines:
+            assert line in done.stdout, f"'{line}' is missing:\n{done.stdout}{done.stderr}"
+    done = subprocess.run([STROMA, "check", "--sofa", os.path.join(folder, "missing.py")], capture_output=True, text=True, timeout=1800)
+    assert done.returncode == 2 and "is one scene" in done.stderr, done.stderr
 print("passed")

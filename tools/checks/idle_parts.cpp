@@ -65,6 +65,9 @@ bool edgesAreTied(const CellKind& kind, const Cell& cell, Index first_row, const
   });
 }
 
+/// By no scene: the dialect holds what no integrator moves, and a note tells.
+bool isByDialect(const ProjectiveConstraint& constraint) { return constraint.name().starts_with("held_by_the_scene_"); }
+
 void warnOfHeldBodies(const System& system, Diagnostics& diagnostics) {
   const ConstraintSet& constraints = system.constraints();
   const auto moves = [](const ProjectiveConstraint* constraint) { return constraint->prescribesMotion(); };
@@ -79,7 +82,7 @@ void warnOfHeldBodies(const System& system, Diagnostics& diagnostics) {
     Index held = 0;
     while (held < rows && isHeld(first + held)) ++held;
     const bool by_dialect = std::ranges::any_of(constraints.all(), [state](const ProjectiveConstraint* constraint) {
-      return &constraint->state() == state && constraint->name().starts_with("held_by_the_scene_");  // of which a note tells
+      return &constraint->state() == state && isByDialect(*constraint);
     });
     if (held == rows && state->nodes() > 1 && !by_dialect)
       diagnostics.warning(state->where(), state->path(),
@@ -124,7 +127,7 @@ void warnOfContradictions(const System& system, double t, double dt, Diagnostics
   const NodeGroups& groups = system.constraints().groups();
   std::vector<std::pair<const ProjectiveConstraint*, std::map<Index, Mat3>>> held;
   for (const ProjectiveConstraint* constraint : system.constraints().all())
-    if (!constraint->prescribesMotion() && constraint->activeIn(t, t + dt))
+    if (!constraint->prescribesMotion() && constraint->activeIn(t, t + dt) && !isByDialect(*constraint))
       held.emplace_back(constraint, heldDirections(*constraint, groups, t));
   for (const ProjectiveConstraint* moving : system.constraints().all()) {
     if (!moving->prescribesMotion() || !moving->activeIn(t, t + dt)) continue;

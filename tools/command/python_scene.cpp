@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -41,6 +42,7 @@ std::vector<std::string> packageFolders() {
 bool needsPython(const Arguments& arguments) {
   if (arguments.empty()) return false;
   if (arguments[0] == "sweep" || arguments[0] == "watch") return false;  // whose runs are commands of their own
+  if (arguments[0] == "check" && std::find(arguments.begin(), arguments.end(), "--sofa") != arguments.end()) return false;  // as those
   for (std::size_t i = 1; i < arguments.size(); ++i) {
     std::error_code no_file;
     if (!fs::is_regular_file(arguments[i], no_file)) continue;

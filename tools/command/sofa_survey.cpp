@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,6 +19,7 @@
 #include "tools/command/sofa_references.h"
 #include "tools/command/sofa_runs.h"
 #include "tools/session/children.h"
+#include "tools/session/scene_program.h"
 
 namespace stroma::command {
 namespace {
@@ -27,13 +30,16 @@ using Json = nlohmann::ordered_json;
 /// Scenes below a folder, those of SOFA's list, or one a line of a text.
 std::vector<std::string> scenesOf(const std::string& where) {
   std::vector<std::string> scenes;
+  if (isSceneProgram(where) || where.ends_with(".scn"))
+    throw UsageError(where + " is one scene, and --sofa expects a folder or a list of scenes: stroma check " + where);
   if (fs::is_directory(where)) {
     for (const auto& entry : fs::recursive_directory_iterator(where)) {
       const std::string ending = entry.path().extension().string();
-      if (!entry.is_regular_file() || (ending != ".scn" && ending != ".xml")) continue;
+      const bool is_program = isSceneProgram(ending);
+      if (!entry.is_regular_file() || (!is_program && ending != ".scn" && ending != ".xml")) continue;
       std::ifstream stream(entry.path());
       const std::string text{std::istreambuf_iterator<char>(stream), {}};
-      if (text.find("<Node") != std::string::npos) scenes.push_back(entry.path().string());
+      if (text.find(is_program ? "def createScene" : "<Node") != std::string::npos) scenes.push_back(entry.path().string());
     }
     std::sort(scenes.begin(), scenes.end());
   } else if (isSofaList(where)) {
@@ -50,9 +56,51 @@ std::vector<std::string> scenesOf(const std::string& where) {
   return scenes;
 }
 
+Json nothingYet(const std::string& scene) {
+  return {{"scene", scene}, {"runs", false}, {"reasons", Json::array()}, {"without", Json::array()}, {"warnings", 0}};
+}
+
+/// A word of a shell.
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char each : word) text += each == '\'' ? std::string("'\\''") : std::string(1, each);
+  return text + "'";
+}
+
+/// A scene in Python: what `stroma check` says of it, which makes no steps. The scene may print before that.
+Json lookInPython(const std::string& scene) {
+  Json result = nothingYet(scene);
+  result["loads"] = false;
+  const std::string command = quoted(fs::read_symlink("/proc/self/exe").string()) + " check --json " + quoted(scene) + " 2>&1 </dev/null";
+  std::string text;
+  if (FILE* answer = popen(command.c_str(), "r")) {
+    std::array<char, 4096> part;
+    for (std::size_t count = 0; (count = std::fread(part.data(), 1, part.size(), answer)) > 0;) text.append(part.data(), count);
+    pclose(answer);
+  }
+  const auto begin = ("\n" + text).rfind("\n{\n"), end = text.rfind("\n}\n");
+  const bool is_answer = begin != std::string::npos && end != std::string::npos && begin < end;
+  const Json report = is_answer ? Json::parse(text.substr(begin, end + 2 - begin), nullptr, false) : Json();
+  if (!report.is_object() || !report.contains("problems")) {
+    text = std::string(trimmed(text));
+    result["reasons"].push_back(text.empty() ? "stroma check ends without a word" : text.substr(text.rfind('\n') + 1));
+    return result;
+  }
+  result["loads"] = report["ok"];
+  int warnings = 0;
+  for (const Json& problem : report["problems"]) {
+    const std::string path = problem["path"], message = problem["message"];
+    warnings += problem["severity"] == "warning";
+    if (problem["severity"] == "error") result["reasons"].push_back((path.empty() ? "" : path + ": ") + message);
+  }
+  result["warnings"] = warnings;
+  return result;
+}
+
 /// In a process of its own: JSON of what became of the scene.
 std::string look(const std::string& scene, long steps) {
-  Json result{{"scene", scene}, {"runs", false}, {"reasons", Json::array()}, {"without", Json::array()}, {"warnings", 0}};
+  if (isSceneProgram(scene)) return lookInPython(scene).dump(-1, ' ', false, Json::error_handler_t::replace);
+  Json result = nothingYet(scene);
   try {
     Session session;
     Simulation& simulation = session.load(scene, {{"/", "dialect", "sofa"}});
@@ -89,18 +137,22 @@ std::string causeOf(const std::string& reason) {
 }
 
 struct Survey {
-  int as_is = 0, without = 0, cannot = 0;
+  int as_is = 0, without = 0, cannot = 0, loads = 0;  ///< of those in Python no steps are made: they load
   std::map<std::string, int> holding, alone;  ///< scenes by cause, and those that it holds back alone
 
   void add(const std::string& scene, const Json& result) {
     std::vector<std::string> reasons = result["reasons"], left_out = result["without"];
-    if (result["runs"].get<bool>()) {
-      const int warnings = result["warnings"];
+    const int warnings = result["warnings"];
+    const std::string warned = warnings == 0 ? std::string() : fmt::format("; {} warnings", warnings);
+    if (result.value("loads", false)) {
+      ++loads;
+      fmt::print("{}: loads{}\n", scene, warned);
+    } else if (result["runs"].get<bool>()) {
       ++(left_out.empty() ? as_is : without);
       fmt::print("{}: {}{}\n", scene,
                  left_out.empty() ? std::string("runs as it is")
                                   : fmt::format("runs without {}", fmt::join(left_out, ", ")),
-                 warnings == 0 ? std::string() : fmt::format("; {} warnings", warnings));
+                 warned);
     } else {
       ++cannot;
       fmt::print("{}: cannot run because {}\n", scene, fmt::join(reasons, "; "));
@@ -111,8 +163,9 @@ struct Survey {
     std::fflush(stdout);
   }
   void summarise() const {
-    fmt::print("\n{} scenes: {} run as they are, {} run without what has no effect, {} cannot run\n",
-               as_is + without + cannot, as_is, without, cannot);
+    const std::string programs = loads == 0 ? "" : fmt::format("{} in Python load (stroma run makes their steps), ", loads);
+    fmt::print("\n{} scenes: {} run as they are, {} run without what has no effect, {}{} cannot run\n",
+               as_is + without + cannot + loads, as_is, without, programs, cannot);
     std::vector<std::pair<int, std::string>> order;
     for (const auto& [cause, count] : holding) order.emplace_back(-count, cause);
     std::sort(order.begin(), order.end());
@@ -139,9 +192,8 @@ int surveySofaScenes(const std::string& where, const Values& values) {
   runJobs(
       int(scenes.size()), limits, [&](int i) { return look(scenes[std::size_t(i)], steps); },
       [&](int i, const ChildEnd& end) {
-        Json result = end.failure.empty() ? Json::parse(end.text)
-                                          : Json{{"scene", scenes[std::size_t(i)]}, {"runs", false},
-                                                 {"reasons", Json::array({end.failure})}, {"without", Json::array()}, {"warnings", 0}};
+        Json result = end.failure.empty() ? Json::parse(end.text) : nothingYet(scenes[std::size_t(i)]);
+        if (!end.failure.empty()) result["reasons"].push_back(end.failure);
         if (json)
           all.push_back(std::move(result));
         else

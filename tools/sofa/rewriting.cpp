@@ -260,8 +260,9 @@ void Rewriting::dropIdle(Place& place, bool is_moved) {
     if (moves || element->dropped || !acting.count(element->role())) continue;
     if (movesElsewhere(*element) || isContactAnswer(element->written->type)) continue;
     element->dropped = true;
-    diagnostics_.note(element->written->where, element->path(),
-                      "does not count: no integrator moves anything in this node");
+    const std::string why = "does not count: no integrator moves anything in this node";
+    if (!putsNodes(*element)) diagnostics_.note(element->written->where, element->path(), why);
+    else warn(element->written->where, *element, {}, why + ", and in SOFA it moves nodes all the same", "a node for this state alone");
   }
   for (const auto& child : place.children)
     if (!child->dropped) dropIdle(*child, moves);

@@ -193,6 +193,8 @@ class Rewriting {
   std::unique_ptr<SceneTree> tree_;
 };
 
+/// It puts nodes somewhere at times. (rewritten_bodies.cpp)
+bool putsNodes(const Element& element);
 /// The loader of a file of meshes by its ending, or empty.
 std::string_view loaderOf(std::string_view file);
 /// The numbers of a list that is written out; of a link none.

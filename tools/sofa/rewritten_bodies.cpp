@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What SOFA's scenes leave to each body, and the engine wants of all that move together. In SOFA every body has a solver of its
 // own and contacts tie them; here bodies that touch are one system, with one kind of solver. And in SOFA what no solver moves
-// stays where it is, with all that is mapped from it; here something has to hold it.
+// stays where it is, or where constraints and files put it, with all that is mapped from it; here something has to hold it.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -79,9 +79,10 @@ bool moves(const Place& place) {
   return place.has("integrator") || std::any_of(place.children.begin(), place.children.end(),
                                                 [](const auto& child) { return !child->dropped && moves(*child); });
 }
+bool isOfOneBody(const Place& place) { return allOf(place, "mechanical state").size() == 1 && !place.has("mapping"); }
 /// It has a state of its own, from which another one is mapped.
 bool leads(const Place& place) {
-  if (allOf(place, "mechanical state").size() != 1 || place.has("mapping")) return false;
+  if (!isOfOneBody(place)) return false;
   return std::any_of(place.children.begin(), place.children.end(),
                      [](const auto& child) { return !child->dropped && child->has("mapping") && child->has("mechanical state"); });
 }
@@ -94,10 +95,14 @@ class Bodies {
   void join() {
     bool any_moves = false;
     tree_.forEachPlace([&](Place& place) { any_moves = any_moves || place.has("integrator"); });
-    if (!any_moves) return;
-    tree_.forEachPlace([this](Place& place) {
-      if (!isMoved(place) && !moves(place) && (leads(place) || isTied(place))) still_.push_back(&place);
+    const std::vector<const Place*> driven = drivenPlaces();
+    tree_.forEachPlace([&](Place& place) {
+      const bool is_driven = isOfOneBody(place) && std::find(driven.begin(), driven.end(), &place) != driven.end();
+      const bool lies_in_held = place.parent && bodyAt(place.parent) && isOfOneBody(place);
+      if (isMoved(place) || moves(place)) return;
+      if (is_driven || lies_in_held || (any_moves && (leads(place) || isTied(place)))) still_.push_back(&place);
     });
+    if (still_.empty() && !any_moves) return;
     const std::vector<Place*> meeting = bodiesThatMeet();
     const std::optional<Solvers> common = meeting.size() > 1 ? makeAlike(meeting) : std::nullopt;
     const Solvers usual{{"EulerImplicitSolver", {}}, {"SparseLDLSolver", {}}};
@@ -112,11 +117,23 @@ class Bodies {
       if (place->has("integrator") || isIn(still_, place)) body = place;
     return body;
   }
+  /// Where the states are that a component puts somewhere, which SOFA does at the end of a step whether a solver is there or not.
+  std::vector<const Place*> drivenPlaces() const {
+    std::vector<const Place*> driven;
+    tree_.forEach([&](Element& element) {
+      if (element.dropped || !putsNodes(element)) return;
+      const std::string link = element.text("mstate");
+      const LinkTarget target = link.empty() ? LinkTarget{} : tree_.follow(element, link, false);
+      const Element* state = target.element ? target.element : element.place->nearest("mechanical state");
+      driven.push_back(target.place ? target.place : state ? state->place : nullptr);
+    });
+    return driven;
+  }
   /// It has a state of its own that something between two objects names.
   bool isTied(const Place& place) const {
     const std::vector<Element*> states = allOf(place, "mechanical state");
     bool is_named = false;
-    if (states.size() != 1 || place.has("mapping")) return false;
+    if (!isOfOneBody(place)) return false;
     tree_.forEach([&](Element& element) {
       if (!isAnyOf(element.role(), {"force field", "position constraint", "projective constraint", "Lagrangian constraint"}))
         return;
@@ -193,7 +210,8 @@ class Bodies {
     return true;
   }
 
-  /// The integrator and the linear solver that all of them have from now on; none: they are left.
+  /// The integrator and the linear solver that all of them have from now on, or the first of them if they are not alike: what is held
+  /// gets them too. None: nothing of them moves.
   std::optional<Solvers> makeAlike(const std::vector<Place*>& meeting) {
     std::vector<Place*> moved;
     std::copy_if(meeting.begin(), meeting.end(), std::back_inserter(moved),
@@ -213,7 +231,7 @@ class Bodies {
     if (!same_kind) {  // the first one moves all of them, which the engine tells
       for (Place* body : moved)
         if (!same_damping) handDown(*body);
-      return std::nullopt;
+      return Solvers{kindOf(*moved[0]->firstOf("integrator"), same_damping), first.empty() ? Kind{} : kindOf(*first[0], true)};
     }
     if (!same_damping) shared = {};
     for (std::size_t i = 0; i < shared.size(); ++i)
@@ -266,8 +284,12 @@ class Bodies {
   void hold(Place& place, const Solvers& solvers) {
     diagnostics_.note(place.node->where, place.path(),
                       "no integrator moves it: it is held where it is, or where the scene puts it");
-    if (bodyAt(&place) == &place) add(place, solvers.integrator), add(place, solvers.solver);
-    add(place, {"FixedProjectiveConstraint", {{"fixAll", "true"}}});
+    if (bodyAt(&place) == &place) add(place, solvers.integrator), addIfAny(place, solvers.solver);
+    // what moved nodes does not go on with them after its end
+    add(place, {"FixedProjectiveConstraint", {{"fixAll", "true"}, {"activate_projectVelocity", "true"}}});
+  }
+  void addIfAny(Place& place, const Kind& solver) {
+    if (!solver.type.empty()) add(place, solver);
   }
   void add(Place& place, const Kind& kind) {
     const SourceLocation& where = place.node->where;
@@ -279,7 +301,7 @@ class Bodies {
   SceneTree& tree_;
   Diagnostics& diagnostics_;
   bool isolated_;
-  std::vector<Place*> still_;  ///< that no integrator moves, and others follow
+  std::vector<Place*> still_;  ///< that no integrator moves, and that others follow or something puts
 };
 
 }  // namespace
@@ -331,6 +353,13 @@ void Rewriting::takeNodesOfNeighbour(Element& container) {
   for (const auto& each : container.place->elements)
     if (!mesh && !each->dropped && each->role() == "topology" && each.get() != &container && hasOwnNodes(*each)) mesh = each.get();
   if (mesh && mesh != &container) container.set("position", SceneTree::linkTo(*mesh) + ".position");
+}
+
+bool putsNodes(const Element& element) {
+  return isAnyOf(element.written->type, {"ReadState", "LinearMovementProjectiveConstraint", "PartialLinearMovementProjectiveConstraint",
+                                         "LinearVelocityProjectiveConstraint", "OscillatorProjectiveConstraint",
+                                         "AffineMovementProjectiveConstraint", "PatchTestMovementProjectiveConstraint",
+                                         "ParabolicProjectiveConstraint", "HermiteSplineProjectiveConstraint"});
 }
 
 void Rewriting::joinBodies() { Bodies(*tree_, diagnostics_, quirks_.isOn("isolated-springs")).join(); }

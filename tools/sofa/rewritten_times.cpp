@@ -125,6 +125,18 @@ void Rewriting::warnOfTurns(const Element& movement) {
          "turns frames by rotation vectors in fixed axes: in SOFA these are Euler angles about the axes of the frame");
 }
 
+/// Nodes that no integrator moves stay where they are along the other axes: there is no velocity that would take them along.
+static void clearOtherAxes(Element& movement) {
+  const auto& here = movement.place->elements;
+  const bool is_held = std::any_of(here.begin(), here.end(), [](const auto& each) { return each->name.starts_with("held_by_the_scene_"); });
+  const std::vector<double> moved = writtenNumbers(movement.text("movedDirections"));
+  std::vector<double> numbers = writtenNumbers(movement.text("movements"));
+  if (!is_held || moved.empty() || numbers.empty()) return;
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (moved[i % moved.size()] == 0) numbers[i] = 0;
+  movement.set("movements", printed(numbers));
+}
+
 /// Along axes that are not driven SOFA's nodes keep the velocity that they have, whatever pulls at them.
 void Rewriting::holdOtherAxes(Element& flow) {
   const std::vector<double> driven = writtenNumbers(flow.text("coordinates")), times = writtenNumbers(flow.text("keyTimes"));
@@ -191,7 +203,7 @@ void Rewriting::meanTimes(Element& element) {
   const bool turns = type == "OscillatingTorsionPressureForceField";
   if ((!moves && !spans && !bends && !turns && !swings && !loads && !flows) || !quirks_.use("late-times", element.path())) return;
   const double h = timeStep();
-  if (moves) warnOfTurns(element);
+  if (moves) warnOfTurns(element), clearOtherAxes(element);
   if (moves || bends || swings) return element.set("late", "true");
   if (flows) holdOtherAxes(element);
   if (spans) {
