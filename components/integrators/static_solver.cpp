@@ -201,7 +201,8 @@ bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& r
   const std::string sentence = freeBody(system, force_);
   checked_revision_ = revisionOfHolds(system);
   is_checked_ = sentence.empty();
-  if (is_checked_) return true;
+  report.stopped = stop.isStopAsked();
+  if (is_checked_ || report.stopped) return !report.stopped;
   report.reason = sentence, report.diverged = true;
   if (!conditioned_.empty())
     report.reason += fmt::format(
