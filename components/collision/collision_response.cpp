@@ -16,6 +16,10 @@
 //
 //   (q - p).n >= d,   l_n >= 0,   one of both zero;   s = 0, or |l_t| = mu l_n against s
 //
+// A sphere around the centre of a frame, whose radius is r, is a ball: what rubs is its surface, so that friction turns it. With w
+// the rotation vector of its turn in the step, s has -r w x n besides, and its torque on both balls is -r n x (force on q). All
+// others, spheres on points that follow a frame among them, rub where their nodes are, without a torque.
+//
 // A step that ends with conditions that do not hold is refused, unless they are off by toleratedError at most.
 //
 // Nothing hinders thin bodies that are fast from passing through each other: n then turns round. BarrierContact does not
@@ -56,6 +60,7 @@
 #include "components/collision/contact_report.h"
 #include "components/collision/contact_rules.h"
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
@@ -73,6 +78,8 @@ struct Push {
   std::array<double, 6> c{};
   Vec3 fixed = Vec3::Zero(), n;
   double d = 0, k = 0;
+  std::array<Index, 2> turns{-1, -1};  ///< rows of orientations of balls: of p, of q
+  std::array<double, 2> radii{};       ///< theirs [m]
   bool acts = false;    ///< at the last force
   bool joined = false;  ///< a part of the matrix
   bool rubs = false;    ///< by a force of constraint, which addForce() knows nothing of
@@ -148,6 +155,7 @@ class CollisionResponse final : public ForceField,
     return !pipelines.empty();
   }
   static Vec3 wayOf(const Push& push, ConstRows x);
+  static Vec3 slid(const Push& push, ConstRows x, ConstRows x_start);
   void find();
   bool joins(const CollisionModel& a, const CollisionModel& b) const;
   static void addSide(const CollisionModel& model, const PartPoint& point, double sign, Push& push);
@@ -211,6 +219,9 @@ void CollisionResponse::addSide(const CollisionModel& model, const PartPoint& po
       push.rows[at] = state.firstRow() + point.part->node[i] * state.rows_per_node, push.c[at] = sign * point.weight[i];
     else
       push.fixed += sign * point.weight[i] * places[i];
+  if (point.part->radius == 0 || !state.isBound() || !state.hasFrames()) return;
+  const std::size_t side = sign < 0 ? 0 : 1;
+  push.turns[side] = state.firstRow() + point.part->node[0] * state.rows_per_node + 1, push.radii[side] = point.part->radius;
 }
 
 bool CollisionResponse::joins(const CollisionModel& a, const CollisionModel& b) const {
@@ -246,6 +257,15 @@ Vec3 CollisionResponse::wayOf(const Push& push, ConstRows x) {
   return way;
 }
 
+/// s
+Vec3 CollisionResponse::slid(const Push& push, ConstRows x, ConstRows x_start) {
+  Vec3 way = wayOf(push, x) - wayOf(push, x_start);
+  for (std::size_t side = 0; side < 2; ++side)
+    if (const Index row = push.turns[side]; row >= 0)
+      way -= push.radii[side] * rotationVector(orientationIn(x, row) * orientationIn(x_start, row).conjugate()).cross(push.n);
+  return way;
+}
+
 std::array<Vec3, 2> CollisionResponse::tangents(const Vec3& n) {
   const Vec3 across = n.unitOrthogonal();
   return {across, n.cross(across)};
@@ -264,10 +284,12 @@ void CollisionResponse::addConditions(ConstRows x, ConstRows x_start, Lagrangian
     rows.begin(LagrangianRows::Kind::push, -depth(push, x));
     add(push, push.n);
     if (push.mu == 0) continue;
-    const Vec3 slid = wayOf(push, x) - wayOf(push, x_start);
+    const Vec3 way = slid(push, x, x_start);
     for (const Vec3& tangent : tangents(push.n)) {
-      rows.begin(LagrangianRows::Kind::rub, tangent.dot(slid), push.mu);
+      rows.begin(LagrangianRows::Kind::rub, tangent.dot(way), push.mu);
       add(push, tangent);
+      for (std::size_t side = 0; side < 2; ++side)
+        if (push.turns[side] >= 0) rows.add(push.turns[side], -push.radii[side] * push.n.cross(tangent));
     }
   }
 }

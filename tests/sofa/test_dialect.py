@@ -1681,6 +1681,23 @@ def penalties_between_two_solvers_are_those_of_the_start():
 
 
 @case
+def balls_on_frames_roll():
+    """Thrown with v, a solid ball comes to roll at 5/7 v; a sphere on a point that follows the frame rubs at its centre, and stops."""
+    frame = ('<EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject name="dofs" template="Rigid3" position="0 0.3 0 0 0 0 1" '
+             'velocity="2 0 0 0 0 0"/><UniformMass vertexMass="1 1 0.016 0 0 0 0.016 0 0 0 0.016"/><UncoupledConstraintCorrection/>')
+    sphere = '<SphereCollisionModel radius="0.2"/>'
+    floor = ('<Node name="floor"><MeshTopology position="-9 0 -7  9 0 -9  9 0 9  -9 0 9" triangles="0 2 1  0 3 2"/><MechanicalObject/>'
+             '<TriangleCollisionModel moving="0" simulated="0"/></Node>')
+    for more, speed in ((sphere, 10 / 7), ('<Node name="c"><MechanicalObject position="0 0 0"/>' + sphere + '<RigidMapping/></Node>', 0)):
+        scene = root('<FreeMotionAnimationLoop/><GenericConstraintSolver maxIterations="1000" tolerance="1e-9"/><CollisionPipeline/>'
+                     '<BruteForceBroadPhase/><BVHNarrowPhase/><NewProximityIntersection alarmDistance="0.3" contactDistance="0.1"/>'
+                     '<CollisionResponse response="FrictionContactConstraint" responseParams="mu=0.5"/>' + floor +
+                     f'<Node name="ball">{frame}{more}</Node>')
+        x = [Run(scene, steps).x("ball.dofs", 7)[0, 0] for steps in (60, 70)]
+        agree([1, (x[1] - x[0]) / 0.1], [1, speed], 1e-5)
+
+
+@case
 def friction_of_the_solver():
     """A point that slides on the floor loses mu g dt in each step: of LCPConstraintSolver the coefficient is its own, 0.6 when not given."""
     def slid(solver, parameters):
