@@ -7,8 +7,10 @@
 // SumEngine: output, the sum of all values of `input`, as `template` says what a value is.
 // NormEngine: output, the length of each value of `input`: of normType 0 the largest number, 1 the sum of all, 2 Euclid's.
 // AverageCoord: average, the mean of the positions `indices` of `vertices`; of all without indices.
-// DilateEngine: output_position, the surface moved by `distance` along the normals of its nodes, means by the areas around.
-// NormalsFromPoints: normals, those of the nodes of a surface, as above; with invertNormals the opposite ones.
+// DilateEngine: output_position, the surface moved by `distance` along the normals of its nodes. A node's normal is the sum of n at each
+//   corner there, n = (next - here) x (previous - here). Where the surface behind a node is nearer than minThickness, it is moved by
+//   half of what is missing more.
+// NormalsFromPoints: normals, the sums of n/|n|, or with useAngles of n/|n| times the corner's angle; invertNormals: the opposite ones.
 // ROIValueMapper: outputValues, value1 at indices1, value2 at indices2, ... (nbROIs of them, at most eight), else defaultValue; the list
 //   ends with the largest index. Where two regions share an index the later one counts.
 //
@@ -183,26 +185,29 @@ class AverageCoord final : public Engine {
 
 class SurfaceEngine : public Engine {
  protected:
-  void declareSurface(DataTable& table, const char* position) {
-    table.add(position, in_).help("nodes of a surface").unit("m");
+  void declareSurface(DataTable& table, const char* position, const char* other) {
+    table.add(position, in_).alias(other).help("nodes of a surface").unit("m");
     addCellList(table, cell_kinds::triangle, triangles_).help("its triangles");
     addCellList(table, cell_kinds::quad, quads_).help("its quads");
-    table.add("normals", normals_).help("normals of the nodes").unit("-").output();
+    table.add("normals", normals_).alias("normal").help("normals of the nodes").unit("-").output();
   }
-  void makeNormals() {
+  enum class Weight { area, one, angle };
+  void makeNormals(Weight weight) {
     if (triangles_.empty() && quads_.empty())
       throw ComponentError("there is no surface", "triangles or quads", "triangles=\"@mesh.triangles\"");
     normals_.assign(in_.size(), Vec3::Zero());
-    const auto add = [this](const auto& cells) {
+    const auto add = [this, weight](const auto& cells) {
       for (const auto& cell : cells) {
         for (const Index node : cell)
           if (node < 0 || std::size_t(node) >= in_.size())
             throw ComponentError(fmt::format("a cell names node {}, and there are {}", node, in_.size()));
         const std::size_t n = cell.size();
-        for (std::size_t i = 1; i + 1 < n; ++i) {
-          const Vec3& a = in_[std::size_t(cell[0])];
-          const Vec3 normal = (in_[std::size_t(cell[i])] - a).cross(in_[std::size_t(cell[i + 1])] - a);
-          for (const Index node : cell) normals_[std::size_t(node)] += normal;
+        for (std::size_t i = 0; i < n; ++i) {
+          const Vec3& here = in_[std::size_t(cell[i])];
+          const Vec3 next = in_[std::size_t(cell[(i + 1) % n])] - here, previous = in_[std::size_t(cell[(i + n - 1) % n])] - here;
+          const Vec3 normal = next.cross(previous);
+          const double size = normal.norm(), angle = std::atan2(size, next.dot(previous));
+          if (size > 0) normals_[std::size_t(cell[i])] += (weight == Weight::area ? 1 : (weight == Weight::one ? 1 : angle) / size) * normal;
         }
       }
     };
@@ -214,6 +219,22 @@ class SurfaceEngine : public Engine {
     }
     if (without > 0) warn(fmt::format("{} of {} nodes lie on no cell with an area, and have no normal", without, in_.size()));
   }
+  /// From a node against its normal to the first triangle that it is no corner of [m]; 0: there is none.
+  double thicknessAt(std::size_t node) const {
+    double least = 0;
+    const auto look = [&](Index a, Index b, Index c) {
+      if (std::size_t(a) == node || std::size_t(b) == node || std::size_t(c) == node) return;
+      const Vec3 &p = in_[std::size_t(a)], e = in_[std::size_t(b)] - p, f = in_[std::size_t(c)] - p, from = in_[node] - p;
+      const Vec3 h = normals_[node].cross(f), q = from.cross(e);
+      const double volume = -e.dot(h);
+      if (volume == 0) return;
+      const double u = -from.dot(h) / volume, v = -normals_[node].dot(q) / volume, way = f.dot(q) / volume;
+      if (u >= 0 && v >= 0 && u + v <= 1 && way > 0 && (least == 0 || way < least)) least = way;
+    };
+    for (const Triangle& t : triangles_) look(t[0], t[1], t[2]);
+    for (const Quad& q : quads_) look(q[0], q[1], q[2]), look(q[0], q[2], q[3]);
+    return least;
+  }
   std::vector<Vec3> in_, normals_;
 
  private:
@@ -224,36 +245,43 @@ class SurfaceEngine : public Engine {
 class DilateEngine final : public SurfaceEngine {
  public:
   void declare(DataTable& table) override {
-    declareSurface(table, "input_position");
+    declareSurface(table, "input_position", "position");
     table.add("distance", distance_).help("way along the normals").unit("m");
+    table.add("minThickness", least_).help("what is thinner is moved further").unit("m").min(0);
+    table.add("thickness", thickness_).help("behind each node, with minThickness").unit("m").output();
     table.add("output_position", out_).help("the moved nodes").unit("m").output();
   }
   void init() override {
-    makeNormals();
+    makeNormals(Weight::area);
     out_ = in_;
-    for (std::size_t i = 0; i < in_.size(); ++i) out_[i] += distance_ * normals_[i];
+    thickness_.clear();
+    for (std::size_t i = 0; i < in_.size(); ++i) {
+      if (least_ > 0) thickness_.push_back(thicknessAt(i));
+      out_[i] += (distance_ + (least_ > 0 ? std::max(least_ - thickness_[i], 0.) / 2 : 0)) * normals_[i];
+    }
   }
 
  private:
   std::vector<Vec3> out_;
-  double distance_ = 0;
+  std::vector<double> thickness_;
+  double distance_ = 0, least_ = 0;
 };
 
 class NormalsFromPoints final : public SurfaceEngine {
  public:
   void declare(DataTable& table) override {
-    declareSurface(table, "position");
+    declareSurface(table, "position", "points");
     table.add("invertNormals", opposite_).help("the opposite normals");
-    table.addVisualOnly("useAngles");
+    table.add("useAngles", by_angles_).help("corners count by their angles");
   }
   void init() override {
-    makeNormals();
+    makeNormals(by_angles_ ? Weight::angle : Weight::one);
     if (opposite_)
       for (Vec3& normal : normals_) normal = -normal;
   }
 
  private:
-  bool opposite_ = false;
+  bool opposite_ = false, by_angles_ = false;
 };
 
 class RoiValueMapper final : public Engine {

@@ -197,7 +197,9 @@ class NearestPointROI final : public Engine {
     table.add("indices1", found_one_).help("nodes of object1, one for each pair").output();
     table.add("indices2", found_other_).help("nodes of object2, one for each pair").output();
     table.add("distances", distances_).help("of the pairs").unit("m").output();
-    for (const char* name : {"edges", "indexPairs", "drawPairs"}) table.addVisualOnly(name);
+    table.add("edges", edges_).help("of DistanceMultiMapping: 2 i and 2 i + 1, i the node of object2").output();
+    table.add("indexPairs", index_pairs_).help("of it and SubsetMultiMapping: 0 and the node of object1, 1 and that of object2, for each pair").output();
+    table.addVisualOnly("drawPairs");
   }
   void init() override {
     if (!one_.get() || !other_.get()) throw ComponentError("two states are needed", "object1=\"@...\" and object2=\"@...\"");
@@ -205,7 +207,7 @@ class NearestPointROI final : public Engine {
           &b = rest_ ? other_.get()->rest_position : other_.get()->position;
     const std::vector<int> these = nodes(indices_one_, a.size(), "inputIndices1"),
                            those = nodes(indices_other_, b.size(), "inputIndices2");
-    found_one_.clear(), found_other_.clear(), distances_.clear();
+    found_one_.clear(), found_other_.clear(), distances_.clear(), edges_.clear(), index_pairs_.clear();
     std::vector<std::size_t> along(these.size());  // places in `these`, by x
     std::iota(along.begin(), along.end(), std::size_t(0));
     const auto at = [&](std::size_t k) -> const Vec3& { return a[std::size_t(these[k])]; };
@@ -224,6 +226,8 @@ class NearestPointROI final : public Engine {
       for (auto next = middle; next != along.begin() && p.x() - at(*(next - 1)).x() <= least; --next) look(*(next - 1));
       if (nearest == these.size()) continue;
       found_one_.push_back(these[nearest]), found_other_.push_back(j), distances_.push_back(least);
+      edges_.push_back({2 * j, 2 * j + 1});
+      index_pairs_.insert(index_pairs_.end(), {0, these[nearest], 1, j});
     }
     if (found_one_.empty()) warn("no node is that near to another", "a larger radius");
   }
@@ -240,6 +244,8 @@ class NearestPointROI final : public Engine {
   Link<State> one_{"mechanical state"}, other_{"mechanical state"};
   std::vector<int> indices_one_, indices_other_, found_one_, found_other_;
   std::vector<double> distances_;
+  std::vector<Edge> edges_;
+  std::vector<int> index_pairs_;
   double radius_ = 1;
   bool rest_ = true;
 };

@@ -2253,6 +2253,44 @@ def pairs_of_near_nodes():
 
 
 @case
+def pairs_of_near_nodes_as_edges():
+    """NearestPointROI numbers pairs for mappings of several bodies: 0 and the node of the first, 1 and that of the second."""
+    bodies = ('<Node name="one"><MechanicalObject name="dofs" position="0 0 0  5 0 0"/><UniformMass/></Node>'
+              '<Node name="two"><MechanicalObject name="dofs" position="0.1 0 0  5 0.2 0"/><UniformMass/></Node>'
+              '<NearestPointROI name="e" object1="@one/dofs" object2="@two/dofs" radius="0.5"/>')
+    values = "  ".join(f"{i} 0 0" for i in range(4))
+    for name, flat in (("indexPairs", [0, 0, 1, 0, 0, 1, 1, 1]), ("edges", [0, 1, 2, 3])):
+        got = placed(bodies + f'<ValuesFromIndices name="v" template="Vec3" in="{values}" indices="@e.{name}"/>', "v.out")[:, 0]
+        assert got.tolist() == flat, (name, got)
+
+
+@case
+def normals_of_surfaces():
+    """DilateEngine sums cross products of a corner's sides, NormalsFromPoints their directions, with useAngles times the angle."""
+    nodes = np.array([[0, 0, 0], [1, 0, 0.1], [1.2, 0.9, 0.3], [-0.1, 1, 0.2], [0.5, 2, -0.4]])
+    cells = [(0, 1, 2, 3), (3, 2, 4)]
+
+    def normals(weight):
+        sums = np.zeros_like(nodes)
+        for cell in cells:
+            for i, here in enumerate(cell):
+                a, b = nodes[cell[(i + 1) % len(cell)]] - nodes[here], nodes[cell[i - 1]] - nodes[here]
+                n = np.cross(a, b)
+                size = np.linalg.norm(n)
+                sums[here] += n * {"area": 1, "one": 1 / size, "angle": np.arccos(a @ b / np.linalg.norm(a) / np.linalg.norm(b)) / size}[weight]
+        return sums / np.linalg.norm(sums, axis=1)[:, None]
+    surface = f'position="{numbers_of(nodes)}" quads="0 1 2 3" triangles="3 2 4"'
+    agree(placed(f'<NormalsFromPoints name="e" {surface}/>', "e.normals"), normals("one"))
+    agree(placed(f'<NormalsFromPoints name="e" {surface} useAngles="1" invertNormals="1"/>', "e.normals"), -normals("angle"), 1e-7)
+    agree(placed(f'<DilateEngine name="e" {surface} distance="0.3"/>', "e.output_position"), nodes + 0.3 * normals("area"))
+    # two sheets that look away from each other, 0.4 apart: half of what is missing to 1 more; behind the second there is nothing
+    sheets = np.array([[0, 0, 0.4], [1, 0, 0.4], [0, 1, 0.4], [-3, -3, 0], [-3, 6, 0], [6, -3, 0]])
+    moved = placed(f'<DilateEngine name="e" position="{numbers_of(sheets)}" triangles="0 1 2  3 4 5" distance="0.1" minThickness="1"/>',
+                   "e.output_position")
+    agree(moved, sheets + ([[0, 0, 0.4]] * 3 + [[0, 0, -0.6]] * 3))
+
+
+@case
 def mass_of_what_a_surface_encloses():
     """A box of 1 x 2 x 3 turns about x under a torque of two forces: inertia m (b^2 + c^2) / 12."""
     nodes = [[i, 2 * j, 3 * k] for k in (0, 1) for j in (0, 1) for i in (0, 1)]

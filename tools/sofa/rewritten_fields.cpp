@@ -287,6 +287,8 @@ void Rewriting::meanLoads(Element& element) {
   if (type == "RegularGridSpringForceField" && !element.find("damping"))
     for (const char* kind : {"linesDamping", "quadsDamping", "cubesDamping"}) setDefault(element, kind, "5");
   if (type == "SphereForceField") setDefault(element, "radius", "1"), setDefault(element, "center", "0 0 0");
+  if (type == "SurfacePressureForceField" && element.writes("min") != element.writes("max"))
+    element.set(element.writes("min") ? "max" : "min", "0 0 0");
   if (type == "SurfacePressureForceField" && element.writes("min") && element.writes("max") &&
       writtenNumbers(element.text("min")) == writtenNumbers(element.text("max")))
     element.remove("min"), element.remove("max");
