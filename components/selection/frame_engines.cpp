@@ -207,7 +207,8 @@ class SurfaceEngine : public Engine {
           const Vec3 next = in_[std::size_t(cell[(i + 1) % n])] - here, previous = in_[std::size_t(cell[(i + n - 1) % n])] - here;
           const Vec3 normal = next.cross(previous);
           const double size = normal.norm(), angle = std::atan2(size, next.dot(previous));
-          if (size > 0) normals_[std::size_t(cell[i])] += (weight == Weight::area ? 1 : (weight == Weight::one ? 1 : angle) / size) * normal;
+          const double factor = weight == Weight::area ? 1 : (weight == Weight::one ? 1 : angle) / size;
+          if (size > 0) normals_[std::size_t(cell[i])] += factor * normal;
         }
       }
     };

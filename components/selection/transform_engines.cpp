@@ -198,7 +198,9 @@ class NearestPointROI final : public Engine {
     table.add("indices2", found_other_).help("nodes of object2, one for each pair").output();
     table.add("distances", distances_).help("of the pairs").unit("m").output();
     table.add("edges", edges_).help("of DistanceMultiMapping: 2 i and 2 i + 1, i the node of object2").output();
-    table.add("indexPairs", index_pairs_).help("of it and SubsetMultiMapping: 0 and the node of object1, 1 and that of object2, for each pair").output();
+    table.add("indexPairs", index_pairs_)
+        .help("of it and SubsetMultiMapping: 0 and the node of object1, 1 and that of object2, for each pair")
+        .output();
     table.addVisualOnly("drawPairs");
   }
   void init() override {

@@ -256,6 +256,13 @@ void Rewriting::tellSpringsOfFrames(Element& element) {
     warn(element.written->where, element, {}, "is a part of the matrix here: in SOFA it is in none that is assembled");
 }
 
+/// A box whose corners are one, as both are when they are not given, is none.
+static void meanBox(Element& pressure) {
+  if (pressure.writes("min") != pressure.writes("max")) pressure.set(pressure.writes("min") ? "max" : "min", "0 0 0");
+  if (pressure.writes("min") && writtenNumbers(pressure.text("min")) == writtenNumbers(pressure.text("max")))
+    pressure.remove("min"), pressure.remove("max");
+}
+
 void Rewriting::meanLoads(Element& element) {
   const std::string& type = element.written->type;
   for (const char* name : {"activeDirections", "initialLength", "zeroLength"})
@@ -287,11 +294,7 @@ void Rewriting::meanLoads(Element& element) {
   if (type == "RegularGridSpringForceField" && !element.find("damping"))
     for (const char* kind : {"linesDamping", "quadsDamping", "cubesDamping"}) setDefault(element, kind, "5");
   if (type == "SphereForceField") setDefault(element, "radius", "1"), setDefault(element, "center", "0 0 0");
-  if (type == "SurfacePressureForceField" && element.writes("min") != element.writes("max"))
-    element.set(element.writes("min") ? "max" : "min", "0 0 0");
-  if (type == "SurfacePressureForceField" && element.writes("min") && element.writes("max") &&
-      writtenNumbers(element.text("min")) == writtenNumbers(element.text("max")))
-    element.remove("min"), element.remove("max");
+  if (type == "SurfacePressureForceField") meanBox(element);
   if (type == "SurfacePressureForceField" && element.find("mainDirection"))
     warn(element.written->where, element, "mainDirection", "weighs by the normals at rest: SOFA does by those of the moment");
   if (type == "SurfacePressureForceField") {
