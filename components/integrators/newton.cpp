@@ -224,16 +224,15 @@ void Newton::goToGuess(NonlinearProblem& problem, double& now) {
 }
 
 void Newton::keepIfBest(NonlinearProblem& problem, double now) {
-  // a solve on the energy has no use for it where one iteration is enough
-  if (!(now < best_norm_) || (settings.use_energy && history_.size() < 3)) return;
+  if (!(now < best_norm_) || (settings.use_energy && (history_.size() < 3 || !problem.meetsBarriers()))) return;
   if (best_.count() != base_.count()) best_.resize(base_.count());
   copy(problem.unknowns(), best_), best_norm_ = now;
 }
 
 void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report) {
   report.newton_converged = false;
-  // each iterate has less energy than those before, so that the last one is the best, but not where it is further from balance than
-  // the first
+  // each iterate has less energy than those before, so that the last one is the best, but not where it presses a barrier until it is
+  // farther from balance than the first
   if (!(best_norm_ < now) || (settings.use_energy && now <= scale_)) return;
   copy(best_, problem.unknowns());
   problem.unknownsChanged();
