@@ -121,10 +121,10 @@ class Newton {
   NewtonSettings settings;
 
   void compile(Index rows);
-  /// From the problem's current iterate to a root. Not converging leaves a reason and the best iterate: the last one
-  /// where the line search is on the energy, which never rises, unless there are barriers and |R| is above its scale; else the one
-  /// of the smallest |R| after the first iteration. `diverged` is set when no usable iterate exists. A stop is heeded between force evaluations and within
-  /// the linear solves.
+  /// From the problem's current iterate to a root. Not converging leaves a reason and the best iterate: the last one where the line
+  /// search is on the energy, which never rises, unless there are barriers and |R| is above its scale; else the one of the smallest
+  /// |R| after the first iteration. `diverged` is set when no usable iterate exists. A stop is heeded between force evaluations and
+  /// within the linear solves.
   StepReport solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop);
   /// |R| before each iteration and after the last one, of the last solve().
   const std::vector<double>& history() const { return history_; }
