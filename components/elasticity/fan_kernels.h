@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Kernels of fans of tetrahedra whose force is linear in edges once their gradients have turned, in parts (fan_tiles.h).
+// Kernels of fans of tetrahedra whose force is linear in edges once their gradients have turned. A tile of batches goes through
+// gathering, then rotations, then forces: each part is short and its batches do not wait for each other, so a processor works at
+// several of them at once; a kernel that does all of a batch in one chain of operations waits for that chain.
 #pragma once
-#include "components/elasticity/fan_tiles.h"
 #include "components/elasticity/tetrahedron_corotational.h"
+#include "framework/fem/fan_model.h"
 
 namespace stroma::tetrahedron {
 
 /// df += factor K dx with the gradients of the tangents.
-[[gnu::noinline]] inline void addFanProduct(const FanTiles& tiles, const Fanned<Tangent<Pack>>* tangent, ConstRows dx,
-                                            double factor, Rows df) {
+template <class Loop>
+[[gnu::noinline]] void addFanProduct(const Loop& loop, const Fanned<Tangent<Pack>>* tangent, ConstRows dx, double factor, Rows df) {
   const Pack scale(factor);
-  tiles.forEach<1>([&](Index batch, Index count) __attribute__((flatten)) {
+  loop.template forEachTile<1>([&](Index batch, Index count) __attribute__((flatten)) {
     for (Index k = 0; k < count; ++k) {  // one: else the compiler keeps more packs than there are registers
       FanEdges edges[1];
-      tiles.gather(batch, dx, edges[k]);
-      V3<Pack> f[fan_size][4];
+      edges[k].gather(loop, batch, dx);
+      V3<Pack> f[fan_size][4], sum[fan_nodes];
 #pragma GCC unroll 2
       for (int i = 0; i < fan_size; ++i) {
         const V3<Pack> d[3] = {edges[k][0], edges[k][1 + i], edges[k][2 + i]};
         const Tangent<Pack>& t = tangent[batch].of[i];
         nodalForces(restoringStress(strainOf(d, t.g), scale * t.ratio, scale), t.g, f[i]);
       }
-      tiles.scatter(batch, f[0], f[1], df);
+      sumOfBoth(f[0], f[1], sum);
+      loop.scatter(batch, sum, df);
     }
   });
 }
@@ -39,13 +42,12 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
   using Base::storage_;
 
  public:
-  FanKernels(StorageOf<Model>&& storage, FanTiles&& tiles, typename Base::Fill fill)
-      : Base(std::move(storage), std::move(fill)), tiles_(std::move(tiles)) {}
+  using Base::Base;
   void addForce(ConstRows x, Rows f) override { add<false>(x, x, 0, f); }
   void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override { add<true>(x, dx, factor, f); }
   double energy(ConstRows x) const override { return ForceLoops<Model>::energy(storage_, x); }
   void addProduct(ConstRows dx, double factor, Rows df) const override {
-    addFanProduct(tiles_, storage_.tangent.data(), dx, factor, df);
+    addFanProduct(storage_.loop, storage_.tangent.data(), dx, factor, df);
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
     Products::assemble(storage_, {}, factor, slots, values);
@@ -65,19 +67,20 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
   template <bool change>
   void add(ConstRows x, ConstRows dx, double factor, Rows f) {
     const Pack scale(factor);
-    tiles_.template forEach<tile>([&](Index first, Index count) __attribute__((flatten)) {
+    storage_.loop.template forEachTile<tile>([&](Index first, Index count) __attribute__((flatten)) {
       Work work;
       for (Index k = 0; k < count; ++k) {
-        tiles_.gather(first + k, x, work.edges[k]);
-        if constexpr (change) tiles_.gather(first + k, dx, work.change[k]);
+        work.edges[k].gather(storage_.loop, first + k, x);
+        if constexpr (change) work.change[k].gather(storage_.loop, first + k, dx);
       }
       if constexpr (Single::turns)
         for (Index j = 0; j < fan_size * count; ++j) turn(first, j, work);
       for (Index k = 0; k < count; ++k) {
-        V3<Pack> own[fan_size][4];
+        V3<Pack> own[fan_size][4], sum[fan_nodes];
 #pragma GCC unroll 2
         for (int i = 0; i < fan_size; ++i) force<change>(first, k, i, scale, work, own[i]);
-        tiles_.scatter(first + k, own[0], own[1], f);
+        sumOfBoth(own[0], own[1], sum);
+        storage_.loop.scatter(first + k, sum, f);
       }
     });
   }
@@ -110,8 +113,6 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
     const Tangent<Pack>& t = storage_.tangent[first + k].of[i];
     nodalForces(restoringStress(Single::strainFrom(storage_.rest[first + k].of[i], t, d), t.ratio, Pack(1.)), t.g, f);
   }
-
-  FanTiles tiles_;
 };
 
 }  // namespace stroma::tetrahedron

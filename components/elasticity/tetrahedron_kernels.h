@@ -35,13 +35,6 @@ template <class Storage>
     }
   });
 }
-/// The nodes of each fan.
-inline std::vector<std::array<Index, fan_nodes>> nodesOf(const std::vector<Fan>& fans) {
-  std::vector<std::array<Index, fan_nodes>> nodes;
-  nodes.reserve(fans.size());
-  for (const Fan& fan : fans) nodes.push_back(fan.nodes);
-  return nodes;
-}
 template <class Storage>
 Storage fanStorage(const std::vector<Fan>& fans, const Elements& elements) {
   Storage storage;
@@ -54,13 +47,11 @@ std::unique_ptr<ElementKernels> kernelsOf(const Elements& elements) {
   using Storage = StorageOf<FanOf<Single>>;
   std::vector<Fan> fans = gatherFans(elements.shapes.mesh().tetrahedra, elements.shapes.positions().size());
   Storage storage = fanStorage<Storage>(fans, elements);
-  FanTiles tiles;
-  if constexpr (requires { Single::turns; }) tiles.build(nodesOf(fans), elements.shapes.positions(), elements.first_row);
   auto fill = [fans = std::move(fans), &shapes = elements.shapes, lame = elements.lame](Storage& stored) {
     fillFans(stored, fans, shapes, lame);
   };
   if constexpr (requires { Single::turns; })
-    return std::make_unique<FanKernels<Single>>(std::move(storage), std::move(tiles), std::move(fill));
+    return std::make_unique<FanKernels<Single>>(std::move(storage), std::move(fill));
   else
     return std::make_unique<ModelKernels<FanOf<Single>>>(std::move(storage), std::move(fill));
 }

@@ -37,9 +37,7 @@ class FanLaw final : public ElementKernels {
   FanLaw(const PointFunctions& law, const Cells& cells) : law_(law) {
     using namespace tetrahedron;
     const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
-    std::vector<std::array<Index, fan_nodes>> nodes;
-    nodes.reserve(fans.size());
-    for (const tetrahedron::Fan& fan : fans) nodes.push_back(fan.nodes);
+    const auto nodes = nodesOf(fans);
     storage_.arrange(nodes, *cells.rest, cells.first_row);
     storage_.fill([&](std::size_t f, bool padding, auto& rest, auto&) {
       for (int i = 0; i < fan_size; ++i) {

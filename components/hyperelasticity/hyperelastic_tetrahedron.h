@@ -134,9 +134,7 @@ template <class Law>
 StorageOf<Fan<Mjed<Law>>> fansOf(const Cells& cells) {
   using namespace tetrahedron;
   const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
-  std::vector<std::array<Index, fan_nodes>> nodes;
-  nodes.reserve(fans.size());
-  for (const auto& fan : fans) nodes.push_back(fan.nodes);
+  const auto nodes = nodesOf(fans);
   StorageOf<hyperelastic::Fan<Mjed<Law>>> storage;
   storage.build(nodes, *cells.rest, cells.first_row, [&](std::size_t f, bool padding, auto& rest, auto&) {
     for (int i = 0; i < fan_size; ++i) {

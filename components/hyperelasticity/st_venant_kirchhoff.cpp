@@ -3,6 +3,7 @@
 //   tr E = (I1 - 3)/2,   tr E^2 = (I1^2 - 2 I2 - 2 I1 + 3)/4
 // In invariants for other cells and forms. Linear tetrahedra have kernels of their own, without invariants:
 //   S = lambda tr(E) Id + 2 mu E,  P = F S,  dP = dF S + F dS,  dE = sym(F^T dF)
+#include "components/hyperelasticity/fan_kernels.h"
 #include "components/hyperelasticity/hyperelastic_kernels.h"
 
 using namespace stroma;
@@ -17,7 +18,7 @@ struct StVenantKirchhoff : InLameConstants<FirstAndSecond> {
   }
 };
 
-/// A model of ModelKernels. Lame's constants are times minus the volume, so that P g_i are forces; no force changes them.
+/// A model of FanKernels. Lame's constants are times minus the volume, so that P g_i are forces; no force changes them.
 struct GreenTetrahedron {
   static constexpr int nodes = 4;
   static constexpr bool reads_position = true;
@@ -111,22 +112,8 @@ struct GreenTetrahedron {
   }
 };
 
-/// Fans of them, written out: in a loop over the two, packs go through memory.
+/// Fans of them.
 struct GreenFan : tetrahedron::FanOf<GreenTetrahedron> {
-  template <class T>
-  static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes], const V3<T> (&dx)[nodes],
-                      V3<T> (&df)[nodes]) {
-    gatherForces<false>(df, [&](int i, V3<T>(&out)[4]) {
-      GreenTetrahedron::product(rest.of[i], t.of[i], factor, Corners<T>(x, i).x, Corners<T>(dx, i).x, out);
-    });
-  }
-  template <class T>
-  static void forceAndProduct(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes],
-                              const V3<T> (&dx)[nodes], V3<T> (&both)[nodes]) {
-    gatherForces<false>(both, [&](int i, V3<T>(&out)[4]) {
-      GreenTetrahedron::forceAndProduct(rest.of[i], t.of[i], factor, Corners<T>(x, i).x, Corners<T>(dx, i).x, out);
-    });
-  }
   static void matrix(const Rest<Pack>& rest, const Tangent<Pack>& t, const V3<Pack> (&x)[nodes], Pack (&k)[nodes * nodes * 9]) {
     using tetrahedron::corner;
     for (Pack& value : k) value = Pack(0.);
@@ -149,9 +136,7 @@ std::unique_ptr<ElementKernels> stroma::hyperelastic::tetrahedraOf<StVenantKirch
   using namespace tetrahedron;
   using Model = GreenFan;
   const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
-  std::vector<std::array<Index, fan_nodes>> nodes;
-  nodes.reserve(fans.size());
-  for (const tetrahedron::Fan& fan : fans) nodes.push_back(fan.nodes);
+  const auto nodes = nodesOf(fans);
   StorageOf<Model> storage;
   storage.build(nodes, *cells.rest, cells.first_row, [&](std::size_t f, bool padding, auto& rest, auto& tangent) {
     for (int i = 0; i < fan_size; ++i) {
@@ -165,7 +150,7 @@ std::unique_ptr<ElementKernels> stroma::hyperelastic::tetrahedraOf<StVenantKirch
       tangent.of[i] = {weight * constants.lambda, weight * constants.mu};
     }
   });
-  return std::make_unique<ModelKernels<Model>>(std::move(storage));
+  return std::make_unique<FanKernels<Model, GreenTetrahedron>>(std::move(storage));
 }
 
 STROMA_COMPONENT(st_venant_kirchhoff) {

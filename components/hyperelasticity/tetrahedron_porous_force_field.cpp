@@ -196,9 +196,7 @@ std::unique_ptr<porous::PorousElements> TetrahedronPorousForceField::makeElement
   const Mesh& mesh = cells.mesh();
   const std::vector<Vec3>& rest = cells.rest();
   const auto fans = tetrahedron::gatherFans(mesh.tetrahedra, rest.size());
-  std::vector<std::array<Index, tetrahedron::fan_nodes>> nodes;
-  nodes.reserve(fans.size());
-  for (const auto& fan : fans) nodes.push_back(fan.nodes);
+  const auto nodes = tetrahedron::nodesOf(fans);
   StorageOf<PorousFan> storage;
   storage.build(nodes, rest, first_row, [&](std::size_t f, bool padding, auto& data, auto&) {
     for (int i = 0; i < PorousFan::parts; ++i) {

@@ -2,14 +2,13 @@
 // Forces of constraint that Newton's method carries (multipliers.h), and steps in which there are none.
 #include <algorithm>
 
-#include "components/integrators/largest_number.h"
 #include "components/integrators/multipliers.h"
 #include "framework/scene/archive.h"
 
 namespace stroma {
 
 bool Multipliers::areFree() {
-  if (largestNumber(carried_) != 0) return false;
+  if (largest(carried_) != 0) return false;
   findConditions();
   return std::ranges::all_of(rows_.rows(), [](const LagrangianRows::Row& row) {
     switch (row.kind) {

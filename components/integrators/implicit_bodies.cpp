@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "components/integrators/implicit_step.h"
-#include "components/integrators/largest_number.h"
 
 namespace stroma {
 
@@ -75,7 +74,7 @@ void ImplicitStep::addTo(Rows u, double s, ConstRows d, RowRange rows) const {
 
 /// From the first row that d moves by more than round-off to the last one; bodies are among them, whose velocities addTo() rounds.
 ImplicitStep::RowRange ImplicitStep::rowsMovedBy(ConstRows d) const {
-  const double round_off = 4 * std::numeric_limits<double>::epsilon() * largestNumber(x0_) / scheme_.displacement;
+  const double round_off = 4 * std::numeric_limits<double>::epsilon() * largest(x0_) / scheme_.displacement;
   const auto moves = [&](Index row) { return !(d[row].cwiseAbs().maxCoeff() <= round_off); };
   RowRange rows{0, d.count};
   while (rows.first < rows.end && !moves(rows.first)) ++rows.first;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "components/integrators/largest_number.h"
 #include "components/integrators/lent_energy.h"
 
 namespace stroma {
@@ -250,7 +249,7 @@ void ImplicitStep::startIterating() {
   // what has a prescribed motion goes as far as nothing is in its way, the rest of it after the next solve
   copy(x0_, carried_);
   system_->motion().difference(x(), carried_);
-  if (largestNumber(carried_) <= 4 * std::numeric_limits<double>::epsilon() * largestNumber(x0_)) return;
+  if (largest(carried_) <= 4 * std::numeric_limits<double>::epsilon() * largest(x0_)) return;
   axpy(-1 / scheme_.displacement, carried_, v());
   unknownsChanged();
   lack_ = 1;

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "components/integrators/implicit_step.h"
-#include "components/integrators/largest_number.h"
 
 namespace stroma {
 
@@ -15,7 +14,7 @@ bool ImplicitStep::guess(Rows d) {
   copy(v0_, d);
   axpy(-1, v(), d);
   system_->constraints().project(d);
-  return scheme_.displacement * largestNumber(d) > std::numeric_limits<double>::epsilon() * largestNumber(x());
+  return scheme_.displacement * largest(d) > std::numeric_limits<double>::epsilon() * largest(x());
 }
 
 double ImplicitStep::longestStep(ConstRows d) {
@@ -47,7 +46,7 @@ bool ImplicitStep::addPush(Rows residual) {
   }
   s.constraints().project(push);
   axpy(1, push, residual);
-  return largestNumber(push) > 0;
+  return largest(push) > 0;
 }
 
 bool ImplicitStep::goAlong(Rows d, bool wholly) {

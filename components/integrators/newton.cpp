@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "components/integrators/exact_tangent.h"
-#include "components/integrators/largest_number.h"
 #include "components/integrators/shifted_matrix.h"
 #include "framework/scene/spans.h"
 #include "framework/simulation/step_progress.h"
@@ -148,8 +147,8 @@ bool Newton::isCorrectionSmall(const NonlinearProblem& problem) const {
 
 /// True when it is too small to change positions in double precision.
 bool Newton::isCorrectionRoundOff(const NonlinearProblem& problem) const {
-  return problem.displacementPerUnknown() * largestNumber(direction_) <=
-         2 * std::numeric_limits<double>::epsilon() * largestNumber(problem.positions());
+  return problem.displacementPerUnknown() * largest(direction_) <=
+         2 * std::numeric_limits<double>::epsilon() * largest(problem.positions());
 }
 
 /// True when |R| gets on too slowly for a solve that a caller can make in smaller parts.
@@ -192,7 +191,7 @@ bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& rep
 bool Newton::isAtRest(NonlinearProblem& problem) {
   constexpr double nearly_none = 1e-9;
   if (!problem.restsWithoutForces() || history_.size() > 1) return false;
-  if (problem.displacementPerUnknown() * largestNumber(direction_) > nearly_none * largestNumber(problem.positions())) return false;
+  if (problem.displacementPerUnknown() * largest(direction_) > nearly_none * largest(problem.positions())) return false;
   return scale_ <= 3 * problem.roundOff().residual && problem.loads() == 0;
 }
 

@@ -6,6 +6,7 @@
 // three, as all others.
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
@@ -128,11 +129,12 @@ inline double dot(ConstRows a, ConstRows b) {
 }
 /// The Euclidean norm over all components.
 inline double norm(ConstRows a) { return std::sqrt(dot(a, a)); }
-/// The size of the largest component.
+/// The size of the largest component, NaN if one is: of numbers without their sign it has the largest bits.
 inline double largest(ConstRows a) {
-  double value = 0;
-  for (std::size_t i = 0; i < a.doubles(); ++i) value = std::max(value, std::abs(a.data[i]));
-  return value;
+  std::uint64_t most = 0;
+#pragma omp simd reduction(max : most)
+  for (std::size_t i = 0; i < a.doubles(); ++i) most = std::max(most, std::bit_cast<std::uint64_t>(a.data[i]) << 1);
+  return std::bit_cast<double>(most >> 1);
 }
 /// |a - b|, summed row after row.
 inline double distance(ConstRows a, ConstRows b) {

@@ -29,8 +29,7 @@ class ElementLoop {
 
   /// `cells` index `position` (shape (nodes)); `first_row` is added to give rows of the system.
   void build(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row) {
-    arrangement_ =
-        arrangeElements(cells.empty() ? nullptr : cells[0].data(), N, Index(cells.size()), position, pack_lanes);
+    arrangement_ = arrangeElements(cells.empty() ? nullptr : cells[0].data(), N, Index(cells.size()), position, pack_lanes);
     partial_.assign(arrangement_.block_start.size() - 1, 0.);
     offsets_.resize(std::size_t(arrangement_.batches) * N * pack_lanes);
     for (Index b = 0; b < arrangement_.batches; ++b)
@@ -67,9 +66,9 @@ class ElementLoop {
   /// Sum over elements of kernel(batch, nodes of x), a pack; blocks are summed in their order.
   template <class Kernel>
   double sum(ConstRows x, Kernel&& kernel) const {
-    forEachBlock([&](Index block) __attribute__((flatten)) {
+    forEachBlock([&](Index block, Index first, Index last) __attribute__((flatten)) {
       Pack total(0.);
-      for (Index b = arrangement_.block_start[block]; b < arrangement_.block_start[block + 1]; ++b) {
+      for (Index b = first; b < last; ++b) {
         Nodes in;
         gather(b, x, in);
         total += kernel(b, in);
@@ -120,8 +119,7 @@ class ElementLoop {
       while (lanes < pack_lanes && elementOf(b, lanes) >= 0) ++lanes;
       for (int ij = 0; ij < N * N; ++ij)
         if (Coupling::coupled(ij / N, ij % N))
-          addToBlocks(k + ij * 9, Pack(factor), slots + (std::size_t(b) * N * N + std::size_t(ij)) * pack_lanes, lanes,
-                      values.data());
+          addToBlocks(k + ij * 9, Pack(factor), slots + (std::size_t(b) * N * N + std::size_t(ij)) * pack_lanes, lanes, values.data());
     });
   }
   /// blocks[row] += factor * diagonal blocks of K, shape (rows, 9), K from matrix(batch, out).
@@ -168,9 +166,13 @@ class ElementLoop {
   /// Runs body(batch) for all batches, blocks of one colour at a time on the threads.
   template <class Body>
   void forEachBatch(Body&& body) const {
-    forEachBlock([&](Index block) {
-      const Index last = arrangement_.block_start[block + 1];
-      for (Index b = arrangement_.block_start[block]; b < last; ++b) body(b);
+    forEachTile<1>([&](Index batch, Index) { body(batch); });
+  }
+  /// Runs body(first batch, batches) for tiles of at most `size` batches, for loops that take several at once; order as above.
+  template <Index size, class Body>
+  void forEachTile(Body&& body) const {
+    forEachBlock([&](Index, Index first, Index last) {
+      for (Index b = first; b < last; b += size) body(b, std::min(size, last - b));
     });
   }
   /// Runs body(batch, lane) for all elements, on one thread.
@@ -180,30 +182,31 @@ class ElementLoop {
       for (int l = 0; l < pack_lanes && elementOf(b, l) >= 0; ++l) body(b, l);
   }
 
- private:
   /// output[node] += values, lane after lane: lanes of one batch may share nodes, batches at work at once may not.
   void scatter(Index batch, const Nodes& values, Rows output) const {
 #pragma GCC unroll 8
     for (int a = 0; a < N; ++a) addToRows(values[a], offset(batch, a), output.data);
   }
 
+ private:
   /// Where node a of each lane lies in the numbers of a vector, shape (lanes).
   const Index* offset(Index batch, int a) const {
     return offsets_.data() + (std::size_t(batch) * N + std::size_t(a)) * pack_lanes;
   }
   Index row(Index batch, int a, int lane) const { return offset(batch, a)[lane] / row_doubles; }
 
-  /// Blocks of one colour touch no common node: they run at once, colours one after the other. Every node is added to
-  /// in the same order whatever the number of threads.
+  /// body(block, first batch, last batch). Blocks of one colour touch no common node: they run at once, colours one after the
+  /// other. Every node is added to in the same order whatever the number of threads.
   template <class Body>
   void forEachBlock(Body&& body) const {
     const auto& colour_start = arrangement_.colour_start;
     for (std::size_t c = 0; c + 1 < colour_start.size(); ++c) {
       const Index first = colour_start[c], count = colour_start[c + 1] - first;
+      const auto run = [&](Index b) { body(first + b, arrangement_.block_start[first + b], arrangement_.block_start[first + b + 1]); };
       if (elements() < parallelElements(N))
-        for (Index block = 0; block < count; ++block) body(first + block);
+        for (Index block = 0; block < count; ++block) run(block);
       else
-        parallelFor(count, [&](int block) { body(first + block); });
+        parallelFor(count, [&](int block) { run(block); });
     }
   }
 

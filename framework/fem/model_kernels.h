@@ -34,8 +34,7 @@ struct ElementStorage {
   Array<TangentPacks> tangent;
 
   template <class Set>
-  void build(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row,
-             Set&& set) {
+  void build(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row, Set&& set) {
     arrange(cells, position, first_row);
     fill(set);
   }
@@ -65,8 +64,7 @@ class StoredKernels : public ElementKernels {
  public:
   /// Fills rest and tangent of the storage, arranged as it is.
   using Fill = std::function<void(StorageType&)>;
-  explicit StoredKernels(StorageType&& storage, Fill fill = {})
-      : storage_(std::move(storage)), fill_(std::move(fill)) {}
+  explicit StoredKernels(StorageType&& storage, Fill fill = {}) : storage_(std::move(storage)), fill_(std::move(fill)) {}
   bool refill() override {
     if (fill_) fill_(storage_);
     return bool(fill_);
@@ -96,32 +94,24 @@ class StoredKernels : public ElementKernels {
 ///   Forces, Products             models with the same data whose force and energy, or product and matrix, it has:
 ///                                their loops are then compiled once for all models that name them
 template <class Model>
-struct CouplingOf {
-  using type = EveryPair;
-};
-template <class Model>
-requires requires { typename Model::Coupling; }
-struct CouplingOf<Model> {
-  using type = typename Model::Coupling;
-};
+constexpr auto couplingOf() {
+  if constexpr (requires { typename Model::Coupling; }) return std::type_identity<typename Model::Coupling>();
+  else return std::type_identity<EveryPair>();
+}
 template <class Model>
 constexpr auto forcesOf() {
-  if constexpr (requires { typename Model::Forces; })
-    return std::type_identity<typename Model::Forces>();
-  else
-    return std::type_identity<Model>();
+  if constexpr (requires { typename Model::Forces; }) return std::type_identity<typename Model::Forces>();
+  else return std::type_identity<Model>();
 }
 template <class Model>
 constexpr auto productsOf() {
-  if constexpr (requires { typename Model::Products; })
-    return std::type_identity<typename Model::Products>();
-  else
-    return std::type_identity<Model>();
+  if constexpr (requires { typename Model::Products; }) return std::type_identity<typename Model::Products>();
+  else return std::type_identity<Model>();
 }
 template <class Model>
-using StorageOf = ElementStorage<Model::nodes, typename Model::template Rest<Pack>,
-                                 typename Model::template Rest<double>, typename Model::template Tangent<Pack>,
-                                 typename Model::template Tangent<double>, typename CouplingOf<Model>::type>;
+using StorageOf = ElementStorage<Model::nodes, typename Model::template Rest<Pack>, typename Model::template Rest<double>,
+                                 typename Model::template Tangent<Pack>, typename Model::template Tangent<double>,
+                                 typename decltype(couplingOf<Model>())::type>;
 
 /// Force and energy loops of a model. Never inlined: models with the same forces then call one copy, also from a source
 /// that declares it extern.
@@ -134,8 +124,7 @@ struct ForceLoops {
     });
   }
   [[gnu::noinline]] static double energy(const Storage& storage, ConstRows x) {
-    return storage.loop.sum(
-        x, [&](Index b, const auto& in) { return Model::energy(storage.rest[b], storage.tangent[b], in); });
+    return storage.loop.sum(x, [&](Index b, const auto& in) { return Model::energy(storage.rest[b], storage.tangent[b], in); });
   }
 };
 
@@ -194,8 +183,7 @@ struct ProductLoops {
     if constexpr (has_matrix)
       Model::matrix(rest, tangent, x, k);
     else if constexpr (Model::reads_position)
-      ElementLoop<N>::matrixFromProducts(
-          [&](const Nodes& dx, Nodes& df) { product(rest, tangent, Pack(1.), x, dx, df); }, k);
+      ElementLoop<N>::matrixFromProducts([&](const Nodes& dx, Nodes& df) { product(rest, tangent, Pack(1.), x, dx, df); }, k);
     else
       ElementLoop<N>::matrixFromProducts(
           [&](const Nodes& dx, Nodes& df) { Model::product(rest, tangent, Pack(1.), x, dx, df); }, k);
@@ -230,8 +218,8 @@ class ModelKernels final : public StoredKernels<StorageOf<Model>> {
     } else {
       const Pack scale(factor);
       keep(x);
-      storage_.loop.template run<2, 1>(
-          {x, dx}, {f}, [&](Index b, const auto& in, auto& out) { forceAndProduct(b, scale, in[0], in[1], out[0]); });
+      storage_.loop.template run<2, 1>({x, dx}, {f},
+                                       [&](Index b, const auto& in, auto& out) { forceAndProduct(b, scale, in[0], in[1], out[0]); });
     }
   }
   double energy(ConstRows x) const override { return Forces::energy(storage_, x); }

@@ -103,5 +103,10 @@ std::vector<Fan> gatherFans(const std::vector<Tetrahedron>& cells, std::size_t n
   }
   return fans;
 }
+std::vector<std::array<Index, fan_nodes>> nodesOf(const std::vector<Fan>& fans) {
+  std::vector<std::array<Index, fan_nodes>> nodes(fans.size());
+  std::transform(fans.begin(), fans.end(), nodes.begin(), [](const Fan& fan) { return fan.nodes; });
+  return nodes;
+}
 
 }  // namespace stroma::tetrahedron

@@ -25,5 +25,7 @@ constexpr int corner(int tetrahedron, int a) { return a < 2 ? a : tetrahedron + 
 /// otherwise; when there is none, the next in the order of the cells takes its free neighbour that has the fewest
 /// others. Not always the largest matching, in time linear in the cells.
 std::vector<Fan> gatherFans(const std::vector<Tetrahedron>& cells, std::size_t node_count);
+/// The nodes of each fan.
+std::vector<std::array<Index, fan_nodes>> nodesOf(const std::vector<Fan>& fans);
 
 }  // namespace stroma::tetrahedron

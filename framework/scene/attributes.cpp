@@ -132,11 +132,8 @@ void Instantiation::readAttributes(const ComponentDescription& description, Comp
       if (!is_new && isOverride(attribute.where)) {
         std::erase_if(pending_, [&](const PendingLink& link) { return link.component == &component && link.data == data; });
       } else if (!is_new) {
-        fail(component, {Severity::error,
-                         attribute.where,
-                         component.path() + "." + attribute.name,
-                         attribute.name + " and " + first->second->name + " are the same attribute, given twice",
-                         "one of them",
+        fail(component, {Severity::error, attribute.where, component.path() + "." + attribute.name,
+                         attribute.name + " and " + first->second->name + " are the same attribute, given twice", "one of them",
                          {}});
         continue;
       }
@@ -219,9 +216,7 @@ void Instantiation::checkTemplate(const AttributeDescription& attribute, Compone
   Words words(attribute.value);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     if (contains(templateWords(), word) || word.starts_with("CompressedRowSparseMatrix")) continue;
-    return fail(component, {Severity::error,
-                            attribute.where,
-                            component.path() + ".template",
+    return fail(component, {Severity::error, attribute.where, component.path() + ".template",
                             "there is no template " + inQuotes(word) + " of " + component.type(),
                             "Vec3 (or nothing: there is one); on linear solvers GraphScattered or "
                             "CompressedRowSparseMatrixMat3x3",
@@ -241,11 +236,8 @@ void Instantiation::findInputFile(const AttributeDescription& attribute, Data& d
   if (isOverride(attribute.where)) file.found = findFileIn(file.given, ".", {}, &searched);
   if (file.found.empty()) file.found = findFileIn(file.given, component.folder_, scene_.description.data_paths, &searched);
   if (file.found.empty())
-    fail(component, {Severity::error,
-                     attribute.where,
-                     component.path() + "." + attribute.name,
-                     "the file " + inQuotes(file.given) + " is not found",
-                     {},
+    fail(component, {Severity::error, attribute.where, component.path() + "." + attribute.name,
+                     "the file " + inQuotes(file.given) + " is not found", {},
                      searchedText(searched)});
 }
 

@@ -208,12 +208,9 @@ void Instantiation::resolveComponentLink(const PendingLink& link) {
   }
   if (isUnknown(*target.component)) return link.component->markFailed();
   if (!role.accepts(*target.component))
-    return fail(*link.component, {Severity::error,
-                                  link.where,
-                                  path,
+    return fail(*link.component, {Severity::error, link.where, path,
                                   target.component->path() + " is a " + target.component->roleText() + " (" +
-                                      target.component->type() + ")",
-                                  role.roleText(),
+                                      target.component->type() + ")", role.roleText(),
                                   {}});
   role.add(target.component);
 }
@@ -230,12 +227,9 @@ void Instantiation::resolveDataLink(const PendingLink& link) {
   const Data* from = target.component->data().find(path.data);
   if (from && from->link()) from = nullptr;
   if (from) return linkData(link, *target.component, *from);
-  fail(*link.component, {Severity::error,
-                         link.where,
-                         own_path,
+  fail(*link.component, {Severity::error, link.where, own_path,
                          "the link " + inQuotes(link.text) + " leads nowhere: " + target.component->path() + " (" +
-                             target.component->type() + ") has no attribute " + inQuotes(path.data),
-                         {},
+                             target.component->type() + ") has no attribute " + inQuotes(path.data), {},
                          suggest(path, path.data, target.component->data().names())});
 }
 
@@ -270,12 +264,9 @@ void Instantiation::resolveSrc(const PendingLink& link) {
     if (!isGiven(data)) component.data_links_.push_back({&data, target.component, from, link.where, true});
   }
   if (count == 0)
-    fail(component, {Severity::error,
-                     link.where,
-                     path,
+    fail(component, {Severity::error, link.where, path,
                      target.component->path() + " (" + target.component->type() + ") has no attribute in common with " +
-                         component.type(),
-                     "a source such as a mesh loader",
+                         component.type(), "a source such as a mesh loader",
                      {}});
 }
 
