@@ -176,7 +176,7 @@ void ConstraintContact::build() {
   obstacles_.addTo(law_);
   law_.surfaces.finish();
   constexpr double small = 0.01;
-  if (law_.range == 0) law_.range = small * law_.surfaces.meanEdge();
+  if (law_.range == 0) law_.range = partOfMeanEdge(law_.surfaces, small);
   law_.candidates.self_contact = self_;
   law_.compile();
   gaps_.compile(law_, toleratedError());

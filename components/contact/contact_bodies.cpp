@@ -37,8 +37,13 @@ void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const To
     const std::size_t before = surfaces.faces.size();
     surfaces.addState(*body, meshOfBody(*body, body == bodies.front(), topology, asker));
     if (surfaces.faces.size() == before)
-      throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body->path()), "a surface");
+      throw ComponentError(fmt::format("the mesh of {} has no node", body->path()), "cells, edges or points");
   }
+}
+
+double partOfMeanEdge(const Surfaces& surfaces, double part) {
+  if (surfaces.meanEdge() > 0) return part * surfaces.meanEdge();
+  throw ComponentError("points have no edges of which contactDistance would be a part", "contactDistance=\"...\"");
 }
 
 double largestYoungModulus(const std::vector<State*>& bodies) {

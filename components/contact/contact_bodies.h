@@ -12,11 +12,14 @@ namespace stroma::contact {
 std::vector<State*> bodiesInContact(State& first, const std::vector<State*>& others);
 
 /// Adds the surfaces of `bodies`: of the first that of the mesh which `topology` finds for `asker`, of the others that of the mesh
-/// beside their state. Throws ComponentError where there is no mesh, or no surface of it.
+/// beside their state. Throws ComponentError where there is no mesh, or it has no node.
 void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const TopologyLink& topology, const Component& asker);
 
 /// The mesh that addSurfaces() takes of a body. Throws ComponentError where there is none.
 const Mesh& meshOfBody(const State& body, bool is_first, const TopologyLink& topology, const Component& asker);
+
+/// What contactDistance is where it is not given. Throws ComponentError where bodies have no edge.
+double partOfMeanEdge(const Surfaces& surfaces, double part);
 
 /// The largest youngModulus of the force fields below the nodes of these states, or of the nearest nodes above that have
 /// one below; 0: none has [Pa].

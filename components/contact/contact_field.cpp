@@ -38,7 +38,8 @@ void ContactField::compileSurfaces() {
   obstacles_.addTo(law_);
   law_.surfaces.finish();
   mean_edge_ = law_.surfaces.meanEdge();
-  if (law_.range == 0) law_.range = 0.1 * mean_edge_;
+  if (law_.range == 0) law_.range = partOfMeanEdge(law_.surfaces, 0.1);
+  law_.surfaces.giveWidth(law_.range + law_.thickness);
   law_.candidates.self_contact = self_;
   outputs_.compile(law_, bodies_);
 }

@@ -46,6 +46,9 @@ void Surfaces::addFaces(const Mesh& mesh, const State* state) {
   }
   for (const auto& [a, b, c, ab, bc, ca] : hollow ? mesh.quadratic_triangles : mesh.boundaryQuadraticTriangles())
     add(a, ab, ca), add(ab, b, bc), add(ca, bc, c), add(ab, bc, ca);
+  const int dimension = highestDimension(mesh);
+  for (std::size_t e = 0; dimension == 1 && e < mesh.edges.size(); ++e) add(mesh.edges[e][0], mesh.edges[e][0], mesh.edges[e][1]);
+  for (Index node = 0; dimension == 0 && node < Index(mesh.position.size()); ++node) add(node, node, node);
   bodies_.back().faces = int(faces.size()) - bodies_.back().first_face;
   radius.resize(faces.size(), 0);
 }
@@ -67,24 +70,39 @@ void Surfaces::finish() {
     area.push_back(0.5 * (q - p).cross(r - p).norm());
   }
   findCorners();
-  vertex_area.assign(rows.size(), 0);
   std::vector<std::vector<Index>> around(rows.size());
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k)
-      if (auto& list = around[std::size_t(faces[f][k])]; list.empty() || list.back() != Index(f)) {
-        list.push_back(Index(f));
-        vertex_area[std::size_t(faces[f][k])] += corner_area[f][k];
-      }
+      if (auto& list = around[std::size_t(faces[f][k])]; list.empty() || list.back() != Index(f)) list.push_back(Index(f));
   faces_around = {};
   for (const auto& list : around) {
     faces_around.values.insert(faces_around.values.end(), list.begin(), list.end());
     faces_around.start.push_back(Index(faces_around.values.size()));
   }
+  findVertexAreas();
   findEdges();
   findMeanEdge();
   findOwners();
   findPieces();
   findSides();
+}
+
+void Surfaces::findVertexAreas() {
+  vertex_area.assign(rows.size(), 0);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) vertex_area[std::size_t(faces[f][k])] += corner_area[f][k];
+}
+
+void Surfaces::giveWidth(double width) {
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& [a, b, c] = faces[f];
+    if (a != b || !moves(a)) continue;
+    const int edge = face_edges[f][1];  // from b to c; -1: a point
+    area[f] = width * (edge < 0 ? width : std::sqrt(edge_square[std::size_t(edge)]));
+    corner_area[f] = edge < 0 ? std::array{area[f], 0., 0.} : std::array{area[f] / 2, 0., area[f] / 2};
+    if (edge >= 0) edge_area[std::size_t(edge)] += area[f];
+  }
+  findVertexAreas();
 }
 
 /// A corner of a triangle has a third of it. A corner of a quad has the integral of its bilinear function, whichever way the quad is

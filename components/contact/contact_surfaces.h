@@ -10,7 +10,8 @@
 namespace stroma::contact {
 
 /// The surfaces of all bodies of an interaction and of its obstacles, as one list of vertices, edges and triangles. A
-/// triangle may repeat its first vertex: (a, a, b) is an edge, (a, a, a) a point; obstacles have such, with a radius.
+/// triangle may repeat its first vertex: (a, a, b) is an edge, (a, a, a) a point. Obstacles have such, with a radius, and so have
+/// bodies of edges or of points alone.
 class Surfaces {
  public:
   struct Body {
@@ -20,8 +21,8 @@ class Surfaces {
   };
 
   void clear() { *this = {}; }
-  /// The boundary of the mesh's volume cells, or its faces when it has none. Quads are two triangles, quadratic triangles
-  /// four.
+  /// The boundary of the mesh's volume cells, else its faces, else its edges, else its points. Quads are two triangles, quadratic
+  /// triangles four.
   void addState(const State& state, const Mesh& mesh);
   /// An obstacle; `radius`: of its rounded points and edges.
   void addObstacle(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& faces, double radius);
@@ -29,6 +30,8 @@ class Surfaces {
   void addObstacle(const Mesh& mesh);
   /// When all have been added.
   void finish();
+  /// After that: edges without a triangle are strips as wide, and points squares, that turn to what they meet [m].
+  void giveWidth(double width);
   /// Positions of all vertices: rows of x, and obstacles moved by `moved`.
   void gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const;
   /// Displacements of all of them: rows of dx, and `along` of obstacles.
@@ -72,6 +75,7 @@ class Surfaces {
   int addVertex(Index row, const Vec3& x);
   void addFaces(const Mesh& mesh, const State* state);
   void findCorners();
+  void findVertexAreas();
   void findEdges();
   void findMeanEdge();
   void findOwners();

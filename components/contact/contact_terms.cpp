@@ -100,9 +100,13 @@ double BarrierLaw::shareOf(int vertex, const Vec3& towards, const std::vector<Ve
   for (Index k = around.start[std::size_t(vertex)]; k < around.start[std::size_t(vertex) + 1]; ++k) {
     const std::size_t f = std::size_t(around.values[std::size_t(k)]);
     const auto& [a, b, c] = surfaces.faces[f];
+    const double of_corner = surfaces.corner_area[f][vertex == a ? 0 : vertex == b ? 1 : 2];
+    if (a == b) {  // what is no triangle turns its width to what it meets
+      sum += a == c ? of_corner : of_corner * (x[std::size_t(c)] - x[std::size_t(a)]).normalized().cross(towards).norm();
+      continue;
+    }
     const Vec3 n = (x[std::size_t(b)] - x[std::size_t(a)]).cross(x[std::size_t(c)] - x[std::size_t(a)]).normalized();
     const double facing = -n.dot(towards);
-    const double of_corner = surfaces.corner_area[f][vertex == a ? 0 : vertex == b ? 1 : 2];
     sum += of_corner * (closed ? std::max(0.0, facing) : std::abs(facing));
   }
   return sum;
