@@ -13,6 +13,10 @@
 // With scaledByVolume="true" the thresholds are compared with 6 V times the strain, as SOFA does: what yields depends on the mesh
 // then. A creep of 1 lets a cell yield at once; it is for a time step, not for a time.
 //
+// The stress of the elastic force field beside it is D eps. Cell fields for exporters: elasticStress, R sigma R^T [Pa], elasticVonMises
+// [Pa] and plasticStrain, eps_p (six numbers each but for the second, xx yy zz xy yz zx: the stress in the axes of the world, the
+// strain in those of the rest shape and as a tensor, half the engineering shear).
+//
 // Source: M. Mueller, M. Gross, Interactive virtual materials, Graphics Interface 2004, section 5; names of the thresholds are SOFA's.
 //
 // Example:
@@ -95,6 +99,8 @@ class PlasticStrainForceField final : public ForceField, public History {
     cells_.clear();
     for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c) addCell(mesh.tetrahedra[c], c);
     reset();
+    inform("stresses of the elastic force field have the plastic strain in them: elasticStress and elasticVonMises of " + path() +
+           " have not");
   }
 
   void reset() override {
@@ -125,6 +131,24 @@ class PlasticStrainForceField final : public ForceField, public History {
       const Cell& cell = cells_[c];
       const Mat3 force = cell.volume * rotation(cell, x, first) * stressOf(cell, plasticStrain(c));
       for (std::size_t a = 0; a < 4; ++a) f[first + cell.nodes[a]] += force * cell.gradients[a];
+    }
+  }
+  std::vector<std::string> cellFields() const override { return {"elasticVonMises", "elasticStress", "plasticStrain"}; }
+  CellFieldShape cellFieldShape(const std::string& name) const override {
+    return {&cell_kinds::tetrahedron, std::size_t(name == "elasticVonMises" ? 1 : 6)};
+  }
+  void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override {
+    const std::size_t width = cellFieldShape(name).width;
+    out.resize(width * cells_.size());
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const Cell& cell = cells_[c];
+      const Mat3 r = rotation(cell, x, state().firstRow()), plastic = plasticStrain(c);
+      const Mat3 m = name == "plasticStrain" ? plastic : Mat3(r * stressOf(cell, strain(cell, x) - plastic) * r.transpose());
+      const double values[] = {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(1, 2), m(2, 0)};
+      if (width == 1)
+        out[c] = std::sqrt(1.5) * (m - m.trace() / 3 * Mat3::Identity()).norm();
+      else
+        std::copy(values, values + 6, out.data() + 6 * c);
     }
   }
   // K = 0

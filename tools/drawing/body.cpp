@@ -367,7 +367,8 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
 std::string unitOfField(const std::string& name) {
   static const std::map<std::string, std::string> units{
       {"vonMises", "Pa"}, {"stress", "Pa"},         {"principalStress", "Pa"}, {"pressure", "Pa"}, {"J", "-"},
-      {"strain", "-"},    {"principalStrain", "-"}, {"velocity", "m/s"},       {"displacement", "m"}};
+      {"strain", "-"},    {"principalStrain", "-"}, {"velocity", "m/s"},       {"displacement", "m"},
+      {"elasticVonMises", "Pa"}, {"elasticStress", "Pa"}, {"plasticStrain", "-"}};
   const auto found = units.find(name);
   return found == units.end() ? std::string() : found->second;
 }

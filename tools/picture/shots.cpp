@@ -53,6 +53,7 @@ std::string titleOf(const std::string& field) {
   static const std::map<std::string, std::string> titles{
       {"vonMises", "von Mises stress"}, {"J", "volume ratio J"}, {"strain", "strain (norm)"}, {"stress", "stress (norm)"},
       {"principalStress", "largest principal stress"}, {"principalStrain", "largest principal strain"},
+      {"elasticVonMises", "von Mises stress, elastic"}, {"elasticStress", "elastic stress (norm)"},
       {"pressures", "contact pressure"}, {"gaps", "contact gap"}, {"contactAreas", "contact area"},
       {"contactStates", "sticks 1, slides 2"}, {"contactForces", "contact force"}, {"frictionForces", "friction force"}};
   const auto found = titles.find(field);
