@@ -85,19 +85,25 @@ void HyperelasticForceField::checkShapes() const {
   }
 }
 
-/// Poisson's ratio comes back from the moduli of the law with round-off: one that was written as the limit is not below it.
-void HyperelasticForceField::chooseDilatation() {
-  constexpr double round_off = 1e-9;
-  mean_dilatation_ = dilatation_ == Dilatation::mean;
-  if (mean_dilatation_) checkMeanDilatation();
-  if (dilatation_ != Dilatation::automatic) return;
-  const double from = kind->type == CellType::quadratic_tetrahedron ? 0.45 : 0.4,
-               nearly_incompressible = std::max(from, 0.45);
+double HyperelasticForceField::largestPoissonRatio() const {
   double largest = -1;
   for (std::size_t set = 0; set * law_.parameters.size() < values_.size(); ++set) {
     const hyperelastic::HyperelasticLaw::Moduli moduli = law_.moduliAtRest(parametersIn(values_, set));
     largest = std::max(largest, (3 * moduli.bulk - 2 * moduli.shear) / (6 * moduli.bulk + 2 * moduli.shear));
   }
+  return largest;
+}
+
+/// Poisson's ratio comes back from the moduli of the law with round-off: one that was written as the limit is not below it.
+void HyperelasticForceField::chooseDilatation() {
+  constexpr double round_off = 1e-9, nearly_half = 0.485;
+  const double largest = largestPoissonRatio();
+  stiff_in_volume_ = largest < nearly_half ? "" : fmt::format("its Poisson's ratio at small strains is {:.6g}", largest);
+  mean_dilatation_ = dilatation_ == Dilatation::mean;
+  if (mean_dilatation_) checkMeanDilatation();
+  if (dilatation_ != Dilatation::automatic) return;
+  const double from = kind->type == CellType::quadratic_tetrahedron ? 0.45 : 0.4,
+               nearly_incompressible = std::max(from, 0.45);
   if (largest < from - round_off) return;
   try {
     checkMeanDilatation();

@@ -75,6 +75,9 @@ void HyperelasticForceField::declareMethod(DataTable& table) {
           "per cell: no locking; "
           "auto: "
           "one per cell where Poisson's ratio at small strains is 0.4 (of quadratic tetrahedra 0.45) or more");
+  table.add("stiffInVolume", stiff_in_volume_)
+      .help("why one linear solve per step is too few for this field; empty: it is not")
+      .output();
   table.add("matrixRegularization", regularised_)
       .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)

@@ -104,6 +104,7 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   std::size_t worstCell(ConstRows x, double& jacobian) const;
   void checkFinite(ConstRows x, ConstRows f);
   void checkShapes() const;
+  double largestPoissonRatio() const;  ///< at small strains
   /// Of automatic: by Poisson's ratio at rest, where the law and the cells have a mean.
   void chooseDilatation();
   /// Throws ComponentError where there is no mean dilatation.
@@ -128,6 +129,7 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   Dilatation dilatation_ = Dilatation::automatic;
   bool mean_dilatation_ = false;  ///< dilatation_, or what was chosen for it
   bool definite_ = false;         ///< useDefiniteTangent()
+  std::string stiff_in_volume_;
   std::unique_ptr<ElementKernels> other_method_;  ///< the method with the other tangent, once it was asked for
   std::string parameter_file_;
   PronyAttributes prony_;

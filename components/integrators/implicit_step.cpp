@@ -29,6 +29,8 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
     return report;
   }
   StepReport report = solveLinearised(stop);
+  if (report.diverged && std::ranges::any_of(system_->forceFields(), [](const ForceField* field) { return !field->traits().linear; }))
+    report.reason += "; one linear solve takes a step however long it is, newtonIterations=\"20\" shortens what goes too far";
   if (scheme.moved_after != 0 && !report.failed()) system_->motion().advance(scheme.moved_after, change_, x());
   if (!multipliers_.empty() && !report.failed()) multipliers_.correct(*solver_, tangent(), change_, {}, stop, report);
   bodies_.momenta(x(), v(), end_momenta_);

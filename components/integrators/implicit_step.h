@@ -88,7 +88,7 @@ class ImplicitStep final : public NonlinearProblem {
   // ---- what an integrator passes on ----
   void stepTaken() { exact_.stepTaken(), multipliers_.stepTaken(), energy_.stepTaken(); }
   void sceneChanged() { energy_.forget(); }
-  std::string doubt(const std::string& path) const;  ///< energy came from nowhere
+  std::string doubt(const std::string& path) const;  ///< energy came from nowhere, or a body lags behind
   void reset() {
     exact_.reset(), multipliers_.reset(), energy_.forget();
     exact_tangent_steps_ = 0;
@@ -137,6 +137,7 @@ class ImplicitStep final : public NonlinearProblem {
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
   void chooseSolves();
+  std::string doubtOfOneSolve(const std::string& path) const;
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
   StepReport solveAsNeeded(StopToken stop);

@@ -141,9 +141,22 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   if (settings_component_) settings_component_->prepare(graph_.capacity());
 }
 
+/// Steps of a law that resists changes of volume far more than of shape end with a volume that the linearised law does not see.
+/// A block of NeoHookean that is held at one end and let go in its weight lacked 8 % of its way after ten steps of a twentieth of its
+/// swing with a Poisson's ratio of 0.49, and 28 % with 0.499; with Newton's method it has the way of 0.45 at both.
+std::string ImplicitStep::doubtOfOneSolve(const std::string& path) const {
+  if (!solvesOnce()) return {};
+  for (const ForceField* field : system_->forceFields())
+    if (const Data* why = field->data().find("stiffInVolume"); why && !why->print().empty())
+      return fmt::format("{} solves each step once, and {} is nearly incompressible ({}): what it moves lags behind by some per cent to "
+                         "a half. newtonIterations=\"20\" solves its steps",
+                         path, field->path(), why->print());
+  return {};
+}
+
 std::string ImplicitStep::doubt(const std::string& path) const {
   const double gained = energy_.gained();
-  if (gained == 0) return {};
+  if (gained == 0) return doubtOfOneSolve(path);
   return fmt::format("{} has gained {:.3g} J with no work done on it: newtonIterations=\"1\" makes its rule one of first order, which "
                      "gains energy until the run explodes, because {}. newtonIterations=\"{}\", or 0, makes the solves that it needs",
                      path, gained, approximation_, enough_solves_);
