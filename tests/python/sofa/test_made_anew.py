@@ -257,3 +257,48 @@ def test_files_of_observers_go_on(folder):
     Sofa.Simulation.unload(root)
     times = np.loadtxt(next(folder.glob("fall*x*")), usecols=0)
     assert np.allclose(np.diff(times), 0.01) and len(times) >= 10
+
+
+def cube_of(root, name):
+    node = root.addChild(name)
+    node.addObject("EulerImplicitSolver")
+    node.addObject("SparseLDLSolver")
+    node.addObject("MechanicalObject", name="dofs", position=[[0.5, 0, 0]], rest_position=[[0, 0, 0]])
+    node.addObject("UniformMass", totalMass=1)
+    node.addObject("RestShapeSpringsForceField", stiffness=10, points=[0])
+    return node
+
+
+def test_what_is_switched_off_stays_and_goes_on():
+    """Of two equal bodies one is switched off for four steps: it goes on as the other one did, to the bit."""
+    root = Sofa.Core.Node("root")
+    one, two = cube_of(root, "one"), cube_of(root, "two")
+    Sofa.Simulation.init(root)
+    states = []
+    for step in range(12):
+        animate(root, 1)
+        states.append((one.dofs.position.array(), one.dofs.velocity.array()))
+        if step == 2:
+            two.activated = False
+        if 3 <= step < 7:
+            assert (two.dofs.position.array() == states[2][0]).all() and (two.dofs.velocity.array() == states[2][1]).all()
+        if step == 6:
+            two.activated = True
+        if step >= 7:
+            assert (two.dofs.position.array() == states[step - 4][0]).all(), step
+            assert (two.dofs.velocity.array() == states[step - 4][1]).all(), step
+
+
+def test_what_is_switched_off_takes_positions():
+    root = Sofa.Core.Node("root")
+    body = cube_of(root, "body")
+    cube_of(root, "other")
+    Sofa.Simulation.init(root)
+    animate(root, 1)
+    body.activated = False
+    animate(root, 1)
+    body.dofs.position.value = [[3, 0, 0]]
+    assert body.dofs.position.array().tolist() == [[3, 0, 0]]
+    body.activated = True
+    animate(root, 1)
+    assert 2.9 < body.dofs.position.array()[0, 0] < 3, "it goes on from there"

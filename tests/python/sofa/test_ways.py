@@ -267,3 +267,78 @@ def test_a_step_of_no_length_is_told(capsys):
         Sofa.Simulation.animate(root, dt)
     told = capsys.readouterr().err
     assert told.count("a step of the root's dt is made, 0.25") == 2 and root.time.value == 0.75, told
+
+
+def falling_body(root):
+    body = root.addChild("body")
+    falling(body, "dofs", position=[[0, 0, 0]])
+    return body
+
+
+class Follower(Sofa.Core.DataEngine):
+    """Twice its input."""
+
+    def __init__(self, *arguments, **values):
+        Sofa.Core.DataEngine.__init__(self, *arguments, **values)
+        self.addData("x", type="vector<Vec3d>", value=values.get("x", [[0, 0, 0]]))
+        self.addData("y", type="vector<Vec3d>", value=[[0, 0, 0]])
+        self.addInput(self.x)
+        self.addOutput(self.y)
+
+    def update(self):
+        self.y.value = 2 * np.array(self.x.value)
+
+
+def test_engines_follow_what_steps_change():
+    """By the path of data, by data, and an engine that follows an engine."""
+    root = Sofa.Core.Node("root")
+    body = falling_body(root)
+    by_path = root.addObject(Follower(name="by_path", x=body.dofs.position.getLinkPath()))
+    by_data = root.addObject(Follower(name="by_data", x=body.dofs.position))
+    second = root.addObject(Follower(name="second", x=by_path.y.getLinkPath()))
+    Sofa.Simulation.init(root)
+    for _ in range(3):
+        animate(root, 1)
+        now = body.dofs.position.array()
+        assert (by_path.y.array() == 2 * now).all() and (by_data.y.array() == 2 * now).all() and (second.y.array() == 4 * now).all()
+    body.dofs.position.value = [[7, 0, 0]]
+    assert by_path.y.array().tolist() == [[14, 0, 0]]
+
+
+def test_a_reset_leads_to_where_the_scene_was_placed():
+    """As SOFA, which keeps what a reset leads to when it has told that the scene is initialised."""
+
+    class Placing(Sofa.Core.Controller):
+        def onSimulationInitDoneEvent(self, event):
+            with self.getContext().dofs.position.writeableArray() as position:
+                position[0] = [5, 0, 0]
+
+    root = Sofa.Core.Node("root")
+    body = falling_body(root)
+    body.addObject(Placing(name="placing"))
+    Sofa.Simulation.init(root)
+    animate(root, 3)
+    first = body.dofs.position.array()
+    Sofa.Simulation.reset(root)
+    assert body.dofs.position.array().tolist() == [[5, 0, 0]]
+    animate(root, 3)
+    assert (body.dofs.position.array() == first).all(), "the same bits"
+
+
+def test_a_controller_may_have_a_reset_of_its_own():
+    """Environments for learning do: SOFA calls none of SofaPython 3's classes."""
+
+    class Environment(Sofa.Core.Controller):
+        episodes = 0
+
+        def reset(self):
+            self.episodes += 1
+            Sofa.Simulation.reset(self.getContext().getRoot())
+
+    root = Sofa.Core.Node("root")
+    body = falling_body(root)
+    environment = body.addObject(Environment(name="environment"))
+    Sofa.Simulation.init(root)
+    animate(root, 1)
+    environment.reset()
+    assert environment.episodes == 1 and root.time.value == 0

@@ -80,6 +80,8 @@ class Engine:
         self.root, self._s_given = root, simulation is not None
         self._restart, self._remade, self.steps = False, False, 0
         self._pushed, self._last_dt, self._told = {}, 0.0, set()
+        self._asleep = {}  # positions and velocities of states in nodes that are switched off, which go on from there
+        self._placed, self._places = None, []  # states that are written to while the scene is told that it is initialised; their start
         if simulation is None:
             mirror = Mirror(root)
             simulation = load(root, mirror)
@@ -111,6 +113,8 @@ class Engine:
 
     # ---- values ----
     def knows(self, thing, data):
+        if id(thing) in self._asleep and data._s_name in ("position", "velocity"):
+            return True
         component = self._components.get(id(thing))
         if component is None:
             return False
@@ -124,6 +128,8 @@ class Engine:
         return data._s_name in names
 
     def read(self, thing, data):
+        if id(thing) in self._asleep:
+            return np.array(self._asleep[id(thing)][data._s_name])
         state = self._states.get(id(thing))
         if state is not None and data._s_name in _STATE:
             return self._of_state(thing, state, data._s_name)
@@ -177,6 +183,10 @@ class Engine:
     def write(self, thing, data, value):
         if data._s_name in _FIELDS:
             return _messages.warn(f"{thing._s_place()}.{data._s_name}: is computed: what is written does not count")
+        if id(thing) in self._asleep:
+            kept = self._asleep[id(thing)]
+            kept[data._s_name] = np.asarray(_values.numbers_of(value), dtype=float).reshape(kept[data._s_name].shape)
+            return None
         state = self._states.get(id(thing))
         if state is not None and data._s_name in _STATE and not isinstance(value, Data) and not _values.is_link_text(value):
             return self._to_state(thing, state, data, value)
@@ -215,8 +225,19 @@ class Engine:
         _messages.warn(f"{thing._s_place()}.{name}: is computed in every step: what is written does not count")
         return None
 
+    def initialised(self):
+        """Tells so. What is written to states then is where they start, and where a reset leads back to."""
+        self._placed = {}
+        try:
+            _events.send(self.root, "SimulationInitDoneEvent", {})
+        finally:
+            self._places = [(thing, np.array(state.x), np.array(state.v)) for thing, state in self._placed.values()]
+            self._placed = None
+
     def _put(self, thing, state, name, value):
         """Writes positions or velocities; SOFA's constraints let positions be written."""
+        if self._placed is not None:
+            self._placed[id(thing)] = thing, state
         try:
             if name == "velocity":
                 state.set(v=value)
@@ -309,7 +330,13 @@ class Engine:
             same = {path: mirror.paths[key] for key, path in self.mirror.paths.items() if key in mirror.paths}
             for path in _stroma.go_on(simulation._engine, before._engine, same, set(mirror.paths.values())):
                 _messages.warn(f"{path}: the scene has changed, and what it remembers of the run begins anew")
+        awake = {} if from_start else {key: {"position": np.array(state.x), "velocity": np.array(state.v)}
+                                       for key, state in self._states.items()}
         self._take(simulation, mirror)
+        self._asleep = {} if from_start else self._asleep | {key: kept for key, kept in awake.items() if key not in self._states}
+        for key in self._asleep.keys() & self._states.keys():
+            for name, value in self._asleep.pop(key).items():
+                self._put(mirror.things[key], self._states[key], name, value)
         for key, rest in led.items():
             if key in self._states:
                 self._lead(mirror.things[key], self._states[key], rest)
@@ -365,13 +392,25 @@ class Engine:
 
     def restarted(self):
         self.steps = 0
-        _events.call(self.root, "reset")
+        for thing, position, velocity in self._places:
+            state = self._states.get(id(thing))
+            if state is not None and state.x.shape == position.shape:
+                self._put(thing, state, "position", position)
+                self._put(thing, state, "velocity", velocity)
+        _events.call(self.root, "reset", only=_old_controller())
 
     def reset(self):
         if self._remade:  # the scene was made anew on the way: the start is that of the tree
             self._make_anew(from_start=True)
         self.sim.reset()
         self.restarted()
+
+
+def _old_controller():
+    """SofaPython 3 calls no `reset` of Python's classes: environments have one that calls Sofa.Simulation.reset()."""
+    from ._old_python import PythonScriptController
+
+    return PythonScriptController
 
 
 def _dense(rows):
@@ -439,7 +478,7 @@ def bind(root, engine):
     _events.warn_of_unsent(root)
     engine.tell()
     _events.call(root, "bwdInit")
-    _events.send(root, "SimulationInitDoneEvent", {})
+    engine.initialised()
 
 
 def initialise(root):

@@ -83,10 +83,10 @@ def mouse(root, state, x, y, wheel):
     send(root, "MouseEvent", {"State": state, "mouseX": x, "mouseY": y, "wheelDelta": wheel})
 
 
-def call(root, method, *arguments):
-    """`method` of all objects of Python that have one."""
-    for each in list(listeners(root)):
+def call(root, method, only=Object):
+    """`method` of all objects of Python, of a class `only`, that have one."""
+    for each in [each for each in listeners(root) if isinstance(each, only)]:
         found = getattr(each, method, None)
         code = getattr(getattr(type(each), method, None), "__code__", None)
         if found is not None and not (code is not None and code.co_argcount == 0 and not code.co_flags & 4):  # written without self
-            found(*arguments)
+            found()

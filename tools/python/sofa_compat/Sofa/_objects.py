@@ -279,6 +279,21 @@ class Controller(Object):
         """Any event for which the class has no method."""
 
 
+def _stamp(data):
+    """Changes with the value: of data that are linked with that of their source, of what steps change with its numbers."""
+    source, owner = data.getParent(), data._s_owner
+    if source is not None:
+        return data._s_stamp, _stamp(source)
+    if isinstance(owner, DataEngine):
+        value = data.value if any(data is each for each in owner.__dict__.get("_s_outputs", ())) else None  # which brings it up
+        return data._s_stamp, value is None
+    engine = owner._s_engine() if isinstance(owner, Object) else None
+    if engine is None or not engine.knows(owner, data):
+        return data._s_stamp
+    value = data.value
+    return hash(value.tobytes() if isinstance(value, np.ndarray) else _values.to_text(value))
+
+
 class DataEngine(Object):
     """Computes data from data: `update` is called when the scene is initialised, and before each step when an input changed."""
 
@@ -297,8 +312,8 @@ class DataEngine(Object):
         return super()._s_read(data)
 
     def _s_bring_up(self):
-        """update(), where an input has been written since."""
-        stamp = tuple(each._s_stamp for each in self.__dict__.get("_s_inputs", []))
+        """update(), where an input has another value since."""
+        stamp = tuple(_stamp(each) for each in self.__dict__.get("_s_inputs", []))
         if self.__dict__.get("_s_seen") != stamp:
             object.__setattr__(self, "_s_seen", stamp)
             self.update()
