@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/hyperelasticity/darcy_flow.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SparseCholesky>
 #include <cmath>
+#include <stdexcept>
 
 namespace stroma {
 
@@ -59,7 +62,10 @@ void DarcyFlow::setStep(double h, double storage, double permeability) {
   m.matrix = m.gradients * (h * permeability);
   for (Eigen::Index i = 0; i < m.matrix.rows(); ++i)
     m.matrix.coeffRef(i, i) += isDrained(Index(i)) ? 1 : storage * volume_[i];
-  m.solver.factorize(m.matrix);  // positive definite
+  m.solver.factorize(m.matrix);
+  if (m.solver.info() != Eigen::Success)
+    throw std::runtime_error(fmt::format("the fluid's matrix of a step of {:g} s has no factors: storage {:g} 1/Pa, permeability {:g}", h,
+                                         storage, permeability));
   m.diagonal = m.solver.vectorD();
 }
 

@@ -7,8 +7,9 @@ namespace STROMA_TEST_FILE {
 
 /// A cube that is turned by R and stretched by 1 + s along each axis, with a given strain p.
 std::string cube(const std::string& strain) {
-  return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><StaticSolver/><SparseLDLSolver/><RegularGridTopology name=\"grid\" n=\"3 3 3\" "
-         "min=\"0 0 0\" max=\"1 1 1\"/><Node name=\"a\"><TetrahedronSetTopologyContainer name=\"tets\"/><Hexa2TetraTopologicalMapping "
+  return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><StaticSolver/><SparseLDLSolver/>"
+         "<RegularGridTopology name=\"grid\" n=\"3 3 3\" min=\"0 0 0\" max=\"1 1 1\"/><Node name=\"a\">"
+         "<TetrahedronSetTopologyContainer name=\"tets\"/><Hexa2TetraTopologicalMapping "
          "input=\"@../grid\" output=\"@tets\"/><MechanicalObject name=\"dofs\"/><DiagonalMass massDensity=\"1000\"/>"
          "<TetrahedronFEMForceField name=\"fem\" method=\"svd\" youngModulus=\"1e4\" poissonRatio=\"0.3\"/>"
          "<PlasticStrainForceField name=\"plastic\" method=\"svd\" youngModulus=\"1e4\" poissonRatio=\"0.3\" initialStrain=\"" +

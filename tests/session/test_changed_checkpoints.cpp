@@ -217,5 +217,31 @@ TEST(ChangedCheckpoints, ARefusedOneLeavesAChangedRunAsItWasAndTells) {
   EXPECT_EQ(other.simulation().stateHash(), end);
 }
 
+/// A run of long steps goes on in short ones: times count on from there, as after a live change of dt, and what remembers the run
+/// has a step forward.
+TEST(ChangedCheckpoints, AnotherTimeStepCountsFromThere) {
+  const auto text = [](double dt) {
+    return fmt::format("<Node name=\"root\" dt=\"{}\" gravity=\"0 0 -1\"><EulerImplicitSolver/><SparseLDLSolver/>"
+                       "<RegularGridTopology n=\"3 3 3\" min=\"0 0 0\" max=\"1 1 1\"/><MechanicalObject name=\"dofs\"/><DiagonalMass massDensity=\"1\"/>"
+                       "<HexahedronHyperelasticityFEMForceField materialName=\"NeoHookean\" youngModulus=\"100\" poissonRatio=\"0.3\" "
+                       "viscous=\"true\" ParameterAlpha=\"0.5\" ParameterTau=\"0.2\"/>"
+                       "<HexahedronPorousForceField fluidFraction=\"0.5\" bulkModulus=\"1\" limitModulus=\"100\" permeability=\"1e-3\" "
+                       "drainedIndices=\"0 1 2\"/><FixedProjectiveConstraint indices=\"0 1 2 3\"/></Node>",
+                       dt);
+  };
+  Session whole, other;
+  whole.loadText(text(0.1), "whole.xml"), other.loadText(text(0.01), "other.xml");
+  for (int i = 0; i < 10; ++i) ASSERT_FALSE(whole.simulation().step().failed());
+  const Checkpoint checkpoint = whole.checkpoint();
+  other.restore(checkpoint, "it");
+  whole.simulation().setAttribute("/", "dt", "0.01");
+  for (int i = 1; i <= 5; ++i) {
+    ASSERT_FALSE(whole.simulation().step().failed());
+    ASSERT_FALSE(other.simulation().step().failed());
+    EXPECT_NEAR(other.simulation().time(), 1 + 0.01 * i, 1e-12);
+    EXPECT_LT(distance(other.simulation().systems()[0]->x, whole.simulation().systems()[0]->x), 1e-12) << i;
+  }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -249,6 +249,48 @@ TEST(MeshChanges, SurfacesAndWhatFollowsThemFollow) {
   EXPECT_LT((probe.x[0] - middle).norm(), 1e-12);
 }
 
+/// A bar whose lateral faces of one side are loaded, cut so that one of them goes: what is loaded is what is left of them.
+/// The sum of the loads by areas, whether points go or stay.
+TEST(MeshChanges, NumbersOfFacesFollow) {
+  const std::string loads[] = {"<SurfaceTractionForceField name=\"load\" traction=\"0 0 10\" quadIndices=\"FACES\" area=\"rest\"/>",
+                               "<SurfacePressureForceField name=\"load\" pressure=\"10\" quadIndices=\"FACES\"/>"};
+  for (const std::string& load : loads)
+    for (const char* keeps : {"false", "true"}) {
+      // quads of the side z = 0.1, as their numbers in the boundary
+      Session session;
+      std::string positions, hexahedra, quads;
+      for (int k = 0; k < 2; ++k)
+        for (int j = 0; j < 2; ++j)
+          for (int i = 0; i < 5; ++i) positions += fmt::format("{} {} {}  ", 0.1 * i, 0.1 * j, 0.1 * k);
+      for (int i = 0; i < 4; ++i) {
+        hexahedra += fmt::format("{} {} {} {} {} {} {} {}  ", i, i + 1, i + 6, i + 5, i + 10, i + 11, i + 16, i + 15);
+        quads += fmt::format("{} {} {} {}  {} {} {} {}  ", i + 10, i + 11, i + 16, i + 15, i, i + 5, i + 6, i + 1);
+      }
+      std::string text = load;
+      text.replace(text.find("FACES"), 5, "0 2 4 6");
+      session.loadText("<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><EulerExplicitSolver/>"
+                       "<MeshTopology name=\"mesh\" position=\"" +
+                           positions + "\" hexahedra=\"" + hexahedra + "\" quads=\"" + quads +
+                           "\"/><MechanicalObject name=\"dofs\"/><DiagonalMass massDensity=\"1000\"/>" + text +
+                           "<CarvingRegion box=\"0.15 -9 -9 0.25 9 9\" begin=\"0.005\" end=\"0.015\" keepsPoints=\"" + keeps + "\"/></Node>",
+                       "scene.xml");
+      const Seen seen = runFor(session, 3, "/dofs");
+      ASSERT_EQ(seen.report.end, RunEnd::done) << seen.report.reason;
+      const System& system = *session.simulation().systems()[0];
+      Vector f(system.allRows());
+      clear(f);
+      system.forceFields()[0]->addForce(system.x, system.v, f);
+      Vec3 sum = Vec3::Zero();
+      for (Index i = 0; i < f.count(); ++i) sum += f[i];
+      const Data& faces = *system.forceFields()[0]->data().find("quadIndices");
+      const std::size_t left = std::get<std::vector<int>*>(faces.pointer())->size();
+      EXPECT_LT(left, 4u) << load;
+      EXPECT_NEAR(sum.z(), 10 * 0.01 * double(left), 1e-4) << load << keeps;
+      for (Index i = 0; i < f.count(); ++i)
+        if (f[i].norm() > 0) EXPECT_NEAR(seen.rest[std::size_t(i)].z(), 0.1, 1e-12) << load << keeps;
+    }
+}
+
 class ChangeFiles : public FolderTest {};
 
 TEST_F(ChangeFiles, BringCellsAndPoints) {

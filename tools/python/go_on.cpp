@@ -177,7 +177,7 @@ class Heir {
   bool isOfTheSame(const Component& component, const Component& old) const {
     for (const Data& data : component.data().all()) {
       const Data* former = isOfMeaning(data) ? old.data().find(data.name()) : nullptr;
-      if (!former) continue;
+      if (!former || (!data.isSet() && !former->isSet())) continue;  // what is not written a component may measure itself
       if (data.link()) {
         const Component *now = data.link()->target(), *then = former->link() ? former->link()->target() : nullptr;
         if ((now ? now->path() : "") != (then ? nameIn(same_, then->path()) : "")) return false;

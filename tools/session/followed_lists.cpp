@@ -26,6 +26,8 @@ constexpr std::string_view of_nodes[] = {"indices",
                                          "indices2",
                                          "external_points",
                                          "requiredPoints",
+                                         "drainedIndices",
+                                         "meshIndices",
                                          "firstObjectPoints",
                                          "secondObjectPoints",
                                          "springsIndices1",
@@ -173,9 +175,9 @@ FollowedLists::Left FollowedLists::numbersLeft(const std::vector<int>& numbers, 
 const ListOrigins* FollowedLists::numbered(const Component& component, const Data& data) const {
   if (isIn(data.name(), of_nodes) && !dynamic_cast<const Mapping*>(&component)) return &edit_.points();
   const ListOrigins* cells = data.name() == "listSegment" || data.name() == "edgeIndices" ? &edit_.cells().edges
-                             : data.name() == "triangleList"                              ? &edit_.cells().triangles
-                             : data.name() == "quadList"                                  ? &edit_.cells().quads
-                                                                                          : nullptr;
+                             : data.name() == "triangleList" || data.name() == "triangleIndices" ? &edit_.cells().triangles
+                             : data.name() == "quadList" || data.name() == "quadIndices" ? &edit_.cells().quads
+                                                                                         : nullptr;
   if (cells && meshOf(component) != &topology_)
     refuse(component, data, "numbers cells of a mesh that is made of the one that changes");
   return cells;
@@ -210,6 +212,8 @@ FollowedLists::Valued FollowedLists::valued(const Component& component, const Da
         mesh->mesh(), edit_.cells());
   if (found.origins && data.name() == "AnisotropyDirections" && (count <= 3 || count == edit_.points().before))
     refuse(component, data, "may be of all cells, of each cell or of each node");
+  for (std::size_t each = 1; data.name() == "AnisotropyDirections" && !found.origins && each <= 3; ++each)
+    if (count > 3 && count == each * edit_.points().before) found = {&edit_.points(), each};
   if (found.origins && found.origins->areTheSame()) return {};
   return found;
 }

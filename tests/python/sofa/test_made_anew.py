@@ -33,6 +33,19 @@ def cable(root):
     node.addObject("CableConstraint", indices=[1], pullPoint=[0, 0, 0], value=[0.2])
 
 
+def cable_by_weights(root):
+    """Through points that a mapping places: its length is measured in the first step."""
+    with_conditions(root)
+    node = body(root, position=TETRAHEDRON["position"])
+    node.addObject("GenericConstraintCorrection")
+    node.addObject("MeshTopology", tetrahedra=[[0, 1, 2, 3]], position=TETRAHEDRON["position"])
+    node.addObject("RestShapeSpringsForceField", stiffness=100)
+    points = node.addChild("points")
+    points.addObject("MechanicalObject", name="points", position=[[0.2, 0.2, 0.2], [0.6, 0.1, 0.1]])
+    points.addObject("CableConstraint", indices=[0, 1], pullPoint=[-1, 0, 0], value=[0.2])
+    points.addObject("BarycentricMapping")
+
+
 def cavity(root):
     with_conditions(root)
     node = body(root, position=TETRAHEDRON["position"])
@@ -138,7 +151,7 @@ def ends_at(scene, changed):
     return np.array(state.position.value), np.array(state.velocity.value)
 
 
-@pytest.mark.parametrize("scene", [cable, cavity, driven, moved, held_in_part, of_second_order, half_a_step_behind, plastic, attached,
+@pytest.mark.parametrize("scene", [cable, cable_by_weights, cavity, driven, moved, held_in_part, of_second_order, half_a_step_behind, plastic, attached,
                                    condensed])
 def test_what_has_not_changed_goes_on_to_the_bit(scene):
     (x, v), (x_changed, v_changed) = ends_at(scene, False), ends_at(scene, True)
