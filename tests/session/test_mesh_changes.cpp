@@ -272,7 +272,8 @@ TEST(MeshChanges, NumbersOfFacesFollow) {
                        "<MeshTopology name=\"mesh\" position=\"" +
                            positions + "\" hexahedra=\"" + hexahedra + "\" quads=\"" + quads +
                            "\"/><MechanicalObject name=\"dofs\"/><DiagonalMass massDensity=\"1000\"/>" + text +
-                           "<CarvingRegion box=\"0.15 -9 -9 0.25 9 9\" begin=\"0.005\" end=\"0.015\" keepsPoints=\"" + keeps + "\"/></Node>",
+                           "<CarvingRegion box=\"0.15 -9 -9 0.25 9 9\" begin=\"0.005\" end=\"0.015\" keepsPoints=\"" + keeps +
+                           "\"/></Node>",
                        "scene.xml");
       const Seen seen = runFor(session, 3, "/dofs");
       ASSERT_EQ(seen.report.end, RunEnd::done) << seen.report.reason;
