@@ -81,7 +81,8 @@ TEST(Cables, ABeamIsBentByTheSameForceInStepsOfAnyLength) {
     double dt;
     int steps;
   };
-  for (const Case& c : {Case{"<StaticSolver newton_iterations=\"100\"/>", 1, 1}, Case{euler, 1, 20}, Case{euler, 0.1, 60}}) {
+  for (const Case& c : {Case{"<StaticSolver newton_iterations=\"100\"/>", 1, 1}, Case{euler, 1, 20}, Case{euler, 0.1, 60},
+                        Case{"<EulerImplicitSolver/>", 1, 20}}) {
     SCOPED_TRACE(fmt::format("{}, dt {}", c.solver, c.dt));
     Simulation simulation = simulationFromText(sceneOf(
         "<RegularGridTopology n=\"9 3 3\" min=\"0 0 0\" max=\"0.1 0.02 0.02\"/><MechanicalObject/><UniformMass totalMass=\"0.04\"/>"
