@@ -178,8 +178,8 @@ TEST(Drops, OfErlebensDegenerateCasesAreClean) {
       }
 }
 
-/// Steps that are too long for a plate that falls onto a spike and rubs: one of them finds no balance. Euler's rule takes energy away, and
-/// so does what is left of a solve that has not converged.
+/// Steps that are too long for a plate that falls onto a spike and rubs: one of them finds no balance. Euler's rule takes
+/// energy away, and so does what is left of a solve that has not converged.
 TEST(Drops, OfAPlateOntoASpikeGainNoEnergy) {
   const Body stands{{{-0.125239324, 2.987586139, 0.6959179324},
                      {0.6916565063, 2.912367024, 0.124058433},
@@ -191,8 +191,10 @@ TEST(Drops, OfAPlateOntoASpikeGainNoEnergy) {
   plate.turn(Eigen::AngleAxisd(1.5004084, Vec3(0.3560507, 0.9043407, 0.2353629).normalized()).toRotationMatrix(),
              Vec3(0.0713922, 3.7881399, -0.0128725));
   const auto node = [](const char* name, const Body& body, double mass) {
-    return fmt::format("<Node name='{}'>{}<MechanicalObject name='dofs'/><UniformMass totalMass='{}'/><TetrahedronHyperelasticityFEMForceField "
-                       "materialName='StableNeoHookean' ParameterSet='357143 1.66667e+06'/></Node>", name, body.mesh(), mass);
+    return fmt::format("<Node name='{}'>{}<MechanicalObject name='dofs'/><UniformMass totalMass='{}'/>"
+                       "<TetrahedronHyperelasticityFEMForceField materialName='StableNeoHookean' "
+                       "ParameterSet='357143 1.66667e+06'/></Node>",
+                       name, body.mesh(), mass);
   };
   Simulation simulation = simulationFromText(contactScene(
       node("a", stands, 1000) + node("b", plate, 16000) +

@@ -226,8 +226,8 @@ TEST(Divergence, OfASheetWithAnotherRestShapeIsNamed) {
                             "TriangleFEMForceField initialPoints='0 0 0  0.9 0 0  0 0.9 0'"}) {
     Simulation simulation = simulationFromText(
         fmt::format("<Node name='root' gravity='0 0 0'><EulerImplicitSolver/><SparseLDLSolver/>"
-                    "<MeshTopology position='0 0 0  1 0 0  0 1 0' triangles='0 1 2'/><MechanicalObject/><UniformMass totalMass='1'/><{} youngModulus='10' poissonRatio='0.3' "
-                    "thickness='0.01'/></Node>",
+                    "<MeshTopology position='0 0 0  1 0 0  0 1 0' triangles='0 1 2'/><MechanicalObject/>"
+                    "<UniformMass totalMass='1'/><{} youngModulus='10' poissonRatio='0.3' thickness='0.01'/></Node>",
                     sheet));
     System& system = *simulation.systems()[0];
     Vector before(system.allRows());

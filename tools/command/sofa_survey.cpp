@@ -93,7 +93,8 @@ Json lookInPython(const std::string& scene) {
   Json result = nothingYet(scene);
   result["loads"] = false;
   const Sink answer, errors;
-  Program program{{fs::read_symlink("/proc/self/exe").string(), "check", "--json", scene}, {}, "/dev/null", answer.name(), errors.name()};
+  const std::string command = fs::read_symlink("/proc/self/exe").string();
+  Program program{{command, "check", "--json", scene}, {}, "/dev/null", answer.name(), errors.name()};
   program.signal_with_parent = SIGKILL;  // what is given up leaves nothing behind
   exitCodeOf(start(program));
   const std::string text = answer.text();
