@@ -18,10 +18,12 @@ void TipMotion::read(const FileName& name) {
     std::istringstream words(line);
     double time = 0, advance = 0;
     if (!(words >> time >> advance))
-      throw ComponentError(fmt::format("{}:{}: '{}' is no time and length", name.given, number, line), "three numbers in a row");
+      throw ComponentError(fmt::format("{}:{}: '{}' is no time and length", name.given, number, line),
+                           "a time [ms] and a length [m] in each row");
     rows_.push_back({time / 1000, advance});
   }
-  if (rows_.size() < 2) throw ComponentError(fmt::format("{} has {} rows", name.given, rows_.size()), "two or more");
+  if (rows_.size() < 2)
+    throw ComponentError(fmt::format("{} has {} row{}", name.given, rows_.size(), rows_.size() == 1 ? "" : "s"), "two or more");
 }
 
 double TipMotion::next(double tip, double t) const {

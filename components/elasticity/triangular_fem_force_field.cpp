@@ -70,6 +70,7 @@ class TriangularFEMForceField final : public ElementKernelsField {
     traits.linear = traits.constant_stiffness = small;
     traits.symmetric = true;
     traits.forces_balance = !hasOtherShape();
+    traits.has_rest_shape = true;
     traits.conservative = small || own;
     traits.exact_tangent = small || (own && tangent_ == TangentWord::exact);
     traits.torques_balance = !small && own;

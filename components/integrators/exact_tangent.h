@@ -64,7 +64,7 @@ class ExactTangent {
 
   // ---- what a run remembers ----
   /// The tangent that the step begins with.
-  void beginStep(System& system) {
+  void choose(System& system) {
     helped_ = kept_;
     if (kept_)
       begin(system), most_iterations_ = kept_most_;

@@ -181,7 +181,7 @@ StepReport ImplicitStep::solveAsNeeded(StopToken stop) {
 }
 
 StepReport ImplicitStep::solveIterating(StopToken stop) {
-  exact_.beginStep(*system_);
+  exact_.choose(*system_);
   const bool began_exact = exact_.isOn();
   startIterating();
   StepReport report = solveFromHere(stop);

@@ -176,7 +176,7 @@ class ImplicitStep final : public NonlinearProblem {
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;
   bool depends_on_time_ = false;
-  bool meets_walls_ = false;  ///< penalties that begin where they are touched
+  bool meets_walls_ = false;  ///< some fields keep what was before the step: most are penalties that begin where they are touched
   bool lends_energy_ = false;  ///< some forces have a potential within a solve only
   bool has_constant_ = false;  ///< with Newton's method: constant_ is not zero
 

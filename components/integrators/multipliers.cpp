@@ -295,7 +295,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (!goes_on || isOnce()) break;
   }
   findConditions();
-  solve_.l.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
+  solve_.l.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size())), own_.resize(rows_.rows().size(), 0);
   knows_forces_ = true, give();
   judge(step, size, rounding, report);
 }

@@ -222,7 +222,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     exact_.end();  // rigid motions are seen in the scene's tangent
     if (!checkFreeBodies(system, context.stop, report)) return report;
   }
-  exact_.beginStep(system);
+  exact_.choose(system);
   const bool began_exact = exact_.isOn();
   report = solveInParts(system, context);
   if (began_exact && !report.stopped && (!report.newton_converged || report.diverged)) {

@@ -141,7 +141,7 @@ class Mesh2Point final : public TopologicalMapping {
   }
 
  private:
-    void split(const Mesh& from, const std::vector<Edge>& edges) {
+  void split(const Mesh& from, const std::vector<Edge>& edges) {
     // corners 0 to 3, and from 4 on the middles of the sides
     static constexpr int parts[8][4] = {{0, 4, 5, 6}, {1, 4, 8, 7}, {2, 5, 7, 9}, {3, 6, 9, 8},
                                         {5, 4, 7, 9}, {5, 4, 9, 6}, {8, 4, 9, 7}, {8, 4, 6, 9}};

@@ -56,7 +56,7 @@ TEST_F(RodsOfFiles, AFileMovesTheRod) {
   }
   const auto told = [&](const std::string& rows) { return problemsOf(rods.scene("motionFilename=\"" + written(rows) + "\"")); };
   EXPECT_NE(told("0 1 2\n5 x 2\n").find(":2: '5 x 2' is no time and length"), std::string::npos);
-  EXPECT_NE(told("0 1 2\n").find("has 1 rows"), std::string::npos);
+  EXPECT_NE(told("0 1 2\n").find("has 1 row"), std::string::npos);
 }
 
 /// When all is at rest, what is out has its shape at rest, turned as the rod is.

@@ -257,8 +257,6 @@ TEST(Friction, ATableThatMovesAcceleratesByNoMoreThanMuG) {
   EXPECT_LT(largest, 2 * mu * g * dt) << "twice: it bounces a little";
 }
 
-/// A ball is pressed into a block, in 245 iterations of Newton's method. They were 628 where a step stayed as short as the energy of a
-/// barrier first made it, no correction was gone on along, and obstacles half way were brought into balance to the last digit.
 /// What slides has other forces of friction after each solve of a step: but for the last ones these are rough, and a step ends as near
 /// to equilibrium as one of fine solves.
 TEST(Friction, WhatSlidesTakesFewIterations) {
@@ -289,6 +287,8 @@ TEST(Friction, WhatSlidesTakesFewIterations) {
   EXPECT_LT(apart, 1e-3 * far) << "forces of friction settle to a thousandth";
 }
 
+/// A ball is pressed into a block, in 245 iterations of Newton's method. They were 628 where a step stayed as short as the energy of a
+/// barrier first made it, no correction was gone on along, and obstacles half way were brought into balance to the last digit.
 TEST(Friction, ABallIsPressedInWithFewIterations) {
   const std::string text =
       R"(<Node name="root" gravity="0 0 0" dt="0.01">

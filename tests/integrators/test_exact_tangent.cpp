@@ -68,21 +68,21 @@ TEST(ExactTangentOfSteps, WhatIsTooDearIsLeft) {
   const auto isExact = [&] { return system.forceFields()[0]->traits().exact_tangent; };
   ExactTangent exact;
   for (const bool is_first : {true, false}) {
-    exact.beginStep(system);
+    exact.choose(system);
     EXPECT_FALSE(exact.isOn());
     ASSERT_TRUE(exact.mayBeFaster(system));
     ASSERT_TRUE(exact.beginForSpeed(system));
     exact.limitIterations(5);
     exact.endStep(true);
     exact.stepTaken();
-    exact.beginStep(system);
+    exact.choose(system);
     EXPECT_TRUE(exact.isOn() && isExact()) << "steps begin with what helped";
     EXPECT_FALSE(exact.isTooDear(5));
     ASSERT_TRUE(exact.isTooDear(6));
     exact.letGo();
     exact.endStep(true);
     exact.stepTaken();
-    exact.beginStep(system);
+    exact.choose(system);
     EXPECT_FALSE(exact.isOn() || isExact());
     EXPECT_EQ(exact.mayBeFaster(system), is_first);
   }

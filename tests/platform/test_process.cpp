@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -52,6 +53,23 @@ TEST_F(Process, HasTheFolderAndTheStreamsThatItIsGiven) {
   ASSERT_EQ(exitCodeOf(start(program)), 0);
   EXPECT_EQ(textOf(file("output")), "a line\n" + std::filesystem::canonical(folder_).string() + "\n");
   EXPECT_EQ(textOf(file("errors")), "no\n");
+}
+
+/// Of a parent that has closed its own streams, as a service may.
+TEST_F(Process, HasItsStreamsAlsoWhereThisOneHasNone) {
+  write("read", "a line\n");
+  Program reads{{"cat"}}, is_none{{"no-program-has-this-name"}};
+  for (Program* program : {&reads, &is_none}) program->input = file("read"), program->output = file("output");
+  const int input = dup(STDIN_FILENO), output = dup(STDOUT_FILENO);
+  close(STDIN_FILENO), close(STDOUT_FILENO);
+  const int code = exitCodeOf(start(reads));
+  const std::string text = textOf(file("output"));
+  const std::errc failure = failureOf(is_none);
+  dup2(input, STDIN_FILENO), dup2(output, STDOUT_FILENO);
+  close(input), close(output);
+  EXPECT_EQ(code, 0);
+  EXPECT_EQ(text, "a line\n");
+  EXPECT_EQ(failure, std::errc::no_such_file_or_directory);
 }
 
 TEST_F(Process, HasNoSignalBlockedAndTheNameThatItIsGiven) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Holds the rules of the tree: which folder may include which, a licence line in every source, names of tests, no path of one
-machine in any text. Usage: check_rules.py TREE, or check_rules.py --self-test (plants violations and expects each to be found)."""
+machine in any text, what lies at the top. Usage: check_rules.py TREE, or check_rules.py --self-test (plants violations and expects each to be found)."""
 import os
 import re
 
@@ -49,6 +49,8 @@ TOOLS_FOR_TOOLS = {
     "plan": {"units"},
     "checks": {"units"},
 }
+# What lies at the top besides folders: what a run or a test leaves there is no part of the tree.
+TOP = {".clang-format", ".clang-tidy", ".gitignore", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$|^tests/fuzz/corpus/")  # fuzzers write any bytes
 MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|home)/")
@@ -127,6 +129,8 @@ def is_source(path, text):
 def problems(tree):
     found, counted, components, engine = [], 0, set(), {}
     for path in tree_files(tree):
+        if "/" not in path and path not in TOP:
+            found.append(f"{path}: does not belong at the top of the tree")
         if BINARY.search(path):
             continue
         with open(os.path.join(tree, path), encoding="utf-8", errors="replace") as file:
@@ -198,6 +202,8 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "tests/scene/k.cpp": ('#include "anything.h"\n', "no SPDX"),
     "tools/l": ("#!/bin/sh\n\n\n\n# SPDX-License-Identifier: LGPL-2.1-or-later\n", "no SPDX"),
     "docs/m.md": ("see /" + "tmp/x and a/" + "tmp/x\n", "a path of one machine"),
+    "x.msh": ("$MeshFormat\n", "does not belong at the top"),
+    "README.md": ("# A tree\n", None),
     "docs/n.md": ("work/energy, a/work/b and https://host/home/page\n", None),
 }
 

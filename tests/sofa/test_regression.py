@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 
 STROMA = os.path.abspath(sys.argv[1])
 H, STEPS = 0.01, 11
@@ -161,4 +162,26 @@ with tempfile.TemporaryDirectory() as folder:
             assert line in done.stdout, f"'{line}' is missing:\n{done.stdout}{done.stderr}"
     done = subprocess.run([STROMA, "check", "--sofa", os.path.join(folder, "missing.py")], capture_output=True, text=True, timeout=1800)
     assert done.returncode == 2 and "is one scene" in done.stderr, done.stderr
+
+# one that does not end takes processor time, is given up by it, and leaves no process behind
+with tempfile.TemporaryDirectory() as folder:
+    path = os.path.join(folder, "endless.py")
+    with open(path, "w") as out:
+        out.write("def createScene(root):\n    while True:\n        pass\n")
+    done = subprocess.run([STROMA, "check", "--sofa", folder, "--limit", "3"], capture_output=True, text=True, timeout=1800)
+    assert "endless.py: cannot run because given up after 3 s of processor time" in done.stdout, done.stdout + done.stderr
+
+    def still_runs():
+        for process in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                with open(f"/proc/{process}/cmdline") as words:
+                    if path in words.read():
+                        return True
+            except OSError:  # it has ended meanwhile
+                pass
+        return False
+    deadline = time.monotonic() + 60
+    while still_runs() and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert not still_runs(), "the scene goes on by itself"
 print("passed")

@@ -220,6 +220,23 @@ TEST(Divergence, ABodyThatHasBurstIsNamed) {
   EXPECT_EQ(FaultWatch(system).firstFault(system.x), "") << "no longer growing";
 }
 
+/// So is a sheet whose rest shape is not that of its state.
+TEST(Divergence, OfASheetWithAnotherRestShapeIsNamed) {
+  for (const char* sheet : {"TriangularFEMForceFieldOptim restScale='0.9'",
+                            "TriangleFEMForceField initialPoints='0 0 0  0.9 0 0  0 0.9 0'"}) {
+    Simulation simulation = simulationFromText(
+        fmt::format("<Node name='root' gravity='0 0 0'><EulerImplicitSolver/><SparseLDLSolver/>"
+                    "<MeshTopology position='0 0 0  1 0 0  0 1 0' triangles='0 1 2'/><MechanicalObject/>"
+                    "<UniformMass totalMass='1'/><{} youngModulus='10' poissonRatio='0.3' thickness='0.01'/></Node>",
+                    sheet));
+    System& system = *simulation.systems()[0];
+    Vector before(system.allRows());
+    copy(system.x, before);
+    for (Index i = 0; i < system.allRows(); ++i) system.x[i] = 2e6 * Vec3(system.x[i]);
+    EXPECT_NE(FaultWatch(system).firstFault(before).find("times its size at rest"), std::string::npos) << sheet;
+  }
+}
+
 /// Two tetrahedra that share a state: apart by any distance they are whole, grown a hundred times they have burst.
 TEST(Divergence, AHundredSizesAreABurstWhereElementsGrewAsMuch) {
   for (const char* method : {"polar", "nodal"}) {

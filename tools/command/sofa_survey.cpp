@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <array>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <system_error>
 
 #include "framework/scene/text.h"
 #include "framework/simulation/expectation.h"
@@ -18,6 +22,7 @@
 #include "tools/command/session.h"
 #include "tools/command/sofa_references.h"
 #include "tools/command/sofa_runs.h"
+#include "tools/platform/process.h"
 #include "tools/session/children.h"
 #include "tools/session/scene_program.h"
 
@@ -60,30 +65,45 @@ Json nothingYet(const std::string& scene) {
   return {{"scene", scene}, {"runs", false}, {"reasons", Json::array()}, {"without", Json::array()}, {"warnings", 0}};
 }
 
-/// A word of a shell.
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char each : word) text += each == '\'' ? std::string("'\\''") : std::string(1, each);
-  return text + "'";
+/// What has been written into a file that has no name.
+class Sink {
+ public:
+  Sink() : file_(memfd_create("answer", MFD_CLOEXEC)) {
+    if (file_ < 0) throw std::system_error(errno, std::generic_category(), "no file can be made");
+  }
+  Sink(const Sink&) = delete;
+  ~Sink() { close(file_); }
+  std::string name() const { return fmt::format("/proc/self/fd/{}", file_); }
+  std::string text() const {
+    std::ifstream stream(name());
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+ private:
+  int file_;
+};
+
+std::string lastLine(const std::string& text) {
+  const std::string_view all = trimmed(text);
+  return std::string(all.substr(all.rfind('\n') + 1));
 }
 
 /// A scene in Python: what `stroma check` says of it, which makes no steps. The scene may print before that.
 Json lookInPython(const std::string& scene) {
   Json result = nothingYet(scene);
   result["loads"] = false;
-  const std::string command = quoted(fs::read_symlink("/proc/self/exe").string()) + " check --json " + quoted(scene) + " 2>&1 </dev/null";
-  std::string text;
-  if (FILE* answer = popen(command.c_str(), "r")) {
-    std::array<char, 4096> part;
-    for (std::size_t count = 0; (count = std::fread(part.data(), 1, part.size(), answer)) > 0;) text.append(part.data(), count);
-    pclose(answer);
-  }
+  const Sink answer, errors;
+  const std::string command = fs::read_symlink("/proc/self/exe").string();
+  Program program{{command, "check", "--json", scene}, {}, "/dev/null", answer.name(), errors.name()};
+  program.signal_with_parent = SIGKILL;  // what is given up leaves nothing behind
+  exitCodeOf(start(program));
+  const std::string text = answer.text();
   const auto begin = ("\n" + text).rfind("\n{\n"), end = text.rfind("\n}\n");
   const bool is_answer = begin != std::string::npos && end != std::string::npos && begin < end;
   const Json report = is_answer ? Json::parse(text.substr(begin, end + 2 - begin), nullptr, false) : Json();
   if (!report.is_object() || !report.contains("problems")) {
-    text = std::string(trimmed(text));
-    result["reasons"].push_back(text.empty() ? "stroma check ends without a word" : text.substr(text.rfind('\n') + 1));
+    const std::string last = lastLine(errors.text() + "\n" + (is_answer ? "" : text));
+    result["reasons"].push_back(last.empty() ? "stroma check ends without a word" : last);
     return result;
   }
   result["loads"] = report["ok"];

@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 namespace stroma {
 namespace {
@@ -20,6 +21,7 @@ namespace {
 bool opens(const std::string& file, int flags, int stream) {
   if (file.empty()) return true;
   const int opened = open(file.c_str(), flags | O_CLOEXEC, 0644);
+  if (opened == stream) return fcntl(stream, F_SETFD, 0) == 0;  // this process has closed its own
   return opened >= 0 && dup2(opened, stream) >= 0;
 }
 
@@ -45,6 +47,8 @@ class Report {
  public:
   Report() {
     if (pipe2(ends_, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "no pipe can be made");
+    for (int& end : ends_)  // where this process has closed its standard streams the numbers of these are free
+      if (end <= STDERR_FILENO) close(std::exchange(end, fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1)));
   }
   Report(const Report&) = delete;
   ~Report() { close(ends_[0]), close(ends_[1]); }

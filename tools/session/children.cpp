@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <fstream>
 #include <stdexcept>
 #include <vector>
 
@@ -52,12 +53,15 @@ void writeAll(int pipe, const std::string& text) {
   _exit(0);
 }
 
-/// Of a child so far [s]; 0 where it cannot be known.
+/// Of a child and the programs that it runs, so far [s]; 0 where it cannot be known.
 double processorSeconds(pid_t process) {
   clockid_t clock{};
   timespec time{};
   if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
-  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+  double sum = double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+  std::ifstream programs(fmt::format("/proc/{0}/task/{0}/children", process));
+  for (pid_t program = 0; programs >> program;) sum += processorSeconds(program);
+  return sum;
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ struct ChildEnd {
   bool is_late = false;
 };
 
-/// Those that run at present. They end with this process. Their time is that of the processor, which does not depend on
-/// what else the machine does; one that takes none of it for `patience` seconds stands still for ever.
+/// Those that run at present. They end with this process. Their time is that of the processor, with that of programs that they run:
+/// it does not depend on what else the machine does. One that takes none of it for `patience` seconds stands still for ever.
 class Children {
  public:
   explicit Children(double patience = 60) : patience_(patience) {}

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The module's door: the story of a campaign.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,11 +14,11 @@
 #include "tools/session/children.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/session.h"
+#include "tools/session/told_line.h"
 #include "tools/stress/case_run.h"
 #include "tools/stress/record.h"
 #include "tools/stress/table.h"
 #include "tools/sweep/digest.h"
-#include "tools/session/told_line.h"
 #include "tools/sweep/process.h"
 
 namespace stroma::stress {
