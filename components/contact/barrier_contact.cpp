@@ -116,12 +116,16 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   bool isLed() const { return is_behind_ || arrived_ != obstacles_.offset(); }
   bool obstaclesGoOn() const { return !hasArrived() && obstacle_rounds_ < (isLed() ? 12 : 1000); }
   double leastMargin() const { return 0.5 * law_.range; }
+  /// Where surfaces push from as far as edges are long, many pairs are near, and a longer margin would cost more than it saves.
+  double mostMargin() const { return 0.35 * mean_edge_ - law_.range; }
   /// A copy that knows the pairs at x: who only asks leaves no trace.
   BarrierLaw lawAt(const std::vector<Vec3>& x) const {
     BarrierLaw law = law_;
-    return law.candidates.findAgain(x, leastMargin(), 0.25 * mean_edge_), law;
+    return law.candidates.findAgain(x, leastMargin(), mostMargin()), law;
   }
-  void lookAgain(const std::vector<Vec3>& x) const;
+  void lookAgain(const std::vector<Vec3>& x) const {
+    if (law_.candidates.findAgain(x, leastMargin(), mostMargin())) has_new_pairs_ = true;
+  }
   void slideTo(const std::vector<Vec3>& x) {
     const Vec3 way = law_.moved - moved_at_start_;
     is_explicit_ ? friction_.stretch(law_, law_.touches(x), x, start_, way) : friction_.compute(law_.surfaces, x, start_, way);
@@ -190,10 +194,6 @@ void BarrierContact::checkStart(ConstRows x) {
 }
 
 // ---- forces ----
-
-void BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
-  if (law_.candidates.findAgain(x, leastMargin(), 0.25 * mean_edge_)) has_new_pairs_ = true;
-}
 
 double BarrierContact::energy(ConstRows x) const {
   gather(x, law_.moved);

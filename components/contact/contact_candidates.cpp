@@ -58,7 +58,7 @@ bool Candidates::mayMeet(int a, int b) const {
   return bodies[std::size_t(a)].moves || bodies[std::size_t(b)].moves;
 }
 
-void Candidates::fit(int part, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend) {
+void Candidates::fit(int part, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend, double step) {
   const std::vector<int>& faces = parts_[std::size_t(part)].faces;
   std::vector<Box>& boxes = boxes_[std::size_t(part)];
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -67,7 +67,7 @@ void Candidates::fit(int part, const std::vector<Vec3>& x, const std::vector<Vec
     double more = 0;
     for (const int v : surfaces_->faces[face]) {
       box.add(x[std::size_t(v)]);
-      if (dx) box.add(x[std::size_t(v)] + (*dx)[std::size_t(v)]);
+      if (dx) box.add(x[std::size_t(v)] + step * (*dx)[std::size_t(v)]);
       if (!bend.empty()) more = std::max(more, bend[std::size_t(v)]);
     }
     boxes[f] = box.grownBy(surfaces_->radius[face] + more);
@@ -75,10 +75,10 @@ void Candidates::fit(int part, const std::vector<Vec3>& x, const std::vector<Vec
 }
 
 void Candidates::fitBoth(const Meeting& meeting, const std::vector<Vec3>& x, const std::vector<Vec3>* dx,
-                         const std::vector<double>& bend) {
+                         const std::vector<double>& bend, double step) {
   for (const int part : {meeting.a, meeting.b})
     if (!std::exchange(is_fit_[std::size_t(part)], true))
-      fit(part, x, dx, bend), trees_[std::size_t(part)].refit(boxes_[std::size_t(part)]);
+      fit(part, x, dx, bend, step), trees_[std::size_t(part)].refit(boxes_[std::size_t(part)]);
 }
 
 template <class Visit>
@@ -225,7 +225,7 @@ std::array<int, 4> Candidates::verticesOf(const PairName& pair) const {
   return whole.v;
 }
 
-/// Makes `step` as short as the pair lets it be.
+/// Makes `step` as short as the pair lets it be. What lies beyond `step` is not looked at.
 void Candidates::shorten(const Candidate& pair, const std::vector<Vec3>& x, const std::vector<Vec3>& dx,
                          const std::vector<double>& bend, double& step) {
   const StepOptions options;
@@ -241,44 +241,70 @@ void Candidates::shorten(const Candidate& pair, const std::vector<Vec3>& x, cons
     apart += sides[0] + sides[1];
   }
   const FourPoints start = pointsOf(pair, x), way = pointsOf(pair, dx);
+  FourPoints open = way;
+  for (Vec3& each : open) each *= step;
   // at least a tenth of the distance remains then
-  if (areFar(pair.kind, start, &way, apart + options.left * (start[3] - start[0]).norm())) return;
+  if (areFar(pair.kind, start, &open, apart + options.left * (start[3] - start[0]).norm())) return;
   step = std::min(step, stroma::longestStep(pair.kind, start, way, {.longest = step, .thickness = apart}));
 }
 
-/// What has room for its way, and a tenth of it besides, is not looked at.
-double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend) {
+/// Of the part of the way up to `step`: it has `room` for that, and a tenth of it besides.
+bool Candidates::hasRoom(std::size_t m, double room, double step) const {
   const StepOptions options;
-  const auto rounding = [&](std::size_t m) {
-    return roundOff(goes_[std::size_t(meetings_[m].a)].longest + goes_[std::size_t(meetings_[m].b)].longest);
-  };
-  const auto hasRoom = [&](std::size_t m, double room) {
-    return ways_[m] <= (1 - options.left) * (room - meetings_[m].motion - rounding(m));
-  };
-  const bool knows_any = found_at_.size() == x.size();
-  follow(x);
-  if (restBodies(x, dx, bend)) return 1;
-  restGroups(x);
+  return step * ways_[m] <= (1 - options.left) * (room - meetings_[m].motion - roundingOf(m, step));
+}
+
+double Candidates::roundingOf(std::size_t m, double step) const {
+  return roundOff(step * (goes_[std::size_t(meetings_[m].a)].longest + goes_[std::size_t(meetings_[m].b)].longest));
+}
+
+/// Makes ways_ and looks_ those of all meetings: which have no room for the whole way. After restGroups().
+bool Candidates::findWays(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend, bool knows_any) {
   std::fill(does_turn_.begin(), does_turn_.end(), false);
-  double step = 1;
   bool looks = false;
-  fitNone();
   for (std::size_t m = 0; m < meetings_.size(); ++m) {
     looks_[m] = false;
     if (groups_[std::size_t(group_of_[m])].rests) continue;
     const Meeting& meeting = meetings_[m];
     const Displacements &a = goes_[std::size_t(meeting.a)], &b = goes_[std::size_t(meeting.b)];
     ways_[m] = a.longest + b.longest;
-    if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear))) continue;
+    if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear, 1))) continue;
     ways_[m] = mostApart(a, b);
-    if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear))) continue;
+    if (ways_[m] == 0 || (knows_any && hasRoom(m, meeting.clear, 1))) continue;
     takeOffTurns(meetings_[m], x), ways_[m] = takeOffTurns(meeting, x, dx, bend, ways_[m]);
-    if (knows_any && hasRoom(m, meeting.clear)) continue;
-    looks_[m] = knows_any && meeting.motion + ways_[m] + rounding(m) <= budgetOf(meeting);
+    looks_[m] = !knows_any || !hasRoom(m, meeting.clear, 1);
     looks = looks || looks_[m];
-    if (looks_[m]) continue;
+  }
+  return looks;
+}
+
+/// What has room for its way, and a tenth of it besides, is not looked at. Pairs that are known come first: they are the nearest. Of
+/// the others only the part of the way counts that these leave, so that a correction as long as the body seldom asks for more.
+double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend) {
+  const StepOptions options;
+  const bool knows_any = found_at_.size() == x.size();
+  follow(x);
+  if (restBodies(x, dx, bend)) return 1;
+  restGroups(x);
+  if (!findWays(x, dx, bend, knows_any)) return 1;
+  double step = 1;
+  const auto open = [&] { return bend.empty() ? step : 1; };  // what bends is as far off on a part of its way
+  if (knows_any)
+    for (const Candidate& pair : pairs_) {
+      const std::size_t m = std::size_t(pair.meeting);
+      if (looks_[m] && !hasRoom(m, pair.distance - (pair.pushes ? thickness : 0), open())) shorten(pair, x, dx, bend, step);
+    }
+  fitNone();
+  double fitted = step;
+  for (std::size_t m = 0; m < meetings_.size() && step > 0; ++m) {
+    if (!looks_[m]) continue;
+    const Meeting& meeting = meetings_[m];
+    if (knows_any && (hasRoom(m, meeting.clear, open()) ||
+                      meeting.motion + open() * ways_[m] + roundingOf(m, open()) <= budgetOf(meeting)))
+      continue;
     ++work_.searches;
-    fitBoth(meeting, x, &dx, bend);
+    if (step < 0.5 * fitted) fitNone(), fitted = step;
+    fitBoth(meeting, x, &dx, bend, fitted);
     forEachNearPair(meeting, thickness + options.left * reach, [&](int f, int g) {  // farther apart there is no force yet
       pairsOf(f, g, [&](Candidate pair) {
         pair.pushes = thickness == 0 || !isNearAtRest(pair);
@@ -286,11 +312,6 @@ double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec
       });
     });
   }
-  if (looks)
-    for (const Candidate& pair : pairs_) {
-      const std::size_t m = std::size_t(pair.meeting);
-      if (looks_[m] && !hasRoom(m, pair.distance - (pair.pushes ? thickness : 0))) shorten(pair, x, dx, bend, step);
-    }
   return step;
 }
 

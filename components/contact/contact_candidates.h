@@ -141,8 +141,10 @@ class Candidates {
   void startFrom(const std::vector<Vec3>& x);
   void search(int meeting, const std::vector<Vec3>& x, double margin);
   bool takeFound();
-  void fit(int part, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend);
-  void fitBoth(const Meeting& meeting, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend);
+  // Boxes are around x, or around the way from there to x + step dx.
+  void fit(int part, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend, double step = 1);
+  void fitBoth(const Meeting& meeting, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend,
+               double step = 1);
   void fitNone() { std::fill(is_fit_.begin(), is_fit_.end(), false); }
   template <class Visit>
   void forEachNearPair(const Meeting& meeting, double margin, Visit&& visit) const;
@@ -150,6 +152,9 @@ class Candidates {
   void pairsOf(int f, int g, Visit&& visit) const;
   Candidate vertexAndFace(int vertex, int face) const;
   Candidate twoEdges(int a, int b, double radius) const;
+  bool findWays(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend, bool knows_any);
+  bool hasRoom(std::size_t meeting, double room, double step) const;
+  double roundingOf(std::size_t meeting, double step) const;
   void shorten(const Candidate& pair, const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
                double& step);
   void testFaces(int from, int to, const std::vector<Vec3>& x, std::vector<Crossing>& found) const;
