@@ -5,7 +5,7 @@
 //   hexahedra, those of the input whose nodes are all among them, with their numbers there.
 // MeshClosingEngine: position and triangles, inputPosition and inputTriangles with each hole closed: a node at the mean of its
 //   border, and triangles from there to the edges of the border, turned as their neighbours. quads are those of inputQuads.
-//   closingPosition and closingTriangles are the lids alone.
+//   closingPosition and closingTriangles are the lids alone; indices lists the nodes of each lid in brackets, its middle last.
 // ProximityROI: indices, of the nodes that are nearer to one of `centers` than its radius the N nearest ones, ascending; distance,
 //   how near each is. The nodes are `position`, else the rest positions of the state of the node or above.
 //
@@ -108,13 +108,14 @@ class MeshClosingEngine final : public MeshEngine {
     table.add("position", closed_.position).help("nodes, those of the lids last").unit("m").output();
     table.add("triangles", closed_.triangles).help("triangles, those of the lids last").output();
     table.add("quads", closed_.quads).help("the quads").output();
+    table.add("indices", loops_).help("nodes of each lid, in brackets").output();
     table.add("closingPosition", lids_.position).help("nodes of the lids: of each its border and its middle").unit("m").output();
     table.add("closingTriangles", lids_.triangles).help("triangles of the lids").output();
   }
   void init() override {
     checkNodes(from_.triangles, from_.position.size(), "inputTriangles");
     checkNodes(from_.quads, from_.position.size(), "inputQuads");
-    closed_ = Mesh(from_), lids_ = Mesh();
+    closed_ = Mesh(from_), lids_ = Mesh(), loops_.clear();
     const std::map<Index, Index> next = border();
     std::set<Index> left;
     for (const auto& [node, other] : next) left.insert(node);
@@ -152,15 +153,17 @@ class MeshClosingEngine final : public MeshEngine {
     Vec3 middle = Vec3::Zero();
     const Index first = Index(lids_.position.size()), count = Index(loop.size()), own = Index(closed_.position.size());
     for (Index i = 0; i < count; ++i) {
-      const Index node = loop[std::size_t(i)], after = loop[std::size_t((i + 1) % count)];
+      const Index node = loop[std::size_t(i)], before = loop[std::size_t((i + count - 1) % count)];
       middle += from_.position[std::size_t(node)] / double(count);
       lids_.position.push_back(from_.position[std::size_t(node)]);
-      closed_.triangles.push_back({own, after, node});
-      lids_.triangles.push_back({first + count, first + (i + 1) % count, first + i});
+      closed_.triangles.push_back({own, node, before});
+      lids_.triangles.push_back({first + count, first + i, first + (i + count - 1) % count});
     }
     closed_.position.push_back(middle), lids_.position.push_back(middle);
+    loops_ += fmt::format("{}[{},{}]", loops_.empty() ? "" : " ", fmt::join(loop, ","), own);
   }
   Mesh from_, closed_, lids_;
+  std::string loops_;
 };
 
 class ProximityROI final : public Engine {

@@ -6,7 +6,8 @@
 // PointsFromIndices: indices_position, the positions of `indices`, each index once, in their order.
 // MergeMeshes: the nbMeshes meshes position1, edges1, triangles1, ..., position2, ... one after another, with the numbers of
 //   their nodes shifted (at most eight).
-// MeshBoundaryROI: indices of the nodes on edges that belong to a single triangle or quad, ascending.
+// MeshBoundaryROI: indices of the nodes on edges that belong to a single triangle or quad, ascending. With inputROI only the cells
+//   whose nodes are all among it count.
 //
 // Source: names and attributes are SOFA's.
 //
@@ -32,6 +33,7 @@
 #include <array>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "components/selection/engine.h"
 #include "framework/mesh/cell_lists.h"
@@ -148,14 +150,17 @@ class MeshBoundaryROI final : public Engine {
   void declare(DataTable& table) override {
     table.add("triangles", triangles_).help("of the surface");
     table.add("quads", quads_).help("of the surface");
+    table.add("inputROI", part_).help("nodes of the part that counts; all when empty");
     table.add("indices", indices_).help("nodes on its border").output();
     table.addVisualOnly("subset");
   }
   void init() override {
     std::map<Edge, int> uses;
-    const auto count = [&uses](const auto& cells) {
+    const std::set<Index> part(part_.begin(), part_.end());
+    const auto counts = [&part](Index node) { return part.empty() || part.count(node) > 0; };
+    const auto count = [&uses, &counts](const auto& cells) {
       for (const auto& cell : cells)
-        for (std::size_t i = 0; i < cell.size(); ++i) {
+        for (std::size_t i = 0; i < cell.size() && std::all_of(cell.begin(), cell.end(), counts); ++i) {
           const Index a = cell[i], b = cell[(i + 1) % cell.size()];
           ++uses[{std::min(a, b), std::max(a, b)}];
         }
@@ -172,7 +177,7 @@ class MeshBoundaryROI final : public Engine {
  private:
   std::vector<Triangle> triangles_;
   std::vector<Quad> quads_;
-  std::vector<int> indices_;
+  std::vector<int> part_, indices_;
 };
 
 }  // namespace

@@ -266,7 +266,6 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"VectorSpringForceField", {"filename"}},
       {"SpringForceField", {"filename", "fileSprings"}},
       {"TrianglePressureForceField", {"normal", "dmin", "dmax"}},
-      {"SphereROI", {"direction", "normal", "edgeAngle", "triAngle"}},
       {"RigidMapping", {"filename", "fileRigidMapping"}},
       {"SphereCollisionModel", {"filename", "fileSphere"}},
       {"RigidRigidMapping", {"filename"}},

@@ -75,7 +75,6 @@ class Rewriting {
   void rewriteAttributes(Element& element);
   bool keepsAttribute(Element& element, AttributeDescription& attribute);
   bool keepsValue(Element& element, Data& data, AttributeDescription& attribute);
-  bool choosesCellsOfNobody(const Element& region) const;
   bool keepsUnknown(Element& element, const AttributeDescription& attribute);
   void rewriteTemplate(Element& element);
 

@@ -60,6 +60,21 @@ void Rewriting::meanStressFields(Element& element) {
   }
 }
 
+/// A factor of the forces before the last time: from then on SOFA's are those of the table.
+static void scaleForces(Element& load) {
+  const char* name = load.find("times") ? "times" : "keyTimes";
+  std::vector<double> forces = writtenNumbers(load.text("forces")), times = writtenNumbers(load.text(name));
+  if (times.size() < 2 || forces.empty() || forces.size() % times.size() != 0) return;
+  const std::vector<double> last(forces.end() - std::ptrdiff_t(forces.size() / times.size()), forces.end());
+  for (double& force : forces) force *= std::atof(load.text("force").c_str());
+  constexpr double instant = 1e-9;  // of the last stretch
+  const double end = times.back();
+  times.back() -= instant * (end - times[times.size() - 2]);
+  times.push_back(end), forces.insert(forces.end(), last.begin(), last.end());
+  load.set(name, printed(times)), load.set("forces", printed(forces));
+  load.remove("force");
+}
+
 /// What SOFA reads and the component here does not, as long as it can be said otherwise. Numbers that nobody gives are SOFA's,
 /// without a word, as there.
 void Rewriting::meanOfNames(Element& element) {
@@ -76,14 +91,7 @@ void Rewriting::meanOfNames(Element& element) {
     for (const char* name : {"radius", "lengthY", "lengthZ"}) setDefault(element, name, "1");
   if (element.is("RegularGridSpringForceField") && !element.find("stiffness"))
     for (const char* name : {"linesStiffness", "quadsStiffness", "cubesStiffness"}) setDefault(element, name, "100");
-  if (element.is("LinearForceField") && element.writes("force")) {  // a factor of all forces
-    std::vector<double> forces = writtenNumbers(element.text("forces"));
-    const double factor = std::atof(element.text("force").c_str());
-    if (forces.empty()) return;
-    for (double& force : forces) force *= factor;
-    element.set("forces", printed(forces));
-    element.remove("force");
-  }
+  if (element.is("LinearForceField") && element.writes("force")) scaleForces(element);
   if (element.is("NonUniformHexahedralFEMForceFieldAndMass")) meanVoxels(element);
   if (element.written->type.starts_with("SkeletalMotion")) meanSkeleton(element);
   if (element.is("SimpleTesselatedTetraTopologicalMapping"))
@@ -281,9 +289,11 @@ void Rewriting::meanLoads(Element& element) {
   }
   if (type == "EdgePressureForceField" && element.find("p_intensity"))
     setDefault(element, "lengths", "first"), setQuirk(element, "late-times", "late", "true");
-  if (isAnyOf(type, {"TrianglePressureForceField", "QuadPressureForceField", "EdgePressureForceField"})) {
-    setDefault(element, "allowEmpty", "true");
-    const bool chooses = type != "TrianglePressureForceField" || element.find("triangleList") || layers_.count(&element);
+  const bool turns = type == "OscillatingTorsionPressureForceField";
+  if (turns || isAnyOf(type, {"TrianglePressureForceField", "QuadPressureForceField", "EdgePressureForceField"})) {
+    if (!turns) setDefault(element, "allowEmpty", "true");
+    const bool chooses = (!turns && type != "TrianglePressureForceField") || element.find("triangleList") || layers_.count(&element) ||
+                         (turns && std::atof(element.text("dmin").c_str()) != std::atof(element.text("dmax").c_str()));
     element.dropped = !chooses;
     if (!chooses) return warn(element.written->where, element, "triangleList", "is not given: there is no load");
   }
