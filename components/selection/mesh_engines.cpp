@@ -6,8 +6,8 @@
 // MeshClosingEngine: position and triangles, inputPosition and inputTriangles with each hole closed: a node at the mean of its
 //   border, and triangles from there to the edges of the border, turned as their neighbours. quads are those of inputQuads.
 //   closingPosition and closingTriangles are the lids alone; indices lists the nodes of each lid in brackets, its middle last.
-// ProximityROI: indices, of the nodes that are nearer to one of `centers` than its radius the N nearest ones, ascending; distance,
-//   how near each is. The nodes are `position`, else the rest positions of the state of the node or above.
+// ProximityROI: indices, of the nodes that are nearer to one of `centers` than its radius the N nearest ones, of nodes that
+//   are as near the later ones; distance, how near each is. They come as they stand in the heap that keeps them. The nodes are `position`, else the rest positions of the state of the node or above.
 //
 // Source: names and attributes are SOFA's.
 //
@@ -177,7 +177,7 @@ class ProximityROI final : public Engine {
         .alias("rest_position")
         .help("nodes; those of the state of the node or above when not given")
         .unit("m");
-    table.add("indices", indices_).alias("pointIndices").help("the nearest nodes, ascending").output();
+    table.add("indices", indices_).alias("pointIndices").help("the nearest nodes, as the heap of them has them").output();
     table.add("pointsInROI", points_).help("their positions").unit("m").output();
     table.add("distance", distances_).help("from the nearest place").unit("m").output();
     table.add("indicesOut", others_).help("the other nodes").output();
@@ -190,22 +190,27 @@ class ProximityROI final : public Engine {
       throw ComponentError(fmt::format("there are {} radii for {} centers", radii_.size(), centers_.size()),
                            "at most one for each");
     findPositions();
-    std::vector<std::pair<double, int>> near;
-    for (std::size_t i = 0; i < position_.size(); ++i)
-      if (const double distance = distanceOf(position_[i]); std::isfinite(distance)) near.emplace_back(distance, int(i));
-    std::sort(near.begin(), near.end());
-    if (near.size() > std::size_t(most_)) near.resize(std::size_t(most_));
-    std::sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     indices_.clear(), others_.clear(), points_.clear(), distances_.clear();
-    auto next = near.begin();
+    using Near = std::pair<double, int>;
+    std::vector<Near> near;
+    const auto by_distance = [](const Near& a, const Near& b) { return a.first < b.first; };
     for (int i = 0; i < int(position_.size()); ++i) {
-      if (next == near.end() || next->second != i) {
+      const double distance = distanceOf(position_[std::size_t(i)]);
+      const bool is_full = near.size() >= std::size_t(most_);
+      if (!std::isfinite(distance) || (is_full && near.front().first < distance)) {
         others_.push_back(i);
         continue;
       }
-      indices_.push_back(i), points_.push_back(position_[std::size_t(i)]), distances_.push_back(next->first);
-      ++next;
+      if (is_full) {
+        others_.push_back(near.front().second);
+        std::pop_heap(near.begin(), near.end(), by_distance);
+        near.pop_back();
+      }
+      near.emplace_back(distance, i);
+      std::push_heap(near.begin(), near.end(), by_distance);
     }
+    for (const auto& [distance, i] : near)
+      indices_.push_back(i), points_.push_back(position_[std::size_t(i)]), distances_.push_back(distance);
     if (indices_.empty()) warn("no node is that near to one of the places", "larger radii");
   }
 

@@ -3,7 +3,7 @@
 //
 // TransformEngine: output_position = input_position scaled, then turned (rotation in degrees about x, then y, then z, or
 //   quaternion x y z w), then moved; inverse="true" does the opposite in the opposite order.
-// PointsFromIndices: indices_position, the positions of `indices`, each index once, in their order.
+// PointsFromIndices: indices_position, the positions of `indices`, each place once, in their order.
 // MergeMeshes: the nbMeshes meshes position1, edges1, triangles1, ..., position2, ... one after another, with the numbers of
 //   their nodes shifted (at most eight).
 // MeshBoundaryROI: indices of the nodes on edges that belong to a single triangle or quad, ascending. With inputROI only the cells
@@ -84,13 +84,12 @@ class PointsFromIndices final : public Engine {
   void init() override {
     if (indices_.empty()) warn("indices names no point", "check that the selection linked here holds nodes");
     chosen_.clear();
-    std::vector<char> taken(position_.size());
+    std::set<std::array<double, 3>> taken;
     for (const int index : indices_) {
       if (index < 0 || std::size_t(index) >= position_.size())
         throw ComponentError(fmt::format("indices names {}, and there are {} positions", index, position_.size()));
-      if (taken[std::size_t(index)]) continue;
-      taken[std::size_t(index)] = 1;
-      chosen_.push_back(position_[std::size_t(index)]);
+      const Vec3& p = position_[std::size_t(index)];
+      if (taken.insert({p.x(), p.y(), p.z()}).second) chosen_.push_back(p);
     }
   }
 

@@ -249,16 +249,16 @@ class SphereROI : public RegionOfInterest {
       throw ComponentError(fmt::format("there are {} radii for {} centers", radii_.size(), centers_.size()),
                            "one radius for each centre, or one for all");
     if ((edge_angle_ > 0 && !(direction_.norm() > 0)) || (triangle_angle_ > 0 && !(normal_.norm() > 0)))
-      throw ComponentError("an angle is given without direction or normal", "a vector that is not zero");
+      warn("an angle is given without direction or normal: no edge or no triangle counts", "a vector that is not zero");
   }
   bool pointsRight(const Edge& edge) const override {
     const Vec3 way = position_[edge[1]] - position_[edge[0]];
-    return edge_angle_ == 0 || std::abs(way.dot(direction_)) >= std::abs(cosine(edge_angle_)) * way.norm() * direction_.norm();
+    return edge_angle_ == 0 || std::abs(way.normalized().dot(direction_.normalized())) >= std::abs(cosine(edge_angle_));
   }
   /// As in SOFA, against the usual normal.
   bool pointsRight(const Triangle& t) const override {
     const Vec3 n = (position_[t[2]] - position_[t[0]]).cross(position_[t[1]] - position_[t[0]]);
-    return triangle_angle_ == 0 || n.dot(normal_) >= cosine(triangle_angle_) * n.norm() * normal_.norm();
+    return triangle_angle_ == 0 || n.normalized().dot(normal_.normalized()) >= cosine(triangle_angle_);
   }
   bool contains(const Vec3& p) const override {
     for (std::size_t s = 0; s < centers_.size(); ++s)

@@ -1012,6 +1012,17 @@ def regions():
 
 
 @case
+def regions_ask_the_state_above():
+    """Where there is neither a state nor a loader beside it, whatever mesh there is."""
+    line = '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/>'
+    for roi in ('BoxROI name="r" box="0.5 -1 -1 1.5 1 1"', 'SphereROI name="r" centers="1 0 0" radii="0.5"',
+                'PlaneROI name="r" plane="1 -1 -1  1 1 -1  1 -1 1  0.5"'):
+        run = Run(root(EXACT + line + f'<Node name="c"><MeshTopology position="1 0 0  7 0 0  8 0 0"/><{roi}/></Node>'
+                       '<FixedConstraint indices="@c/r.indices"/>'), 10)
+        agree(run.x()[:, 1], [fallen(10), 0, fallen(10)])
+
+
+@case
 def cells_in_regions():
     """MeshROI takes edges whose nodes are all inside, and unless strict those whose middle is; SphereROI asks for angles, too."""
     points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0], [1, 1, 0.0]])
@@ -1041,6 +1052,13 @@ def cells_in_regions():
     sphere = '<SphereROI name="r" centers="1 0.5 0" radii="5" {}/>'
     agree(chosen(sphere.format("")), ends_of(range(6)))
     agree(chosen(sphere.format('edgeAngle="10" direction="0 3 0"')), ends_of([2, 3, 5]))
+    agree(chosen(sphere.format('edgeAngle="10"')), ends_of([]))
+    # of a triangle SOFA takes (c - a) x (b - a)
+    for normal, loaded in (("0 0 2", [0, 0, 0, 0]), ("0 0.1 -2", [1 / 3, 1 / 6, 1 / 3, 1 / 6])):
+        run = Run(node(EXACT + '<MeshTopology name="m" position="0 0 0  1 0 0  1 1 0  0 1 0" triangles="0 1 2  0 2 3"/>'
+                       '<MechanicalObject name="dofs"/><UniformMass vertexMass="1"/>' + sphere.format(f'triAngle="10" normal="{normal}"') +
+                       '<TrianglePressureForceField triangleList="@r.triangleIndices" pressure="0 0 1"/>'), 1)
+        agree(run.x()[:, 2] / 1e-4, loaded, 1e-6)
 
 
 BOX = [[i, j, k] for k in (0.1, 1.9) for j in (0.1, 1.9) for i in (0.1, 1.9)]
@@ -2315,6 +2333,30 @@ def points_that_replace_others():
         run = Run(root(EXACT + both + '<MechanicalObject name="dofs" position="@e.points"/><UniformMass totalMass="3"/>'
                        f'<FixedConstraint indices="@e.{link}"/>'), 10)
         agree(run.x()[:, 1], [0 if i in held else fallen(10) for i in range(3)])
+
+
+@case
+def frames_and_places_of_lists():
+    """As many frames as both lists have, or a single orientation for all; places once; of nodes as near the later ones."""
+    q = "0 0 0.6 0.8"
+    for positions, turns, more, expected in (
+            ("1 2 3  4 5 6", q, "", [[1, 2, 3, 0, 0, 0.6, 0.8], [4, 5, 6, 0, 0, 0.6, 0.8]]),
+            ("1 2 3  4 5 6", "0 0 0 1  " + q + "  " + q, "", [[1, 2, 3, 0, 0, 0, 1], [4, 5, 6, 0, 0, 0.6, 0.8]]),
+            ("1 2 3", "0 0 0 1  " + q, "", [[1, 2, 3, 0, 0, 0, 1]]),
+            ("1 2 3  4 5 6", "0 0.6 0 0.8", 'colinearPositions="1 1 1"', [[2.8512, 1, 1.5397, 0, 0.6, 0, 0.8], [4, 5, 6, 0, 0.6, 0, 0.8]])):
+        engine = f'<QuatToRigidEngine name="e" position="{positions}" orientation="{turns}" {more}/>'
+        z = np.array([2 * 0.6 * 0.8, 0, 1 - 2 * 0.36])  # the third axis of that turn
+        if more:
+            expected[0][:3] = np.ones(3) + z * (z @ [0, 1, 2])
+        body = '<Node name="a"><MechanicalObject name="dofs" template="Rigid3" position="@../e.rigid"/><UniformMass totalMass="1"/></Node>'
+        agree(Run(node(engine + EXACT + body), 1).x("a.dofs", 7), expected)
+    # the angles are in radians
+    agree(placed(f'<RigidToQuatEngine name="e" rigids="1 2 3 {q}"/>', "e.orientationsEuler"), [[0, 0, 2 * np.arctan2(0.6, 0.8)]])
+    agree(placed('<PointsFromIndices name="e" position="1 0 0  2 0 0  1 0 0" indices="2 1 0 1"/>', "e.indices_position"), [[1, 0, 0], [2, 0, 0]])
+    ring = np.array([[0, 1, 0], [1, 0, 0], [0, -1, 0], [-1, 0, 0], [0.5, 0, 0.0]])
+    run = Run(root(EXACT + f'<MechanicalObject name="dofs" position="{numbers_of(ring)}"/><UniformMass totalMass="5"/>'
+                   '<ProximityROI name="r" centers="0 0 0" radii="2" N="2"/><FixedConstraint indices="@r.indices"/>'), 10)
+    agree(run.x()[:, 1] - ring[:, 1], [fallen(10)] * 3 + [0, 0])
 
 
 @case
@@ -4165,6 +4207,12 @@ def damping_of_frames_along_axes():
     agree(Run(node(EXACT + frames.format("3 0 0 0 0 1")), 20).x("dofs", 7), [end(3, 0, 1)] * 2)
     agree(Run(node(EXACT + frames.format("3 0 0 0 0 1  0 2 0 0 0 4")), 20).x("dofs", 7), [end(3, 0, 1), end(0, 2, 4)])
     Run(node(EXACT + frames.format("3 0 0")), 1).fails(2, "six numbers")
+    # its name since 2025, with a number for all that counts, or a vector for each
+    nodal = frames.replace("DiagonalVelocity", "NodalLinear").replace("dampingCoefficient=", "{}=")
+    agree(Run(node(EXACT + nodal.format("dampingCoefficientVector", "3 0 0 0 0 1  0 2 0 0 0 4")), 20).x("dofs", 7), [end(3, 0, 1), end(0, 2, 4)])
+    agree(Run(node(EXACT + nodal.format('dampingCoefficientVector="1 1 1 1 1 1" dampingCoefficient', "2")), 20).x("dofs", 7), [end(2, 2, 2)] * 2)
+    agree(Run(node(EXACT + BODY.replace('1 0 0"', '1 0 0" velocity="0 3 0"') + '<NodalLinearDampingForceField dampingCoefficient="4"/>'), 1).x()[:, 1],
+          [0.01 * 3 / (1 + 0.01 * 4)] * 2)
 
 
 @case
@@ -5023,8 +5071,6 @@ def angles_that_choose_among_cells():
     y = np.repeat([0.0, 1.0, 2.0], 3) + fallen(10)
     y[[0, 1, 3]] = 0, 0, 1
     agree(run.x()[:, 1], y)
-    load = '<TrianglePressureForceField triangleList="@roi.triangleIndices" pressure="0 0 1"/>'
-    Run(root(EXACT + scene.format(load)), 1).fails(2, "SOFA's SphereROI reads 'normal'")
 
 
 @case

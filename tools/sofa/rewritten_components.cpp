@@ -74,6 +74,10 @@ void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::st
 void Rewriting::meanActuator(Element& element) { setQuirk(element, "impulse-values", "impulses", "true"); }
 
 void Rewriting::meanSelection(Element& element) {
+  const Place& here = *element.place;  // without a state or a loader there SOFA asks the state above, whatever mesh is there
+  const bool is_told = element.find("position") || element.find("rest_position") || !element.probe->data().find("position");
+  Element* above = is_told || here.firstOf("mechanical state") || here.firstOf("mesh loader") ? nullptr : here.nearest("mechanical state");
+  if (above && here.firstOf("topology")) element.set("position", SceneTree::linkTo(*above) + ".rest_position");
   setDefault(element, "allowEmpty", "true");
   if (element.probe->data().find("exactBorder")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.is("BoxROI") && !element.find("box") && !element.find("orientedBox")) {

@@ -60,21 +60,6 @@ void Rewriting::meanStressFields(Element& element) {
   }
 }
 
-/// A factor of the forces before the last time: from then on SOFA's are those of the table.
-static void scaleForces(Element& load) {
-  const char* name = load.find("times") ? "times" : "keyTimes";
-  std::vector<double> forces = writtenNumbers(load.text("forces")), times = writtenNumbers(load.text(name));
-  if (times.size() < 2 || forces.empty() || forces.size() % times.size() != 0) return;
-  const std::vector<double> last(forces.end() - std::ptrdiff_t(forces.size() / times.size()), forces.end());
-  for (double& force : forces) force *= std::atof(load.text("force").c_str());
-  constexpr double instant = 1e-9;  // of the last stretch
-  const double end = times.back();
-  times.back() -= instant * (end - times[times.size() - 2]);
-  times.push_back(end), forces.insert(forces.end(), last.begin(), last.end());
-  load.set(name, printed(times)), load.set("forces", printed(forces));
-  load.remove("force");
-}
-
 /// What SOFA reads and the component here does not, as long as it can be said otherwise. Numbers that nobody gives are SOFA's,
 /// without a word, as there.
 void Rewriting::meanOfNames(Element& element) {
@@ -92,6 +77,7 @@ void Rewriting::meanOfNames(Element& element) {
   if (element.is("RegularGridSpringForceField") && !element.find("stiffness"))
     for (const char* name : {"linesStiffness", "quadsStiffness", "cubesStiffness"}) setDefault(element, name, "100");
   if (element.is("LinearForceField") && element.writes("force")) scaleForces(element);
+  if (element.is("NodalLinearDampingForceField")) nameCoefficients(element, isOfFrames(element));
   if (element.is("NonUniformHexahedralFEMForceFieldAndMass")) meanVoxels(element);
   if (element.written->type.starts_with("SkeletalMotion")) meanSkeleton(element);
   if (element.is("SimpleTesselatedTetraTopologicalMapping"))
