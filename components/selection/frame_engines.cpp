@@ -55,7 +55,10 @@ class QuatToRigidEngine final : public Engine {
   void declare(DataTable& table) override {
     table.add("positions", positions_).alias("position").help("centres").unit("m");
     table.add("orientations", orientations_).alias("orientation").help("x y z w of each, or of all").unit("-").inValuesOf(4);
-    table.add("colinearPositions", lines_).alias("colinearPosition").help("points of lines along z of the first frames, on which they lie").unit("m");
+    table.add("colinearPositions", lines_)
+        .alias("colinearPosition")
+        .help("points of lines along z of the first frames, on which they lie")
+        .unit("m");
     table.add("rigids", frames_).alias("rigid").help("x y z and x y z w of each frame").unit("-").output().inValuesOf(7);
   }
   void init() override {

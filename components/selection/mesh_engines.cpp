@@ -6,8 +6,9 @@
 // MeshClosingEngine: position and triangles, inputPosition and inputTriangles with each hole closed: a node at the mean of its
 //   border, and triangles from there to the edges of the border, turned as their neighbours. quads are those of inputQuads.
 //   closingPosition and closingTriangles are the lids alone; indices lists the nodes of each lid in brackets, its middle last.
-// ProximityROI: indices, of the nodes that are nearer to one of `centers` than its radius the N nearest ones, of nodes that
-//   are as near the later ones; distance, how near each is. They come as they stand in the heap that keeps them. The nodes are `position`, else the rest positions of the state of the node or above.
+// ProximityROI: indices, of the nodes that are nearer to one of `centers` than its radius the N nearest ones, of nodes that are as near
+//   the later ones; distance, how near each is. They come as they stand in the heap that keeps them. The nodes are `position`, else
+//   the rest positions of the state of the node or above.
 //
 // Source: names and attributes are SOFA's.
 //

@@ -22,7 +22,7 @@
 //   <EulerExplicitSolver/>
 //   <MergePoints name="all" position1="0 0 0  1 0 0" position2="0 1 0"/>
 //   <MathOp name="moved" template="Vec3" nbInputs="2" input1="@all.points" input2="0 0 1" op="+"/>
-//   <DifferenceEngine name="back" template="Vec3" input="@moved.output" substractor="0 0 1"/>
+//   <DifferenceEngine name="back" template="Vec3" input="@moved.output" substractor="0 0 1  0 0 1  0 0 1"/>
 //   <ValuesFromIndices name="ends" template="Vec3" in="@moved.output" indices="0 2"/>
 //   <IndicesFromValues name="where" template="Vec3" values="0 1 1" global="@moved.output"/>
 //   <IndexValueMapper name="soft" indices="@where.indices" value="10" defaultValue="50"/>
