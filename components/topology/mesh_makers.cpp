@@ -4,8 +4,8 @@
 // GenerateGrid: a box of `resolution` cells along x, y, z from min to max, as hexahedra (x slowest, z fastest) and as six
 //   tetrahedra each; with none along z a flat grid of quads and triangles. Nodes: x fastest.
 // GenerateCylinder: around the z axis from origin, of tetrahedra. Each of resHeight layers has a node on the axis, then
-//   resRadial rings of resCircumferential nodes, from the inside out. triangles with output_TrianglesPosition are its surface, with
-//   nodes of its own, closed by both ends unless openSurface.
+//   resRadial rings of resCircumferential nodes, from the inside out. surfaceTriangles with output_TrianglesPosition are its surface,
+//   with nodes of its own, closed by both ends unless openSurface. (SOFA's triangles: src="@maker" would take those for tetrahedra's.)
 // GridMeshCreator: the unit square in z = 0 with resolution nx ny nodes, x fastest. trianglePattern: 0 quads; 1 triangles with
 //   alternating diagonals, 2 from corner to the opposite one, 3 along the other diagonal. The edges of the cells, too.
 // StringMeshCreator: `resolution` points on the x axis from 0 to 1, and the edges between neighbours. Both are scaled, turned,
@@ -120,7 +120,7 @@ class GenerateCylinder final : public MeshMaker {
     addCellList(table, cell_kinds::tetrahedron, mesh_.tetrahedra).help("the cells").output();
     table.add("openSurface", open_).help("the surface has no ends");
     table.add("output_TrianglesPosition", surface_.position).help("nodes of the surface").unit("m").output();
-    addCellList(table, cell_kinds::triangle, surface_.triangles).help("the surface, outward").output();
+    table.add("surfaceTriangles", surface_.triangles).help("the surface, outward, of those nodes").output();
     for (const auto& [name, degree] : {std::pair("BezierTriangleDegree", &degrees_[0]), std::pair("BezierTetrahedronDegree", &degrees_[1])})
       table.add(name, *degree).help("straight cells alone").min(0).max(1);
   }
