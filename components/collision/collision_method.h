@@ -14,6 +14,8 @@ class Method : public Component {
   bool meet(CollisionModel::Kind a, CollisionModel::Kind b) const;
   /// Whether edges of triangles meet lines and the edges of others.
   bool edgesOfTrianglesMeet() const { return rule == Rule::proximity_and_triangles && line_line_; }
+  /// Whether a ball meets the edges and corners of triangles.
+  bool trianglesTakeEdges() const { return rule == Rule::proximity_and_triangles; }
   double contactDistance() const { return rule == Rule::discrete ? 0 : contact_distance_; }
   double alarmDistance() const { return rule == Rule::discrete ? 0 : alarm_distance_; }
   /// Whether parts refuse contacts outside their cones of normals (normal_cones.h), and what makes the cones wider.

@@ -60,6 +60,77 @@ bool closest(std::span<const Vec3> x, int k, std::span<const Vec3> y, std::array
   return isInside(of_y[0]) && (!line || isInside(of_x[0]));
 }
 
+/// Corners that take part in a point, as bits.
+unsigned supportOf(const std::array<double, 3>& weight) {
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (std::abs(weight[i]) > 1e-6) bits |= 1u << i;
+  return bits;
+}
+
+/// Whether a point of a triangle is on an edge or in a corner that this triangle stands for.
+bool isOnOwned(const Part& triangle, const std::array<double, 3>& weight) {
+  const unsigned bits = supportOf(weight);
+  for (unsigned i = 0; i < 3; ++i) {
+    if (bits == 1u << i) return triangle.owned >> i & 1;
+    if (bits == (1u << i | 1u << (i + 1) % 3)) return triangle.owned_edges >> i & 1;
+  }
+  return false;
+}
+
+/// Whether all corners that take part in a point are among those of another point.
+bool holdsSupport(const PartPoint& other, const PartPoint& point) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!(supportOf(point.weight) >> i & 1)) continue;
+    bool found = false;
+    for (std::size_t j = 0; j < 3; ++j)
+      found = found || ((supportOf(other.weight) >> j & 1) && other.part->node[j] == point.part->node[i]);
+    if (!found) return false;
+  }
+  return true;
+}
+
+/// The side of a contact that is a point on an edge or in a corner of a triangle under a ball; null: there is none.
+const PartPoint* edgeUnderBall(const Contact& contact) {
+  const bool first = contact.model_a->kind() == CollisionModel::Kind::sphere;
+  const PartPoint& other = first ? contact.b : contact.a;
+  if (!first && contact.model_b->kind() != CollisionModel::Kind::sphere) return nullptr;
+  return other.part->corners == 3 && supportOf(other.weight) != 7 ? &other : nullptr;
+}
+
+/// Edges and corners under a ball count where the ball meets nothing that they are a part of, and no line or point there.
+void dropHiddenEdges(std::vector<Contact>& contacts) {
+  std::vector<std::pair<const Part*, std::size_t>> of_balls;
+  const auto ballOf = [](const Contact& c) { return c.model_a->kind() == CollisionModel::Kind::sphere ? c.a.part : c.b.part; };
+  bool any = false;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    of_balls.emplace_back(ballOf(contacts[i]), i);
+    any = any || edgeUnderBall(contacts[i]);
+  }
+  if (!any) return;
+  std::sort(of_balls.begin(), of_balls.end());
+  std::vector<char> hidden(contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const PartPoint* edge = edgeUnderBall(contacts[i]);
+    if (!edge) continue;
+    const Contact& mine = contacts[i];
+    const State* state = &(edge == &mine.b ? mine.model_b : mine.model_a)->state();
+    for (auto at = std::lower_bound(of_balls.begin(), of_balls.end(), std::pair(ballOf(mine), std::size_t(0)));
+         at != of_balls.end() && at->first == ballOf(mine); ++at) {
+      const Contact& other = contacts[at->second];
+      const PartPoint& there = other.a.part == ballOf(mine) ? other.b : other.a;
+      const bool is_nearer = !holdsSupport(*edge, there) || there.part->corners < 3;
+      if (at->second != i && &(&there == &other.b ? other.model_b : other.model_a)->state() == state && is_nearer &&
+          holdsSupport(there, *edge))
+        hidden[i] = 1;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (!hidden[i]) contacts[kept++] = contacts[i];
+  contacts.resize(kept, contacts.front());
+}
+
 }  // namespace
 
 std::size_t ContactSearch::bodyOf(const CollisionModel& model) {
@@ -121,7 +192,9 @@ void ContactSearch::meet(const Surface& a, const Part& p, const Surface& b, cons
                        const Part& other, std::span<const Vec3> to) {
     Contact found{m.model, o.model, {&mine, {}}, {&other, {}}, Vec3::UnitX(), contact + radii};
     Vec3 difference;
-    if (closest(from, k, to, found.a.weight, found.b.weight, difference)) keep(m, o, found, difference);
+    const bool is_within = closest(from, k, to, found.a.weight, found.b.weight, difference);
+    const bool takes_edges = method_->trianglesTakeEdges() && m.model->kind() == CollisionModel::Kind::sphere && other.corners == 3;
+    if (is_within || (takes_edges && isOnOwned(other, found.b.weight))) keep(m, o, found, difference);
   };
   if (q.corners < 3 || p.corners == 1) {
     add(a, p, x, p.corners == 1 ? 0 : -1, b, q, y);
@@ -235,6 +308,7 @@ void ContactSearch::find(std::vector<Contact>& out) {
   for (Surface& surface : surfaces_) surface.is_fit = false;
   for (Pair& pair : pairs_)
     if (!hasRoom(pair)) look(pair, out);
+  if (method_->trianglesTakeEdges()) dropHiddenEdges(out);
 }
 
 }  // namespace stroma::collision

@@ -144,19 +144,18 @@ class PatchTestMovement final : public HeldNodes, public StartVelocity {
     }
     return sum;
   }
-  /// Each is the last point that lies beyond the one before in some of its directions, as SOFA looks for them.
+  /// Each is the last point that lies beyond the one before in some of its directions, and far ones of even number beyond the near one
+  /// along z, as SOFA looks for them.
   void findCorners() {
     if (points_.empty()) return;
     const bool solid = std::any_of(points_.begin(), points_.end(), [this](const Vec3& p) { return p[2] != points_[0][2]; });
     constexpr int signs[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    for (std::size_t c = 0; c < (solid ? 8u : 4u); ++c) {
-      Vec3 corner = points_[0];
-      for (const Vec3& p : points_) {
-        const bool beyond_z = c < 4 ? p[2] < corner[2] : p[2] > corner[2];
-        if (signs[c][0] * (p[0] - corner[0]) > 0 || signs[c][1] * (p[1] - corner[1]) > 0 || beyond_z) corner = p;
+    corners_.assign(solid ? 8 : 4, points_[0]);
+    for (const Vec3& p : points_)
+      for (std::size_t c = 0; c < corners_.size(); ++c) {
+        const bool beyond_z = c < 4 ? p[2] < corners_[c][2] : p[2] > corners_[c % 2 == 0 ? c - 4 : c][2];
+        if (signs[c][0] * (p[0] - corners_[c][0]) > 0 || signs[c][1] * (p[1] - corners_[c][1]) > 0 || beyond_z) corners_[c] = p;
       }
-      corners_.push_back(corner);
-    }
   }
   double begin_ = 0, end_ = 20;
   bool late_ = false;

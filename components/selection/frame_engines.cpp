@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Frames and their parts, and single numbers of lists, before the first step.
 //
-// QuatToRigidEngine: rigids, frames of `positions` and `orientations` (x y z w), one after another; the shorter list goes on with
-//   its last value.
-// RigidToQuatEngine: positions and orientations of `rigids`, and orientationsEuler, their angles about x, then y, then z [degree].
+// QuatToRigidEngine: rigids, frames of `positions` and `orientations` (x y z w), one after another, as many as both lists have; a single
+//   orientation counts for all. A frame with a colinearPositions c lies at c + z (z . (p - c)), z its third axis and p its position.
+// RigidToQuatEngine: positions and orientations of `rigids`, and orientationsEuler, their angles about x, then y, then z [rad].
 // SumEngine: output, the sum of all values of `input`, as `template` says what a value is.
 // NormEngine: output, the length of each value of `input`: of normType 0 the largest number, 1 the sum of all, 2 Euclid's.
 // AverageCoord: average, the mean of the positions `indices` of `vertices`; of all without indices.
@@ -53,36 +53,47 @@ namespace {
 class QuatToRigidEngine final : public Engine {
  public:
   void declare(DataTable& table) override {
-    table.add("positions", positions_).help("centres").unit("m");
-    table.add("orientations", orientations_).help("x y z w of each").unit("-").inValuesOf(4);
-    table.add("rigids", frames_).help("x y z and x y z w of each frame").unit("-").output().inValuesOf(7);
+    table.add("positions", positions_).alias("position").help("centres").unit("m");
+    table.add("orientations", orientations_).alias("orientation").help("x y z w of each, or of all").unit("-").inValuesOf(4);
+    table.add("colinearPositions", lines_)
+        .alias("colinearPosition")
+        .help("points of lines along z of the first frames, on which they lie")
+        .unit("m");
+    table.add("rigids", frames_).alias("rigid").help("x y z and x y z w of each frame").unit("-").output().inValuesOf(7);
   }
   void init() override {
     if (positions_.empty() || orientations_.empty() || orientations_.size() % 4 != 0)
       throw ComponentError(fmt::format("there are {} positions and {} numbers of orientations", positions_.size(), orientations_.size()),
                            "at least one position, and four numbers for each orientation");
     const std::size_t turns = orientations_.size() / 4;
+    if (turns > 1 && turns != positions_.size())
+      warn(fmt::format("there are {} positions and {} orientations: the frames are as many as both", positions_.size(), turns),
+           "as many, or a single orientation");
     frames_.clear();
-    for (std::size_t i = 0; i < std::max(positions_.size(), turns); ++i) {
-      const Vec3& p = positions_[std::min(i, positions_.size() - 1)];
+    for (std::size_t i = 0; i < (turns == 1 ? positions_.size() : std::min(positions_.size(), turns)); ++i) {
+      const auto turn = orientations_.begin() + std::ptrdiff_t(4 * (i % turns));
+      Vec3 p = positions_[i];
+      if (i < lines_.size()) {
+        const Vec3 z = Eigen::Quaterniond(turn[3], turn[0], turn[1], turn[2]) * Vec3::UnitZ();
+        p = lines_[i] + z * (z.dot(p - lines_[i]) / z.norm());
+      }
       frames_.insert(frames_.end(), {p.x(), p.y(), p.z()});
-      const auto turn = orientations_.begin() + std::ptrdiff_t(4 * std::min(i, turns - 1));
       frames_.insert(frames_.end(), turn, turn + 4);
     }
   }
 
  private:
-  std::vector<Vec3> positions_;
+  std::vector<Vec3> positions_, lines_;
   std::vector<double> orientations_, frames_;
 };
 
 class RigidToQuatEngine final : public Engine {
  public:
   void declare(DataTable& table) override {
-    table.add("rigids", frames_).help("x y z and x y z w of each frame").unit("-").inValuesOf(7);
-    table.add("positions", positions_).help("their centres").unit("m").output();
-    table.add("orientations", orientations_).help("x y z w of each").unit("-").output().inValuesOf(4);
-    table.add("orientationsEuler", angles_).help("angles about x, then y, then z").unit("degree").output();
+    table.add("rigids", frames_).alias("rigid").help("x y z and x y z w of each frame").unit("-").inValuesOf(7);
+    table.add("positions", positions_).alias("position").help("their centres").unit("m").output();
+    table.add("orientations", orientations_).alias("orientation").help("x y z w of each").unit("-").output().inValuesOf(4);
+    table.add("orientationsEuler", angles_).help("angles about x, then y, then z").unit("rad").output();
   }
   void init() override {
     if (frames_.size() % 7 != 0) throw ComponentError(fmt::format("rigids has {} numbers", frames_.size()), "seven for each frame");
@@ -94,8 +105,7 @@ class RigidToQuatEngine final : public Engine {
       const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
       if (!(q.norm() > 0)) throw ComponentError(fmt::format("frame {} has no orientation", i / 7), "x y z w, not all of them zero");
       const Mat3 r = q.normalized().toRotationMatrix();  // R_z R_y R_x
-      const Vec3 angles(std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1., 1.)), std::atan2(r(1, 0), r(0, 0)));
-      angles_.push_back(angles * 180 / std::numbers::pi);
+      angles_.emplace_back(std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1., 1.)), std::atan2(r(1, 0), r(0, 0)));
     }
   }
 

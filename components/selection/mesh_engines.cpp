@@ -5,9 +5,10 @@
 //   hexahedra, those of the input whose nodes are all among them, with their numbers there.
 // MeshClosingEngine: position and triangles, inputPosition and inputTriangles with each hole closed: a node at the mean of its
 //   border, and triangles from there to the edges of the border, turned as their neighbours. quads are those of inputQuads.
-//   closingPosition and closingTriangles are the lids alone.
-// ProximityROI: indices, of the nodes that are nearer to one of `centers` than its radius the N nearest ones, ascending; distance,
-//   how near each is. The nodes are `position`, else the rest positions of the state of the node or above.
+//   closingPosition and closingTriangles are the lids alone; indices lists the nodes of each lid in brackets, its middle last.
+// ProximityROI: indices, of the nodes that are nearer to one of `centers` than its radius the N nearest ones, of nodes that are as near
+//   the later ones; distance, how near each is. They come as they stand in the heap that keeps them. The nodes are `position`, else
+//   the rest positions of the state of the node or above.
 //
 // Source: names and attributes are SOFA's.
 //
@@ -108,13 +109,14 @@ class MeshClosingEngine final : public MeshEngine {
     table.add("position", closed_.position).help("nodes, those of the lids last").unit("m").output();
     table.add("triangles", closed_.triangles).help("triangles, those of the lids last").output();
     table.add("quads", closed_.quads).help("the quads").output();
+    table.add("indices", loops_).help("nodes of each lid, in brackets").output();
     table.add("closingPosition", lids_.position).help("nodes of the lids: of each its border and its middle").unit("m").output();
     table.add("closingTriangles", lids_.triangles).help("triangles of the lids").output();
   }
   void init() override {
     checkNodes(from_.triangles, from_.position.size(), "inputTriangles");
     checkNodes(from_.quads, from_.position.size(), "inputQuads");
-    closed_ = Mesh(from_), lids_ = Mesh();
+    closed_ = Mesh(from_), lids_ = Mesh(), loops_.clear();
     const std::map<Index, Index> next = border();
     std::set<Index> left;
     for (const auto& [node, other] : next) left.insert(node);
@@ -152,15 +154,17 @@ class MeshClosingEngine final : public MeshEngine {
     Vec3 middle = Vec3::Zero();
     const Index first = Index(lids_.position.size()), count = Index(loop.size()), own = Index(closed_.position.size());
     for (Index i = 0; i < count; ++i) {
-      const Index node = loop[std::size_t(i)], after = loop[std::size_t((i + 1) % count)];
+      const Index node = loop[std::size_t(i)], before = loop[std::size_t((i + count - 1) % count)];
       middle += from_.position[std::size_t(node)] / double(count);
       lids_.position.push_back(from_.position[std::size_t(node)]);
-      closed_.triangles.push_back({own, after, node});
-      lids_.triangles.push_back({first + count, first + (i + 1) % count, first + i});
+      closed_.triangles.push_back({own, node, before});
+      lids_.triangles.push_back({first + count, first + i, first + (i + count - 1) % count});
     }
     closed_.position.push_back(middle), lids_.position.push_back(middle);
+    loops_ += fmt::format("{}[{},{}]", loops_.empty() ? "" : " ", fmt::join(loop, ","), own);
   }
   Mesh from_, closed_, lids_;
+  std::string loops_;
 };
 
 class ProximityROI final : public Engine {
@@ -174,7 +178,7 @@ class ProximityROI final : public Engine {
         .alias("rest_position")
         .help("nodes; those of the state of the node or above when not given")
         .unit("m");
-    table.add("indices", indices_).alias("pointIndices").help("the nearest nodes, ascending").output();
+    table.add("indices", indices_).alias("pointIndices").help("the nearest nodes, as the heap of them has them").output();
     table.add("pointsInROI", points_).help("their positions").unit("m").output();
     table.add("distance", distances_).help("from the nearest place").unit("m").output();
     table.add("indicesOut", others_).help("the other nodes").output();
@@ -187,22 +191,27 @@ class ProximityROI final : public Engine {
       throw ComponentError(fmt::format("there are {} radii for {} centers", radii_.size(), centers_.size()),
                            "at most one for each");
     findPositions();
-    std::vector<std::pair<double, int>> near;
-    for (std::size_t i = 0; i < position_.size(); ++i)
-      if (const double distance = distanceOf(position_[i]); std::isfinite(distance)) near.emplace_back(distance, int(i));
-    std::sort(near.begin(), near.end());
-    if (near.size() > std::size_t(most_)) near.resize(std::size_t(most_));
-    std::sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     indices_.clear(), others_.clear(), points_.clear(), distances_.clear();
-    auto next = near.begin();
+    using Near = std::pair<double, int>;
+    std::vector<Near> near;
+    const auto by_distance = [](const Near& a, const Near& b) { return a.first < b.first; };
     for (int i = 0; i < int(position_.size()); ++i) {
-      if (next == near.end() || next->second != i) {
+      const double distance = distanceOf(position_[std::size_t(i)]);
+      const bool is_full = near.size() >= std::size_t(most_);
+      if (!std::isfinite(distance) || (is_full && near.front().first < distance)) {
         others_.push_back(i);
         continue;
       }
-      indices_.push_back(i), points_.push_back(position_[std::size_t(i)]), distances_.push_back(next->first);
-      ++next;
+      if (is_full) {
+        others_.push_back(near.front().second);
+        std::pop_heap(near.begin(), near.end(), by_distance);
+        near.pop_back();
+      }
+      near.emplace_back(distance, i);
+      std::push_heap(near.begin(), near.end(), by_distance);
     }
+    for (const auto& [distance, i] : near)
+      indices_.push_back(i), points_.push_back(position_[std::size_t(i)]), distances_.push_back(distance);
     if (indices_.empty()) warn("no node is that near to one of the places", "larger radii");
   }
 

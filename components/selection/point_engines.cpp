@@ -3,10 +3,11 @@
 //
 // TransformEngine: output_position = input_position scaled, then turned (rotation in degrees about x, then y, then z, or
 //   quaternion x y z w), then moved; inverse="true" does the opposite in the opposite order.
-// PointsFromIndices: indices_position, the positions of `indices`, each index once, in their order.
+// PointsFromIndices: indices_position, the positions of `indices`, each place once, in their order.
 // MergeMeshes: the nbMeshes meshes position1, edges1, triangles1, ..., position2, ... one after another, with the numbers of
 //   their nodes shifted (at most eight).
-// MeshBoundaryROI: indices of the nodes on edges that belong to a single triangle or quad, ascending.
+// MeshBoundaryROI: indices of the nodes on edges that belong to a single triangle or quad, ascending. With inputROI only the cells
+//   whose nodes are all among it count.
 //
 // Source: names and attributes are SOFA's.
 //
@@ -32,6 +33,7 @@
 #include <array>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "components/selection/engine.h"
 #include "framework/mesh/cell_lists.h"
@@ -82,13 +84,12 @@ class PointsFromIndices final : public Engine {
   void init() override {
     if (indices_.empty()) warn("indices names no point", "check that the selection linked here holds nodes");
     chosen_.clear();
-    std::vector<char> taken(position_.size());
+    std::set<std::array<double, 3>> taken;
     for (const int index : indices_) {
       if (index < 0 || std::size_t(index) >= position_.size())
         throw ComponentError(fmt::format("indices names {}, and there are {} positions", index, position_.size()));
-      if (taken[std::size_t(index)]) continue;
-      taken[std::size_t(index)] = 1;
-      chosen_.push_back(position_[std::size_t(index)]);
+      const Vec3& p = position_[std::size_t(index)];
+      if (taken.insert({p.x(), p.y(), p.z()}).second) chosen_.push_back(p);
     }
   }
 
@@ -148,14 +149,17 @@ class MeshBoundaryROI final : public Engine {
   void declare(DataTable& table) override {
     table.add("triangles", triangles_).help("of the surface");
     table.add("quads", quads_).help("of the surface");
+    table.add("inputROI", part_).help("nodes of the part that counts; all when empty");
     table.add("indices", indices_).help("nodes on its border").output();
     table.addVisualOnly("subset");
   }
   void init() override {
     std::map<Edge, int> uses;
-    const auto count = [&uses](const auto& cells) {
+    const std::set<Index> part(part_.begin(), part_.end());
+    const auto counts = [&part](Index node) { return part.empty() || part.count(node) > 0; };
+    const auto count = [&uses, &counts](const auto& cells) {
       for (const auto& cell : cells)
-        for (std::size_t i = 0; i < cell.size(); ++i) {
+        for (std::size_t i = 0; i < cell.size() && std::all_of(cell.begin(), cell.end(), counts); ++i) {
           const Index a = cell[i], b = cell[(i + 1) % cell.size()];
           ++uses[{std::min(a, b), std::max(a, b)}];
         }
@@ -172,7 +176,7 @@ class MeshBoundaryROI final : public Engine {
  private:
   std::vector<Triangle> triangles_;
   std::vector<Quad> quads_;
-  std::vector<int> indices_;
+  std::vector<int> part_, indices_;
 };
 
 }  // namespace

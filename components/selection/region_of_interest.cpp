@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Selects the nodes and cells of a mesh that lie in a region: boxes (BoxROI), spheres (SphereROI), rectangles (PlaneROI),
-// one box without another (PairBoxROI) or a closed surface (MeshROI).
+// one box without another (PairBoxROI). (Of a closed surface: MeshROI.)
 //
 // The outputs are link sources: indices="@roi.indices". A node on the border is inside: borders are widened for round-off, by
 // 1e-9 of the region or of the mesh, whichever is smaller, unless exactBorder="true" (SOFA's way). A cell is inside when all its
@@ -10,11 +10,11 @@
 //
 // BoxROI: `box` lists axis-aligned boxes (x y z of one corner, x y z of the opposite one). `orientedBox` lists boxes of
 // ten numbers, three corners p0 p1 p2 of a parallelogram and a depth d: points p1 + a (p0 - p1) + b (p2 - p1) + c n
-// with 0 <= a, b <= 1, |c| <= d/2 and n the unit normal. SphereROI: `centers` and `radii`, one radius for each or one for all.
+// with 0 <= a, b <= 1, |c| <= d/2 and n the unit normal. SphereROI: `centers` and `radii`, one radius for each or one for all; of
+// the edges and triangles inside only those that point the way of `direction` or `normal`, where edgeAngle or triAngle is given.
 //
 // PlaneROI: `plane` lists rectangles of ten numbers, three corners p0 p1 p2 and a depth d: points p0 + a (p1 - p0) +
-// b (p2 - p0) + c n with 0 <= a, b <= 1 and |c| <= d/2. PairBoxROI: nodes in inclusiveBox that are not in includedBox. MeshROI:
-// nodes inside of the surface of ROIposition and ROItriangles, by its solid angle.
+// b (p2 - p0) + c n with 0 <= a, b <= 1 and |c| <= d/2. PairBoxROI: nodes in inclusiveBox that are not in includedBox.
 //
 // Unlike SOFA a region that is not given is an error (there: the unit cube), and so is an empty selection, unless
 // allowEmpty="true": a clamp that holds nothing is otherwise seen only in the result.
@@ -27,16 +27,17 @@
 //   <SphereROI name="pulled" centers="4 1 1" radii="0.5"/>
 //   <PlaneROI name="face" plane="4 0 0  4 2 0  4 0 2  0.1"/>
 //   <PairBoxROI name="shell" inclusiveBox="-1 -1 -1 5 3 3" includedBox="0.5 0.5 0.5 3.5 1.5 1.5"/>
-//   <MeshROI name="corner" ROIposition="-1 -1 -1  3 -1 -1  -1 3 -1  -1 -1 3" ROItriangles="0 2 1  0 1 3  1 2 3  2 0 3"/>
 // </Node>
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numbers>
+#include <type_traits>
 
+#include "components/selection/region_of_interest.h"
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_attributes.h"
@@ -44,60 +45,6 @@
 #include "framework/scene/factory.h"
 
 namespace stroma {
-namespace {
-
-class RegionOfInterest : public Component {
- public:
-  std::string roleText() const override { return "selection"; }
-  void declare(DataTable& table) override;
-  void init() override;
-
- protected:
-  virtual void prepare() = 0;  ///< checks the region; throws ComponentError
-  virtual bool contains(const Vec3& p) const = 0;
-  virtual std::string describeRegion() const = 0;
-  /// By how much [m] the border of a region of this size is moved outwards.
-  double widened(double size) const {
-    return exact_ ? 0 : widening * (around_.sizes().maxCoeff() > 0 ? std::min(size, around_.sizes().maxCoeff()) : size);
-  }
-  bool isIn(const Vec3& low, const Vec3& high, const Vec3& p) const {
-    const double border = widened((high - low).maxCoeff());
-    return (p.array() >= low.array() - border).all() && (p.array() <= high.array() + border).all();
-  }
-  static constexpr double widening = 1e-9;
-
- private:
-  template <class Cell>
-  struct Selection {
-    std::vector<Cell> cells, inside_cells, outside_cells;  ///< `cells`: tested
-    std::vector<int> indices, outside;
-    bool wanted = true;
-  };
-  struct Selections {
-    Selection<Edge> edges;
-    Selection<Triangle> triangles;
-    Selection<Quad> quads;
-    Selection<QuadraticTriangle> quadratic_triangles;
-    Selection<Tetrahedron> tetrahedra;
-    Selection<Hexahedron> hexahedra;
-    Selection<Prism> prisms;
-    Selection<Pyramid> pyramids;
-    Selection<QuadraticTetrahedron> quadratic_tetrahedra;
-  } cells_;
-  void forget();
-  void findPositions();
-  void takeCells();
-  template <class Cell>
-  void select(Selection<Cell>& selection) const;
-  [[noreturn]] void failEmpty() const;
-
-  std::vector<Vec3> position_, points_inside_, points_outside_;
-  std::vector<int> indices_, outside_;
-  int count_ = 0;
-  bool strict_ = true, allow_empty_ = false, update_ = false, exact_ = false;
-  std::vector<char> inside_;     ///< of each node
-  Eigen::AlignedBox3d around_;  ///< the nodes
-};
 
 void RegionOfInterest::declare(DataTable& table) {
   table.add("position", position_).alias("rest_position").unit("m").help("nodes tested; default: those of the state or topology");
@@ -199,7 +146,8 @@ void RegionOfInterest::select(Selection<Cell>& selection) const {
       all = all && inside_[node];
       centre += position_[node] / double(cell.size());
     }
-    const bool is_inside = strict_ ? all : contains(centre);
+    bool is_inside = strict_ ? all : contains(centre) || (whole_counts_ && all);
+    if constexpr (std::is_same_v<Cell, Edge> || std::is_same_v<Cell, Triangle>) is_inside = is_inside && pointsRight(cell);
     (is_inside ? selection.indices : selection.outside).push_back(int(c));
     (is_inside ? selection.inside_cells : selection.outside_cells).push_back(cell);
   }
@@ -213,6 +161,8 @@ void RegionOfInterest::failEmpty() const {
                   position_.size(), describeRegion(), low.x(), low.y(), low.z(), high.x(), high.y(), high.z()),
       "a region with nodes, or allowEmpty=\"true\"");
 }
+
+namespace {
 
 class BoxROI : public RegionOfInterest {
  public:
@@ -284,7 +234,12 @@ class SphereROI : public RegionOfInterest {
   void declare(DataTable& table) override {
     table.add("centers", centers_).unit("m").help("centres of the spheres");
     table.add("radii", radii_).unit("m").help("a radius for each centre, or one for all").min(0);
+    table.add("direction", direction_).unit("-").help("of edges that count, where edgeAngle is given");
+    table.add("edgeAngle", edge_angle_).unit("degree").help("between such an edge and direction at most; 0: any").min(0);
+    table.add("normal", normal_).unit("-").help("of triangles that count, (c - a) x (b - a), where triAngle is given");
+    table.add("triAngle", triangle_angle_).alias("angle").unit("degree").help("between such a normal and normal at most; 0: any").min(0);
     RegionOfInterest::declare(table);
+    table.find("indices")->alias("pointIndices");
   }
 
  protected:
@@ -293,6 +248,17 @@ class SphereROI : public RegionOfInterest {
     if (radii_.size() != 1 && radii_.size() != centers_.size())
       throw ComponentError(fmt::format("there are {} radii for {} centers", radii_.size(), centers_.size()),
                            "one radius for each centre, or one for all");
+    if ((edge_angle_ > 0 && !(direction_.norm() > 0)) || (triangle_angle_ > 0 && !(normal_.norm() > 0)))
+      warn("an angle is given without direction or normal: no edge or no triangle counts", "a vector that is not zero");
+  }
+  bool pointsRight(const Edge& edge) const override {
+    const Vec3 way = position_[edge[1]] - position_[edge[0]];
+    return edge_angle_ == 0 || std::abs(way.normalized().dot(direction_.normalized())) >= std::abs(cosine(edge_angle_));
+  }
+  /// As in SOFA, against the usual normal.
+  bool pointsRight(const Triangle& t) const override {
+    const Vec3 n = (position_[t[2]] - position_[t[0]]).cross(position_[t[1]] - position_[t[0]]);
+    return triangle_angle_ == 0 || n.normalized().dot(normal_.normalized()) >= cosine(triangle_angle_);
   }
   bool contains(const Vec3& p) const override {
     for (std::size_t s = 0; s < centers_.size(); ++s)
@@ -304,8 +270,11 @@ class SphereROI : public RegionOfInterest {
   }
 
  private:
+  static double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
   std::vector<Vec3> centers_;
   std::vector<double> radii_;
+  Vec3 direction_ = Vec3::Zero(), normal_ = Vec3::Zero();
+  double edge_angle_ = 0, triangle_angle_ = 0;
 };
 
 /// An oriented box by another corner first.
@@ -335,6 +304,7 @@ class PairBoxROI : public RegionOfInterest {
     table.add("inclusiveBox", outer_).unit("m").help("x y z of two corners: nodes must be in it");
     table.add("includedBox", inner_).unit("m").help("x y z of two corners: and not in this one");
     RegionOfInterest::declare(table);
+    table.find("pointsInROI")->alias("pointsInBox");
   }
 
  protected:
@@ -353,48 +323,12 @@ class PairBoxROI : public RegionOfInterest {
   std::vector<double> outer_, inner_;
 };
 
-class MeshROI : public RegionOfInterest {
- public:
-  void declare(DataTable& table) override {
-    table.add("ROIposition", surface_).unit("m").help("nodes of the surface");
-    table.add("ROItriangles", triangles_).help("its triangles");
-    for (const char* name : {"ROIedges", "computeMeshROI", "computeTemplateTriangles"}) table.addVisualOnly(name);
-    RegionOfInterest::declare(table);
-  }
-
- protected:
-  void prepare() override {
-    if (triangles_.empty()) throw ComponentError("the surface has no triangles", "ROIposition and ROItriangles");
-    for (const Triangle& t : triangles_)
-      for (const Index node : t)
-        if (node < 0 || std::size_t(node) >= surface_.size())
-          throw ComponentError(fmt::format("ROItriangles names node {} of {}", node, surface_.size()));
-  }
-  /// Half of the full solid angle or more (van Oosterom and Strackee 1983).
-  bool contains(const Vec3& p) const override {
-    double angle = 0;
-    for (const Triangle& t : triangles_) {
-      const Vec3 a = surface_[t[0]] - p, b = surface_[t[1]] - p, c = surface_[t[2]] - p;
-      const double l = a.norm(), m = b.norm(), n = c.norm();
-      angle += 2 * std::atan2(a.dot(b.cross(c)), l * m * n + a.dot(b) * n + b.dot(c) * l + c.dot(a) * m);
-    }
-    constexpr double half = 6.283185307179586;
-    return std::abs(angle) >= half * (1 - widening);
-  }
-  std::string describeRegion() const override { return "the surface"; }
-
- private:
-  std::vector<Vec3> surface_;
-  std::vector<Triangle> triangles_;
-};
-
 }  // namespace
 }  // namespace stroma
 
 STROMA_COMPONENT(region_of_interest) {
   factory.add<stroma::PlaneROI>("PlaneROI", "selects the nodes and cells near rectangles");
   factory.add<stroma::PairBoxROI>("PairBoxROI", "selects the nodes and cells in one box and not in another");
-  factory.add<stroma::MeshROI>("MeshROI", "selects the nodes and cells inside of a surface");
   factory.add<stroma::BoxROI>("BoxROI", "selects the nodes and cells in boxes");
   factory.add<stroma::SphereROI>("SphereROI", "selects the nodes and cells in spheres");
 }

@@ -8,8 +8,10 @@
 // RandomPointDistributionInSurface: inPoints, numberOfInPoints points in a closed surface of triangles that are at least
 //   minDistanceBetweenPoints from each other. outPoints are those that were tried and lie outside. A point lies inside when the
 //   surface winds around it once: when the solid angles of its triangles add up to 4 pi (van Oosterom and Strackee 1983).
-// ValuesFromPositions: values, linear in the coordinate along `direction`: the first of inputValues where it is least, the second
-//   where it is largest. edgeValues, triangleValues and tetrahedronValues are those at the centres of cells.
+// ValuesFromPositions: values that go by the coordinate along `direction`: the first of inputValues where it is least, the last where it
+//   is largest, the others evenly between, and linear from one to the next. edgeValues, triangleValues and tetrahedronValues are
+//   those at the centres of cells. The nodes are `position`, else those of the state or topology of the node or above.
+//   With extent="x" the coordinate is p . direction as it is long, from the least x of the nodes to the largest, as in SOFA.
 // Vertex2Frame: frames, one for each node: z is its normal; x = a x z and y = z x x with a the y axis, or the z axis where the
 //   normal is along y. With useNormals="false" x points to the next node, y = a x x and z = x x y with a the x axis, or the z axis
 //   where that way is along x; the last node has the axes of the one before. Each frame then turns about its axis `rotation`.
@@ -47,6 +49,8 @@
 
 #include "components/selection/engine.h"
 #include "components/selection/random_numbers.h"
+#include "framework/mechanics/state_positions.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_attributes.h"
 #include "framework/scene/factory.h"
 
@@ -225,9 +229,10 @@ class RandomPointDistributionInSurface final : public Engine {
 class ValuesFromPositions final : public Engine {
  public:
   void declare(DataTable& table) override {
-    table.add("inputValues", ends_).help("the values at both ends");
+    table.add("inputValues", given_).help("the values, from the least coordinate to the largest");
     table.add("direction", direction_).help("along which the values change").unit("-");
-    table.add("position", position_).help("nodes").unit("m");
+    table.addChoice("extent", extent_, {"direction", "x"}).help("from where to where the values go: along direction, or x as in SOFA");
+    table.add("position", position_).alias("rest_position").help("nodes").unit("m");
     addCellList(table, cell_kinds::edge, edges_).help("edges");
     addCellList(table, cell_kinds::triangle, triangles_).help("triangles");
     addCellList(table, cell_kinds::tetrahedron, tetrahedra_).help("tetrahedra");
@@ -239,19 +244,49 @@ class ValuesFromPositions final : public Engine {
     for (const char* name : {"drawVectors", "drawVectorLength"}) table.addVisualOnly(name);
   }
   void init() override {
-    if (ends_.size() != 2) throw ComponentError(fmt::format("inputValues has {} values", ends_.size()), "two, of both ends");
+    if (given_.empty()) throw ComponentError("inputValues has no value", "a value, or several from the least coordinate to the largest");
     if (!(direction_.norm() > 0)) throw ComponentError("direction is zero", "a vector that is not");
+    findNodes();
+    way_ = extent_ == Extent::x ? direction_ : direction_.normalized();
     least_ = std::numeric_limits<double>::infinity(), most_ = -least_;
-    for (const Vec3& p : position_) least_ = std::min(least_, along(p)), most_ = std::max(most_, along(p));
-    if (!position_.empty() && !(most_ > least_)) throw ComponentError("all nodes lie in one plane across direction", "another one");
+    for (const Vec3& p : position_) {
+      const double here = extent_ == Extent::x ? p.x() : p.dot(way_);
+      least_ = std::min(least_, here), most_ = std::max(most_, here);
+    }
+    if (given_.size() > 1 && !position_.empty() && !(most_ > least_))
+      throw ComponentError(fmt::format("all nodes lie in one plane across {}", extent_ == Extent::x ? "x" : "direction"), "another one");
     values_.clear();
     for (const Vec3& p : position_) values_.push_back(at(p));
     atCentres(edges_, edge_values_), atCentres(triangles_, triangle_values_), atCentres(tetrahedra_, tetrahedron_values_);
   }
 
  private:
-  double along(const Vec3& p) const { return p.dot(direction_.normalized()); }
-  double at(const Vec3& p) const { return ends_[0] + (ends_[1] - ends_[0]) * (along(p) - least_) / (most_ - least_); }
+  enum class Extent : int { direction, x } extent_ = Extent::direction;
+  void findNodes() {
+    if (data().find("position")->isSet()) return;
+    for (const bool upwards : {false, true}) {
+      const auto* state = find<State>(upwards);
+      const auto* topology = firstTopology(*this, upwards);
+      if (!state && !topology) continue;
+      position_ = state ? nodePlaces(*state, state->rest_position) : topology->mesh().position;
+      break;
+    }
+    const Topology* topology = findTopology(*this, Index(position_.size()), "position", MeshNodes::first);
+    const auto take = [this](const char* name, auto& mine, const auto& cells) {
+      if (!data().find(name)->isSet()) mine = cells;
+    };
+    if (!topology) return;
+    const Mesh& mesh = topology->mesh();
+    take("edges", edges_, mesh.edges), take("triangles", triangles_, mesh.triangles), take("tetrahedra", tetrahedra_, mesh.tetrahedra);
+  }
+  double at(const Vec3& p) const {
+    const std::size_t last = given_.size() - 1;
+    if (last == 0) return given_[0];
+    const double place = std::clamp((p.dot(way_) - least_) / (most_ - least_), 0., 1.) * double(last);
+    const auto first = std::min(std::size_t(place), last - 1);
+    const double share = place - double(first);
+    return (1 - share) * given_[first] + share * given_[first + 1];
+  }
   template <class Cells>
   void atCentres(const Cells& cells, std::vector<double>& values) const {
     checkCells(cells, position_.size());
@@ -262,14 +297,14 @@ class ValuesFromPositions final : public Engine {
       values.push_back(at(sum / double(cell.size())));
     }
   }
-  std::vector<double> ends_, values_, edge_values_, triangle_values_, tetrahedron_values_;
-  Vec3 direction_{0, 1, 0};
+  std::vector<double> given_, values_, edge_values_, triangle_values_, tetrahedron_values_;
+  Vec3 direction_{0, 1, 0}, way_{0, 1, 0};
   std::vector<Vec3> position_;
   std::vector<Edge> edges_;
   std::vector<Triangle> triangles_;
   std::vector<Tetrahedron> tetrahedra_;
   int kind_ = 0;
-  double least_ = 0, most_ = 0;  ///< of the coordinate along direction [m]
+  double least_ = 0, most_ = 0;  ///< of the coordinate [m]
 };
 
 class Vertex2Frame final : public Engine {

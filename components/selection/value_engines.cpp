@@ -3,13 +3,16 @@
 //
 // ValuesFromIndices: out, the values of `in` at `indices`, in their order.
 // IndicesFromValues: indices, where each of `values` stands first in `global`; those that do not stand there are left out.
+//   With recursiveSearch, every place where one stands. otherIndices are then the places where none of them does.
 // IndexValueMapper: outputValues, inputValues with `value` at `indices`; the list grows as far as they reach, by defaultValue.
 // Indices2ValuesMapper: outputValues, for each of inputValues that of `values` whose place in `indices` has it, else defaultValue.
 // MergeVectors: output, the nbInputs lists input1, input2, ... one after another (at most eight).
 // MergeSets: out, the union (op: or intersection, difference, symmetric_difference) of in1 and in2, ascending.
-// MergePoints: points, position1 and then position2; indices1 and indices2 say where they are.
-// DifferenceEngine: output, input minus substractor, value by value; behind its end input.
-// MathOp: output, the lists input1, input2, ... joined number by number with op + - * or /; one of a single value counts for all.
+// MergePoints: points, position1 and then position2; indices1 and indices2 say where they are. With mappingX2 the points of
+//   position2 take the places of position1 that it lists.
+// DifferenceEngine: output, input minus substractor, value by value.
+// MathOp: output, the lists input1, input2, ... joined number by number with op + - * or /, or the least (<) or largest (>) of them;
+//   one of a single value counts for all. Of one list alone - is the opposite, and / the inverse of each number.
 // ComplementaryROI: indices, the nodes of `position` that are in none of setIndices1, setIndices2, ... (nbSet of them).
 //
 // Source: names and attributes are SOFA's.
@@ -19,7 +22,7 @@
 //   <EulerExplicitSolver/>
 //   <MergePoints name="all" position1="0 0 0  1 0 0" position2="0 1 0"/>
 //   <MathOp name="moved" template="Vec3" nbInputs="2" input1="@all.points" input2="0 0 1" op="+"/>
-//   <DifferenceEngine name="back" template="Vec3" input="@moved.output" substractor="0 0 1"/>
+//   <DifferenceEngine name="back" template="Vec3" input="@moved.output" substractor="0 0 1  0 0 1  0 0 1"/>
 //   <ValuesFromIndices name="ends" template="Vec3" in="@moved.output" indices="0 2"/>
 //   <IndicesFromValues name="where" template="Vec3" values="0 1 1" global="@moved.output"/>
 //   <IndexValueMapper name="soft" indices="@where.indices" value="10" defaultValue="50"/>
@@ -50,9 +53,9 @@ class ValuesFromIndices final : public TypedEngine {
  public:
   void declare(DataTable& table) override {
     TypedEngine::declare(table);
-    addList(table, "in", in_).help("values to choose from");
+    addList(table, "in", in_).alias("input").help("values to choose from");
     table.add("indices", indices_).help("which");
-    addList(table, "out", out_).help("the chosen ones").output();
+    addList(table, "out", out_).alias("output").alias("outStr").help("the chosen ones").output();
   }
   void init() override {
     checkWhole(in_, "in");
@@ -81,14 +84,14 @@ class IndicesFromValues final : public TypedEngine {
     addList(table, "global", global_).help("where to look");
     table.add("recursiveSearch", all_).help("every place where a value stands, not only the first");
     table.add("indices", indices_).help("where they stand").output();
-    table.add("otherIndices", others_).help("places where none of them stands").output();
+    table.add("otherIndices", others_).help("with recursiveSearch: places where none of them stands").output();
   }
   void init() override {
     checkWhole(values_, "values"), checkWhole(global_, "global");
     indices_.clear(), others_.clear();
     std::vector<char> taken(count(global_));
     withNumbers([&](const auto& values, const auto& global) { find(values, global, taken); }, values_, global_);
-    for (std::size_t g = 0; g < taken.size(); ++g)
+    for (std::size_t g = 0; g < taken.size() && all_; ++g)
       if (!taken[g]) others_.push_back(int(g));
     if (indices_.empty()) warn("none of the values stands in global");
   }
@@ -123,7 +126,7 @@ class IndexValueMapper final : public TypedEngine {
     addList(table, "inputValues", in_).help("values to start from");
     table.add("indices", indices_).help("where value goes");
     addList(table, "value", value_).help("the value").required();
-    addList(table, "defaultValue", otherwise_).help("where the list grows; 0 when not given");
+    addList(table, "defaultValue", otherwise_).help("where the list grows; 1 when not given");
     addList(table, "outputValues", out_).help("the list").output();
   }
   void init() override {
@@ -132,7 +135,7 @@ class IndexValueMapper final : public TypedEngine {
     out_ = in_;
     withNumbers(
         [this](const auto& value, auto& otherwise, auto& out) {
-          if (otherwise.empty()) otherwise.assign(width_, 0);
+          if (otherwise.empty()) otherwise.assign(width_, 1);
           for (const int index : indices_) {
             constexpr int most = 10'000'000;
             if (index < 0 || index > most)
@@ -156,7 +159,7 @@ class Indices2ValuesMapper final : public TypedEngine {
     addList(table, "inputValues", in_).help("a label of each item");
     addList(table, "indices", labels_).help("labels that have a value");
     addList(table, "values", values_).help("the value of each of them");
-    addList(table, "defaultValue", otherwise_).help("of other labels; 0 when not given");
+    addList(table, "defaultValue", otherwise_).help("of other labels; 1 when not given");
     addList(table, "outputValues", out_).help("a value of each item").output();
   }
   void init() override {
@@ -167,7 +170,7 @@ class Indices2ValuesMapper final : public TypedEngine {
         [](const auto& in, const auto& labels, const auto& values, const auto& otherwise, auto& out) {
           for (const auto label : in) {
             const auto at = std::find(labels.begin(), labels.end(), label);
-            out.push_back(at != labels.end() ? values[std::size_t(at - labels.begin())] : otherwise.empty() ? 0 : otherwise[0]);
+            out.push_back(at != labels.end() ? values[std::size_t(at - labels.begin())] : otherwise.empty() ? 1 : otherwise[0]);
           }
         },
         in_, labels_, values_, otherwise_, out_);
@@ -231,6 +234,7 @@ class MergePoints final : public TypedEngine {
     TypedEngine::declare(table);
     addList(table, "position1", a_).help("the first points").unit("m");
     addList(table, "position2", b_).help("the second points").unit("m");
+    table.add("mappingX2", places_).help("which of the first points the second ones replace");
     addList(table, "points", out_).help("both").unit("m").output();
     table.add("indices1", first_).help("where the first are").output();
     table.add("indices2", second_).help("where the second are").output();
@@ -239,6 +243,7 @@ class MergePoints final : public TypedEngine {
   void init() override {
     checkWhole(a_, "position1"), checkWhole(b_, "position2");
     out_ = a_;
+    if (!places_.empty()) return replace();
     out_.reals.insert(out_.reals.end(), b_.reals.begin(), b_.reals.end());
     first_.resize(count(a_)), second_.resize(count(b_));
     for (std::size_t i = 0; i < first_.size(); ++i) first_[i] = int(i);
@@ -246,8 +251,22 @@ class MergePoints final : public TypedEngine {
   }
 
  private:
+  void replace() {
+    if (places_.size() > count(b_))
+      throw ComponentError(fmt::format("mappingX2 has {} places for {} points", places_.size(), count(b_)), "a point for each");
+    std::vector<char> taken(count(a_));
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (places_[i] < 0 || std::size_t(places_[i]) >= taken.size())
+        throw ComponentError(fmt::format("mappingX2 names {}, and position1 has {} points", places_[i], taken.size()));
+      const auto place = std::size_t(places_[i]);
+      taken[place] = 1;
+      for (std::size_t c = 0; c < width_; ++c) out_.reals[place * width_ + c] = b_.reals[i * width_ + c];
+    }
+    first_.clear(), second_.clear();
+    for (std::size_t i = 0; i < taken.size(); ++i) (taken[i] ? second_ : first_).push_back(int(i));
+  }
   ValueList a_, b_, out_;
-  std::vector<int> first_, second_;
+  std::vector<int> places_, first_, second_;
 };
 
 class DifferenceEngine final : public TypedEngine {
@@ -259,10 +278,13 @@ class DifferenceEngine final : public TypedEngine {
     addList(table, "output", out_).help("the difference").output();
   }
   void init() override {
+    checkWhole(in_, "input"), checkWhole(less_, "substractor");
+    if (count(in_) != count(less_))
+      throw ComponentError(fmt::format("there are {} values of input and {} of substractor", count(in_), count(less_)), "as many");
     out_ = in_;
     withNumbers(
         [](const auto& less, auto& out) {
-          for (std::size_t i = 0; i < std::min(less.size(), out.size()); ++i) out[i] -= less[i];
+          for (std::size_t i = 0; i < out.size(); ++i) out[i] -= less[i];
         },
         less_, out_);
   }
@@ -278,16 +300,25 @@ class MathOp final : public TypedEngine {
     table.add("nbInputs", number_).help("how many lists").min(1).max(int(most_inputs));
     for (std::size_t i = 0; i < most_inputs; ++i)
       addList(table, fmt::format("input{}", i + 1), in_[i]).help(fmt::format("list {}", i + 1));
-    table.addChoice("op", op_, {"+", "-", "*", "/"}).help("what joins them, number by number");
+    table.addChoice("op", op_, {"+", "-", "*", "/", "<", ">"}).help("what joins them, number by number; < the least, > the largest");
     addList(table, "output", out_).help("the result").output();
   }
   void init() override {
     out_ = in_[0];
+    if (number_ == 1) withNumbers([this](auto& out) { invert(out); }, out_);
     for (std::size_t i = 1; i < std::size_t(number_); ++i)
       withNumbers([&](const auto& in, auto& out) { join(in, out, i); }, in_[i], out_);
   }
 
  private:
+  template <class List>
+  void invert(List& list) const {
+    for (auto& number : list) {
+      if (op_ == Op::divide && number == 0) throw ComponentError("input1 holds a zero to divide by");
+      if (op_ == Op::subtract) number = -number;
+      if (op_ == Op::divide) number = 1 / number;
+    }
+  }
   template <class List>
   void join(const List& in, List& out, std::size_t number) const {
     if (in.size() != width_ && in.size() != out.size())
@@ -300,10 +331,12 @@ class MathOp final : public TypedEngine {
       if (op_ == Op::subtract) out[k] -= other;
       if (op_ == Op::multiply) out[k] *= other;
       if (op_ == Op::divide) out[k] /= other;
+      if (op_ == Op::least) out[k] = std::min(out[k], other);
+      if (op_ == Op::largest) out[k] = std::max(out[k], other);
     }
   }
   int number_ = 2;
-  enum class Op : int { add, subtract, multiply, divide } op_ = Op::add;
+  enum class Op : int { add, subtract, multiply, divide, least, largest } op_ = Op::add;
   std::array<ValueList, most_inputs> in_;
   ValueList out_;
 };

@@ -4,7 +4,8 @@
 // GenerateGrid: a box of `resolution` cells along x, y, z from min to max, as hexahedra (x slowest, z fastest) and as six
 //   tetrahedra each; with none along z a flat grid of quads and triangles. Nodes: x fastest.
 // GenerateCylinder: around the z axis from origin, of tetrahedra. Each of resHeight layers has a node on the axis, then
-//   resRadial rings of resCircumferential nodes, from the inside out.
+//   resRadial rings of resCircumferential nodes, from the inside out. surfaceTriangles with output_TrianglesPosition are its surface,
+//   with nodes of its own, closed by both ends unless openSurface. (SOFA's triangles: src="@maker" would take those for tetrahedra's.)
 // GridMeshCreator: the unit square in z = 0 with resolution nx ny nodes, x fastest. trianglePattern: 0 quads; 1 triangles with
 //   alternating diagonals, 2 from corner to the opposite one, 3 along the other diagonal. The edges of the cells, too.
 // StringMeshCreator: `resolution` points on the x axis from 0 to 1, and the edges between neighbours. Both are scaled, turned,
@@ -117,7 +118,11 @@ class GenerateCylinder final : public MeshMaker {
     table.add("resHeight", layers_).help("layers").min(2);
     table.add("output_TetrahedraPosition", mesh_.position).alias("position").alias("output_position").help("nodes").unit("m").output();
     addCellList(table, cell_kinds::tetrahedron, mesh_.tetrahedra).help("the cells").output();
-    for (const char* name : {"openSurface", "BezierTriangleDegree", "BezierTetrahedronDegree"}) table.addVisualOnly(name);
+    table.add("openSurface", open_).help("the surface has no ends");
+    table.add("output_TrianglesPosition", surface_.position).help("nodes of the surface").unit("m").output();
+    table.add("surfaceTriangles", surface_.triangles).help("the surface, outward, of those nodes").output();
+    for (const auto& [name, degree] : {std::pair("BezierTriangleDegree", &degrees_[0]), std::pair("BezierTetrahedronDegree", &degrees_[1])})
+      table.add(name, *degree).help("straight cells alone").min(0).max(1);
   }
   void init() override {
     mesh_ = Mesh();
@@ -127,15 +132,44 @@ class GenerateCylinder final : public MeshMaker {
       const double z = i * height_ / (layers_ - 1);
       mesh_.position.push_back(origin_ + Vec3(0, 0, z));
       for (int j = 1; j <= rings_; ++j)
-        for (int k = 0; k < around_; ++k) {
-          const double r = j * radius_ / rings_, angle = k * 2 * std::numbers::pi / around_;
-          mesh_.position.push_back(origin_ + Vec3(r * std::cos(angle), r * std::sin(angle), z));
-        }
+        for (int k = 0; k < around_; ++k) mesh_.position.push_back(onRing(j * radius_ / rings_, k, z));
     }
     for (int i = 1; i < layers_; ++i) addLayer(i * layer, layer);
+    makeSurface();
   }
 
  private:
+  Vec3 onRing(double r, int k, double z) const {
+    const double angle = k * 2 * std::numbers::pi / around_;
+    return origin_ + Vec3(r * std::cos(angle), r * std::sin(angle), z);
+  }
+  /// Layer by layer; then of each end its middle and the rings from the inside out, but for the outermost.
+  void makeSurface() {
+    surface_ = Mesh();
+    for (int i = 0; i < layers_; ++i)
+      for (int k = 0; k < around_; ++k) surface_.position.push_back(onRing(radius_, k, i * height_ / (layers_ - 1)));
+    const auto add = [this](Index a, Index b, Index c, bool turned) {
+      surface_.triangles.push_back(turned ? Triangle{a, c, b} : Triangle{a, b, c});
+    };
+    for (Index here = around_; here < layers_ * around_; here += around_)
+      for (Index k = 0, below = here - around_; k < around_; ++k) {
+        const Index next = (k + 1) % around_;
+        add(here + k, below + k, below + next, false), add(here + k, below + next, here + next, false);
+      }
+    for (int end = 0; end < (open_ ? 0 : 2); ++end) {
+      const auto middle = Index(surface_.position.size());
+      surface_.position.push_back(onRing(0, 0, end * height_));
+      for (int j = 1; j < rings_; ++j)
+        for (int k = 0; k < around_; ++k) surface_.position.push_back(onRing(j * radius_ / rings_, k, end * height_));
+      const auto ring = [&](int j) { return j == rings_ ? end * (layers_ - 1) * around_ : middle + 1 + (j - 1) * around_; };
+      for (int k = 0; k < around_; ++k) add(middle, ring(1) + k, ring(1) + (k + 1) % around_, end == 0);
+      for (int j = 1; j < rings_; ++j)
+        for (int k = 0; k < around_; ++k) {
+          const Index a = ring(j) + k, b = ring(j + 1) + k, c = ring(j + 1) + (k + 1) % around_, d = ring(j) + (k + 1) % around_;
+          add(a, b, c, end == 0), add(a, c, d, end == 0);
+        }
+    }
+  }
   void add(Index a, Index b, Index c, Index d) { mesh_.tetrahedra.push_back({a, b, c, d}); }
   /// Between the layer whose node on the axis is `axis` and the one below it.
   void addLayer(Index axis, Index below) {
@@ -157,8 +191,9 @@ class GenerateCylinder final : public MeshMaker {
   }
   double radius_ = 0.2, height_ = 1;
   Vec3 origin_ = Vec3::Zero();
-  int around_ = 6, rings_ = 3, layers_ = 5;
-  Mesh mesh_;
+  int around_ = 6, rings_ = 3, layers_ = 5, degrees_[2] = {0, 0};
+  bool open_ = true;
+  Mesh mesh_, surface_;
 };
 
 /// What SOFA's loaders do with every mesh: scale, turn and move it, split its quads and turn its cells round.

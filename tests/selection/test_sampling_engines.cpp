@@ -77,8 +77,12 @@ TEST(SamplingEngines, ValuesChangeAlongADirection) {
   EXPECT_EQ(made<std::vector<double>>(scene, "edgeValues"), std::vector<double>{10});
   EXPECT_EQ(made<std::vector<double>>(scene, "triangleValues"), std::vector<double>{10});
   EXPECT_EQ(made<std::vector<double>>(scene, "tetrahedronValues"), std::vector<double>{12});
+  const Scene three = engine("<ValuesFromPositions name='e' position='0 0 0  2 0 0  0 4 0  0 0 8' direction='0 0 3' inputValues='10 14 20' "
+                             "tetrahedra='0 1 2 3'/>");
+  EXPECT_EQ(made<std::vector<double>>(three, "values"), (std::vector<double>{10, 10, 10, 20}));
+  EXPECT_EQ(made<std::vector<double>>(three, "tetrahedronValues"), std::vector<double>{12});
   const auto told = [](const std::string& text) { return problemsOf("<Node name='root'><ValuesFromPositions " + text + "/></Node>"); };
-  expectContains(told("inputValues='1' position='0 0 0  0 1 0'"), "inputValues has 1 values");
+  expectContains(told("position='0 0 0  0 1 0'"), "inputValues has no value");
   expectContains(told("inputValues='1 2' direction='0 0 0'"), "direction is zero");
   expectContains(told("inputValues='1 2' direction='0 0 1' position='0 0 0  0 1 0'"), "lie in one plane");
 }

@@ -75,7 +75,6 @@ class Rewriting {
   void rewriteAttributes(Element& element);
   bool keepsAttribute(Element& element, AttributeDescription& attribute);
   bool keepsValue(Element& element, Data& data, AttributeDescription& attribute);
-  bool choosesCellsOfNobody(const Element& region) const;
   bool keepsUnknown(Element& element, const AttributeDescription& attribute);
   void rewriteTemplate(Element& element);
 
@@ -200,6 +199,8 @@ std::string_view loaderOf(std::string_view file);
 /// The numbers of a list that is written out; of a link none.
 std::vector<double> writtenNumbers(const std::string& text);
 std::string printed(const std::vector<double>& numbers);
+void scaleForces(Element& load);
+void nameCoefficients(Element& damping, bool of_frames);
 /// Three numbers as SOFA's stream reads them: those at the start of the text, zero where a word is no number, and then the others.
 std::string readByStream(const std::string& text, const std::string& others);
 

@@ -210,21 +210,6 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
   return false;
 }
 
-/// Of a SphereROI the angles and the normal choose among cells alone: nobody asks for those.
-bool Rewriting::choosesCellsOfNobody(const Element& region) const {
-  if (region.written->type != "SphereROI") return false;
-  bool asked = false;
-  tree_->forEach([&](Element& element) {
-    for (const AttributeDescription& attribute : element.written->attributes)
-      forLinks(attribute, [&](std::string_view word) {
-        const std::string_view data = word.substr(word.rfind('.') + 1);
-        const bool of_cells = data != "indices" && data != "indicesOut" && !data.starts_with("points");
-        asked = asked || (of_cells && tree_->follow(element, word, true).element == &region);
-      });
-  });
-  return !asked;
-}
-
 bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attribute) {
   const std::string& type = element.written->type;
   if (contains(commonAttributes(), attribute.name)) return true;
@@ -232,7 +217,7 @@ bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attri
     return noEffect(type + "." + attribute.name), false;
   if (trimmed(attribute.value).empty() && !attribute.typed) return noEffect(type + "." + attribute.name), false;
   if (isReadBySofa(type, attribute.name)) {
-    if (isSofasDefault(attribute.name, trimmed(attribute.value)) || choosesCellsOfNobody(element))
+    if (isSofasDefault(attribute.name, trimmed(attribute.value)))
       return noEffect(type + "." + attribute.name), false;
     diagnostics_.error(attribute.where, element.path() + "." + attribute.name,
                        "SOFA's " + type + " reads " + inQuotes(attribute.name) +

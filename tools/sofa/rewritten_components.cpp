@@ -28,6 +28,9 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "linear solver" || role == "integrator" || role == "Newton solver") meanSolver(element);
   if (role == "selection") meanSelection(element);
   if (role == "force field") meanField(element);
+  if (element.is("SphereForceField") && std::atof(element.text("stiffness").c_str()) < 0)
+    warn(element.find("stiffness")->where, element, "stiffness",
+         "is below 0: SOFA's sphere then draws nodes inside to its centre, and here it keeps nodes inside");
   if (role == "mass") meanMass(element);
   if (element.is("AdaptiveBeamForceFieldAndMass")) setQuirk(element, "fixed-inertia", "turningForces", "false");
   if (role == "constraint correction") meanCorrection(element);
@@ -47,6 +50,9 @@ void Rewriting::applyMeaning(Element& element) {
   if (element.is("BarycentricMapping")) warnOfFrames(element), setQuirk(element, "centre-cells", "foundBy", "centres");
   if (element.is("CollisionResponse")) takeFriction(element);
   if (role == "engine" || role == "mesh engine") warnOfChance(element);
+  if (element.is("ValuesFromPositions")) setDefault(element, "extent", "x");
+  if (element.is("ValuesFromPositions") && writtenNumbers(element.text("inputValues")).size() != 1)
+    warn(element.written->where, element, "direction", "runs from the least x to the largest, whichever way it points, as in SOFA");
   for (const char* name : {"first", "last"})  // -1: not given
     if (element.is("SubsetMapping") && element.text(name).starts_with("-")) element.remove(name);
   if (role == "mesh loader") setDefault(element, "pointsOnly", "true");
@@ -68,6 +74,10 @@ void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::st
 void Rewriting::meanActuator(Element& element) { setQuirk(element, "impulse-values", "impulses", "true"); }
 
 void Rewriting::meanSelection(Element& element) {
+  const Place& here = *element.place;  // without a state or a loader there SOFA asks the state above, whatever mesh is there
+  const bool is_told = element.find("position") || element.find("rest_position") || !element.probe->data().find("position");
+  Element* above = is_told || here.firstOf("mechanical state") || here.firstOf("mesh loader") ? nullptr : here.nearest("mechanical state");
+  if (above && here.firstOf("topology")) element.set("position", SceneTree::linkTo(*above) + ".rest_position");
   setDefault(element, "allowEmpty", "true");
   if (element.probe->data().find("exactBorder")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.is("BoxROI") && !element.find("box") && !element.find("orientedBox")) {

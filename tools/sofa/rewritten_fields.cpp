@@ -76,14 +76,8 @@ void Rewriting::meanOfNames(Element& element) {
     for (const char* name : {"radius", "lengthY", "lengthZ"}) setDefault(element, name, "1");
   if (element.is("RegularGridSpringForceField") && !element.find("stiffness"))
     for (const char* name : {"linesStiffness", "quadsStiffness", "cubesStiffness"}) setDefault(element, name, "100");
-  if (element.is("LinearForceField") && element.writes("force")) {  // a factor of all forces
-    std::vector<double> forces = writtenNumbers(element.text("forces"));
-    const double factor = std::atof(element.text("force").c_str());
-    if (forces.empty()) return;
-    for (double& force : forces) force *= factor;
-    element.set("forces", printed(forces));
-    element.remove("force");
-  }
+  if (element.is("LinearForceField") && element.writes("force")) scaleForces(element);
+  if (element.is("NodalLinearDampingForceField")) nameCoefficients(element, isOfFrames(element));
   if (element.is("NonUniformHexahedralFEMForceFieldAndMass")) meanVoxels(element);
   if (element.written->type.starts_with("SkeletalMotion")) meanSkeleton(element);
   if (element.is("SimpleTesselatedTetraTopologicalMapping"))
@@ -281,9 +275,11 @@ void Rewriting::meanLoads(Element& element) {
   }
   if (type == "EdgePressureForceField" && element.find("p_intensity"))
     setDefault(element, "lengths", "first"), setQuirk(element, "late-times", "late", "true");
-  if (isAnyOf(type, {"TrianglePressureForceField", "QuadPressureForceField", "EdgePressureForceField"})) {
-    setDefault(element, "allowEmpty", "true");
-    const bool chooses = type != "TrianglePressureForceField" || element.find("triangleList") || layers_.count(&element);
+  const bool turns = type == "OscillatingTorsionPressureForceField";
+  if (turns || isAnyOf(type, {"TrianglePressureForceField", "QuadPressureForceField", "EdgePressureForceField"})) {
+    if (!turns) setDefault(element, "allowEmpty", "true");
+    const bool chooses = (!turns && type != "TrianglePressureForceField") || element.find("triangleList") || layers_.count(&element) ||
+                         (turns && std::atof(element.text("dmin").c_str()) != std::atof(element.text("dmax").c_str()));
     element.dropped = !chooses;
     if (!chooses) return warn(element.written->where, element, "triangleList", "is not given: there is no load");
   }

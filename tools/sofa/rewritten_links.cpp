@@ -113,7 +113,8 @@ std::string Rewriting::dataLink(Element& element, const AttributeDescription& at
   if (element.role() == "mechanical state" && target.element->role() == "mapping" && target.element->place == element.place)
     if (const std::string given = target.element->text(data); !given.empty() && !given.starts_with("@")) return given;
   warnOfMoving(element, attribute, *target.element, data);
-  return SceneTree::linkTo(*target.element) + "." + data;
+  const bool is_surface = target.element->is("GenerateCylinder") && data == "triangles";  // of nodes of its own
+  return SceneTree::linkTo(*target.element) + "." + (is_surface ? "surfaceTriangles" : data);
 }
 
 /// SOFA's engines follow what they read; here they run once, before the first step.

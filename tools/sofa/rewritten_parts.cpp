@@ -52,7 +52,7 @@ void Rewriting::moveJoints(NodeDescription& node) {
 void Rewriting::renameType(Element& element) {
   const std::string type = element.written->type;
   meanOfNames(element);
-  if (type == "CompositeCollisionPipeline")
+  if (type == "CompositeCollisionPipeline" || type == "MultiCollisionPipeline")
     warn(element.written->where, element, {}, "has pipelines for groups of models in SOFA: here all models may meet each other");
   if (type == "CCDTightInclusionIntersection")
     warn(element.written->where, element, {}, "looks for contacts on the ways of a step in SOFA: here they are found where it starts");

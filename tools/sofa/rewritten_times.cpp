@@ -68,6 +68,35 @@ void delayVelocity(Table& table, double h) {
 
 }  // namespace
 
+/// A factor of the forces before the last time: from then on SOFA's are those of the table.
+void scaleForces(Element& load) {
+  const char* name = load.find("times") ? "times" : "keyTimes";
+  std::vector<double> forces = writtenNumbers(load.text("forces")), times = writtenNumbers(load.text(name));
+  if (times.size() < 2 || forces.empty() || forces.size() % times.size() != 0) return;
+  const std::vector<double> last(forces.end() - std::ptrdiff_t(forces.size() / times.size()), forces.end());
+  for (double& force : forces) force *= std::atof(load.text("force").c_str());
+  constexpr double instant = 1e-9;  // of the last stretch
+  const double end = times.back();
+  times.back() -= instant * (end - times[times.size() - 2]);
+  times.push_back(end), forces.insert(forces.end(), last.begin(), last.end());
+  load.set(name, printed(times)), load.set("forces", printed(forces));
+  load.remove("force");
+}
+
+/// A number for all, which counts, or a vector for each node or for all.
+void nameCoefficients(Element& damping, bool of_frames) {
+  const char* vector = "dampingCoefficientVector";
+  if (damping.find("dampingCoefficient")) {
+    const double number = std::atof(damping.text("dampingCoefficient").c_str());
+    damping.set("dampingCoefficient", printed(std::vector<double>(of_frames ? 6 : 3, number)));
+  } else if (const AttributeDescription* given = damping.find(vector)) {
+    AttributeDescription renamed = *given;
+    renamed.name = "dampingCoefficient";
+    damping.written->attributes.push_back(std::move(renamed));
+  }
+  damping.remove(vector);
+}
+
 /// The step of the scene: those of nodes below do not count.
 double Rewriting::timeStep() const {
   const AttributeDescription* dt = scene_.root.find("dt");

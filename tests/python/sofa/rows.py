@@ -815,6 +815,11 @@ def chains_of_engines(root):
     n.addObject("TetrahedronFEMForceField", name="f", youngModulus="@m.outputValues", poissonRatio=0.4, method="large")
     n.addObject("FixedProjectiveConstraint", indices=n.r.indices.value)
     n.addObject("MergePoints", name="merged", position1="@mo.rest_position", position2=[[0, 0, 0]])
+    n.addObject("ValuesFromIndices", name="chosen", template="Vec3d", indices=[2, 0], **{"in": "@loader.position"})
+    n.addObject("MergeVectors", name="twice", template="vector<Vec3d>", nbInputs=2, input1="@chosen.out", input2=[[1, 2, 3]])
+    n.addObject("ValuesFromIndices", name="numbers", template="double", indices=[1, 0], **{"in": [4.0, 5.0]})
+    n.addObject("MergeMeshes", name="meshes", nbMeshes=2, position1="@loader.position", tetrahedra1="@loader.tetrahedra",
+                position2=[[9, 9, 9]])
     s = n.addChild("s")
     s.addObject("TriangleSetTopologyContainer", name="c")
     s.addObject("TriangleSetTopologyModifier")
@@ -823,7 +828,15 @@ def chains_of_engines(root):
     X = n.loader.position.value
     assert n.t.output_position.value == approx(np.stack([1 - 2 * X[:, 1], 2 + 2 * X[:, 0], 3 + 2 * X[:, 2]], axis=1))
 
+    def rows():  # values of a template are rows of it, before and after init
+        assert n.chosen.out.value == approx(X[[2, 0]]) and n.chosen.indices.value.tolist() == [2, 0]
+        assert n.twice.output.value == approx(np.vstack([X[[2, 0]], [[1, 2, 3]]])) and n.numbers.out.value.tolist() == [5, 4]
+        assert n.meshes.position.value == approx(np.vstack([X, [[9, 9, 9]]]))
+        assert n.meshes.tetrahedra.value.shape == n.loader.tetrahedra.value.shape
+    rows()
+
     def check():
+        rows()
         young = n.f.youngModulus.value
         assert sorted(set(young)) == [100, 500] and (young == 500).sum() == len(n.r.tetrahedronIndices.value) and len(n.merged.points.value) == 82
     return check

@@ -7,7 +7,7 @@ import stroma
 from stroma import _stroma
 
 #: roles whose values are computed by their init() and may be read before there is a simulation
-COMPUTED_ROLES = {"mesh loader", "topology", "selection", "engine", "mechanical state", "topological mapping", "mapping"}
+COMPUTED_ROLES = {"mesh loader", "topology", "selection", "engine", "mesh engine", "mechanical state", "topological mapping", "mapping"}
 
 _POINTS = np.zeros((0, 3))
 
@@ -53,6 +53,8 @@ NOT_COMPUTED = {"currentIterations", "currentError", "vonMisesPerElement", "vonM
 _ROWS = {("ConstantForceField", "forces"): "velocity", ("BoxROI", "box"): 6, ("BoxROI", "orientedBox"): 10, ("PlaneROI", "plane"): 10,
          ("LinearForceField", "forces"): "velocity", ("LinearVelocityProjectiveConstraint", "velocities"): "velocity",
          **{("MergePoints", name): "position" for name in ("position1", "position2", "points")}}
+#: engines whose lists hold values of their template
+_OF_TEMPLATE = {"ValuesFromIndices", "IndicesFromValues", "MergeVectors", "DifferenceEngine", "MathOp"}
 
 
 class Facts:
@@ -100,6 +102,8 @@ class Facts:
             table = _values.VELOCITIES if name == "velocity" else _values.COORDINATES
             return np.zeros((0, table.get(_values.plain_template(template), 3)))
         rows = _ROWS.get((self.info.type, found.name))
+        if self.info.type in _OF_TEMPLATE and isinstance(found.value, np.ndarray) and found.value.dtype.kind == "f":
+            rows = _values.columns_of(template)
         if rows is not None and isinstance(found.value, np.ndarray) and found.value.ndim == 1 and not found.value.size:
             tables = {"velocity": _values.VELOCITIES, "position": _values.COORDINATES}
             columns = tables[rows].get(_values.plain_template(template), 3) if rows in tables else rows

@@ -31,6 +31,12 @@ def plain_template(template):
     return {"Rigid": "Rigid3", "StdRigidTypes": "Rigid3", "StdVec3Types": "Vec3"}.get(word, word)
 
 
+def columns_of(template):
+    """Of lists of values: "vector<Vec3d>" has rows of three numbers. None: of single numbers."""
+    word = re.search("Rigid3|Vec[2346]", str(template or ""))
+    return COORDINATES.get(word.group(), int(word.group()[-1])) if word else None
+
+
 def _number_text(value):
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
