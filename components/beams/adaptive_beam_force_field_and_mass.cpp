@@ -107,15 +107,19 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   void stepBegins(ConstRows, double t, double t_end) override {
     chain_->stepBegins(t, t_end);
     follow();
+    const ConstRows now = state().x();
+    start_.assign(now.data, now.data + (is_pushed_ ? now.doubles() : 0));
   }
-  /// What an integrator remembers of each row would be of other places than those where nodes of a rod are then.
+  /// What an integrator remembers of each row would be of other places than those where nodes of a rod are then. Forces of constraint
+  /// are only what Newton's method starts from.
   void placeStart(Rows, Index independent, const std::function<void(Rows)>&) override {
     Integrator* integrator = is_pushed_ ? find<Integrator>() : nullptr;
     if (!integrator) return;
     Archive memory;
     integrator->serialize(memory);
+    const std::size_t all = std::size_t(independent) * row_doubles * sizeof(double);
     for (const auto& [name, entry] : memory.entries())
-      if (entry.kind == Archive::Kind::real && entry.bytes.size() == std::size_t(independent) * row_doubles * sizeof(double))
+      if (entry.kind == Archive::Kind::real && entry.bytes.size() == all && !name.ends_with("forces_of_constraint"))
         throw ComponentError(fmt::format("it remembers the {} of each node from step to step, and nodes of {} get other places on the rod",
                                          name.substr(name.find(':') + 1), chain_->path()),
                              usualComponent(Part::integrator) + " newtonIterations=\"30\"");
@@ -144,7 +148,8 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   void addForce(ConstRows x, ConstRows v, Rows f) override {
     chain_->askedAt(state().segment(x));
     follow();
-    is_pressed_ = false;
+    const ConstRows own = state().segment(x);
+    is_pressed_ = own.doubles() == start_.size() && std::equal(start_.begin(), start_.end(), own.data);
     FramePairField::addForce(x, v, f);
     if (!has_mass_) return;
     inertia_.place(x);
@@ -269,9 +274,9 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
       }
   }
 
-  /// A rod that is pushed starts each step with a beam that is far too short, and its exact stiffness would have no solution to go to.
-  /// Where the thrust of one of its beams is above EI/L^2, all have the stiffness without that of thrust and couples, which is
-  /// definite: with neighbours that keep theirs it is not.
+  /// A rod that is pushed starts each step with a beam that is far too short or too long, and its exact stiffness would have no
+  /// solution to go to. At that start, and where the thrust of one of its beams is above EI/L^2, all have the stiffness without
+  /// that of thrust and couples, which is definite: with neighbours that keep theirs it is not.
   template <class T>
   Wrench<T> evaluate(std::size_t batch, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<Pack>& term) const {
     const LanesOf<6>&rest = rest_[batch], &stiff = stiff_[batch];
@@ -307,7 +312,8 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   BeamChain* chain_ = nullptr;
   long known_ = -1;                              ///< revision of the chain that what follows is of
   bool is_pushed_ = false;                       ///< by a controller
-  mutable bool is_pressed_ = false;              ///< where the last force was: a beam has a thrust above EI/L^2
+  std::vector<double> start_;                    ///< rows where a step of a rod that is pushed begins
+  mutable bool is_pressed_ = false;              ///< the last force was there, or a beam had a thrust above EI/L^2
   std::vector<LanesOf<6>> rest_, stiff_;         ///< rho_0, psi_0 and the six stiffnesses of each batch
   AdaptiveBeamForceFieldAndMass* const self_ = this;  ///< what it has of the beams follows from them, whenever it is asked for
   BeamInertia inertia_;

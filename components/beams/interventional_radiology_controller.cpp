@@ -4,8 +4,8 @@
 // `instruments` names the rods, the outermost first. At the start of each step the tip of rod i is xtip[i] [m] behind the opening,
 // measured along it, and the rod is turned by rotationInstrument[i] about its axis where it comes in. The tip of controlledInstrument
 // goes on by speed dt in each step. Tips go no further than their rods are long. A program may set these attributes in a run.
-//
 // motionFilename is a text file instead of `speed` (tip_motion.h).
+//
 // The last nodes of the mesh are the rods that are out, the last node the tip that is furthest. Nodes lie at key points of the rods and
 // where densityOfBeams has them, so that beams come and go as rods move; nodes that carry no beam wait at startingPos. Where a rod
 // is alone its nodes move on with it, and the beam at the opening becomes longer: that is what pushes. Where rods lie in one
@@ -14,11 +14,15 @@
 // begins, also by integrators that make it in parts. Those that remember rows from step to step, as NewmarkImplicitSolver does
 // accelerations, are refused: their memory would be that of other places.
 //
+// Nodes between two numbers of rigidCurvAbs, lengths from the opening, are held where they are: a rigid stretch, through which rods
+// slide. There are nodes at its ends, and by `step` before and behind.
+//
 // startingPos is held: the opening. The nodes there are held by this component itself, whatever else holds them; indexFirstNode is the
 // number of the one where the rods come in. Links in a scene find the number 0 there, one of the nodes that wait.
 //
 // Source: names, attributes, defaults and the choice of nodes are those of the plug-in BeamAdapter for SOFA. There nodes of rods that
-// come out start in one place, and springs hold the opening; here they start where the rods have them at rest.
+// come out start in one place, and springs hold the opening; here they start where the rods have them at rest. There held nodes of a
+// rod that is pushed alone go back along it in each step; here they stay, and the rod slides.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -38,7 +42,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/beams/rod_sampling.h"
+#include "components/beams/contact_sampling.h"
 #include "components/beams/tip_motion.h"
 #include "components/beams/wire_chain.h"
 #include "framework/mechanics/history.h"
@@ -59,12 +63,15 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   bool isConstant() const override { return false; }
   bool projectsVelocity() const override { return true; }
   void addProjectors(double, std::vector<NodeProjector>& out) const override {
-    for (Index row = 0; row < 2 * (entry() + 1); ++row) out.push_back({state().firstRow() + row, Mat3::Zero()});
+    for (Index node = 0; node < state().nodes(); ++node)
+      if (node <= entry() || isHeld(std::size_t(node - entry())))
+        for (const Index row : {2 * node, 2 * node + 1}) out.push_back({state().firstRow() + row, Mat3::Zero()});
   }
   void placeStart(double, Rows x, Rows v) const override;
   void moveRods(double t, double t_end) override;
   void askedAt(ConstRows x) override;
   void stepEnded(double) override;
+  int contactEdges(bool all_out) const override;
   const std::vector<double>& history() const override { return is_.tips; }
 
  protected:
@@ -79,9 +86,11 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   void checkMesh() const;
   std::vector<PushedRod> rodsAt(const std::vector<double>& tips) const;
   Pushed pushedTo(std::vector<double> tips) const;
-  /// The node of the opening, and of the n-th from there.
   Index entryOf(const Pushed& pushed) const { return state().nodes() - Index(pushed.nodes.at.size()); }
   Index entry() const { return entryOf(is_); }
+  /// On a rigid stretch, and the rods were there before: a node that comes there finds its place first.
+  bool isHeld(std::size_t n) const { return is_.nodes.is_held[n] && is_.nodes.at[n] <= before_.nodes.at.back() + threshold_; }
+  RodSampling sampling() const { return {threshold_, rigid_, step_}; }
   void take(const Pushed& pushed) { is_ = before_ = pushed, xtip_ = written_ = pushed.tips, moved_.is_made = false; }
   bool isMovedFor(double t, double t_end) const;
   std::vector<double> asked() const;
@@ -93,15 +102,16 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
   Placement opening() const {
     return {Vec3(opening_[0], opening_[1], opening_[2]), Quaternion(opening_[6], opening_[3], opening_[4], opening_[5]).normalized()};
   }
-  void put(const Placement& placement, const std::array<Vec3, 2>& rate, Index node, Rows x, Rows v) const {
-    const Index row = state().firstRow() + 2 * node;
-    x[row] = placement.centre, putOrientation(placement.turn, x, row + 1);
-    v[row] = rate[0], v[row + 1] = rate[1];
+  static std::array<Vec3, 2> still() { return {Vec3::Zero(), Vec3::Zero()}; }
+  /// Into rows of the state.
+  static void put(const Placement& placement, const std::array<Vec3, 2>& rate, Index node, Rows x, Rows v) {
+    x[2 * node] = placement.centre, putOrientation(placement.turn, x, 2 * node + 1);
+    v[2 * node] = rate[0], v[2 * node + 1] = rate[1];
   }
 
   LinkList<WireChain> links_{"interpolation of a wire"};
   std::vector<WireChain*> rods_;
-  std::vector<double> xtip_, turns_, opening_{0, 0, 0, 0, 0, 0, 1}, rigid_, curv_abs_;
+  std::vector<double> xtip_, turns_, opening_{0, 0, 0, 0, 0, 0, 1}, rigid_, curv_abs_, contact_at_;
   int controlled_ = 0, first_ = 0;
   double step_ = 0.1, angular_step_ = 3.1416 / 20, speed_ = 0, threshold_ = 0.01;
   FileName motion_file_;
@@ -130,12 +140,13 @@ void InterventionalRadiologyController::declare(DataTable& table) {
   table.add("speed", speed_).atOnce().help("of its tip; negative: back").unit("m/s");
   table.add("startingPos", opening_).help("the opening: x y z and a quaternion; the rods go along its x").inValuesOf(7);
   table.add("threshold", threshold_).help("nodes nearer to each other than that are one").unit("m").min(0, false);
-  table.add("step", step_).help("SOFA's, of keys: there are none here, programs set xtip").unit("m");
+  table.add("step", step_).help("how far from ends of rigid stretches there are nodes").unit("m").min(0, false);
   table.add("angularStep", angular_step_).help("SOFA's, of keys: programs set rotationInstrument").unit("rad");
-  table.add("rigidCurvAbs", rigid_).help("SOFA's; rigid parts are not supported").unit("m");
+  table.add("rigidCurvAbs", rigid_).help("lengths from the opening between which rods are held, two by two").unit("m");
   table.add("motionFilename", motion_file_).input().help("times [ms] and how far the tip goes in a step from then on, instead of speed");
   table.add("indexFirstNode", first_).help("the node at the opening").output();
   table.add("CurvAbs", curv_abs_).help("lengths from the opening where nodes are").unit("m").output();
+  table.add("collisionCurvAbs", contact_at_).help("where points for contacts are, from the last tip back").unit("m").output();
   for (const char* name : {"topology", "fixedConstraint", "mainDirection", "handleEventTriggersUpdate"}) table.addVisualOnly(name);
 }
 
@@ -168,7 +179,8 @@ void InterventionalRadiologyController::init() {
   checkMesh();
   if (!motion_file_.empty()) motion_.read(motion_file_);
   if (!motion_.empty() && speed_ != 0) warn("motionFilename and speed are given: the file moves the rod");
-  if (!rigid_.empty()) throw ComponentError("rigidCurvAbs is not supported", "a stiff stretch of the rod");
+  if (rigid_.size() % 2 != 0 || !std::is_sorted(rigid_.begin(), rigid_.end()))
+    throw ComponentError(fmt::format("rigidCurvAbs has {} lengths", rigid_.size()), "ascending ones, two for each rigid stretch");
   if (opening_.size() != 7) throw ComponentError(fmt::format("startingPos has {} numbers", opening_.size()), "x y z and a quaternion");
   if (controlled_ >= int(rods_.size()))
     throw ComponentError(fmt::format("controlledInstrument is {}", controlled_), fmt::format("0 to {}", rods_.size() - 1));
@@ -179,8 +191,7 @@ void InterventionalRadiologyController::init() {
     list->resize(rods_.size(), 0);
   }
   start_ = pushedTo(xtip_);
-  take(start_);
-  checkWay();
+  take(start_), checkWay();
   first_ = 0;  // what links are to find
   giveBeams();
 }
@@ -195,7 +206,7 @@ InterventionalRadiologyController::Pushed InterventionalRadiologyController::pus
   tips.resize(rods_.size(), 0);
   for (std::size_t i = 0; i < rods_.size(); ++i) tips[i] = std::min(tips[i], rods_[i]->wholeLength());
   Pushed pushed;
-  pushed.nodes = sampleRods(rodsAt(tips), threshold_);
+  pushed.nodes = sampleRods(rodsAt(tips), sampling());
   pushed.turns = turns_;
   pushed.turns.resize(rods_.size(), 0);
   if (Index(pushed.nodes.at.size()) > state().nodes())
@@ -208,29 +219,15 @@ InterventionalRadiologyController::Pushed InterventionalRadiologyController::pus
 
 /// Whether there are nodes for the rods wherever their tips may come to; an error where `speed` itself leads to it.
 void InterventionalRadiologyController::checkWay() const {
-  constexpr int places = 12, led = 200;
-  const auto nodesAt = [this](const std::vector<double>& tips) { return Index(sampleRods(rodsAt(tips), threshold_).at.size()); };
-  std::vector<double> tips = start_.tips, worst = tips;
-  Index most = 0;
-  const auto look = [&] {
-    if (const Index nodes = nodesAt(tips); nodes > most) most = nodes, worst = tips;
-  };
-  const auto moving = std::size_t(controlled_);
-  const double goal = rods_[moving]->wholeLength(), start = tips[moving];
-  for (int i = 0; speed_ > 0 && i <= led; ++i) tips[moving] = start + (goal - start) * i / led, look();
-  const bool is_led = most > state().nodes();
-  if (!is_led) {
-    std::vector<int> at(rods_.size(), 0);
-    for (std::size_t i = 0; i < at.size();) {
-      for (std::size_t k = 0; k < at.size(); ++k) tips[k] = rods_[k]->wholeLength() * at[k] / places;
-      look();
-      for (i = 0; i < at.size() && ++at[i] > places; ++i) at[i] = 0;
-    }
-  }
-  if (most <= state().nodes()) return;
-  const std::string what = fmt::format("the rods need {} nodes where their tips are at {:.4g} m, and {} has {}", most,
-                                       fmt::join(worst, " "), state().path(), state().nodes());
-  const std::string more = fmt::format("a mesh of {} nodes, or smaller numbers in densityOfBeams", most);
+  const std::vector<PushedRod> rods = rodsAt(start_.tips);
+  MostNodes most;
+  if (speed_ > 0) most = mostNodesOnWay(rods, std::size_t(controlled_), sampling());
+  const bool is_led = Index(most.nodes) > state().nodes();
+  if (!is_led) most = mostNodesAnywhere(rods, sampling());
+  if (Index(most.nodes) <= state().nodes()) return;
+  const std::string what = fmt::format("the rods need {} nodes where their tips are at {:.4g} m, and {} has {}", most.nodes,
+                                       fmt::join(most.tips, " "), state().path(), state().nodes());
+  const std::string more = fmt::format("a mesh of {} nodes, or smaller numbers in densityOfBeams", most.nodes);
   if (is_led) throw ComponentError(what + ": speed leads there", more);
   warn(what + ": a run that goes there ends with an error", more);
 }
@@ -240,27 +237,35 @@ void InterventionalRadiologyController::giveBeams() {
   const std::vector<PushedRod> rods = rodsAt(is_.tips);
   for (std::size_t i = 0; i < rods_.size(); ++i) {
     std::vector<ChainBeam> beams = rods_[i]->noBeams();
-    const double whole = rods_[i]->wholeLength();
     for (std::size_t n = 0; n + 1 < is_.nodes.at.size(); ++n) {
       const double from = is_.nodes.at[n], to = is_.nodes.at[n + 1];
       if (!rods[i].isAt(from, threshold_) || !rods[i].isAt(to, threshold_)) continue;
       ChainBeam& beam = beams[std::size_t(entry()) + n];
       beam.is_there = true;
       // what a node is beyond an end of the rod by less than the threshold: rods between two nodes are equally long
-      const double beyond = std::clamp(from - rods[i].handle(), std::min(to - from - whole, 0.), 0.) + std::max(to - rods[i].tip, 0.);
+      const double before = std::clamp(from - rods[i].handle(), std::min(to - from - rods_[i]->wholeLength(), 0.), 0.);
+      const double beyond = before + std::max(to - rods[i].tip, 0.);
       rods_[i]->shape().fill(beam, from - rods[i].handle() - beyond, to - rods[i].handle() - beyond);
       beam.axes_a = beam.axes_b = turnedBy(is_.turns[i] * Vec3::UnitX());
     }
     rods_[i]->setBeams(std::move(beams));
   }
   curv_abs_ = is_.nodes.at;
+  contact_at_ = contactPlaces(rods, is_.nodes);
+}
+
+int InterventionalRadiologyController::contactEdges(bool all_out) const {
+  std::vector<PushedRod> rods = rodsAt(start_.tips);
+  if (!all_out) return stroma::contactEdges(rods);
+  for (PushedRod& rod : rods) rod.tip = rod.shape->length();
+  return int(contactPlaces(rods, sampleRods(rods, sampling())).size());
 }
 
 /// The rods lie as the outermost one does at rest.
-void InterventionalRadiologyController::placeStart(double, Rows x, Rows v) const {
-  const std::array<Vec3, 2> still{Vec3::Zero(), Vec3::Zero()};
+void InterventionalRadiologyController::placeStart(double, Rows all_x, Rows all_v) const {
+  const Rows x = state().segment(all_x), v = state().segment(all_v);
   Placement at = opening();
-  for (Index node = 0; node <= entryOf(start_); ++node) put(at, still, node, x, v);
+  for (Index node = 0; node <= entryOf(start_); ++node) put(at, still(), node, x, v);
   for (std::size_t n = 0; n + 1 < start_.nodes.at.size(); ++n) {
     const std::size_t edge = std::size_t(entryOf(start_)) + n;
     for (const WireChain* rod : rods_) {
@@ -270,7 +275,7 @@ void InterventionalRadiologyController::placeStart(double, Rows x, Rows v) const
       at = {at.centre + axes * beam.rest_way, axes * turnedBy(beam.rest_turn) * beam.axes_b.conjugate()};
       break;
     }
-    put(at, still, Index(edge) + 1, x, v);
+    put(at, still(), Index(edge) + 1, x, v);
   }
 }
 
@@ -331,8 +336,7 @@ Placement InterventionalRadiologyController::formerAt(double at, const std::vect
                                                       std::array<Vec3, 2>& rate) const {
   const std::vector<double>& places = before_.nodes.at;
   std::size_t n = 0;
-  while (n < places.size() && places[n] + threshold_ <= at) ++n;
-  if (n == places.size()) n = places.size() - 1;
+  while (n + 1 < places.size() && places[n] + threshold_ <= at) ++n;
   if (n == 0 || std::abs(places[n] - at) < threshold_) {
     rate = {rates[2 * n], rates[2 * n + 1]};
     return former[n];
@@ -351,16 +355,12 @@ void InterventionalRadiologyController::moveNodes() {
     rates.push_back(v[2 * node]), rates.push_back(v[2 * node + 1]);
   }
   const std::vector<double> places = formerPlaces(is_.nodes, is_.nodes.at.back() - before_.nodes.at.back());
-  const auto place = [&](Index node, const Placement& at, const std::array<Vec3, 2>& rate) {
-    x[2 * node] = at.centre, putOrientation(at.turn, x, 2 * node + 1);
-    v[2 * node] = rate[0], v[2 * node + 1] = rate[1];
-  };
-  const std::array<Vec3, 2> still{Vec3::Zero(), Vec3::Zero()};
-  for (Index node = 0; node <= entry(); ++node) place(node, opening(), still);
+  for (Index node = 0; node <= entry(); ++node) put(opening(), still(), node, x, v);
   for (std::size_t n = 1; n < places.size(); ++n) {
-    std::array<Vec3, 2> rate = still;
+    std::array<Vec3, 2> rate = still();
     const Placement at = formerAt(places[n], former, rates, rate);
-    place(entry() + Index(n), at, rate);
+    if (isHeld(n)) rate = still();
+    put(at, rate, entry() + Index(n), x, v);
   }
 }
 

@@ -45,9 +45,25 @@ void divideBends(std::vector<double>& at, const std::vector<PushedRod>& rods, do
   std::sort(at.begin(), at.end());
 }
 
+/// Of rigid stretches as far as rods are out, and beside them.
+void addRigid(const RodSampling& sampling, double end, std::vector<double>& at) {
+  for (std::size_t i = 0; i < sampling.rigid.size(); ++i) {
+    const double place = sampling.rigid[i], beside = place + (i % 2 == 0 ? -sampling.step : sampling.step);
+    if (place >= end) return;
+    at.push_back(place);
+    if (beside > 0 && beside < end) at.push_back(beside);
+  }
+}
+bool isRigid(const RodSampling& sampling, double at) {
+  for (std::size_t i = 0; i + 1 < sampling.rigid.size(); i += 2)
+    if (at > sampling.rigid[i] - sampling.threshold && at < sampling.rigid[i + 1] + sampling.threshold) return true;
+  return false;
+}
+
 }  // namespace
 
-RodNodes sampleRods(const std::vector<PushedRod>& rods, double threshold) {
+RodNodes sampleRods(const std::vector<PushedRod>& rods, const RodSampling& sampling) {
+  const double threshold = sampling.threshold;
   RodNodes nodes;
   nodes.at.push_back(0);
   for (const PushedRod& rod : rods)
@@ -63,19 +79,53 @@ RodNodes sampleRods(const std::vector<PushedRod>& rods, double threshold) {
       for (int k = 1; k <= int(std::floor((end - divided) / spacing)); ++k) nodes.at.push_back(end - k * spacing);
       divided = end;
     }
-  keepApart(nodes.at, tipsOf(rods, threshold), threshold);
+  const std::vector<double> tips = tipsOf(rods, threshold);
+  if (!tips.empty()) addRigid(sampling, tips.front(), nodes.at);
+  keepApart(nodes.at, tips, threshold);
   divideBends(nodes.at, rods, threshold);
   nodes.rods.resize(nodes.at.size());
   for (std::size_t n = 0; n < nodes.at.size(); ++n)
     for (std::size_t i = 0; i < rods.size(); ++i)
       if (rods[i].isAt(nodes.at[n], threshold)) nodes.rods[n].push_back(int(i));
+  for (const double at : nodes.at) nodes.is_held.push_back(isRigid(sampling, at));
   return nodes;
+}
+
+namespace {
+
+void look(const std::vector<PushedRod>& rods, const RodSampling& sampling, MostNodes& most) {
+  const std::size_t nodes = sampleRods(rods, sampling).at.size();
+  if (nodes <= most.nodes) return;
+  most.nodes = nodes, most.tips.clear();
+  for (const PushedRod& rod : rods) most.tips.push_back(rod.tip);
+}
+
+}  // namespace
+
+MostNodes mostNodesOnWay(std::vector<PushedRod> rods, std::size_t moving, const RodSampling& sampling) {
+  constexpr int places = 200;
+  MostNodes most;
+  const double start = rods[moving].tip, goal = rods[moving].shape->length();
+  for (int i = 0; i <= places; ++i) rods[moving].tip = start + (goal - start) * i / places, look(rods, sampling, most);
+  return most;
+}
+
+MostNodes mostNodesAnywhere(std::vector<PushedRod> rods, const RodSampling& sampling) {
+  constexpr int places = 12;
+  MostNodes most;
+  std::vector<int> at(rods.size(), 0);
+  for (std::size_t i = 0; i < at.size();) {
+    for (std::size_t k = 0; k < at.size(); ++k) rods[k].tip = rods[k].shape->length() * at[k] / places;
+    look(rods, sampling, most);
+    for (i = 0; i < at.size() && ++at[i] > places; ++i) at[i] = 0;
+  }
+  return most;
 }
 
 std::vector<double> formerPlaces(const RodNodes& now, double moved) {
   std::vector<double> former = now.at;
   std::size_t first = former.size();
-  while (first > 1 && now.rods[first - 1].size() < 2) --first;  // of those that came along
+  while (first > 1 && now.rods[first - 1].size() < 2 && !now.is_held[first - 1]) --first;  // of those that came along
   const double start = now.at[first - 1], end = now.at.back() - moved;
   std::size_t next = first;  // the first that was out before
   while (next < former.size() && now.at[next] - moved <= start) ++next;

@@ -13,6 +13,8 @@ class MovesRods {
   /// What a rod is asked for next (forces, energies, masses) is asked at x. A step that moveRods() has begun may be taken back: where x is
   /// that of before it, the rods get the beams of before it; at any other x those that moveRods() has made.
   virtual void askedAt(ConstRows x) = 0;
+  /// Edges of the chain of points that contacts act on; how many it takes where all rods are out.
+  virtual int contactEdges(bool all_out) const = 0;
 };
 
 /// A rod that comes out as a controller pushes it: the role of WireBeamInterpolation.

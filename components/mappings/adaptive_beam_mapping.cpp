@@ -34,13 +34,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/mappings/frame_mapping.h"
+#include "components/mappings/points_on_beams.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class AdaptiveBeamMapping final : public FrameMapping {
+class AdaptiveBeamMapping final : public PointsOnBeams {
  public:
   void declare(DataTable& table) override {
     FrameMapping::declare(table);
@@ -77,10 +77,9 @@ class AdaptiveBeamMapping final : public FrameMapping {
   }
 
  private:
-  struct Beam {
-    Index a, b;
-    double length, from, to;
-    Quaternion axes_a, axes_b;
+  struct Out {
+    Beam beam;
+    double from, to;  ///< lengths of the rod [m]
   };
 
   /// Another family has them: by their role and its attribute.
@@ -102,12 +101,13 @@ class AdaptiveBeamMapping final : public FrameMapping {
 
   void attach() {
     known_ = *beams_;
-    std::vector<Beam> out;
+    std::vector<Out> out;
     for (std::size_t i = 0; i < known_.size(); i += 14) {
       const double* n = known_.data() + i;
       if (n[2] != 0)
-        out.push_back({Index(n[0]), Index(n[1]), n[3], n[4], n[5], Quaternion(n[9], n[6], n[7], n[8]),
-                       Quaternion(n[13], n[10], n[11], n[12])});
+        out.push_back({{Index(n[0]), Index(n[1]), n[3], Quaternion(n[9], n[6], n[7], n[8]), Quaternion(n[13], n[10], n[11], n[12])},
+                       n[4],
+                       n[5]});
     }
     for (const Vec3& point : points_) {
       const std::vector<Carried> by = out.empty() ? std::vector<Carried>{{input().nodes() - 1, 1, Vec3::Zero()}} : carriersOf(point, out);
@@ -115,7 +115,7 @@ class AdaptiveBeamMapping final : public FrameMapping {
     }
   }
 
-  std::vector<Carried> carriersOf(const Vec3& point, const std::vector<Beam>& out) const {
+  std::vector<Carried> carriersOf(const Vec3& point, const std::vector<Out>& out) const {
     std::size_t i = 0;
     double s = 0;
     if (by_length_) {
@@ -125,21 +125,7 @@ class AdaptiveBeamMapping final : public FrameMapping {
       i = std::size_t(std::clamp(std::floor(point.x()), 0., double(out.size() - 1)));
       s = std::clamp(point.x() - double(i), 0., 1.);
     }
-    const Beam& beam = out[i];
-    const double r = 1 - s, of_a = r * r * r + 3 * s * r * r, of_b = s * s * s + 3 * s * s * r;
-    const Vec3 offset(0, point.y(), point.z());
-    const auto local = [&](double lever, double weight) {
-      return Vec3((weight > 0 ? lever * beam.length / weight : 0.) * Vec3::UnitX() + offset);
-    };
-    return {{beam.a, of_a, beam.axes_a * local(s * r * r, of_a)}, {beam.b, of_b, beam.axes_b * local(-s * s * r, of_b)}};
-  }
-
-  /// The same with all other frames, which carry nothing: the blocks of a mapping stay the same.
-  std::vector<Carried> amongAll(const std::vector<Carried>& by) const {
-    std::vector<Carried> all;
-    for (Index frame = 0; frame < input().nodes(); ++frame) all.push_back({frame, 0, Vec3::Zero()});
-    for (const Carried& each : by) all[std::size_t(each.frame)] = each;
-    return all;
+    return onCurve(out[i].beam, s, Vec3(0, point.y(), point.z()));
   }
 
   static constexpr const char* role = "interpolation of beams";

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A piece of a rod of length l along x whose curvature k is the same everywhere: its end seen from its start, and how that moves
-// with k. With the turn theta = l k, phi = |theta|, and x the first axis,
+// A piece of a rod of length l whose strains are the same everywhere: the curvature k, and the axis a along which it goes on, which is
+// x where it neither stretches nor shears. Its end seen from its start, and how that moves with them. With the turn theta = l k and
+// phi = |theta|,
 //
-//   rotation exp [theta],   way d = l V x,   V = I + b1 [theta] + b2 [theta]^2
+//   rotation exp [theta],   way d = l V a,   V = I + b1 [theta] + b2 [theta]^2
 //   b1 = (1 - cos phi)/phi^2,   b2 = (phi - sin phi)/phi^3
 //
-// The end turns with V theta' and moves with d'. c1 = b1'/phi, c2 = b2'/phi, g1 = c1'/phi, g2 = c2'/phi (derivatives by phi).
+// The end turns with V theta' and moves with d' = l V' a + l V a'. Derivatives by phi:
+// c1 = b1'/phi, c2 = b2'/phi, g1 = c1'/phi, g2 = c2'/phi.
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>
@@ -17,10 +19,11 @@ namespace stroma {
 struct BentPiece {
   double length = 0;         ///< l [m]
   Vec3 turn = Vec3::Zero();  ///< theta [rad]
+  Vec3 axis = Vec3::UnitX();  ///< a
   double b1 = 0.5, b2 = 1. / 6, c1 = -1. / 12, c2 = -1. / 60, g1 = 1. / 90, g2 = 1. / 630;
 
   BentPiece() = default;
-  BentPiece(double l, const Vec3& curvature) : length(l), turn(l * curvature) {
+  BentPiece(double l, const Vec3& curvature, const Vec3& along = Vec3::UnitX()) : length(l), turn(l * curvature), axis(along) {
     const double square = turn.squaredNorm();
     constexpr double series_below = 1;
     if (square < series_below)
@@ -34,18 +37,17 @@ struct BentPiece {
     return Mat3::Identity() + b1 * cross + b2 * cross * cross;
   }
   Vec3 way() const {
-    return length * (Vec3::UnitX() + b1 * turn.cross(Vec3::UnitX()) + b2 * turn.cross(turn.cross(Vec3::UnitX())));
+    return length * (axis + b1 * turn.cross(axis) + b2 * turn.cross(turn.cross(axis)));
   }
-  /// d' for theta' = r.
-  Vec3 wayBy(const Vec3& r) const {
-    const Vec3 once = turn.cross(Vec3::UnitX());
+  /// l V' v for theta' = r; d' where v is a.
+  Vec3 wayBy(const Vec3& r, const Vec3& v) const {
+    const Vec3 once = turn.cross(v);
     const double along = turn.dot(r);
-    return length * (b1 * r.cross(Vec3::UnitX()) + b2 * (r.cross(once) + turn.cross(r.cross(Vec3::UnitX()))) +
-                     along * (c1 * once + c2 * turn.cross(once)));
+    return length * (b1 * r.cross(v) + b2 * (r.cross(once) + turn.cross(r.cross(v))) + along * (c1 * once + c2 * turn.cross(once)));
   }
-  /// d'' for a constant theta' = r.
+  /// l V'' a for a constant theta' = r.
   Vec3 wayTwiceBy(const Vec3& r) const {
-    const Vec3 once = turn.cross(Vec3::UnitX()), moved = r.cross(Vec3::UnitX());
+    const Vec3 once = turn.cross(axis), moved = r.cross(axis);
     const double along = turn.dot(r), square = r.squaredNorm();
     const double b1_twice = g1 * along * along + c1 * square, b2_twice = g2 * along * along + c2 * square;
     return length * (b1_twice * once + 2 * c1 * along * moved + b2_twice * turn.cross(once) +

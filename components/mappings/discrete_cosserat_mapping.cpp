@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// DiscreteCosseratMapping: frames on an inextensible rod of sections with constant curvature, as a catheter, a tendon or an arm.
+// DiscreteCosseratMapping: frames on a rod of sections with constant strains, as a catheter, a tendon or an arm.
 //
 // The rod starts in the frame baseIndex of input2, along its x axis. Section i lies between the lengths curv_abs_input[i] and
 // curv_abs_input[i + 1] of the rod. Node i of input1 (Vec3) is its curvature in its own axes: torsion k_x, bending k_y and k_z
-// [rad/m]. The output has a frame at each length curv_abs_output. From the start (p, R) of a section, at l into it,
+// [rad/m]. Of a state of template Vec6 it has three more numbers e: by how much the rod stretches along its axis, and its shear
+// along y and z. The output has a frame at each length curv_abs_output. From the start (p, R) of a section, at l into it,
 //
-//   R(l) = R exp [l k],   p(l) = p + R integral of exp [s k] x ds from 0 to l
+//   R(l) = R exp [l k],   p(l) = p + R integral of exp [s k] a ds from 0 to l,   a = (1, 0, 0) + e
 //
-// A change k' turns what lies beyond the section with R V l k' and moves its end by R d' (bent_piece.h): these are the columns of
-// J. The derivative of J by the shape, the geometric stiffness, is left out, as in the plug-in.
+// A change k' turns what lies beyond the section with R V l k' and moves its end by R d' (bent_piece.h), e' moves it by R l V e':
+// these are the columns of J. The derivative of J by the shape, the geometric stiffness, is left out, as in the plug-in.
 //
 // Source: name, attributes and law are those of the plug-in Cosserat for SOFA (Adagolodjo, Renda, Duriez: Coupling numerical
 // deformable models in global and reduced coordinates for the simulation of the direct and the inverse kinematics of soft robots,
@@ -84,7 +85,7 @@ class DiscreteCosseratMapping final : public LinkedMapping {
     Quaternion turn = Quaternion::Identity();            ///< at its start
     Mat3 axes = Mat3::Identity();                        ///< the same as a matrix
     Vec3 end = Vec3::Zero();                             ///< where its end is
-    Mat3 turning = Mat3::Zero(), moving = Mat3::Zero();  ///< turn and way of its end for a change of the curvature
+    Mat3 turning = Mat3::Zero(), moving = Mat3::Zero();  ///< turn, for e way, and way of its end for k
   };
   /// A motion of a place of the rod, its acceleration, or a load there.
   struct Twin {
@@ -92,20 +93,31 @@ class DiscreteCosseratMapping final : public LinkedMapping {
   };
   void checkStates();
   void findFrames();
-  void bend(Span& span, const Vec3& start, const Mat3& axes, const Vec3& curvature) const;
+  /// The strains of a section in rows of x, of velocities or of forces.
+  struct Strains {
+    Vec3 curvature = Vec3::Zero(), stretch = Vec3::Zero();
+  };
+  Strains strainsIn(ConstRows rows, std::size_t section) const;
+  void addTo(Rows rows, std::size_t section, const Strains& strains) const;
+  void bend(Span& span, const Vec3& start, const Mat3& axes, const Strains& strains) const;
+  void addColumns(std::size_t frame, const Span& span, std::vector<JacobianBlock>& out) const;
   /// visit(span) for the whole sections before a frame, and for its own up to it.
   template <class Visit>
   void alongTo(const Span& frame, Visit&& visit) const {
     for (std::size_t i = 0; i < frame.section; ++i) visit(sections_[i]);
     visit(frame);
   }
-  Index rowOf(std::size_t section) const { return input().firstRow() + Index(section); }
+  bool stretches() const { return input().rows_per_node == 6; }
+  Index rowOf(std::size_t section) const { return input().firstRow() + Index(section) * input().rows_per_node; }
   Index baseRow() const { return base_->firstRow() + 2 * base_index_; }
   Index row(std::size_t frame) const { return output().firstRow() + 2 * Index(frame); }
-  /// The motion at the end of a span from that at its start, for a change of the curvature.
-  static Twin carried(const Twin& start, const Span& span, const Vec3& change) {
+  /// The motion at the end of a span from that at its start, for a change of the strains.
+  Twin carried(const Twin& start, const Span& span, const Strains& change) const {
     const Vec3 arm = span.axes * span.piece.way();
-    return {start.linear + start.angular.cross(arm) + span.moving * change, start.angular + span.turning * change};
+    Twin end{start.linear + start.angular.cross(arm) + span.moving * change.curvature,
+             start.angular + span.turning * change.curvature};
+    if (stretches()) end.linear += span.turning * change.stretch;
+    return end;
   }
 
   Link<State> base_link_{"mechanical state"};
@@ -134,8 +146,10 @@ void DiscreteCosseratMapping::init() {
 
 void DiscreteCosseratMapping::checkStates() {
   if (!base_) throw ComponentError("input2 is not given", "the state of the frame in which the rod starts");
-  if (input().rows_per_node != 1 || input().kindOf(0) != RowKind::place)
-    throw ComponentError(fmt::format("{} has no curvatures", input().path()), "a state of template Vec3, a node for each section");
+  const bool has_curvatures = input().rows_per_node == 1 && input().kindOf(0) == RowKind::place;
+  if (!has_curvatures && !(stretches() && input().kindOf(0) == RowKind::value))
+    throw ComponentError(fmt::format("{} has no curvatures", input().path()),
+                         "a state of template Vec3 or Vec6, a node for each section");
   if (!base_->hasFrames() || base_index_ >= base_->nodes())
     throw ComponentError(fmt::format("{} has no frame {}", base_->path(), base_index_), "a frame of a state of template Rigid3");
   if (!output().hasFrames()) throw ComponentError(fmt::format("{} has no frames", output().path()), "a state of template Rigid3");
@@ -165,12 +179,25 @@ void DiscreteCosseratMapping::findFrames() {
   }
 }
 
-void DiscreteCosseratMapping::bend(Span& span, const Vec3& start, const Mat3& axes, const Vec3& curvature) const {
-  span.piece = BentPiece(span.length, curvature);
+DiscreteCosseratMapping::Strains DiscreteCosseratMapping::strainsIn(ConstRows rows, std::size_t section) const {
+  const Index first = rowOf(section);
+  if (!stretches()) return {rows[first], Vec3::Zero()};
+  const auto three = [&](Index from) { return Vec3(rows[from][0], rows[from + 1][0], rows[from + 2][0]); };
+  return {three(first), three(first + 3)};
+}
+
+void DiscreteCosseratMapping::addTo(Rows rows, std::size_t section, const Strains& strains) const {
+  const Index first = rowOf(section);
+  if (!stretches()) return void(rows[first] += strains.curvature);
+  for (Index c = 0; c < 3; ++c) rows[first + c][0] += strains.curvature[c], rows[first + 3 + c][0] += strains.stretch[c];
+}
+
+void DiscreteCosseratMapping::bend(Span& span, const Vec3& start, const Mat3& axes, const Strains& strains) const {
+  span.piece = BentPiece(span.length, strains.curvature, Vec3::UnitX() + strains.stretch);
   span.axes = axes;
   span.end = start + axes * span.piece.way();
   span.turning = span.length * axes * span.piece.spin();
-  for (int c = 0; c < 3; ++c) span.moving.col(c) = axes * span.piece.wayBy(span.length * Vec3::Unit(c));
+  for (int c = 0; c < 3; ++c) span.moving.col(c) = axes * span.piece.wayBy(span.length * Vec3::Unit(c), span.piece.axis);
 }
 
 void DiscreteCosseratMapping::apply(Rows x) const {
@@ -179,13 +206,13 @@ void DiscreteCosseratMapping::apply(Rows x) const {
   Vec3 start = pivot_;
   for (Span& section : sections_) {
     section.turn = turn;
-    bend(section, start, turn.toRotationMatrix(), x[rowOf(section.section)]);
+    bend(section, start, turn.toRotationMatrix(), strainsIn(x, section.section));
     start = section.end, turn = turn * turnedBy(section.piece.turn);
   }
   for (std::size_t f = 0; f < frames_.size(); ++f) {
     Span& frame = frames_[f];
     const Vec3 from = frame.section == 0 ? pivot_ : sections_[frame.section - 1].end;
-    bend(frame, from, sections_[frame.section].axes, x[rowOf(frame.section)]);
+    bend(frame, from, sections_[frame.section].axes, strainsIn(x, frame.section));
     x[row(f)] = frame.end;
     putOrientation(sections_[frame.section].turn * turnedBy(frame.piece.turn), x, row(f) + 1);
   }
@@ -195,11 +222,11 @@ void DiscreteCosseratMapping::applyJ(Rows v) const {
   Twin motion{v[baseRow()], v[baseRow() + 1]};
   for (const Span& section : sections_) {
     starts_[section.section] = motion;
-    motion = carried(motion, section, v[rowOf(section.section)]);
+    motion = carried(motion, section, strainsIn(v, section.section));
   }
   for (std::size_t f = 0; f < frames_.size(); ++f) {
     const Span& frame = frames_[f];
-    const Twin own = carried(starts_[frame.section], frame, v[rowOf(frame.section)]);
+    const Twin own = carried(starts_[frame.section], frame, strainsIn(v, frame.section));
     v[row(f)] = own.linear, v[row(f) + 1] = own.angular;
   }
 }
@@ -208,7 +235,8 @@ void DiscreteCosseratMapping::applyJ(Rows v) const {
 void DiscreteCosseratMapping::applyJT(Rows f) const {
   std::fill(starts_.begin(), starts_.end(), Twin{});
   const auto bringBack = [&](const Twin& load, const Span& span, Twin& start) {
-    f[rowOf(span.section)] += span.moving.transpose() * load.linear + span.turning.transpose() * load.angular;
+    addTo(f, span.section, {span.moving.transpose() * load.linear + span.turning.transpose() * load.angular,
+                            span.turning.transpose() * load.linear});
     start.linear += load.linear;
     start.angular += load.angular + (span.axes * span.piece.way()).cross(load.linear);
   };
@@ -224,10 +252,25 @@ void DiscreteCosseratMapping::addJacobian(std::vector<JacobianBlock>& out) const
     out.push_back({row(k), baseRow(), Mat3::Identity()});
     out.push_back({row(k), baseRow() + 1, -crossMatrix(place - pivot_)});
     out.push_back({row(k) + 1, baseRow() + 1, Mat3::Identity()});
-    alongTo(frames_[k], [&](const Span& span) {
-      out.push_back({row(k), rowOf(span.section), span.moving - crossMatrix(place - span.end) * span.turning});
-      out.push_back({row(k) + 1, rowOf(span.section), span.turning});
-    });
+    alongTo(frames_[k], [&](const Span& span) { addColumns(k, span, out); });
+  }
+}
+
+void DiscreteCosseratMapping::addColumns(std::size_t frame, const Span& span, std::vector<JacobianBlock>& out) const {
+  const Mat3 moving = span.moving - crossMatrix(frames_[frame].end - span.end) * span.turning;
+  if (!stretches()) {
+    out.push_back({row(frame), rowOf(span.section), moving});
+    out.push_back({row(frame) + 1, rowOf(span.section), span.turning});
+    return;
+  }
+  const auto add = [&](Index child, Index strain, const Vec3& column) {
+    Mat3 block = Mat3::Zero();
+    block.col(0) = column;
+    out.push_back({child, rowOf(span.section) + strain, block});
+  };
+  for (Index c = 0; c < 3; ++c) {
+    add(row(frame), c, moving.col(c)), add(row(frame) + 1, c, span.turning.col(c));
+    add(row(frame), 3 + c, span.turning.col(c));
   }
 }
 
@@ -238,9 +281,12 @@ void DiscreteCosseratMapping::addCurvature(ConstRows v, Rows a) const {
     Vec3 spin = v[baseRow() + 1];
     Twin gained;
     alongTo(frames_[k], [&](const Span& span) {
-      const Vec3 rate = v[rowOf(span.section)], turn_rate = span.length * rate, arm = span.axes * span.piece.way();
+      const auto [rate, stretch_rate] = strainsIn(v, span.section);
+      const Vec3 turn_rate = span.length * rate, arm = span.axes * span.piece.way();
       gained.linear += gained.angular.cross(arm) + spin.cross(spin.cross(arm)) + 2 * spin.cross(span.moving * rate) +
                        span.axes * span.piece.wayTwiceBy(turn_rate);
+      if (stretches())
+        gained.linear += 2 * spin.cross(span.turning * stretch_rate) + 2 * (span.axes * span.piece.wayBy(turn_rate, stretch_rate));
       const Vec3 own = span.turning * rate;
       gained.angular += spin.cross(own) + span.axes * span.piece.spinTwiceBy(turn_rate);
       spin += own;
@@ -253,5 +299,5 @@ void DiscreteCosseratMapping::addCurvature(ConstRows v, Rows a) const {
 }  // namespace stroma
 
 STROMA_COMPONENT(discrete_cosserat_mapping) {
-  factory.add<stroma::DiscreteCosseratMapping>("DiscreteCosseratMapping", "frames on a rod of sections with constant curvature");
+  factory.add<stroma::DiscreteCosseratMapping>("DiscreteCosseratMapping", "frames on a rod of sections with constant strains");
 }

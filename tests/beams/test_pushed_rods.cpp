@@ -155,6 +155,31 @@ TEST(PushedRods, PointsOfTheRodGoWithIt) {
   EXPECT_LT((tipOf(carried) - tipOf(direct)).norm(), 1e-7);
 }
 
+/// The rest is a cantilever from the end of the rigid stretch on: P L^3/(3 E I) and P L^2/(2 E I). Pushed on, it goes straight on.
+TEST(PushedRods, ARigidStretchIsHeldAndARodSlidesThroughIt) {
+  const double load = 1e-4, bending = 1e9 * std::numbers::pi * 1e-12 / 4;
+  for (const double speed : {0., 0.05}) {
+    Rods rods;
+    rods.add("guide", straight);
+    rods.inside = fmt::format("<ConstantForceField indices=\"29\" forces=\"0 0 {} 0 0 0\"/>", speed > 0 ? 0 : load);
+    Simulation simulation = simulationFromText(rods.scene(fmt::format("xtip=\"{}\" speed=\"{}\" step=\"0.01\" rigidCurvAbs=\"0.05 0.12\"",
+                                                                      speed > 0 ? 0.02 : 0.2, speed)));
+    run(simulation, speed > 0 ? 36 : 200);
+    if (speed > 0) simulation.setAttribute("/push", "speed", "0"), run(simulation, 100);
+    const System& system = *simulation.systems()[0];
+    const double length = 0.08, deflection = speed > 0 ? 0 : load * length * length * length / (3 * bending);
+    EXPECT_NEAR(tipOf(simulation).z(), deflection, 1e-3 * deflection + 1e-9) << speed;
+    EXPECT_NEAR(tipOf(simulation).x(), 0.2, 1e-5) << speed;
+    int held = 0;
+    for (Index node = 0; node < 30; ++node)
+      if (const Vec3 place = system.x[2 * node]; place.x() > 0.049 && place.x() < 0.121) {
+        EXPECT_LT(std::abs(place.z()), 1e-12);
+        ++held;
+      }
+    EXPECT_GE(held, 4) << "both ends and what lies between";
+  }
+}
+
 TEST(PushedRods, SayWhatIsWrong) {
   const auto problems = [](const std::string& controller, int nodes = 30) {
     Rods rods;
@@ -167,7 +192,8 @@ TEST(PushedRods, SayWhatIsWrong) {
   expectContains(problems("xtip=\"0.01\" speed=\"0.1\"", 12), "the rods need 13 nodes");
   expectContains(problems("startingPos=\"0 0 0\""), "startingPos has 3 numbers");
   expectContains(problems("controlledInstrument=\"2\""), "controlledInstrument is 2");
-  expectContains(problems("rigidCurvAbs=\"1 2\""), "not supported");
+  expectContains(problems("rigidCurvAbs=\"0.1\""), "rigidCurvAbs has 1 lengths");
+  expectContains(problems("rigidCurvAbs=\"0.2 0.1\""), "rigidCurvAbs has 2 lengths");
 }
 
 }  // namespace STROMA_TEST_FILE

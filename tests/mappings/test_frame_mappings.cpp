@@ -40,6 +40,20 @@ std::string embeddedFrames(const std::string& cells, const std::string& rest, co
 }
 const std::string rest_cube = "0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1";
 
+/// Two rods that are out, one in the other, with points on them.
+std::string pushedRods(const std::string& child) {
+  return "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><WireRestShape name=\"outer\" length=\"2\" "
+         "straightLength=\"2\" densityOfBeams=\"1\" numEdgesCollis=\"4\" radius=\"0.02\" youngModulus=\"1e6\" massDensity=\"1\"/>"
+         "<WireRestShape name=\"inner\" length=\"3\" straightLength=\"2\" spireDiameter=\"0.8\" spireHeight=\"0.1\" densityOfBeams=\"1 2\" "
+         "numEdgesCollis=\"5 4\" radius=\"0.01\" radiusExtremity=\"0.01\" youngModulus=\"1e6\" youngModulusExtremity=\"1e6\" "
+         "massDensity=\"1\" massDensityExtremity=\"1\"/><RegularGridTopology n=\"14 1 1\" min=\"0 0 0\" max=\"1 0 0\"/>"
+         "<MechanicalObject name=\"frames\" template=\"Rigid3\"/><WireBeamInterpolation name=\"a\" WireRestShape=\"@outer\"/>"
+         "<AdaptiveBeamForceFieldAndMass interpolation=\"@a\"/><WireBeamInterpolation name=\"b\" WireRestShape=\"@inner\"/>"
+         "<AdaptiveBeamForceFieldAndMass interpolation=\"@b\"/><InterventionalRadiologyController name=\"push\" instruments=\"@a @b\" "
+         "xtip=\"1.6 2.5\" rotationInstrument=\"0.3 0.2\" startingPos=\"0.1 0.2 0  0.1 0.2 0.3 0.9\"/><Node name=\"child\">" +
+         child + "</Node></Node>";
+}
+
 struct Case {
   std::string name, scene;
 };
@@ -126,12 +140,24 @@ std::vector<Case> cases() {
            "0 0 0 0 0 0 1  0 0 0 0 0 0 1  0 0 0 0 0 0 1\"/><DiscreteCosseratMapping input1=\"@../k\" "
            "input2=\"@../../base/frames\" baseIndex=\"1\" curv_abs_input=\"0 0.4 0.5 0.9\" "
            "curv_abs_output=\"0 0.15 0.4 0.8\"/></Node></Node></Node>"});
+  all.push_back(
+      {"CosseratThatStretchesNone",
+       "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"base\">" + frames +
+           "</Node><Node name=\"strains\"><MechanicalObject name=\"k\" template=\"Vec6\" position=\"0.3 1 -2 0.1 0.2 -0.1  "
+           "0 0 0 0.3 0 0  -4 3 5 0 -0.3 0.2\"/><UniformMass totalMass=\"1\"/><Node name=\"child\"><MechanicalObject name=\"rod\" "
+           "template=\"Rigid3\" position=\"0 0 0 0 0 0 1  0 0 0 0 0 0 1  0 0 0 0 0 0 1  0 0 0 0 0 0 1\"/><DiscreteCosseratMapping "
+           "input1=\"@../k\" input2=\"@../../base/frames\" baseIndex=\"1\" curv_abs_input=\"0 0.4 0.5 0.9\" "
+           "curv_abs_output=\"0 0.15 0.4 0.8\"/></Node></Node></Node>"});
   for (const std::string place : {"index=\"1\"", "index=\"0\" indexFromEnd=\"true\" geometricStiffness=\"None\""})
     all.push_back({place.starts_with("index=\"1") ? "DeformableOnFrame" : "DeformableOnFrameNone",
                    "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"a\">" + frames +
                        "</Node><MechanicalObject name=\"local\" position=\"0.1 0.2 -0.3  0.5 0 0  0 0.4 0.2\"/><UniformMass "
                        "totalMass=\"1\"/><Node name=\"child\"><MechanicalObject name=\"dofs\"/><DeformableOnRigidFrameMapping " +
                        place + " input1=\"@../local\" input2=\"@../a/frames\"/></Node></Node>"});
+  all.push_back({"AdaptiveBeam", pushedRods("<MechanicalObject name=\"dofs\" position=\"2.9 0.1 0  2 0 0.2  1.5 0 0\"/>"
+                                            "<AdaptiveBeamMapping interpolation=\"@../b\"/>")});
+  all.push_back({"MultiAdaptiveBeam", pushedRods("<MultiAdaptiveBeamTopologicalMapping ircontroller=\"@../push\"/><MechanicalObject "
+                                                 "name=\"dofs\"/><MultiAdaptiveBeamMapping ircontroller=\"@../push\"/>")});
   for (const std::string word : {"Exact", "None", "Stabilized"}) {
     const std::string geometric = " geometricStiffness=\"" + word + "\"";
     const std::string cells =

@@ -3300,6 +3300,36 @@ def a_rod_under_a_force_is_where_its_energy_is_least():
 
 
 @case
+def a_rod_that_stretches_and_shears():
+    """Strains of six numbers: F = E A e along the rod, G A e across it, E I k = M; the deflection of a short rod is that of Timoshenko."""
+    rod = ROD.replace('name="k" position="0 0 0  0 0 0"', f'name="k" template="Vec6d" position="{"0 " * 12}"')
+    young, nu, r, places = 2e5, 0.3, 0.02, np.array([0, 0.2, 0.5, 0.8])
+    area, second, shear = np.pi * r**2, np.pi * r**4 / 4, young / (2 * (1 + nu))
+    law = f'radius="{r}" youngModulus="{young}" poissonRatio="{nu}"'
+
+    def pulled(law, force):
+        run = Run(node(STILL.format(50) + rod.format(law, f'<ConstantForceField indices="3" forces="{numbers_of(force)}"/>')), 1)
+        assert run.code == 0, run.text
+        return run.x("strain.k", 6), run.x("strain.rod.frames", 7)[:, :3]
+    strains, frames = pulled(law, [5.0, 0, 0, 0, 0, 0])
+    agree(strains, [[0, 0, 0, 5 / (young * area), 0, 0]] * 2, 1e-9)
+    agree(frames[:, 0], places * (1 + 5 / (young * area)), 1e-9)
+    k = 0.03 / (young * second)
+    strains, frames = pulled(law, [0, 0, 0, 0, 0, 0.03])
+    agree(strains, [[0, 0, k, 0, 0, 0]] * 2, 1e-9)
+    agree(frames, np.transpose([np.sin(k * places) / k, (1 - np.cos(k * places)) / k, 0 * places]), 1e-9)
+    strains, frames = pulled('useInertiaParams="1" GI="1e7" EI="1e7" EA="1e7" GA="20"', [0, 0.4, -0.6, 0, 0, 0])
+    agree(strains[:, 4:], [[0.4 / 20, -0.6 / 20]] * 2, 1e-6)
+    agree(frames[:, 1:], np.outer(places, [0.4 / 20, -0.6 / 20]), 1e-6)
+    force, levers, lengths = 1e-6, np.array([0.8 - 0.25, 0.15]), np.array([0.5, 0.3])
+    strains, frames = pulled(law, [0, force, 0, 0, 0, 0])
+    agree(frames[3, 1], force * (lengths @ levers**2 / (young * second) + 0.8 / (shear * area)), 1e-5)
+    varied = 'variantSections="1" youngModulusList="1e5 4e5" poissonRatioList="0.3 0.1" radius="0.02"'
+    agree(pulled(varied, [5.0, 0, 0, 0, 0, 0])[0][:, 3], [5 / (1e5 * area), 5 / (4e5 * area)], 1e-9)
+    Run(node(EXACT + rod.format('useInertiaParams="1" GI="1" EI="1"', "")), 1).fails(2, "without GA and EA")
+
+
+@case
 def rods_say_what_does_not_fit():
     good = node(EXACT + ROD.format('radius="0.01"', ""))
     for old, new, words in (('curv_abs_input="0 0.5 0.8"', 'curv_abs_input="0 0.5"', "2 lengths for the 2 sections"),
@@ -6460,6 +6490,71 @@ def bodies_whose_nodes_answer_constraints_one_by_one():
                    'object1="@frame/arm/dofs" object2="@point/dofs" first_point="0" second_point="0"/>'), 15)
     agree(run.x("frame.dofs", 7)[0], np.r_[c, q * np.sign(q[3])], 1e-8)
     agree(run.x("point.dofs")[0], p, 1e-8)
+
+
+def rods_that_are_out(rods, tips, threshold):
+    """Lengths from the opening where nodes are, and where points of the contact model are, as SOFA's plug-in BeamAdapter puts them."""
+    begins = [tip - sum(length for length, _ in rod) for rod, tip in zip(rods, tips)]
+    ends = [begin + np.cumsum([length for length, _ in rod]) for rod, begin in zip(rods, begins)]
+    nodes, divided = [0.0] + [end for each in ends for end in each if end > 0], 0.0
+    for rod, each in zip(rods, ends):
+        for (length, edges), end in zip(rod, each):
+            if end > divided:
+                nodes += [end - (k + 1) * length / edges for k in range(int(np.floor((end - divided) * edges / length + 1e-9)))]
+                divided = end
+    kept = []
+    for node in sorted(nodes):
+        if not kept or node - kept[-1] >= threshold:
+            kept.append(node)
+    outermost = [next(i for i, tip in enumerate(tips) if node <= tip + threshold) for node in kept]
+    points, n, at = [], len(kept) - 1, kept[-1]
+    on = outermost[n]
+    while at > 0:
+        points.append(at)
+        length, edges = next(part for part, end in zip(rods[on], ends[on]) if at <= end + 1e-9)
+        at -= length / edges
+        while n > 0 and at < kept[n - 1]:
+            n -= 1
+            if outermost[n] != on:
+                on, at = outermost[n], kept[n]
+                break
+    return np.array(kept), points[::-1]
+
+
+@case
+def points_on_rods_that_are_pushed():
+    """MultiAdaptiveBeamMapping: on the cubic curves between the frames; what is not out waits at the opening."""
+    sections = [[(0.2, 8)], [(0.25, 5), (0.05, 4)]]
+    shapes = ('<Node name="t0"><RodStraightSection name="s" length="0.2" radius="0.002" youngModulus="1e8" nbEdgesCollis="8" '
+              'massDensity="1000"/><WireRestShape name="shape" wireMaterials="@s"/><EdgeSetTopologyContainer name="mesh"/></Node>'
+              '<Node name="t1"><RodStraightSection name="s" length="0.25" radius="0.001" youngModulus="1e8" nbEdgesCollis="5" '
+              'massDensity="1000"/><RodSpireSection name="h" length="0.05" radius="0.001" youngModulus="1e8" nbEdgesCollis="4" '
+              'spireDiameter="0.05" spireHeight="0" massDensity="1000"/><WireRestShape name="shape" wireMaterials="@s @h"/>'
+              '<EdgeSetTopologyContainer name="mesh"/></Node>')
+    wires = "".join(f'<WireBeamInterpolation name="w{i}" WireRestShape="@../t{i}/shape"/><AdaptiveBeamForceFieldAndMass '
+                    f'interpolation="@w{i}"/>' for i in range(2))
+    for steps, way in ((1, 0.0), (12, 0.3), (12, -0.2)):
+        run = Run(root(shapes + '<Node name="rods"><EulerImplicitSolver rayleighStiffness="0.2" rayleighMass="0.1"/><BTDLinearSolver/>'
+                       '<RegularGridTopology nx="40" ny="1" nz="1" xmin="0" xmax="1" ymin="0" ymax="0" zmin="1" zmax="1"/>'
+                       f'<MechanicalObject name="frames" template="Rigid3d"/>{wires}<InterventionalRadiologyController name="irc" '
+                       f'instruments="w0 w1" xtip="0.07 0.093" speed="{way}" controlledInstrument="1" threshold="0.001"/>'
+                       '<FixedProjectiveConstraint indices="0"/><RestShapeSpringsForceField points="@irc.indexFirstNode" stiffness="1e8" '
+                       'angularStiffness="1e8"/><Node name="collis"><EdgeSetTopologyContainer name="edges"/><EdgeSetTopologyModifier/>'
+                       '<MechanicalObject name="points"/><MultiAdaptiveBeamMapping ircontroller="../irc" useCurvAbs="1"/></Node></Node>',
+                       'gravity="0 0 0"'), steps)
+        assert run.code == 0, run.text
+        frames, points = run.x("rods.frames", 7), run.x("rods.collis.points")
+        tip = 0.093 + abs(way) * 0.01 * steps if way > 0 else 0.093
+        nodes, places = rods_that_are_out(sections, (0.07, tip), 0.001)
+        expected = np.zeros((10, 3))
+        for i, at in enumerate(places):
+            n = min(np.searchsorted(nodes, at, "left"), len(nodes) - 1)
+            length = nodes[n] - nodes[n - 1]
+            a, b = frames[len(frames) - len(nodes) + n - 1], frames[len(frames) - len(nodes) + n]
+            ends = [a[:3], a[:3] + length / 3 * axes_of(a[3:])[:, 0], b[:3] - length / 3 * axes_of(b[3:])[:, 0], b[:3]]
+            s = (at - nodes[n - 1]) / length
+            expected[10 - len(places) + i] = sum(c * p for c, p in zip(((1 - s)**3, 3 * s * (1 - s)**2, 3 * s * s * (1 - s), s**3), ends))
+        agree(points, expected, 1e-8)
 
 
 @case

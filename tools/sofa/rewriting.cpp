@@ -15,14 +15,10 @@
 
 namespace stroma {
 
-namespace {
-constexpr std::string_view dialect_word = foreign_dialect;
-}  // namespace
-
 bool isForeign(const std::string& file, const NodeDescription& root, const std::vector<Override>& overrides) {
   for (const Override& change : overrides)
-    if (change.attribute == "dialect") return trimmed(change.value) == dialect_word;
-  if (const AttributeDescription* dialect = root.find("dialect")) return trimmed(dialect->value) == dialect_word;
+    if (change.attribute == "dialect") return trimmed(change.value) == foreign_dialect;
+  if (const AttributeDescription* dialect = root.find("dialect")) return trimmed(dialect->value) == foreign_dialect;
   return file.ends_with(".scn");
 }
 
@@ -60,6 +56,7 @@ void Rewriting::run() {
   });
   tree_->forEachPlace([this](Place& place) { rewriteNode(place); });
   acceptTypes();
+  makeChains();
   liftPlanes();
   divideSteps();
   matchShapes();
@@ -101,9 +98,9 @@ void Rewriting::run() {
 void Rewriting::readSwitches() {
   std::vector<AttributeDescription>& attributes = scene_.root.attributes;
   const AttributeDescription* dialect = scene_.root.find(dialect_attribute);
-  is_foreign_ = dialect && trimmed(dialect->value) == dialect_word;
+  is_foreign_ = dialect && trimmed(dialect->value) == foreign_dialect;
   for (const AttributeDescription& attribute : attributes) {
-    if (attribute.name == "dialect" && trimmed(attribute.value) != dialect_word && trimmed(attribute.value) != "native")
+    if (attribute.name == "dialect" && trimmed(attribute.value) != foreign_dialect && trimmed(attribute.value) != "native")
       diagnostics_.error(attribute.where, "/.dialect", inQuotes(attribute.value) + " is no dialect", "sofa or native",
                          nearest(attribute.value, {"sofa", "native"}));
     if (attribute.name != "withoutQuirks") continue;

@@ -37,6 +37,7 @@ class Rewriting {
   void splitMass(Element& field);
   void fillParts(Element& field);
   void meanVoxels(Element& field);  // rewritten_masses.cpp
+  void makeChains();                // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();

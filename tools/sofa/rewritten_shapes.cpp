@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// SOFA's ShapeMatching, an engine that follows a state as it moves: here what draws nodes to its goals matches the shapes itself.
+// Parts that are one component in SOFA and another here.
+// ShapeMatching is there an engine that follows a state as it moves: here what draws nodes to its goals matches the shapes itself.
+// MultiAdaptiveBeamMapping fills the edges of its node there: here a topological mapping does.
 #include "tools/sofa/rewriting.h"
 
 namespace stroma::sofa {
@@ -31,6 +33,27 @@ void Rewriting::matchShapes() {
     shapes->dropped = shapes->without_effect = true;
     diagnostics_.note(shapes->written->where, shapes->path(), "is a part of " + element.path() + " here");
   });
+}
+
+void Rewriting::makeChains() {
+  std::vector<std::pair<Element*, Element*>> chains;
+  tree_->forEach([&](Element& element) {
+    if (!element.is("MultiAdaptiveBeamMapping")) return;
+    for (const auto& other : element.place->elements)
+      if (other->is("EdgeSetTopologyContainer")) {
+        chains.emplace_back(&element, other.get());
+        break;
+      }
+  });
+  for (const auto& [mapping, container] : chains) {
+    for (const char* name : {"position", "points", "edges", "src", "nbPoints"}) container->remove(name);  // cleared there
+    const SourceLocation& where = mapping->written->where;
+    ComponentDescription edges{"MultiAdaptiveBeamTopologicalMapping", {}, where, mapping->written->folder};
+    for (const char* name : {"ircontroller", "controller"})
+      if (mapping->find(name)) edges.attributes.push_back({"ircontroller", mapping->text(name), where});
+    edges.attributes.push_back({"output", SceneTree::linkTo(*container), where});
+    tree_->add(*mapping->place, std::move(edges));
+  }
 }
 
 }  // namespace stroma::sofa

@@ -16,7 +16,8 @@ sys.path.insert(0, str(HERE))
 RUNS = ["finger", "gripper", "trunk", "pneunet", "cavity_of_library", "rigidified", "liver_like", "rest_shape_force", "all_events",
         "spheres_by_keys", "matrices", "springs_by_script", "recorder", "episodes", "cloth", "beam_needle", "exporters", "drawn",
         "of_sofapython2", "engines", "of_two_files", "folders", "values_in_place", "switches", "attached", "arm_of_joints", "hyperelastic",
-        "loop_of_program", "two_grippers", "dropped", "catheter"]
+        "loop_of_program", "two_grippers", "dropped", "catheter", "catheter_contact",
+        "three_instruments"]
 LACKS = {
     "haptic": ["GeomagicDriver", "CarvingManager"],
     "needs_more": ["gym_of_nobody", "sofa_of_nobody", "FluidGridOfNobody", "ShellOfNobody"],
@@ -36,6 +37,12 @@ def test_all_that_is_missing_is_one_message(name, folder):
 def test_a_call_that_is_missing_names_the_line(folder):
     done = run("run", SCENES / "topology_cut.py", "-n", 10, "--no-record", folder=folder)
     assert done.returncode == 3 and re.search(r"topology_cut.py:\d+: .*removeTetrahedra", done.stderr), done.stderr
+
+
+def test_instruments_that_are_drawn_back_have_a_matrix_with_a_solution(folder):
+    """Where a step starts the beam at the opening is far too short or too long: its exact stiffness has none."""
+    done = run("run", SCENES / "three_instruments.py", "-n", 100, "--no-record", folder=folder)
+    assert done.returncode == 0 and "not positive definite" not in done.stdout + done.stderr, done.stdout + done.stderr
 
 
 # ---- robots ----
