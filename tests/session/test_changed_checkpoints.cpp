@@ -224,7 +224,8 @@ TEST(ChangedCheckpoints, AnotherTimeStepCountsFromThere) {
     return fmt::format("<Node name=\"root\" dt=\"{}\" gravity=\"0 0 -1\"><EulerImplicitSolver/>"
                        "<SparseLDLSolver/>"
                        "<RegularGridTopology n=\"3 3 3\" min=\"0 0 0\" max=\"1 1 1\"/><MechanicalObject name=\"dofs\"/>"
-                       "<DiagonalMass massDensity=\"1\"/><HexahedronHyperelasticityFEMForceField materialName=\"NeoHookean\" youngModulus=\"100\" poissonRatio=\"0.3\" "
+                       "<DiagonalMass massDensity=\"1\"/>"
+                       "<HexahedronHyperelasticityFEMForceField materialName=\"NeoHookean\" youngModulus=\"100\" poissonRatio=\"0.3\" "
                        "viscous=\"true\" ParameterAlpha=\"0.5\" ParameterTau=\"0.2\"/>"
                        "<HexahedronPorousForceField fluidFraction=\"0.5\" bulkModulus=\"1\" limitModulus=\"100\" permeability=\"1e-3\" "
                        "drainedIndices=\"0 1 2\"/><FixedProjectiveConstraint indices=\"0 1 2 3\"/></Node>",

@@ -302,6 +302,23 @@ def test_what_is_switched_off_stays_and_goes_on():
             assert (two.dofs.velocity.array() == states[step - 4][1]).all(), step
 
 
+def test_what_is_taken_off_and_put_back_goes_on():
+    root = Sofa.Core.Node("root")
+    one, two = cube_of(root, "one"), cube_of(root, "two")
+    Sofa.Simulation.init(root)
+    animate(root, 3)
+    before = one.dofs.position.array(), one.dofs.velocity.array()
+    root.removeChild(two)
+    animate(root, 2)
+    root.addChild(two)
+    animate(root, 1)
+    after = two.dofs.position.array()
+    assert (one.dofs.position.array() != after).any()
+    two.dofs.position.value, two.dofs.velocity.value = before
+    animate(root, 1)
+    assert (two.dofs.position.array() == after).all(), "it went on from where it was taken off"
+
+
 def test_what_is_switched_off_takes_positions():
     root = Sofa.Core.Node("root")
     body = cube_of(root, "body")

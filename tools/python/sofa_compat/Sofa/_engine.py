@@ -330,13 +330,15 @@ class Engine:
             same = {path: mirror.paths[key] for key, path in self.mirror.paths.items() if key in mirror.paths}
             for path in _stroma.go_on(simulation._engine, before._engine, same, set(mirror.paths.values())):
                 _messages.warn(f"{path}: the scene has changed, and what it remembers of the run begins anew")
-        awake = {} if from_start else {key: {"position": np.array(state.x), "velocity": np.array(state.v)}
-                                       for key, state in self._states.items()}
+        # with the object itself, so that no other one gets its id
+        awake = {} if from_start else {key: {"object": self.mirror.things[key], "position": np.array(state.x),
+                                             "velocity": np.array(state.v)} for key, state in self._states.items()}
         self._take(simulation, mirror)
         self._asleep = {} if from_start else self._asleep | {key: kept for key, kept in awake.items() if key not in self._states}
         for key in self._asleep.keys() & self._states.keys():
-            for name, value in self._asleep.pop(key).items():
-                self._put(mirror.things[key], self._states[key], name, value)
+            kept = self._asleep.pop(key)
+            for name in ("position", "velocity"):
+                self._put(mirror.things[key], self._states[key], name, kept[name])
         for key, rest in led.items():
             if key in self._states:
                 self._lead(mirror.things[key], self._states[key], rest)
