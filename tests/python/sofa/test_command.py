@@ -255,3 +255,21 @@ def test_the_view_hands_the_pointer_to_controllers():
         for wrong in ({"state": 8, "x": 0, "y": 0, "wheel": 0}, {"state": 1, "x": 0.5, "y": 0, "wheel": 0}, {"state": 1, "x": 0, "y": 0}):
             assert not page.ask("mouse", **wrong)["ok"], wrong
         assert page.status["ended"] == ""
+
+
+def test_migrate_names_what_is_written_in_python(folder):
+    scene = folder / "led.py"
+    scene.write_text('''import Sofa
+class Leading(Sofa.Core.Controller):
+    pass
+def createScene(root):
+    root.addObject("DefaultAnimationLoop")
+    body = root.addChild("body")
+    body.addObject("EulerExplicitSolver")
+    body.addObject("MechanicalObject", position=[[0, 0, 0]])
+    body.addObject("UniformMass", totalMass=1)
+    body.addObject(Leading(name="leading"))
+''')
+    done = run("migrate", scene, "-o", folder / "led.xml", folder=folder)
+    assert done.returncode == 0, done.stderr
+    assert "/body/leading: Leading is written in Python, and not in the scene that is made" in done.stderr

@@ -47,6 +47,9 @@ class Program:
         _engine.begin(self._root)
         self._mirror = Mirror(self._root)
         _engine.check(self._root)
+        for each in self._root._s_all_objects() if self._words and self._words[0] == "migrate" else ():
+            if not each._s_type:
+                _messages.warn(f"{each._s_place()}: {type(each).__name__} is written in Python, and not in the scene that is made")
         file = os.path.abspath(file)
         return _stroma.description(self._mirror.root._tuple(), file, _scene_file.own_files(file))
 
