@@ -69,7 +69,8 @@
 // ParameterAlpha are shares of the instantaneous modulus, so that G(t) = G_0 (1 - sum alpha_i (1 - exp(-t/tau_i)));
 // FEBio's moduli, in contrast, are those after all relaxation. viscousUpdate = backward is the published recursion
 // gamma^n = (h alpha S^n + tau gamma^{n-1})/(h + tau), of first order in the step h; exponential is exact for stresses
-// that change linearly in a step: second order, with an integrator of second order. viscousPart = deviatoric relaxes the
+// that change linearly in a step: second order, with an integrator of second order and without its rayleighStiffness, which
+// damps by the tangent of the step. viscousPart = deviatoric relaxes the
 // stress of the change of shape alone, as FEBio's uncoupled viscoelastic materials do, and the bulk modulus stays: S_h
 // is then that of the energy without its last term, of a law with isochoric invariants, and its last term is added as
 // it is. With dilatation = mean (of hexahedra) it is the only choice. The tangent follows the force exactly. The
