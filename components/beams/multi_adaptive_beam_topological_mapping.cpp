@@ -54,6 +54,8 @@ class MultiAdaptiveBeamTopologicalMapping final : public TopologicalMapping {
     if (!mover)
       throw ComponentError("there is nothing that pushes rods", "ircontroller=\"@...\", an InterventionalRadiologyController");
     const int edges = count_ > 0 ? count_ : mover->contactEdges(false), needed = mover->contactEdges(true);
+    constexpr int most = 2000;  // each of their nodes may hang on any frame
+    if (edges > most) throw ComponentError(fmt::format("the chain has {} edges", edges), fmt::format("at most {}", most));
     if (needed > edges)
       warn(fmt::format("the chain has {} edges, and {} are needed where all rods are out: those next to the opening are left out there",
                        edges, needed),

@@ -119,6 +119,8 @@ TEST(ContactChains, SayWhatIsWrong) {
                             "<MechanicalObject position=\"0 0 0\"/><MultiAdaptiveBeamMapping/></Node></Node>"),
                  "there is nothing that pushes rods");
   expectContains(problemsOf("<Node><MultiAdaptiveBeamTopologicalMapping/></Node>"), "there is nothing that pushes rods");
+  expectContains(problems("<Node><MultiAdaptiveBeamTopologicalMapping nbEdges=\"100000\"/><MechanicalObject/></Node>"),
+                 "the chain has 100000 edges");
 }
 
 }  // namespace STROMA_TEST_FILE
