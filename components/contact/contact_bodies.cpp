@@ -69,7 +69,12 @@ std::string namesOf(const BarrierLaw& law, const std::vector<State*>& bodies, bo
   const auto obstacles =
       long(law.planes.size()) + std::count_if(all.begin(), all.end(), [](const Surfaces::Body& body) { return !body.moves; });
   std::string text;
-  for (const State* body : bodies) text += (text.empty() ? "" : ", ") + body->path();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    text += (i == 0 ? "" : ", ") + bodies[i]->path();
+    if (i >= all.size() || all[i].faces == 0) continue;
+    const auto& [a, b, c] = law.surfaces.faces[std::size_t(all[i].first_face)];
+    if (a == b) text += b == c ? " (its points)" : " (its edges)";
+  }
   if (obstacles > 0) text += fmt::format(" and {} obstacle{}", obstacles, obstacles == 1 ? "" : "s");
   if (self) text += bodies.size() == 1 && obstacles == 0 ? " with itself" : ", each body with itself too";
   return text;

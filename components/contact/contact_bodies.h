@@ -25,7 +25,7 @@ double partOfMeanEdge(const Surfaces& surfaces, double part);
 /// one below; 0: none has [Pa].
 double largestYoungModulus(const std::vector<State*>& bodies);
 
-/// "/a/dofs, /b/dofs and 2 obstacles", for what meets what; `self`: each body meets itself too.
+/// "/a/dofs, /b/dofs (its edges) and 2 obstacles", for what meets what; `self`: each body meets itself too.
 std::string namesOf(const BarrierLaw& law, const std::vector<State*>& bodies, bool self);
 
 /// "node 3 of /body/dofs", or "an obstacle". `bodies`: the states of the surfaces, in their order.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "framework/mechanics/open_choices.h"
 #include "framework/simulation/simulation.h"
 #include "tests/contact/contact_scenes.h"
 
@@ -168,6 +169,20 @@ TEST(Threads, OfConstraintContactKeepTheirGap) {
   for (int i = 0; i < 100; ++i) expectCleanStep(simulation, i);
   for (Index node = 0; node < 5; ++node) EXPECT_NEAR(simulation.systems()[0]->x[node].z(), 1e-3, 1e-9);
   EXPECT_NEAR(constraintOutput(simulation, "wrenches")[2], 5e-3 * gravity, 1e-9);
+}
+
+/// Who has forgotten triangles sees in the plan what meets.
+TEST(Threads, AreNamedInThePlan) {
+  const Thread thread(Vec3(0, 0, 3e-3), Vec3(0.04, 0, 3e-3), 4);
+  const auto choiceOf = [](const std::string& body) {
+    FieldUnderTest t(contactScene(body), "BarrierContact");
+    return dynamic_cast<OpenChoices&>(t.field()).choice();
+  };
+  const std::string contact = "<BarrierContact contactDistance=\"0.001\" stiffness=\"1e5\" planes=\"0 0 1 0\"/>";
+  expectContains(choiceOf(thread.node("a", contact)), "/a/dofs (its edges) and 1 obstacle");
+  expectContains(choiceOf("<Node name=\"a\"><MeshTopology position=\"0 0 1\"/><MechanicalObject name=\"dofs\"/><UniformMass "
+                          "vertexMass=\"1\"/>" + contact + "</Node>"),
+                 "/a/dofs (its points) and 1 obstacle");
 }
 
 TEST(Threads, SayWhatIsWrong) {

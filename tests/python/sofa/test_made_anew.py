@@ -327,6 +327,8 @@ def test_what_is_switched_off_takes_positions():
     animate(root, 1)
     body.activated = False
     animate(root, 1)
+    with pytest.raises(ValueError, match="6 numbers for 1 rows of 3"):
+        body.dofs.position.value = [[3, 0, 0], [4, 0, 0]]
     body.dofs.position.value = [[3, 0, 0]]
     assert body.dofs.position.array().tolist() == [[3, 0, 0]]
     body.activated = True

@@ -63,6 +63,12 @@ class WrongShape(ValueError, IndexError):
     """An array of other rows than the state has."""
 
 
+def _as_rows(thing, name, numbers, shape):
+    if numbers.size != shape[0] * shape[1]:
+        raise WrongShape(f"{thing._s_place()}.{name}: {numbers.size} numbers for {shape[0]} rows of {shape[1]}")
+    return numbers.reshape(shape)
+
+
 class TreeChanged(RuntimeError):
     """What takes a new simulation."""
 
@@ -184,8 +190,8 @@ class Engine:
         if data._s_name in _FIELDS:
             return _messages.warn(f"{thing._s_place()}.{data._s_name}: is computed: what is written does not count")
         if id(thing) in self._asleep:
-            kept = self._asleep[id(thing)]
-            kept[data._s_name] = np.asarray(_values.numbers_of(value), dtype=float).reshape(kept[data._s_name].shape)
+            kept, numbers = self._asleep[id(thing)], np.asarray(_values.numbers_of(value), dtype=float)
+            kept[data._s_name] = _as_rows(thing, data._s_name, numbers, kept[data._s_name].shape)
             return None
         state = self._states.get(id(thing))
         if state is not None and data._s_name in _STATE and not isinstance(value, Data) and not _values.is_link_text(value):
@@ -217,9 +223,7 @@ class Engine:
         if name in ("position", "velocity"):
             now = np.array(state.x if name == "position" else state.v)
             value = np.asarray(_values.numbers_of(value), dtype=float)
-            if value.size != now.size:
-                raise WrongShape(f"{thing._s_place()}.{name}: {value.size} numbers for {now.shape[0]} rows of {now.shape[1]}")
-            return self._put(thing, state, name, value.reshape(now.shape))
+            return self._put(thing, state, name, _as_rows(thing, name, value, now.shape))
         if name == "rest_position":
             return self._lead(thing, state, np.asarray(_values.numbers_of(value), dtype=float))
         _messages.warn(f"{thing._s_place()}.{name}: is computed in every step: what is written does not count")
@@ -254,9 +258,7 @@ class Engine:
     def _lead(self, thing, state, rest):
         """Springs to the rest shape pull to another one; elastic bodies keep theirs, as in SOFA."""
         now = self._rest.get(id(thing), np.array(state.rest))
-        if rest.size != now.size:
-            raise WrongShape(f"{thing._s_place()}.rest_position: {rest.size} numbers for {now.shape[0]} rows of {now.shape[1]}")
-        self._rest[id(thing)] = rest = rest.reshape(now.shape)
+        self._rest[id(thing)] = rest = _as_rows(thing, "rest_position", rest, now.shape)
         readers = 0
         for key, component in self._components.items():
             spring = self.mirror.things[key]
