@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# stroma_try_huge_pages(RESULT): RESULT is the launcher that gives compilers memory on huge pages (huge_pages.cpp), or empty where
+# the kernel gives none or a compiler does not run with it. The library stands beside what is built, and is built while CMake configures.
+function(stroma_try_huge_pages result)
+  set(${result} "" PARENT_SCOPE)
+  set(switch /sys/kernel/mm/transparent_hugepage/enabled)
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux" OR NOT EXISTS ${switch})
+    return()
+  endif()
+  file(READ ${switch} setting)
+  if(setting MATCHES "\\[never\\]")
+    return()
+  endif()
+  set(source ${CMAKE_SOURCE_DIR}/cmake/huge_pages.cpp)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+  file(SHA256 ${source} state)
+  set(folder ${CMAKE_BINARY_DIR}/CMakeFiles/huge_pages)
+  set(library ${folder}/huge_pages.so)
+  set(launcher sh ${CMAKE_SOURCE_DIR}/cmake/on_huge_pages.sh ${library})
+  if(NOT EXISTS ${library} OR NOT "${STROMA_TRIED_HUGE_PAGES}" STREQUAL state)
+    # Renamed when it is whole: compilers that run have the one from before.
+    file(WRITE ${folder}/tried.h "#include <string>\n#include <vector>\n")
+    file(WRITE ${folder}/tried.cpp "int main() { return std::vector<std::string>(1, \"works\").empty(); }\n")
+    execute_process(
+      COMMAND ${CMAKE_CXX_COMPILER} -std=c++17 -O2 -shared -fPIC ${source} -o ${folder}/new.so
+      RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
+    set(compile ${CMAKE_COMMAND} -E chdir ${folder} sh ${CMAKE_SOURCE_DIR}/cmake/on_huge_pages.sh ${folder}/new.so ${CMAKE_CXX_COMPILER})
+    foreach(arguments "-x;c++-header;-c;tried.h;-o;tried.h.gch" "-include;tried.h;-c;tried.cpp;-o;tried.o")
+      if(NOT failed)
+        execute_process(COMMAND ${compile} ${arguments} RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
+      endif()
+    endforeach()
+    if(failed OR NOT "${said}" STREQUAL "")  # a library that cannot be preloaded is said, and no failure
+      message(STATUS "Compilers take small pages: with huge ones the trial said ${failed} ${said}")
+      return()
+    endif()
+    file(RENAME ${folder}/new.so ${library})
+    set(STROMA_TRIED_HUGE_PAGES "${state}" CACHE INTERNAL "hash of the library with which a compiler ran")
+  endif()
+  message(STATUS "Compilers take huge pages")
+  set(${result} "${launcher}" PARENT_SCOPE)
+endfunction()
