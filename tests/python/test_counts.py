@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What the module costs, by counts that no load of the machine changes: calls of Python, objects and bytes for each step."""
 import gc
+import os
+import subprocess
 import sys
 import tracemalloc
 
@@ -60,6 +62,32 @@ def test_reading_positions_allocates_no_copy():
         tracemalloc.stop()
     assert size < 100 * 1000 < views[0].size * 8, "of each a head, none of its 64,000 numbers"
     assert {view.ctypes.data for view in views} == {state._state.address}
+
+
+FAULTS_OF_WRITING = """
+import resource
+import numpy, stroma
+root = stroma.Node("root", dt=0.01)
+root.add("EulerExplicitSolver")
+root.add("RegularGridTopology", n=(20, 20, 50), min=(0, 0, 0), max=(1, 1, 1))
+root.add("MechanicalObject")
+root.add("UniformMass", totalMass=1)
+state = stroma.load(root).state()
+positions = numpy.array(state.x)
+state.x = positions  # what is reserved once
+before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+for _ in range(100): state.x = positions
+pages = positions.nbytes // resource.getpagesize()
+print((resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before) / pages)
+"""
+
+
+def test_writing_positions_touches_no_new_memory():
+    """Where memory goes back to the system after each call, a page fault for every page of the arrays comes with the next one. In a process
+    of its own: one in which large arrays were freed before keeps memory too."""
+    environment = {name: value for name, value in os.environ.items() if name != "GLIBC_TUNABLES"}
+    said = subprocess.run([sys.executable, "-c", FAULTS_OF_WRITING], env=environment, capture_output=True, text=True, check=True).stdout
+    assert float(said) < 50, "of 100 times as many pages"
 
 
 def test_episodes_leave_nothing(simulation):

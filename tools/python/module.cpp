@@ -3,11 +3,13 @@
 #include "tools/python/python.h"
 
 #include "framework/algebra/parallel.h"
+#include "tools/platform/heap.h"
 #include "tools/python/termination.h"
 
 PYBIND11_MODULE(_stroma, module) {
   using namespace stroma::python;
   module.doc() = "The engine, for the Python files of the package stroma.";
+  if (!getenv("GLIBC_TUNABLES")) stroma::reserveHeap();  // else somebody has chosen
   standBeforeMetis();
   bindErrors(module);
   bindCatalogue(module);
