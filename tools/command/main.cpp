@@ -14,7 +14,7 @@
 using namespace stroma::command;
 
 int main(int count, char** values) {
-  stroma::reserveHeap();
+  stroma::reserveHeap(std::size_t{2000} << 20);
   // OpenBLAS would start a thread for every core when a module opens it, and let them spin; factorisations use one
   setenv("OPENBLAS_NUM_THREADS", "1", 0);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no more is an error of its writer, not the end of the process

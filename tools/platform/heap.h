@@ -1,30 +1,46 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The heap of a process that simulates: of the command, and of an interpreter that has opened the module.
 #pragma once
+#include <fcntl.h>
 #include <malloc.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
 namespace stroma {
 
+/// Whether the kernel counts addresses as memory. (A stream would open more than it reads.)
+inline bool countsAddresses() {
+  char setting = 0;
+  const int file = open("/proc/sys/vm/overcommit_memory", O_RDONLY | O_CLOEXEC);
+  const bool is_read = file >= 0 && read(file, &setting, 1) == 1;
+  if (file >= 0) close(file);
+  return is_read && setting == '2';
+}
+
 /// The heap goes on with addresses on huge pages, where the kernel gives them, and what is freed stays in it: to touch new memory in
-/// small pages costs more than to make a matrix in it. Addresses alone take no memory.
-inline void reserveHeap() {
+/// small pages costs more than to make a matrix in it. Addresses alone take no memory. There are at most `most` bytes of them, half of
+/// the machine's memory, and a quarter of what the process may have; twice as much that is free at the end goes back.
+inline void reserveHeap(std::size_t most) {
 #ifdef M_TOP_PAD
-  constexpr int megabyte = 1 << 20, reserve = 256 * megabyte, later = 16 * megabyte;
-  constexpr std::uintptr_t huge_page = 2 * megabyte;
-  mallopt(M_MMAP_THRESHOLD, 32 * megabyte);  // the most that it takes
-  mallopt(M_TRIM_THRESHOLD, 2 * reserve);
-  mallopt(M_TOP_PAD, reserve);
+  constexpr std::size_t megabyte = std::size_t{1} << 20, huge_page = 2 * megabyte, large = 2047 * megabyte;  // what an int holds
+  std::size_t addresses = std::min(most, std::size_t(sysconf(_SC_PHYS_PAGES)) / 2 * std::size_t(sysconf(_SC_PAGESIZE)));
+  if (countsAddresses()) addresses = std::min(addresses, 256 * megabyte);
+  if (rlimit limit{}; getrlimit(RLIMIT_AS, &limit) == 0) addresses = std::min<std::size_t>(addresses, limit.rlim_cur / 4);
+  mallopt(M_MMAP_THRESHOLD, int(32 * megabyte));  // the most that it takes
+  mallopt(M_TRIM_THRESHOLD, int(std::min(2 * addresses, large)));
+  mallopt(M_TOP_PAD, int(addresses));
   const auto first = (reinterpret_cast<std::uintptr_t>(sbrk(0)) + huge_page - 1) / huge_page * huge_page;
   void* volatile grown = std::malloc(31 * megabyte);  // more than an interpreter has at hand
   std::free(grown);
   const auto end = reinterpret_cast<std::uintptr_t>(sbrk(0));
   if (end > first) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
-  mallopt(M_TOP_PAD, later);
+  mallopt(M_TOP_PAD, int(16 * megabyte));
 #endif
 }
 

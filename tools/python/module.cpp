@@ -9,7 +9,7 @@
 PYBIND11_MODULE(_stroma, module) {
   using namespace stroma::python;
   module.doc() = "The engine, for the Python files of the package stroma.";
-  if (!getenv("GLIBC_TUNABLES")) stroma::reserveHeap();  // else somebody has chosen
+  if (!getenv("GLIBC_TUNABLES")) stroma::reserveHeap(std::size_t{256} << 20);  // else somebody has chosen
   standBeforeMetis();
   bindErrors(module);
   bindCatalogue(module);
