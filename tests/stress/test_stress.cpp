@@ -56,6 +56,19 @@ TEST_F(Stress, ARightForceFieldOutsideTheTreeBreaksNowhere) {
   EXPECT_GT(result["endings"]["stops"].get<int>(), 5);
 }
 
+TEST_F(Stress, AQuarterOfAMegabyteIsTooLittle) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer takes more address space than a limit leaves";
+#endif
+  bool is_there = false;
+  for (const json& one : stress("RightTetrahedra", "--cases 40", 0)["cases"]) {
+    if (!one["text"].get<std::string>().starts_with("0.25 MB more")) continue;
+    is_there = true;
+    EXPECT_EQ(one["ending"], "stops") << one;
+  }
+  EXPECT_TRUE(is_there);
+}
+
 TEST_F(Stress, AWrongSignOfADerivativeIsFound) {
   const json result = stress("WrongSignTetrahedra", "--cases 4", 1);
   EXPECT_NE(sentences(result, "breaks")

@@ -2,6 +2,7 @@
 #include "tools/stress/case_run.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -147,6 +148,7 @@ class CaseRun {
   void prepareProcess() {
     if (what_.kind == Kind::threads) setThreads(int(what_.amount));
     if (what_.kind != Kind::memory) return;
+    malloc_trim(0);  // what the heap has reserved would be room besides
     std::ifstream file("/proc/self/statm");
     std::size_t pages = 0;
     file >> pages;
