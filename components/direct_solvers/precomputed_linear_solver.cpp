@@ -18,6 +18,8 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
+#include <cmath>
+
 #include "components/direct_solvers/cholesky_factor.h"
 #include "components/direct_solvers/symmetric_part_factor.h"
 #include "framework/scene/archive.h"
@@ -38,13 +40,23 @@ class PrecomputedLinearSolver final : public DirectSolver {
     if (archive.isReading()) first.factors = nullptr;
   }
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override {
+    SolveReport report;
+    const double norm_b = norm(b);
+    if (!std::isfinite(norm_b)) {
+      report.stop = SolveStop::not_finite;
+      return report;
+    }
     First& first = first_.of(matrix);
     const BlockMatrix& a = matrix.assemble();
     if (first.values.size() != a.values().size()) {
       first.values.assign(a.values().begin(), a.values().end());
       first.factors = nullptr;
     }
-    SolveReport report;
+    if (norm_b == 0) {
+      clear(x);
+      report.stop = SolveStop::zero_right_side;
+      return report;
+    }
     report.iterations = 1;
     report.factored = first.factors == nullptr;
     if (!first.factors) first.factors = factorValues(matrix, first.values, terms.stop);
@@ -53,6 +65,10 @@ class PrecomputedLinearSolver final : public DirectSolver {
       return report;
     }
     first.factors->apply(b, x);
+    if (!std::isfinite(norm(x))) {  // the first matrix was not
+      clear(x);
+      report.stop = SolveStop::not_finite;
+    }
     return report;
   }
 

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "framework/mechanics/frames.h"
+#include "tests/support/manual_examples.h"
 #include "tests/support/scene_fixture.h"
 #include "tests/support/scene_text.h"
 
@@ -55,11 +56,13 @@ std::string pushedRods(const std::string& child) {
 }
 
 struct Case {
-  std::string name, scene;
+  std::string name, scene, type = {};  ///< of the mapping
 };
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
 
-std::vector<Case> cases() {
+/// Where the example of a manual page is not enough: other attributes and kinds of rows, frames that are turned, cells that are
+/// stretched, or no example.
+std::vector<Case> recipes() {
   const std::string points = "<MechanicalObject name=\"dofs\" position=\"0.1 0.2 -0.3  0.5 0 0  0 0.4 0.2\"/>";
   const std::string numbers =
       "<MeshTopology edges=\"0 1  1 2  2 3  0 3\"/><MechanicalObject name=\"dofs\" template=\"Vec1\"/>";
@@ -72,6 +75,9 @@ std::vector<Case> cases() {
                                     "<RigidRigidMapping rigidIndexPerPoint=\"0 2\"/>")},
       {"RigidSharedOut", underFrames(points + "<RigidMapping repartition=\"1 0 2\"/>")},
       {"Skinning", underFrames(points + "<SkinningMapping nbRef=\"3\"/>")},
+      {"LineSetSkinning",
+       "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><MeshTopology position=\"0 0 0  1 0.5 0  2 0 1\" "
+       "lines=\"0 1  1 2\"/>" + frames + "<Node name=\"child\">" + points + "<LineSetSkinningMapping/></Node></Node>"},
       {"BeamLinear", underFrames(points + "<BeamLinearMapping/>")},
       {"SkinningByHand",
        underFrames(points + "<SkinningMapping nbRef=\"2\" indices=\"0 1  1 2  2 0\" weight=\"1 3  1 1  0.2 0.8\"/>")},
@@ -180,17 +186,55 @@ std::vector<Case> cases() {
   return all;
 }
 
-class MappingContract : public testing::TestWithParam<Case> {};
+/// Of every mapping that the factory knows the recipes, or else the example on its manual page.
+std::vector<Case> cases() {
+  modules().openAll();
+  std::vector<Case> all = recipes();
+  const std::size_t by_hand = all.size();
+  for (const ComponentEntry* entry : factory().entries()) {
+    const std::string& type = entry->type;
+    const bool is_of_tests = entry->module.empty();
+    if (is_of_tests || !dynamic_cast<Mapping*>(factory().make(type).get())) continue;
+    const auto isIn = [&type](const std::string& scene) {
+      return scene.find("<" + type + " ") != std::string::npos || scene.find("<" + type + "/>") != std::string::npos;
+    };
+    bool has_recipe = false;
+    for (std::size_t i = 0; i < by_hand; ++i)
+      if (isIn(all[i].scene)) all[i].type = type, has_recipe = true;
+    const std::string example = exampleIn(modules().manual(type));
+    if (!has_recipe) all.push_back({type, isIn(example) ? example : "", type});
+  }
+  return all;
+}
+
+class MappingContract : public testing::TestWithParam<Case> {
+ protected:
+  void SetUp() override {
+    ASSERT_FALSE(GetParam().type.empty()) << "the recipe " << GetParam().name << " has no mapping that the factory knows";
+    ASSERT_FALSE(GetParam().scene.empty()) << GetParam().type << " is registered as a mapping, and nothing tests it: write an example "
+                                           << "of it on its manual page, or a recipe here";
+  }
+};
+
+const Mapping* mappingIn(const System& system, const std::string& type) {
+  for (const auto* list : {&system.actors().mappings, &system.actors().passive_mappings})
+    for (const Mapping* mapping : *list)
+      if (mapping->type() == type) return mapping;
+  return nullptr;
+}
 
 struct UnderTest {
   Simulation simulation;
   System& system;
   const Mapping& mapping;
-  explicit UnderTest(const std::string& text)
-      : simulation(simulationFromText(text)),
-        system(*simulation.systems().at(0)),
-        mapping(system.actors().mappings.empty() ? *system.actors().passive_mappings.at(0)
-                                                 : *system.actors().mappings.at(0)) {}
+  explicit UnderTest(const Case& c)
+      : simulation(simulationFromText(c.scene)), system(systemWith(c.type)), mapping(*mappingIn(system, c.type)) {}
+
+  System& systemWith(const std::string& type) const {
+    for (const auto& each : simulation.systems())
+      if (mappingIn(*each, type)) return *each;
+    throw std::runtime_error("no system has a " + type);
+  }
   /// Positions a step along d from those of the scene, with the child where the mapping has it.
   Vector movedBy(double s, const Vector& d) const {
     Vector x(system.allRows());
@@ -213,7 +257,7 @@ Vector randomRows(const System& system, unsigned seed) {
 }
 
 TEST_P(MappingContract, JacobianIsTheDerivative) {
-  UnderTest t(GetParam().scene);
+  UnderTest t(GetParam());
   const State& child = t.mapping.output();
   Vector d = randomRows(t.system, 3);
   const double h = 1e-5;
@@ -235,7 +279,7 @@ TEST_P(MappingContract, JacobianIsTheDerivative) {
 }
 
 TEST_P(MappingContract, ForcesAreTheTranspose) {
-  UnderTest t(GetParam().scene);
+  UnderTest t(GetParam());
   Vector v = randomRows(t.system, 4), f = randomRows(t.system, 5);
   const State& child = t.mapping.output();
   for (Index i = 0; i < t.system.independentRows(); ++i) f[i].setZero();
@@ -250,7 +294,7 @@ TEST_P(MappingContract, ForcesAreTheTranspose) {
 /// The derivative of J^T f, less the skew part 1/2 [torque] of turns, as it is left out of stiffnesses that act on the child
 /// too; assembled, as a product, and symmetric.
 TEST_P(MappingContract, GeometricStiffnessIsTheDerivativeOfForces) {
-  UnderTest t(GetParam().scene);
+  UnderTest t(GetParam());
   if (t.mapping.isLinear()) return;
   const State& child = t.mapping.output();
   const bool none = GetParam().name.ends_with("None"), stabilized = GetParam().name.ends_with("Stabilized");
@@ -303,7 +347,7 @@ TEST_P(MappingContract, GeometricStiffnessIsTheDerivativeOfForces) {
 
 /// What the velocity of the child changes by along the way, where that of the parents does not.
 TEST_P(MappingContract, CurvatureIsTheChangeOfVelocities) {
-  UnderTest t(GetParam().scene);
+  UnderTest t(GetParam());
   if (t.mapping.isLinear()) return;
   const State& child = t.mapping.output();
   const Vector v = randomRows(t.system, 9);

@@ -197,6 +197,14 @@ TEST(Mapping, FillsTheContainerInAnyOrder) {
   }
 }
 
+TEST(Mapping, TheIdentityHasAllCellsOfTheOther) {
+  const Scene scene = sceneFromText(cutScene(R"(<HexahedronSetTopologyContainer name="same"/>
+    <IdentityTopologicalMapping input="@../grid" output="@same"/>)"));
+  EXPECT_EQ(meshAt(scene, "/body/same").hexahedra, meshAt(scene, "/grid").hexahedra);
+  EXPECT_EQ(meshAt(scene, "/body/same").hexahedra.size(), 12u);
+  EXPECT_EQ(meshAt(scene, "/body/same").nodes(), 36);
+}
+
 TEST(Mapping, IsTheTopologyOfItsNodeWithoutAContainer) {
   const Scene scene = sceneFromText(cutScene(R"(<Hexa2TetraTopologicalMapping name="cut" cutting="five"/>)"));
   ASSERT_NE(found(scene), nullptr);

@@ -32,6 +32,12 @@ namespace {
 
 constexpr double organ_reference = -0.1028129625, leg_reference = -0.0005855339;  // of CalculiX, on the scenes' own meshes
 
+/// The hexahedra of `scene` with a mean change of volume, and with one at each point.
+void addDilatations(Problem& problem, const std::string& scene, const std::vector<int>& sizes, int steps = 1) {
+  for (const std::string dilatation : {"mean", "local"})
+    problem.ways.push_back({"hexahedra, dilatation " + dilatation, scene, {"/fem.dilatation=" + dilatation}, sizes, steps});
+}
+
 Problem beam() {
   Problem problem{"beam", "deflection of a cantilever bent to 30 % of its length [m]", "CalculiX 2.20, 1620 C3D20R"};
   problem.reference = -0.0604762, problem.uncertainty = 0.00045;
@@ -67,9 +73,7 @@ Problem pressedCube() {
   Problem problem{"cube", "bulge in the middle of a side of a pressed cube, nu = 0.499 [mm]", "CalculiX 2.20, 1728 C3D20R"};
   problem.reference = 2.90177, problem.uncertainty = 0.0067;
   problem.mesh = cubeMesh, problem.measure = cubeBulge;
-  for (const char* dilatation : {"mean", "local"})
-    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/pressed_cube.xml",
-                            {std::string("/fem.dilatation=") + dilatation}, {2, 4, 8, 12}});
+  addDilatations(problem, "benchmarks/pressed_cube.xml", {2, 4, 8, 12});
   return problem;
 }
 
@@ -77,9 +81,7 @@ Problem cook() {
   Problem problem{"cook", "upper corner of Cook's membrane, nu = 0.4999 [mm]", "CalculiX 2.20, 1152 C3D20R"};
   problem.reference = 11.3862, problem.uncertainty = 0.0047;
   problem.mesh = cookMesh, problem.measure = cookCorner;
-  for (const char* dilatation : {"mean", "local"})
-    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/cook.xml",
-                            {std::string("/fem.dilatation=") + dilatation}, {2, 4, 8, 16, 32}});
+  addDilatations(problem, "benchmarks/cook.xml", {2, 4, 8, 16, 32});
   return problem;
 }
 
@@ -87,9 +89,7 @@ Problem twistedBar() {
   Problem problem{"twist", "torque of a round bar turned by one radian [mN mm]", "closed form (Rivlin 1949)"};
   problem.reference = std::numbers::pi / 40 * 1e4 * 5;
   problem.mesh = barMesh, problem.measure = barTorque;
-  for (const char* dilatation : {"mean", "local"})
-    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/twisted_bar.xml",
-                            {std::string("/fem.dilatation=") + dilatation}, {2, 4, 6, 8}});
+  addDilatations(problem, "benchmarks/twisted_bar.xml", {2, 4, 6, 8});
   return problem;
 }
 
@@ -132,9 +132,7 @@ Problem chamber() {
                   "closed form (Green and Zerna 1968)"};
   problem.reference = 3, problem.uncertainty = 0.0005;  // the bulk modulus is 5000 times that of shear, not infinite
   problem.mesh = chamberMesh, problem.measure = chamberGrowth;
-  for (const char* dilatation : {"mean", "local"})
-    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/chamber.xml",
-                            {std::string("/fem.dilatation=") + dilatation}, {1, 2, 4, 6}});
+  addDilatations(problem, "benchmarks/chamber.xml", {1, 2, 4, 6});
   return problem;
 }
 
@@ -146,9 +144,7 @@ Problem muscleBar() {
   Problem problem{"muscle", "way of the end of a bar of heart muscle that a pressure bends [mm]", "Land et al. 2015, problem 1"};
   problem.reference = 3.17, problem.uncertainty = 0.03 / 3.17;
   problem.mesh = muscleMesh, problem.measure = muscleEnd;
-  for (const char* dilatation : {"mean", "local"})
-    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/muscle_bar.xml",
-                            {std::string("/fem.dilatation=") + dilatation}, {2, 4, 6}});
+  addDilatations(problem, "benchmarks/muscle_bar.xml", {2, 4, 6});
   problem.ways.push_back({"tetrahedra", "benchmarks/muscle_bar.xml", {}, {2, 4, 6}, 1,
                           {{"<HexahedronHyperelasticityFEMForceField name=\"fem\" " + muscle + "/>",
                             tetrahedra("TetrahedronHyperelasticityFEMForceField " + muscle)}}});
@@ -160,9 +156,7 @@ Problem ventricle() {
   Problem problem{"ventricle", "way of the apex of a ventricle that is inflated [mm]", "Land et al. 2015, problem 2"};
   problem.reference = 9.65, problem.uncertainty = 0.25 / 9.65;
   problem.mesh = ventricleMesh, problem.measure = ventricleApex;
-  for (const char* dilatation : {"mean", "local"})
-    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/ventricle.xml",
-                            {std::string("/fem.dilatation=") + dilatation}, {1, 2, 4, 6}, 5});
+  addDilatations(problem, "benchmarks/ventricle.xml", {1, 2, 4, 6}, 5);
   return problem;
 }
 
