@@ -73,6 +73,7 @@ class PorousForceField : public ForceField, public History {
   std::vector<int> drained_;
   Coupling coupling_ = Coupling::semi_implicit;
   Tangent tangent_ = Tangent::coupled;
+  std::string fluid_of_elements_;  ///< why an assembled matrix keeps the fluid in each element; empty: it does not
   std::vector<double> pressure_;  ///< at the end of the last step [Pa], shape (nodes)
   std::vector<double> initial_;
 

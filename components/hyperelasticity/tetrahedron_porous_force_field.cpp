@@ -46,9 +46,10 @@
 //
 // exact where all elements have one J (else w is on one side of it; halves on both keep K symmetric): a few Newton
 // iterations per step, whatever M. A product solves with Darcy's matrix, factored once for all steps of one size. As
-// a matrix K couples all nodes: bodies of more than 500 nodes assemble the undrained one instead, so take CGLinearSolver
-// there. undrained: fluid that stays in each element; cheap, stable with one linear solve per step, and hundreds of
-// Newton iterations where M is large.
+// a matrix K couples all nodes: bodies of more than 500 nodes assemble the undrained one instead. Integrators then solve with
+// K by conjugate gradients on products, which the scene's solver preconditions: the answer does not depend on it, and
+// CGLinearSolver, which takes products alone, may be faster. undrained: fluid that stays in each element; cheap, stable with
+// one linear solve per step, and hundreds of Newton iterations where M is large.
 //
 // Source: S. Marchesseau, T. Heimann, S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy
 // decomposition method for fast porous visco-hyperelastic soft tissue model", MICCAI 2010, section 3.2; the splits

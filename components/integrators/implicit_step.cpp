@@ -58,7 +58,7 @@ void ImplicitStep::wholeForce(double time, Rows out) {
   addDamping(1, out);
 }
 
-SystemMatrix& ImplicitStep::tangent() { return system_->matrix().withFactors(tangentFactors()); }
+SystemMatrix& ImplicitStep::tangent() { return whole_.of(system_->matrix().withFactors(tangentFactors())); }
 
 MatrixFactors ImplicitStep::tangentFactors() const {
   const double w = scheme_.weight;
