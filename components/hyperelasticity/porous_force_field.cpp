@@ -261,13 +261,23 @@ void PorousForceField::stepEnded(double t) {
 }
 
 std::string PorousForceField::fault() const {
-  constexpr long enough = 3;
-  if (coupling_ == Coupling::implicit || swings_.inARow() < enough) return {};
-  return fmt::format(
-      "the fluid's pressure in {} swings from step to step and does not settle, for {} steps now: with {} = {:g} Pa "
-      "the "
-      "fluid is stiffer than the tissue, which coupling=\"semi_implicit\" does not bear. coupling=\"implicit\" does",
-      path(), swings_.inARow(), sponge_.modulus == sponge_.limit ? "limitModulus" : "a Biot modulus", sponge_.modulus);
+  if (coupling_ == Coupling::implicit || swings_.inARow() < porous::PressureSwings::enough) return {};
+  return fmt::format("the fluid's pressure in {} swings from step to step and does not settle, for {} steps now: {}", path(),
+                     swings_.inARow(), whySwings());
+}
+
+/// In time bodies may swing and settle: what has swung is no motion of the tissue, and the run goes on.
+std::string PorousForceField::doubt(ConstRows) const {
+  if (coupling_ == Coupling::implicit || swings_.longest() < porous::PressureSwings::enough) return {};
+  return fmt::format("the fluid's pressure has swung from step to step for {} steps in a row, by {:.3g} Pa in the mean, which is no motion "
+                     "of the tissue: {}",
+                     swings_.longest(), swings_.largest(), whySwings());
+}
+
+std::string PorousForceField::whySwings() const {
+  return fmt::format("with {} = {:g} Pa the fluid is stiffer than the tissue, which coupling=\"semi_implicit\" does not bear. "
+                     "coupling=\"implicit\" does",
+                     sponge_.modulus == sponge_.limit ? "limitModulus" : "a Biot modulus", sponge_.modulus);
 }
 
 void PorousForceField::addForce(ConstRows x, ConstRows, Rows f) {

@@ -36,7 +36,8 @@
 // the step's change of volume; time steps must be small where the fluid is stiff against the tissue, and the integrator
 // one of first order, because a pressure that is a step late feeds oscillations. Statics have no mass to hold them: where
 // alpha^2 M is above the modulus of the drained tissue the pressure swings from step to step for ever. Such a run ends with a
-// sentence and no result.
+// sentence and no result. In time light tissues do the same, and the run's result is in doubt; where nothing flows,
+// mass holds them as long as (h k)^2 (alpha^2 M - K - 4G/3) is below 4 rho for the waves k of the mesh.
 //
 // implicit: forces see the pressure that belongs to their shape at the end of the step, whatever the step.
 //
