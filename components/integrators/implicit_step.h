@@ -138,7 +138,7 @@ class ImplicitStep final : public NonlinearProblem {
   RowRange rowsMovedBy(ConstRows d) const;
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
-  void chooseSolves();
+  void chooseSolves(bool keeps_energy);  ///< the rule damps nothing
   std::string doubtOfOneSolve(const std::string& path) const;
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
@@ -168,6 +168,7 @@ class ImplicitStep final : public NonlinearProblem {
   NewtonSolver* settings_component_ = nullptr;
   Newton newton_;
   std::string approximation_;  ///< why one solve is too few
+  bool keeps_order_ = false;   ///< with one solve the rule has its order all the same
   int enough_solves_ = 2;      ///< where it is
   StepLimits limits_;
   WholeIfNeeded whole_;
