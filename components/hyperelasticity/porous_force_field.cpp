@@ -65,6 +65,9 @@ void PorousForceField::declare(DataTable& table) {
   table.addChoice("tangent", tangent_, {"coupled", "undrained"})
       .help("of implicit coupling: with the pressure that follows, or of fluid that stays in each element");
   table.add("pressure", pressure_).unit("Pa").ofNodes().help("of each node, at the start (zero when not given) and then now");
+  table.add("fluidOfElements", fluid_of_elements_)
+      .help("why an assembled matrix keeps the fluid in each element, where it does: integrators then solve for the flow by products")
+      .output();
 }
 
 void PorousForceField::declareModuli(DataTable& table) {
@@ -176,11 +179,12 @@ void PorousForceField::compile() {
   if (dense_ && rest.size() > few_dense_nodes && isFactored(node()))
     inform(fmt::format("in an assembled matrix the pressure couples all {} nodes with each other: CGLinearSolver takes products, "
                        "which are faster", rest.size()));
+  fluid_of_elements_.clear();
   if (isCoupled() && !dense_)
-    inform(
-        fmt::format("with more than {} nodes an assembled matrix keeps the fluid in each element, and Newton's method "
-                    "may take many iterations with it: CGLinearSolver takes products, which have the whole coupling",
-                    most_dense_nodes));
+    fluid_of_elements_ = fmt::format("{} nodes, of more than {} a matrix that couples all takes too long", rest.size(), most_dense_nodes);
+  if (!fluid_of_elements_.empty() && isFactored(node()))
+    inform("an assembled matrix keeps the fluid in each element (" + fluid_of_elements_ +
+           "): conjugate gradients with its factors solve for the flow. CGLinearSolver takes products alone");
   warnOfNoElasticity();
   now_.resize(rows), change_.resize(rows);
   theta_.resize(rest.size());
@@ -257,13 +261,23 @@ void PorousForceField::stepEnded(double t) {
 }
 
 std::string PorousForceField::fault() const {
-  constexpr long enough = 3;
-  if (coupling_ == Coupling::implicit || swings_.inARow() < enough) return {};
-  return fmt::format(
-      "the fluid's pressure in {} swings from step to step and does not settle, for {} steps now: with {} = {:g} Pa "
-      "the "
-      "fluid is stiffer than the tissue, which coupling=\"semi_implicit\" does not bear. coupling=\"implicit\" does",
-      path(), swings_.inARow(), sponge_.modulus == sponge_.limit ? "limitModulus" : "a Biot modulus", sponge_.modulus);
+  if (coupling_ == Coupling::implicit || swings_.inARow() < porous::PressureSwings::enough) return {};
+  return fmt::format("the fluid's pressure in {} swings from step to step and does not settle, for {} steps now: {}", path(),
+                     swings_.inARow(), whySwings());
+}
+
+/// In time bodies may swing and settle: what has swung is no motion of the tissue, and the run goes on.
+std::string PorousForceField::doubt(ConstRows) const {
+  if (coupling_ == Coupling::implicit || swings_.longest() < porous::PressureSwings::enough) return {};
+  return fmt::format("the fluid's pressure has swung from step to step for {} steps in a row, by {:.3g} Pa in the mean, which is no motion "
+                     "of the tissue: {}",
+                     swings_.longest(), swings_.largest(), whySwings());
+}
+
+std::string PorousForceField::whySwings() const {
+  return fmt::format("with {} = {:g} Pa the fluid is stiffer than the tissue, which coupling=\"semi_implicit\" does not bear. "
+                     "coupling=\"implicit\" does",
+                     sponge_.modulus == sponge_.limit ? "limitModulus" : "a Biot modulus", sponge_.modulus);
 }
 
 void PorousForceField::addForce(ConstRows x, ConstRows, Rows f) {

@@ -25,6 +25,7 @@ class PorousForceField : public ForceField, public History {
   void setTime(double t) override;
   void stepEnded(double t) override;
   std::string fault() const override;
+  std::string doubt(ConstRows x) const override;
   const std::vector<double>& history() const override { return pressure_; }
 
   double energy(ConstRows x) const override { return porous_ ? elements_->energy(x, now_) : 0; }
@@ -55,6 +56,7 @@ class PorousForceField : public ForceField, public History {
   void chooseStorage();
   void checkCells() const;
   void warnOfNoElasticity() const;
+  std::string whySwings() const;
   void start(const std::vector<double>& values);
   /// out = P at the end of a step with volumes theta of nodes in `out`.
   void follow(Rows out) const;
@@ -73,6 +75,7 @@ class PorousForceField : public ForceField, public History {
   std::vector<int> drained_;
   Coupling coupling_ = Coupling::semi_implicit;
   Tangent tangent_ = Tangent::coupled;
+  std::string fluid_of_elements_;  ///< why an assembled matrix keeps the fluid in each element; empty: it does not
   std::vector<double> pressure_;  ///< at the end of the last step [Pa], shape (nodes)
   std::vector<double> initial_;
 

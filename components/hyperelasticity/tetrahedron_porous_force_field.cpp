@@ -36,7 +36,8 @@
 // the step's change of volume; time steps must be small where the fluid is stiff against the tissue, and the integrator
 // one of first order, because a pressure that is a step late feeds oscillations. Statics have no mass to hold them: where
 // alpha^2 M is above the modulus of the drained tissue the pressure swings from step to step for ever. Such a run ends with a
-// sentence and no result.
+// sentence and no result. In time light tissues do the same, and the run's result is in doubt; where nothing flows,
+// mass holds them as long as (h k)^2 (alpha^2 M - K - 4G/3) is below 4 rho for the waves k of the mesh.
 //
 // implicit: forces see the pressure that belongs to their shape at the end of the step, whatever the step.
 //
@@ -46,9 +47,10 @@
 //
 // exact where all elements have one J (else w is on one side of it; halves on both keep K symmetric): a few Newton
 // iterations per step, whatever M. A product solves with Darcy's matrix, factored once for all steps of one size. As
-// a matrix K couples all nodes: bodies of more than 500 nodes assemble the undrained one instead, so take CGLinearSolver
-// there. undrained: fluid that stays in each element; cheap, stable with one linear solve per step, and hundreds of
-// Newton iterations where M is large.
+// a matrix K couples all nodes: bodies of more than 500 nodes assemble the undrained one instead. Integrators then solve with
+// K by conjugate gradients on products, which the scene's solver preconditions: the answer does not depend on it, and
+// CGLinearSolver, which takes products alone, may be faster. undrained: fluid that stays in each element; cheap, stable with
+// one linear solve per step, and hundreds of Newton iterations where M is large.
 //
 // Source: S. Marchesseau, T. Heimann, S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy
 // decomposition method for fast porous visco-hyperelastic soft tissue model", MICCAI 2010, section 3.2; the splits

@@ -11,6 +11,7 @@ void ConditionedStatics::compile(System& system) {
   system_ = &system;
   multipliers_.compile(system);
   if (empty()) return;
+  whole_.compile(system);
   StepLimits limits;
   limits.compile(system);
   if (!limits.empty())

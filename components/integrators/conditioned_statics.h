@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "components/integrators/conditions_newton.h"
+#include "components/integrators/whole_matrix.h"
 #include "components/integrators/exact_tangent.h"
 #include "framework/simulation/system.h"
 
@@ -53,7 +54,7 @@ class ConditionedStatics final : public NonlinearProblem {
 
   // ---- as equations for Newton's method ----
   void residual(Rows out) override;
-  SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
+  SystemMatrix& tangent() override { return whole_.of(system_->matrix().withFactors({.stiffness = -1})); }
   void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
   double energy() override { return 0; }  // not asked for
   Rows unknowns() override { return way_; }
@@ -69,6 +70,7 @@ class ConditionedStatics final : public NonlinearProblem {
   StepReport solveFromStart(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance);
   Rows x() const { return system_->independent(system_->x); }
   System* system_ = nullptr;
+  WholeIfNeeded whole_;
   Multipliers multipliers_;
   ConditionsNewton conditions_;
   Vector start_, way_;  ///< x0 and u

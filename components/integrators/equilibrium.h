@@ -6,6 +6,7 @@
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/lent_energy.h"
 #include "components/integrators/newton.h"
+#include "components/integrators/whole_matrix.h"
 #include "framework/simulation/step_limits.h"
 #include "framework/simulation/system.h"
 #include "framework/simulation/system_report.h"
@@ -31,7 +32,7 @@ class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
-    limits_.compile(system);
+    limits_.compile(system), whole_.compile(system);
     lends_energy_ = !system.isConservative();
     start_.resize(system.independentRows());
     loads_.resize(system.allRows());
@@ -57,7 +58,7 @@ class Equilibrium final : public NonlinearProblem {
   }
   void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
-  SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
+  SystemMatrix& tangent() override { return whole_.of(system_->matrix().withFactors({.stiffness = -1})); }
   /// The gradient of the second part is (1 - s) f0.
   double energy() override {
     double sum = system_->potentialEnergy(system_->x) + (lends_energy_ ? lentEnergy(*system_) : 0);
@@ -117,6 +118,7 @@ class Equilibrium final : public NonlinearProblem {
   Rows rows() const { return system_->independent(system_->x); }
   System* system_ = nullptr;
   StepLimits limits_;
+  WholeIfNeeded whole_;
   bool lends_energy_ = false;  ///< some forces have a potential within a solve only
   Vector start_, loads_;
   Vector start_force_, error_, product_;  ///< see provided()

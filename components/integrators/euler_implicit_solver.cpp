@@ -155,7 +155,7 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext
   implicit_.projectFree(context.t, context.t_end, right_side_);
   StepReport report;
   implicit_.beginConditions(h, 1);
-  SystemMatrix& matrix = system.matrix().withFactors({.mass = 1, .stiffness = -theta_ * h});
+  SystemMatrix& matrix = implicit_.whole(system.matrix().withFactors({.mass = 1, .stiffness = -theta_ * h}));
   const Rows velocity = system.independent(system.v);
   if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, {.stop = context.stop}, report))
     return report;

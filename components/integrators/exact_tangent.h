@@ -146,12 +146,15 @@ inline void addCounts(const StepReport& from, StepReport& to) {
 
 /// A hint, or nothing: Newton's method converges slowly, or not at all, with a tangent that is an approximation.
 inline std::string exactTangentHint(const System& system) {
-  constexpr double never = 1e30;  // as a field says of an assembly that has not all of its stiffness
+  const auto says = [](const ForceField& field, const char* attribute, const char* value) {
+    const Data* data = field.data().find(attribute);
+    return data && data->print() == value;
+  };
   for (const ForceField* field : system.forceFields())
-    if (field->traits().has_stiffness && field->cost().assembly >= never)
-      return "; an assembled matrix has not the whole stiffness of " + field->path() + ": CGLinearSolver takes products, which have";
+    if (says(*field, "coupling", "implicit") && says(*field, "tangent", "undrained"))
+      return "; the tangent of " + field->path() + " keeps the fluid in each element: tangent=\"coupled\" lets it flow";
   for (const ForceField* field : system.forceFields())
-    if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent"))
+    if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent") && !field->data().find("coupling"))
       return "; the tangent of " + field->path() +
              " is an approximation: tangent=\"exact\" may converge, with SparseLDLSolver where it is not symmetric";
   return {};

@@ -58,7 +58,7 @@ void ImplicitStep::wholeForce(double time, Rows out) {
   addDamping(1, out);
 }
 
-SystemMatrix& ImplicitStep::tangent() { return system_->matrix().withFactors(tangentFactors()); }
+SystemMatrix& ImplicitStep::tangent() { return whole_.of(system_->matrix().withFactors(tangentFactors())); }
 
 MatrixFactors ImplicitStep::tangentFactors() const {
   const double w = scheme_.weight;
@@ -333,8 +333,8 @@ double ImplicitStep::travelled() const { return distance(x(), x0_); }
 std::string ImplicitStep::describe() const {
   if (solvesOnce()) return ", linearised once: 1 force evaluation with its product, 1 linear solve";
   if (!iterates())
-    return fmt::format(", {} linear solves: with one the rule would be of first order and might gain energy, because {}", enough_solves_,
-                       approximation_);
+    return fmt::format(", {} linear solves: with one the rule {} gain energy, because {}", enough_solves_,
+                       keeps_order_ ? "might, at large steps," : "would be of first order and might", approximation_);
   const double forcing = newton_.settings.forcing;
   return fmt::format(", up to {} Newton iterations to a relative residual of {:g}, line search on {}{}",
                      newton_.settings.iterations, newton_.settings.relative_residual,

@@ -10,6 +10,7 @@
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/orientations.h"
 #include "components/integrators/turning_bodies.h"
+#include "components/integrators/whole_matrix.h"
 #include "framework/mechanics/right_side.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/step_limits.h"
@@ -70,6 +71,7 @@ class ImplicitStep final : public NonlinearProblem {
   /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()).
   void wholeForce(double time, Rows out);
   LinearSolver& linearSolver() const { return *solver_; }
+  SystemMatrix& whole(SystemMatrix& matrix) { return whole_.of(matrix); }  ///< to solve with all of its stiffness
   // ---- for a rule that makes its own linear solve: forces of Lagrangian constraints, as in solve() ----
   void beginConditions(double displacement, double weight) { multipliers_.begin({displacement, weight, 0, true, one_round}, false); }
   /// x and v without these forces become those with them, and so does `change`, what v has become in the solve with `matrix`.
@@ -136,7 +138,7 @@ class ImplicitStep final : public NonlinearProblem {
   RowRange rowsMovedBy(ConstRows d) const;
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
-  void chooseSolves();
+  void chooseSolves(bool keeps_energy);  ///< the rule damps nothing
   std::string doubtOfOneSolve(const std::string& path) const;
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
@@ -166,8 +168,10 @@ class ImplicitStep final : public NonlinearProblem {
   NewtonSolver* settings_component_ = nullptr;
   Newton newton_;
   std::string approximation_;  ///< why one solve is too few
+  bool keeps_order_ = false;   ///< with one solve the rule has its order all the same
   int enough_solves_ = 2;      ///< where it is
   StepLimits limits_;
+  WholeIfNeeded whole_;
   Multipliers multipliers_;
   ConditionsNewton conditions_;  ///< with Newton's method and forces of constraint
   ExactTangent exact_;

@@ -38,8 +38,8 @@ void ImplicitStep::declareNewton(DataTable& table) {
       .help(
           "1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method; 0: one linear solve, "
           "and two for a rule of second order where a force field's stiffness is an approximation (the rotated methods with "
-          "tangent=\"warped\") or is damped, three where forces turn rigid bodies: with one the rule is of first order then, and "
-          "may gain energy until it explodes")
+          "tangent=\"warped\"), is damped or, where the rule damps nothing, changes in the step; three where forces "
+          "turn rigid bodies: with one the rule may gain energy until it explodes, and is of first order unless K only changes")
       .unit("-")
       .min(0);
   table.add("newtonTolerance", newton_settings.relative_residual)
@@ -72,10 +72,23 @@ static std::string approximationIn(const System& system, double rayleigh_stiffne
   return {};
 }
 
-void ImplicitStep::chooseSolves() {
+/// What changes the stiffness within a step where it is exact, or empty. One solve keeps the order, but what is fast against the
+/// step feels the stiffness of its start alone: a rule that damps nothing keeps the energy that this makes.
+static std::string changesIn(const System& system) {
+  for (const ForceField* field : system.forceFields()) {
+    const ForceTraits traits = field->traits();
+    if (traits.has_stiffness && !traits.linear && !traits.constant_stiffness && !traits.lagged && !traits.time_dependent)
+      return "the stiffness of " + field->path() + " changes within a step";
+  }
+  return {};
+}
+
+void ImplicitStep::chooseSolves(bool keeps_energy) {
   NewtonSettings& settings = newton_.settings;
   const bool turns = bodies_.count() > 0 || !system_->mappingChain().isLinear();
   approximation_ = second_order ? approximationIn(*system_, rayleigh_stiffness, turns) : std::string();
+  keeps_order_ = approximation_.empty();
+  if (second_order && keeps_energy && keeps_order_) approximation_ = changesIn(*system_);
   enough_solves_ = turns ? 3 : 2;  // the first solve of several leaves an error of h^2 in turns, and the second still one of h^3
   energy_.compile(*system_, settings.iterations == 1 && !approximation_.empty());
   if (settings.iterations != needed_solves) return;
@@ -108,7 +121,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   newton_.settings = settings_component_ ? settings_component_->settings() : newton_settings;
   const Data* const forcing = integrator.data().find("newtonForcing");
   bodies_.compile(system);
-  chooseSolves();
+  chooseSolves(integrator.keepsEnergy());
   if (!(forcing && forcing->isSet())) newton_.settings.forcing = iterates() ? usualForcingOfSteps(system) : 0;
   // an iteration costs as much as a digit of a solve; errors of steps add up
   newton_.settings.forcing_reach = 10, newton_.settings.forcing_margin = 0.05;
@@ -121,7 +134,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   right_side_.resize(system.allRows());
   for (Vector* vector : {&change_, &constant_, &work_, &position_predictor, &velocity_predictor})
     vector->resize(system.independentRows());
-  multipliers_.compile(system);
+  multipliers_.compile(system), whole_.compile(system);
   right_sides_.clear();
   for (const ProjectiveConstraint* constraint : system.constraints().all())
     if (const auto* side = dynamic_cast<const ProjectsRightSide*>(constraint); side && side->leavesMatrix()) {
@@ -145,21 +158,21 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
 /// A block of NeoHookean that is held at one end and let go in its weight lacked 8 % of its way after ten steps of a twentieth of its
 /// swing with a Poisson's ratio of 0.49, and 28 % with 0.499; with Newton's method it has the way of 0.45 at both.
 std::string ImplicitStep::doubtOfOneSolve(const std::string& path) const {
-  if (!solvesOnce()) return {};
+  if (iterates()) return {};
   for (const ForceField* field : system_->forceFields())
     if (const Data* why = field->data().find("stiffInVolume"); why && !why->print().empty())
-      return fmt::format("{} solves each step once, and {} is nearly incompressible ({}): what it moves lags behind by some per cent to "
+      return fmt::format("{} solves each step {}, and {} is nearly incompressible ({}): what it moves lags behind by some per cent to "
                          "a half. newtonIterations=\"20\" solves its steps",
-                         path, field->path(), why->print());
+                         path, solvesOnce() ? "once" : "twice", field->path(), why->print());
   return {};
 }
 
 std::string ImplicitStep::doubt(const std::string& path) const {
   const double gained = energy_.gained();
   if (gained == 0) return doubtOfOneSolve(path);
-  return fmt::format("{} has gained {:.3g} J with no work done on it: newtonIterations=\"1\" makes its rule one of first order, which "
+  return fmt::format("{} has gained {:.3g} J with no work done on it: newtonIterations=\"1\" makes its rule one {}, which "
                      "gains energy until the run explodes, because {}. newtonIterations=\"{}\", or 0, makes the solves that it needs",
-                     path, gained, approximation_, enough_solves_);
+                     path, gained, keeps_order_ ? "without bounds at large steps" : "of first order", approximation_, enough_solves_);
 }
 
 }  // namespace stroma

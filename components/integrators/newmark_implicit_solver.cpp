@@ -13,8 +13,8 @@
 // The first a0 is M^-1 F(x0, v0); later ones are the a1 of the step before, so that accelerations are continuous. Where
 // positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
 // vdamping multiplies v by exp(-h vdamping) after the step, and velocityThreshold stops slow nodes. Where gamma = 1/2
-// and a force field's K is not the exact derivative of its force, a step makes two linear solves, without which it would be
-// of first order: see TrapezoidalRuleSolver.
+// and a force field's K changes or is not the exact derivative of its force, a step makes two linear solves: see
+// TrapezoidalRuleSolver.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //

@@ -11,6 +11,7 @@
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/shifted_matrix.h"
+#include "components/integrators/whole_matrix.h"
 #include "framework/scene/spans.h"
 #include "framework/simulation/step_progress.h"
 
@@ -21,7 +22,8 @@ SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, R
                       StepReport& report) {
   const auto start = std::chrono::steady_clock::now();
   Span span("solve", &solver);
-  const SolveReport solve = solver.solve(matrix, b, x, terms);
+  auto* const whole = dynamic_cast<WholeMatrix*>(&matrix);
+  const SolveReport solve = whole ? whole->solve(solver, b, x, terms) : solver.solve(matrix, b, x, terms);
   report.stopped = report.stopped || solve.stop == SolveStop::stopped;
   report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   span.count(solve.iterations);

@@ -252,7 +252,7 @@ StepReport VariationalSymplecticSolver::momentumStep(System& system, const StepC
     axpy(2 / h, momentum_, load_);
     system.addStiffnessProduct(way_, {.stiffness = -1}, load_);
     system.constraints().project(load_);
-    SystemMatrix& matrix = system.matrix().withFactors(factors);
+    SystemMatrix& matrix = implicit_.whole(system.matrix().withFactors(factors));
     if (!solveOrShift(implicit_.linearSolver(), matrix, load_, new_way_, {.stop = context.stop}, report)) return report;
     system.constraints().project(new_way_);
     change = distance(new_way_, way_) / (size > 0 ? size : std::max(norm(new_way_), std::numeric_limits<double>::min()));

@@ -201,7 +201,9 @@ TEST(NeededSolves, ThePlanSaysHowManyAndWhy) {
     for (const std::string exact : {"HexahedronFEMForceField method='small'", "HexahedronFEMForceField method='green'",
                                     "TetrahedronFEMForceField method='svd' tangent='exact'",
                                     "TetrahedronHyperelasticityFEMForceField materialName='NeoHookean'"})
-      expectContains(planOf(rule, exact), "linearised once");
+      expectContains(planOf(rule, exact), exact.find("small") != std::string::npos || rule == "BDFOdeSolver order='2'"
+                                              ? "linearised once"
+                                              : "2 linear solves: with one the rule might, at large steps, gain energy");
     expectContains(planOf(rule + " newtonIterations='1'", polar), "linearised once");
     expectContains(planOf(rule + " newtonIterations='7'", polar), "up to 7 Newton iterations");
   }

@@ -26,9 +26,10 @@ std::string doubtsAfter(const std::string& scene, int steps) {
 }
 
 TEST(OneSolve, OfANearlyIncompressibleLawIsDoubted) {
-  const std::string sentence = "solves each step once, and /fem is nearly incompressible";
+  const std::string sentence = ", and /fem is nearly incompressible";
   for (const char* integrator : {"EulerImplicitSolver", "BDFOdeSolver", "TrapezoidalRuleSolver", "NewmarkImplicitSolver"}) {
-    expectContains(doubtsAfter(block(integrator, 0.499), 3), sentence);
+    const bool is_twice = integrator[0] == 'T' || integrator[0] == 'N';
+    expectContains(doubtsAfter(block(integrator, 0.499), 3), std::string("solves each step ") + (is_twice ? "twice" : "once") + sentence);
     EXPECT_EQ(doubtsAfter(block(integrator, 0.45), 3).find(sentence), std::string::npos) << integrator;
     EXPECT_EQ(doubtsAfter(block(integrator + std::string(" newtonIterations=\"20\""), 0.499), 3).find(sentence), std::string::npos)
         << integrator;

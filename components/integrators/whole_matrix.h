@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Where an assembled matrix lacks a part of the stiffness that products have, as of a fluid that couples all nodes of a body.
+#pragma once
+#include <optional>
+
+#include "framework/algebra/linear_solver.h"
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+/// A matrix as a system has it, for solveOrShift() to solve with all of it: conjugate gradients on products, with the scene's
+/// solver, which may take the assembled matrix, as the preconditioner. The same equations are then solved whatever solver the
+/// scene names.
+class WholeMatrix final : public SystemMatrix {
+ public:
+  explicit WholeMatrix(SystemMatrix& base);
+  /// As LinearSolver::solve(). A solver that has left a residual of the whole matrix as small as it says is believed.
+  SolveReport solve(LinearSolver& solver, ConstRows b, Rows x, const SolveTerms& terms);
+
+  Index rows() const override { return base_.rows(); }
+  void multiply(ConstRows p, Rows out) const override { base_.multiply(p, out); }
+  const BlockMatrix& pattern() override { return base_.pattern(); }
+  const BlockMatrix& assemble() override { return base_.assemble(); }
+  void diagonalBlocks(std::vector<double>& blocks) const override { base_.diagonalBlocks(blocks); }
+  MatrixKey key() const override { return base_.key(); }
+  bool symmetric() const override { return base_.symmetric(); }
+  bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
+  double productCost() const override { return base_.productCost(); }
+  ConstRows positions() const override { return base_.positions(); }
+  bool isOfLooseNodes() const override { return base_.isOfLooseNodes(); }
+  std::string describeRow(Index row) const override { return base_.describeRow(row); }
+
+ private:
+  SolveReport iterate(LinearSolver& solver, double norm_b, double goal, Rows x, StopToken stop);
+
+  SystemMatrix& base_;
+  Vector residual_, preconditioned_, direction_, product_;  ///< shape (rows)
+};
+
+/// Made at compile time: the matrix of a system, seen whole where some force field says that an assembled one is not.
+class WholeIfNeeded {
+ public:
+  void compile(System& system);
+  SystemMatrix& of(SystemMatrix& matrix) { return whole_ ? *whole_ : matrix; }
+
+ private:
+  std::optional<WholeMatrix> whole_;
+};
+
+}  // namespace stroma
