@@ -19,12 +19,12 @@ def _clean(name):
 
 class Mirror:
     """`root`: the engine's tree. `paths`: of each object and node, by id. `dependents`: (data of a component, data of Python that
-    gives its value)."""
+    gives its value). `written_as`: (type, names of attributes) of what is written as another component, None of all else."""
 
-    def __init__(self, root, wanted=lambda thing: True, keep_loaders=False):
+    def __init__(self, root, wanted=lambda thing: True, keep_loaders=False, written_as=lambda thing: None):
         self.paths, self.dependents, self.things = {}, [], {}
         self._wanted, self._loaders, self._played = wanted, [], []
-        self._keep_loaders = keep_loaders
+        self._keep_loaders, self._written_as = keep_loaders, written_as
         self._has_python = not keep_loaders and any(not each._s_type for each in root._s_all_objects())
         self._reachable = {id(node) for node in root._s_all_nodes()}
         self._acting = _ACTING if any(_looks_for_contacts(each) for each in root._s_all_objects()) else _ACTING - {"collision model"}
@@ -85,15 +85,16 @@ class Mirror:
 
     def _add(self, thing, copy):
         path = self.paths[id(thing)]
-        component = copy.add(thing._s_facts.written, name=path.rsplit("/", 1)[-1], where=thing._s_where)
+        kind, names = self._written_as(thing) or (thing._s_facts.written, None)
+        component = copy.add(kind, name=path.rsplit("/", 1)[-1], where=thing._s_where)
         if thing._s_facts.role == "mesh loader":
             self._loaders.append(path)
         for name, data in thing._s_data.items():
             if name in ("name",) or data._s_raw is None or (name == "src" and self._gives_nothing(thing, data)):
                 continue
             value = self._value(thing, data)
-            if value is not None:
-                component.set(name, value, where=thing._s_where)
+            if value is not None and (names is None or name in names):
+                component.set(names[name] if names else name, value, where=thing._s_where)
 
     @staticmethod
     def _gives_nothing(thing, data):
