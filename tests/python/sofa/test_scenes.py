@@ -549,6 +549,16 @@ def test_visual_models_are_where_their_mappings_place_them(capsys):
     assert "not computed here" not in capsys.readouterr().err
 
 
+def test_a_visual_model_of_a_node_that_is_switched_off_stays():
+    root = drawn_root()
+    Sofa.Simulation.init(root)
+    animate(root, 5)
+    root.soft.activated = False
+    animate(root, 5)
+    assert root.soft.inside.shown.position.value[0] == pytest.approx([0.6, 0.25, 0.5 + fall(0, 5, 0.01)], abs=1e-9)
+    assert root.frame.turned.shown.position.value[0][2] == pytest.approx(5 + fall(0, 10, 0.01), abs=1e-9)
+
+
 def test_a_visual_model_that_reads_a_file_says_that_it_stays(capsys):
     root = drawn_root()
     shown = root.soft.inside.addChild("of_file").addObject("OglModel", filename="mesh/finger.stl")

@@ -28,13 +28,16 @@ class Drawing:
         self._moved = [(key, self._scene.state(self._mirror.paths[key])) for key, thing in self._mirror.things.items()
                        if getattr(thing, "_s_type", "") and thing._s_facts.role == "mechanical state" and not _follows(thing)]
 
-    def position(self, thing, states):
-        """`states`: those of the scene that runs, by the ids of their objects. None: it is not placed here."""
-        if id(thing) not in self._mirror.paths or any(states[key].x.shape != state.x.shape for key, state in self._moved if key in states):
+    def position(self, thing, places):
+        """`places`: positions of a state of the scene that runs, by the id of its object; None of what is no part of it. Returns None
+        of what is not placed here."""
+        found = [(state, places(key)) for key, state in self._moved]
+        has_changed = any(x is not None and x.shape != state.x.shape for state, x in found)
+        if has_changed or id(thing) not in self._mirror.paths:
             return None
-        for key, state in self._moved:
-            if key in states:
-                state.set(x=np.array(states[key].x))
+        for state, x in found:
+            if x is not None:
+                state.set(x=x)
         return np.array(self._scene.state(self._mirror.paths[id(thing)]).x)
 
 

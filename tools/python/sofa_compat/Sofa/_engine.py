@@ -305,6 +305,12 @@ class Engine:
                 found.append(self._last_dt * np.ravel(component.get("forces")))
         return np.concatenate(found)
 
+    def _position_of(self, key):
+        """Positions of a state, also of one that is switched off."""
+        if key in self._states:
+            return np.array(self._states[key].x)
+        return self._asleep[key]["position"] if key in self._asleep else None
+
     def drawn(self, thing):
         """The points of a visual model; None: they cannot be found."""
         if self._drawing is None:
@@ -314,7 +320,7 @@ class Engine:
                 self._drawing = error
         if isinstance(self._drawing, Exception):
             return None
-        return self._drawing.position(thing, self._states)
+        return self._drawing.position(thing, self._position_of)
 
     def types(self):
         """Of components, by their path."""

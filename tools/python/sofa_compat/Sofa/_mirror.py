@@ -19,9 +19,10 @@ def _clean(name):
 
 class Mirror:
     """`root`: the engine's tree. `paths`: of each object and node, by id. `dependents`: (data of a component, data of Python that
-    gives its value). `written_as`: (type, names of attributes) of what is written as another component, None of all else."""
+    gives its value). `written_as`: (type, names of attributes) of what is written as another component, None of all else;
+    where it is given, nodes that are switched off are there too."""
 
-    def __init__(self, root, wanted=lambda thing: True, keep_loaders=False, written_as=lambda thing: None):
+    def __init__(self, root, wanted=lambda thing: True, keep_loaders=False, written_as=None):
         self.paths, self.dependents, self.things = {}, [], {}
         self._wanted, self._loaders, self._played = wanted, [], []
         self._keep_loaders, self._written_as = keep_loaders, written_as
@@ -70,7 +71,7 @@ class Mirror:
             data = node._s_data.get(name)
             if data is not None and data._s_raw is not None:
                 value = data.value
-                if name != "activated" or not value:
+                if name != "activated" or not (value or self._written_as):
                     copy.set(name, _values.to_text(value), where=node._s_where)
         for each in node._s_objects:
             if id(each) in self.paths and each._s_type:
@@ -85,7 +86,7 @@ class Mirror:
 
     def _add(self, thing, copy):
         path = self.paths[id(thing)]
-        kind, names = self._written_as(thing) or (thing._s_facts.written, None)
+        kind, names = (self._written_as and self._written_as(thing)) or (thing._s_facts.written, None)
         component = copy.add(kind, name=path.rsplit("/", 1)[-1], where=thing._s_where)
         if thing._s_facts.role == "mesh loader":
             self._loaders.append(path)
