@@ -28,10 +28,7 @@ void addSceneOptions(OptionList& options) {
 }
 
 void configure(Session& session, const Values& values) {
-  adviseOnMissingTypes([](const std::string& type) {
-    const auto answer = sofaAnswer(type);
-    return answer ? "a component of SOFA that Stroma does not have. " + answer->advice : std::string();
-  });
+  adviseOnMissingTypes(&sofaAdvice);
   if (values.count("module"))
     for (const std::string& file : values["module"].as<std::vector<std::string>>()) session.modules().open(file);
   session.setOverrides(overridesOf(values));

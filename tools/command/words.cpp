@@ -136,6 +136,11 @@ std::optional<SofaAnswer> sofaAnswer(std::string_view type) {
   return answer;
 }
 
+std::string sofaAdvice(const std::string& type) {
+  const auto answer = sofaAnswer(type);
+  return answer ? "a component of SOFA that Stroma does not have. " + answer->advice : std::string();
+}
+
 std::string_view scenePage() { return stroma_scene_page(); }
 
 }  // namespace stroma::command

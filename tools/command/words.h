@@ -35,6 +35,9 @@ struct SofaAnswer {
 };
 std::optional<SofaAnswer> sofaAnswer(std::string_view type);
 
+/// The same as a sentence beside "there is no component"; empty: nothing is known of the type.
+std::string sofaAdvice(const std::string& type);
+
 /// docs/scene.md, the page of the file format.
 std::string_view scenePage();
 

@@ -8,6 +8,7 @@
 #include "framework/scene/common_attributes.h"
 #include "framework/scene/missing_types.h"
 #include "framework/scene/modules.h"
+#include "tools/command/words.h"
 #include "tools/python/python.h"
 
 namespace stroma::python {
@@ -97,6 +98,7 @@ py::dict infoOf(const Data& data) {
 }
 
 void bindCatalogue(py::module_& module) {
+  adviseOnMissingTypes(&command::sofaAdvice);
   module.def("instruction_level", &instructionLevel);
   module.def("types", [] {
     py::list out;

@@ -509,3 +509,77 @@ def test_compiled_modules_beside_a_scene_are_found(folder, monkeypatch):
     hooks = len(sys.path_hooks)
     Sofa.Simulation.load(str(folder / "scene.py"))
     assert importlib.util.find_spec("beside") is not None and len(sys.path_hooks) == hooks
+
+
+def drawn_root():
+    """A grid and a turning frame fall freely, with visual models that follow by three kinds of mapping."""
+    root = Sofa.Core.Node("root")
+    root.gravity = [0, 0, -10]
+    soft, frame = root.addChild("soft"), root.addChild("frame")
+    for node in (soft, frame):
+        node.addObject("EulerImplicitSolver")
+        node.addObject("CGLinearSolver", iterations=20, tolerance=1e-14, threshold=1e-14)
+    soft.addObject("RegularGridTopology", n=[2, 2, 2], min=[0, 0, 0], max=[1, 1, 1])
+    soft.addObject("MechanicalObject", name="dofs")
+    frame.addObject("MechanicalObject", name="dofs", template="Rigid3", position=[0, 0, 5, 0, 0, 0, 1], velocity=[0, 0, 0, 0, 0, 2])
+    for node in (soft, frame):
+        node.addObject("UniformMass", totalMass=1)
+    shown = [(soft, "inside", "BarycentricMapping", {"position": [[0.5, 0.25, 0.5]], "translation": [0.1, 0, 0]}),
+             (soft, "same", "IdentityMapping", {}), (frame, "turned", "RigidMapping", {"position": [[1, 0, 0]]})]
+    for node, name, mapping, values in shown:
+        child = node.addChild(name)
+        child.addObject("OglModel", name="shown", **values)
+        child.addObject(mapping)
+    return root
+
+
+def test_visual_models_are_where_their_mappings_place_them(capsys):
+    """z = z_0 + fall; a frame that turns about z carries its point round."""
+    root = drawn_root()
+    Sofa.Simulation.init(root)
+    animate(root, 5)
+    z = fall(0, 5, 0.01)
+    assert root.soft.inside.shown.position.value.tolist() == [pytest.approx([0.6, 0.25, 0.5 + z], abs=1e-9)]
+    assert root.soft.same.shown.position.value == pytest.approx(root.soft.dofs.position.value, abs=1e-12)
+    assert root.frame.turned.shown.position.value.tolist() == [pytest.approx([np.cos(0.1), np.sin(0.1), 5 + z], abs=1e-4)]
+    animate(root, 1)
+    assert root.soft.inside.shown.position.value[0][2] == pytest.approx(0.5 + fall(0, 6, 0.01), abs=1e-9), "not as it was read first"
+    Sofa.Simulation.reset(root)
+    assert root.soft.inside.shown.position.value[0][2] == pytest.approx(0.5, abs=1e-12)
+    assert "not computed here" not in capsys.readouterr().err
+
+
+def test_a_visual_model_of_a_node_that_is_switched_off_stays():
+    root = drawn_root()
+    Sofa.Simulation.init(root)
+    animate(root, 5)
+    root.soft.activated = False
+    animate(root, 5)
+    assert root.soft.inside.shown.position.value[0] == pytest.approx([0.6, 0.25, 0.5 + fall(0, 5, 0.01)], abs=1e-9)
+    assert root.frame.turned.shown.position.value[0][2] == pytest.approx(5 + fall(0, 10, 0.01), abs=1e-9)
+
+
+def test_a_visual_model_that_reads_a_file_says_that_it_stays(capsys):
+    root = drawn_root()
+    shown = root.soft.inside.addChild("of_file").addObject("OglModel", filename="mesh/finger.stl")
+    Sofa.Simulation.init(root)
+    animate(root, 1)
+    assert len(shown.position.value) == 0 and "is read, and not computed here" in capsys.readouterr().err
+    assert len(root.soft.inside.shown.position.value) == 1
+
+
+def test_boxes_of_nodes_and_states():
+    """What a scene writes counts until it runs; then the box is that of the places, which fall. Angles and strains are none."""
+    root = drawn_root()
+    root.addObject("MechanicalObject", name="strains", template="Vec1", position=[[100.0]])
+    assert root.soft.bbox.value.tolist() == [[0, 0, 0], [1, 1, 1]] and root.frame.bbox.getMax() == [0, 0, 5]
+    root.bbox = [[-9, -9, -9], [9, 9, 9]]
+    assert root.bbox.value.tolist() == [[-9, -9, -9], [9, 9, 9]] and root.bbox.getCenter() == [0, 0, 0]
+    Sofa.Simulation.init(root)
+    animate(root, 5)
+    z = fall(0, 5, 0.01)
+    assert root.soft.bbox.getMin() == pytest.approx([0, 0, z], abs=1e-9)
+    assert root.soft.dofs.bbox.value[1] == pytest.approx([1, 1, 1 + z], abs=1e-9)
+    assert root.bbox.getMax() == pytest.approx([1, 1, 5 + z], abs=1e-9)
+    assert root.soft.inside.shown.bbox.value[0] == pytest.approx([0.6, 0.25, 0.5 + z], abs=1e-9)
+    assert Sofa.Core.Node("empty").bbox.value is None

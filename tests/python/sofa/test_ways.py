@@ -342,3 +342,11 @@ def test_a_controller_may_have_a_reset_of_its_own():
     animate(root, 1)
     environment.reset()
     assert environment.episodes == 1 and root.time.value == 0
+
+
+def test_a_program_is_told_what_takes_the_place_of_a_component():
+    """The sentence of `stroma check`."""
+    root = Sofa.Core.Node("root")
+    falling_body(root).addObject("QPSlidingConstraint", name="sliding")
+    with pytest.raises(RuntimeError, match="there is no component 'QPSlidingConstraint' .*plug-in Cosserat there are Discrete.*Sliding"):
+        Sofa.Simulation.init(root)

@@ -423,6 +423,31 @@ class DataVectorString(DataContainer):
     __slots__ = ()
 
 
+class DataBox(DataContainer):
+    """A box: its lower and its upper corner."""
+
+    __slots__ = ()
+
+    def _s_corner(self, index):
+        value = self.value
+        return [0.0, 0.0, 0.0] if value is None else np.reshape(value, (2, 3))[index].tolist()
+
+    def getMin(self):
+        return self._s_corner(0)
+
+    def getMax(self):
+        return self._s_corner(1)
+
+    def getCenter(self):
+        return [(low + high) / 2 for low, high in zip(self.getMin(), self.getMax())]
+
+    def setMin(self, corner):
+        self.value = [list(corner), self.getMax()]
+
+    def setMax(self, corner):
+        self.value = [self.getMin(), list(corner)]
+
+
 class DataDict(dict):
     """The data of an object by their names."""
 
@@ -437,7 +462,9 @@ def made(owner, name, raw=None, sample=None, help="", group=""):
     """Data of the class that SOFA has for its kind."""
     like = sample if sample is not None else raw
     kind = Data
-    if isinstance(like, str):
+    if name == "bbox":
+        kind = DataBox
+    elif isinstance(like, str):
         kind = DataString
     elif isinstance(like, (list, tuple, np.ndarray)):
         words = isinstance(like, (list, tuple)) and (not like if sample is not None else bool(like) and isinstance(like[0], str))

@@ -10,6 +10,7 @@ from stroma import _stroma
 from . import _catalogue, _events, _messages, _values
 from ._contacts import rows_of
 from ._data import Data
+from ._drawn import Drawing
 from ._mirror import Mirror
 from ._objects import DataEngine, Object, Unavailable
 
@@ -102,7 +103,7 @@ class Engine:
                 _messages.warn(str(each.text).replace(": warning: ", ": ", 1))
 
     def _take(self, simulation, mirror):
-        self.sim, self.mirror = simulation, mirror
+        self.sim, self.mirror, self._drawing = simulation, mirror, None
         self._components, self._attributes, self._states, self._rest = {}, {}, {}, {}
         for key, thing in mirror.things.items():
             if not isinstance(thing, Object):
@@ -303,6 +304,23 @@ class Engine:
             elif component.role == "Lagrangian constraint":
                 found.append(self._last_dt * np.ravel(component.get("forces")))
         return np.concatenate(found)
+
+    def _position_of(self, key):
+        """Positions of a state, also of one that is switched off."""
+        if key in self._states:
+            return np.array(self._states[key].x)
+        return self._asleep[key]["position"] if key in self._asleep else None
+
+    def drawn(self, thing):
+        """The points of a visual model; None: they cannot be found."""
+        if self._drawing is None:
+            try:
+                self._drawing = Drawing(self.root)
+            except RuntimeError as error:
+                self._drawing = error
+        if isinstance(self._drawing, Exception):
+            return None
+        return self._drawing.position(thing, self._position_of)
 
     def types(self):
         """Of components, by their path."""

@@ -19,12 +19,13 @@ def _clean(name):
 
 class Mirror:
     """`root`: the engine's tree. `paths`: of each object and node, by id. `dependents`: (data of a component, data of Python that
-    gives its value)."""
+    gives its value). `written_as`: (type, names of attributes) of what is written as another component, None of all else;
+    where it is given, nodes that are switched off are there too."""
 
-    def __init__(self, root, wanted=lambda thing: True, keep_loaders=False):
+    def __init__(self, root, wanted=lambda thing: True, keep_loaders=False, written_as=None):
         self.paths, self.dependents, self.things = {}, [], {}
         self._wanted, self._loaders, self._played = wanted, [], []
-        self._keep_loaders = keep_loaders
+        self._keep_loaders, self._written_as = keep_loaders, written_as
         self._has_python = not keep_loaders and any(not each._s_type for each in root._s_all_objects())
         self._reachable = {id(node) for node in root._s_all_nodes()}
         self._acting = _ACTING if any(_looks_for_contacts(each) for each in root._s_all_objects()) else _ACTING - {"collision model"}
@@ -70,7 +71,7 @@ class Mirror:
             data = node._s_data.get(name)
             if data is not None and data._s_raw is not None:
                 value = data.value
-                if name != "activated" or not value:
+                if name != "activated" or not (value or self._written_as):
                     copy.set(name, _values.to_text(value), where=node._s_where)
         for each in node._s_objects:
             if id(each) in self.paths and each._s_type:
@@ -85,15 +86,16 @@ class Mirror:
 
     def _add(self, thing, copy):
         path = self.paths[id(thing)]
-        component = copy.add(thing._s_facts.written, name=path.rsplit("/", 1)[-1], where=thing._s_where)
+        kind, names = (self._written_as and self._written_as(thing)) or (thing._s_facts.written, None)
+        component = copy.add(kind, name=path.rsplit("/", 1)[-1], where=thing._s_where)
         if thing._s_facts.role == "mesh loader":
             self._loaders.append(path)
         for name, data in thing._s_data.items():
             if name in ("name",) or data._s_raw is None or (name == "src" and self._gives_nothing(thing, data)):
                 continue
             value = self._value(thing, data)
-            if value is not None:
-                component.set(name, value, where=thing._s_where)
+            if value is not None and (names is None or name in names):
+                component.set(names[name] if names else name, value, where=thing._s_where)
 
     @staticmethod
     def _gives_nothing(thing, data):

@@ -2,7 +2,7 @@
 """Nodes: objects, children, and the time and gravity of what is below."""
 import numpy as np
 
-from . import _catalogue, _messages, _values
+from . import _boxes, _catalogue, _messages, _values
 from ._base import Base, caller
 from ._data import Data
 from ._objects import ForceField, Object, take
@@ -87,7 +87,9 @@ class Node(Base):
                 return engine.context(data._s_name)
             if data._s_raw is None and self._s_parents:
                 return self._s_parents[0].findData(data._s_name).value
-        return super()._s_read(data)
+        is_box = data._s_name == "bbox" and (data._s_raw is None or self._s_engine() is not None)
+        found = _boxes.around(each for each in self._s_all_objects() if each._s_is_state()) if is_box else None
+        return super()._s_read(data) if found is None else found
 
     def _s_write(self, data, value):
         is_link = _values.is_link_text(value) or hasattr(value, "getLinkPath")

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from . import _catalogue, _cells, _messages, _values
+from . import _boxes, _catalogue, _cells, _messages, _values
 from ._base import Base
 from ._data import Data
 
@@ -23,6 +23,12 @@ class Object(Base):
     @property
     def _s_facts(self):
         return _catalogue.facts(self._s_type) if self._s_type else None
+
+    def _s_is_state(self):
+        return self._s_facts is not None and self._s_facts.role == "mechanical state"
+
+    def _s_is_drawn(self):
+        return self._s_facts is not None and self._s_facts.besides is _catalogue.DRAWN
 
     def _s_template(self):
         data = self._s_data.get("template")
@@ -96,6 +102,9 @@ class Object(Base):
         if engine is not None and engine.knows(self, data):
             return engine.read(self, data)
         facts = self._s_facts
+        if data._s_name == "bbox" and (self._s_is_state() or self._s_is_drawn()) and (data._s_raw is None or engine is not None):
+            found = _boxes.around([self])
+            return super()._s_read(data) if found is None else found
         if facts is None or data._s_name == "name":
             return super()._s_read(data)
         if engine is not None and facts.besides is _catalogue.CONSTRAINTS and data._s_name in _catalogue.OF_CONSTRAINTS:
@@ -111,7 +120,11 @@ class Object(Base):
                 return self._s_formed(data, value)
         if data._s_raw is None and facts.missing:
             raise MissingType(f"{self._s_place()}: '{self._s_type}' is not in Stroma: its data '{data._s_name}' cannot be read")
-        is_drawn = facts.besides is _catalogue.DRAWN and data._s_name in ("position", "vertices", "normal")
+        is_drawn = self._s_is_drawn() and data._s_name in ("position", "vertices", "normal")
+        if is_drawn and engine is not None and data._s_name != "normal":
+            value = engine.drawn(self)
+            if value is not None:
+                return value
         if data._s_raw is None and engine is not None and (is_drawn or data._s_name in _catalogue.NOT_COMPUTED):
             instead = "; `lambda` has the impulses on its nodes" if data._s_name == "constraint" else ""
             _messages.warn(f"{self._s_place()}.{data._s_name}: is read, and not computed here: what is read stays as at the start{instead}")
