@@ -350,3 +350,17 @@ def test_a_program_is_told_what_takes_the_place_of_a_component():
     falling_body(root).addObject("QPSlidingConstraint", name="sliding")
     with pytest.raises(RuntimeError, match="there is no component 'QPSlidingConstraint' .*plug-in Cosserat there are Discrete.*Sliding"):
         Sofa.Simulation.init(root)
+
+
+@pytest.mark.parametrize("given, told", [("Rigid3", "Rigid3d"), ("Rigid3d", "Rigid3d"), ("Vec3", "Vec3d"), ("Rigid", "Rigid3d"),
+                                         (None, "Vec3d")])
+def test_templates_have_the_names_that_sofa_tells(given, told):
+    """Scenes ask whether a state `is "Rigid3d"`; a force field has the template of its state, a mapping both of its own."""
+    node = Sofa.Core.Node("root").addChild("body")
+    state = node.addObject("MechanicalObject", template=given)
+    assert state.getTemplateName() == told
+    state.position = [0, 0, 5, 0, 0, 0, 1] if told == "Rigid3d" else [0, 0, 5]
+    assert len(state.position.value) == 1, "a row of the template's columns"
+    assert node.addObject("RestShapeSpringsForceField").getTemplateName() == told
+    assert node.addObject("RigidMapping", template="Rigid3,Vec3").getTemplateName() == "Rigid3d,Vec3d"
+    assert node.addObject(Sofa.Core.Controller(name="keys")).getTemplateName() == ""

@@ -46,8 +46,12 @@ class Object(Base):
         return self._s_type or type(self).__name__
 
     def getTemplateName(self):
-        given = _values.plain_template(self._s_template())
-        return given or ("Vec3d" if self._s_type else "")
+        """In full, as SOFA has it: Rigid3 is "Rigid3d"."""
+        given = self._s_template() or (self._s_template_of_state() if self._s_type else "")
+        if not isinstance(given, str):
+            given = str(given.value)
+        words = [_values.plain_template(word) for word in given.split(",") if word.strip()]
+        return ",".join(word + "d" if word in _values.COORDINATES else word for word in words) or ("Vec3d" if self._s_type else "")
 
     def getCategories(self):
         return [self._s_facts.role] if self._s_facts else []

@@ -27,8 +27,10 @@ def links_in(text):
 def plain_template(template):
     """Vec3d and Vec3f are Vec3; of a pair the last counts: "Vec3,Rigid3" is Rigid3."""
     word = str(template or "").split(",")[-1].strip()
-    word = word[:-1] if word[-1:] in ("d", "f") else word
-    return {"Rigid": "Rigid3", "StdRigidTypes": "Rigid3", "StdVec3Types": "Vec3"}.get(word, word)
+    older = {"Rigid": "Rigid3", "StdRigidTypes": "Rigid3", "StdVec3Types": "Vec3"}
+    if word in older:
+        return older[word]
+    return word[:-1] if word[-1:] in ("d", "f") else word
 
 
 def columns_of(template):
