@@ -6590,6 +6590,47 @@ def the_page_has_a_picture_of_each_quirk():
 
 
 @case
+def loaders_of_one_file_of_a_sequence():
+    """OffSequenceLoader: of one file a loader as others. Of more, whose next is read in a run, none where something moves."""
+    files = {"m1.off": "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "m2.off": "OFF\n3 1 0\n0 0 0\n2 0 0\n0 2 0\n3 0 1 2\n"}
+    loader = '<OffSequenceLoader name="m" filename="m1.off" stepDuration="0.02" {}/>'
+    body = f'{EXACT}<MeshTopology src="@m"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>'
+    for count in ("", 'nbOfFiles="1"'):
+        run = Run(root(loader.format(count) + body), 10, files)
+        agree(run.x(), [[0, fallen(10), 0], [1, fallen(10), 0], [0, 1 + fallen(10), 0]])
+    Run(root(loader.format('nbOfFiles="2"') + body), 10, files).fails(2, "m.nbOfFiles", "SOFA reads another file after stepDuration")
+    apart = Run(root(loader.format('nbOfFiles="2"') + f'<Node name="b">{EXACT}{BODY}</Node>'), 10, files)
+    falls(apart, "b.dofs")
+    apart.says("/m")
+
+
+@case
+def what_has_no_effect_in_sofa_says_why():
+    """ReadTopology, and models of cylinders and of tetrahedra, which SOFA's points with normals alone meet."""
+    cells = '<MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>'
+    ball = f'<Node name="a">{EXACT}{cells}<MechanicalObject name="dofs"/><UniformMass totalMass="1"/>{{}}</Node>'
+    other = (f'<Node name="b">{EXACT}<MechanicalObject name="dofs" position="0.1 0.1 0.1  9 0 0"/><UniformMass totalMass="2"/>'
+             '<PointCollisionModel {}/></Node>')
+    detect = ('<CollisionPipeline/><BruteForceBroadPhase/><BVHNarrowPhase/><CollisionResponse response="PenalityContactForceField"/>'
+              '{}')
+    alone = Run(root(ball.format('<ReadTopology filename="none.data"/>')), 10)
+    agree(alone.x("a.dofs")[0], [0, fallen(10), 0])
+    alone.says("a/ReadTopology1: has no effect because SOFA reads its file into lists")
+    Run(root(ball.format('<CylinderCollisionModel/>')), 1).says("has no effect because none of SOFA's own methods")
+
+    def met(points, method, model=""):
+        return Run(root(detect.format(method) + ball.format(f"<TetrahedronCollisionModel {model}/>") + other.format(points)), 1)
+    says = "meets the points of /b/PointCollisionModel1 in SOFA"
+    met('computeNormals="1"', "<DiscreteIntersection/>").fails(2, says)
+    met('computeNormals="1"', "").fails(2, says)
+    for quiet in (met("", "<DiscreteIntersection/>"), met('computeNormals="1" active="0"', "<DiscreteIntersection/>"),
+                  met('computeNormals="1"', "<DiscreteIntersection/>", 'active="0"'),
+                  met('computeNormals="1"', '<MinProximityIntersection alarmDistance="0.01" contactDistance="0.005"/>')):
+        assert quiet.code == 0, quiet.text
+        quiet.says("has no effect because SOFA's tetrahedra")
+
+
+@case
 def migrated_scenes_give_the_same_numbers():
     """All of the above that ran, once more as native scenes."""
     runs = list(RUNS)

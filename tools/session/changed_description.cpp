@@ -70,7 +70,7 @@ class ChangedScene {
         states_.push_back(state);
     for (const Component* component : components) {
       checkCuts(*component);
-      if (!edit_.points().areTheSame() && isEngine(*component)) checkEngine(*component);
+      if (isEngine(*component)) checkEngine(*component);
     }
     for (const State* state : states_) writeState(*state);
     for (const Component* component : components) writeLists(*component);
@@ -152,6 +152,15 @@ class ChangedScene {
     return std::find(states_.begin(), states_.end(), state) != states_.end();
   }
 
+  /// An integrator numbers nodes of the one body below it.
+  bool solvesForMesh(const Component& integrator) const {
+    return std::any_of(states_.begin(), states_.end(), [&integrator](const State* state) {
+      const Node* node = &state->node();
+      while (node && node != &integrator.node()) node = node->parent();
+      return node != nullptr;
+    });
+  }
+
   void writeLists(const Component& component) {
     if (dynamic_cast<const State*>(&component) || dynamic_cast<const Topology*>(&component) ||
         dynamic_cast<const MeshSource*>(&component) || dynamic_cast<const MeshChanger*>(&component))
@@ -165,7 +174,7 @@ class ChangedScene {
     checkPairs(component);
     const auto is_of_mesh = [&](const Data& data) {
       const std::string link = linkOf(component.type(), data.name());
-      if (link.empty()) return isOfMesh(stateOf(component));
+      if (link.empty()) return component.roleText() == "integrator" ? solvesForMesh(component) : isOfMesh(stateOf(component));
       const Data* named = component.data().find(link);
       return isOfMesh(named && named->link() && named->link()->target() ? named->link()->target() : stateOf(component));
     };
@@ -214,12 +223,14 @@ class ChangedScene {
     if (!at.node || !(isOfMesh(stateOf(component)) || chain_.reaches(component))) return;
     for (const Data& data : component.data().all()) {
       if (!data.isSet() || data.isOutput() || !listsNumbers(data)) continue;
+      const ListOrigins* cells = originsOf(edit_, kindOf(data.name()));
+      if (edit_.points().areTheSame() && (!cells || cells->areTheSame())) continue;
       for (const AttributeDescription& each : at.written().attributes) {
         const auto& aliases = data.aliases();
         const bool is_it = each.name == data.name() || std::count(aliases.begin(), aliases.end(), each.name) > 0;
         if (is_it && !trimmed(each.value).starts_with("@"))
           throw ComponentError(
-              fmt::format("{}.{} may number points of a mesh that loses some", component.path(), data.name()),
+              fmt::format("{}.{} may number points or cells of a mesh that loses some", component.path(), data.name()),
               "a region by places, or points that stay (keepsPoints)");
       }
     }

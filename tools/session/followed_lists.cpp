@@ -16,22 +16,8 @@
 namespace stroma {
 namespace {
 
-/// Attributes that number nodes.
-constexpr std::string_view of_nodes[] = {"indices",
-                                         "points",
-                                         "nodes",
-                                         "DOFsX",
-                                         "DOFsV",
-                                         "indices1",
-                                         "indices2",
-                                         "external_points",
-                                         "requiredPoints",
-                                         "drainedIndices",
-                                         "meshIndices",
-                                         "firstObjectPoints",
-                                         "secondObjectPoints",
-                                         "springsIndices1",
-                                         "springsIndices2"};
+/// Whole numbers that name one node each.
+constexpr std::string_view of_one_node[] = {"sliding_point", "axis_1", "axis_2"};
 /// Attributes that have a value for each node where no list says of which.
 constexpr std::string_view of_all_nodes[] = {"vertexMass", "property", "stiffness", "angularStiffness"};
 /// Attributes, of text or of numbers, that name nodes among other things.
@@ -46,11 +32,6 @@ const Together together[] = {
     {"AttachProjectiveConstraint", {"indices1", "indices2"}},
     {"SpringForceField", {"springsIndices1", "springsIndices2", "lengths", "stiffness", "damping"}},
     {"RestShapeSpringsForceField", {"points", "external_points", "stiffness", "angularStiffness", "targets"}}};
-
-template <std::size_t n>
-bool isIn(const std::string& name, const std::string_view (&list)[n]) {
-  return std::find(std::begin(list), std::end(list), name) != std::end(list);
-}
 
 /// How many entries a list has; 0: it is no list.
 std::size_t countOf(const Data& data) {
@@ -143,16 +124,6 @@ bool needsAll(const Component& component) {
 
 }  // namespace
 
-std::string linkOf(const std::string& type, const std::string& attribute) {
-  if (type.starts_with("Attach") || type.starts_with("Spring") || type.starts_with("Bilateral") ||
-      type.starts_with("LinearRelation")) {
-    if (attribute == "indices1" || attribute == "springsIndices1") return "object1";
-    if (attribute == "indices2" || attribute == "springsIndices2") return "object2";
-  }
-  if (type == "WriteState" || type == "Monitor") return "mstate";
-  return attribute == "external_points" || attribute == "secondObjectPoints" ? "external_rest_shape" : "";
-}
-
 bool mayNumberPoints(const Data& data) {
   return std::holds_alternative<std::vector<int>*>(data.pointer()) ||
          (isIn(data.name(), mixed) && (countOf(data) > 0 || isText(data)));
@@ -171,14 +142,18 @@ FollowedLists::Left FollowedLists::numbersLeft(const std::vector<int>& numbers, 
   return left;
 }
 
-/// What the numbers of an attribute are numbers of; null: of nothing that is known.
+/// What the numbers of an attribute are numbers of; null: of nothing of a mesh. Refuses those of which it is not known.
 const ListOrigins* FollowedLists::numbered(const Component& component, const Data& data) const {
-  if (isIn(data.name(), of_nodes) && !dynamic_cast<const Mapping*>(&component)) return &edit_.points();
-  const ListOrigins* cells = data.name() == "listSegment" || data.name() == "edgeIndices" ? &edit_.cells().edges
-                             : data.name() == "triangleList" || data.name() == "triangleIndices" ? &edit_.cells().triangles
-                             : data.name() == "quadList" || data.name() == "quadIndices" ? &edit_.cells().quads
-                                                                                         : nullptr;
-  if (cells && meshOf(component) != &topology_)
+  const ListKind kind = kindOf(data.name());
+  if (kind == ListKind::nothing) return nullptr;
+  const std::vector<int>& numbers = *std::get<std::vector<int>*>(data.pointer());
+  if (kind == ListKind::unknown && std::all_of(numbers.begin(), numbers.end(), [](int each) { return each < 0; })) return nullptr;
+  const bool is_of_mapping = kind == ListKind::nodes && dynamic_cast<const Mapping*>(&component);
+  if (kind == ListKind::unknown || (is_of_mapping && !edit_.points().areTheSame()))
+    refuse(component, data, "may number points or cells of a mesh that changes");
+  if (kind == ListKind::nodes) return is_of_mapping ? nullptr : &edit_.points();
+  const ListOrigins* cells = originsOf(edit_, kind);
+  if (meshOf(component) != &topology_)
     refuse(component, data, "numbers cells of a mesh that is made of the one that changes");
   return cells;
 }
@@ -319,9 +294,20 @@ std::vector<std::size_t> FollowedLists::numbersLost(const Data& data, bool is_of
   return lost;
 }
 
+/// A node that is named alone, also by the usual value.
+void FollowedLists::followOne(const Component& component, const Data& data, const Put& put) const {
+  int* const* number = std::get_if<int*>(&data.pointer());
+  if (!number || **number < 0 || edit_.points().areTheSame()) return;
+  const std::vector<Index> now = edit_.points().now();
+  if (std::size_t(**number) >= now.size()) return;
+  if (now[std::size_t(**number)] < 0) refuse(component, data, "names a point that goes");
+  put(data, std::to_string(now[std::size_t(**number)]));
+}
+
 void FollowedLists::forEachChanged(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const {
   const std::set<std::string> done = followTogether(component, isOfMesh, put);
   for (const Data& data : component.data().all()) {
+    if (isIn(data.name(), of_one_node) && isOfMesh(data)) followOne(component, data, put);
     if (!data.isSet() || data.isOutput() || data.link() || done.count(data.name()) || !isOfMesh(data)) continue;
     const std::size_t count = countOf(data);
     if (isIn(data.name(), mixed) && (count > 0 || isText(data)) && !edit_.points().areTheSame())
@@ -329,8 +315,7 @@ void FollowedLists::forEachChanged(const Component& component, const IsOfMesh& i
     if (count == 0) continue;
     if (auto* const* numbers = std::get_if<std::vector<int>*>(&data.pointer())) {
       const ListOrigins* origins = numbered(component, data);
-      if (!origins && edit_.points().areTheSame()) continue;
-      if (!origins) refuse(component, data, "may number points of a mesh that changes");
+      if (!origins) continue;
       const Left left = numbersLeft(**numbers, origins->now());
       if (origins->areTheSame()) continue;
       if (left.is_shorter && needsAll(component)) refuse(component, data, "names a point that goes");

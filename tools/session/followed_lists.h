@@ -8,12 +8,9 @@
 #include <vector>
 
 #include "framework/mechanics/state.h"
-#include "tools/session/mesh_edit.h"
+#include "tools/session/list_kinds.h"
 
 namespace stroma {
-
-/// The link of a component of this type whose state an attribute numbers; empty: that of its own node.
-std::string linkOf(const std::string& type, const std::string& attribute);
 
 /// Whether an attribute that is set is a list of whole numbers, or has numbers of points among others.
 bool mayNumberPoints(const Data& data);
@@ -47,6 +44,7 @@ class FollowedLists {
     std::size_t width = 0;
   };
   Valued valued(const Component& component, const Data& data, std::size_t count) const;
+  void followOne(const Component& component, const Data& data, const Put& put) const;
   /// Lists that go together; returns the names of those that it has looked at.
   std::set<std::string> followTogether(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const;
   void nameExternal(const Component& component, const IsOfMesh& isOfMesh, const std::vector<std::size_t>& places,

@@ -80,7 +80,7 @@ bool isAcceptedType(std::string_view type) {
       "LightManager", "MeshNormals", "TextureInterpolation", "DrawV*", "FPSCounter", "ImGui*", "CSVExporter",
       "PauseAnimation*", "SofaDefaultPathSetting", "StatsSetting", "EvalSurfaceDistance", "EvalPointsDistance",
       // files that are written
-      "BlenderExporter", "BatchExporter", "OffSequenceLoader", "ConstraintForceExporter",
+      "BlenderExporter", "BatchExporter", "ConstraintForceExporter",
       "NotificationCenter", "SceneDAGExporter", "DevAngleCollisionMonitor", "DevTensionMonitor", "MappedMassMatrixObserver",
       "InputEventReader", "RecordedState", "WriteTopology", "ReadTopology", "CompareTopology", "CompareState",
       // what finds and answers contacts: CollisionPipeline and CollisionResponse do
@@ -179,7 +179,7 @@ std::string_view typeHere(std::string_view type) {
       {"ParallelTetrahedronFEMForceField", "TetrahedronFEMForceField"}, {"ParallelHexahedronFEMForceField", "HexahedronFEMForceField"},
       {"ParallelCGLinearSolver", "CGLinearSolver"}, {"ParallelMeshSpringForceField", "MeshSpringForceField"},
       {"ParallelSpringForceField", "SpringForceField"}, {"ParallelStiffSpringForceField", "SpringForceField"},
-      {"SubsetTopology", "BoxROI"}, {"CompositeCollisionPipeline", "CollisionPipeline"},
+      {"OffSequenceLoader", "MeshOffLoader"}, {"SubsetTopology", "BoxROI"}, {"CompositeCollisionPipeline", "CollisionPipeline"},
       {"DefaultPipeline", "CollisionPipeline"}, {"CollisionLoop", "CollisionPipeline"}, {"DefaultContactManager", "CollisionResponse"},
       {"RuleBasedContactManager", "CollisionResponse"}, {"TriangleModel", "TriangleCollisionModel"},
       {"TriangleSet", "TriangleCollisionModel"}, {"TriangleMesh", "TriangleCollisionModel"}, {"TTriangleModel", "TriangleCollisionModel"},

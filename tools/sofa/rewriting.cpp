@@ -215,6 +215,7 @@ void Rewriting::acceptTypes() {
     element.without_effect = element.dropped = true;
     noEffect(std::string(type));
     warnOfAccepted(element);
+    sayWhyIdle(element);
   });
 }
 
@@ -346,7 +347,8 @@ void Rewriting::dropUnusedLoaders() {
       });
   });
   tree_->forEach([&](Element& element) {
-    if (element.role() != "mesh loader" || named.count(&element)) return;
+    if (element.role() != "mesh loader") return;
+    if (named.count(&element)) return checkSequence(element);
     element.dropped = true;
     noEffect(element.path());
   });

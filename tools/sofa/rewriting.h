@@ -108,6 +108,9 @@ class Rewriting {
   void holdArms(Element& mapping);
   bool actsOnNothing(Element& element);
   bool holdsNothing(Element& element);
+  void sayWhyIdle(const Element& element);
+  void sayWhyTetrahedraDoNotTouch(const Element& model);
+  void checkSequence(Element& loader);
   // ---- rewritten_components.cpp again ----
   void meanMesh(Element& element);
   void meanState(Element& element);

@@ -48,6 +48,51 @@ bool Rewriting::holdsNothing(Element& element) {
   return true;
 }
 
+/// What is accepted and changes nothing in SOFA either, where one might think that it does.
+void Rewriting::sayWhyIdle(const Element& element) {
+  const std::string& type = element.written->type;
+  if (type == "ReadTopology")
+    diagnostics_.note(element.written->where, element.path(),
+                      "has no effect because SOFA reads its file into lists that nothing else has: the mesh stays as it is");
+  if (isAnyOf(type, {"CylinderCollisionModel", "CylinderModel", "Cylinder"}))
+    diagnostics_.note(element.written->where, element.path(),
+                      "has no effect because none of SOFA's own methods finds contacts of cylinders");
+  if (isAnyOf(type, {"TetrahedronCollisionModel", "TetrahedronModel", "TetrahedronSet", "Tetrahedron"}))
+    sayWhyTetrahedraDoNotTouch(element);
+}
+
+/// Tetrahedra meet points that have normals, by DiscreteIntersection alone.
+void Rewriting::sayWhyTetrahedraDoNotTouch(const Element& model) {
+  bool is_discrete = false, is_other = false, answers = false;
+  const Element* points = nullptr;
+  tree_->forEachPlace([&](Place& place) {
+    for (const auto& each : place.elements) {
+      const std::string_view type = typeHere(each->written->type);
+      is_discrete = is_discrete || type == "DiscreteIntersection";
+      is_other = is_other || type.ends_with("ProximityIntersection") || type == "LocalMinDistance";
+      answers = answers || isContactAnswer(each->written->type);
+      const bool is_here = each->place == model.place && !saysYes(model.text("selfCollision"));
+      const bool is_met = saysYes(each->text("computeNormals")) && !saysNo(each->text("active")) && !is_here;
+      if (type == "PointCollisionModel" && is_met) points = each.get();
+    }
+  });
+  if (answers && points && !saysNo(model.text("active")) && (is_discrete || !is_other))
+    return diagnostics_.error(model.written->where, model.path(),
+                              "meets the points of " + points->path() + " in SOFA: contacts of tetrahedra are not found here",
+                              "TriangleCollisionModel of the surface and a proximity method");
+  diagnostics_.note(model.written->where, model.path(),
+                    "has no effect because SOFA's tetrahedra meet only points with computeNormals=\"1\", by DiscreteIntersection");
+}
+
+/// SOFA's loader of a sequence has the next file after a time; of one file it is a loader as others.
+void Rewriting::checkSequence(Element& loader) {
+  const AttributeDescription* files = loader.find("nbOfFiles");
+  if (files && std::atoi(files->value.c_str()) > 1)
+    diagnostics_.error(files->where, loader.path() + ".nbOfFiles",
+                       "SOFA reads another file after stepDuration: here a mesh is read once", "1");
+  loader.remove("nbOfFiles"), loader.remove("stepDuration");
+}
+
 /// What is accepted without effect, and has one in SOFA where it is not the usual value.
 void Rewriting::warnOfIgnored(const Element& element) {
   struct Ignored {

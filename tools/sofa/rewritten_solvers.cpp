@@ -287,9 +287,6 @@ void Rewriting::warnOfAccepted(const Element& element) {
   if (element.is("MultiTagAnimationLoop"))
     return warn(element.written->where, element, {},
                 "animates what has one tag after what has another, and nothing that has none: here all move together");
-  if (isAnyOf(element.written->type, {"CylinderCollisionModel", "CylinderModel", "Cylinder", "TetrahedronCollisionModel",
-                                      "TetrahedronModel", "TetrahedronSet", "Tetrahedron"}))
-    return warn(element.written->where, element, {}, "is no part of contacts here: where something touches it, SOFA's result is another");
   if (!element.is("PrecomputedConstraintCorrection")) return;
   bool pulls = element.find("compliance") || element.find("defaultCompliance"), holds = false;
   tree_->forEach([&](Element& each) {
