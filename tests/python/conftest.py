@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What the tests of the Python module share."""
+import ctypes
 import os
 import pathlib
+import sys
 
 import pytest
 import stroma
@@ -9,6 +11,21 @@ import stroma
 SOURCE = pathlib.Path(os.environ.get("STROMA_SOURCE", pathlib.Path(__file__).parents[2]))
 EXAMPLES = SOURCE / "scenes" / "examples"
 PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 600))  # seconds: only what hangs takes so long, whatever else a machine does
+
+
+class HeapInfo(ctypes.Structure):
+    """mallinfo2() of the C library: bytes."""
+    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks",
+                                                     "fordblks", "keepcost")]
+
+
+def held():
+    """Bytes that somebody has and has not freed, of the C library's heap and of Python's. Pages are another matter: the kernel joins some
+    to huge ones when it likes, and what is freed stays with the process."""
+    mallinfo = ctypes.CDLL(None).mallinfo2
+    mallinfo.restype = HeapInfo
+    heap = mallinfo()
+    return heap.uordblks + heap.hblkhd + 64 * sys.getallocatedblocks()
 
 
 def block(**fem):

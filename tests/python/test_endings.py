@@ -3,7 +3,6 @@
 import gc
 import os
 import pathlib
-import resource
 import signal
 import subprocess
 import sys
@@ -13,7 +12,7 @@ import weakref
 import numpy
 import pytest
 import stroma
-from conftest import PATIENCE, block
+from conftest import PATIENCE, block, held
 
 
 def used(simulation):
@@ -48,12 +47,12 @@ def test_a_simulation_ends_with_its_last_name():
 def test_many_simulations_take_the_memory_of_one():
     gc.disable()
     try:
-        peaks = []
+        sizes = []
         for _ in range(6):
             for _ in range(10):
                 used(stroma.load(block(), set={"/body/grid.n": "12 12 12"}))
-            peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-        assert peaks[-1] - peaks[1] < 3000, f"kB at most, after each ten: {peaks}"
+            sizes.append(held())
+        assert sizes[-1] - sizes[1] < 3 << 20, f"bytes after each ten: {sizes}"
     finally:
         gc.enable()
 

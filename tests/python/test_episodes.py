@@ -2,17 +2,12 @@
 """Episodes: back to the start to the bit, any number of times, without growth."""
 import gc
 import os
-import pathlib
 import runpy
 
 import numpy
 import pytest
 import stroma
-from conftest import SOURCE, block
-
-
-def resident():
-    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+from conftest import SOURCE, block, held
 
 
 def test_resets_are_to_the_bit(simulation):
@@ -44,10 +39,10 @@ def test_resets_do_not_grow():
             state.x
     episodes(2000)
     gc.collect()
-    before = resident()
+    before = held()
     episodes(20000)
     gc.collect()
-    assert resident() - before < 1 << 20
+    assert held() - before < 1 << 20
 
 
 def test_loading_again_does_not_grow():
@@ -58,10 +53,10 @@ def test_loading_again_does_not_grow():
             simulation.state().x
     loads(10)
     gc.collect()
-    before = resident()
+    before = held()
     loads(60)
     gc.collect()
-    assert resident() - before < 4 << 20
+    assert held() - before < 4 << 20
 
 
 def test_many_simulations_in_one_process():
