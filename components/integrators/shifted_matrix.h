@@ -4,15 +4,15 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/algebra/linear_solver.h"
+#include "components/integrators/matrix_view.h"
 
 namespace stroma {
 
 /// A + shift * D, D the mean size of the numbers on each row's diagonal: positive definite once the shift is large
 /// enough.
-class ShiftedMatrix final : public SystemMatrix {
+class ShiftedMatrix final : public MatrixView {
  public:
-  explicit ShiftedMatrix(SystemMatrix& base) : SystemMatrix(base.identity()), base_(base) {
+  explicit ShiftedMatrix(SystemMatrix& base) : MatrixView(base) {
     std::vector<double> blocks;
     base.diagonalBlocks(blocks);
     scale_.resize(base.rows());
@@ -26,12 +26,10 @@ class ShiftedMatrix final : public SystemMatrix {
     for (double& value : scale_) value = std::max(value, 1e-3 * mean);
   }
   void setShift(double shift) { shift_ = shift; }
-  Index rows() const override { return base_.rows(); }
   void multiply(ConstRows p, Rows out) const override {
     base_.multiply(p, out);
     for (Index i = 0; i < rows(); ++i) out[i] += shift_ * scale_[i] * p[i];
   }
-  const BlockMatrix& pattern() override { return base_.pattern(); }
   const BlockMatrix& assemble() override {
     if (assembled_shift_ == shift_) return matrix_;
     assembled_shift_ = shift_;
@@ -49,15 +47,8 @@ class ShiftedMatrix final : public SystemMatrix {
     key.shift = shift_;
     return key;
   }
-  bool symmetric() const override { return base_.symmetric(); }
-  bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
-  double productCost() const override { return base_.productCost(); }
-  ConstRows positions() const override { return base_.positions(); }
-  bool isOfLooseNodes() const override { return base_.isOfLooseNodes(); }
-  std::string describeRow(Index row) const override { return base_.describeRow(row); }
 
  private:
-  SystemMatrix& base_;
   std::vector<double> scale_;  ///< shape (rows)
   double shift_ = 0, assembled_shift_ = 0;
   BlockMatrix matrix_;

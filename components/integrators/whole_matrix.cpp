@@ -8,7 +8,7 @@
 
 namespace stroma {
 
-WholeMatrix::WholeMatrix(SystemMatrix& base) : SystemMatrix(base.identity()), base_(base) {
+WholeMatrix::WholeMatrix(SystemMatrix& base) : MatrixView(base) {
   for (Vector* vector : {&residual_, &preconditioned_, &direction_, &product_}) vector->resize(base.rows());
 }
 

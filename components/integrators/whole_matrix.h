@@ -3,7 +3,7 @@
 #pragma once
 #include <optional>
 
-#include "framework/algebra/linear_solver.h"
+#include "components/integrators/matrix_view.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -11,29 +11,15 @@ namespace stroma {
 /// A matrix as a system has it, for solveOrShift() to solve with all of it: conjugate gradients on products, with the scene's
 /// solver, which may take the assembled matrix, as the preconditioner. The same equations are then solved whatever solver the
 /// scene names.
-class WholeMatrix final : public SystemMatrix {
+class WholeMatrix final : public MatrixView {
  public:
   explicit WholeMatrix(SystemMatrix& base);
   /// As LinearSolver::solve(). A solver that has left a residual of the whole matrix as small as it says is believed.
   SolveReport solve(LinearSolver& solver, ConstRows b, Rows x, const SolveTerms& terms);
 
-  Index rows() const override { return base_.rows(); }
-  void multiply(ConstRows p, Rows out) const override { base_.multiply(p, out); }
-  const BlockMatrix& pattern() override { return base_.pattern(); }
-  const BlockMatrix& assemble() override { return base_.assemble(); }
-  void diagonalBlocks(std::vector<double>& blocks) const override { base_.diagonalBlocks(blocks); }
-  MatrixKey key() const override { return base_.key(); }
-  bool symmetric() const override { return base_.symmetric(); }
-  bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
-  double productCost() const override { return base_.productCost(); }
-  ConstRows positions() const override { return base_.positions(); }
-  bool isOfLooseNodes() const override { return base_.isOfLooseNodes(); }
-  std::string describeRow(Index row) const override { return base_.describeRow(row); }
-
  private:
   SolveReport iterate(LinearSolver& solver, double norm_b, double goal, Rows x, StopToken stop);
 
-  SystemMatrix& base_;
   Vector residual_, preconditioned_, direction_, product_;  ///< shape (rows)
 };
 
