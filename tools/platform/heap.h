@@ -14,7 +14,7 @@
 
 namespace stroma {
 
-/// Whether the kernel counts addresses as memory. (A stream would open more than it reads.)
+/// Whether the kernel counts addresses as memory.
 inline bool countsAddresses() {
   char setting = 0;
   const int file = open("/proc/sys/vm/overcommit_memory", O_RDONLY | O_CLOEXEC);
