@@ -3,7 +3,7 @@
 //
 // A compiler touches hundreds of megabytes once. GCC's own heap and its precompiled headers come from mmap in pages of 4 kB, and
 // each one is a page fault. On a virtual machine a fault costs 10 to 16 us, and every access that misses the translation buffer
-// walks two sets of tables. Measured there: half of the time of a unit is gone with this. docs/install.md has the numbers.
+// walks two sets of tables. There a build takes a quarter less time with this: docs/install.md has the numbers.
 //
 // Large requests for anonymous memory get a piece of one range of addresses that asks for huge pages. Memory that nobody touches
 // takes none. A file that is mapped to be written, which is a precompiled header, is read into such memory instead: nobody else
