@@ -12,6 +12,10 @@
 #   Outside this tree, after find_package(stroma), the same call builds NAME.so with NAME.index and NAME.manual beside it in
 #   the current build folder; a folder like that is named in STROMA_MODULE_PATH.
 
+# What a module lacks is seen when it is opened. The libraries that it brings are bound call by call (BLAS and LAPACK have 17,000
+# symbols, of which a run calls a few dozen): modules are opened lazily, but for themselves.
+set(stroma_bound_at_once -Wl,-z,now)
+
 define_property(GLOBAL PROPERTY STROMA_MODULES BRIEF_DOCS "names of the modules" FULL_DOCS "names of the modules")
 if(NOT TARGET stroma::stroma_flags)
   add_custom_target(stroma_modules_index ALL)  # all modules of the tree
@@ -199,7 +203,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
       list(APPEND kernels $<FILTER:$<TARGET_OBJECTS:stroma_${other}_${level}>,EXCLUDE,_registry.cpp>)
     endforeach()
     add_library(${target} MODULE ${sources} ${kernels} ${shared})
-    target_link_options(${target} PRIVATE -Wl,-Bsymbolic-functions)
+    target_link_options(${target} PRIVATE -Wl,-Bsymbolic-functions ${stroma_bound_at_once})
     target_link_libraries(${target} PRIVATE stroma ${arg_LIBRARIES})
     if(STROMA_SANITIZE)
       # With both sanitizers a file of element kernels did not compile in five minutes at -O1; at -O0 it takes less than one.
@@ -247,6 +251,7 @@ endfunction()
 function(stroma_outside_module name sources manual_sources libraries)
   add_library(${name} MODULE ${sources})
   target_compile_features(${name} PRIVATE cxx_std_20)
+  target_link_options(${name} PRIVATE ${stroma_bound_at_once})
   target_link_libraries(${name} PRIVATE stroma::stroma ${libraries})
   set_target_properties(${name} PROPERTIES PREFIX "" CXX_EXTENSIONS ON CXX_VISIBILITY_PRESET hidden
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
@@ -263,6 +268,7 @@ function(stroma_service name)
   stroma_package_of("${arg_PACKAGE}")
   add_library(${name} MODULE ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE stroma ${arg_LIBRARIES})
+  target_link_options(${name} PRIVATE ${stroma_bound_at_once})
   set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/stroma INSTALL_RPATH "$ORIGIN/..")
   install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma COMPONENT ${install_component})

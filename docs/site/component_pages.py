@@ -20,13 +20,15 @@ FAMILIES = {  # module: title; a module that is not here is called by its name
     "beams": "Beams and joints",
     "condensation": "Condensed bodies",
     "loads": "Loads",
+    "further_loads": "Further pressures, and penalty fields of planes and bodies",
     "formulas": "Loads by formulas",
     "constraints": "Held, moved and tied nodes",
     "position_constraints": "Kept volumes, planes and rigid sets",
     "mappings": "Mappings",
     "topology": "Meshes and cells",
     "vtk_io": "VTK's file formats",
-    "selection": "Selections and tables",
+    "selection": "Regions of interest",
+    "engines": "Engines: tables of points, meshes and numbers",
     "output": "Outputs",
 }
 SPECIAL = re.compile(r"([\\`*_\[\]<>|#])")

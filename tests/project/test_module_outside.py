@@ -68,6 +68,12 @@ def main():
         assert "RadialSpringForceField" in run(stroma, "list", "Radial", env=named, cwd=folder)
         manual = run(stroma, "doc", "RadialSpringForceField", env=named, cwd=folder)
         assert "restLength" in manual and "k/2 (r - r0)^2" in manual, manual
+
+        # what a module lacks is told while it is built, and not in the step that would call it
+        with open(os.path.join(folder, "source", "radial_spring_force_field.cpp"), "a", encoding="utf-8") as source:
+            source.write('extern "C" void notThere();\nvoid callsWhatIsNotThere() { notThere(); }\n')
+        built = subprocess.run(("cmake", "--build", module), capture_output=True, text=True, timeout=1800)
+        assert built.returncode != 0 and "undefined symbol: notThere" in built.stdout + built.stderr, built.stdout + built.stderr
         print("installed, built outside the tree, run by --module and by STROMA_MODULE_PATH")
 
 

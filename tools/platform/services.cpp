@@ -48,7 +48,7 @@ void* makeService(const std::string& name, const std::string& role, const std::s
   const fs::path path = fs::path(moduleFolder()) / (name + ".so");
   if (!fs::exists(path))
     throw ComponentError("there is no " + role + " here: " + howToGet(name, missing), path.string());
-  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
   if (!library) throw ComponentError("the " + role + " cannot be opened: " + dlerror());
   using Entry = const ServiceInfo* (*)();
   const auto entry = reinterpret_cast<Entry>(dlsym(library, "stroma_service"));
