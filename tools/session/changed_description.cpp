@@ -290,6 +290,12 @@ class ChangedScene {
           if (data.isSet() && std::holds_alternative<std::vector<int>*>(data.pointer()))
             throw ComponentError(fmt::format("{} numbers points of a mesh that loses some", component.path()),
                                  "points that stay (keepsPoints)");
+    if (mapping->inputs().empty() || !isOfMesh(mapping->inputs().back())) return;
+    const bool stays_first = edit_.points().now().at(0) == 0;  // the node of numbers that nobody wrote
+    for (const Data& data : component.data().all())
+      if (namesOneMapped(component.type(), data.name()) && !(stays_first && !data.isSet()))
+        throw ComponentError(fmt::format("{}.{} numbers points of a mesh that loses some", component.path(), data.name()),
+                             "points that stay (keepsPoints)");
   }
 
   /// Of a component elsewhere that links the state, a list is of one of the bodies that it joins: which one is not known of all.

@@ -16,8 +16,6 @@
 namespace stroma {
 namespace {
 
-/// Whole numbers that name one node each.
-constexpr std::string_view of_one_node[] = {"sliding_point", "axis_1", "axis_2"};
 /// Attributes that have a value for each node where no list says of which.
 constexpr std::string_view of_all_nodes[] = {"vertexMass", "property", "stiffness", "angularStiffness"};
 /// Attributes, of text or of numbers, that name nodes among other things.
@@ -307,7 +305,7 @@ void FollowedLists::followOne(const Component& component, const Data& data, cons
 void FollowedLists::forEachChanged(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const {
   const std::set<std::string> done = followTogether(component, isOfMesh, put);
   for (const Data& data : component.data().all()) {
-    if (isIn(data.name(), of_one_node) && isOfMesh(data)) followOne(component, data, put);
+    if (namesOneNode(component.type(), data.name()) && isOfMesh(data)) followOne(component, data, put);
     if (!data.isSet() || data.isOutput() || data.link() || done.count(data.name()) || !isOfMesh(data)) continue;
     const std::size_t count = countOf(data);
     if (isIn(data.name(), mixed) && (count > 0 || isText(data)) && !edit_.points().areTheSame())

@@ -32,6 +32,11 @@ constexpr std::string_view of_nodes[] = {"indices",
 /// Lists of whole numbers that number nothing of a mesh.
 constexpr std::string_view of_nothing[] = {"coordinates", "polynomialDegree", "densityOfBeams", "numEdgesCollis", "nbRef"};
 
+/// Whole numbers that name one node each.
+constexpr std::string_view of_one_node[] = {"sliding_point", "axis_1", "axis_2", "plateNode", "object2_dof_index"};
+/// Of what a mapping has last among those that it maps from: one node, or the ends of a range.
+constexpr std::string_view of_one_mapped[] = {"index", "indexInput2", "baseIndex", "first", "last"};
+
 }  // namespace
 
 std::string linkOf(const std::string& type, const std::string& attribute) {
@@ -43,9 +48,20 @@ std::string linkOf(const std::string& type, const std::string& attribute) {
   if (type.ends_with("LagrangianConstraint")) {
     if (attribute == "first_point" || attribute == "sliding_point") return "object1";
     if (attribute == "second_point" || attribute == "axis_1" || attribute == "axis_2" || attribute == "curve") return "object2";
+    if (attribute == "index") return "mstate";
   }
+  if (attribute == "plateNode") return "plate";
+  if (attribute == "object2_dof_index") return "object2";
   if (type == "WriteState" || type == "Monitor") return "mstate";
   return attribute == "external_points" || attribute == "secondObjectPoints" ? "external_rest_shape" : "";
+}
+
+bool namesOneNode(const std::string& type, const std::string& attribute) {
+  return isIn(attribute, of_one_node) || (attribute == "index" && type.ends_with("LagrangianConstraint"));
+}
+
+bool namesOneMapped(const std::string& type, const std::string& attribute) {
+  return type.ends_with("Mapping") && isIn(attribute, of_one_mapped);
 }
 
 ListKind kindOf(std::string attribute) {

@@ -19,6 +19,11 @@ bool isIn(const std::string& name, const std::string_view (&list)[n]) {
 /// The link of a component of this type whose state an attribute numbers; empty: that of its own node.
 std::string linkOf(const std::string& type, const std::string& attribute);
 
+/// Whether the whole number of an attribute is that of a node, of the state that linkOf() tells.
+bool namesOneNode(const std::string& type, const std::string& attribute);
+/// The same of the last of the states that a mapping maps from.
+bool namesOneMapped(const std::string& type, const std::string& attribute);
+
 /// What the whole numbers of an attribute count.
 enum class ListKind { nodes, edges, triangles, quads, quadratic_triangles, tetrahedra, hexahedra, nothing, unknown };
 /// By the name of the attribute, which has one meaning in all components.

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What nodes and objects share: a name, data by name, a place in the tree, and messages that name where a scene made them."""
+import itertools
 import os
 import sys
 
@@ -32,6 +33,8 @@ def caller():
     return (frame.f_code.co_filename, frame.f_lineno) if frame else ("", 0)
 
 
+#: no two alike, for whatever changes
+_versions = itertools.count(1)
 #: data of everything
 _COMMON = {"name": "", "printLog": False, "listening": False, "tags": "", "bbox": None, "componentState": "Valid"}
 
@@ -47,6 +50,8 @@ class Base:
         put(self, "_s_name", "")
         put(self, "_s_parents", [])
         put(self, "_s_where", caller())
+        put(self, "_s_version", next(_versions))
+        put(self, "_s_revision", 0)
         return self
 
     # ---- the name and the place ----
@@ -101,9 +106,17 @@ class Base:
         return getattr(self.getRoot(), "_s_running", None)
 
     def _s_changed(self):
-        """The tree is another one: what was computed from it is computed again."""
+        """It has other values: what was computed from them is computed again."""
+        object.__setattr__(self, "_s_version", next(_versions))
+        self._s_tell_root([self])
+
+    def _s_tell_root(self, changed):
+        """The tree is another one, by objects that came, went or changed."""
         root = self.getRoot()
-        object.__setattr__(root, "_s_revision", getattr(root, "_s_revision", 0) + 1)
+        object.__setattr__(root, "_s_revision", next(_versions))
+        register = root.__dict__.get("_s_register")
+        if register is not None:
+            register.fresh.update((id(each), each) for each in changed)
 
     # ---- data ----
     def _s_sample_of(self, name):
@@ -251,7 +264,7 @@ class Base:
 
     # ---- attributes of Python ----
     def __getattr__(self, name):
-        if name.startswith("__") or name in ("_s_running", "_s_revision", "_s_data"):
+        if name.startswith("__") or name in ("_s_running", "_s_revision", "_s_version", "_s_data"):
             raise AttributeError(name)
         found = self.getLinkPath() if name == "linkpath" else self._s_attribute(name)
         if found is None:

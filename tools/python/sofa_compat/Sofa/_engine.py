@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A scene as it runs: the engine under a tree of nodes, and values before there is one."""
+"""A scene as it runs: the engine under a tree of nodes."""
 import gc
 import weakref
 
@@ -7,7 +7,7 @@ import numpy as np
 import stroma
 from stroma import _stroma
 
-from . import _catalogue, _events, _messages, _values
+from . import _events, _messages, _previews, _values
 from ._contacts import rows_of
 from ._data import Data
 from ._drawn import Drawing
@@ -26,36 +26,6 @@ _ONE_OF = {"ConstantForceField": ("forces", "force", "totalForce")}
 
 #: force fields that read the rest positions in every step
 _READS_REST = {"BeamHookeLawForceField", "BeamHookeLawForceFieldRigid"}
-
-
-# ---- before there is a simulation ----
-
-def preview(thing, data):
-    """The value that init() of a component computes, on what the tree has now; None when it cannot."""
-    root = thing.getRoot()
-    alone = thing._s_facts.role == "mesh loader"
-    key = _written(thing) if alone else getattr(root, "_s_revision", 0)
-    holder = thing if alone else root
-    kept = holder.__dict__.get("_s_preview")
-    if kept is None or kept[0] != key:
-        def wanted(each):
-            return each is thing if alone else each._s_facts.role in _catalogue.COMPUTED_ROLES
-
-        mirror = Mirror(root, wanted, keep_loaders=True)
-        kept = (key, mirror, mirror.root.preview())
-        object.__setattr__(holder, "_s_preview", kept)
-    path = kept[1].paths.get(id(thing))
-    try:
-        return None if path is None else kept[2].get(path, data._s_name)
-    except RuntimeError as error:  # told when the scene is loaded; but a loader that nothing else reads is not
-        if "is not found" in str(error):
-            _messages.warn(str(error).splitlines()[0].replace(": error: ", ": ", 1))
-        return None
-
-
-def _written(thing):
-    return tuple((name, _values.to_text(data._s_raw)) for name, data in thing._s_data.items()
-                 if data._s_raw is not None and name != "name")
 
 
 # ---- a scene that runs ----
@@ -497,6 +467,7 @@ def begin(root):
 
 def bind(root, engine):
     object.__setattr__(root, "_s_running", engine)
+    _previews.forget(root)
     _events.warn_of_unsent(root)
     engine.tell()
     _events.call(root, "bwdInit")

@@ -20,16 +20,18 @@ def _clean(name):
 class Mirror:
     """`root`: the engine's tree. `paths`: of each object and node, by id. `dependents`: (data of a component, data of Python that
     gives its value). `written_as`: (type, names of attributes) of what is written as another component, None of all else;
-    where it is given, nodes that are switched off are there too."""
+    where it is given, nodes that are switched off are there too. `part`: (objects, nodes) by id, of what alone is there."""
 
-    def __init__(self, root, wanted=lambda thing: True, keep_loaders=False, written_as=None):
+    def __init__(self, root, wanted=lambda thing: True, keep_loaders=False, written_as=None, part=None):
         self.paths, self.dependents, self.things = {}, [], {}
         self._wanted, self._loaders, self._played = wanted, [], []
         self._keep_loaders, self._written_as = keep_loaders, written_as
         self._has_python = not keep_loaders and any(not each._s_type for each in root._s_all_objects())
-        self._reachable = {id(node) for node in root._s_all_nodes()}
-        self._acting = _ACTING if any(_looks_for_contacts(each) for each in root._s_all_objects()) else _ACTING - {"collision model"}
-        self._has_integrator = any(_is_moved(node) for node in root._s_all_nodes())
+        self._part = None if part is None else _by_node(part[0])
+        self._reachable = set(part[1]) if part else {id(node) for node in root._s_all_nodes()}
+        if self._has_python:
+            self._acting = _ACTING if any(_looks_for_contacts(each) for each in root._s_all_objects()) else _ACTING - {"collision model"}
+            self._has_integrator = any(_is_moved(node) for node in root._s_all_nodes())
         self._name_all(root, "")
         self.root = stroma.Node(_clean(root._s_name or "root"), strict=False, dialect="sofa", where=root._s_where)
         self._fill(root, self.root, set())
@@ -37,6 +39,12 @@ class Mirror:
             for index, path in enumerate(self._loaders):
                 child = self.root.add_child(f"preview_of_loaders_{index}")
                 child.add("MeshTopology", name="mesh").set("src", "@" + path, where=root._s_where)
+
+    def _objects_of(self, node):
+        return node._s_objects if self._part is None else self._part.get(id(node), ())
+
+    def _children_of(self, node):
+        return [child for child in node._s_children if id(child) in self._reachable and self._place_of(child) is node]
 
     def _name_all(self, node, path):
         if id(node) in self.paths:
@@ -52,12 +60,12 @@ class Mirror:
             taken.add(name)
             return name
 
-        for each in node._s_objects:
+        for each in self._objects_of(node):
             if each._s_type and self._wanted(each):
                 self.paths[id(each)] = f"{path}/{free(each._s_name)}"
                 self.things[id(each)] = each
-        for child in node._s_children:
-            if id(child) not in self.paths and self._place_of(child) is node:
+        for child in self._children_of(node):
+            if id(child) not in self.paths:
                 self._name_all(child, f"{path}/{free(child._s_name)}")
 
     def _place_of(self, node):
@@ -73,14 +81,14 @@ class Mirror:
                 value = data.value
                 if name != "activated" or not (value or self._written_as):
                     copy.set(name, _values.to_text(value), where=node._s_where)
-        for each in node._s_objects:
+        for each in self._objects_of(node):
             if id(each) in self.paths and each._s_type:
                 self._add(each, copy)
             elif isinstance(each, ForceField) and not self._keep_loaders:
                 self._add_force_field(each, copy)
         self._add_mover(node, copy)
-        for child in node._s_children:
-            if id(child) not in seen and self._place_of(child) is node:
+        for child in self._children_of(node):
+            if id(child) not in seen:
                 path = self.paths[id(child)]
                 self._fill(child, copy.add_child(path.rsplit("/", 1)[-1], where=child._s_where), seen)
 
@@ -142,8 +150,8 @@ class Mirror:
         if _values.is_link_text(raw):
             return self._followed(thing, data, raw)
         if isinstance(raw, (list, tuple)):
-            if any(isinstance(each, (Base, Data)) or _values.is_link_text(each) for each in _flat(raw)):
-                return " ".join(str(self._item(thing, data, each)) for each in _flat(raw))
+            if any(isinstance(each, (Base, Data)) or _values.is_link_text(each) for each in _values.flat(raw)):
+                return " ".join(str(self._item(thing, data, each)) for each in _values.flat(raw))
             try:
                 array = np.array(raw)
             except ValueError:  # rows of different lengths
@@ -188,6 +196,14 @@ class Mirror:
         return value if isinstance(value, np.ndarray) and value.size >= _LONG else _values.to_text(value)
 
 
+def _by_node(things):
+    """Lists of a part, in the order of the scene."""
+    found = {}
+    for each in sorted(things.values(), key=lambda thing: thing._s_order):
+        found.setdefault(id(each._s_node()), []).append(each)
+    return found
+
+
 _ACTING = {"collision model", "mass", "force field", "projective constraint", "position constraint", "integrator"}
 
 
@@ -208,11 +224,3 @@ def _of_role(node, role):
 def _is_moved(node):
     return any(each._s_type and each._s_facts.role == "integrator" for each in node._s_objects) or any(
         _is_moved(parent) for parent in node._s_parents)
-
-
-def _flat(value):
-    for each in value:
-        if isinstance(each, (list, tuple)):
-            yield from _flat(each)
-        else:
-            yield each

@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import _boxes, _catalogue, _messages, _values
-from ._base import Base, caller
+from ._base import Base, _versions, caller
 from ._data import Data
 from ._objects import ForceField, Object, take
 
@@ -180,7 +180,7 @@ class Node(Base):
             return self.addChild(thing)
         before = thing._s_node()
         if before is not None:
-            before._s_objects.remove(thing)
+            before._s_take_out(thing)
         # a name that begins with nothing else is that of the type; the second has a number
         if "name" in values:
             name = values.pop("name")
@@ -188,6 +188,7 @@ class Node(Base):
         if not thing._s_name:
             object.__setattr__(thing, "_s_name", self._s_free_name(thing.getClassName()))
         object.__setattr__(thing, "_s_parents", [self])
+        object.__setattr__(thing, "_s_order", next(_versions))
         self._s_objects.append(thing)
         for name, value in sorted(values.items(), key=lambda item: item[0] != "template"):  # which says of what kind the others are
             self._s_give(thing, name, value)
@@ -217,17 +218,22 @@ class Node(Base):
         thing = self.getObject(thing) if isinstance(thing, str) else thing
         if thing not in self._s_objects:
             raise ValueError(f"{self._s_place()}: has no object {thing!r}")
-        self._s_objects.remove(thing)
+        self._s_take_out(thing)
         object.__setattr__(thing, "_s_parents", [])
         self._s_came_or_went(thing)
 
+    def _s_take_out(self, thing):
+        self._s_objects.remove(thing)
+        self.__dict__.pop("_s_looked_up", None)
+
     def _s_came_or_went(self, thing):
         """A controller is no part of the simulation: it only hears events from now on, or no more."""
+        object.__setattr__(thing, "_s_version", next(_versions))
         if thing._s_type or isinstance(thing, ForceField):
-            return self._s_edited()
+            return self._s_edited([thing])
         if self._s_engine() is not None and thing._s_parents:
             thing.init()
-        return self._s_changed()
+        return self._s_tell_root([thing])
 
     def moveObject(self, thing):
         self._s_insert(thing, {})
@@ -272,7 +278,7 @@ class Node(Base):
         if child not in self._s_children:
             self._s_children.append(child)
         take(child, values)
-        self._s_edited()
+        self._s_edited(child._s_all_objects())
         return child
 
     createChild = addChild
@@ -292,7 +298,7 @@ class Node(Base):
             raise ValueError(f"{self._s_place()}: has no child {child!r}")
         self._s_children.remove(child)
         child._s_parents.remove(self)
-        self._s_edited()
+        self._s_edited(child._s_all_objects())
 
     def moveChild(self, child, *_):
         for parent in list(child._s_parents):
@@ -386,9 +392,9 @@ class Node(Base):
         near = _messages.nearest(name, names)
         return f"{self._s_place()}: the node has no child, object or data '{name}'" + (f"; did you mean '{near}'?" if near else "")
 
-    def _s_edited(self):
+    def _s_edited(self, moved):
         """Something came or went: a running scene is made anew before the next step."""
-        self._s_changed()
+        self._s_tell_root(moved)
         engine = self._s_engine()
         if engine is not None:
             engine.edited()

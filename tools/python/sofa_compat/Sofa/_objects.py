@@ -117,9 +117,9 @@ class Object(Base):
         if data._s_name == "size" and facts.role == "mechanical state":
             return self.getSize()
         if data._s_raw is None and self._s_is_computed(data):
-            from . import _engine
+            from . import _previews
 
-            value = _engine.preview(self, data)
+            value = _previews.value_of(self, data)
             if value is not None:
                 return self._s_formed(data, value)
         if data._s_raw is None and facts.missing:

@@ -151,6 +151,15 @@ def by_itself(value):
     return value
 
 
+def flat(value):
+    """The items of a list of lists."""
+    for each in value:
+        if isinstance(each, (list, tuple)):
+            yield from flat(each)
+        else:
+            yield each
+
+
 def copied(value):
     """A value that nobody else holds."""
     if isinstance(value, np.ndarray):
