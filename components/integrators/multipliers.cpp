@@ -31,7 +31,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   rule_ = rule;
   carries_ = carries;
   if (!carries)
-    for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(system_->actors().masses);
+    for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
   knows_forces_ = false, bend_count_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
