@@ -99,9 +99,10 @@ TEST(ExactTangentOfSteps, FieldsThatNoSolverTakesLeaveTheOthers) {
   for (const std::string solver : {"CGLinearSolver", "SparseLDLSolver"})
     for (const bool for_speed : {false, true}) {
       Simulation simulation = simulationFromText(
-          R"(<Node name="root" gravity="0 0 0"><StaticSolver/><)" + solver + R"(/><MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"
-  triangles="1 2 3"/><MechanicalObject/><UniformMass totalMass="1"/><TetrahedronFEMForceField method="svd" youngModulus="1000"
-  poissonRatio="0.3"/><FixedProjectiveConstraint indices="0"/><SurfacePressureForceField triangleIndices="0" pressure="1"/></Node>)");
+          R"(<Node name="root" gravity="0 0 0"><StaticSolver/><)" + solver + R"(/><MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1"
+  tetrahedra="0 1 2 3" triangles="1 2 3"/><MechanicalObject/><UniformMass totalMass="1"/><TetrahedronFEMForceField method="svd"
+  youngModulus="1000" poissonRatio="0.3"/><FixedProjectiveConstraint indices="0"/><SurfacePressureForceField triangleIndices="0"
+  pressure="1"/></Node>)");
       System& system = *simulation.systems()[0];
       ExactTangent exact;
       ASSERT_TRUE(for_speed ? exact.beginForSpeed(system) : exact.begin(system)) << solver;
