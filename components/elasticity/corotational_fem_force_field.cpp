@@ -16,7 +16,8 @@
 // small and for polarOf = nodes; a twist of its ends against each other then has no stiffness. dilatation = mean, tangent and the
 // cell fields are those of HexahedronFEMForceField. Source of the pyramid's functions: G. Bedrosian, "Shape functions and
 // integration formulas for three-dimensional finite element analysis", Int. J. Numer. Methods Eng. 35, 1992.
-// A prism has constant strain across its triangle: in bending it is stiffer than a hexahedron.
+// A prism has constant strain across its triangle: bent in that plane it is as stiff as tetrahedra, and locks near nu = 1/2 with a mean
+// too. Bent out of it, as a layer is, it is as good as a hexahedron.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">

@@ -17,22 +17,11 @@ namespace stroma {
 class ExactTangent {
  public:
   /// False, and nothing has changed, where no field has another tangent or the linear solver cannot take the exact one.
-  bool begin(System& system) {
-    if (system_) return false;
-    bool changed = false;
-    for (ForceField* field : system.forceFields())
-      if (!field->traits().exact_tangent && switchOf(field, true)) changed = true;
-    if (!changed) return false;
-    system_ = &system;
-    if (!system.linearSolver()->needsSymmetric() || system.matrix().symmetric()) return true;
-    end();
-    return false;
-  }
+  bool begin(System& system) { return begin(system, system.linearSolver()->needsSymmetric()); }
   /// The same for a solve that converges, but slowly: where the exact tangent is symmetric, so that what solves is what
   /// solved before.
   bool beginForSpeed(System& system) {
-    if (begin(system) && system.matrix().symmetric()) return true;
-    end();
+    if (begin(system, true)) return true;
     is_slow_too_ = true;
     return false;
   }
@@ -94,6 +83,22 @@ class ExactTangent {
   }
 
  private:
+  /// `symmetric`: fields whose exact tangent is not keep their own.
+  bool begin(System& system, bool symmetric) {
+    if (system_) return false;
+    bool changed = false;
+    for (ForceField* field : system.forceFields()) {
+      if (field->traits().exact_tangent || !switchOf(field, true)) continue;
+      const bool is_taken = !symmetric || field->traits().symmetric;
+      if (!is_taken) switchOf(field, false);
+      changed = changed || is_taken;
+    }
+    if (!changed) return false;
+    system_ = &system;
+    if (!symmetric || system.matrix().symmetric()) return true;
+    end();
+    return false;
+  }
   static bool switchOf(ForceField* field, bool exact) {
     auto* open = dynamic_cast<OpenChoices*>(field);
     return open && open->useExactTangent(exact);

@@ -207,6 +207,7 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
     report = newton_.solve(*this, *solver_, stop);
     addCounts(before, report);
   }
+  if (mayDivide(report)) report = solveInParts(report, stop);
   if (report.stopped) return report;
   if (lack_ > 0) {
     report.diverged = true;

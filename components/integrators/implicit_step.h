@@ -148,6 +148,11 @@ class ImplicitStep final : public NonlinearProblem {
   bool mayTryExact() const;
   bool beginFaster();
   StepReport solveConditions(StopToken stop);
+  // implicit_parts.cpp
+  bool mayDivide(const StepReport& report) const;
+  bool findWayOfHeld();
+  bool carryOn(double more, StopToken stop, StepReport& report);
+  StepReport solveInParts(const StepReport& whole, StopToken stop);
   StepReport startAgain(const StepReport& before);
   void takeBack(StepReport& report);
   void takeChange();
@@ -188,7 +193,8 @@ class ImplicitStep final : public NonlinearProblem {
   Vector change_;          ///< u - v0
   Vector constant_;        ///< old_weight F(x0, v0), with Newton's method and forces of constraint those carried too
   Vector x0_, v0_, work_;  ///< the state before the step, for Newton
-  Vector carried_;         ///< way of what is moved [m], shape (independentRows()); only with limits
+  Vector carried_;         ///< way of what is moved [m], shape (independentRows()); only with limits, or in parts
+  Vector good_;            ///< u where the last part of a step ended; see implicit_parts.cpp
   double lack_ = 0;        ///< the part of it that has not been made yet
   int carries_ = 0;
   bool is_to_guess_ = false;  ///< no solve of the step has begun

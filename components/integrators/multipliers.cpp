@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "components/integrators/uncoupled_constraint_correction.h"
+#include "components/integrators/whole_matrix.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
@@ -31,7 +32,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   rule_ = rule;
   carries_ = carries;
   if (!carries)
-    for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(system_->actors().masses);
+    for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
   knows_forces_ = false, bend_count_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
@@ -94,7 +95,7 @@ bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& res
   if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
   clear(response);
   const bool is_left = partRightSide();
-  const SolveReport solve = is_left ? solver.solve(matrix, right_side_, response, {.stop = stop})
+  const SolveReport solve = is_left ? solveWhole(solver, matrix, right_side_, response, {.stop = stop})
                                     : SolveReport{.stop = SolveStop::zero_right_side};
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;

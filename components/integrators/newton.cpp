@@ -22,8 +22,7 @@ SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, R
                       StepReport& report) {
   const auto start = std::chrono::steady_clock::now();
   Span span("solve", &solver);
-  auto* const whole = dynamic_cast<WholeMatrix*>(&matrix);
-  const SolveReport solve = whole ? whole->solve(solver, b, x, terms) : solver.solve(matrix, b, x, terms);
+  const SolveReport solve = solveWhole(solver, matrix, b, x, terms);
   report.stopped = report.stopped || solve.stop == SolveStop::stopped;
   report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   span.count(solve.iterations);

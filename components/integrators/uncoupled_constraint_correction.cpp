@@ -4,7 +4,8 @@
 //   dv_i = c_i p_i,   p_i the impulse on node i
 //
 // with c_i the compliance of the node [1/kg], its entry in `compliance` or defaultCompliance. A frame without a compliance has that of
-// its mass and inertia where the step starts; with one of 7 numbers c for the centre, and xx xy xz yy yz zz of the inverse inertia.
+// its mass and inertia where the step starts, with those of what follows it. With one of 7 numbers it has c for the centre, and
+// xx xy xz yy yz zz of the inverse inertia.
 // With defaultCompliance alone that is c for the centre, and 1/(kg m^2) for turns about all axes, as in SOFA.
 // The matrix of the step, with the stiffness of the body, is left out: its other nodes feel the constraint in the next step only.
 // Without this component the matrix answers, which is right. It counts where an integrator makes one linear solve per step.

@@ -3,8 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "framework/mechanics/mass.h"
-#include "framework/mechanics/state.h"
+#include "framework/simulation/system.h"
 
 namespace stroma {
 
@@ -14,8 +13,8 @@ class UncoupledConstraintCorrection final : public Component {
   void declare(DataTable& table) override;
   void init() override;
   State& state() const { return *state_; }
-  /// Where a step begins: of frames the inverses of their masses and inertias, of all masses of the state.
-  void takeMasses(const std::vector<Mass*>& masses);
+  /// Where a step begins: of frames the inverses of their masses and inertias, of all masses of the state and of what follows it.
+  void takeMasses(const System& system);
   /// Of the state's rows: what impulses along `direction` change velocities by. Vectors of the system.
   void respond(ConstRows direction, Rows response) const;
   /// Says of those in the scene of `integrator` that the matrix answers instead, and why.
@@ -23,6 +22,7 @@ class UncoupledConstraintCorrection final : public Component {
 
  private:
   void addMass(const Mass& mass);
+  void takeWhole(const System& system);
 
   Link<State> mstate_{"mechanical state"};
   State* state_ = nullptr;
@@ -30,6 +30,8 @@ class UncoupledConstraintCorrection final : public Component {
   double default_compliance_ = 1e-5;
   bool by_rule_ = true;
   std::vector<Mat3> inverses_;             ///< of frames: of each row, shape (state's rows)
+  std::vector<Mat3> couplings_;            ///< of each frame: what torques change the velocity of its centre by; empty: nothing
+  Vector unit_, momentum_;                 ///< work space, where masses follow frames
 };
 
 }  // namespace stroma

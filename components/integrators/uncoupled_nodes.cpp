@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "framework/mechanics/frames.h"
@@ -57,12 +58,14 @@ void UncoupledConstraintCorrection::tellIdle(const Component& integrator, const 
                "EulerImplicitSolver with newtonIterations=\"1\", or no correction");
 }
 
-void UncoupledConstraintCorrection::takeMasses(const std::vector<Mass*>& masses) {
+void UncoupledConstraintCorrection::takeMasses(const System& system) {
   if (!state_->hasFrames()) return;
+  const auto follows = [&](const Mass* mass) { return mass->state().firstRow() >= system.independentRows(); };
+  if (each_.empty() && std::any_of(system.masses().begin(), system.masses().end(), follows)) return takeWhole(system);
   const auto rows = std::size_t(state_->size());
   inverses_.assign(rows, Mat3::Zero());
   if (each_.empty()) {
-    for (const Mass* mass : masses)
+    for (const Mass* mass : system.masses())
       if (&mass->state() == state_) addMass(*mass);
     for (Mat3& block : inverses_) block = block.determinant() > 0 ? Mat3(block.inverse()) : Mat3(Mat3::Zero());
     return;
@@ -82,6 +85,32 @@ void UncoupledConstraintCorrection::addMass(const Mass& mass) {
   for (std::size_t row = 0; row < tensors.size(); ++row) inverses_[row] += tensors[row];
 }
 
+/// Masses that follow a frame have a centre of their own, so that a force on the frame turns it too: the inverse of six rows.
+void UncoupledConstraintCorrection::takeWhole(const System& system) {
+  using Six = Eigen::Matrix<double, 6, 6>;
+  for (Vector* vector : {&unit_, &momentum_})
+    if (vector->count() != system.independentRows()) vector->resize(system.independentRows());
+  for (Mass* mass : system.masses())
+    if (mass->turns()) mass->update(system.mappingChain().positions(system.x));
+  inverses_.assign(std::size_t(state_->size()), Mat3::Zero());
+  couplings_.assign(std::size_t(state_->nodes()), Mat3::Zero());
+  for (Index frame = 0; frame < state_->nodes(); ++frame) {
+    const Index row = 2 * frame, at = state_->firstRow() + row;
+    Six inertia;
+    for (int i = 0; i < 6; ++i) {
+      clear(unit_), clear(momentum_);
+      unit_[at + i / 3][i % 3] = 1;
+      system.addMassProduct(unit_, 1, momentum_);
+      inertia.col(i) << momentum_[at], momentum_[at + 1];
+    }
+    const Eigen::FullPivLU<Six> factors(inertia);
+    if (!factors.isInvertible()) continue;
+    const Six inverse = factors.inverse();
+    inverses_[std::size_t(row)] = inverse.topLeftCorner<3, 3>(), inverses_[std::size_t(row) + 1] = inverse.bottomRightCorner<3, 3>();
+    couplings_[std::size_t(frame)] = inverse.topRightCorner<3, 3>();
+  }
+}
+
 void UncoupledConstraintCorrection::respond(ConstRows direction, Rows response) const {
   const Index first = state_->firstRow();
   for (Index row = 0; row < state_->size(); ++row) {
@@ -90,6 +119,11 @@ void UncoupledConstraintCorrection::respond(ConstRows direction, Rows response) 
       response[first + row] = inverses_[std::size_t(row)] * push;
     else
       response[first + row] = each_[std::size_t(row / state_->rows_per_node)] * push;
+  }
+  for (std::size_t frame = 0; frame < couplings_.size(); ++frame) {
+    const Index row = first + 2 * Index(frame);
+    response[row] += couplings_[frame] * direction[row + 1];
+    response[row + 1] += couplings_[frame].transpose() * direction[row];
   }
 }
 

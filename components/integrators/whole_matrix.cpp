@@ -55,6 +55,11 @@ SolveReport WholeMatrix::iterate(LinearSolver& solver, double norm_b, double goa
   return report;
 }
 
+SolveReport solveWhole(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
+  auto* const whole = dynamic_cast<WholeMatrix*>(&matrix);
+  return whole ? whole->solve(solver, b, x, terms) : solver.solve(matrix, b, x, terms);
+}
+
 void WholeIfNeeded::compile(System& system) {
   whole_.reset();
   for (const ForceField* field : system.forceFields())

@@ -8,7 +8,7 @@
 
 namespace stroma {
 
-/// A matrix as a system has it, for solveOrShift() to solve with all of it: conjugate gradients on products, with the scene's
+/// A matrix as a system has it, for solveWhole() to solve with all of it: conjugate gradients on products, with the scene's
 /// solver, which may take the assembled matrix, as the preconditioner. The same equations are then solved whatever solver the
 /// scene names.
 class WholeMatrix final : public MatrixView {
@@ -22,6 +22,9 @@ class WholeMatrix final : public MatrixView {
 
   Vector residual_, preconditioned_, direction_, product_;  ///< shape (rows)
 };
+
+/// As LinearSolver::solve(), with all of the stiffness where the matrix is a WholeMatrix.
+SolveReport solveWhole(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms);
 
 /// Made at compile time: the matrix of a system, seen whole where some force field says that an assembled one is not.
 class WholeIfNeeded {

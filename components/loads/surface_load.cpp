@@ -22,7 +22,8 @@ void SurfaceLoad::declare(DataTable& table) {
   table.addChoice("tangent", tangent_, {"symmetric", "exact"})
       .help(
           "symmetric part of the stiffness, which any solver takes and which is exact for a pressure on a closed "
-          "surface or one with a held rim; or the exact one, on an open surface for solvers of unsymmetric matrices");
+          "surface or one with a held rim; or the exact one, on an open surface for solvers of unsymmetric matrices. Where none is "
+          "written, a solve of Newton's method that fails goes on with the exact one, if its linear solver takes it");
 }
 
 const Mesh& SurfaceLoad::surfaceMesh() const {
@@ -40,12 +41,19 @@ void SurfaceLoad::setFaces(std::vector<Face> faces, std::vector<double> weights)
 
 ForceTraits SurfaceLoad::traits() const {
   ForceTraits traits;
-  const bool potential = hasPotential(), exact = tangent_ == TangentWord::exact && !potential;
+  const bool potential = hasPotential(), exact = isExact();
   traits.conservative = potential;
   traits.has_stiffness = has_tangent;
   traits.symmetric = !exact || !has_tangent;
   traits.exact_tangent = has_tangent && rigid_faces == 0 && stress_is_fixed && (exact || potential);
   return traits;
+}
+
+bool SurfaceLoad::useExactTangent(bool exact) {
+  // a tangent that the scene names stays
+  if (hasPotential() || !has_tangent || data().find("tangent")->isSet()) return false;
+  is_exact_for_solve_ = exact;
+  return true;
 }
 
 void SurfaceLoad::compile() {
@@ -80,7 +88,7 @@ void SurfaceLoad::addForce(ConstRows x, ConstRows, Rows f) {
 }
 
 void SurfaceLoad::computeTangents() const {
-  const bool exact = tangent_ == TangentWord::exact && !hasPotential();
+  const bool exact = isExact();
   for (std::size_t i = 0; i < faces_.size() - rigid_faces; ++i) {
     const int corners = faces_[i].corners;
     const Mat3 weighted = weight(i) * last_stress_;

@@ -2,7 +2,10 @@
 // How many cells lie over the thickness of a body, and what is said of too few.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include "tests/support/meshes.h"
+#include "tests/support/scene_text.h"
 #include "tools/checks/cells_across.h"
 
 namespace stroma::test {
@@ -71,6 +74,55 @@ TEST(CellsAcross, StoutBodiesAndFineMeshesAreNotBlamed) {
   EXPECT_EQ(slenderness(fine.hexahedra, fine.position).cells, 8);
   EXPECT_EQ(tooCoarseForBending(slenderness(fine.hexahedra, fine.position), true), "");
   EXPECT_EQ(tooCoarseForBending(slenderness(std::vector<Tetrahedron>{}, {}), false), "");
+}
+
+/// A bar of 4 x 1 x 1 with `cells` over its height, drawn down at its end.
+std::string bar(int cells, bool hexahedra, double ratio, const std::string& dilatation) {
+  const std::string kind = hexahedra ? "Hexahedron" : "Tetrahedron",
+                    tetrahedra = hexahedra ? ""
+                                           : R"(<TetrahedronSetTopologyContainer name="tets"/><Hexa2TetraTopologicalMapping input="@../grid"
+  output="@tets" swapping="true"/>)";
+  return fmt::format(
+      R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/><RegularGridTopology name="grid" n="{} {} {}" min="0 0 0"
+  max="4 1 1"/><Node name="b">{}<MechanicalObject/><UniformMass totalMass="1"/><{}FEMForceField method="small" youngModulus="1000"
+  poissonRatio="{}" dilatation="{}"/><BoxROI name="wall" box="-1 -1 -1 1e-6 2 2"/><BoxROI name="end" box="3.999 -1 -1 5 2 2"/>
+  <FixedProjectiveConstraint indices="@wall.indices"/><ConstantForceField indices="@end.indices" totalForce="0 0 -0.001"/></Node></Node>)",
+      4 * cells + 1, cells + 1, cells + 1, tetrahedra, kind, ratio, dilatation);
+}
+
+std::string notesOf(const std::string& scene) {
+  const Simulation simulation = simulationFromText(scene);
+  Diagnostics diagnostics;
+  noteCoarseCells(simulation, diagnostics);
+  return diagnostics.text();
+}
+
+double deflection(const std::string& scene) {
+  Simulation simulation = simulationFromText(scene);
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(!report.failed() && !report.unsolved) << report.reason;
+  const System& system = *simulation.systems()[0];
+  return 1 - system.x[system.allRows() - 1].z();
+}
+
+/// Where Poisson's ratio is near that at which dilatation="auto" changes, the note says by how much the answer does: within a third of
+/// what it is, or of tetrahedra at most, whose jump depends on how they lie.
+TEST(CellsAcross, TheJumpOfAnOpenDilatationIsTold) {
+  for (const bool hexahedra : {true, false})
+    for (const int cells : {1, 2, 4}) {
+      const std::string start = std::string("with dilatation=\"auto\" it bends by ") + (hexahedra ? "some " : "up to ");
+      const double from = hexahedra ? 0.4 : 0.45;
+      const std::string said = notesOf(bar(cells, hexahedra, from - 0.02, "auto"));
+      ASSERT_NE(said.find(start), std::string::npos) << cells << said;
+      const double told = std::stod(said.substr(said.find(start) + start.size())) / 100;
+      const double jump = deflection(bar(cells, hexahedra, from, "mean")) / deflection(bar(cells, hexahedra, from, "local")) - 1;
+      std::printf("%d %s over the height: told %.0f %%, %.1f %%\n", cells, hexahedra ? "hexahedra" : "tetrahedra", 100 * told, 100 * jump);
+      EXPECT_GT(jump, 0.05);
+      EXPECT_LT(jump, 1.35 * told);
+      if (hexahedra) EXPECT_GT(jump, 0.65 * told);
+      EXPECT_EQ(notesOf(bar(cells, hexahedra, from - 0.02, "mean")).find(start), std::string::npos);
+      EXPECT_EQ(notesOf(bar(cells, hexahedra, from - 0.1, "auto")).find(start), std::string::npos);
+    }
 }
 
 }  // namespace

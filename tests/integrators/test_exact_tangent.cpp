@@ -93,5 +93,28 @@ TEST(ExactTangentOfSteps, WhatIsTooDearIsLeft) {
   exact.end();
 }
 
+/// Beside a pressure whose exact tangent is not symmetric: a solver that takes symmetric ones only, and a solve that is only slow,
+/// have that of the corotational field.
+TEST(ExactTangentOfSteps, FieldsThatNoSolverTakesLeaveTheOthers) {
+  for (const std::string solver : {"CGLinearSolver", "SparseLDLSolver"})
+    for (const bool for_speed : {false, true}) {
+      Simulation simulation = simulationFromText(
+          R"(<Node name="root" gravity="0 0 0"><StaticSolver/><)" + solver + R"(/><MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1"
+  tetrahedra="0 1 2 3" triangles="1 2 3"/><MechanicalObject/><UniformMass totalMass="1"/><TetrahedronFEMForceField method="svd"
+  youngModulus="1000" poissonRatio="0.3"/><FixedProjectiveConstraint indices="0"/><SurfacePressureForceField triangleIndices="0"
+  pressure="1"/></Node>)");
+      System& system = *simulation.systems()[0];
+      ExactTangent exact;
+      ASSERT_TRUE(for_speed ? exact.beginForSpeed(system) : exact.begin(system)) << solver;
+      int of_elasticity = 0, of_pressure = 0;
+      for (const ForceField* field : system.forceFields())
+        (field->data().find("method") ? of_elasticity : of_pressure) += field->traits().exact_tangent;
+      EXPECT_EQ(of_elasticity, 1);
+      EXPECT_EQ(of_pressure, solver == "SparseLDLSolver" && !for_speed ? 1 : 0) << solver;
+      exact.end();
+      for (const ForceField* field : system.forceFields()) EXPECT_FALSE(field->traits().exact_tangent);
+    }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
