@@ -6631,6 +6631,43 @@ def what_has_no_effect_in_sofa_says_why():
 
 
 @case
+def what_frames_carry_where_they_turn():
+    """Points and frames in the axes of a frame that turns by 90 degrees about z where the scene starts, x = c + q p: places that are
+    listed, of a child that has none or others; rest positions with useX0; places in space, which a frame turned back has."""
+    s = 0.7071067811865476
+    frames = f'<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  1 2 0 0 0 {s} {s}"/><UniformMass totalMass="1"/>'
+    child = '<Node name="c"><MechanicalObject name="p" {}/><{} {}/></Node>'
+
+    def carried(state, kind, attributes, width=3):
+        run = Run(node(EXACT + frames + child.format(state, kind, attributes)), 1)
+        return run, run.x("c.p", width)
+
+    listed = 'index="1" initialPoints="0.5 0 0  0 0 3"'
+    for state in ("", 'position="7 7 7"'):
+        agree(carried(state, "RigidMapping", listed)[1], [[1, 2.5, 0], [1, 2, 3]])
+    run, x = carried("", "RigidMapping", listed + ' globalToLocalCoords="1"')
+    agree(x, [[1, 2.5, 0], [1, 2, 3]])
+    run.says("/c/RigidMapping1.globalToLocalCoords: has no effect beside initialPoints")
+    places = 'position="0.5 0 0  0 4 0" rest_position="2 0 0  0 3 0"'
+    agree(carried(places, "RigidMapping", 'indexFromEnd="1"')[1], [[1, 2.5, 0], [-3, 2, 0]])
+    agree(carried(places, "RigidMapping", 'index="1" useX0="1"')[1], [[1, 4, 0], [-2, 2, 0]])
+    run, x = carried(places, "RigidMapping", 'index="1" useX0="1" globalToLocalCoords="1"')
+    agree(x, [[1, 4, 0], [-2, 2, 0]])
+    run.says("/c/RigidMapping1.globalToLocalCoords: has no effect beside useX0")
+    agree(carried(places, "RigidMapping", 'index="1" globalToLocalCoords="1"')[1], [[0.5, 0, 0], [0, 4, 0]])
+    rigid, turned = 'template="Rigid3"', f"0.5 0 0 {s} 0 0 {s}"
+    agree(carried(rigid, "RigidRigidMapping", f'index="1" initialPoints="{turned}"', 7)[1], [[1, 2.5, 0, 0.5, 0.5, 0.5, 0.5]])
+    agree(carried(rigid, "RigidRigidMapping", f'repartition="1 1" initialPoints="{turned}  0 0 1 0 0 0 1"', 7)[1],
+          [[0.5, 0, 0, s, 0, 0, s], [1, 2, 1, 0, 0, s, s]])
+    agree(carried(rigid + f' position="{turned}"', "RigidRigidMapping", 'index="1" globalToLocalCoords="1"', 7)[1], [[0.5, 0, 0, s, 0, 0, s]])
+    run, x = carried(places, "RigidMapping", 'index="1" rigidIndexPerPoint="0 0 0"')
+    agree(x, [[1, 2.5, 0], [-3, 2, 0]])
+    run.says("rigidIndexPerPoint has 3 values for 2 points: it does not count, as in SOFA, and frame 1 carries all")
+    wrong = node(EXACT + frames + child.format(rigid, "RigidRigidMapping", 'initialPoints="0.5 0 0 0 0 0 0"'))
+    Run(wrong, 1).fails(2, "initialPoints: the quaternion of frame 0 has the length 0", "x y z w of length one")
+
+
+@case
 def migrated_scenes_give_the_same_numbers():
     """All of the above that ran, once more as native scenes."""
     runs = list(RUNS)

@@ -107,6 +107,7 @@ class Rewriting {
   void warnOfChance(const Element& engine);
   void holdArms(Element& mapping);
   bool actsOnNothing(Element& element);
+  void meanCarried(Element& mapping);
   bool holdsNothing(Element& element);
   void sayWhyIdle(const Element& element);
   void sayWhyTetrahedraDoNotTouch(const Element& model);
