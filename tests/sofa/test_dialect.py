@@ -6668,6 +6668,23 @@ def what_frames_carry_where_they_turn():
 
 
 @case
+def links_that_lead_nowhere_name_what_is_near():
+    """Each of several, and one that starts in the wrong place: file, line and path, and the link that is right."""
+    state = '<MechanicalObject name="dofs" position="0 0 0"/><UniformMass totalMass="1"/>'
+    bodies = f'<Node name="left">{state}</Node><Node name="right">{state}</Node>'
+    both = bodies + ('<Node name="both"><MechanicalObject name="all" position="0 0 0 0 0 0"/>\n<SubsetMultiMapping name="m" '
+                     'input="@../left/dofs {}" indexPairs="0 0  1 0"/></Node>')
+    for wrong, near in (("@../rigth/dofs", "@../right/dofs"), ("@../right/dof", "@../right/dofs"), ("@../../right/dofs", "@/right/dofs"),
+                        ("@/rihgt/dofs", "@/right/dofs")):
+        run = Run(root(EXACT + both.format(wrong)), 1)
+        line = next((each for each in run.text.splitlines() if "leads nowhere" in each), run.text)
+        assert line.startswith("scene.scn:2:") and f"/both/m.input: the link '{wrong}' leads nowhere" in line and f"'{near}'" in line, line
+    agree(Run(root(EXACT + both.format("@../right/dofs")), 10).x("both.all")[:, 1], [fallen(10)] * 2)
+    roi = '<BoxROI name="fixed" box="-1 -1 -1 1 1 1"/>'
+    Run(root(EXACT + BODY + roi + '<FixedProjectiveConstraint indices="@fixd.indices"/>'), 1).says("'@fixed.indices'")
+
+
+@case
 def migrated_scenes_give_the_same_numbers():
     """All of the above that ran, once more as native scenes."""
     runs = list(RUNS)
