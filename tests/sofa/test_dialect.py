@@ -6685,6 +6685,19 @@ def links_that_lead_nowhere_name_what_is_near():
 
 
 @case
+def one_position_beside_a_mesh():
+    """A state takes the nodes of the mesh in its node unless more than one position is written."""
+    mesh = '<MeshTopology position="0 1 0  2 1 0" edges="0 1"/><MechanicalObject name="dofs" position="5 5 5" {} scale="2" dx="1"/>'
+    run = Run(node(EXACT + mesh.format("") + '<UniformMass totalMass="2"/>'), 1)
+    agree(run.x(), [[1, 2, 0], [5, 2, 0]])
+    run.says("/dofs.position: is one node: those of /MeshTopology1 count, as in SOFA")
+    agree(Run(node(EXACT + mesh.format('useTopology="0"') + '<UniformMass totalMass="2"/>'), 1).x(), [[11, 10, 10]])
+    rigid = mesh.replace('"5 5 5"', '"5 5 5 0 0 0 1"').format('template="Rigid3d"')
+    agree(Run(node(EXACT + rigid + '<UniformMass totalMass="2"/>'), 1).x("dofs", 7), [[1, 2, 0, 0, 0, 0, 1], [5, 2, 0, 0, 0, 0, 1]])
+    Run(node("<DefaultAnimationLop/>" + EXACT + BODY), 1).fails(2, "scene.scn:1:", "did you mean 'DefaultAnimationLoop'?")
+
+
+@case
 def migrated_scenes_give_the_same_numbers():
     """All of the above that ran, once more as native scenes."""
     runs = list(RUNS)

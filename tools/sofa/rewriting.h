@@ -116,6 +116,7 @@ class Rewriting {
   void meanMesh(Element& element);
   void meanState(Element& element);
   // ---- rewritten_constraints.cpp ----
+  void leaveOnePosition(Element& state);  // rewritten_bodies.cpp
   void meanConstraint(Element& element);
   void meanMatrix(Element& element, const Element& integrator);
   void meanForceOfConstraint(const Element& constraint);

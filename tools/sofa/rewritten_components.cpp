@@ -364,6 +364,7 @@ void Rewriting::readMeshFile(Element& element, const std::string& attribute) {
 }
 
 void Rewriting::meanState(Element& element) {
+  leaveOnePosition(element);
   if (element.find("restScale") && std::atof(element.text("restScale").c_str()) == 1) element.remove("restScale");
   if (element.find("scale")) element.remove("scale3d");
   const bool has_positions = element.find("position") || element.find("rest_position") || element.find("src") ||
