@@ -6698,6 +6698,39 @@ def one_position_beside_a_mesh():
 
 
 @case
+def capsules_and_boxes_of_old_scenes():
+    """On a floor, each corner or end a spring k = k1 k2 / d0 as long as d0 - y > 0; d0 has a capsule's radius in it."""
+    def pushed(springs, d0, y, h=0.01, m=2.0, g=10.0):
+        k, v = springs * 100 / d0, 0.0
+        for _ in range(8):
+            assert d0 > y
+            v += h * (k * (d0 - y) - m * g - h * k * v) / (m + h * h * k)
+            y += h * v
+        return y
+
+    scene = ('<CollisionPipeline/><BruteForceDetection/><DefaultContactManager response="default"/>'
+             '<{} alarmDistance="0.3" contactDistance="0.1"/><Node name="b">' + EXACT + '<MechanicalObject name="dofs" template="{}" '
+             'position="{}"/><UniformMass totalMass="2"/>{}</Node><Node name="floor"><MeshTopology position="-9 0 -9  9 0 -9  9 0 9  -9 0 9" '
+             'triangles="0 2 1  0 3 2"/><MechanicalObject/><TriangleCollisionModel simulated="0" moving="0"/></Node>')
+    lying = "0 0.55 0 0 0 0.7071067811865476 0.7071067811865476"
+    for method in ("NewProximityIntersection", "MinProximityIntersection"):
+        for given in ('<CapsuleCollisionModel radii="0.5" heights="2"/>', '<RigidCapsuleModel name="c" defaultRadius="0.5"/>'):
+            run = Run(root(scene.format(method, "Rigid3", lying, given)), 8)
+            agree(run.x("b.dofs", 7)[0, :3], [0, pushed(2, 0.6, 0.55), 0], 1e-7)
+            run.says("/b/c: is a line" if "name" in given else "/b/CapsuleCollisionModel1: is a line with a skin of its radius here")
+        for given in ('<OBBCollisionModel extents="0.3 0.4 0.2"/>', '<OBBModel defaultExtent="0.4"/>'):
+            agree(Run(root(scene.format(method, "Rigid3", "0 0.496 0 0 0 0 1", given)), 8).x("b.dofs", 7)[0, :3],
+                  [0, pushed(4, 0.1, 0.096) + 0.4, 0], 1e-7)
+    two = ('<Node name="a">' + EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="-3 0.55 0 0 0 0 1  3 0.2 0 0 0 0 1"/>'
+           '<UniformMass totalMass="4"/><CapsuleModel radii="0.5 0.15" heights="0 0"/></Node>')
+    pair = Run(root(scene.format("NewProximityIntersection", "Rigid3", "0 50 0 0 0 0 1", "") + two), 8).x("a.dofs", 7)
+    agree(pair[:, 1], [pushed(2, 0.6, 0.55), pushed(2, 0.25, 0.2)], 1e-7)  # of no height: both ends are in one place
+    points = ('<MeshTopology edges="0 1"/><CapsuleCollisionModel template="Capsule" defaultRadius="0.5"/>')
+    fallen_line = Run(root(scene.format("NewProximityIntersection", "Vec3", "-1 0.55 0  1 0.55 0", points)), 8).x("b.dofs")
+    agree(fallen_line[:, 1], [pushed(2, 0.6, 0.55)] * 2, 1e-7)
+
+
+@case
 def migrated_scenes_give_the_same_numbers():
     """All of the above that ran, once more as native scenes."""
     runs = list(RUNS)

@@ -48,6 +48,7 @@ class Rewriting {
   void dampVelocities();
   void resolveAliases();
   void expandPrefabs();  // rewritten_prefabs.cpp
+  void expandSolids();   // rewritten_solids.cpp
   void dropUnheard();
   void dropIdleMappings();
   bool hasOnlyFollowers(const Place& place) const;
@@ -106,8 +107,8 @@ class Rewriting {
   void warnOfFrames(const Element& mapping);
   void warnOfChance(const Element& engine);
   void holdArms(Element& mapping);
-  bool actsOnNothing(Element& element);
   void meanCarried(Element& mapping);
+  bool actsOnNothing(Element& element);
   bool holdsNothing(Element& element);
   void sayWhyIdle(const Element& element);
   void sayWhyTetrahedraDoNotTouch(const Element& model);
@@ -115,8 +116,8 @@ class Rewriting {
   // ---- rewritten_components.cpp again ----
   void meanMesh(Element& element);
   void meanState(Element& element);
-  // ---- rewritten_constraints.cpp ----
   void leaveOnePosition(Element& state);  // rewritten_bodies.cpp
+  // ---- rewritten_constraints.cpp ----
   void meanConstraint(Element& element);
   void meanMatrix(Element& element, const Element& integrator);
   void meanForceOfConstraint(const Element& constraint);
