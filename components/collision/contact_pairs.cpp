@@ -2,6 +2,7 @@
 #include "components/collision/contact_pairs.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -90,45 +91,48 @@ bool holdsSupport(const PartPoint& other, const PartPoint& point) {
   return true;
 }
 
-/// The side of a contact that is a point on an edge or in a corner of a triangle under a ball; null: there is none.
-const PartPoint* edgeUnderBall(const Contact& contact) {
-  const bool first = contact.model_a->kind() == CollisionModel::Kind::sphere;
-  const PartPoint& other = first ? contact.b : contact.a;
-  if (!first && contact.model_b->kind() != CollisionModel::Kind::sphere) return nullptr;
-  return other.part->corners == 3 && supportOf(other.weight) != 7 ? &other : nullptr;
+bool isOneCorner(const PartPoint& point) { return std::has_single_bit(supportOf(point.weight)); }
+
+/// A ball, a point or a corner over an edge or a corner of a triangle.
+bool isOnEdge(const Contact& contact) {
+  return isOneCorner(contact.a) && contact.b.part->corners == 3 && supportOf(contact.b.weight) != 7;
 }
 
-/// Edges and corners under a ball count where the ball meets nothing that they are a part of, and no line or point there.
+/// Edges and corners of triangles count where what is over them meets nothing that they are a part of, and no line or point there.
 void dropHiddenEdges(std::vector<Contact>& contacts) {
-  std::vector<std::pair<const Part*, std::size_t>> of_balls;
-  const auto ballOf = [](const Contact& c) { return c.model_a->kind() == CollisionModel::Kind::sphere ? c.a.part : c.b.part; };
-  bool any = false;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    of_balls.emplace_back(ballOf(contacts[i]), i);
-    any = any || edgeUnderBall(contacts[i]);
-  }
-  if (!any) return;
-  std::sort(of_balls.begin(), of_balls.end());
+  if (std::none_of(contacts.begin(), contacts.end(), isOnEdge)) return;
+  std::vector<std::pair<const Part*, std::size_t>> by_part;
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    for (const PartPoint* point : {&contacts[i].a, &contacts[i].b})
+      if (isOneCorner(*point)) by_part.emplace_back(point->part, i);
+  std::sort(by_part.begin(), by_part.end());
   std::vector<char> hidden(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const PartPoint* edge = edgeUnderBall(contacts[i]);
-    if (!edge) continue;
     const Contact& mine = contacts[i];
-    const State* state = &(edge == &mine.b ? mine.model_b : mine.model_a)->state();
-    for (auto at = std::lower_bound(of_balls.begin(), of_balls.end(), std::pair(ballOf(mine), std::size_t(0)));
-         at != of_balls.end() && at->first == ballOf(mine); ++at) {
+    if (!isOnEdge(mine)) continue;
+    for (auto at = std::lower_bound(by_part.begin(), by_part.end(), std::pair(mine.a.part, std::size_t(0)));
+         at != by_part.end() && at->first == mine.a.part; ++at) {
       const Contact& other = contacts[at->second];
-      const PartPoint& there = other.a.part == ballOf(mine) ? other.b : other.a;
-      const bool is_nearer = !holdsSupport(*edge, there) || there.part->corners < 3;
-      if (at->second != i && &(&there == &other.b ? other.model_b : other.model_a)->state() == state && is_nearer &&
-          holdsSupport(there, *edge))
-        hidden[i] = 1;
+      const bool is_first = other.a.part == mine.a.part;
+      const PartPoint &here = is_first ? other.a : other.b, &there = is_first ? other.b : other.a;
+      const bool is_same = supportOf(here.weight) == supportOf(mine.a.weight) &&
+                           &(is_first ? other.model_b : other.model_a)->state() == &mine.model_b->state();
+      const bool is_nearer = !holdsSupport(mine.b, there) || there.part->corners < 3;
+      if (at->second != i && is_same && is_nearer && holdsSupport(there, mine.b)) hidden[i] = 1;
     }
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (!hidden[i]) contacts[kept++] = contacts[i];
   contacts.resize(kept, contacts.front());
+}
+
+/// Whether what is over a point on the rim of a triangle would fall between it and the next one: the insides of both leave the rim out.
+bool isOverRim(std::span<const Vec3> triangle, const Vec3& difference) {
+  constexpr double rim = 1e-5;  // of the triangle's size: the next one may be ten times as large
+  const Vec3 p = triangle[1] - triangle[0], q = triangle[2] - triangle[0], normal = p.cross(q).normalized();
+  const double size = std::max({p.squaredNorm(), q.squaredNorm(), (q - p).squaredNorm()});
+  return (difference - normal.dot(difference) * normal).squaredNorm() <= rim * rim * size;
 }
 
 }  // namespace
@@ -193,8 +197,9 @@ void ContactSearch::meet(const Surface& a, const Part& p, const Surface& b, cons
     Contact found{m.model, o.model, {&mine, {}}, {&other, {}}, Vec3::UnitX(), contact + radii};
     Vec3 difference;
     const bool is_within = closest(from, k, to, found.a.weight, found.b.weight, difference);
-    const bool takes_edges = method_->trianglesTakeEdges() && m.model->kind() == CollisionModel::Kind::sphere && other.corners == 3;
-    if (is_within || (takes_edges && isOnOwned(other, found.b.weight))) keep(m, o, found, difference);
+    const bool is_edge = !is_within && k >= 0 && other.corners == 3 && isOnOwned(other, found.b.weight);
+    const bool takes_edges = method_->trianglesTakeEdges() && m.model->kind() == CollisionModel::Kind::sphere;
+    if (is_within || (is_edge && (takes_edges || isOverRim(to, difference)))) keep(m, o, found, difference);
   };
   if (q.corners < 3 || p.corners == 1) {
     add(a, p, x, p.corners == 1 ? 0 : -1, b, q, y);
@@ -308,7 +313,7 @@ void ContactSearch::find(std::vector<Contact>& out) {
   for (Surface& surface : surfaces_) surface.is_fit = false;
   for (Pair& pair : pairs_)
     if (!hasRoom(pair)) look(pair, out);
-  if (method_->trianglesTakeEdges()) dropHiddenEdges(out);
+  dropHiddenEdges(out);
 }
 
 }  // namespace stroma::collision

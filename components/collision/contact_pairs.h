@@ -21,7 +21,8 @@ struct Contact {
 
 /// Contacts of pairs of models at the models' present positions. As SOFA's: points and lines and triangles have contacts
 /// where the closest points lie within both, more than 1e-6 of their size from the ends; a triangle and a line or a
-/// triangle by the corners, of which each belongs to one part, and by edges where the method says so. A LocalMinDistance
+/// triangle by the corners, of which each belongs to one part, and by edges where the method says so. What comes down on the edge
+/// between two triangles, where no line stands, meets one of them: in SOFA it falls through. A LocalMinDistance
 /// asks both parts for their cones. Where the method says so a ball meets the edges and corners of triangles, too, but for those of a
 /// triangle, a line or a point that it meets anyway.
 ///

@@ -205,11 +205,10 @@ std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescripti
     return std::make_unique<UnknownComponent>();
   }
   const std::string nothing = "there is no component " + inQuotes(description.type);
-  if (std::string advice = adviceOnMissingType(description.type); !advice.empty()) {
-    diagnostics_.error(description.where, path, nothing, {}, std::move(advice));
-    return std::make_unique<UnknownComponent>();
-  }
+  if (std::string advice = adviceOnMissingType(description.type); !advice.empty())
+    return diagnostics_.error(description.where, path, nothing, {}, std::move(advice)), std::make_unique<UnknownComponent>();
   std::vector<std::string> names{"Node", "include"};
+  names.insert(names.end(), acceptedWithoutEffect().begin(), acceptedWithoutEffect().end());
   for (const Modules::IndexEntry& entry : modules_.index()) names.emplace_back(entry.type);
   for (const ComponentEntry* entry : factory_.entries()) names.push_back(entry->type);
   for (const TypeChange& change : typeChanges()) names.emplace_back(change.old_type);

@@ -89,6 +89,23 @@ TEST(NormalCones, NothingFallsThroughBetweenTwoFaces) {
       }
 }
 
+/// The same where neither lines nor points stand: one of the faces takes it, with every method, and where they do stand nothing is
+/// taken twice. Beside the rim of the floor there is nothing.
+TEST(NormalCones, NothingFallsThroughWhereNoLineStands) {
+  const std::string floor = "position=\"0 0 0  4 0 0  4 0 4  0 0 4\" triangles=\"0 2 1  0 3 2\"";
+  const std::string top = "<TriangleCollisionModel simulated=\"0\"/>";
+  for (const std::string method : {"LocalMinDistance", "MinProximityIntersection", "NewProximityIntersection"})
+    for (const double along : {2.0, 1e-3, 0.0})
+      for (const double beside : {0.0, 1e-9, 1e-6, 3e-6, 1e-5, 1e-3}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", method, along, beside));
+        const std::string near = fmt::format("<{} alarmDistance=\"0.5\" contactDistance=\"0.4\"/>", method);
+        const auto at = [&](const std::string& models) { return contactsAt(Vec3(along + beside, 0.2, along), floor, models, near); };
+        EXPECT_EQ(at(top), 1);
+        if (along == 2 && beside == 0) EXPECT_EQ(at(top + "<LineCollisionModel simulated=\"0\"/>"), 1);
+      }
+  EXPECT_EQ(contactsAt(Vec3(2, 0.2, -1e-3), floor, top, minimumDistance(0.5, 0)), 0);
+}
+
 /// Over a flat floor of two triangles, beside the edge between them: with the filter it is the face alone that meets, from its
 /// outer side; over the edge the edge.
 TEST(NormalCones, AFlatFloorMeetsAlongItsNormalAlone) {

@@ -6631,6 +6631,106 @@ def what_has_no_effect_in_sofa_says_why():
 
 
 @case
+def what_frames_carry_where_they_turn():
+    """Points and frames in the axes of a frame that turns by 90 degrees about z where the scene starts, x = c + q p: places that are
+    listed, of a child that has none or others; rest positions with useX0; places in space, which a frame turned back has."""
+    s = 0.7071067811865476
+    frames = f'<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  1 2 0 0 0 {s} {s}"/><UniformMass totalMass="1"/>'
+    child = '<Node name="c"><MechanicalObject name="p" {}/><{} {}/></Node>'
+
+    def carried(state, kind, attributes, width=3):
+        run = Run(node(EXACT + frames + child.format(state, kind, attributes)), 1)
+        return run, run.x("c.p", width)
+
+    listed = 'index="1" initialPoints="0.5 0 0  0 0 3"'
+    for state in ("", 'position="7 7 7"'):
+        agree(carried(state, "RigidMapping", listed)[1], [[1, 2.5, 0], [1, 2, 3]])
+    run, x = carried("", "RigidMapping", listed + ' globalToLocalCoords="1"')
+    agree(x, [[1, 2.5, 0], [1, 2, 3]])
+    run.says("/c/RigidMapping1.globalToLocalCoords: has no effect beside initialPoints")
+    places = 'position="0.5 0 0  0 4 0" rest_position="2 0 0  0 3 0"'
+    agree(carried(places, "RigidMapping", 'indexFromEnd="1"')[1], [[1, 2.5, 0], [-3, 2, 0]])
+    agree(carried(places, "RigidMapping", 'index="1" useX0="1"')[1], [[1, 4, 0], [-2, 2, 0]])
+    run, x = carried(places, "RigidMapping", 'index="1" useX0="1" globalToLocalCoords="1"')
+    agree(x, [[1, 4, 0], [-2, 2, 0]])
+    run.says("/c/RigidMapping1.globalToLocalCoords: has no effect beside useX0")
+    agree(carried(places, "RigidMapping", 'index="1" globalToLocalCoords="1"')[1], [[0.5, 0, 0], [0, 4, 0]])
+    rigid, turned = 'template="Rigid3"', f"0.5 0 0 {s} 0 0 {s}"
+    agree(carried(rigid, "RigidRigidMapping", f'index="1" initialPoints="{turned}"', 7)[1], [[1, 2.5, 0, 0.5, 0.5, 0.5, 0.5]])
+    agree(carried(rigid, "RigidRigidMapping", f'repartition="1 1" initialPoints="{turned}  0 0 1 0 0 0 1"', 7)[1],
+          [[0.5, 0, 0, s, 0, 0, s], [1, 2, 1, 0, 0, s, s]])
+    agree(carried(rigid + f' position="{turned}"', "RigidRigidMapping", 'index="1" globalToLocalCoords="1"', 7)[1], [[0.5, 0, 0, s, 0, 0, s]])
+    run, x = carried(places, "RigidMapping", 'index="1" rigidIndexPerPoint="0 0 0"')
+    agree(x, [[1, 2.5, 0], [-3, 2, 0]])
+    run.says("rigidIndexPerPoint has 3 values for 2 points: it does not count, as in SOFA, and frame 1 carries all")
+    wrong = node(EXACT + frames + child.format(rigid, "RigidRigidMapping", 'initialPoints="0.5 0 0 0 0 0 0"'))
+    Run(wrong, 1).fails(2, "initialPoints: the quaternion of frame 0 has the length 0", "x y z w of length one")
+
+
+@case
+def links_that_lead_nowhere_name_what_is_near():
+    """Each of several, and one that starts in the wrong place: file, line and path, and the link that is right."""
+    state = '<MechanicalObject name="dofs" position="0 0 0"/><UniformMass totalMass="1"/>'
+    bodies = f'<Node name="left">{state}</Node><Node name="right">{state}</Node>'
+    both = bodies + ('<Node name="both"><MechanicalObject name="all" position="0 0 0 0 0 0"/>\n<SubsetMultiMapping name="m" '
+                     'input="@../left/dofs {}" indexPairs="0 0  1 0"/></Node>')
+    for wrong, near in (("@../rigth/dofs", "@../right/dofs"), ("@../right/dof", "@../right/dofs"), ("@../../right/dofs", "@/right/dofs"),
+                        ("@/rihgt/dofs", "@/right/dofs")):
+        run = Run(root(EXACT + both.format(wrong)), 1)
+        line = next((each for each in run.text.splitlines() if "leads nowhere" in each), run.text)
+        assert line.startswith("scene.scn:2:") and f"/both/m.input: the link '{wrong}' leads nowhere" in line and f"'{near}'" in line, line
+    agree(Run(root(EXACT + both.format("@../right/dofs")), 10).x("both.all")[:, 1], [fallen(10)] * 2)
+    roi = '<BoxROI name="fixed" box="-1 -1 -1 1 1 1"/>'
+    Run(root(EXACT + BODY + roi + '<FixedProjectiveConstraint indices="@fixd.indices"/>'), 1).says("'@fixed.indices'")
+
+
+@case
+def one_position_beside_a_mesh():
+    """A state takes the nodes of the mesh in its node unless more than one position is written."""
+    mesh = '<MeshTopology position="0 1 0  2 1 0" edges="0 1"/><MechanicalObject name="dofs" position="5 5 5" {} scale="2" dx="1"/>'
+    run = Run(node(EXACT + mesh.format("") + '<UniformMass totalMass="2"/>'), 1)
+    agree(run.x(), [[1, 2, 0], [5, 2, 0]])
+    run.says("/dofs.position: is one node: those of /MeshTopology1 count, as in SOFA")
+    agree(Run(node(EXACT + mesh.format('useTopology="0"') + '<UniformMass totalMass="2"/>'), 1).x(), [[11, 10, 10]])
+    rigid = mesh.replace('"5 5 5"', '"5 5 5 0 0 0 1"').format('template="Rigid3d"')
+    agree(Run(node(EXACT + rigid + '<UniformMass totalMass="2"/>'), 1).x("dofs", 7), [[1, 2, 0, 0, 0, 0, 1], [5, 2, 0, 0, 0, 0, 1]])
+    Run(node("<DefaultAnimationLop/>" + EXACT + BODY), 1).fails(2, "scene.scn:1:", "did you mean 'DefaultAnimationLoop'?")
+
+
+@case
+def capsules_and_boxes_of_old_scenes():
+    """On a floor, each corner or end a spring k = k1 k2 / d0 as long as d0 - y > 0; d0 has a capsule's radius in it."""
+    def pushed(springs, d0, y, h=0.01, m=2.0, g=10.0):
+        k, v = springs * 100 / d0, 0.0
+        for _ in range(8):
+            assert d0 > y
+            v += h * (k * (d0 - y) - m * g - h * k * v) / (m + h * h * k)
+            y += h * v
+        return y
+
+    scene = ('<CollisionPipeline/><BruteForceDetection/><DefaultContactManager response="default"/>'
+             '<{} alarmDistance="0.3" contactDistance="0.1"/><Node name="b">' + EXACT + '<MechanicalObject name="dofs" template="{}" '
+             'position="{}"/><UniformMass totalMass="2"/>{}</Node><Node name="floor"><MeshTopology position="-9 0 -9  9 0 -9  9 0 9  -9 0 9" '
+             'triangles="0 2 1  0 3 2"/><MechanicalObject/><TriangleCollisionModel simulated="0" moving="0"/></Node>')
+    lying = "0 0.55 0 0 0 0.7071067811865476 0.7071067811865476"
+    for method in ("NewProximityIntersection", "MinProximityIntersection"):
+        for given in ('<CapsuleCollisionModel radii="0.5" heights="2"/>', '<RigidCapsuleModel name="c" defaultRadius="0.5"/>'):
+            run = Run(root(scene.format(method, "Rigid3", lying, given)), 8)
+            agree(run.x("b.dofs", 7)[0, :3], [0, pushed(2, 0.6, 0.55), 0], 1e-7)
+            run.says("/b/c: is a line" if "name" in given else "/b/CapsuleCollisionModel1: is a line with a skin of its radius here")
+        for given in ('<OBBCollisionModel extents="0.3 0.4 0.2"/>', '<OBBModel defaultExtent="0.4"/>'):
+            agree(Run(root(scene.format(method, "Rigid3", "0 0.496 0 0 0 0 1", given)), 8).x("b.dofs", 7)[0, :3],
+                  [0, pushed(4, 0.1, 0.096) + 0.4, 0], 1e-7)
+    two = ('<Node name="a">' + EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="-3 0.55 0 0 0 0 1  3 0.2 0 0 0 0 1"/>'
+           '<UniformMass totalMass="4"/><CapsuleModel radii="0.5 0.15" heights="0 0"/></Node>')
+    pair = Run(root(scene.format("NewProximityIntersection", "Rigid3", "0 50 0 0 0 0 1", "") + two), 8).x("a.dofs", 7)
+    agree(pair[:, 1], [pushed(2, 0.6, 0.55), pushed(2, 0.25, 0.2)], 1e-7)  # of no height: both ends are in one place
+    points = ('<MeshTopology edges="0 1"/><CapsuleCollisionModel template="Capsule" defaultRadius="0.5"/>')
+    fallen_line = Run(root(scene.format("NewProximityIntersection", "Vec3", "-1 0.55 0  1 0.55 0", points)), 8).x("b.dofs")
+    agree(fallen_line[:, 1], [pushed(2, 0.6, 0.55)] * 2, 1e-7)
+
+
+@case
 def migrated_scenes_give_the_same_numbers():
     """All of the above that ran, once more as native scenes."""
     runs = list(RUNS)

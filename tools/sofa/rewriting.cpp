@@ -46,6 +46,7 @@ void Rewriting::run() {
   moveJoints(scene_.root);
   resolveAliases();
   expandPrefabs();
+  expandSolids();
   tree_ = std::make_unique<SceneTree>(scene_.root, [this](const std::string& type) -> std::unique_ptr<Component> {
     try {
       const std::string here(typeHere(type));

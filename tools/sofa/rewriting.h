@@ -48,6 +48,7 @@ class Rewriting {
   void dampVelocities();
   void resolveAliases();
   void expandPrefabs();  // rewritten_prefabs.cpp
+  void expandSolids();   // rewritten_solids.cpp
   void dropUnheard();
   void dropIdleMappings();
   bool hasOnlyFollowers(const Place& place) const;
@@ -106,6 +107,7 @@ class Rewriting {
   void warnOfFrames(const Element& mapping);
   void warnOfChance(const Element& engine);
   void holdArms(Element& mapping);
+  void meanCarried(Element& mapping);
   bool actsOnNothing(Element& element);
   bool holdsNothing(Element& element);
   void sayWhyIdle(const Element& element);
@@ -114,6 +116,7 @@ class Rewriting {
   // ---- rewritten_components.cpp again ----
   void meanMesh(Element& element);
   void meanState(Element& element);
+  void leaveOnePosition(Element& state);  // rewritten_bodies.cpp
   // ---- rewritten_constraints.cpp ----
   void meanConstraint(Element& element);
   void meanMatrix(Element& element, const Element& integrator);

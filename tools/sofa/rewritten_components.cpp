@@ -46,6 +46,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (isAnyOf(element.written->type, {"RigidMapping", "DeformableOnRigidFrameMapping"}))
     setDefault(element, "applyRestPosition", "false");
   if (element.role() == "mapping") holdArms(element);
+  if (isAnyOf(element.written->type, {"RigidMapping", "RigidRigidMapping"})) meanCarried(element);
   if (element.is("IdentityMapping")) setDefault(element, "resizes", "true");
   if (element.is("BarycentricMapping")) warnOfFrames(element), setQuirk(element, "centre-cells", "foundBy", "centres");
   if (element.is("CollisionResponse")) takeFriction(element);
@@ -363,6 +364,7 @@ void Rewriting::readMeshFile(Element& element, const std::string& attribute) {
 }
 
 void Rewriting::meanState(Element& element) {
+  leaveOnePosition(element);
   if (element.find("restScale") && std::atof(element.text("restScale").c_str()) == 1) element.remove("restScale");
   if (element.find("scale")) element.remove("scale3d");
   const bool has_positions = element.find("position") || element.find("rest_position") || element.find("src") ||

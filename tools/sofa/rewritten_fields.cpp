@@ -380,4 +380,20 @@ void Rewriting::holdArms(Element& mapping) {
   if (!mapping.is("RigidRigidMapping") || is_assembled) setQuirk(mapping, "held-arms", "geometricStiffness", "None");
 }
 
+/// In SOFA points that are listed, and rest positions with useX0, are in the axes of the frames whatever is asked.
+void Rewriting::meanCarried(Element& mapping) {
+  setDefault(mapping, "resizes", "true");
+  setDefault(mapping, "mayMiscount", "true");
+  const bool at_rest = saysYes(mapping.text("useX0"));
+  const AttributeDescription* listed = mapping.find("initialPoints");
+  const bool is_listed = listed && (listed->typed || !trimmed(listed->value).empty());
+  const auto leave = [&](const char* attribute, const std::string& beside) {
+    warn(mapping.find(attribute)->where, mapping, attribute, "has no effect beside " + beside + ", as in SOFA");
+    mapping.remove(attribute);
+  };
+  if (is_listed && at_rest) leave("initialPoints", "useX0");
+  if ((is_listed || at_rest) && saysYes(mapping.text("globalToLocalCoords")))
+    leave("globalToLocalCoords", at_rest ? "useX0" : "initialPoints");
+}
+
 }  // namespace stroma::sofa

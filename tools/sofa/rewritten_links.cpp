@@ -12,6 +12,8 @@ namespace stroma::sofa {
 
 namespace {
 
+constexpr const char* nowhere = "leads nowhere";
+
 /// Volume cells that SOFA's grid has a list for and the one here has not, such as tetrahedra: that list is empty there. (SOFA fills
 /// the lists of edges and faces, and those of a file, with what there is.)
 bool isEmptyList(const LinkTarget& target) {
@@ -34,14 +36,18 @@ void Rewriting::rewriteLinks(Element& element) {
 void Rewriting::rewriteLink(Element& element, AttributeDescription& attribute, std::vector<std::string>& broken) {
   if (!element.probe || element.without_effect || hasNoEffect(element.written->type, attribute.name)) return;
   const std::string text(trimmed(attribute.value));
-  const auto breaks = [&](const std::string& message) {
+  const auto tell = [&](const std::string& link, const std::string& message) {
     warn(attribute.where, element, attribute.name,
-         "the link " + inQuotes(text) + " " + message + ": SOFA runs without it, and so does this scene");
+         "the link " + inQuotes(link) + " " + message + ": SOFA runs without it, and so does this scene",
+         message == nowhere ? tree_->nearestLink(element, link) : "");
+  };
+  const auto breaks = [&](const std::string& message) {
+    tell(text, message);
     broken.push_back(attribute.name);
   };
   if (attribute.name == "src") {
     const LinkTarget target = tree_->follow(element, text, false);
-    if (!target.element || target.element->dropped) return breaks("leads nowhere");
+    if (!target.element || target.element->dropped) return breaks(nowhere);
     if (target.element->probe) attribute.value = SceneTree::linkTo(*target.element);
     return;
   }
@@ -55,7 +61,9 @@ void Rewriting::rewriteLink(Element& element, AttributeDescription& attribute, s
     forLinks(attribute, [&](std::string_view link) {
       const std::string one = componentLink(element, *data, std::string(link));
       if (!one.empty()) value += (value.empty() ? "" : " ") + one;
+      if (one.empty()) tell(std::string(link), nowhere);
     });
+    if (value.empty()) return broken.push_back(attribute.name);
   } else if (!many) {
     if (isEmptyList(tree_->follow(element, text, true))) return breaks("leads to a list that is empty in SOFA");
     value = dataLink(element, attribute);
@@ -67,7 +75,7 @@ void Rewriting::rewriteLink(Element& element, AttributeDescription& attribute, s
       value += (value.empty() ? "" : " ") + (found ? SceneTree::linkTo(*found) : std::string(word));
     }
   }
-  if (value.empty()) return breaks("leads nowhere");
+  if (value.empty()) return breaks(nowhere);
   attribute.value = value;
 }
 

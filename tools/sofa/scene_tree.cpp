@@ -193,32 +193,89 @@ Element* counted(const Element& from, std::string_view step) {
 
 }  // namespace
 
-LinkTarget SceneTree::follow(const Element& from, std::string_view link, bool names_data) const {
-  std::string_view rest = link.substr(link.starts_with("@") ? 1 : 0);
-  const bool absolute = rest.starts_with("/");
+namespace {
+
+/// A link in its parts.
+struct LinkPath {
+  bool absolute = false;
   std::vector<std::string> steps;
-  for (std::size_t slash = rest.find('/'); slash != rest.npos; slash = rest.find('/')) {
-    if (slash > 0) steps.emplace_back(rest.substr(0, slash));
-    rest.remove_prefix(slash + 1);
-  }
   std::string data;
-  if (const auto dot = rest.rfind('.'); names_data && dot != rest.npos && rest != "." && rest != "..") {
-    data = rest.substr(dot + 1);
-    rest = rest.substr(0, dot);
+
+  LinkPath(std::string_view link, bool names_data) {
+    std::string_view rest = link.substr(link.starts_with("@") ? 1 : 0);
+    absolute = rest.starts_with("/");
+    for (std::size_t slash = rest.find('/'); slash != rest.npos; slash = rest.find('/')) {
+      if (slash > 0) steps.emplace_back(rest.substr(0, slash));
+      rest.remove_prefix(slash + 1);
+    }
+    if (const auto dot = rest.rfind('.'); names_data && dot != rest.npos && rest != "." && rest != "..") {
+      data = rest.substr(dot + 1);
+      rest = rest.substr(0, dot);
+    }
+    if (!rest.empty()) steps.emplace_back(rest);
   }
-  if (!rest.empty()) steps.emplace_back(rest);
-  const auto found = [&data](LinkTarget target) { return target.data = data, target; };
+
+  std::string text() const {
+    std::string joined = absolute ? "@/" : "@";
+    for (std::size_t i = 0; i < steps.size(); ++i) joined += (i == 0 ? "" : "/") + steps[i];
+    return joined + (data.empty() ? "" : "." + data);
+  }
+};
+
+bool isUpOrHere(const std::string& step) { return step == "." || step == ".."; }
+
+}  // namespace
+
+LinkTarget SceneTree::follow(const Element& from, std::string_view link, bool names_data) const {
+  const LinkPath path(link, names_data);
+  const std::vector<std::string>& steps = path.steps;
+  const auto found = [&path](LinkTarget target) { return target.data = path.data, target; };
   Place& root = const_cast<Place&>(root_);
-  if (absolute) {
+  if (path.absolute) {
     LinkTarget target = walk(root, steps, 0);
     const bool names_root = !steps.empty() && steps[0] == root.node->name();
     return found(target.element || target.place || !names_root ? target : walk(root, steps, 1));
   }
-  if (steps.empty() || steps[0] == "." || steps[0] == "..") return found(walk(*from.place, steps, 0));
+  if (steps.empty() || isUpOrHere(steps[0])) return found(walk(*from.place, steps, 0));
   if (steps[0].starts_with("[")) return found({counted(from, steps[0]), nullptr, {}});
   for (Place* place = from.place; place; place = place->parent)
     if (LinkTarget target = walk(*place, steps, 0); target.element || target.place) return found(target);
   return found({});
+}
+
+std::string SceneTree::nearestLink(const Element& from, std::string_view link) const {
+  LinkPath path(link, true);
+  std::vector<std::string> names;
+  const auto addNames = [&](const Place& place, bool with_elements) {
+    for (const auto& child : place.children) names.push_back(child->name);
+    for (const auto& element : place.elements)
+      if (with_elements && element.get() != &from) names.push_back(element->name);
+  };
+  const Place* place = path.absolute ? &root_ : from.place;
+  for (std::string& step : path.steps) {
+    const bool is_last = &step == &path.steps.back(), is_bare = !path.absolute && &step == &path.steps.front();
+    if (step == ".." && place) place = place->parent;
+    if (!place) break;
+    if (isUpOrHere(step)) continue;
+    const Place* next = childNamed(*place, step);
+    for (const Place* above = place->parent; !next && is_bare && above; above = above->parent) next = childNamed(*above, step);
+    if (!next) {
+      for (const Place* at = place; at; at = is_bare ? at->parent : nullptr) addNames(*at, is_last);
+      step = nearest(step, names);
+      if (step.empty()) place = nullptr;
+      break;
+    }
+    place = next;
+  }
+  if (const LinkTarget found = follow(from, path.text(), true); place && (found.element || found.place)) return path.text();
+  // the right names from the wrong place, as with one ../ too many
+  std::string end, only;
+  for (const std::string& step : LinkPath(link, true).steps) end += isUpOrHere(step) ? "" : "/" + step;
+  std::size_t count = 0;
+  forEach([&](Element& element) {
+    if (end.size() > 1 && element.path().ends_with(end)) only = "@" + element.path(), ++count;
+  });
+  return count == 1 ? only + (path.data.empty() ? "" : "." + path.data) : "";
 }
 
 namespace {

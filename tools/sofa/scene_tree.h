@@ -98,6 +98,8 @@ class SceneTree {
   void forEachPlace(const std::function<void(Place&)>& call) { forEachPlace(root_, call); }
   /// "@../mesh.position" as SOFA reads it: by name here, then upwards; by path; "[-1]" by place in the node.
   LinkTarget follow(const Element& from, std::string_view link, bool names_data) const;
+  /// Of one that leads nowhere: what may be meant, or empty.
+  std::string nearestLink(const Element& from, std::string_view link) const;
   /// The absolute link to an element, which has a name of its own from then on, without blanks: they part links.
   static std::string linkTo(Element& element);
   /// A component that no scene wrote, with a name that is free in the place; the passes see it from then on. Not to be called

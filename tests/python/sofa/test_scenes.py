@@ -568,6 +568,25 @@ def test_a_visual_model_that_reads_a_file_says_that_it_stays(capsys):
     assert len(root.soft.inside.shown.position.value) == 1
 
 
+def test_a_visual_model_has_what_its_source_gives_before_init(folder):
+    """SOFA links its data to those of the loader as it is made; what translation does to them comes with init."""
+    (folder / "tetrahedron.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    root = drawn_root()
+    child = root.frame.addChild("of_loader")
+    loader = child.addObject("MeshOBJLoader", name="loader", filename=str(folder / "tetrahedron.obj"))
+    shown = child.addObject("OglModel", name="shown", src="@loader", translation=[0, 0, 1])
+    child.addObject("RigidMapping")
+    places = loader.position.value
+    assert len(places) == 4 and shown.position.value.tolist() == places.tolist()
+    assert shown.triangles.value.tolist() == loader.triangles.value.tolist() and len(shown.quads.value) == 0
+    own = child.addObject("OglModel", name="own", src=loader, position=[[1, 2, 3]])
+    assert own.position.value.tolist() == [[1, 2, 3]] and len(own.triangles.value) == len(loader.triangles.value)
+    child.removeObject(own)
+    Sofa.Simulation.init(root)
+    assert shown.position.value == pytest.approx(places + [0, 0, 6], abs=1e-9)
+    assert shown.triangles.value.tolist() == loader.triangles.value.tolist()
+
+
 def test_boxes_of_nodes_and_states():
     """What a scene writes counts until it runs; then the box is that of the places, which fall. Angles and strains are none."""
     root = drawn_root()

@@ -132,7 +132,16 @@ class Object(Base):
         if data._s_raw is None and engine is not None and (is_drawn or data._s_name in _catalogue.NOT_COMPUTED):
             instead = "; `lambda` has the impulses on its nodes" if data._s_name == "constraint" else ""
             _messages.warn(f"{self._s_place()}.{data._s_name}: is read, and not computed here: what is read stays as at the start{instead}")
-        return super()._s_read(data)
+        value = self._s_of_source(data) if data._s_raw is None and self._s_is_drawn() else None
+        return super()._s_read(data) if value is None else self._s_formed(data, value)
+
+    def _s_of_source(self, data):
+        """What `src` of a visual model gives for data that are not written; None: nothing."""
+        given = self._s_data.get("src")
+        raw = given._s_raw if given is not None and given is not data else None
+        source = raw if isinstance(raw, Object) else self._s_linked(raw, "src") if _values.is_link_text(raw) else None
+        found = source.findData(data._s_name) if isinstance(source, Object) and data._s_name != "name" else None
+        return None if found is None else found.value
 
     def _s_is_computed(self, data):
         info = self._s_facts.info
