@@ -78,8 +78,8 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   void init() override;
   void reset() override {
     kept_.forEach([](Kept& kept) { kept.inverse.reset(), kept.former.reset(), kept.now = {}; });
+    if (own_factors_) own_factors_->reset();
   }
-  std::string missingPartner() const override;
   bool usesFactorOf(const Component& solver) const override { return direct_ == &solver; }
   bool needsSymmetric() const override { return direct_ && direct_->needsSymmetric(); }
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
@@ -110,6 +110,15 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
     gmres::Space space;  ///< of matrices that are not symmetric
   };
   Kept& keptFor(SystemMatrix& matrix);
+  bool hasFactorsInScene() const;
+  /// That of the scene; else one that is made when it is first wanted: its module is not opened for multigrid.
+  DirectSolver& factors() {
+    if (!direct_) {
+      own_factors_ = makeUsual(Part::solver_of_equilibria);
+      direct_ = &dynamic_cast<DirectSolver&>(*own_factors_);
+    }
+    return *direct_;
+  }
   void chooseFor(SystemMatrix& matrix, Kept& kept);
   /// Of the matrix solved last, and of all.
   void tellChoice(const Kept& kept);
@@ -120,7 +129,8 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
 
   Link<DirectSolver> factors_{"direct solver"};
-  DirectSolver* direct_ = nullptr;
+  DirectSolver* direct_ = nullptr;          ///< null: none in the scene, and not needed so far
+  std::unique_ptr<Component> own_factors_;  ///< what direct_ is where the scene has none
   std::string choice_;
   int changes_ = 0;
   int most_expected_ = 0;  ///< iterations of a solve to the tolerance
@@ -129,7 +139,8 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
 
 void AutomaticLinearSolver::declare(DataTable& table) {
   KrylovSolver::declare(table);
-  table.addLink("directSolver", factors_).help("what factors; without it, the direct solver of the same node");
+  table.addLink("directSolver", factors_)
+      .help("what factors; without it, the direct solver of the same node, or one of its own once factors are wanted");
   table.add("choice", choice_).help("what was chosen, and why").output();
   table.add("changes", changes_).help("how often a choice proved wrong and was changed").unit("-").output();
 }
@@ -138,15 +149,14 @@ void AutomaticLinearSolver::init() {
   expected_iterations_ = 15;
   KrylovSolver::init();
   most_expected_ = expected_iterations_;
-  direct_ = &factorSource(*this, factors_);
+  if (hasFactorsInScene()) direct_ = &factorSource(*this, factors_);
 }
 
-std::string AutomaticLinearSolver::missingPartner() const {
+bool AutomaticLinearSolver::hasFactorsInScene() const {
   const auto& components = node().components();
-  const bool has_one = std::any_of(components.begin(), components.end(), [](const auto& component) {
+  return !factors_.path.empty() || std::any_of(components.begin(), components.end(), [](const auto& component) {
     return dynamic_cast<const DirectSolver*>(component.get()) != nullptr;
   });
-  return has_one || !factors_.path.empty() ? std::string() : usualComponent(Part::solver_of_equilibria);
 }
 
 AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix) {
@@ -160,7 +170,7 @@ void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   kept.now = {.way = Way::factors};
   kept.symmetric = matrix.symmetric();
   kept.reason = fmt::format("{} nodes are few", rows);
-  if (rows >= always_factored && rows <= direct_->mostRows()) {
+  if (rows >= always_factored && (!direct_ || rows <= direct_->mostRows())) {
     const Extents extents = extentsOf(rows, matrix.positions());
     const int solves = matrixDependsOnState(node().root()) ? usual_solves : 1;
     const auto costsOf = [&](const FactorCounts& counts) {
@@ -177,6 +187,7 @@ void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
                   .patience = costs.patience(),
                   .is_close = costs.direct < IterationCosts::with_patches * costs.multigrid};
   }
+  if (kept.now.way == Way::factors) factors();
   tellChoice(kept);
 }
 
@@ -227,9 +238,10 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
   Kept& kept = keptFor(matrix);
   if (std::exchange(kept.now.is_close, false) && amg::hardlySmooths(matrix.assemble())) {
     kept.now = {.way = Way::factors, .is_rough = true};
+    factors();
     tellChoice(kept);
   }
-  if (kept.now.way == Way::factors) return direct_->solve(matrix, b, x, terms);
+  if (kept.now.way == Way::factors) return factors().solve(matrix, b, x, terms);
   if (const bool now = matrix.symmetric(); now != kept.symmetric) {
     kept.symmetric = now;
     tellChoice(kept);
@@ -251,6 +263,7 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
   if (!is_hopeless) return report;
   kept.now = {.way = Way::factors, .lost_iterations = report.iterations, .left = report.relative_residual};
   kept.inverse.reset(), kept.former.reset();
+  factors();
   tellChoice(kept);
   clear(x);
   SolveReport again = direct_->solve(matrix, b, x, terms);
@@ -268,7 +281,7 @@ void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive)
   archive.value("left", kept.now.left);
   kept.inverse.serialize(matrix, archive, !archive.isReading() && !matrixDependsOnState(node().root()));
   kept.former.serialize(archive);
-  if (kept.now.way == Way::factors) direct_->serializeFor(matrix, archive);
+  if (kept.now.way == Way::factors) factors().serializeFor(matrix, archive);
   if (archive.isReading()) tellChoice(kept);
 }
 
@@ -276,14 +289,14 @@ void AutomaticLinearSolver::keepFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
   kept.before_step = kept.now;
   kept.inverse.keep(matrix), kept.former.keep();
-  direct_->keepFor(matrix);
+  if (direct_) direct_->keepFor(matrix);
 }
 
 void AutomaticLinearSolver::takeBackFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
   kept.now = kept.before_step;
   kept.inverse.takeBack(matrix), kept.former.takeBack();
-  direct_->takeBackFor(matrix);
+  if (direct_) direct_->takeBackFor(matrix);
   tellChoice(kept);
 }
 

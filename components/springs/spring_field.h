@@ -33,6 +33,8 @@ class SpringField : public NodeGroupField<2, PairTangent>, public DrawnSegments 
  public:
   std::vector<State*> states() const override;
   ForceTraits traits() const override;
+  /// 71,000 springs of a block in 0.29 ms, and in 4 ms: each block goes to a place of its own.
+  Cost cost() const override { return {4.2 * double(springs_.size()), 55 * double(springs_.size())}; }
   void compile() override;
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;

@@ -84,6 +84,23 @@ TEST(AutomaticLinearSolver, ChangesAChoiceThatProvesWrong) {
   EXPECT_NE(solve(0.499999).find("factors, after"), std::string::npos) << solve(0.499999);
 }
 
+/// Factors need a module with libraries of its own: a scene that is solved by multigrid has none of its components, and does not wait
+/// for it. A direct solver that stands there is the one that factors.
+TEST(AutomaticLinearSolver, MakesADirectSolverWhenItWantsOne) {
+  StoredMatrix small = matrixOf(box(4, 4, 4)), large = matrixOf(box(16, 16, 16));
+  for (const bool stands : {false, true}) {
+    SolverInScene solver(stands ? "<AutomaticLinearSolver/><SparseLDLSolver/>" : "<AutomaticLinearSolver/>");
+    const auto told = [&](const char* name) { return solver.solver->data().find(name)->print(); };
+    EXPECT_EQ(solver.scene.root->components().size(), stands ? 2u : 1u);
+    Vector x, y;
+    EXPECT_EQ(solver.solve(large, weight(box(16, 16, 16)), x).stop, SolveStop::converged);
+    EXPECT_NE(told("choice").find("with multigrid: 4913 nodes"), std::string::npos) << told("choice");
+    const SolveReport factored = solver.solve(small, weight(box(4, 4, 4)), y);
+    EXPECT_TRUE(factored.factored);
+    EXPECT_NE(told("choice").find("SparseLDLSolver factors: 125 nodes are few"), std::string::npos) << told("choice");
+  }
+}
+
 /// A thin plate that hardly changes its volume: a hierarchy needs patches there, and then costs more than factors. A thicker one of
 /// as many nodes whose volume changes is solved by multigrid; so is the plate where factors cost more than four times as much.
 TEST(AutomaticLinearSolver, WhereDiagonalBlocksHardlySmoothFactorsCostLess) {

@@ -406,7 +406,65 @@ def unseen():
                      'movements="0 0 0  0.03 0.02 0"/>'), 1))
 
 
+def sheet():
+    """A shell: a membrane with springs of bending."""
+    return (f'<Node name="body">{EULER}@SOLVER@<RegularGridTopology name="grid" n="51 26 1" min="0 0 0" max="0.4 0.2 0" '
+            'computeTriangleList="true"/><TriangleSetTopologyContainer name="sheet" position="@grid.position" '
+            'triangles="@grid.triangles"/><MechanicalObject name="dofs" position="@grid.position"/>'
+            '<MeshMatrixMass topology="@sheet" massDensity="1.1" lumping="true"/>'
+            '<TriangularFEMForceField name="fem" topology="@sheet" youngModulus="3e5" poissonRatio="0.3" thickness="0.001"/>'
+            '<FastTriangularBendingSprings name="bending" topology="@sheet" bendingStiffness="5e-4"/>'
+            + held("-0.0001 -1 -1 0.0001 1 1") + "</Node>")
+
+
+def sponge():
+    law = '<HexahedronHyperelasticityFEMForceField name="fem" materialName="NeoHookean" youngModulus="2e5" poissonRatio="0.15"/>'
+    wet = ('<HexahedronPorousForceField name="fluid" fluidFraction="0.75" bulkModulus="5e4" limitModulus="1e7" permeability="4e-15" '
+           'coupling="implicit" drainedIndices="@top.indices"/><BoxROI name="top" box="-1 -1 0.00299 1 1 1" '
+           'position="@dofs.rest_position"/><ConstantForceField indices="@top.indices" totalForce="0 0 -0.8"/>')
+    static = '<StaticSolver name="solver" newton_iterations="40" relative_residual_tolerance_threshold="1e-6" @FORCING_S@/>'
+    return body(grid((15, 13, 8), (.008, .007, .003)), law, static, wall="-1 -1 -1 1 1 1e-6", more=wet)
+
+
+def kinds():
+    t = "tetrahedra"
+    yield ("needle", "slender: hexahedra, `svd`, Newton's method, 3,216 nodes", 10,
+           root(body(grid((201, 4, 4), (.5, .006, .006)), hexas(5e7, .35, "svd"), newton(1e-6)), .01))
+    yield ("thick", "thick: tetrahedra, `large`, 5,814 nodes", 20,
+           root(body(grid((19, 18, 17), (.12, .11, .1)), tets(6e4, .42, "large"), cells=t), .015))
+    yield ("layers", "a layer 1:500 in tetrahedra, `svd`, 4,050 nodes", 15,
+           root(body(grid((30, 15, 9), (.2, .1, .06)), tets(1.5e4, .45, "svd"), cells=t,
+                     more=inside("-1 -1 0.029 1 1 0.046", t, 7.5e6, .3, "svd", t)), .01))
+    yield "sheet", "shell: membrane with springs of bending, 1,326 nodes", 40, root(sheet(), .01, "0 0 -9.81")
+    yield ("net", "springs in hexahedra, 2,583 nodes, implicit steps", 40,
+           root(body(grid((41, 9, 7), (.4, .08, .06)),
+                     '<MeshSpringForceField name="net" hexasStiffness="400" hexasDamping="0.1"/>'), .01))
+    yield ("beams", "chain of 600 beams, implicit steps", 40,
+           root(f'<Node name="body">{EULER}@SOLVER@<RegularGridTopology name="grid" n="601 1 1" min="0 0 0" max="3 0 0"/>'
+                '<MechanicalObject name="dofs" template="Rigid3"/><UniformMass vertexMass="0.002" inertia="1e-7 1e-7 1e-7"/>'
+                '<FixedProjectiveConstraint indices="0 600"/>'
+                '<BeamFEMForceField name="fem" radius="0.004" youngModulus="1e7" poissonRatio="0.4"/></Node>', .01))
+    inner = ('<RegularGridTopology name="grid" n="9 8 8" min="0 0 0" max="0.1 0.09 0.08"/><Node name="body">'
+             + newton(1e-5) + "@SOLVER@"
+             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
+             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
+             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
+             f'youngModulus="4e4" poissonRatio="0.4" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+    yield "quadratic_block", "block of quadratic tetrahedra, `svd`, Newton's method, 3,825 nodes", 10, root(inner, .02)
+    yield "sponge", "porous: statics, pressed for 40 s each, 1,560 nodes", 8, root(sponge(), 40, "0 0 0")
+    yield ("rubber", "statics: hexahedra, Poisson's ratio 0.4995, neo-Hookean, 2,304 nodes", 1,
+           root(body(grid((16, 12, 12), (.08, .06, .06)), '<HexahedronHyperelasticityFEMForceField name="fem" '
+                     'materialName="NeoHookean" youngModulus="4e4" poissonRatio="0.4995" dilatation="mean"/>', STATIC), 1))
+    yield ("landing", "contact: block that falls on a plane, `svd`, Newton's method, 2,873 nodes", 25,
+           root(f'{newton(1e-4, 40)}@SOLVER@'
+                + body(grid((17, 13, 13), (.08, .06, .06), (-.04, -.03, .004)), tets(3e4, .44, "svd"), "", t, solver="",
+                       wall="-9 -9 -9 -8 -8 -8").replace(held("-9 -9 -9 -8 -8 -8"), "")
+                + '<BarrierContact name="contact" mstate="@body/dofs" topology="@body/tetrahedra" contactDistance="0.003" '
+                'planes="0 0 1 0" friction="0.3" slipVelocity="2e-3" selfContact="false"/>', .005, "0 0 -9.81"))
+
+
 def scenes():
-    for name, source in (("standing", standing), ("fresh", fresh), ("late", late), ("held", held_out), ("unseen", unseen)):
+    for name, source in (("standing", standing), ("fresh", fresh), ("late", late), ("held", held_out), ("unseen", unseen),
+                         ("kinds", kinds)):
         for found in source():
             yield Scene(found[0], name, *found[1:])
