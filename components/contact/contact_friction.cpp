@@ -84,7 +84,9 @@ void Friction::remember(const std::vector<Vec3>& x, const std::vector<Vec3>& sta
   }
 }
 
-void Friction::serialize(Archive& archive) { archive.list("slid", slid_), archive.list("sticking", sticking_); }
+void Friction::serialize(Archive& archive) {
+  archive.list("slid", slid_), archive.list("sticking", sticking_), archive.list("goes", goes_);
+}
 
 void Friction::hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
   if (!std::exchange(looks_, false)) return;

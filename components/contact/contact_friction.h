@@ -36,6 +36,7 @@ class Friction {
   double slip = 1e-6;   ///< e [m]
   bool acts() const { return mu > 0 || mu_static > 0 || mu_adhesion > 0; }
   bool letsGo() const { return mu_static != mu || mu_adhesion > 0; }  ///< what slides has less than what sticks
+  bool is_damped = true;  ///< by the integrator, what springs of steps of one solve hold
   bool definite = false;  ///< the derivative is to have no unstable direction
   double farthest = 0;  ///< what is off by more is not held [m]
   struct Slide {
@@ -77,23 +78,38 @@ class Friction {
   /// The same where a step of dt [s] starts, with the velocities v there. `x`: work space.
   void computeAtSpeed(const Surfaces& surfaces, ConstRows v, double dt, const std::vector<Vec3>& start, const Vec3& moved,
                       std::vector<Vec3>& x);
-  // ---- in explicit steps, instead (contact_springs.cpp) ----
+  // ---- in explicit steps and those of one solve, instead (contact_springs.cpp) ----
   /// Forces at x of the touches there.
   void stretch(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x, const std::vector<Vec3>& start,
                const Vec3& moved);
   /// A part of a step ends at the x of the last stretch(): springs stay as they are now.
   void keepStretched(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
+  /// In steps of one solve: forces at x of the touches where the step starts, each of which sticks or slides all the step.
+  void lean(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x, const std::vector<Vec3>& start,
+            const Vec3& moved);
+  /// A step ends at x: who goes on sticking, and who sliding.
+  void keepLeaning(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
+                   const std::vector<Vec3>& start, const Vec3& moved);
+  /// A step of dt [s] starts with the velocities v: what these take farther than it may stick slides. `x`: work space.
+  void leanAtSpeed(const BarrierLaw& law, const std::vector<Touch>& touches, ConstRows v, double dt, const std::vector<Vec3>& start,
+                   const Vec3& moved, std::vector<Vec3>& x);
+  /// Remembers what a step starts with, or, where the same one is made again, goes back to that.
+  void leanAgain(bool again);
   bool isSliding(const Slide& slide) const { return are_springs_ ? !slide.held : slide.u.norm() > slip; }
   const Terms& terms() const { return terms_; }
   /// The potential [J] whose gradient the forces of compute() are, with what is held as it is.
   double energy(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) const;
   /// On all vertices, of the last compute(); `out` has that many.
   void forces(std::vector<Vec3>& out) const;
-  void clear() { slides.clear(), terms_.clear(), slid_.clear(), sticking_.clear(); }
+  void clear() { slides.clear(), terms_.clear(), slid_.clear(), sticking_.clear(), goes_.clear(); }
   void serialize(Archive& archive);
 
  private:
   void followLine(Slide& slide) const;
+  double addSpring(const BarrierLaw& law, const Touch& touch);
+  void weighWays(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
+                 const std::vector<Vec3>& start, const Vec3& moved);
+  void addTerm(const Surfaces& surfaces, const Slide& slide, const Vec3& force, const Mat3& m);
   void add(const BarrierLaw& law, const Touch& touch, double sticking);
   double stickingAt(double way) const;
   static Vec3 wayOf(const Slide& slide, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
@@ -102,10 +118,14 @@ class Friction {
   std::vector<bool> met_;   ///< of each vertex: it has been held in this step
   std::vector<Vec3> slid_;  ///< of each vertex: u in the step before; zero where it has stuck [m]
   std::vector<Vec3> slid_before_;  ///< work space
-  // ---- in explicit steps slid_ is what springs are stretched by ----
+  // ---- in explicit steps slid_ is what springs are stretched by; in those of one solve also, or of what slides its last way ----
   bool are_springs_ = false;
+  static constexpr double sticks = 1, slides_on = 2, came_back = 3;
+  std::vector<double> goes_;      ///< in steps of one solve, of each vertex: 0 (not pushed) or one of these
+  std::vector<double> goes_at_start_;  ///< of the step
+  std::vector<Vec3> slid_at_start_;
   std::vector<double> sticking_;  ///< of each vertex: 1 has stuck, 0 has slid; empty: all stick
-  std::vector<double> weights_;   ///< work space
+  std::vector<double> weights_, reach_;  ///< work space
   bool looks_ = false;      ///< slides have been noted since hold()
   bool is_computed_ = false, is_on_line_ = false;  ///< slides have their u and t; those of the start of a line
 };

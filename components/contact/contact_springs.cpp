@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Friction of explicit steps, which take forces where a part of a step starts and solve nothing.
+// Friction of explicit steps, which take forces where a part of a step starts and solve nothing, and of implicit ones with one solve.
 //
 // The law of slipVelocity would need steps of slipVelocity m/(mu l), far below those of the bodies. What sticks is therefore held by
 // a spring across the normal that is as stiff as the contact is along it, k = d l/d gap (as Mindlin 1949 has it of spheres, up to a
@@ -8,6 +8,14 @@
 //   u = what was stretched + the way since then,   |u| <= mu l/k,   force -k u
 // What is stretched farther slides, and its spring follows. Springs belong to vertices. mu is that of what sticks unless the last part
 // of a step went faster than slipVelocity, as in contact_friction.h.
+//
+// One linear solve takes the force and its derivative where the step starts. The law of slipVelocity is there the line of what sticks,
+// without end: it would glue. What a vertex does is therefore decided between steps, and its force is a line within one:
+//   it sticks: -k u, until |u| > mu l/k; then it slides
+//   it slides: -mu l along the way d that it made in the step before, mu l/|d| across; where it has come back, it sticks
+// What its speed takes farther in a step than it may stick slides from the start; not what has come back, which its spring stops, but
+// where the integrator would have that ring. Where a slide begins or ends is known a step late.
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,32 +23,45 @@
 
 namespace stroma::contact {
 
+/// Adds a slide. Returns the stiffness of its spring, or 0 where nothing is added. Below zero where what was counted twice is taken
+/// away; the force then is, too.
+double Friction::addSpring(const BarrierLaw& law, const Touch& touch) {
+  const std::size_t vertex = std::size_t(touch.v[0]), before = slides.size();
+  add(law, touch, vertex < sticking_.size() ? sticking_[vertex] : 1);
+  if (slides.size() == before) return 0;
+  const double least = law.stiffness * std::abs(touch.share) / touch.range;
+  return std::copysign(std::max(std::abs(law.pushingOf(touch).curvature), least), slides.back().force);
+}
+
+void Friction::addTerm(const Surfaces& surfaces, const Slide& slide, const Vec3& force, const Mat3& m) {
+  Term term;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (const int v = slide.v[i]; v >= 0) term.rows[i] = surfaces.rows[std::size_t(v)];
+  term.c = slide.c;
+  term.force = force;
+  term.m = m;
+  terms_.push_back(term);
+}
+
+namespace {
+Mat3 across(const Vec3& n) { return Mat3::Identity() - n * n.transpose(); }
+}  // namespace
+
 void Friction::stretch(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
                        const std::vector<Vec3>& start, const Vec3& moved) {
   slides.clear(), terms_.clear();
   are_springs_ = true;
   for (const Touch& touch : touches) {
-    const std::size_t vertex = std::size_t(touch.v[0]);
-    add(law, touch, vertex < sticking_.size() ? sticking_[vertex] : 1);
+    const double k = addSpring(law, touch);
     if (slides.size() == terms_.size()) continue;
     Slide& slide = slides.back();
-    const Slopes push = law.pushingOf(touch);
-    // below zero where what was counted twice is taken away; the force then is, too
-    const double k = std::copysign(
-        std::max(std::abs(push.curvature), law.stiffness * std::abs(touch.share) / touch.range), slide.force);
-    const Mat3 across = Mat3::Identity() - touch.n * touch.n.transpose();
-    slide.u =
-        wayOf(slide, x, start, moved) + (vertex < slid_.size() ? Vec3(across * slid_[vertex]) : Vec3(Vec3::Zero()));
+    const std::size_t vertex = std::size_t(touch.v[0]);
+    slide.u = wayOf(slide, x, start, moved) +
+              (vertex < slid_.size() ? Vec3(across(touch.n) * slid_[vertex]) : Vec3(Vec3::Zero()));
     const double most = k != 0 ? slide.force / k : 0, size = slide.u.norm();
     slide.held = size <= most;
     if (!slide.held) slide.u *= most / size;
-    Term term;
-    for (std::size_t i = 0; i < 4; ++i)
-      if (const int v = slide.v[i]; v >= 0) term.rows[i] = law.surfaces.rows[std::size_t(v)];
-    term.c = slide.c;
-    term.force = -k * slide.u;
-    term.m = std::max(0.0, k) * across;
-    terms_.push_back(term);
+    addTerm(law.surfaces, slide, -k * slide.u, std::max(0.0, k) * across(touch.n));
   }
 }
 
@@ -57,6 +78,96 @@ void Friction::keepStretched(const std::vector<Vec3>& x, const std::vector<Vec3>
   }
   for (std::size_t v = 0; v < slid_.size(); ++v)
     slid_[v] = weights_[v] > 0 ? Vec3(slid_before_[v] / weights_[v]) : Vec3(Vec3::Zero());
+}
+
+// ---- steps of one solve ----
+
+void Friction::lean(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
+                    const std::vector<Vec3>& start, const Vec3& moved) {
+  slides.clear(), terms_.clear();
+  are_springs_ = true;
+  goes_.resize(x.size(), 0);
+  for (const Touch& touch : touches) {
+    const double k = addSpring(law, touch);
+    if (slides.size() == terms_.size()) continue;
+    Slide& slide = slides.back();
+    const auto vertex = std::size_t(touch.v[0]);
+    const Vec3 before = across(touch.n) * slid_[vertex];
+    const double length = before.norm();
+    slide.held = goes_[vertex] != slides_on || !(length > 0);
+    if (slide.held) {
+      slide.u = wayOf(slide, x, start, moved) + before;
+      addTerm(law.surfaces, slide, -k * slide.u, k * across(touch.n));
+    } else {
+      slide.u = before;
+      const Vec3 d = before / length;
+      const Mat3 beside = slide.force / length * (across(touch.n) - d * d.transpose());
+      addTerm(law.surfaces, slide, -slide.force * d - beside * wayOf(slide, x, start, moved), beside);
+    }
+  }
+}
+
+/// Of each vertex in reach: its way, and how far its springs may be stretched, weighted by forces.
+void Friction::weighWays(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
+                         const std::vector<Vec3>& start, const Vec3& moved) {
+  slid_before_.assign(slid_.size(), Vec3::Zero());
+  weights_.assign(slid_.size(), 0), reach_.assign(slid_.size(), 0), goes_.resize(slid_.size(), 0);
+  slides.clear();
+  for (const Touch& touch : touches) {
+    const double k = addSpring(law, touch);
+    if (k == 0) continue;
+    const Slide& slide = slides.back();
+    const std::size_t vertex = std::size_t(touch.v[0]);
+    const double weight = std::abs(slide.force);
+    weights_[vertex] += weight, reach_[vertex] += weight * slide.force / k;
+    slid_before_[vertex] += weight * wayOf(slide, x, start, moved);
+  }
+  for (std::size_t v = 0; v < slid_.size(); ++v)
+    if (weights_[v] > 0) slid_before_[v] /= weights_[v], reach_[v] /= weights_[v];
+}
+
+void Friction::keepLeaning(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
+                           const std::vector<Vec3>& start, const Vec3& moved) {
+  weighWays(law, touches, x, start, moved);
+  if (letsGo()) sticking_.assign(slid_.size(), 1);
+  for (std::size_t v = 0; v < slid_.size(); ++v) {
+    double& goes = goes_[v];
+    const Vec3& way = slid_before_[v];
+    if (weights_[v] == 0) goes = 0;
+    if (letsGo() && goes == slides_on) sticking_[v] = stickingAt(way.norm());
+    if (goes == 0) {
+      slid_[v].setZero();
+    } else if (goes != slides_on) {
+      slid_[v] += way;
+      goes = slid_[v].norm() > reach_[v] ? slides_on : sticks;
+    } else if (way.dot(slid_[v]) > 0) {
+      slid_[v] = way;
+    } else {
+      slid_[v] *= std::min(1.0, reach_[v] / slid_[v].norm());
+      goes = is_damped ? came_back : sticks;
+    }
+  }
+}
+
+void Friction::leanAtSpeed(const BarrierLaw& law, const std::vector<Touch>& touches, ConstRows v, double dt,
+                           const std::vector<Vec3>& start, const Vec3& moved, std::vector<Vec3>& x) {
+  x = start;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Index row = law.surfaces.rows[i];
+    x[i] += row >= 0 ? Vec3(dt * v[row]) : moved;
+  }
+  weighWays(law, touches, x, start, moved);
+  for (std::size_t i = 0; i < slid_.size(); ++i) {
+    if (weights_[i] == 0 || (goes_[i] != 0 && goes_[i] != sticks)) continue;
+    const bool slips = (slid_[i] + slid_before_[i]).norm() > reach_[i] && !slid_before_[i].isZero(0);
+    if (slips) slid_[i] = slid_before_[i];
+    goes_[i] = slips ? slides_on : sticks;
+  }
+}
+
+void Friction::leanAgain(bool again) {
+  (again ? goes_ : goes_at_start_) = again ? goes_at_start_ : goes_;
+  (again ? slid_ : slid_at_start_) = again ? slid_at_start_ : slid_;
 }
 
 }  // namespace stroma::contact

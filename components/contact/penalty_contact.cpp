@@ -16,7 +16,8 @@
 //
 // Friction: with l the force of a contact where the step starts and u its way along the surfaces since then, mu l f against u,
 // f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. mu is staticFriction of what has stuck in the step before. Where
-// round surfaces have slid out of reach as normals turned, l is the force along the normal of the step before.
+// round surfaces have slid out of reach as normals turned, l is the force along the normal of the step before. That is for integrators
+// that iterate. With one linear solve, and in explicit steps, what sticks is held by springs that mu l breaks (contact_springs.cpp).
 //
 // CollisionResponse has the same penalty with SOFA's stiffness by contact, between collision models.
 //
@@ -41,6 +42,7 @@
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/node.h"
+#include "framework/simulation/integrator.h"
 
 namespace stroma {
 namespace {
@@ -54,9 +56,12 @@ class PenaltyContact final : public ContactField, public HearsSteps {
     ForceTraits traits;
     traits.symmetric = traits.exact_tangent = traits.lagged = true;
     traits.conservative = !friction_.acts();
+    traits.time_dependent = is_explicit_;
     return traits;
   }
+  void init() override;
   void compile() override;
+  void setTime(double t) override;
   void stepBegins(ConstRows x, double t, double t_end) override;
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
@@ -68,6 +73,11 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   Touch at(const Touch& start, const std::vector<Vec3>& x) const;
   Term termOf(const Touch& touch) const;
 
+  /// How the integrator finds a step: by iterates, by one linear solve, or by forces where it starts.
+  enum class Solves { often, once, never };
+  Solves solves() const;
+  void rubbed(const std::vector<Touch>& touches, bool again);
+  void rub(ConstRows v);
   void startObstacles();
   void noteEnd(ConstRows x);
   void serializeFound(Archive& archive);
@@ -81,7 +91,11 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   // ---- for friction ----
   std::vector<double> pushed_;      ///< of each vertex, the least gap of its contacts where the step before ended [m]
   std::vector<Vec3> pushed_along_;  ///< the normal of that one
-  std::vector<Touch> pushing_;      ///< work space
+  std::vector<Touch> pushing_;      ///< those of the step, see pushing()
+  const Integrator* integrator_ = nullptr;
+  bool is_explicit_ = false, has_leant_ = false;
+  double duration_ = 0;     ///< of the step [s]
+  std::vector<Vec3> way_;   ///< work space
 };
 
 void PenaltyContact::declare(DataTable& table) {
@@ -93,12 +107,65 @@ void PenaltyContact::declare(DataTable& table) {
   outputs_.declareForces(table);
 }
 
+/// The integrator is that of mstate, which need not be ready yet.
+void PenaltyContact::init() {
+  ContactField::init();
+  for (const Node* node = &state().node(); node && !integrator_; node = node->parent())
+    for (const auto& component : node->components())
+      if (!integrator_) integrator_ = dynamic_cast<const Integrator*>(component.get());
+  const auto* heeds = dynamic_cast<const HeedsStepLimits*>(integrator_);
+  friction_.is_damped = !integrator_ || integrator_->toleratesLaggedForces();
+  is_explicit_ = heeds && heeds->howToHeedStepLimits().empty() && integrator_->movesInTime() && !integrator_->stateOwner();
+}
+
 void PenaltyContact::compile() {
   compileSurfaces();
   if (law_.alarm == 0) law_.alarm = 2 * law_.range;
   law_.is_penalty = true;
   law_.compile();
   reset();
+}
+
+PenaltyContact::Solves PenaltyContact::solves() const {
+  if (is_explicit_) return Solves::never;
+  const auto* heeds = dynamic_cast<const HeedsStepLimits*>(integrator_);
+  return heeds && !heeds->heedsStepLimits() ? Solves::once : Solves::often;
+}
+
+/// Of the step that has ended where this one starts, with the touches there.
+void PenaltyContact::rubbed(const std::vector<Touch>& touches, bool again) {
+  const Vec3 way = law_.moved - moved_at_start_;
+  switch (solves()) {
+    case Solves::often:
+      friction_.note(law_, touches);
+      friction_.remember(x_, start_, way);
+      break;
+    case Solves::once:
+      if (!again) friction_.keepLeaning(law_, touches, x_, start_, way);
+      break;
+    case Solves::never:
+      if (again) break;
+      friction_.stretch(law_, touches, x_, start_, way);
+      friction_.keepStretched(x_, start_, way);
+      break;
+  }
+}
+
+/// Friction at x_.
+void PenaltyContact::rub(ConstRows v) {
+  const Vec3 way = law_.moved - moved_at_start_;
+  switch (solves()) {
+    case Solves::often:
+      friction_.compute(law_.surfaces, x_, start_, way);
+      break;
+    case Solves::once:
+      if (!std::exchange(has_leant_, true)) friction_.leanAtSpeed(law_, pushing_, v, duration_, start_, way, way_);
+      friction_.lean(law_, pushing_, x_, start_, way);
+      break;
+    case Solves::never:
+      friction_.stretch(law_, touches_, x_, start_, way);
+      break;
+  }
 }
 
 /// Of the contacts of the step before, at its end x.
@@ -128,8 +195,9 @@ const std::vector<Touch>& PenaltyContact::pushing() {
 
 /// Contacts at x, where the step begins.
 void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
-  if (t != began_) led_ = led_next_, noteEnd(x);  // else the same step again
-  began_ = t;
+  const bool again = t == began_;
+  if (!again) led_ = led_next_, noteEnd(x);
+  began_ = t, duration_ = t_end - t;
   led_next_ = obstacles_.ledFrom(led_, 0.5 * law_.alarm);
   law_.moved = obstacles_.pathAt(t) + led_;
   gather(x, law_.moved);
@@ -137,13 +205,11 @@ void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
   law_.candidates.findAgain(x_, 0.5 * law_.range, 0.25 * mean_edge_);
   law_.weigh(x_);
   found_ = law_.touches(x_);
-  friction_.slip = slip_velocity_ * (t_end - t);
+  friction_.slip = slip_velocity_ * duration_;
   friction_.begin(x_.size());
   const std::vector<Touch>& touches = friction_.acts() ? pushing() : found_;
-  if (friction_.acts() && start_.size() == x_.size()) {
-    friction_.note(law_, touches);
-    friction_.remember(x_, start_, law_.moved - moved_at_start_);
-  }
+  if (friction_.acts() && start_.size() == x_.size()) rubbed(touches, again);
+  if (friction_.acts() && solves() == Solves::once) friction_.leanAgain(again), has_leant_ = false;
   friction_.note(law_, touches);
   start_ = x_, moved_at_start_ = law_.moved;
   law_.moved = obstacles_.pathAt(t_end) + led_next_;
@@ -165,6 +231,13 @@ Touch PenaltyContact::at(const Touch& start, const std::vector<Vec3>& x) const {
   return touch;
 }
 
+/// In explicit steps obstacles go along with the stages.
+void PenaltyContact::setTime(double t) {
+  if (!is_explicit_ || !is_found_) return;
+  const double part = std::clamp((t - began_) / duration_, 0.0, 1.0);
+  law_.moved = obstacles_.pathAt(t) + led_ + part * (led_next_ - led_);
+}
+
 /// Normals do not turn in a step.
 Term PenaltyContact::termOf(const Touch& touch) const {
   Term term;
@@ -183,7 +256,7 @@ double PenaltyContact::energy(ConstRows x) const {
   return sum;
 }
 
-void PenaltyContact::addForce(ConstRows x, ConstRows, Rows f) {
+void PenaltyContact::addForce(ConstRows x, ConstRows v, Rows f) {
   const Node& root = state().node().root();
   if (!is_found_) {  // asked for before the first step
     stepBegins(x, root.root_time, root.root_time + root.dt());
@@ -199,8 +272,7 @@ void PenaltyContact::addForce(ConstRows x, ConstRows, Rows f) {
     terms_.push_back(termOf(touch));
   }
   terms_.addForce(f);
-  friction_.compute(law_.surfaces, x_, start_, law_.moved - moved_at_start_);
-  friction_.terms().addForce(f);
+  if (friction_.acts()) rub(v), friction_.terms().addForce(f);
   outputs_.note(law_, touches_, friction_, x_, bodies_);
 }
 

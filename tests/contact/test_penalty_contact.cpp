@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // PenaltyContact: its gap by the pressure, its derivatives, momentum, and that the three contacts take one scene.
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "framework/mechanics/step_limiter.h"
 #include "framework/simulation/simulation.h"
@@ -222,6 +223,80 @@ TEST(PenaltyContact, GoesOnFromACheckpoint) {
   for (int i = 20; i < 40; ++i) rest.step();
   for (Index i = 0; i < whole.systems()[0]->x.count(); ++i)
     EXPECT_EQ(Vec3(rest.systems()[0]->x[i]), Vec3(whole.systems()[0]->x[i])) << i;
+}
+
+/// Three masses of 1 kg at the corners of a triangle, at rest on the plane z = 0 by a penalty of 8.3e6 N/m each.
+struct RubbingMasses {
+  Simulation simulation;
+  RubbingMasses(const std::string& integrator, double dt, double slope, const Vec3& velocity, const std::string& contact)
+      : simulation(simulationFromText(sceneOf(integrator, dt, slope, velocity, contact))) {}
+  static std::string sceneOf(const std::string& integrator, double dt, double slope, const Vec3& velocity,
+                             const std::string& contact) {
+    const Vec3 gravity = 9.81 / std::hypot(1, slope) * Vec3(slope, 0, -1), &v = velocity;
+    const double z = 0.02 * (1 + gravity.z() * 6 / 1e6);
+    return contactScene(
+        fmt::format("<Node name=\"a\"><MeshTopology name=\"mesh\" position=\"0 0 {0}  1 0 {0}  0 1 {0}\" triangles=\"0 1 2\"/>"
+                    "<MechanicalObject name=\"dofs\" velocity=\"{1} {2} {3}  {1} {2} {3}  {1} {2} {3}\"/><UniformMass "
+                    "totalMass=\"3\"/><PenaltyContact contactDistance=\"0.02\" stiffness=\"1e6\" selfContact=\"0\" "
+                    "planes=\"0 0 1 0\" {4}/></Node>",
+                    z, v.x(), v.y(), v.z(), contact),
+        dt, gravity, integrator);
+  }
+  void run(double time, double dt) {
+    for (long i = std::lround(time / dt); i > 0; --i) ASSERT_FALSE(simulation.step().diverged);
+  }
+  Vec3 place() { return simulation.systems()[0]->x[0]; }
+  Vec3 speed() { return simulation.systems()[0]->v[0]; }
+};
+
+/// mu l whatever the integrator: with one linear solve per step, which would hold what slides by the tangent of what sticks, and in
+/// explicit steps, which take forces where nothing has slid yet.
+TEST(PenaltyContact, EveryIntegratorRubs) {
+  constexpr double g = 9.81;
+  for (const char* integrator :
+       {"<EulerImplicitSolver/>", "<EulerImplicitSolver newtonIterations=\"30\"/>", "<BDFOdeSolver/>", "<NewmarkImplicitSolver/>",
+        "<TrapezoidalRuleSolver/>", "<EulerExplicitSolver/>", "<CentralDifferenceSolver/>", "<NewtonCotesSolver/>",
+        "<RungeKutta2Solver/>", "<RungeKutta4Solver/>"}) {
+    SCOPED_TRACE(integrator);
+    const std::string name = integrator;
+    const bool is_implicit = name.find("Impl") != name.npos || name.find("BDF") != name.npos || name.find("Rule") != name.npos;
+    const double dt = is_implicit ? 0.002 : 2e-4;
+    // what these do not damp begins to slide with the speed of its spring
+    const double swing = name.find("Newmark") != name.npos || name.find("Rule") != name.npos ? 7e-3 : 1e-3;
+    for (const double mu : {0.1, 0.3, 0.45}) {
+      RubbingMasses down(integrator, dt, 0.5, Vec3::Zero(), fmt::format("friction=\"{}\"", mu));
+      down.run(0.5, dt);
+      const double way = 0.125 * g * (0.5 - mu) / std::hypot(1, 0.5);
+      EXPECT_NEAR(down.place().x(), way, 0.01 * way + swing) << "slides, mu " << mu;
+    }
+    RubbingMasses still(integrator, dt, 0.5, Vec3::Zero(), "friction=\"0.6\"");
+    still.run(0.5, dt);
+    EXPECT_LT(std::abs(still.place().x()), swing) << "sticks";
+    RubbingMasses sliding(integrator, dt, 0, Vec3(0.6, -0.8, 0), "friction=\"0.5\"");
+    sliding.run(0.4, dt);
+    const double stop = 1 / (2 * 0.5 * g);
+    EXPECT_LT((sliding.place() - Vec3(0.6, -0.8, 0) * stop).head<2>().norm(), 2e-3) << "stops";
+    EXPECT_LT(sliding.speed().norm(), 0.02);
+    RubbingMasses carried(integrator, dt, 0, Vec3::Zero(), "friction=\"0.3\" keyTimes=\"0 10\" movements=\"0 0 0  10 0 0\"");
+    carried.run(0.2, dt);
+    EXPECT_NEAR(carried.speed().x(), 0.2 * 0.3 * g, 0.01) << "is carried along";
+    carried.run(0.4, dt);
+    EXPECT_NEAR(carried.speed().x(), 1, 0.02) << "and not faster than what carries it";
+  }
+}
+
+/// A run with friction by springs goes on from a checkpoint to the bit, sticking and sliding.
+TEST(PenaltyContact, SpringsGoOnFromACheckpoint) {
+  constexpr double dt = 0.002;
+  for (const char* integrator : {"<EulerImplicitSolver/>", "<EulerExplicitSolver/>"})
+    for (const double mu : {0.3, 0.6}) {
+      const auto make = [&] { return RubbingMasses(integrator, dt, 0.5, Vec3(0.1, 0.1, 0), fmt::format("friction=\"{}\"", mu)); };
+      RubbingMasses whole = make(), half = make(), rest = make();
+      whole.run(0.2, dt), half.run(0.1, dt);
+      rest.simulation.restore(half.simulation.checkpoint());
+      rest.run(0.1, dt);
+      EXPECT_EQ(rest.place(), whole.place()) << integrator << ", mu " << mu;
+    }
 }
 
 TEST(PenaltyContact, RefusesWhatCanNeverAct) {
