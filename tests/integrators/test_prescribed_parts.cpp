@@ -90,6 +90,31 @@ TEST(PrescribedParts, PressedToHalfInOneStep) {
   }
 }
 
+/// A tool that moves, with the end of the bar attached to it, presses it as if the end were moved itself.
+TEST(PrescribedParts, AnAttachedToolPressesToHalfInOneStep) {
+  const std::string own = bar(integrators[0], neo_hookean, 1, clamp, moved("-2 0 0"));
+  const Outcome reference = run(own, 1);
+  EXPECT_GT(reference.parts, 1);
+  std::string places, ends;
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j) places += fmt::format("4 {} {}  ", 0.5 * j, 0.5 * k), ends += fmt::format("{} ", 8 + 9 * (j + 3 * k));
+  for (const std::string both : {"true", "false"}) {
+    std::string scene = bar(integrators[0], neo_hookean, 1, clamp, "");
+    const std::string start = "<RegularGridTopology", end = "</Node>";
+    scene.insert(scene.rfind(end), fmt::format(R"(</Node><AttachProjectiveConstraint object1="@tool/dofs" object2="@body/MechanicalObject"
+  indices1="0 1 2 3 4 5 6 7 8" indices2="{}" twoWay="{}"/>)", ends, both));
+    scene.insert(scene.find(start),
+                 fmt::format(R"(<Node name="tool"><MechanicalObject name="dofs" position="{}"/><UniformMass totalMass="1e-6"/>
+  <LinearMovementProjectiveConstraint indices="0 1 2 3 4 5 6 7 8" keyTimes="0 1" movements="0 0 0  -2 0 0" outside="hold"/></Node>
+  <Node name="body">)", places));
+    Outcome attached = run(scene, 1);
+    EXPECT_GT(attached.parts, 1);
+    ASSERT_EQ(attached.place.size(), reference.place.size() + 9);
+    attached.place.erase(attached.place.begin(), attached.place.begin() + 9);
+    EXPECT_LT(apart(attached, reference), 1e-5) << both;
+  }
+}
+
 /// What has no place to go says how far the motion came, and is put back.
 TEST(PrescribedParts, WhatCannotBeSaysHowFarItCame) {
   const std::string straight = R"(<BoxROI name="all" box="-1 -1 -1 5 2 2"/><PartialFixedProjectiveConstraint indices="@all.indices"
