@@ -72,7 +72,8 @@ class MechanicalObject final : public State {
     const NodeType* type = typeOf(template_);
     if (!type)
       throw ComponentError(fmt::format("nodes of type {} do not exist here", template_), "Vec3, Rigid3, Vec1, Vec2 or Vec6",
-                           template_ == "Rigid2" ? "Rigid3 with PartialFixedProjectiveConstraint, fixedDirections=\"0 0 1 1 1 0\"" : "");
+                           template_ == "Rigid2" ? "Rigid3 with PartialFixedProjectiveConstraint, fixedDirections=\"0 0 1 1 1 0\""
+                                                 : nearest(template_, {"Vec3", "Rigid3", "Vec1", "Vec2", "Vec6"}));
     kinds_ = type->kinds;
     readShorthands();
     if (!kinds_.empty()) readFlat();

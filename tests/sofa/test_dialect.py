@@ -6685,6 +6685,25 @@ def links_that_lead_nowhere_name_what_is_near():
 
 
 @case
+def templates_that_do_not_fit_are_told():
+    """SOFA takes another template where the one that is written does not exist or does not fit the state, and so is it here."""
+    body = '<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2" template="{}"/>'
+    for template, words in (("Rigid3d", "is Rigid3, and /dofs has Vec3: SOFA takes the one that fits"), ("Vac3", "did you mean 'Vec3'?")):
+        run = Run(root(EXACT + body.format(template)), 10)
+        falls(run)
+        run.says("scene.scn:1:", "/UniformMass1.template: ", words)
+    solver = '<EulerImplicitSolver/><SparseLDLSolver template="{}"/>' + body.format("Vec3d")
+    run = Run(root(solver.format("CompresedRowSparseMatrixd")), 10)
+    falls(run)
+    run.says("'CompresedRowSparseMatrixd' is no template", "did you mean 'CompressedRowSparseMatrix'?")
+    for fine in ("CompressedRowSparseMatrixMat3x3d", "CompressedRowSparseMatrix<Mat3x3d>", "CompressedRowSparseMatrixd", "BTDMatrix6d"):
+        assert "template" not in Run(root(solver.format(fine)), 1).text
+    frames = '<MechanicalObject template="{}" name="dofs" position="0 0 0 0 0 0 1"/><UniformMass template="Rigid3d,Rigid3dMass"/>'
+    assert ".template" not in Run(root(EXACT + frames.format("Rigid3d")), 1).text
+    Run(root(EXACT + frames.format("Rgid3d")), 1).fails(2, "nodes of type Rgid3d do not exist here", "did you mean 'Rigid3'?")
+
+
+@case
 def one_position_beside_a_mesh():
     """A state takes the nodes of the mesh in its node unless more than one position is written."""
     mesh = '<MeshTopology position="0 1 0  2 1 0" edges="0 1"/><MechanicalObject name="dofs" position="5 5 5" {} scale="2" dx="1"/>'

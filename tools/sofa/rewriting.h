@@ -79,6 +79,7 @@ class Rewriting {
   bool keepsValue(Element& element, Data& data, AttributeDescription& attribute);
   bool keepsUnknown(Element& element, const AttributeDescription& attribute);
   void rewriteTemplate(Element& element);
+  void checkTemplate(const Element& element, const std::string& text);
 
   // ---- rewritten_components.cpp: what a type means in SOFA ----
   void applyMeaning(Element& element);

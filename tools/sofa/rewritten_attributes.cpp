@@ -231,11 +231,9 @@ bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attri
 }
 
 /// Vec3d, Vec3f and CudaVec3f are Vec3, Rigid3d is Rigid3; a template of what has none is left out.
-void Rewriting::rewriteTemplate(Element& element) {
-  const AttributeDescription* found = element.find("template");
-  if (!found) return;
-  std::string text(trimmed(found->value));
-  if (text.find("Cuda") != std::string::npos) noEffect("Cuda in the template of " + element.written->type);
+/// In the words of today: Rigid3 for Rigid, Rigid3d, CudaRigid3f and others.
+static std::string presentTemplate(std::string_view written) {
+  std::string text(trimmed(written));
   for (const auto& [old, present] : std::vector<std::pair<std::string, std::string>>{
            {" ", ""}, {"Cuda", ""}, {"Ext", ""}, {"f1", "f"}, {"StdVec3Types", "Vec3"}, {"StdRigidTypes", "Rigid3"},
            {"Rigid3Types", "Rigid3"}, {"Vec3Types", "Vec3"}, {"Rigid3d", "Rigid3"}, {"Rigid3f", "Rigid3"}, {"Vec3d", "Vec3"},
@@ -244,6 +242,41 @@ void Rewriting::rewriteTemplate(Element& element) {
     for (auto at = text.find(old); at != std::string::npos; at = text.find(old)) text.replace(at, old.size(), present);
   for (std::size_t at = text.find("Rigid"); at != std::string::npos; at = text.find("Rigid", at + 1))
     if (const std::size_t end = at + 5; end == text.size() || text[end] == ',') text.insert(end, "3");  // "Rigid,Vec3"
+  return text;
+}
+
+/// A template that does not exist, or that the state has not: SOFA takes one that fits.
+void Rewriting::checkTemplate(const Element& element, const std::string& text) {
+  static const std::vector<std::string> nodes{"Vec3", "Rigid3", "Vec1", "Vec2", "Vec6", "Rigid2"};
+  static const std::vector<std::string> matrices{"GraphScattered", "CompressedRowSparseMatrix", "CompressedRowSparseMatrixMat3x3",
+                                                 "ParallelGraphScattered", "BlockDiagonalMatrix", "DiagonalMatrix", "BTDMatrix",
+                                                 "FullMatrix", "SparseMatrix", "RotationMatrix", "EigenSparseMatrix"};
+  const std::string role = element.role(), word = text.substr(0, text.find(','));
+  const SourceLocation& where = element.find("template")->where;
+  const auto fits = [&](const std::string& known) { return word.starts_with(known); };
+  const bool solves = role == "linear solver" || role == "preconditioner";
+  const bool acts = role == "mass" || role == "force field" || role == "projective constraint";
+  if (text.empty() || (!solves && !acts)) return;
+  const std::vector<std::string>& list = solves ? matrices : nodes;
+  if (std::none_of(list.begin(), list.end(), fits))
+    return warn(where, element, "template", inQuotes(word) + " is no template: SOFA takes another one, and so does this scene",
+                nearest(word, list));
+  for (const char* elsewhere : {"object1", "object2", "mstate", "mstate1", "mstate2"})
+    if (element.find(elsewhere)) return;
+  const Element* state = acts ? element.place->nearest("mechanical state") : nullptr;
+  if (!state || word[word.size() - 1] == '2') return;
+  const std::string has = state->find("template") ? presentTemplate(state->text("template")) : "Vec3";
+  if (std::find(nodes.begin(), nodes.end(), has) != nodes.end() && !has.ends_with('2') && !word.starts_with(has))
+    warn(where, element, "template", "is " + word + ", and " + state->path() + " has " + has + ": SOFA takes the one that fits, and so "
+         "does this scene", has);
+}
+
+void Rewriting::rewriteTemplate(Element& element) {
+  const AttributeDescription* found = element.find("template");
+  if (!found) return;
+  if (found->value.find("Cuda") != std::string::npos) noEffect("Cuda in the template of " + element.written->type);
+  std::string text = presentTemplate(found->value);
+  checkTemplate(element, text);
   const bool solves = element.role() == "linear solver" || element.role() == "preconditioner";
   const bool is_form = text == "GraphScattered" || text.starts_with("CompressedRowSparseMatrix");
   if (solves && is_form && text.ends_with("f")) text.pop_back();  // of single precision

@@ -52,6 +52,7 @@ NOT_COMPUTED = {"currentIterations", "currentError", "vonMisesPerElement", "vonM
 #: lists of numbers that SOFA keeps in rows; of a name in place of a number: as many as velocities or positions of the template have
 _ROWS = {("ConstantForceField", "forces"): "velocity", ("BoxROI", "box"): 6, ("BoxROI", "orientedBox"): 10, ("PlaneROI", "plane"): 10,
          ("LinearForceField", "forces"): "velocity", ("LinearVelocityProjectiveConstraint", "velocities"): "velocity",
+         ("RigidRigidMapping", "initialPoints"): 7,
          **{("MergePoints", name): "position" for name in ("position1", "position2", "points")}}
 #: engines whose lists hold values of their template
 _OF_TEMPLATE = {"ValuesFromIndices", "IndicesFromValues", "MergeVectors", "DifferenceEngine", "MathOp"}
