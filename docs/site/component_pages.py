@@ -27,7 +27,7 @@ FAMILIES = {  # module: title; a module that is not here is called by its name
     "mappings": "Mappings",
     "topology": "Meshes and cells",
     "vtk_io": "VTK's file formats",
-    "selection": "Regions of interest",
+    "selection": "Regions of interest, and values by labels",
     "engines": "Engines: tables of points, meshes and numbers",
     "output": "Outputs",
 }
