@@ -47,6 +47,7 @@ Extents extentsOf(Index nodes, ConstRows positions) {
   if (extents.height < 2) {
     const double flat = std::sqrt(size[1] * size[2] * 2 / double(nodes));
     extents = {size[2] / flat, std::max(2.0, size[1] / flat), 2};
+    if (size[1] < 2 * flat) extents = {std::max(2.0, nodes / 4.0), 2, 2};  // nor a width
   }
   return extents;
 }

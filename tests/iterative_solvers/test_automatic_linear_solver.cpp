@@ -30,6 +30,12 @@ TEST(SolverCosts, ShapesOfBodiesAreFound) {
   EXPECT_NEAR(extents.length, 61, 3);
   EXPECT_NEAR(extents.width, 7, 1);
   EXPECT_NEAR(extents.height, 7, 1);
+  Vector line(400);  // two nodes wide and high is the least
+  for (Index i = 0; i < line.count(); ++i) line[i] = Vec3(0.01 * i, 0, 0);
+  const Extents chain = extentsOf(line.count(), line);
+  EXPECT_NEAR(chain.length, 100, 1e-9);
+  EXPECT_NEAR(chain.width, 2, 1e-9);
+  EXPECT_NEAR(chain.height, 2, 1e-9);
   const Extents unknown = extentsOf(1000, {});
   EXPECT_NEAR(unknown.width, 10, 1e-9);
 }
