@@ -224,7 +224,7 @@ class Node(Base):
 
     def _s_take_out(self, thing):
         self._s_objects.remove(thing)
-        self.__dict__.pop("_s_looked_up", None)
+        self.__dict__.pop("_s_kept_roles", None)
 
     def _s_came_or_went(self, thing):
         """A controller is no part of the simulation: it only hears events from now on, or no more."""
@@ -401,7 +401,18 @@ class Node(Base):
 
     # ---- by their roles ----
     def _s_of_role(self, role):
-        return [each for each in self._s_objects if each._s_type and each._s_facts.role == role]
+        return list(self._s_roles().get(role, ()))
+
+    def _s_roles(self):
+        """Objects by their role. Kept, and longer with each that comes; begun anew when one has gone."""
+        kept = self.__dict__.get("_s_kept_roles")
+        if kept is None or kept[0] is not self._s_objects:
+            object.__setattr__(self, "_s_kept_roles", kept := [self._s_objects, 0, {}])
+        for each in self._s_objects[kept[1]:]:
+            if each._s_type:
+                kept[2].setdefault(each._s_facts.role, []).append(each)
+        kept[1] = len(self._s_objects)
+        return kept[2]
 
     def _s_first_of(self, role):
         found = self._s_of_role(role)

@@ -8,7 +8,7 @@ from ._node import Node
 from ._objects import Object
 
 #: roles of what others find without a link, in their node or above
-_LOOKED_UP = {"topology", "mechanical state", "topological mapping", "mapping"}
+_LOOKED_UP = ("topology", "mechanical state", "topological mapping", "mapping")
 #: of those that fill what their output names, wherever that is
 _FILLING = {"topological mapping", "mapping"}
 #: of those that are left out of a scene where nothing reads them
@@ -132,21 +132,9 @@ class _Part:
         self.nodes[id(node)] = node
         if looks:
             self._looked.add(id(node))
-            self._waits += _looked_up(node)
+            roles = node._s_roles()
+            self._waits += [each for role in _LOOKED_UP for each in roles.get(role, ())]
         return True
-
-
-def _looked_up(node):
-    """Kept, and longer with each object that comes; begun anew when one has gone."""
-    objects = node._s_objects
-    kept = node.__dict__.get("_s_looked_up")
-    if kept is None:
-        object.__setattr__(node, "_s_looked_up", kept := [0, []])
-    for each in objects[kept[0]:]:
-        if each._s_type and each._s_facts.role in _LOOKED_UP:
-            kept[1].append(each)
-    kept[0] = len(objects)
-    return kept[1]
 
 
 def _register_of(root):
@@ -165,7 +153,7 @@ class _Register:
 
     def __init__(self):
         self.fresh, self.unseen, self.scene, self.revision = {}, {}, None, None
-        self._links, self._readers, self._by_text = {}, {}, {}
+        self._links, self._readers, self._fillers, self._by_text = {}, {}, {}, {}
 
     def update(self, root):
         if self.revision == root._s_revision:
@@ -181,9 +169,12 @@ class _Register:
         links, by_text = _links_of(thing) if is_here else ((), False)
         if links != self._links.get(id(thing), ()):
             for _, target, _ in self._links.pop(id(thing), ()):
-                self._readers.get(id(target), {}).pop(id(thing), None)
-            for _, target, _ in links:
+                for known in (self._readers, self._fillers):
+                    known.get(id(target), {}).pop(id(thing), None)
+            for name, target, _ in links:
                 self._readers.setdefault(id(target), {})[id(thing)] = thing
+                if name.startswith("output") and thing._s_facts.role in _FILLING:
+                    self._fillers.setdefault(id(target), {})[id(thing)] = thing
             self._links[id(thing)] = links
         if by_text:
             self._by_text[id(thing)] = thing
@@ -195,8 +186,7 @@ class _Register:
 
     def filling(self, thing):
         """Mappings that name it as what they fill."""
-        return [each for each in self._readers.get(id(thing), {}).values() if each._s_facts.role in _FILLING and any(
-            target is thing and name.startswith("output") for name, target, _ in self._links[id(each)])]
+        return list(self._fillers.get(id(thing), {}).values())
 
     def asking(self, thing, seen=()):
         """Of an engine: one that reads it and is never left out, with those between; empty where there is none."""
