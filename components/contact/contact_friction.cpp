@@ -86,6 +86,7 @@ void Friction::remember(const std::vector<Vec3>& x, const std::vector<Vec3>& sta
 
 void Friction::serialize(Archive& archive) {
   archive.list("slid", slid_), archive.list("sticking", sticking_), archive.list("goes", goes_);
+  archive.value("slip", slip);  // of the step before, whose end is asked for when the next one begins
 }
 
 void Friction::hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {

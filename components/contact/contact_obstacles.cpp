@@ -39,9 +39,33 @@ void Obstacles::init(bool bodies_meet, const std::string& expected) {
     throw ComponentError("nothing meets: there is no obstacle and no other body", expected);
   if (none && !movements_.empty())
     throw ComponentError("movements move obstacles, and there is none", "planes, spheres, capsules, cylinders, boxes or meshes");
+  check();
   start_offset_ = offset_;
   path_.assign(times_, movements_, "keyTimes", "movements");
   if (!times_.empty() || !movements_.empty()) path_.check();
+}
+
+/// Before anything is compiled: what is wrong is then told of the component that has it.
+void Obstacles::check() const {
+  const auto each = [](const std::vector<double>& numbers, std::size_t count, const char* name, auto&& look) {
+    if (numbers.size() % count != 0)
+      throw ComponentError(fmt::format("{} has {} numbers", name, numbers.size()), fmt::format("{} for each", count));
+    for (std::size_t i = 0; i < numbers.size(); i += count) look(numbers.data() + i);
+  };
+  const auto radius = [](double r) {
+    if (!(r > 0)) throw ComponentError(fmt::format("an obstacle has a radius of {:g}", r), "a length above zero");
+  };
+  const auto length = [](const double* p) { return std::hypot(p[0] - p[3], p[1] - p[4], p[2] - p[5]); };
+  each(planes_, 4, "planes", [](const double* p) {
+    if (!(std::hypot(p[0], p[1], p[2]) > 0)) throw ComponentError("a plane has no normal", "a vector that is not zero");
+  });
+  each(spheres_, 4, "spheres", [&](const double* p) { radius(p[3]); });
+  each(capsules_, 7, "capsules", [&](const double* p) { radius(p[6]); });
+  each(cylinders_, 7, "cylinders", [&](const double* p) {
+    radius(p[6]);
+    if (!(length(p) > 0)) throw ComponentError("a cylinder has two centres at one place", "a length above zero");
+  });
+  each(boxes_, 6, "boxes", [](const double*) {});
 }
 
 namespace {
@@ -49,7 +73,6 @@ namespace {
 void addCylinder(BarrierLaw& law, const Vec3& from, const Vec3& to, double radius) {
   constexpr int sides = 64;
   const Vec3 axis = to - from;
-  if (!(axis.norm() > 0)) throw ComponentError("a cylinder has two centres at one place", "a length above zero");
   const Vec3 across = axis.unitOrthogonal(), upwards = axis.normalized().cross(across);
   const double corner = 2 * radius / (1 + std::cos(M_PI / sides));
   std::vector<Vec3> points{from, to};
@@ -66,30 +89,23 @@ void addCylinder(BarrierLaw& law, const Vec3& from, const Vec3& to, double radiu
 }  // namespace
 
 void Obstacles::addTo(BarrierLaw& law) const {
-  const auto each = [](const std::vector<double>& numbers, std::size_t count, const char* name, auto&& add) {
-    if (numbers.size() % count != 0)
-      throw ComponentError(fmt::format("{} has {} numbers", name, numbers.size()), fmt::format("{} for each", count));
+  const auto each = [](const std::vector<double>& numbers, std::size_t count, auto&& add) {
     for (std::size_t i = 0; i < numbers.size(); i += count) add(numbers.data() + i);
   };
   const auto point = [](const double* p) { return Vec3(p[0], p[1], p[2]); };
-  const auto radius = [](double r) {
-    if (!(r > 0)) throw ComponentError(fmt::format("an obstacle has a radius of {:g}", r), "a length above zero");
-    return r;
-  };
   law.planes.clear();
-  each(planes_, 4, "planes", [&](const double* p) {
+  each(planes_, 4, [&](const double* p) {
     const double length = point(p).norm();
-    if (!(length > 0)) throw ComponentError("a plane has no normal", "a vector that is not zero");
     law.planes.push_back({point(p) / length, p[3] / length});
   });
-  each(spheres_, 4, "spheres", [&](const double* p) {
-    law.surfaces.addObstacle({point(p)}, {{0, 0, 0}}, radius(p[3]));
+  each(spheres_, 4, [&](const double* p) {
+    law.surfaces.addObstacle({point(p)}, {{0, 0, 0}}, p[3]);
   });
-  each(capsules_, 7, "capsules", [&](const double* p) {
-    law.surfaces.addObstacle({point(p), point(p + 3)}, {{0, 0, 1}}, radius(p[6]));
+  each(capsules_, 7, [&](const double* p) {
+    law.surfaces.addObstacle({point(p), point(p + 3)}, {{0, 0, 1}}, p[6]);
   });
-  each(cylinders_, 7, "cylinders", [&](const double* p) { addCylinder(law, point(p), point(p + 3), radius(p[6])); });
-  each(boxes_, 6, "boxes", [&](const double* p) {
+  each(cylinders_, 7, [&](const double* p) { addCylinder(law, point(p), point(p + 3), p[6]); });
+  each(boxes_, 6, [&](const double* p) {
     std::vector<Vec3> corners;
     for (int k = 0; k < 8; ++k) corners.emplace_back(p[k & 1 ? 3 : 0], p[k & 2 ? 4 : 1], p[k & 4 ? 5 : 2]);
     law.surfaces.addObstacle(corners,

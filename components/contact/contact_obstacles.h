@@ -31,6 +31,7 @@ class Obstacles {
   }
 
  private:
+  void check() const;
   LinkList<Topology> meshes_{"topology"};
   std::vector<double> planes_, spheres_, capsules_, cylinders_, boxes_, times_;
   std::vector<Vec3> movements_;

@@ -33,6 +33,8 @@
 //   <TetrahedronFEMForceField youngModulus="1e5" poissonRatio="0.3"/>
 //   <PenaltyContact contactDistance="0.162" planes="-0.19 0.29 0.94 -0.35"/>
 // </Node>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -78,6 +80,7 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   Solves solves() const;
   void rubbed(const std::vector<Touch>& touches, bool again);
   void rub(ConstRows v);
+  void checkAlarm() const;
   void startObstacles();
   void noteEnd(ConstRows x);
   void serializeFound(Archive& archive);
@@ -110,6 +113,7 @@ void PenaltyContact::declare(DataTable& table) {
 /// The integrator is that of mstate, which need not be ready yet.
 void PenaltyContact::init() {
   ContactField::init();
+  checkAlarm();
   for (const Node* node = &state().node(); node && !integrator_; node = node->parent())
     for (const auto& component : node->components())
       if (!integrator_) integrator_ = dynamic_cast<const Integrator*>(component.get());
@@ -118,8 +122,16 @@ void PenaltyContact::init() {
   is_explicit_ = heeds && heeds->howToHeedStepLimits().empty() && integrator_->movesInTime() && !integrator_->stateOwner();
 }
 
+/// What is not found until it is nearer than contactDistance is pushed too late, or never.
+void PenaltyContact::checkAlarm() const {
+  if (law_.alarm > 0 && law_.alarm < law_.range)
+    throw ComponentError(fmt::format("alarmDistance of {} is {:g} m and contactDistance {:g} m", path(), law_.alarm, law_.range),
+                         "an alarmDistance of contactDistance or more, and of what moves in a step besides");
+}
+
 void PenaltyContact::compile() {
   compileSurfaces();
+  checkAlarm();
   if (law_.alarm == 0) law_.alarm = 2 * law_.range;
   law_.is_penalty = true;
   law_.compile();

@@ -307,6 +307,12 @@ TEST(PenaltyContact, RefusesWhatCanNeverAct) {
   expectContains(with("selfContact=\"0\""), "nothing meets");
   expectContains(with("keyTimes=\"0 1\" movements=\"0 0 0  0 0 1\""), "move obstacles, and there is none");
   EXPECT_EQ(with("selfContact=\"0\" planes=\"0 0 1 -1\""), "");
+  expectContains(with("planes=\"0 0 1 -1\" contactDistance=\"0.02\" alarmDistance=\"0.01\""), "alarmDistance of /a/PenaltyContact");
+  expectContains(with("planes=\"0 0 1 -1\" alarmDistance=\"1e-9\""), "alarmDistance of /a/PenaltyContact");
+  // told of the contact, not of the integrator that compiles it
+  for (const char* wrong : {"planes=\"0 0 1\"", "planes=\"0 0 0 1\"", "spheres=\"0 0 9 -1\"", "capsules=\"0 0 9 0 0 8\"",
+                            "cylinders=\"0 0 9 0 0 9 1\"", "boxes=\"0 0 9 1\""})
+    expectContains(with(wrong), "/a/PenaltyContact: ");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -113,5 +113,31 @@ TEST(StaticFriction, HasOnePotentialInASolve) {
   }
 }
 
+/// Whether what slides has been let go is asked at the next step: a run in explicit steps goes on from a checkpoint to the bit.
+TEST(StaticFriction, ExplicitStepsGoOnFromACheckpoint) {
+  const auto make = [] {
+    return simulationFromText(contactScene(
+        "<Node name=\"a\"><MeshTopology name=\"mesh\" position=\"0 0 0.019722  1 0 0.019722  0 1 0.019722\" triangles=\"0 1 2\"/>"
+        "<MechanicalObject velocity=\"0.005 0 0  0.005 0 0  0.005 0 0\"/><UniformMass totalMass=\"3\"/><BarrierContact "
+        "contactDistance=\"0.02\" stiffness=\"1e5\" selfContact=\"0\" planes=\"0 0 1 0\" friction=\"0.3\" "
+        "staticFriction=\"0.6\" slipVelocity=\"0.02\"/></Node>",
+        5e-4, Vec3(7, 0, -9.81), "<EulerExplicitSolver/>"));
+  };
+  Simulation whole = make(), half = make();
+  const auto run = [](Simulation& simulation, int n) {
+    for (int i = 0; i < n; ++i) ASSERT_FALSE(simulation.step().diverged);
+  };
+  for (const int first : {2, 6, 8}) {
+    run(half, first), run(whole, first);
+    Simulation rest = make();
+    rest.restore(half.checkpoint());
+    for (int i = 0; i < 5; ++i) {
+      run(whole, 1), run(rest, 1);
+      ASSERT_EQ(Vec3(rest.systems()[0]->v[0]), Vec3(whole.systems()[0]->v[0])) << i << " after " << first;
+    }
+    run(half, 5);
+  }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
