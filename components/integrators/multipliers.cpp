@@ -243,7 +243,7 @@ void Multipliers::leaveOutForces() {
 void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
                           StepReport& report) {
   constexpr int most_rounds = 100, most_idle = 10, few_idle = 2;
-  constexpr double close = 1e-13, far_less = 1e-5;  // of the place; of what is tolerated
+  constexpr double close = 1e-13, far_less = 1e-3;  // of the place; of what is tolerated
   System& s = *system_;
   copy(s.independent(s.x), free_);
   clear(whole_);

@@ -30,7 +30,7 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   restart(q_);
   newton();
   note();
-  if (unsettled_ > rounded && unsettled_ < coarse) settle();
+  if (unsettled_ > rounded && unsettled_ < coarse && !isLittle(allowed)) settle();
   const auto search = [&](auto way) {
     const double before = std::exchange(unsettled_, none);
     const Eigen::VectorXd q = least_;
@@ -139,7 +139,7 @@ void ConditionForces::note() {
 }
 
 bool ConditionForces::isLittle(const std::vector<double>& allowed) {
-  constexpr double part = 1e-5;
+  constexpr double part = 1e-3;
   if (allowed.empty() || !std::isfinite(unsettled_)) return false;
   restart(least_);
   const auto holds = [&](const Group& group, int at, double off) {

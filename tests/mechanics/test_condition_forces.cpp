@@ -121,6 +121,37 @@ TEST(ConditionForces, OfRowsThatSayNearlyTheSame) {
   }
 }
 
+/// What is off by a thousandth of what may be is not searched for again, and what is off by more is.
+TEST(ConditionForces, AreNotSearchedForWhereLittleIsOff) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  int met = 0;
+  for (int trial = 0; trial < 300 && met < 5; ++trial) {
+    const Eigen::Index n = 30, rank = 12;
+    const auto noise = [&](Eigen::Index rows, Eigen::Index columns) {
+      return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }).eval();
+    };
+    const Eigen::MatrixXd roots = noise(n, rank).rowwise().normalized();
+    const Eigen::VectorXd g = roots * noise(rank, 1);
+    double size = 0;
+    for (Eigen::Index i = 0; i < n; i += 3) size = std::max(size, -g[i]);
+    const auto offWhere = [&](double may_be) {
+      LagrangianRows rows;
+      ConditionForces forces;
+      forces.w = roots * roots.transpose(), forces.g = g, forces.l.setZero(n), forces.sizes.assign(std::size_t(n), 1);
+      for (Eigen::Index i = 0; i < n; ++i) rows.begin(i % 3 == 0 ? Kind::push : Kind::rub, g[i], i % 3 == 0 ? 0 : 0.3);
+      forces.solve(rows.rows(), {}, std::vector<double>(std::size_t(n), may_be));
+      return forces.unsettled();
+    };
+    const double off = offWhere(1e30);
+    if (!(off > 1e-4 && off < 1)) continue;
+    ++met;
+    EXPECT_EQ(offWhere(2e3 * off * size), off);
+    EXPECT_LT(offWhere(1e2 * off * size), 0.2 * off);
+  }
+  EXPECT_EQ(met, 5) << "Newton's method alone finds them all";
+}
+
 /// Rows that say the same many times cost seconds: a wish to stop ends that with what there is.
 TEST(ConditionForces, HeedAStop) {
   StopRequest request;
