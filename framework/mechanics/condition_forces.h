@@ -39,7 +39,7 @@ class ConditionForces {
   std::vector<double> sizes;  ///< lengths of the gradients: what moves less than round-off of this is held
 
   /// A stop is heeded within it; forces are then those of the best place so far. `allowed`: by how much each row may be off [m];
-  /// what is off by a hundred thousandth of it is not searched for again. Empty: nothing is allowed.
+  /// what is off by a thousandth of it is not searched for again. Empty: nothing is allowed.
   void solve(const std::vector<Row>& rows, StopToken stop = {}, const std::vector<double>& allowed = {});
   /// By how much the functions above are off, of the largest condition that does not hold without forces.
   double unsettled() const { return unsettled_; }
