@@ -15,7 +15,6 @@
 //   it slides: -mu l along the way d that it made in the step before, mu l/|d| across; where it has come back, it sticks
 // What its speed takes farther in a step than it may stick slides from the start; not what has come back, which its spring stops, but
 // where the integrator would have that ring. Where a slide begins or ends is known a step late.
-
 #include <algorithm>
 #include <cmath>
 

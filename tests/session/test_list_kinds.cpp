@@ -17,23 +17,29 @@ bool hasListsOfItsOwn(const Component& component) {
          role == "topological mapping" || role == "mechanical state" || component.type() == "TopologicalChangeProcessor";
 }
 
-TEST(ListKinds, AreKnownOfEachListOfWholeNumbers) {
+/// Of all other components what holds a Value and is written.
+template <class Value, class Look>
+void forEachOf(const Look& look) {
   Factory factory;
   Modules modules(factory);
-  std::set<std::string> unknown;
-  int known = 0;
   for (const auto& entry : modules.index()) {
     ASSERT_TRUE(modules.provide(std::string(entry.type))) << entry.type;
     const auto component = factory.make(std::string(entry.type));
     if (hasListsOfItsOwn(*component)) continue;
-    for (const Data& data : component->data().all()) {
-      if (data.isOutput() || !std::holds_alternative<std::vector<int>*>(data.pointer())) continue;
-      if (kindOf(data.name()) == ListKind::unknown)
-        unknown.insert(data.name());
-      else
-        ++known;
-    }
+    for (const Data& data : component->data().all())
+      if (!data.isOutput() && std::holds_alternative<Value*>(data.pointer())) look(component->type(), data);
   }
+}
+
+TEST(ListKinds, AreKnownOfEachListOfWholeNumbers) {
+  std::set<std::string> unknown;
+  int known = 0;
+  forEachOf<std::vector<int>>([&](const std::string&, const Data& data) {
+    if (kindOf(data.name()) == ListKind::unknown)
+      unknown.insert(data.name());
+    else
+      ++known;
+  });
   EXPECT_GT(known, 60);
   EXPECT_EQ(unknown, (std::set<std::string>{"localRange", "pivot_points"})) << "those of these names are refused where a mesh changes";
 }
@@ -50,25 +56,18 @@ const std::set<std::string> names_no_node = {"iterations", "numberInfluencedLine
                                              "articulationIndex", "parentIndex", "childIndex"};
 
 TEST(ListKinds, AreKnownOfEachNumberOfANode) {
-  Factory factory;
-  Modules modules(factory);
   std::set<std::string> unknown;
   int known = 0;
-  for (const auto& entry : modules.index()) {
-    ASSERT_TRUE(modules.provide(std::string(entry.type))) << entry.type;
-    const auto component = factory.make(std::string(entry.type));
-    if (hasListsOfItsOwn(*component)) continue;
-    for (const Data& data : component->data().all()) {
-      if (data.isOutput() || !std::holds_alternative<int*>(data.pointer()) || names_no_node.count(data.name())) continue;
-      const std::string& help = data.helpText();
-      const bool is_told = help.find("node") != std::string::npos || help.find("frame") != std::string::npos ||
-                           help.find("point") != std::string::npos || help.find("number of the state") != std::string::npos;
-      if (namesOneNode(component->type(), data.name()) || namesOneMapped(component->type(), data.name()))
-        ++known;
-      else if (is_told)
-        unknown.insert(component->type() + "." + data.name());
-    }
-  }
+  forEachOf<int>([&](const std::string& type, const Data& data) {
+    if (names_no_node.count(data.name())) return;
+    const std::string& help = data.helpText();
+    const bool is_told = help.find("node") != std::string::npos || help.find("frame") != std::string::npos ||
+                         help.find("point") != std::string::npos || help.find("number of the state") != std::string::npos;
+    if (namesOneNode(type, data.name()) || namesOneMapped(type, data.name()))
+      ++known;
+    else if (is_told)
+      unknown.insert(type + "." + data.name());
+  });
   EXPECT_GT(known, 12);
   EXPECT_EQ(unknown, std::set<std::string>{}) << "to be named in tools/session/list_kinds.cpp, or here where they number no node";
 }

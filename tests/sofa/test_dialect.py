@@ -6747,6 +6747,11 @@ def capsules_and_boxes_of_old_scenes():
     points = ('<MeshTopology edges="0 1"/><CapsuleCollisionModel template="Capsule" defaultRadius="0.5"/>')
     fallen_line = Run(root(scene.format("NewProximityIntersection", "Vec3", "-1 0.55 0  1 0.55 0", points)), 8).x("b.dofs")
     agree(fallen_line[:, 1], [pushed(2, 0.6, 0.55)] * 2, 1e-7)
+    several = points.replace('defaultRadius="0.5"', 'name="c" listCapsuleRadii="0.5 0.4"')
+    several = Run(root(scene.format("NewProximityIntersection", "Vec3", "-1 0.55 0  1 0.55 0", several)), 8)
+    agree(several.x("b.dofs")[:, 1], [pushed(2, 0.6, 0.55)] * 2, 1e-7)
+    several.says("/b/c: has lines of several radii: all have the first one here, 0.5")
+    assert "several radii" not in Run(root(scene.format("NewProximityIntersection", "Vec3", "-1 0.55 0  1 0.55 0", points)), 1).text
 
 
 @case

@@ -230,7 +230,6 @@ bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attri
   return false;
 }
 
-/// Vec3d, Vec3f and CudaVec3f are Vec3, Rigid3d is Rigid3; a template of what has none is left out.
 /// In the words of today: Rigid3 for Rigid, Rigid3d, CudaRigid3f and others.
 static std::string presentTemplate(std::string_view written) {
   std::string text(trimmed(written));
@@ -271,6 +270,7 @@ void Rewriting::checkTemplate(const Element& element, const std::string& text) {
          "does this scene", has);
 }
 
+/// Vec3d, Vec3f and CudaVec3f are Vec3, Rigid3d is Rigid3; a template of what has none is left out.
 void Rewriting::rewriteTemplate(Element& element) {
   const AttributeDescription* found = element.find("template");
   if (!found) return;

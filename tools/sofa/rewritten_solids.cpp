@@ -112,6 +112,17 @@ static void addCapsules(NodeDescription& node, const ComponentDescription& solid
     node.children.push_back(skinNode(solid, name + "_skin" + (count++ > 0 ? std::to_string(count) : ""), "edges", skin, models, radius));
 }
 
+/// Of the lines of a mesh, which are one model with one radius.
+static ComponentDescription capsulesOfPoints(const ComponentDescription& solid, const std::string& path, Diagnostics& diagnostics) {
+  const std::vector<double> radii = writtenNumbers(textOf(solid, {"listCapsuleRadii", "radii"}));
+  const double radius = radii.empty() ? numberOf(solid, {"defaultRadius"}, 0.5) : radii[0];
+  if (std::any_of(radii.begin(), radii.end(), [radius](double each) { return each != radius; }))
+    diagnostics.warning(solid.where, path, "has lines of several radii: all have the first one here, " + printed({radius}));
+  ComponentDescription made = model(solid, "LineCollisionModel", radius);
+  if (const AttributeDescription* name = solid.find("name")) made.attributes.push_back(*name);
+  return made;
+}
+
 static void addBoxes(NodeDescription& node, const ComponentDescription& solid, const std::string& name, std::size_t frames,
                      bool with_triangles) {
   static const std::vector<std::size_t> sides = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
@@ -153,7 +164,7 @@ void Rewriting::expandSolids() {
       else if (frames > 0)
         addCapsules(node, each, name, frames, with_triangles);
       else
-        kept.push_back(model(each, "LineCollisionModel", numberOf(each, {"listCapsuleRadii", "radii", "defaultRadius"}, 0.5)));
+        kept.push_back(capsulesOfPoints(each, joinPath(path, name), diagnostics_));
     }
     node.components = std::move(kept);
     const std::vector<std::string> names = childNames(node);
