@@ -23,6 +23,10 @@ PICTURES = {
               (1560, 1960, 2460, 2600)),
     "ironing": ("PublishedBenchmarks.ShallowIroningPressed", 0, "-n 13 --field vonMises --edges --view front", "bare"),
     "spheres": ("PublishedBenchmarks.HollowSpheresBetweenPlates", 0, "-n 24 --field vonMises --edges --view front --size 960x540", "bare"),
+    "punch": ("ClosedForms.FlatPunch", 1, "-n 1 --field vonMises --edges --view front --size 4000x3600", (360, 160, 1360, 1010)),
+    "cone": ("ClosedForms.Cone", 0, "-n 1 --field vonMises --edges --view front --size 4000x3600", (240, 160, 1090, 860)),
+    "patch": ("FlatFaces.PatchOfTwoBlocks", 5, "-n 1 --field vonMises --edges", "bare"),
+    "twist": ("PublishedBenchmarks.HemisphereTwisted", 1, "-n 20 --field vonMises --edges --view 25,25", "bare"),
     "arch_stands": ("Arch.StandsWhereItIsThickEnough", 0, "-n 60 --field displacement --view front", None),
     "arch_falls": ("Arch.StandsWhereItIsThickEnough", 1, "-n 60 --field displacement --view front", None),
 }
