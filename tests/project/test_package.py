@@ -20,6 +20,8 @@ WHERE = {  # a file, whatever the folder of libraries is called: its package
     "cmake/stroma/stroma-config.cmake": "stroma-dev", "stroma/stroma-index": "stroma-dev", "libstroma.so": "stroma-dev",
     "python3/dist-packages/stroma/__init__.py": "python3-stroma",
     "framework/scene/component.h": "stroma-dev"}
+# cpack asks what each file is by `cmake -E env LC_ALL=C file NAME`, and to start cmake takes it longest: a shell starts the program.
+START = '/bin/sh;-c;[ "$1 $2 $3" = "-E env LC_ALL=C" ] && shift 3 || set -- cmake "$@"\nexec "$@";sh'
 HEAVY = re.compile(r"vtk|cholmod|blas|libgmp|libmpfr|libcgal")  # what the command's own package must not want
 
 
@@ -103,7 +105,8 @@ def main():
             sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         run("cpack", "-G", "DEB", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", folder,
-            "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=none", "-D", "CPACK_THREADS=1", cwd=folder)
+            "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=none", "-D", "CPACK_THREADS=1", "-D", f"CMAKE_COMMAND={START}", cwd=folder,
+            env={**os.environ, "LC_ALL": "C"})
         debs = {os.path.basename(path).split("_")[0]: path for path in glob.glob(os.path.join(folder, "**", "*.deb"), recursive=True)}
         assert set(debs) == PACKAGES, sorted(debs)
         check_contents(debs)

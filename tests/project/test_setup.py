@@ -8,7 +8,9 @@ import subprocess
 import sys
 import tempfile
 
-
+# The small `dpkg-query`, which is asked with options for the states of packages: each is installed, or all but one.
+INSTALLED = 'for name; do case $name in -*) ;; *) echo "$name installed" ;; esac; done'
+NOT_GMSH = 'for name; do case $name in -* | *libgmsh*) ;; *) echo "$name installed" ;; esac; done; exit 1'
 # What the small `stroma` does when it is asked for a picture.
 PICTURE = 'mkdir -p results/organ; [ "$PICTURE_CODE" != 0 ] || echo x > results/organ/organ.png; exit ${PICTURE_CODE:-0}'
 # And the small `cmake`: it fails where it is told to, and installs the command.
@@ -72,7 +74,7 @@ def check_stages(setup):
         ctest = 'for a; do case $a in *.xml) echo "<testsuite/>" > "$a";; esac; done; for last; do :; done; [ "$last" != --no-tests=error ] || last=all'
         programs = {"programs/ctest": f'{ctest}; echo "ctest $last" >> {log}',
                     "programs/python3": f'echo "python3 ${{1##*/}}" >> {log}; exit ${{PYTHON_CODE:-0}}',
-                    "programs/dpkg-query": "printf installed", "programs/cmake": f'echo "cmake $@" >> {log}; {CMAKE}',
+                    "programs/dpkg-query": INSTALLED, "programs/cmake": f'echo "cmake $@" >> {log}; {CMAKE}',
                     "build/bin/stroma": f'echo "stroma $@" >> {log}; [ "$1" != picture ] || {{ {PICTURE}; }}'}
         for path, body in programs.items():
             with open(os.path.join(folder, path), "w", encoding="ascii") as file:
@@ -145,17 +147,17 @@ def main():
     # As root without a terminal it installs, once, everything that is missing.
     with tempfile.TemporaryDirectory() as folder:
         log = os.path.join(folder, "log")
-        result = run("install", programs={"dpkg-query": 'case "$*" in *libgmsh*) exit 1;; *) printf installed;; esac',
+        result = run("install", programs={"dpkg-query": NOT_GMSH,
                                           "id": "echo 0", "apt-get": f'echo "$@" >> {log}'})
         assert result.returncode == 0, result
         with open(log, encoding="ascii") as file:
             calls = file.read().strip().split("\n")
         assert len(calls) == 1 and calls[0].endswith("libgmsh-dev") and "install -y" in calls[0], calls
 
-    result = run("install", programs={"dpkg-query": "printf installed", "apt-get": "exit 1", "sudo": "exit 1"})
+    result = run("install", programs={"dpkg-query": INSTALLED, "apt-get": "exit 1", "sudo": "exit 1"})
     assert result.returncode == 0 and result.stdout == "", result
     # Which instruction sets are built: the machine's, all when asked for, what was built before as long as it has it.
-    installed = {"dpkg-query": "printf installed", "cmake": 'case "$*" in *--build*) exit 1;; *) echo "$@" >&3;; esac',
+    installed = {"dpkg-query": INSTALLED, "cmake": 'case "$*" in *--build*) exit 1;; *) echo "$@" >&3;; esac',
                  "python3": "exit 0"}  # the checks of the tree
 
     def configured(*arguments, before=None):
