@@ -80,18 +80,24 @@ void Actuator::plan() {
 
 void Actuator::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {
   now_ = measure(x);
-  for (const Plan& row : plan_) {
-    rows.begin(row.kind, row.sign * (now_ - start_ - row.at), row.factor);
-    addGradient(x, row.sign, rows);
-  }
+  addPlanned(now_ - start_, rows, [&](double sign) { addGradient(x, sign, rows); });
+}
+
+double Actuator::plannedForce(std::span<const double> forces) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < std::min(forces.size(), plan_.size()); ++i) sum += plan_[i].sign * forces[i];
+  return sum;
+}
+
+void Actuator::tell(double force, double way, std::span<const double> forces) {
+  force_ = force, way_ = way;
+  told_force_ = impulses_ ? force_ * node().root().dt() : force_;
+  PairConstraint::takeForces(forces);
 }
 
 void Actuator::takeForces(std::span<const double> forces) {
-  force_ = 0;
-  for (std::size_t i = 0; i < std::min(forces.size(), plan_.size()); ++i) force_ += plan_[i].sign * forces[i];
-  way_ = now_ - start_;
-  told_force_ = impulses_ ? force_ * node().root().dt() : force_;
-  PairConstraint::takeForces({&force_, 1});
+  const double force = plannedForce(forces);
+  tell(force, now_ - start_, {&force, 1});
 }
 
 void Actuator::reset() {

@@ -43,6 +43,18 @@ class Actuator : public PairConstraint {
   /// In init(): throws ComponentError where least is above most.
   void bound(const Bounds& way, const Bounds& force);
   bool imposesForce() const { return imposed_ == force_is_; }
+  // ---- of one that has several ways, with the one value and the bounds of all ----
+  /// The conditions on a way s - start; `add` adds sign * ds/dx to the last row.
+  template <class Add>
+  void addPlanned(double way, LagrangianRows& rows, const Add& add) const {
+    for (const Plan& row : plan_) {
+      rows.begin(row.kind, row.sign * (way - row.at), row.factor);
+      add(row.sign);
+    }
+  }
+  std::size_t planned() const { return plan_.size(); }  ///< conditions on a way
+  double plannedForce(std::span<const double> forces) const;  ///< f, of those on them
+  void tell(double force, double way, std::span<const double> forces);  ///< after a step
   void startAt(double measured) { start_ = measured, is_measured_ = true; }
 
   double way_ = 0, force_ = 0, start_ = 0;  ///< s and f after the last step; measure() where the scene starts

@@ -301,5 +301,72 @@ TEST(Cables, WhatCannotBeMeantIsRefused) {
   EXPECT_EQ(cavity("triangles=\"0 2 1  0 1 3  0 3 2  1 2 3\" valueType=\"volumeGrowth\" value=\"0.1\""), "");
 }
 
+/// Two points of springs of 100 N/m are pushed by 0.1 m along y: 10 N each, and the other way round, with any step.
+TEST(Cables, PointsArePutSomewhereByAWayOrAForce) {
+  for (const double dt : {1e-1, 1e-2})
+    for (const char* type : {"displacement", "force"}) {
+      SCOPED_TRACE(fmt::format("{}, dt {}", type, dt));
+      Simulation simulation = simulationFromText(sceneOf(
+          fmt::format("<MechanicalObject position=\"0 0 0  1 0 0  2 0 0\"/><UniformMass totalMass=\"3\"/>"
+                      "<RestShapeSpringsForceField stiffness=\"100\"/><PositionConstraint indices=\"2 1\" useDirections=\"0 1 0\" "
+                      "valueType=\"{}\" value=\"{}\"/>",
+                      type, type[0] == 'd' ? 0.1 : 10),
+          dt, "0 0 0", "<EulerImplicitSolver rayleighMass=\"10\"/>"));
+      run(simulation, int(std::lround(4 / dt)));
+      for (const double force : numbersOf(simulation, "PositionConstraint", "forces")) EXPECT_NEAR(force, 10, 1e-6);
+      EXPECT_NEAR(numberOf(simulation, "PositionConstraint", "force"), 10, 1e-6);
+      EXPECT_NEAR(numberOf(simulation, "PositionConstraint", "displacement"), 0.1, 1e-8);
+      EXPECT_NEAR(at(simulation, 2).y(), 0.1, 1e-8);
+      EXPECT_NEAR(at(simulation, 1).y(), 0.1, 1e-8);
+      EXPECT_EQ(at(simulation, 0).y(), 0);
+    }
+}
+
+/// A bound of the force holds a point of springs of 100 N/m at 4 N back at 0.04 m, and a bound of the way one that is pushed by
+/// 10 N at 0.05 m. A point that goes faster along a free direction goes on there.
+TEST(Cables, PointsArePutWithinBounds) {
+  const auto put = [](const char* attributes) {
+    Simulation simulation = simulationFromText(
+        sceneOf(fmt::format("<MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/><RestShapeSpringsForceField "
+                            "stiffness='100'/><PositionConstraint useDirections='0 0 1' {}/>", attributes),
+                0.01, "0 0 0", "<EulerImplicitSolver rayleighMass='10'/>"));
+    run(simulation, 400);
+    return std::pair(at(simulation, 0).z(), numberOf(simulation, "PositionConstraint", "force"));
+  };
+  const auto by_force = put("value='0.1' maxForce='4'"), by_way = put("valueType='force' value='10' maxPositiveDisp='0.05'");
+  EXPECT_NEAR(by_force.first, 0.04, 1e-8);
+  EXPECT_NEAR(by_force.second, 4, 1e-9);
+  EXPECT_NEAR(by_way.first, 0.05, 1e-8);
+  EXPECT_NEAR(by_way.second, 5, 1e-6);
+}
+
+/// Directions that are not square to each other; after a reset it starts again to the bit: places are those of the start.
+TEST(Cables, PointsThatArePutStartAgain) {
+  const std::string scene = sceneOf("<MechanicalObject position='0 0 0  1 0 0'/><UniformMass totalMass='2'/><RestShapeSpringsForceField "
+                                    "stiffness='100'/><PositionConstraint indices='1' directions='1 1 0  0 1 0  0 0 1' value='0.1'/>",
+                                    0.01, "0 -10 0");
+  Simulation simulation = simulationFromText(scene);
+  run(simulation, 5);
+  const Vec3 there = at(simulation, 1);
+  const double s = 0.1 * std::sqrt(2.0) - 0.1;
+  EXPECT_NEAR((there - Vec3(1 + s, 0.1, 0.1)).norm(), 0, 1e-9);
+  simulation.reset();
+  run(simulation, 5);
+  EXPECT_EQ(at(simulation, 1), there);
+}
+
+/// What is wrong with its directions is told.
+TEST(Cables, PointsArePutAlongThreeDirections) {
+  const auto why = [](const char* attributes) {
+    return problemsOf(
+        sceneOf(fmt::format("<MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/><PositionConstraint {}/>", attributes)));
+  };
+  EXPECT_NE(why("useDirections='0 1'").find("useDirections has 2 entries"), std::string::npos);
+  EXPECT_NE(why("useDirections='0 0 0'").find("useDirections holds no direction"), std::string::npos);
+  EXPECT_NE(why("weight='1 2'").find("weight has 2 numbers"), std::string::npos);
+  EXPECT_NE(why("weight='0'").find("direction 0 has no length or no weight"), std::string::npos);
+  EXPECT_NE(why("indices='7'").find("indices names node 7"), std::string::npos);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -51,7 +51,7 @@ def below(node):
 def dimensions_of(component, name, frames):
     """Those of the numbers of an attribute one after the other, again and again; none where it has no numbers with a unit."""
     attribute = stroma.type_info(component.type).find(name)
-    if component.type == "CableConstraint" and name == "value":
+    if component.type in ("CableConstraint", "PositionConstraint") and name == "value":
         return [LENGTH]
     if component.type == "SurfacePressureConstraint" and name == "value":
         return [(3, 0, 0)] if component.given("valueType") == "volumeGrowth" else [(-1, 1, -2)]

@@ -569,6 +569,12 @@ SCENES = {
         '<CableConstraint indices="0 1 2" pullPoint="0 0.9 0.5" value="0.01" valueType="displacement"/><BarycentricMapping/></Node>'
         '<Node name="seen"><OglModel filename="mesh/none.stl"/><BarycentricMapping/></Node></Node>',
         '<FreeMotionAnimationLoop/><GenericConstraintSolver maxIterations="1000" tolerance="1e-7"/>'),
+    "SoftRobots/PositionConstraint": root(
+        f'<Node name="body"><EulerImplicitSolver/><SparseLDLSolver/>{TETRA}<TetrahedronFEMForceField poissonRatio="0.3" '
+        'youngModulus="600"/>' + HOLD + '<LinearSolverConstraintCorrection/><Node name="tip"><MechanicalObject position="0.5 0.9 0.5"/>'
+        '<PositionConstraint indices="0" useDirections="0 1 0" value="0.01" valueType="displacement"/>'
+        '<BarycentricMapping mapForces="0" mapMasses="0"/></Node></Node>',
+        '<FreeMotionAnimationLoop/><GenericConstraintSolver maxIterations="1000" tolerance="1e-7"/>'),
     "SoftRobots/SurfacePressureConstraint": root(
         f'<Node name="net"><EulerImplicitSolver/><SparseLDLSolver/>{TETRA}<TetrahedronFEMForceField poissonRatio="0.3" '
         'youngModulus="600"/>' + HOLD + '<LinearSolverConstraintCorrection/><Node name="cavity"><MeshOBJLoader name="loader" '

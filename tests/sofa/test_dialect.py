@@ -912,6 +912,17 @@ def quirk_impulse_values():
     agree(Run(scene, 10, args=["--without-quirk", "impulse-values"]).x()[0, 0], 1 - moved)
 
 
+@case
+def positions_of_softrobots():
+    """A free point of 1 kg is pushed along y with the force that is written over dt, for one step from rest: y = F / m dt. Another
+    is put to where it is to be, along a direction of any length with the weight 2: the half of it."""
+    def put(attributes):
+        return Run(node(EXACT + BODY + f'<PositionConstraint indices="1" {attributes}/>'), 1).x()
+    agree(put('useDirections="0 1 0" valueType="force" value="0.003"'), [[0, 0, 0], [1, 0.003 * 0.01, 0]])
+    agree(put('useDirections="0 1 0" value="2"'), [[0, 0, 0], [1, 2, 0]])
+    agree(put('useDirections="0 0 1" directions="1 0 0 0 1 0 0 3 4" weight="2" value="2"'), [[0, 0, 0], [1, 0.6, 0.8]])
+
+
 CUBE = np.array([[i, j, k] for k in range(2) for j in range(2) for i in range(2)], float)
 CORNERS = [0, 1, 3, 2, 4, 5, 7, 6]
 

@@ -41,7 +41,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (element.is("BilateralLagrangianConstraint") && saysYes(element.text("keepOrientationDifference")))
     setDefault(element, "keepCentreDifference", "true");
   meanTimes(element);
-  if (element.written->type == "CableConstraint" || element.written->type == "SurfacePressureConstraint") meanActuator(element);
+  if (isActuator(element)) meanActuator(element);
   // rest positions stay as they are written: in the axes of the frames
   if (isAnyOf(element.written->type, {"RigidMapping", "DeformableOnRigidFrameMapping"}))
     setDefault(element, "applyRestPosition", "false");

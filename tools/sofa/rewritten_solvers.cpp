@@ -20,9 +20,7 @@ bool Rewriting::hasForcesOfConstraint() const {
 /// Cables and cavities of SoftRobots, which are to hold what they are told and keep the rounds they need for it.
 bool Rewriting::hasActuators() const {
   bool found = false;
-  tree_->forEach([&found](Element& each) {
-    found = found || each.written->type == "CableConstraint" || each.written->type == "SurfacePressureConstraint";
-  });
+  tree_->forEach([&found](Element& each) { found = found || isActuator(each); });
   return found;
 }
 
@@ -293,9 +291,8 @@ void Rewriting::warnOfAccepted(const Element& element) {
     const Place* place = each.place;
     while (place && place != element.place) place = place->parent;
     pulls = pulls || (place && each.role() == "force field");
-    holds = holds || each.written->type.ends_with("LagrangianConstraint") || each.is("CableConstraint") ||
-            each.is("SurfacePressureConstraint") || each.text("response").find("Constraint") != std::string::npos ||
-            each.text("response").find("Friction") != std::string::npos;
+    holds = holds || each.written->type.ends_with("LagrangianConstraint") || isActuator(each) ||
+            each.text("response").find("Constraint") != std::string::npos || each.text("response").find("Friction") != std::string::npos;
   });
   if (pulls && holds)
     warn(element.written->where, element, {},

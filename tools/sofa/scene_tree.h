@@ -63,6 +63,11 @@ struct Element {
   std::string path() const;
 };
 
+/// Of the plug-in SoftRobots: it imposes a way or a force.
+inline bool isActuator(const Element& element) {
+  return isAnyOf(element.written->type, {"CableConstraint", "PositionConstraint", "SurfacePressureConstraint"});
+}
+
 struct Place {
   NodeDescription* node = nullptr;
   Place* parent = nullptr;

@@ -890,7 +890,7 @@ def beams_and_their_skin(root):
 
 
 def forces_in_python(root):
-    """addForce() with writeableArray(); addKToMatrix() with rows (i, j, k), with nothing, and none at all."""
+    """addForce() with writeableArray(); addKToMatrix() with rows (i, j, k), as a whole matrix of depth 1 and with nothing."""
     class Springs(Sofa.Core.ForceFieldVec3d):
         def __init__(self, *args, **kwargs):
             Sofa.Core.ForceFieldVec3d.__init__(self, *args, **kwargs)
@@ -907,8 +907,12 @@ def forces_in_python(root):
             with df.writeableArray() as wa:
                 wa[:] -= self.ks * dx.value * params["kFactor"]
 
-        def addKToMatrix(self, a, b, c):
-            return np.array([[i, i, -self.ks] for i in range(3 * len(self.start))], dtype=float)
+        def addKToMatrix(self, mparams, nNodes, nDofs):  # nDofs: the numbers of one node
+            return np.array([[nDofs * node + i, nDofs * node + i, -self.ks] for node in range(nNodes) for i in range(nDofs)], dtype=float)
+
+    class Whole(Springs):
+        def addKToMatrix(self, mparams, nNodes, nDofs):
+            return -self.ks * np.eye(nNodes * nDofs)[:, :, None]
 
     class Constant(Sofa.Core.ForceFieldVec3d):
         def addForce(self, m, out_force, pos, vel):
@@ -922,6 +926,13 @@ def forces_in_python(root):
             pass
     root.gravity = [0, 0, 0]
     pulled, pushed = particle(root, "pulled", mass=1), particle(root, "pushed", mass=1)
+    others = [root.addChild(f"others{i}") for i in range(2)]
+    for node, kind in zip(others, (Springs, Whole)):
+        node.addObject("EulerImplicitSolver")
+        node.addObject("SparseLDLSolver")
+        node.addObject("MechanicalObject", name="mo", position=[[0, 0, 0], [1, 0, 0]])
+        node.addObject("UniformMass", vertexMass=1)
+        node.addObject(kind(name="springs", ks=5.0))
     pulled.addObject(Springs(name="springs", ks=5.0))
     pushed.addObject(Constant(name="constant"))
 
@@ -930,6 +941,8 @@ def forces_in_python(root):
         for _ in range(10):
             v = (v + 0.01 * 5 * (0.1 - u)) / (1 + 0.01 ** 2 * 5)
             u += 0.01 * v
+        for node in others:
+            assert node.mo.position.value == approx(np.array([[u, 0, 0], [1 + u, 0, 0]]))
         assert pulled.mo.position.value[0] == approx([u, 0, 0]) and pushed.mo.position.value[0] == approx([0, 0, 0.01 ** 2 * 55])
     return check
 

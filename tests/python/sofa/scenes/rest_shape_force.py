@@ -30,7 +30,7 @@ class RestShapeForceField(Sofa.Core.ForceFieldVec3d):
 
     def addKToMatrix(self, mparams, nNodes, nDofs):  # noqa: F811
         K = []
-        for i in range(nDofs):
+        for i in range(nNodes * nDofs):
             K.append([i, i, -self.ks.value * mparams['kFactor']])
         return np.array(K)
 

@@ -83,9 +83,11 @@ class _Implicit(_Explicit):
 
     def _stiffness(self, x, v, t):
         field, size = self.field, x.size
-        given = field.addKToMatrix(self._parameters(t), len(x), size) if self.has_matrix else None
+        given = field.addKToMatrix(self._parameters(t), len(x), x.shape[1]) if self.has_matrix else None
         if given is not None:
             given = np.asarray(given, float)
+            if given.shape == (size, size, 1):
+                return given[:, :, 0]
             if given.shape == (size, size) and (size > 3 or np.allclose(given, given.T)):
                 return given  # else, of one node, three rows of (row, column, value)
             if given.size % 3:
@@ -117,7 +119,7 @@ def _takes_four(field):
 
 
 def _takes_too_few(method):
-    """Of (self, parameters, nodes, numbers): SOFA calls it where a matrix is assembled alone, so that many a scene never finds out."""
+    """Of (self, parameters, nodes, numbers of one): SOFA calls it where a matrix is assembled alone, so that many a scene never finds out."""
     code = getattr(method, "__code__", None)
     return code is not None and code.co_argcount < 4 and not code.co_flags & 4
 

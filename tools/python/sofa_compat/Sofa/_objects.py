@@ -347,7 +347,7 @@ class DataEngine(Object):
 
 class ForceField(Object):
     """A force field written in Python: addForce(self, m, force, position, velocity), and for implicit steps
-    addDForce(self, m, df, dx) or addKToMatrix(self, m, nodes, numbers)."""
+    addDForce(self, m, df, dx) or addKToMatrix(self, m, nodes, numbers of a node)."""
 
     def addForce(self, m, force, position, velocity):
         raise NotImplementedError(f"{self._s_place()}: a force field needs addForce()")
