@@ -2,10 +2,11 @@
 // SparseLDLSolver: a direct solver, A x = b by a factorisation of the assembled matrix.
 //
 // A symmetric positive definite matrix is factored as P A P^T = L L^T by CHOLMOD's supernodal method (Chen, Davis,
-// Hager, Rajamanickam 2008) on 3x3 blocks. The pattern is ordered and analysed once (nested dissection by METIS and
-// minimum degree by AMD; the one with fewer flops is kept); the numbers are factored again only when the matrix may
-// have changed, so a scene of constant stiffness, mass and time step is factored once. The residual of each solve is
-// measured, and the solve refined where it is above 1e-10 |b|. What refinement leaves above 1e-5 |b| is told.
+// Hager, Rajamanickam 2008) on 3x3 blocks. The pattern is ordered and analysed once (minimum degree by AMD, and nested
+// dissection by METIS where ten factorisations may repay it; the one with fewer flops is kept); the numbers are factored
+// again only when the matrix may have changed, so a scene of constant stiffness, mass and time step is factored once. The
+// residual of each solve is measured, and the solve refined where it is above 1e-10 |b|. What refinement leaves above
+// 1e-5 |b| is told.
 //
 // Factors of more than 5e7 operations (some 1,000 nodes of a cube), and of 180 for each of their numbers, are made in single
 // precision: half of the bytes, and twice as many numbers in a register. Their solutions are refined by conjugate gradients in

@@ -59,6 +59,7 @@ class SupernodalAnalysis {
   };
   void run(const Graph& graph);
   cholmod_sparse* upper(const Graph& graph);
+  static bool isDissectionWorth(const Graph& graph, double block_flops);
   std::vector<int> orderUnknowns(const Graph& graph);
   void buildLower(const Graph& graph);
 };

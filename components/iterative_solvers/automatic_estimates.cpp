@@ -9,8 +9,7 @@ namespace stroma {
 namespace {
 
 // What is expected of ways that have not been tried.
-constexpr double multigrid_start = 1.25;  // iterations, and so many more for a decade: of tetrahedra and of hexahedra
-constexpr double tetrahedral_rate = 2, hexahedral_rate = 1.2, tetrahedral_blocks = 13, hexahedral_blocks = 21;
+constexpr double multigrid_start = 1.25;  // iterations, and so many more for a decade as are expected
 constexpr double worth_a_guess = 1.3;
 constexpr double usual_drift = 0.02;                         // from one matrix to the next
 constexpr double scatter = 1.4;                              // so many times the iterations by the law of drifts are prepared for
@@ -56,15 +55,6 @@ double AutomaticInverse::setup(Way way) const {
   const double again = way == Way::direct && isConstant() && now_.factor_costs.is_single ? in_double : 0;
   const double first = now_.factored_solves > 0 ? 0 : to_open_factors + now_.factor_costs.order;  // the order is kept
   return first + new_memory * now_.factor_costs.entries + (1 + again) * now_.factor_costs.factor;
-}
-
-/// Iterations for a decade that multigrid is expected to take. A node of hexahedra has twice the neighbours of one of tetrahedra,
-/// and a group of nodes goes through all of them: 10 to 11 iterations for eight decades instead of 12 to 22, of Poisson's ratios to
-/// 0.45. Before the pattern is known, the better of both.
-double AutomaticInverse::expectedRate() const {
-  if (now_.blocks == 0) return hexahedral_rate;
-  const double like_hexahedra = (blocks() / rows_ - tetrahedral_blocks) / (hexahedral_blocks - tetrahedral_blocks);
-  return tetrahedral_rate + (hexahedral_rate - tetrahedral_rate) * std::clamp(like_hexahedra, 0.0, 1.0);
 }
 
 /// Solves that a change should pay in: as many as there have been, as a run may end at any time, and at least those of a short one.
@@ -128,7 +118,7 @@ double AutomaticInverse::solve(Way way) const {
   const double rate = now_.rates[at(way)], each = iteration(way);
   if (way == Way::block_jacobi) return std::max(1.0, rate * decades()) * each;
   if (way == Way::multigrid)
-    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + expectedRate() * decades()) * each + turning(way) +
+    return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + now_.expected_rate * decades()) * each + turning(way) +
            renewing();
   const double factors = isConstant() ? 0 : factorisation() / perMatrix();
   if (way == Way::direct) return direct() + factors;
@@ -147,15 +137,21 @@ void AutomaticInverse::estimateFactors() {
   now_.may_factor = factorsFit(now_.factor_costs.entries);
 }
 
+void AutomaticInverse::notePattern() {
+  const BlockMatrix& pattern = matrix_->pattern();
+  now_.blocks = pattern.blocks(), now_.expected_rate = expectedMultigridRate(pattern);
+}
+
 /// Takes the pattern of the matrix, and some milliseconds: for those whose factors might be worth their cost.
 void AutomaticInverse::countFactors() {
   if (now_.is_counted || !mayBe(Way::factors)) return;
   now_.is_counted = true;
   const FactorCounts by_law = factorCountsOf(extentsOf(rows_, matrix_->positions()));
+  notePattern();
   const BlockMatrix& pattern = matrix_->pattern();
-  now_.blocks = pattern.blocks();
-  now_.factor_costs = factorCosts(rows_, fewer(dissected(stroma::countFactors(pattern)), by_law));
-  now_.factor_costs.order = IterationCosts::order(now_.blocks, now_.factor_costs.entries);
+  const FactorCounts counts = fewer(dissected(blocks(), stroma::countFactors(pattern)), by_law);
+  now_.factor_costs = factorCosts(rows_, counts);
+  now_.factor_costs.order = IterationCosts::order(now_.blocks, counts);
   now_.may_factor = factorsFit(now_.factor_costs.entries);
 }
 
@@ -187,7 +183,7 @@ bool AutomaticInverse::findCheaper(double rate, double left) {
   estimateFactors();
   Way way = cheapest(present, left);
   if (way == Way::multigrid && now_.blocks == 0)
-    now_.blocks = matrix_->pattern().blocks(), way = cheapest(present, left);
+    notePattern(), way = cheapest(present, left);
   if (isFactored(way) && !now_.is_counted) countFactors(), way = cheapest(present, left);
   if (way == now_.way) return false;
   now_.next = way;

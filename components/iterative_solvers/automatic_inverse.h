@@ -103,7 +103,8 @@ class AutomaticInverse final : public ApproximateInverse {
     double wasted = 0;                 ///< with hierarchies that were given up in a solve [ns]
     int solves = 0, matrices = 0, patterns = 0;
     int refusals = 0;                  ///< in a row
-    Index blocks = 0;                  ///< of the matrix; 0: no hierarchy so far
+    Index blocks = 0;                  ///< of the matrix; 0: its pattern is not known so far
+    double expected_rate = least_multigrid_rate;  ///< of multigrid, by the pattern
     bool may_factor = true;
     bool has_new_pattern = false;      ///< since the last solve by factors
     bool at_once = false;              ///< former factors do not serve: each matrix is factored
@@ -123,7 +124,6 @@ class AutomaticInverse final : public ApproximateInverse {
   double byFactors(double each, double drift) const;
   double solveByFormer(double each, double renewal) const;
   double renewing() const;
-  double expectedRate() const;
   double cycle() const;
   bool isConstant() const;
   double turnedOnce(Way way) const;
@@ -137,6 +137,7 @@ class AutomaticInverse final : public ApproximateInverse {
   Way cheapest(double present, double left) const;
   bool findCheaper(double rate, double left);
   void estimateFactors();
+  void notePattern();
   void countFactors();
   void change(Way way);
   void note(SystemMatrix& matrix);

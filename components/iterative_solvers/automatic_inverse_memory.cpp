@@ -29,6 +29,7 @@ void AutomaticInverse::Memory::serialize(Archive& archive) {
   archive.value("auto_patterns", patterns);
   archive.value("auto_refusals", refusals);
   archive.value("auto_blocks", blocks);
+  archive.value("auto_expected_rate", expected_rate);
   archive.value("auto_may_factor", may_factor);
   archive.value("auto_new_pattern", has_new_pattern);
   archive.value("auto_at_once", at_once);

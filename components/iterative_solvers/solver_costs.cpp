@@ -58,6 +58,17 @@ FactorCounts factorCountsOf(const Extents& e) {
           flops_each * (1 + 2.4 * (1 - 1 / flatness)) * parts * separator * separator * separator};
 }
 
+double expectedMultigridRate(const BlockMatrix& pattern) {
+  constexpr double of_tetrahedra = 2, tetrahedral_blocks = 13, hexahedral_blocks = 21, of_quadratic = 3.1;
+  constexpr Index linear_row = 48;  // a corner of quadratic tetrahedra has 65 neighbours, one of hexahedra 27
+  Index widest = 0;
+  for (std::size_t row = 0; row + 1 < pattern.rowStart().size(); ++row)
+    widest = std::max(widest, pattern.rowStart()[row + 1] - pattern.rowStart()[row]);
+  if (widest > linear_row) return of_quadratic;
+  const double like_hexahedra = (double(pattern.blocks()) / pattern.rows() - tetrahedral_blocks) / (hexahedral_blocks - tetrahedral_blocks);
+  return of_tetrahedra + (least_multigrid_rate - of_tetrahedra) * std::clamp(like_hexahedra, 0.0, 1.0);
+}
+
 bool factorsFit(double entries) { return entries <= mostEntries(); }
 
 // Both ways assemble. Where forces are not linear, the solves of Newton's method are loose.

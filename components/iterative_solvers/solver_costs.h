@@ -67,10 +67,18 @@ struct IterationCosts {
   static double cycleByProducts(double rows, double product, bool is_turned) { return 7 * product + (is_turned ? 85 : 60) * rows; }
   static double hierarchy(double rows, double blocks) { return 150 * blocks + 3500 * rows; }
   static double assembly(double rows) { return 600 * rows; }
-  /// Of a direct solver, with the analysis, for factors of so many numbers.
-  static double order(double blocks, double entries) { return 5e6 + 450 * blocks + 10 * entries; }
+  /// Of a direct solver, with the analysis and its new memory.
+  static double order(double blocks, const FactorCounts& counts) {
+    return 5e6 + (isDissected(blocks, counts) ? 450 : 200) * blocks + 10 * counts.entries;
+  }
   static double pattern(double rows, double blocks) { return 2500 * rows + 150 * blocks; }
 };
+/// Iterations for a decade that conjugate gradients with multigrid are expected to take after the first ones, of Poisson's ratios to
+/// 0.45. Hexahedra give a node twice the neighbours that tetrahedra do, and a group of nodes goes through all of them: 10 to 11
+/// iterations for eight decades instead of 12 to 22. Quadratic tetrahedra have more neighbours yet, but most of them at the corners.
+double expectedMultigridRate(const BlockMatrix& pattern);
+constexpr double least_multigrid_rate = 1.2;
+
 /// Nanoseconds of a product with an assembled matrix, 76 bytes a block: 47 GB/s from the second cache, 25 from the third, 11 from
 /// memory. With SymmetricBlocks 43 bytes.
 inline double assembledProductCost(double blocks, bool is_halved = false) {

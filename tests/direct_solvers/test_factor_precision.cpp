@@ -319,7 +319,7 @@ TEST(FactorPrecision, AllocatesNothingForTheNextMatrixOfAPattern) {
 
 /// METIS takes its memory in many pieces: half of all.
 TEST(FactorPrecision, AnotherMatrixOfTheSamePatternTakesItsOrder) {
-  StoredMatrix first = lattice(9, 9, 9), second = lattice(9, 9, 9), other = lattice(3, 9, 27);
+  StoredMatrix first = lattice(12, 12, 14), second = lattice(12, 12, 14), other = lattice(14, 12, 12);
   const Vector b = randomVector(first.rows(), 1);
   SolverInScene solver("<SparseLDLSolver/>"), alone("<SparseLDLSolver/>");
   Vector x, same;

@@ -24,9 +24,9 @@ struct Beam {
     for (Index i = 0; i < b.count(); ++i)
       if (matrix.nodes[std::size_t(i)].z() > 0) b[i] = Vec3(0.1, 0, -1);
   }
-  static StoredMatrix made(double density) {
+  static StoredMatrix made(double density, std::array<int, 3> cells = {6, 6, 70}) {
     ElasticBlock block;
-    block.cells = {6, 6, 70};
+    block.cells = cells;
     block.density = density;
     StoredMatrix matrix = block.matrix();
     matrix.nodes.resize(std::size_t(matrix.rows()));
@@ -94,7 +94,7 @@ struct Counts {
   explicit Counts(const Beam& body, double product = 0)
       : rows(body.matrix.rows()), blocks(body.matrix.values.blocks()),
         iteration((product > 0 ? product : IterationCosts::usual_product * rows) + IterationCosts::vectors * rows),
-        factors(factorCosts(body.matrix.rows(), dissected(countFactors(body.matrix.values)))) {}
+        counts(dissected(blocks, countFactors(body.matrix.values))), factors(factorCosts(body.matrix.rows(), counts)) {}
   double jacobi(int iterations) const { return iterations * iteration; }
   double cycles(double iterations) const {
     return iterations * (iteration + IterationCosts::cycle(rows, blocks)) + IterationCosts::turnHierarchy(blocks);
@@ -107,8 +107,9 @@ struct Counts {
     return std::ceil(8 * ratePerDecade(factors.is_single ? 5e-4 : 1e-5)) * each + iteration + IterationCosts::turnFactors(blocks);
   }
   double hierarchy() const { return IterationCosts::hierarchy(rows, blocks) + IterationCosts::assembly(rows); }
-  double beforeFactors() const { return IterationCosts::order(blocks, factors.entries) + factors.factor + 6 * factors.entries + 1e7; }
+  double beforeFactors() const { return IterationCosts::order(blocks, counts) + factors.factor + 6 * factors.entries + 1e7; }
   double rows, blocks, iteration;
+  FactorCounts counts;
   FactorCosts factors;
 };
 
@@ -172,7 +173,7 @@ TEST(AutomaticPreconditioner, FactorsThatWouldNotServeAreNotTried) {
 
 /// Where the next matrix is another one altogether each is factored: in the room that there is, by the order that there is.
 TEST(AutomaticPreconditioner, MatricesThatFormerFactorsDoNotServeAreFactoredEach) {
-  Beam beam(0);
+  Beam beam(Beam::made(0, {4, 4, 120}));
   SolverWhereMatricesVary solver("<PCGLinearSolver/>");
   const BlockMatrix soft = beam.matrix.values;
   int after = 0;
