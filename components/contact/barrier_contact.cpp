@@ -276,16 +276,18 @@ void BarrierContact::beginRounds() {
   waits_ = !hasArrived() && law_.moved == moved_at_start_;
 }
 
-/// x_ become positions at x. Where an integrator takes bodies back to the start of a step, obstacles begin theirs again.
+/// x_ become positions at x. Where an integrator takes bodies back to the start of a step, obstacles begin theirs again. A line search
+/// that finds nothing comes back too: what waits then goes on, and what has not moved has its rounds behind it.
 void BarrierContact::follow(ConstRows x) {
   gather(x, law_.moved);
   if (is_explicit_) return;
   const bool is_back = law_.surfaces.areBodiesAt(x_, start_);
-  if (is_back && left_start_) {
+  if (is_back && left_start_ && !waits_) {
     if (holds_nothing_) moved_first_ = moved_at_start_;
+    const int rounds = law_.moved == moved_first_ ? obstacle_rounds_ : 0;
     law_.moved = moved_first_;
     gather(x, law_.moved);
-    beginRounds();
+    beginRounds(), obstacle_rounds_ = rounds;
   }
   left_start_ = !is_back;
   if (is_back) moved_first_ = law_.moved;
@@ -363,8 +365,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   const std::string found = outputs_.overlap(path(), crossings, law_.surfaces, names());
   if (hasArrived()) arrived_ = is_explicit_ ? ledTo() : obstacles_.offset();
   if (found.empty() && !hasArrived() && !isLed())
-    return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(),
-                       (goal_ - law_.moved).norm());
+    return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(), (goal_ - law_.moved).norm());
   outputs_.crossings += !found.empty(), outputs_.noteFriction();
   return found;
 }
@@ -373,8 +374,7 @@ void BarrierContact::startObstacles() {
   goal_ = law_.moved = moved_at_start_ = obstacles_.startAt(state().node().root().root_time);
   arrived_ = obstacles_.startOffset();
   start_.clear(), terms_.clear(), friction_.clear();
-  is_in_step_ = left_start_ = is_carried_ = waits_ = false;
-  ++pattern_revision_;
+  is_in_step_ = left_start_ = is_carried_ = waits_ = false, ++pattern_revision_;
 }
 
 void BarrierContact::serialize(Archive& archive) {

@@ -61,6 +61,7 @@ class PenaltyContact final : public ContactField, public HearsSteps {
     traits.symmetric = traits.exact_tangent = traits.lagged = true;
     traits.conservative = !friction_.acts();
     traits.time_dependent = is_explicit_;
+    traits.undamped = solves() == Solves::often;  // the tangent of what sticks, 2 mu l/(slipVelocity dt), is no stiffness
     return traits;
   }
   void init() override;

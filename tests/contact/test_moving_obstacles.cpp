@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Obstacles on a path beside each integrator, against closed forms: what they lift goes along with them, and belts draw with mu times the
-// weight. What a hand leads does not end a run, and a reset takes it back.
+// weight. What a hand leads does not end a run, and a reset takes it back. What is thin ends its steps too.
 #include "tests/contact/contact_scenes.h"
 
 namespace stroma::test {
@@ -86,6 +86,45 @@ TEST(MovingObstacles, AHandMayJumpInExplicitSteps) {
     }
     EXPECT_NEAR(numbersOf(simulation, "moved").at(2), 0.05, 1e-12) << "it has come";
     EXPECT_GT(mean(simulation, false).z(), 0.1) << "the cube with it";
+  }
+}
+
+/// A membrane of cells of 1 cm that is held at its rim, and a needle 1 mm thick above it that goes down by 10 mm per step.
+std::string needleOverMembrane() {
+  constexpr int n = 13;
+  std::string positions, triangles, rim;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = i + n * j;
+      positions += fmt::format("{} {} 0 ", 0.01 * i - 0.06, 0.01 * j - 0.06);
+      if (i % (n - 1) == 0 || j % (n - 1) == 0) rim += fmt::format("{} ", a);
+      if (i + 1 < n && j + 1 < n) triangles += fmt::format("{} {} {}  {} {} {}  ", a, a + 1, a + n + 1, a, a + n + 1, a + n);
+    }
+  return fmt::format(
+      "<MeshTopology name=\"mesh\" position=\"{}\" triangles=\"{}\"/><MechanicalObject name=\"dofs\"/>"
+      "<UniformMass totalMass=\"0.02\"/>"
+      "<TriangularFEMForceField youngModulus=\"1e6\" poissonRatio=\"0.3\" thickness=\"1e-3\"/>"
+      "<FixedProjectiveConstraint indices=\"{}\"/>"
+      "<BarrierContact name=\"contact\" contactDistance=\"2e-3\" friction=\"0.2\" keyTimes=\"0 0.006 10\" "
+      "movements=\"0 0 0  0 0 -0.06  0 0 -0.06\" capsules=\"0.003 0.002 0.03  0.003 0.002 0.1 0.0005\"/>",
+      positions, triangles, rim);
+}
+
+/// Where Newton's line search came back to where the step starts, what waited to go on was forgotten, and the step had no end.
+TEST(MovingObstacles, ANeedleGoesThroughItsStepsAndNotThroughAMembrane) {
+  constexpr double start = 0.0295, way = 0.01;
+  const std::string integrator = "<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-5\" rayleighMass=\"1\"/>";
+  Simulation simulation = simulationFromText(contactScene(needleOverMembrane(), 0.001, Vec3::Zero(), integrator));
+  const State& state = *simulation.states().front();
+  for (int i = 0; i < 6; ++i) {
+    expectCleanStep(simulation, i);
+    if (HasFatalFailure()) return;
+    const double tip = start - way * (i + 1);
+    ASSERT_NEAR(numbersOf(simulation, "moved").at(2), -way * (i + 1), 1e-12) << "step " << i;
+    ASSERT_EQ(outputOf(simulation, "crossings"), 0) << "step " << i;
+    double lowest = 0;
+    for (Index node = 0; node < state.size(); ++node) lowest = std::min(lowest, state.x()[node][2]);
+    EXPECT_LT(lowest, std::min(1e-12, tip)) << "step " << i << ": the membrane is before the tip";
   }
 }
 

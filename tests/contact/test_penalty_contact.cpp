@@ -249,6 +249,19 @@ struct RubbingMasses {
   Vec3 speed() { return simulation.systems()[0]->v[0]; }
 };
 
+/// What sticks on a slope is held by forces that can be read: rayleighStiffness damps nothing of a tangent that is no stiffness.
+TEST(PenaltyContact, WhatSticksIsHeldByTheForceThatIsReported) {
+  constexpr double slope = 0.1, mass = 3, dt = 0.01;
+  RubbingMasses masses("<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-10\" rayleighStiffness=\"0.01\"/>", dt, slope,
+                       Vec3::Zero(), "friction=\"0.3\"");
+  masses.run(0.5, dt);
+  const std::vector<double> wrench = valuesOf(masses.simulation, "PenaltyContact", "wrenches");
+  ASSERT_GE(wrench.size(), 6U);
+  const Vec3 sum(wrench[0], wrench[1], wrench[2]);
+  const Vec3 weight = 9.81 * mass / std::hypot(1, slope) * Vec3(slope, 0, -1);
+  EXPECT_LT((sum + weight).norm(), 1e-3 * weight.norm()) << sum.transpose();
+}
+
 /// mu l whatever the integrator: with one linear solve per step, which would hold what slides by the tangent of what sticks, and in
 /// explicit steps, which take forces where nothing has slid yet.
 TEST(PenaltyContact, EveryIntegratorRubs) {
