@@ -197,15 +197,15 @@ void PenaltyContact::noteEnd(ConstRows x) {
 }
 
 /// The contacts that have been found, with the force that they had in the step before and have lost as normals turned. That of a plane
-/// never does: what is out of reach there has left.
+/// never does: what is out of reach there has left. What has come into reach beside has a force that nothing has been in balance with.
 const std::vector<Touch>& PenaltyContact::pushing() {
   constexpr double alike = 0.9, same = 1 - 1e-9;
   pushing_ = found_;
   for (Touch& touch : pushing_) {
     const auto vertex = std::size_t(touch.v[0]);
-    if (touch.v[1] < 0 || touch.gap < touch.range || vertex >= pushed_.size()) continue;
-    const double turned = pushed_along_[vertex].dot(touch.n);
-    if (turned > alike && turned < same) touch.gap = pushed_[vertex];
+    if (touch.v[1] < 0 || vertex >= pushed_.size()) continue;
+    const double turned = pushed_along_[vertex].dot(touch.n), before = pushed_[vertex];
+    if (touch.gap < touch.range ? touch.gap < before : turned > alike && turned < same) touch.gap = before;
   }
   return pushing_;
 }
