@@ -149,14 +149,17 @@ inline void addCounts(const StepReport& from, StepReport& to) {
   to.solve_seconds += from.solve_seconds;
 }
 
+/// The tangent of a porous field has fluid that stays in each element, and its force has one that flows.
+inline bool hasUndrainedTangent(const ForceField& field) {
+  const Data* const coupling = field.data().find("coupling");
+  const Data* const tangent = field.data().find("tangent");
+  return coupling && tangent && coupling->print() == "implicit" && tangent->print() == "undrained";
+}
+
 /// A hint, or nothing: Newton's method converges slowly, or not at all, with a tangent that is an approximation.
 inline std::string exactTangentHint(const System& system) {
-  const auto says = [](const ForceField& field, const char* attribute, const char* value) {
-    const Data* data = field.data().find(attribute);
-    return data && data->print() == value;
-  };
   for (const ForceField* field : system.forceFields())
-    if (says(*field, "coupling", "implicit") && says(*field, "tangent", "undrained"))
+    if (hasUndrainedTangent(*field))
       return "; the tangent of " + field->path() + " keeps the fluid in each element: tangent=\"coupled\" lets it flow";
   for (const ForceField* field : system.forceFields())
     if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent") && !field->data().find("coupling"))

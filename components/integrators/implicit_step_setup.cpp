@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "components/integrators/exact_tangent.h"
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/lent_energy.h"
 #include "components/integrators/uncoupled_constraint_correction.h"
@@ -164,6 +165,11 @@ std::string ImplicitStep::doubtOfOneSolve(const std::string& path) const {
       return fmt::format("{} solves each step {}, and {} is nearly incompressible ({}): what it moves lags behind by some per cent to "
                          "a half. newtonIterations=\"20\" solves its steps",
                          path, solvesOnce() ? "once" : "twice", field->path(), why->print());
+  for (const ForceField* field : system_->forceFields())
+    if (hasUndrainedTangent(*field))
+      return fmt::format("{} solves each step {}, with a tangent of {} that keeps the fluid in each element: what the fluid lets go lags "
+                         "behind, the more the stiffer the fluid is against the tissue. tangent=\"coupled\" lets it flow",
+                         path, solvesOnce() ? "once" : "twice", field->path());
   return {};
 }
 
