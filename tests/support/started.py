@@ -20,15 +20,20 @@ def number(answer):
 class Started:
     def __init__(self, program):
         self.program, self.of_thread = os.path.abspath(program), threading.local()
+        self.forks = bool(LIBRARY)
+
+    def waiting(self, socket_number):
+        """Starts the process that answers on the socket of this number."""
+        # as the command begins: OpenBLAS reads it when it is opened
+        environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ, "LD_PRELOAD": LIBRARY, "STROMA_TEST_OPENED": OPENED,
+                       "STROMA_TEST_SOCKET": str(socket_number)}
+        return subprocess.Popen([self.program], pass_fds=[socket_number], env=environment, stdin=subprocess.DEVNULL)
 
     def server(self):
         """The socket of this thread's server."""
         if not hasattr(self.of_thread, "socket"):
             ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-            # as the command begins: OpenBLAS reads it when it is opened
-            environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ, "LD_PRELOAD": LIBRARY, "STROMA_TEST_OPENED": OPENED,
-                           "STROMA_TEST_SOCKET": str(theirs.fileno())}
-            server = subprocess.Popen([self.program], pass_fds=[theirs.fileno()], env=environment, stdin=subprocess.DEVNULL)
+            server = self.waiting(theirs.fileno())
             theirs.close()
             self.of_thread.socket = ours
             atexit.register(lambda: (ours.close(), server.wait()))
@@ -37,7 +42,7 @@ class Started:
     def run(self, words, cwd, timeout=600, env=None):
         """As subprocess.run([program, *words]) with no input and its texts captured."""
         command = [self.program, *words]
-        if not LIBRARY:
+        if not self.forks:
             return subprocess.run(command, cwd=cwd, timeout=timeout, env=env, stdin=subprocess.DEVNULL, capture_output=True, text=True)
         asked = self.server()
         environment = [f"{name}={value}" for name, value in (os.environ if env is None else env).items()]

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 import Sofa
-from playing import SCENES, animate, run, runs_ten_steps, started, tells_all_that_is_missing
+from playing import SCENES, animate, run, run_many, runs_ten_steps, started, tells_all_that_is_missing
 
 RUNS = ["tutorial_floor", "contact_forces", "liver_keys", "cube_prefab", "cosserat_beam", "cosserat_controller", "tripod", "gym_cartpole",
         "gym_loop", "topology_read", "hand_loop", "finger_steps", "tentacle", "pneumatic_pid", "gripper_cube", "motors_keytimes",
@@ -33,7 +33,7 @@ def test_all_that_is_missing_is_one_message(name, folder):
 @pytest.mark.parametrize("name", RUNS[::4] + list(LACKS))
 def test_checked_by_the_command(name, folder):
     """It may warn, and never ends otherwise than with a sentence."""
-    done = run("check", SCENES / f"{name}.py", folder=folder)
+    done = run_many("check", SCENES / f"{name}.py", folder=folder)
     assert done.returncode == (2 if name in LACKS else 0) and "Traceback" not in done.stderr, done.stderr
 
 
