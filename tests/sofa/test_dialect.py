@@ -923,6 +923,15 @@ def positions_of_softrobots():
     agree(put('useDirections="0 0 1" directions="1 0 0 0 1 0 0 3 4" weight="2" value="2"'), [[0, 0, 0], [1, 0.6, 0.8]])
 
 
+@case
+def files_that_nothing_reads():
+    """A loader of what is only drawn, or of nothing, has no effect: where its file is not there, that is told."""
+    scene = node(EXACT + BODY + '<MeshOBJLoader name="none" filename="nowhere.obj"/><MeshOBJLoader name="there" filename="there.obj"/>')
+    run = Run(scene, 1, {"there.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"})
+    run.says("warning: /none.filename: the file 'nowhere.obj' is not found: nothing with an effect reads it")
+    assert "there.obj" not in run.text, run.text
+
+
 CUBE = np.array([[i, j, k] for k in range(2) for j in range(2) for i in range(2)], float)
 CORNERS = [0, 1, 3, 2, 4, 5, 7, 6]
 

@@ -246,6 +246,7 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
       {"SparseGrid", "is now called SparseGridTopology"},
       {"BoxConstraint", "write a BoxROI"},
       {"ShapeMatching", "ShapeMemoryForceField"},
+      {"HyperReducedRestShapeSpringsForceField", "without HyperReduced"},
       {"TransformEngine", "\nAttributes"},
       {"TransformPosition", "\nAttributes"},
       {"TriangularAnisotropicFEMForceField", "\nAttributes"},

@@ -336,7 +336,7 @@ void Rewriting::dropUnusedSolvers() {
   });
 }
 
-/// Loaders of what only draws: their files need not be there.
+/// Loaders of what only draws, or of nothing: their files need not be there, and are told.
 void Rewriting::dropUnusedLoaders() {
   std::set<const Element*> named;
   tree_->forEach([&](Element& element) {
@@ -350,7 +350,7 @@ void Rewriting::dropUnusedLoaders() {
   tree_->forEach([&](Element& element) {
     if (element.role() != "mesh loader") return;
     if (named.count(&element)) return checkSequence(element);
-    element.dropped = true;
+    tellMissingFile(element), element.dropped = true;
     noEffect(element.path());
   });
 }

@@ -141,6 +141,7 @@ class Rewriting {
   void readMeshFile(Element& element, const std::string& attribute);
   // ---- rewritten_files.cpp ----
   void readOwnFile(Element& element);
+  void tellMissingFile(const Element& loader);
   void readSurfaces(Element& grid);
   void takeOfFile(Element& element, const std::string& numbers);
   void replaceByFile(Element& element, const std::string& attribute, const std::string& numbers);

@@ -30,6 +30,16 @@ bool numbersOfLines(std::ifstream& file, const char* first, int passed, int take
 
 }  // namespace
 
+/// Of a loader that nothing with an effect reads.
+void Rewriting::tellMissingFile(const Element& loader) {
+  const AttributeDescription* given = loader.find("filename");
+  const std::string name(given ? trimmed(given->value) : "");
+  if (name.empty() || name.front() == '@') return;
+  if (findFileIn(name, loader.written->folder, scene_.data_paths, nullptr).empty())
+    diagnostics_.warning(given->where, loader.path() + ".filename",
+                         "the file " + inQuotes(name) + " is not found: nothing with an effect reads it");
+}
+
 /// What a component reads of a file: lines "mass NUMBER s|v x y z vx vy vz mass elasticity", where a mass below zero is that of a
 /// node that is held, and "lspg NUMBER a b stiffness damping length", nodes from 1, of a .xs3; "sphe NUMBER x y z radius" of a .sph.
 void Rewriting::readOwnFile(Element& element) {
