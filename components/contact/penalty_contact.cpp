@@ -220,8 +220,7 @@ bool PenaltyContact::slidesPast(const Touch& touch, Vec3& along) const {
     const Vec3 n = (x_[std::size_t(b)] - p).cross(x_[std::size_t(c)] - p).normalized();
     return !surfaces.isOneSided(a) && side * n.dot(touch.n) < 0 ? Vec3(-n) : n;
   };
-  const auto around = [&](int vertex) {
-    const auto v = std::size_t(vertex);
+  const auto around = [&](std::size_t v) {
     const Adjacency& faces = surfaces.faces_around;
     return std::span(faces.values).subspan(std::size_t(faces.start[v]), std::size_t(faces.start[v + 1] - faces.start[v]));
   };
@@ -230,12 +229,12 @@ bool PenaltyContact::slidesPast(const Touch& touch, Vec3& along) const {
   };
   const std::size_t first = touch.c[1] != 0 ? 1 : touch.c[2] != 0 ? 2 : 3;
   double least = opposite, steepest = 1;
-  for (const Index face : around(touch.v[first])) {
+  for (const Index face : around(std::size_t(touch.v[first]))) {
     if (!isAt(face, 1) || !isAt(face, 2) || !isAt(face, 3)) continue;
     const Vec3 n = normalOf(face, 1);
     if (n.dot(touch.n) > straight) return false;
     steepest = std::min(steepest, n.dot(touch.n));
-    for (const Index own : around(touch.v[0])) {
+    for (const Index own : around(std::size_t(touch.v[0]))) {
       const Vec3 other = normalOf(own, -1);
       if (other.dot(touch.n) < 0 && n.dot(other) < least) least = n.dot(other), along = n;
     }
