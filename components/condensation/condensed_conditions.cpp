@@ -202,6 +202,7 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopT
     if (round == 0 || Eigen::Index(3 * c.nodes.size()) != c.c.rows()) prepareSlots(system, u.data());
     couple();
     if (round == 0 || std::size_t(c.solve.l.size()) != c.rows.rows().size()) {
+      c.solve.contradiction = 0;
       c.solve.l.setZero(Eigen::Index(c.rows.rows().size()));
       if (c.taken.size() == c.rows.rows().size()) c.solve.l = Eigen::Map<Eigen::VectorXd>(c.taken.data(), c.solve.l.size());
     }

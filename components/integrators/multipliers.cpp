@@ -261,7 +261,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (report.stopped) return;
     findConditions();
     if (rows_.rows().empty() && !carries_) break;
-    if (round == 0) solve_.l.setZero(solve_.g.size());
+    if (round == 0) solve_.l.setZero(solve_.g.size()), solve_.contradiction = 0;
     // what mapped points follow turns
     if (round == 0 || !s.mappingChain().isLinear() || !rows_.hasGradientsOf(old_rows_)) {
       if (!carries_) takeDirections();

@@ -16,7 +16,7 @@ constexpr double none = std::numeric_limits<double>::infinity();
 }  // namespace
 
 void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
-  stop_ = stop;
+  stop_ = stop, allowed_ = allowed, ++searches;
   live_.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].kind != Kind::given || rows[i].factor != 0) live_.push_back(i);
@@ -25,23 +25,18 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   size_ = 0;  // of those that forces have to mend; gaps far from contact have no say
   for (const Group& group : groups_)
     size_ = std::max(size_, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
-  unsettled_ = none;
-  least_ = q_;
-  restart(q_);
-  newton();
-  note();
-  if (unsettled_ > rounded && unsettled_ < coarse && !isLittle(allowed)) settle();
+  unsettled_ = none, least_ = q_;
+  restart(q_), newton(), note();
+  if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
   const auto search = [&](auto way) {
     const double before = std::exchange(unsettled_, none);
     const Eigen::VectorXd q = least_;
-    way();
-    newton();
-    note();
-    settle();
+    way(), newton(), note(), settle();
     if (!(unsettled_ < before)) unsettled_ = before, least_ = q;
   };
-  if (unsettled_ > near && !isLittle(allowed)) search([this] { searchInside(); });
-  if (unsettled_ > coarse && !isLittle(allowed)) search([this] { searchWithSlides(); });
+  if (unsettled_ > near && !isLittle()) search([this] { searchInside(); });
+  if (unsettled_ > coarse && !isLittle()) search([this] { searchWithSlides(); });
+  if (unsettled_ > near && unsettled_ < coarse && !isLittle()) contradiction = 2 * unsettled_ * size_;
   l.setZero();
   for (std::size_t k = 0; k < live_.size(); ++k)
     l[Eigen::Index(live_[k])] = std::isfinite(unsettled_) ? scale_[Eigen::Index(k)] * least_[Eigen::Index(k)] : unsettled_;
@@ -138,13 +133,15 @@ void ConditionForces::note() {
   if (const double now = residual(); now < unsettled_) unsettled_ = now, least_ = q_;
 }
 
-bool ConditionForces::isLittle(const std::vector<double>& allowed) {
+/// Nothing better is found by a search.
+bool ConditionForces::isLittle() {
   constexpr double part = 1e-3;
-  if (allowed.empty() || !std::isfinite(unsettled_)) return false;
+  if (unsettled_ * size_ < contradiction) return true;
+  if (allowed_.empty() || !std::isfinite(unsettled_)) return false;
   restart(least_);
   const auto holds = [&](const Group& group, int at, double off) {
     const std::size_t row = live_[std::size_t(at)];
-    return off <= part * allowed[row] * sizes[row] * scale_[group.first];
+    return off <= part * allowed_[row] * sizes[row] * scale_[group.first];
   };
   return std::all_of(groups_.begin(), groups_.end(), [&](const Group& group) {
     return holds(group, group.first, offAt(group)) && (group.tangents() == 0 || holds(group, group.first + 1, offAlong(group)));
@@ -156,7 +153,7 @@ void ConditionForces::newton() {
   constexpr int most = 12;
   double now = residual(), least = now;
   best_ = q_;
-  for (int k = 0; k < most && now > settled && !stop_.isStopAsked(); ++k) {
+  for (int k = 0; k < most && now > settled && !isOver(); ++k) {
     const bool goes_on = newtonStep();  // if not, forces have gone to their bounds all the same
     const double last = std::exchange(now, residual());
     if (now < least) least = now, best_ = q_;
@@ -172,23 +169,18 @@ void ConditionForces::settle() {
   constexpr double first = 1e-3, last = 1e-7;
   const Eigen::VectorXd offset = offset_, diagonal = scaled_.diagonal();
   Eigen::VectorXd where = least_;
-  for (double shift = first; shift >= 0.9 * last && unsettled_ > rounded && !stop_.isStopAsked(); shift *= 0.1) {
+  for (double shift = first; shift >= 0.9 * last && unsettled_ > rounded && !isOver(); shift *= 0.1) {
     double before = unsettled_;
     scaled_.diagonal().array() += shift;
     where = least_;
-    for (int turn = 1; turn <= most && unsettled_ > settled && !stop_.isStopAsked(); ++turn) {
+    for (int turn = 1; turn <= most && unsettled_ > settled && !isOver(); ++turn) {
       offset_ = offset - shift * where;
-      restart(where);
-      newton();
-      r_ -= shift * (q_ - where);
-      where = q_;
-      note();
+      restart(where), newton();
+      r_ -= shift * (q_ - where), where = q_, note();
       if (turn % look == 0 && !(unsettled_ < 0.5 * std::exchange(before, unsettled_))) break;
     }
     offset_ = offset, scaled_.diagonal() = diagonal;
-    restart(least_);
-    newton();
-    note();
+    restart(least_), newton(), note();
   }
 }
 
@@ -266,8 +258,7 @@ bool ConditionForces::eliminate(Square a) {
     }
     for (Eigen::Index k = first; k < last; ++k)
       for (Eigen::Index i = k + 1; i < last; ++i) a.row(i).tail(rest) -= a(i, k) * a.row(k).tail(rest);
-    const Eigen::Index wide = last - first;
-    a.bottomRightCorner(rest, rest).noalias() -= a.block(last, first, rest, wide) * a.block(first, last, wide, rest);
+    a.bottomRightCorner(rest, rest).noalias() -= a.block(last, first, rest, last - first) * a.block(first, last, last - first, rest);
   }
   for (Eigen::Index k = count - 1; k >= 0; --k) {
     const Eigen::Index rest = count - k - 1;
@@ -281,6 +272,7 @@ bool ConditionForces::newtonStep() {
   findActive();
   const auto count = Eigen::Index(active_.size());
   if (count == 0) return false;
+  ++steps, work += double(count * count * count) / 3;
   if (!eliminate(linearise())) {  // rows that say the same twice: the shortest solution
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> general;
     general.setThreshold(1e-12);
@@ -313,8 +305,7 @@ ConditionForces::Violation ConditionForces::worst(const std::vector<Row>& rows, 
     else if (rows[i].kind == Kind::equal || (rows[i].kind == Kind::push && !(value >= 0)))
       note(i, std::abs(value), false);  // nothing moves it
   }
-  const bool is_solved = next == live_.size();
-  if (!is_solved) return found;
+  if (next != live_.size()) return found;
   q_ = least_;
   for (const Group& group : groups_) {
     const double scale = scale_[group.first];

@@ -15,6 +15,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "framework/algebra/stop.h"
@@ -33,6 +34,10 @@ class ConditionForces {
     bool rubs = false;  ///< it is a slide that does not follow Coulomb's law
   };
 
+  long searches = 0, steps = 0, rounds = 0;  ///< of all solve(): calls, Newton steps, rounds of the interior-point method
+  /// Multiplications in them, nearly; where solve() ends with the best place so far.
+  double work = 0, most_work = std::numeric_limits<double>::infinity();
+  double contradiction = 0;   ///< twice what a search has left; nothing is searched for below it. 0 where a step starts
   Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
   Eigen::VectorXd g;          ///< the conditions without forces, shape (rows); solve() adds forces that are given
   Eigen::VectorXd l;          ///< forces [N], shape (rows); where the search begins
@@ -71,7 +76,8 @@ class ConditionForces {
   double offAlong(const Group& group);
   double residual();
   void note();
-  bool isLittle(const std::vector<double>& allowed);
+  bool isOver() const { return work > most_work || stop_.isStopAsked(); }
+  bool isLittle();
   void newton();
   void settle();
   void searchInside(const Eigen::VectorXd* slides = nullptr);
@@ -92,6 +98,7 @@ class ConditionForces {
   Eigen::VectorXd step_;             ///< its first numbers are those of active_
   double size_ = 0, unsettled_ = 0;
   StopToken stop_;
+  std::span<const double> allowed_;
 };
 
 }  // namespace stroma

@@ -23,10 +23,7 @@ std::pair<double, double> halfAngle(double s) {
 
 Quaternion turnedBy(const Vec3& r) {
   const auto [factor, cosine] = halfAngle(r.squaredNorm());
-  Quaternion q;
-  q.vec() = factor * r;
-  q.w() = cosine;
-  return q;
+  return Quaternion(cosine, factor * r.x(), factor * r.y(), factor * r.z());
 }
 
 Vec3 rotationVector(const Quaternion& q) {

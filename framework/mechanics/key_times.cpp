@@ -30,8 +30,7 @@ void KeyTimes<Value>::declare(DataTable& table, const std::string& values_name, 
 template <class Value>
 void KeyTimes<Value>::assign(std::vector<double> times, std::vector<Value> values, const std::string& times_name,
                              const std::string& values_name) {
-  times_ = std::move(times), values_ = std::move(values);
-  times_name_ = times_name, values_name_ = values_name;
+  times_ = std::move(times), values_ = std::move(values), times_name_ = times_name, values_name_ = values_name;
 }
 
 template <class Value>
@@ -85,8 +84,7 @@ Value KeyTimes<Value>::integral(double a, double b) const {
   double from = a;
   for (double key : times_) {
     if (key <= from || key >= b) continue;
-    sum += (key - from) * (at(from) + at(key)) / 2;
-    from = key;
+    sum += (key - from) * (at(from) + at(key)) / 2, from = key;
   }
   return sum + (b - from) * (at(from) + at(b)) / 2;
 }

@@ -28,8 +28,7 @@ void addScaledRows(double factor, const double* mass, const double* source, doub
 
 void Mass::addProduct(ConstRows p, double factor, Rows out) const {
   static const auto add = __builtin_cpu_supports("avx") ? addWholeRows : addScaledRows;
-  const double* mass = lumped().data();
-  const double* source = state().segment(p).data;
+  const double *mass = lumped().data(), *source = state().segment(p).data;
   double* target = state().segment(out).data;
   const Index size = state().size();
   parallelFor(int((size + piece_rows - 1) / piece_rows), [=](int piece) {

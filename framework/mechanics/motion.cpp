@@ -8,8 +8,7 @@
 namespace stroma {
 
 void Motion::compile(const std::vector<State*>& states) {
-  turning_.clear();
-  kinds_.clear();
+  turning_.clear(), kinds_.clear();
   Index rows = 0;
   for (const State* state : states) rows = std::max(rows, state->firstRow() + state->size());
   for (const State* state : states) {

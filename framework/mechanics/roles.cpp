@@ -70,7 +70,6 @@ void ProjectiveConstraint::init() {
 }
 
 void PositionConstraint::declare(DataTable& table) { declareState(table, mstate_); }
-
 void PositionConstraint::init() { state_ = findState(*this, mstate_); }
 
 void Mass::declare(DataTable& table) {
