@@ -21,7 +21,7 @@ namespace {
 /// solvers read half of the blocks, in the second cache, in the third, or from memory.
 double blockProduct(double blocks, bool symmetric) {
   const double megabytes = 43e-6 * blocks;
-  return symmetric ? 0.8 + 0.3 * std::clamp((megabytes - 2) / 4, 0., 1.) + 1.8 * std::clamp((megabytes - 12) / 12, 0., 1.) : 2.9;
+  return symmetric ? 1.2 + 0.5 * std::clamp((megabytes - 1) / 3, 0., 1.) + 1.2 * std::clamp((megabytes - 12) / 12, 0., 1.) : 2.9;
 }
 
 /// out = 0, by all threads where that is long.
