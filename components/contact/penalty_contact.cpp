@@ -3,8 +3,8 @@
 //
 // Surfaces of `mstate` and `other`, obstacles and paths are those of BarrierContact and ConstraintContact. Where a step starts, a vertex
 // and a triangle or two edges that are nearer than alarmDistance become a contact, with the closest points p and q of both and the
-// normal n from q to p. Both last for the step, as SOFA's do. With the gap d = (p - q).n less radii and `thickness`, A the share of
-// the surface that the vertex stands for (contact_terms.h) and kappa the stiffness, a contact pushes while d < contactDistance:
+// normal n from q to p. They last for the step; leaveRims() has sharp rims. With the gap d = (p - q).n less radii and `thickness`, A
+// the share of the vertex in the surface (contact_terms.h) and kappa the stiffness, a contact pushes while d < contactDistance:
 //
 //   pressure = kappa (1 - d/contactDistance),   K = -k n n^T with k = kappa A/contactDistance
 //
@@ -61,7 +61,7 @@ class PenaltyContact final : public ContactField, public HearsSteps {
     traits.symmetric = traits.exact_tangent = traits.lagged = true;
     traits.conservative = !friction_.acts();
     traits.time_dependent = is_explicit_;
-    traits.undamped = solves() == Solves::often;  // the tangent of what sticks, 2 mu l/(slipVelocity dt), is no stiffness
+    traits.undamped = friction_.acts() && solves() == Solves::often;  // what sticks, 2 mu l/(slipVelocity dt), is no stiffness
     return traits;
   }
   void init() override;

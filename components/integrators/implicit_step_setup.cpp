@@ -167,8 +167,8 @@ std::string ImplicitStep::doubtOfOneSolve(const std::string& path) const {
                          path, solvesOnce() ? "once" : "twice", field->path(), why->print());
   for (const ForceField* field : system_->forceFields())
     if (hasUndrainedTangent(*field))
-      return fmt::format("{} solves each step {}, with a tangent of {} that keeps the fluid in each element: what the fluid lets go lags "
-                         "behind, the more the stiffer the fluid is against the tissue. tangent=\"coupled\" lets it flow",
+      return fmt::format("{} solves each step {}, with a tangent of {} that keeps the fluid in each element: it settles too late, "
+                         "the more so the stiffer the fluid is compared with the tissue. tangent=\"coupled\" lets it flow",
                          path, solvesOnce() ? "once" : "twice", field->path());
   return {};
 }

@@ -221,7 +221,7 @@ bool AutomaticInverse::followBy(Way way, SystemMatrix& matrix, SolveReport& repo
     const int made = multigrid_.made();
     const bool has_hierarchy = multigrid_.follow(matrix, report, stop);
     now_.renewals += had_one && multigrid_.made() > made;
-    if (has_hierarchy) now_.blocks = multigrid_.hierarchy()->fine.a.blocks();
+    if (has_hierarchy && now_.blocks != multigrid_.hierarchy()->fine.a.blocks()) notePattern();
     return has_hierarchy;
   }
   WarpedFactor& former = factors();

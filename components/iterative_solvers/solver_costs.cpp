@@ -61,10 +61,11 @@ FactorCounts factorCountsOf(const Extents& e) {
 double expectedMultigridRate(const BlockMatrix& pattern) {
   constexpr double of_tetrahedra = 2, tetrahedral_blocks = 13, hexahedral_blocks = 21, of_quadratic = 3.1;
   constexpr Index linear_row = 48;  // a corner of quadratic tetrahedra has 65 neighbours, one of hexahedra 27
-  Index widest = 0;
+  constexpr Index least_part = 20;  // an eighth of their nodes are corners; a hub of springs is one node
+  Index wide = 0;
   for (std::size_t row = 0; row + 1 < pattern.rowStart().size(); ++row)
-    widest = std::max(widest, pattern.rowStart()[row + 1] - pattern.rowStart()[row]);
-  if (widest > linear_row) return of_quadratic;
+    wide += pattern.rowStart()[row + 1] - pattern.rowStart()[row] > linear_row;
+  if (least_part * wide > pattern.rows()) return of_quadratic;
   const double like_hexahedra = (double(pattern.blocks()) / pattern.rows() - tetrahedral_blocks) / (hexahedral_blocks - tetrahedral_blocks);
   return of_tetrahedra + (least_multigrid_rate - of_tetrahedra) * std::clamp(like_hexahedra, 0.0, 1.0);
 }

@@ -67,7 +67,7 @@ struct IterationCosts {
   static double cycleByProducts(double rows, double product, bool is_turned) { return 7 * product + (is_turned ? 85 : 60) * rows; }
   static double hierarchy(double rows, double blocks) { return 150 * blocks + 3500 * rows; }
   static double assembly(double rows) { return 600 * rows; }
-  /// Of a direct solver, with the analysis and its new memory.
+  /// Of a direct solver, with the analysis and its new memory. More than is measured: with the true cost factors are taken too often.
   static double order(double blocks, const FactorCounts& counts) {
     return 5e6 + (isDissected(blocks, counts) ? 450 : 200) * blocks + 10 * counts.entries;
   }

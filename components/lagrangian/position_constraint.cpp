@@ -49,6 +49,7 @@ class Position final : public Actuator {
   }
   void init() override {
     Actuator::init();
+    if (nodes_.empty()) throw ComponentError("indices names no point", "at least one");
     for (const Index node : nodes_) checkNode(first(), node, "indices");
     findDirections();
     bound({-written("maxNegativeDisp", least_way_, infinity), written("maxPositiveDisp", most_way_, infinity), infinity},
@@ -95,7 +96,8 @@ class Position final : public Actuator {
     const std::vector<Vec3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
     const std::vector<Vec3>& all = written_.empty() ? axes : written_;
     if (all.size() != 3) throw ComponentError(fmt::format("there are {} directions", all.size()), "three");
-    if (used_.size() != 3) throw ComponentError(fmt::format("useDirections has {} entries", used_.size()), "three, each 0 or 1");
+    if (used_.size() != 3)
+      throw ComponentError(fmt::format("useDirections has {} entries", used_.size()), "three; frames are moved by their centres only");
     if (weights_.size() != 3 && weights_.size() != 1)
       throw ComponentError(fmt::format("weight has {} numbers", weights_.size()), "one, or one for each of the three directions");
     along_.clear();
@@ -103,7 +105,7 @@ class Position final : public Actuator {
       if (!used_[k]) continue;
       const double weight = weights_.size() == 1 ? weights_[0] : weights_[k];
       if (!(all[k].norm() > 0) || !(std::abs(weight) > 0))
-        throw ComponentError(fmt::format("direction {} has no length or no weight", k), "a direction and a weight that are not zero");
+        throw ComponentError(fmt::format("entry {} of directions has no length or no weight", k), "both other than zero");
       along_.push_back(weight * all[k].normalized());
     }
     if (along_.empty()) throw ComponentError("useDirections holds no direction", "a 1 for each direction to move along");

@@ -36,7 +36,7 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   };
   if (unsettled_ > near && !isLittle()) search([this] { searchInside(); });
   if (unsettled_ > coarse && !isLittle()) search([this] { searchWithSlides(); });
-  if (unsettled_ > near && unsettled_ < coarse && !isLittle()) contradiction = 2 * unsettled_ * size_;
+  if (unsettled_ > near && unsettled_ < coarse && !isOver() && !isLittle()) contradiction = 2 * unsettled_ * size_;
   l.setZero();
   for (std::size_t k = 0; k < live_.size(); ++k)
     l[Eigen::Index(live_[k])] = std::isfinite(unsettled_) ? scale_[Eigen::Index(k)] * least_[Eigen::Index(k)] : unsettled_;
@@ -272,7 +272,7 @@ bool ConditionForces::newtonStep() {
   findActive();
   const auto count = Eigen::Index(active_.size());
   if (count == 0) return false;
-  ++steps, work += double(count * count * count) / 3;
+  ++steps;
   if (!eliminate(linearise())) {  // rows that say the same twice: the shortest solution
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> general;
     general.setThreshold(1e-12);

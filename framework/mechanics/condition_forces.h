@@ -35,8 +35,6 @@ class ConditionForces {
   };
 
   long searches = 0, steps = 0, rounds = 0;  ///< of all solve(): calls, Newton steps, rounds of the interior-point method
-  /// Multiplications in them, nearly; where solve() ends with the best place so far.
-  double work = 0, most_work = std::numeric_limits<double>::infinity();
   double contradiction = 0;   ///< twice what a search has left; nothing is searched for below it. 0 where a step starts
   Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
   Eigen::VectorXd g;          ///< the conditions without forces, shape (rows); solve() adds forces that are given
@@ -76,7 +74,7 @@ class ConditionForces {
   double offAlong(const Group& group);
   double residual();
   void note();
-  bool isOver() const { return work > most_work || stop_.isStopAsked(); }
+  bool isOver() const { return stop_.isStopAsked(); }
   bool isLittle();
   void newton();
   void settle();

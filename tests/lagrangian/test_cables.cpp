@@ -323,7 +323,7 @@ TEST(Cables, PointsArePutSomewhereByAWayOrAForce) {
 }
 
 /// A bound of the force holds a point of springs of 100 N/m at 4 N back at 0.04 m, and a bound of the way one that is pushed by
-/// 10 N at 0.05 m. A point that goes faster along a free direction goes on there.
+/// 10 N at 0.05 m.
 TEST(Cables, PointsArePutWithinBounds) {
   const auto put = [](const char* attributes) {
     Simulation simulation = simulationFromText(

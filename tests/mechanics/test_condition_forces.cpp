@@ -188,26 +188,6 @@ TEST(ConditionForces, AreSearchedForOnceWhereRowsContradictEachOther) {
   EXPECT_GT(forces.rounds, rounds) << "of another step";
 }
 
-/// Where no more work may be done it ends with the best place so far.
-TEST(ConditionForces, EndWhereTheirWorkDoes) {
-  constexpr double mu = 0.9;
-  const auto solve = [](double most_work) {
-    DependentRows problems(3);
-    ConditionForces forces;
-    LagrangianRows rows;
-    problems.next(3, 60, mu, forces, rows);
-    forces.most_work = most_work;
-    forces.solve(rows.rows());
-    return forces;
-  };
-  const ConditionForces whole = solve(std::numeric_limits<double>::infinity()), part = solve(0.2 * whole.work);
-  EXPECT_LT(whole.unsettled(), 1e-6);
-  EXPECT_GT(whole.rounds, 5) << "or Newton's method alone finds them";
-  EXPECT_LT(part.work, 0.4 * whole.work);
-  EXPECT_GT(part.unsettled(), whole.unsettled());
-  EXPECT_TRUE(part.l.allFinite());
-}
-
 /// What is off by a thousandth of what may be is not searched for again, and what is off by more is.
 TEST(ConditionForces, AreNotSearchedForWhereLittleIsOff) {
   std::mt19937 random(4);

@@ -6,6 +6,7 @@ import os
 import runpy
 import socket
 import sys
+import traceback
 
 import Sofa.Core  # with numpy, which takes longest  # pylint: disable=unused-import
 import Sofa.Simulation  # pylint: disable=unused-import
@@ -37,8 +38,9 @@ def main():
             asked.close()
             try:
                 become(files, folder, words[1:int(count)], words[int(count):])
-            finally:
-                os._exit(70)
+            except BaseException:  # the command ends the process itself  # pylint: disable=broad-exception-caught
+                traceback.print_exc()
+            os._exit(70)
         for file in files:
             os.close(file)
         asked.send(child.to_bytes(4, "little"))
