@@ -364,7 +364,8 @@ TEST(Cables, PointsArePutAlongThreeDirections) {
   EXPECT_NE(why("useDirections='0 1'").find("useDirections has 2 entries"), std::string::npos);
   EXPECT_NE(why("useDirections='0 0 0'").find("useDirections holds no direction"), std::string::npos);
   EXPECT_NE(why("weight='1 2'").find("weight has 2 numbers"), std::string::npos);
-  EXPECT_NE(why("weight='0'").find("direction 0 has no length or no weight"), std::string::npos);
+  EXPECT_NE(why("indices=''").find("indices names no point"), std::string::npos);
+  EXPECT_NE(why("weight='0'").find("entry 0 of directions has no length or no weight"), std::string::npos);
   EXPECT_NE(why("indices='7'").find("indices names node 7"), std::string::npos);
 }
 
