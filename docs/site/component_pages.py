@@ -7,7 +7,8 @@ from repository_links import slug
 
 FAMILIES = {  # module: title; a module that is not here is called by its name
     "mechanics": "Bodies and masses",
-    "integrators": "Time steps and statics",
+    "integrators": "Implicit time steps and statics",
+    "further_integrators": "Explicit and further time steps",
     "iterative_solvers": "Iterative linear solvers",
     "preconditioned_solvers": "Preconditioned and automatic linear solvers",
     "direct_solvers": "Direct linear solvers",
@@ -26,6 +27,7 @@ FAMILIES = {  # module: title; a module that is not here is called by its name
     "position_constraints": "Kept volumes, planes and rigid sets",
     "mappings": "Mappings",
     "topology": "Meshes and cells",
+    "further_topology": "Further meshes: other files, shapes, and cells made of others",
     "vtk_io": "VTK's file formats",
     "selection": "Regions of interest, and values by labels",
     "engines": "Engines: tables of points, meshes and numbers",

@@ -11,6 +11,8 @@ import tempfile
 # The small `dpkg-query`, which is asked with options for the states of packages: each is installed, or all but one.
 INSTALLED = 'for name; do case $name in -*) ;; *) echo "$name installed" ;; esac; done'
 NOT_GMSH = 'for name; do case $name in -* | *libgmsh*) ;; *) echo "$name installed" ;; esac; done; exit 1'
+# Each is installed but those in MISSING.
+BUT_MISSING = 'for name; do case " $MISSING " in *" $name "*) ;; *) case $name in -*) ;; *) echo "$name installed" ;; esac ;; esac; done'
 # What the small `stroma` does when it is asked for a picture.
 PICTURE = 'mkdir -p results/organ; [ "$PICTURE_CODE" != 0 ] || echo x > results/organ/organ.png; exit ${PICTURE_CODE:-0}'
 # And the small `cmake`: it fails where it is told to, and installs the command.
@@ -64,6 +66,25 @@ def check_tests(stages, build):
     assert done == [*whole[:4], "all", "^(fem)$", "^(fem)$", "summarise_tests.py"], done
 
 
+def check_packages(stages, build, log, calls):
+    """Most packages are installed while the engine is compiled, what tests need alone while the rest is; then nothing is left to wait for."""
+    late = {"libvtk9-dev": "stroma", "chromium": "all"}  # package: what is being compiled
+    waits = "; ".join(f'case "$*" in *{package}*) until grep -q "^cmake --build .* {target}$" {log}; do sleep 0.02; done ;; esac'
+                      for package, target in late.items())
+    calls("apt-get", f'{waits}; echo "apt-get ${{*##* }}" >> {log}; exit ${{APT_CODE:-0}}')
+    missing = {"MISSING": "g++ libvtk9-dev chromium"}
+    engine = ["apt-get", "cmake", "stroma", "apt-get", "cmake"]
+    checks = ["check_rules.py", "check_text.py", "check_budgets.py"]
+    done, result = stages("test", "-y", **missing)
+    assert done == [engine[0], *checks, *engine[1:], "all", "apt-get", "all", "summarise_tests.py"], (done, result)
+    os.remove(os.path.join(build, "tests.xml"))
+    assert stages("build", "-y", **missing)[0] == [*engine, "stroma_all"]
+    assert stages("build", "-y", MISSING="g++")[0] == ["apt-get", "cmake", "stroma_all"]
+    # what fails unseen is done again where it is seen: the lists updated, and then given up
+    done, result = stages("build", "-y", code=3, MISSING="libvtk9-dev", APT_CODE="100")
+    assert done == ["cmake", "stroma", *4 * ["apt-get"]] and "could not install" in result.stderr, (done, result)
+
+
 def check_stages(setup):
     """`run` shows the first scene before it builds the rest; --quick ends there; what cannot be built is said."""
     with tempfile.TemporaryDirectory() as folder:
@@ -72,14 +93,18 @@ def check_stages(setup):
             os.makedirs(os.path.join(folder, place))
         shutil.copy(setup, os.path.join(tree, "tools", "setup"))
         ctest = 'for a; do case $a in *.xml) echo "<testsuite/>" > "$a";; esac; done; for last; do :; done; [ "$last" != --no-tests=error ] || last=all'
-        programs = {"programs/ctest": f'{ctest}; echo "ctest $last" >> {log}',
-                    "programs/python3": f'echo "python3 ${{1##*/}}" >> {log}; exit ${{PYTHON_CODE:-0}}',
-                    "programs/dpkg-query": INSTALLED, "programs/cmake": f'echo "cmake $@" >> {log}; {CMAKE}',
-                    "build/bin/stroma": f'echo "stroma $@" >> {log}; [ "$1" != picture ] || {{ {PICTURE}; }}'}
-        for path, body in programs.items():
-            with open(os.path.join(folder, path), "w", encoding="ascii") as file:
+        programs = {"ctest": f'{ctest}; echo "ctest $last" >> {log}',
+                    "python3": f'echo "python3 ${{1##*/}}" >> {log}; exit ${{PYTHON_CODE:-0}}',
+                    "dpkg-query": BUT_MISSING, "id": "echo 0", "cmake": f'echo "cmake $@" >> {log}; {CMAKE}',
+                    "../build/bin/stroma": f'echo "stroma $@" >> {log}; [ "$1" != picture ] || {{ {PICTURE}; }}'}
+        def calls(program, body):
+            path = os.path.join(folder, "programs", program)
+            with open(path, "w", encoding="ascii") as file:
                 file.write("#!/bin/sh\n" + body + "\n")
-            os.chmod(os.path.join(folder, path), 0o755)
+            os.chmod(path, 0o755)
+
+        for program, body in programs.items():
+            calls(program, body)
         environment = dict(os.environ, PATH=os.path.join(folder, "programs") + ":" + os.environ["PATH"], BUILD=build)
 
         def stages(*arguments, code=0, **more):
@@ -107,6 +132,7 @@ def check_stages(setup):
         assert stages("build")[0] == ["cmake", "stroma_all"]
         result = stages("build", "--no-view", "-j2", code=1, BUILD_CODE="1")[1]
         assert f"BUILD={build} {tree}/tools/setup build --no-view -j2 tries again" in result.stderr, result
+        check_packages(stages, build, log, calls)
         check_tests(stages, build)
         check_install(stages, folder, build)
         done, result = stages("install", os.path.join(folder, "prefix"), code=1, CMAKE_CODE="1")
