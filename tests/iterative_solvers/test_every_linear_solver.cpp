@@ -20,6 +20,8 @@ struct Kind {
   bool keeps_first = false;  ///< the factors of the first matrix for all
 };
 
+std::ostream& operator<<(std::ostream& out, const Kind& kind) { return out << kind.name; }
+
 std::vector<Kind> kinds() {
   std::vector<Kind> all;
   const std::string limits = " iterations=\"20000\" tolerance=\"1e-11\"";

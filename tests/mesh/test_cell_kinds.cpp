@@ -10,6 +10,7 @@
 
 #include "framework/mesh/area_vectors.h"
 #include "framework/mesh/cell_lists.h"
+#include "tests/support/cell_kind_names.h"
 #include "tools/mesh_report/cell_quality.h"
 
 namespace stroma::test {

@@ -3,7 +3,7 @@
 #include <gmsh.h>
 #include <gtest/gtest.h>
 
-#include "framework/mesh/cell_kind.h"
+#include "tests/support/cell_kind_names.h"
 
 namespace stroma::test {
 namespace {

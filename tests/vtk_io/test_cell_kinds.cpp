@@ -8,7 +8,7 @@
 
 #include <set>
 
-#include "framework/mesh/cell_kind.h"
+#include "tests/support/cell_kind_names.h"
 
 namespace stroma::test {
 namespace {
