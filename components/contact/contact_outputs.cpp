@@ -47,8 +47,8 @@ void Outputs::declareForces(DataTable& table) {
       .ofNodes();
   table.add("frictionForces", friction_forces_).help("friction on each node of mstate in the last step").unit("N").output().ofNodes();
   table.add("pressures", pressures_)
-      .help("of each node of mstate: its normal force over its contactAreas; where only others push it, over its part of the surface. "
-            "Below zero where adhesion pulls more")
+      .help("of each node of mstate: its normal force over its part of the surface that faces this force. Below zero where adhesion "
+            "pulls more")
       .unit("Pa")
       .output()
       .ofNodes();
@@ -131,8 +131,10 @@ void Outputs::note(const BarrierLaw& law, const std::vector<Touch>& touches, con
   for (std::size_t v = 0; v < x.size(); ++v) {
     if (!s.moves(int(v)) || s.bodyOf(int(v)) != 0) continue;
     const std::size_t node = std::size_t(s.rows[v] - first.firstRow());
-    const double area = areas_[node] > 0 ? areas_[node] : s.vertex_area[v];
-    pressures_[node] = area > 0 ? std::copysign(contact_forces_[node].norm() / area, pressures_[node]) : 0;
+    const double force = contact_forces_[node].norm(), sign = std::copysign(1., pressures_[node]);
+    // not areas_: a rim that sticks out looks askance at what it lies on and has next to no share, but others push it all the same
+    const double area = force > 0 ? law.shareOf(int(v), contact_forces_[node] * (sign / force), x) : 0;
+    pressures_[node] = area > 0 ? sign * force / area : 0;
   }
   touched_ = std::isfinite(smallest);
   smallest_gap_ = touched_ ? smallest : 0;

@@ -136,6 +136,8 @@ class BarrierLaw {
   /// At the x of touches().
   Term termOf(const Touch& touch, const std::vector<Vec3>& x, Tangent tangent) const;
   double energy(const std::vector<Vec3>& x) const;  ///< [J], as touches()
+  /// The part of the surface around a vertex that is pushed along the unit vector `towards` [m^2].
+  double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
   /// The force on each vertex, as touches(); `out` has that many.
   void sumForces(const std::vector<Vec3>& x, std::vector<Vec3>& out) const;
   /// Of all that may come into reach before pairs are looked for again.
@@ -162,7 +164,6 @@ class BarrierLaw {
   void weigh(const std::vector<Vec3>& x, Which which) const;
   void weighPlanes(const std::vector<Vec3>& x) const;
   double factorOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
-  double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
   double ridge(int edge, const Vec3& towards, const std::vector<Vec3>& x) const;
   void addFeature(Feature feature) const;
   void addFeaturesOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;

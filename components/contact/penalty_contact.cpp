@@ -192,7 +192,7 @@ void PenaltyContact::noteEnd(ConstRows x) {
   gather(x, law_.moved);
   pushed_.assign(start_.size(), law_.range), pushed_along_.assign(start_.size(), Vec3::Zero());
   for (const Touch& start : found_)
-    if (const double gap = at(start, x_).gap; gap < std::min(start.range, pushed_[std::size_t(start.v[0])]))
+    if (const double gap = at(start, x_).gap; start.of_surface && gap < std::min(start.range, pushed_[std::size_t(start.v[0])]))
       pushed_[std::size_t(start.v[0])] = gap, pushed_along_[std::size_t(start.v[0])] = start.n;
 }
 
@@ -203,7 +203,7 @@ const std::vector<Touch>& PenaltyContact::pushing() {
   pushing_ = found_;
   for (Touch& touch : pushing_) {
     const auto vertex = std::size_t(touch.v[0]);
-    if (touch.v[1] < 0 || vertex >= pushed_.size()) continue;
+    if (!touch.of_surface || touch.v[1] < 0 || vertex >= pushed_.size()) continue;  // of two edges v[0] is an end of one
     const double turned = pushed_along_[vertex].dot(touch.n), before = pushed_[vertex];
     if (touch.gap < touch.range ? touch.gap < before : turned > alike && turned < same) touch.gap = before;
   }

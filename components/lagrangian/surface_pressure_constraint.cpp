@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SurfacePressureConstraint: a closed surface, such as the cavity of an actuator, under a pressure or with a given volume.
 //
-//   V(x) = 1/6 sum over triangles (a, b, c) of (a - o) . ((b - o) x (c - o)),   o any point
+//   V(x) = 1/6 sum over triangles (a, b, c) of (a - o) . ((b - o) x (c - o)),   o any point;
+//     of a quad the mean of its two cuts in triangles, the volume below its bilinear surface
 //   valueType volumeGrowth: V = V_0 + value, and p is what that takes, between minPressure and maxPressure where they are given
 //   valueType pressure:     p = value, while minVolumeGrowth <= V - V_0 <= maxVolumeGrowth where they are given
 //
-// The force is p dV/dx: each triangle bears p times its area along its normal, a third on each corner. Normals point out of
-// the cavity that is inflated; flipNormal turns them. `pressure` and `volumeGrowth` have both after a step. They do not
-// depend on the time step. A surface that is not closed has no volume: it takes a pressure alone.
+// The force is p dV/dx: each triangle bears p times its area along its normal, a third on each corner, and each quad what its
+// bilinear functions say, whichever corner is its first. Normals point out of the cavity that is inflated; flipNormal turns
+// them. `pressure` and `volumeGrowth` have both after a step. They do not depend on the time step. A surface that is not closed
+// has no volume: it takes a pressure alone.
 //
 // Source: the names and attributes are those of SOFA's plugin SoftRobots, where pressures are p times the time step.
 //
@@ -42,7 +44,7 @@ class SurfacePressure final : public Actuator {
     table.find("forces")->help("what goes with the volume: the pressure of the last step").unit("Pa");
     topology_.declare(table, "mesh with the triangles and quads of the surface");
     table.add("triangles", triangles_).help("of the surface; with quads those of the mesh when neither is given");
-    table.add("quads", quads_).help("of the surface, each as two triangles");
+    table.add("quads", quads_).help("of the surface, each bilinear");
     declareValue(table, "volumeGrowth", "pressure", false, "pressure [Pa] or growth of the volume since the start [m^3]");
     table.add("flipNormal", flip_).help("normals point the other way");
     table.add("minPressure", least_pressure_).help("least pressure; without it, none").unit("Pa");
@@ -65,16 +67,9 @@ class SurfacePressure final : public Actuator {
   }
   void init() override {
     Actuator::init();
-    faces_ = triangles_;
-    const auto addQuads = [this](const std::vector<Quad>& quads) {
-      for (const Quad& q : quads) faces_.push_back({q[0], q[1], q[2]}), faces_.push_back({q[0], q[2], q[3]});
-    };
-    addQuads(quads_);
+    setFaces(triangles_, quads_);
     if (faces_.empty())
-      if (const Topology* topology = topology_.find(*this, first())) {
-        faces_ = topology->mesh().triangles;
-        addQuads(topology->mesh().quads);
-      }
+      if (const Topology* topology = topology_.find(*this, first())) setFaces(topology->mesh().triangles, topology->mesh().quads);
     if (faces_.empty()) throw ComponentError("the surface has no triangle", "triangles or quads, or a mesh that has some");
     for (const Triangle& t : faces_)
       for (const Index node : t) checkNode(first(), node, "the surface");
@@ -99,20 +94,30 @@ class SurfacePressure final : public Actuator {
   double measure(ConstRows x) const override {
     const Vec3 o = placeOf(x, faces_.front()[0]);
     double sum = 0;
-    for (const Triangle& t : faces_) sum += (placeOf(x, t[0]) - o).dot((placeOf(x, t[1]) - o).cross(placeOf(x, t[2]) - o));
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      const Triangle& t = faces_[f];
+      sum += weightOf(f) * (placeOf(x, t[0]) - o).dot((placeOf(x, t[1]) - o).cross(placeOf(x, t[2]) - o));
+    }
     return (flip_ ? -1 : 1) * sum / 6;
   }
   void addGradient(ConstRows x, double sign, LagrangianRows& rows) const override {
     const double share = sign * (flip_ ? -1 : 1) / 6;
-    for (const Triangle& t : faces_) {
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      const Triangle& t = faces_[f];
       const Vec3 a = placeOf(x, t[0]);
-      const Vec3 third = share * (placeOf(x, t[1]) - a).cross(placeOf(x, t[2]) - a);
+      const Vec3 third = share * weightOf(f) * (placeOf(x, t[1]) - a).cross(placeOf(x, t[2]) - a);
       for (const Index node : t) rows.add(rowOf(first(), node), third);
     }
   }
 
  private:
   Vec3 placeOf(ConstRows x, Index node) const { return x[rowOf(first(), node)]; }
+  double weightOf(std::size_t face) const { return face < whole_ ? 1 : 0.5; }
+  void setFaces(const std::vector<Triangle>& triangles, const std::vector<Quad>& quads) {
+    faces_ = triangles, whole_ = triangles.size();
+    for (const Quad& q : quads)
+      for (std::size_t i = 0; i < 4; ++i) faces_.push_back({q[i], q[(i + 1) % 4], q[(i + 2) % 4]});
+  }
 
   /// Throws ComponentError unless each edge is passed as often in the one direction as in the other. Where it is not, nodes at
   /// one place count as one: the surface may have been read triangle by triangle.
@@ -132,10 +137,10 @@ class SurfacePressure final : public Actuator {
   template <class NodeAt>
   std::optional<std::array<Index, 2>> openEdge(NodeAt&& node_at) const {
     std::map<std::array<Index, 2>, int> passes;
-    for (const Triangle& t : faces_)
+    for (std::size_t f = 0; f < faces_.size(); ++f)
       for (std::size_t i = 0; i < 3; ++i) {
-        const Index a = node_at(t[i]), b = node_at(t[(i + 1) % 3]);
-        if (a != b) passes[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+        const Index a = node_at(faces_[f][i]), b = node_at(faces_[f][(i + 1) % 3]);
+        if (a != b) passes[{std::min(a, b), std::max(a, b)}] += (f < whole_ ? 2 : 1) * (a < b ? 1 : -1);
       }
     for (const auto& [edge, sum] : passes)
       if (sum != 0) return edge;
@@ -143,8 +148,9 @@ class SurfacePressure final : public Actuator {
   }
 
   TopologyLink topology_;
-  std::vector<Triangle> triangles_, faces_;
+  std::vector<Triangle> triangles_, faces_;  ///< of faces_ those of quads, both cuts of each, come last and count half
   std::vector<Quad> quads_;
+  std::size_t whole_ = 0;  ///< faces that count as one
   bool flip_ = false;
   double least_pressure_ = 0, most_pressure_ = 0, least_growth_ = 0, most_growth_ = 0, pressure_change_ = 0, growth_change_ = 0;
   double volume_ = 0;

@@ -155,12 +155,12 @@ inline std::vector<double> constraintOutput(const Simulation& simulation, const 
   return values;
 }
 
-/// Of an output of all BarrierContacts.
-inline std::vector<double> numbersOf(Simulation& simulation, const char* name) {
+/// Of an output of all contacts of a type.
+inline std::vector<double> numbersOf(Simulation& simulation, const char* name, const char* type = "BarrierContact") {
   std::vector<double> values;
   for (const auto& system : simulation.systems())
     for (ForceField* field : system->forceFields())
-      if (field->type() == "BarrierContact") {
+      if (field->type() == type) {
         std::istringstream text(field->data().find(name)->print());
         for (double value = 0; text >> value;) values.push_back(value);
       }

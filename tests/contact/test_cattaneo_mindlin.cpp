@@ -121,5 +121,38 @@ TEST(CattaneoMindlin, TheMiddleOfAPressedCylinderSticks) {
   }
 }
 
+/// By penalties: c from Q/(mu P), and from where friction acts: its mean square distance from the middle is (a^2 + c^2)/4. What an edge
+/// at the rim of the slab was pushed by is no reason for its ends to rub: a node beside the contact had 1.4 times as much as any other.
+TEST(CattaneoMindlin, WhatPenaltiesDoNotPushDoesNotRub) {
+  const Slab slab(a_about / 8);
+  const double start = radius + 0.9999 * range;
+  Simulation simulation = simulationFromText(contactScene(
+      fmt::format("<MeshTopology name=\"mesh\" position=\"{}\" hexahedra=\"{}\"/><MechanicalObject name=\"dofs\"/>"
+                  "<HexahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"{}\" "
+                  "method=\"small\"/><PartialFixedProjectiveConstraint fixAll=\"true\" fixedDirections=\"0 1 0\"/>"
+                  "<FixedProjectiveConstraint indices=\"{}\"/>"
+                  "<PenaltyContact contactDistance=\"{}\" alarmDistance=\"1e-5\" stiffness=\"2.5e4\" selfContact=\"0\" "
+                  "capsules=\"0 -1 {} 0 1 {} {}\" friction=\"{}\" slipVelocity=\"1e-8\" keyTimes=\"0 4 8\" "
+                  "movements=\"0 0 0  0 0 {}  {} 0 {}\"/>",
+                  slab.nodes, slab.cells, young, nu, slab.bottom, range, start, start, radius, mu, -depth, way, -depth),
+      1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-5\"/>"));
+  for (int step = 0; step < 8; ++step) expectCleanStep(simulation, step, false);
+  const std::vector<double> normal = numbersOf(simulation, "contactForces", "PenaltyContact"),
+                            along = numbersOf(simulation, "frictionForces", "PenaltyContact");
+  const State& state = *simulation.states()[0];
+  double load = 0, friction = 0, moment = 0, square = 0, most = 0;
+  for (Index i = 0; i < state.size(); ++i) {
+    const std::size_t k = 3 * std::size_t(i);
+    const double x = state.x()[i].x() - way;
+    load -= normal[k + 2], friction += along[k], most = std::max(most, -normal[k + 2]);
+    moment -= normal[k + 2] * x * x, square += along[k] * x * x;
+  }
+  for (std::size_t k = 0; k < normal.size(); k += 3)
+    EXPECT_LT(std::abs(along[k]), -mu * normal[k + 2] + 0.02 * mu * most) << "node " << k / 3;
+  const double a = 2 * std::sqrt(moment / load), c = a * std::sqrt(1 - friction / (mu * load));
+  EXPECT_NEAR(a, std::sqrt(4 * load / slab.width * radius * (1 - nu * nu) / (M_PI * young)), 0.02 * a);
+  EXPECT_NEAR(std::sqrt(4 * square / friction - a * a), c, 0.05 * c);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -179,6 +179,40 @@ TEST(Pressures, AreEvenBelowAPlane) {
   EXPECT_NEAR(area, 1, 1e-6);
 }
 
+/// Two blocks of 3 x 3 and 2 x 2 cells press each other by 10 kPa. The upper one becomes wider where it is soft, so that its rim sticks
+/// out and is pushed by the rim of the lower one alone, along it and askance. There a node's force over its face is within a quarter of
+/// the pressure, as meshes that do not match spread it.
+TEST(Pressures, AreThoseOfTheFaceWhereARimSticksOut) {
+  constexpr double nu = 0.3;
+  const auto held = [](const HexahedralMesh& mesh, int axis, double at, const char* directions) {
+    return fmt::format("<PartialFixedProjectiveConstraint indices=\"{}\" fixedDirections=\"{}\"/>",
+                       mesh.where([&](const Vec3& p) { return std::abs(p[axis] - at) < 1e-9; }), directions);
+  };
+  const auto body = [&](const char* name, int n, double bottom, double top, const std::string& load) {
+    const HexahedralMesh mesh = brickOf(evenly(0, 1, n), evenly(0, 1, n), evenly(bottom, top, n));
+    return fmt::format("<Node name=\"{}\">{}<MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"1e-6\"/>"
+                       "<HexahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"{}\" method=\"small\"/>{}{}{}</Node>",
+                       name, mesh.topology(), young, nu, held(mesh, 0, 0, "1 0 0"), held(mesh, 1, 0, "0 1 0"),
+                       load.empty() ? held(mesh, 2, bottom, "0 0 1") : load);
+  };
+  const double bottom = 0.943 * range, top = bottom + 0.5;
+  std::string indices, forces;  // on the upper face
+  for (int i = 0; i < 16; ++i) {
+    const auto part = [](int k) { return k == 0 || k == 3 ? 1. / 6 : 1. / 3; };
+    indices += fmt::format("{} ", 48 + i), forces += fmt::format("0 0 {}  ", -pressure * part(i % 4) * part(i / 4));
+  }
+  const std::string load = fmt::format("<ConstantForceField indices=\"{}\" forces=\"{}\"/>", indices, forces);
+  Simulation simulation = simulationFromText(contactScene(
+      body("a", 3, bottom, top, load) + body("b", 2, -0.5, 0, "") +
+          fmt::format("<BarrierContact name=\"contact\" mstate=\"@a/dofs\" other=\"@b/dofs\" contactDistance=\"{}\" stiffness=\"1e6\" "
+                      "selfContact=\"0\"/>",
+                      range),
+      1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-8\"/>"));
+  expectCleanStep(simulation, 1);
+  const std::vector<double> pressures = outputsOf(simulation, "pressures");
+  for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(pressures.at(i), pressure, 0.25 * pressure) << "node " << i;
+}
+
 /// Hertz: p0 (1 - r^2/a^2)^1/2 below a rigid sphere. The bonded layer of height H shows a half-space pressed by more than D
 /// (Dimitriadis and others 2002, as in test_closed_forms.cpp), which is F; a^3 = 3 F R/(4 E*), p0 = 3 F/(2 pi a^2). What touches are
 /// nodes: with cells of a sixth of a the radius is a quarter of a cell larger and p0 less. The curve of that radius is met everywhere.

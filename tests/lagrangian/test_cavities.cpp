@@ -47,6 +47,30 @@ TEST(Cavities, ACavityUnderPressure) {
   EXPECT_NEAR(numbersOf(simulation, "SurfacePressureConstraint", "pressure").at(0), 40, 1e-5);
 }
 
+/// A box of quads on springs stays a cube, whichever corner a quad begins with: each corner bears a quarter of three sides, so that
+/// p L^2/4 = k (L - 1)/2 for the edge L. A side that is cut in two triangles would bear a third on some corners and a sixth on others.
+TEST(Cavities, QuadsBearAlikeOnTheirCorners) {
+  constexpr double pressure = 40, k = 100;
+  const double edge = k / pressure - std::sqrt(k * k / (pressure * pressure) - 2 * k / pressure);
+  const std::string cube = "0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1";
+  for (const char* quads : {"0 3 2 1  4 5 6 7  0 1 5 4  3 7 6 2  0 4 7 3  1 2 6 5", "3 2 1 0  4 5 6 7  4 0 1 5  2 3 7 6  0 4 7 3  2 6 5 1"})
+    for (const char* type : {"pressure", "volumeGrowth"}) {
+      SCOPED_TRACE(fmt::format("{} {}", type, quads));
+      Simulation simulation = simulationFromText(
+          sceneOf(fmt::format("<MechanicalObject position=\"{}\"/><UniformMass totalMass=\"1\"/><RestShapeSpringsForceField "
+                              "stiffness=\"{}\"/><SurfacePressureConstraint quads=\"{}\" valueType=\"{}\" value=\"{:.17g}\"/>",
+                              cube, k, quads, type, type[0] == 'p' ? pressure : edge * edge * edge - 1),
+                  0.02, "0 0 0", "<EulerImplicitSolver rayleighMass=\"20\"/>"));
+      run(simulation, 150);
+      for (Index node = 0; node < 8; ++node) {
+        const Vec3 start = simulation.states()[0]->rest_position[std::size_t(node)];
+        EXPECT_LT((at(simulation, node) - Vec3::Constant(0.5) - edge * (start - Vec3::Constant(0.5))).norm(), 1e-6) << node;
+      }
+      EXPECT_NEAR(numberOf(simulation, "SurfacePressureConstraint", "pressure"), pressure, 1e-5);
+      EXPECT_NEAR(numberOf(simulation, "SurfacePressureConstraint", "cavityVolume"), edge * edge * edge, 1e-6);
+    }
+}
+
 /// A closed surface: points and triangles, wound outwards.
 struct Surface {
   std::vector<Vec3> points;
