@@ -921,6 +921,17 @@ def positions_of_softrobots():
     agree(put('useDirections="0 1 0" valueType="force" value="0.003"'), [[0, 0, 0], [1, 0.003 * 0.01, 0]])
     agree(put('useDirections="0 1 0" value="2"'), [[0, 0, 0], [1, 2, 0]])
     agree(put('useDirections="0 0 1" directions="1 0 0 0 1 0 0 3 4" weight="2" value="2"'), [[0, 0, 0], [1, 0.6, 0.8]])
+    agree(put('useDirections="0 0 0" weight="2 1" value="2"'), [[0, 0, 0], [2, 1, 1]])
+    RUNS[-1].says("useDirections: holds no direction: as in SOFA all are taken",
+                  "weight: has 2 numbers for 3 directions: as in SOFA the first is that of all")
+
+
+@case
+def frames_of_softrobots():
+    """A free frame is put along y and turned about z by as much, with the weight 2: the half of it each."""
+    run = Run(node(EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass totalMass="1"/>'
+                   '<PositionConstraint template="Rigid3" indices="0" useDirections="0 1 0 0 0 1" weight="2 2 2 2 2 2" value="0.6"/>'), 1)
+    agree(run.x(width=7), [[0, 0.3, 0, 0, 0, np.sin(0.15), np.cos(0.15)]])
 
 
 @case

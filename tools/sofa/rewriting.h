@@ -86,7 +86,6 @@ class Rewriting {
   /// Sets the attribute that stands for a quirk, unless that is switched off.
   void setQuirk(Element& element, std::string_view quirk, const std::string& attribute, const std::string& value);
   void meanSelection(Element& element);
-  void meanActuator(Element& element);
   void meanField(Element& element);
   void meanPrisms(Element& element);
   // ---- rewritten_fields.cpp ----
@@ -161,6 +160,7 @@ class Rewriting {
   bool hasForcesOfConstraint() const;
   bool hasActuators() const;
   void meanCorrection(Element& correction);
+  void meanActuator(Element& element);
   void meanVariational(Element& element);
   void meanStatics(Element& solver);
   void meanNewton(Element& newton);
