@@ -903,6 +903,15 @@ def quirk_first_node():
 
 
 @case
+def indices_that_are_empty():
+    """Written and empty, as of a selection of a program that found nothing, they hold no node: SOFA reads them as an empty list."""
+    for held in ['FixedProjectiveConstraint', 'PartialFixedProjectiveConstraint', 'FixedTranslationProjectiveConstraint']:
+        run = Run(f'<Node name="root" {FALL} dt="0.01">{EXACT}{BODY}<{held} indices=""/></Node>', 10)
+        agree(run.x()[:, 1], [fallen(10), fallen(10)])
+        run.says("no node is held")
+
+
+@case
 def quirk_impulse_values():
     """A cable pulls a free point of 2 kg with the force that is written over dt: x = -(F / m) h^2 n (n + 1) / 2 from 1."""
     scene = node(EXACT + '<MechanicalObject name="dofs" position="1 0 0"/><UniformMass vertexMass="2"/>'

@@ -203,6 +203,8 @@ class Rewriting {
 
 /// It puts nodes somewhere at times. (rewritten_bodies.cpp)
 bool putsNodes(const Element& element);
+/// Its indices are node 0 in SOFA where none are written, and no node where they are written and empty. (rewritten_constraints.cpp)
+bool holdsFirstNode(const std::string& type);
 /// The loader of a file of meshes by its ending, or empty.
 std::string_view loaderOf(std::string_view file);
 /// The numbers of a list that is written out; of a link none.
