@@ -6598,6 +6598,25 @@ def points_on_rods_that_are_pushed():
 
 
 @case
+def beams_of_rods_by_their_number():
+    """nbBeams of a section has the beams, nbEdgesCollis the points of the contact model: frames are those of as many edges."""
+    def run(section):
+        return Run(root(f'<Node name="t"><RodStraightSection name="s" length="0.2" radius="0.002" youngModulus="1e8" {section} '
+                        'massDensity="1000"/><WireRestShape name="shape" wireMaterials="@s"/><EdgeSetTopologyContainer name="mesh"/></Node>'
+                        '<Node name="rods"><EulerImplicitSolver rayleighStiffness="0.2" rayleighMass="0.1"/><BTDLinearSolver/>'
+                        '<RegularGridTopology nx="20" ny="1" nz="1" xmin="0" xmax="1" ymin="0" ymax="0" zmin="1" zmax="1"/>'
+                        '<MechanicalObject name="frames" template="Rigid3d"/><WireBeamInterpolation name="w" WireRestShape="@../t/shape"/>'
+                        '<AdaptiveBeamForceFieldAndMass interpolation="@w"/><InterventionalRadiologyController name="irc" '
+                        'instruments="w" xtip="0.15" controlledInstrument="0" threshold="0.001"/><FixedProjectiveConstraint indices="0"/>'
+                        '<RestShapeSpringsForceField points="@irc.indexFirstNode" stiffness="1e8" angularStiffness="1e8"/>'
+                        '<Node name="collis"><EdgeSetTopologyContainer name="edges"/><EdgeSetTopologyModifier/><MechanicalObject name="p"/>'
+                        '<MultiAdaptiveBeamMapping ircontroller="../irc" useCurvAbs="1"/></Node></Node>', 'gravity="0 0 0"'), 3)
+    given, edges = run('nbBeams="8" nbEdgesCollis="16"'), run('nbEdgesCollis="8"')
+    agree(given.x("rods.frames", 7), edges.x("rods.frames", 7), 1e-14)
+    assert len(given.x("rods.collis.p")) == 17 and len(edges.x("rods.collis.p")) == 9
+
+
+@case
 def states_of_another_number_of_nodes_than_they_follow():
     """IdentityMapping gives its state the nodes that it follows, whatever the scene says of it."""
     chain = ('<MechanicalObject name="m" position="0 0 0  1 0 0  2 0 0  3 0 1"/><UniformMass totalMass="4"/><FixedProjectiveConstraint '
