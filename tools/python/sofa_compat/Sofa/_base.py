@@ -150,16 +150,13 @@ class Base:
         return f"{self._s_place()}: has no data '{name}'" + (f"; did you mean '{near}'?" if near else "")
 
     def getDataFields(self):
-        return DataDict((name, self.findData(name)) for name in self._s_data_names())
+        return [self.findData(name) for name in self._s_data_names()]
 
-    def getDataList(self):
-        return list(self.getDataFields().values())
-
-    getDataFieldsList = getDataList
+    getDataList = getDataFieldsList = getDataFields
 
     @property
     def __data__(self):
-        return self.getDataFields()
+        return DataDict((name, self.findData(name)) for name in self._s_data_names())
 
     def getLinks(self):
         return []
