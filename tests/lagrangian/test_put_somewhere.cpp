@@ -156,7 +156,8 @@ TEST(PutSomewhere, FramesHaveSixDirections) {
                                           "inertia='1 1 1'/><PositionConstraint {}/>", attributes)));
   };
   EXPECT_NE(why("useDirections='0 1 0'").find("useDirections has 3 entries (expected six"), std::string::npos);
-  EXPECT_NE(why("directions='1 0 0 0 1 0 0 0 1'").find("directions has 9 numbers (expected six directions of 6 numbers"), std::string::npos);
+  EXPECT_NE(why("directions='1 0 0 0 1 0 0 0 1'").find("directions has 9 numbers (expected six directions of 6 numbers"),
+            std::string::npos);
   EXPECT_NE(why("weight='1 2 3'").find("weight has 3 numbers"), std::string::npos);
 }
 
