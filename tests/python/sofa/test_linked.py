@@ -4,6 +4,7 @@ import math
 import re
 
 import pytest
+import Sofa
 from playing import SCENES, animate, run, started
 
 
@@ -52,3 +53,21 @@ def test_a_region_that_a_load_has_taken_may_change(folder, region):
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
     first, second = map(float, re.search(r"heights (\S+) (\S+)", done.stdout).groups())
     assert first == pytest.approx(0.01 ** 2 * 8 * 9 / 2, abs=1e-12) and second == pytest.approx(0.01 ** 2 * 4 * 5 / 2, abs=1e-12)
+
+
+def test_data_that_a_program_adds_to_a_component_are_its_own(capfd):
+    """They are no attribute that the component lacks, and others follow them."""
+    root = Sofa.Core.Node("root")
+    root.gravity, root.dt = [0, 0, 0], 0.01
+    root.addObject("EulerImplicitSolver")
+    root.addObject("SparseLDLSolver")
+    state = root.addObject("MechanicalObject", position=[[0, 0, 0]])
+    root.addObject("UniformMass", totalMass=2)
+    state.addData(name="pull", type="Vec3d", value=[2, 0, 0], help="", group="")
+    root.addObject("ConstantForceField", indices=[0], totalForce=state.pull.getLinkPath())
+    Sofa.Simulation.init(root)
+    animate(root, 1)
+    state.pull.value = [0, 4, 0]
+    animate(root, 1)
+    assert state.velocity.value[0] == pytest.approx([0.01, 0.02, 0], abs=1e-15)
+    assert "pull" not in capfd.readouterr().err

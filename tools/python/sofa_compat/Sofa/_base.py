@@ -168,6 +168,8 @@ class Base:
         if isinstance(name, Data):  # addData(data)
             return self._s_add_data(name._s_name, name, None, name._s_help, name._s_group)
         given = value if value is not None else default
+        if self._s_sample_of(str(name)) is None:  # the component has none of that name: it is the program's alone
+            self.__dict__.setdefault("_s_added", set()).add(str(name))
         return self._s_add_data(str(name), given, _kind_of(type, given), help, group)
 
     def addNewData(self, name, group="", help="", type=None, value=None):
