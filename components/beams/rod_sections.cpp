@@ -6,8 +6,8 @@
 //   helix: theta = 2 pi s/l,  l^2 = spireHeight^2 + (pi spireDiameter)^2,
 //          place = (spireDiameter/2 sin theta, spireHeight s/l, spireDiameter/2 (cos theta - 1))
 //
-// nbEdgesCollis is both how many edges of a contact model follow the stretch and how many beams it has where it is out, nbEdgesVisu
-// how many edges it has in the mesh of the rod.
+// nbBeams is how many beams the stretch has where it is out; when it is not given, nbEdgesCollis, which is how many edges of a
+// contact model follow it. nbEdgesVisu is how many edges it has in the mesh of the rod.
 //
 // Source: names, attributes, defaults and formulas are those of the plug-in BeamAdapter for SOFA.
 //
@@ -37,7 +37,8 @@ class RodStretchComponent final : public HasRodStretch {
     table.add("poissonRatio", poisson_).help("Poisson's ratio").unit("-").min(-1, false).max(0.5);
     table.add("massDensity", density_).help("of its material").unit("kg/m^3").min(0, false);
     table.add("nbEdgesVisu", stretch_.drawn_edges).help("edges in the mesh of the rod").min(1);
-    table.add("nbEdgesCollis", stretch_.contact_edges).help("edges of a contact model, and beams").min(1);
+    table.add("nbEdgesCollis", stretch_.contact_edges).help("edges of a contact model, and beams without nbBeams").min(1);
+    table.add("nbBeams", beams_).help("beams; without it nbEdgesCollis").min(1);
     table.add("spireDiameter", diameter_).help("of the helix; a RodStraightSection has none").unit("m").min(0, false);
     table.add("spireHeight", height_).help("along the axis of the helix in each turn").unit("m").min(0);
   }
@@ -47,13 +48,14 @@ class RodStretchComponent final : public HasRodStretch {
       throw ComponentError("a straight stretch has no helix", "RodSpireSection");
     stretch_.section = roundSection(radius_, inner_, young_, poisson_);
     if (data().find("massDensity")->isSet()) stretch_.section.density = density_;
-    stretch_.beams = stretch_.contact_edges;
+    stretch_.beams = data().find("nbBeams")->isSet() ? beams_ : stretch_.contact_edges;
     if (is_helix) stretch_.diameter = diameter_, stretch_.height = height_;
   }
   const RodStretch& stretch() const override { return stretch_; }
 
  private:
   RodStretch stretch_;
+  int beams_ = 20;
   double radius_ = 1, inner_ = 0, young_ = 5000, poisson_ = 0.49, density_ = 1, diameter_ = 0.1, height_ = 0.01;
 };
 

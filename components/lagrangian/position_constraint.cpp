@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// PositionConstraint: points that are moved along directions, by a way or by a force.
+// PositionConstraint: points or rigid frames that are moved along directions, by a way or by a force.
 //
 //   s = w d . (x - x_0),   for each point and each direction d in use; x_0 where the scene starts, w its weight
+//   s = w (d . (c - c_0) + r . log(q q_0^-1)),   of a frame: d and r are the halves of one of six directions
 //   valueType displacement: s = value, and f is what that takes, between minForce and maxForce where they are given
 //   valueType force:        f = value, while -maxNegativeDisp <= s <= maxPositiveDisp where they are given
 //
-// The force on a point is f w d. One value and one pair of bounds stand for all points and directions, and each has a force of
-// its own: `forces` has all, `force` and `displacement` are those of the first. They do not depend on the time step.
+// The force on a point or a centre is f w d, and the torque f w r where a frame turns about r alone; elsewhere it is that of the
+// work f ds. One value and one pair of bounds stand for all points and directions, and each has a force of its own: `forces` has
+// all, `force` and `displacement` are those of the first. They do not depend on the time step.
 //
 // Source: the names and attributes are those of SOFA's plugin SoftRobots, where forces are f times the time step.
 //
@@ -24,6 +26,7 @@
 #include <algorithm>
 
 #include "components/lagrangian/actuator.h"
+#include "framework/mechanics/frames.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/node.h"
@@ -35,10 +38,12 @@ class Position final : public Actuator {
  public:
   void declare(DataTable& table) override {
     declareOneState(table);
-    table.add("indices", nodes_).help("points that are moved");
-    table.add("directions", written_).help("three directions; those of the axes when not given").unit("-");
-    table.add("useDirections", used_).help("1 for each of the three directions to move along, 0 else");
-    table.add("weight", weights_).help("factor on the way along each of the three directions, or one for all").unit("-");
+    table.add("indices", nodes_).help("points or frames that are moved");
+    table.add("directions", written_)
+        .help("three directions; of frames six, each to move along and to turn about; those of the axes when not given")
+        .unit("-");
+    table.add("useDirections", used_).help("1 for each of the directions to move along, 0 else; all when not given");
+    table.add("weight", weights_).help("factor on the way along each of the directions, or one for all").unit("-");
     declareValue(table, "displacement", "force", true, "displacement [m] or force [N]");
     table.add("minForce", least_force_).help("least force; without it, none").unit("N");
     table.add("maxForce", most_force_).help("largest force; without it, none").unit("N");
@@ -46,6 +51,7 @@ class Position final : public Actuator {
     table.add("maxNegativeDisp", least_way_).help("largest displacement the other way; without it, none").unit("m");
     table.add("force", told_force_).help("force of the last step, on the first point along the first direction").unit("N").output();
     table.add("displacement", way_).help("what that point has moved along it after the last step").unit("m").output();
+    table.add("delta", ways_).help("the displacements of all, direction after direction of each point").unit("m").output();
   }
   void init() override {
     Actuator::init();
@@ -57,18 +63,29 @@ class Position final : public Actuator {
     startAt(0);
   }
   void constrainedStepBegins(ConstRows x, double t_end) override {
-    if (starts_.empty())
-      for (const Index node : nodes_) starts_.push_back(x[rowOf(first(), node)]);
+    for (std::size_t i = starts_.size(); i < nodes_.size(); ++i) {
+      const Index row = rowOf(first(), nodes_[i]);
+      starts_.push_back(x[row]);
+      if (first().hasFrames()) turns_.push_back(orientationIn(x, row + 1));
+    }
     Actuator::constrainedStepBegins(x, t_end);
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
     ways_.clear();
-    for (std::size_t i = 0; i < starts_.size(); ++i)
-      for (const Vec3& along : along_) {
-        const Index row = rowOf(first(), nodes_[i]);
-        ways_.push_back(along.dot(Vec3(x[row]) - starts_[i]));
-        addPlanned(ways_.back(), rows, [&](double sign) { rows.add(row, sign * along); });
+    for (std::size_t i = 0; i < starts_.size(); ++i) {
+      const Index row = rowOf(first(), nodes_[i]);
+      const bool turns = first().hasFrames();
+      const Vec3 moved = Vec3(x[row]) - starts_[i];
+      const Vec3 turned = turns ? rotationVector(orientationIn(x, row + 1) * turns_[i].conjugate()) : Vec3(Vec3::Zero());
+      const Mat3 slope = turns ? dexpInverse(turned) : Mat3(Mat3::Zero());
+      for (const Direction& each : along_) {
+        ways_.push_back(each.moves.dot(moved) + each.turns.dot(turned));
+        addPlanned(ways_.back(), rows, [&](double sign) {
+          rows.add(row, sign * each.moves);
+          if (turns) rows.add(row + 1, sign * (slope.transpose() * each.turns));
+        });
       }
+    }
   }
   void takeForces(std::span<const double> forces) override {
     const std::size_t each = planned();
@@ -79,44 +96,66 @@ class Position final : public Actuator {
   }
   void reset() override {
     Actuator::reset();
-    starts_.clear();
+    starts_.clear(), turns_.clear(), ways_.clear();
     startAt(0);
   }
   void serialize(Archive& archive) override {
     Actuator::serialize(archive);
     archive.list("starts", starts_);
+    if (first().hasFrames()) archive.list("turns", turns_);
+    archive.list("ways", ways_);
   }
 
  protected:
+  Nodes nodes() const override { return Nodes::points_or_frames; }
   double measure(ConstRows) const override { return 0; }
   void addGradient(ConstRows, double, LagrangianRows&) const override {}
 
  private:
+  /// One of those in use, times its weight.
+  struct Direction {
+    Vec3 moves, turns;
+  };
+
   void findDirections() {
-    const std::vector<Vec3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-    const std::vector<Vec3>& all = written_.empty() ? axes : written_;
-    if (all.size() != 3) throw ComponentError(fmt::format("there are {} directions", all.size()), "three");
-    if (used_.size() != 3)
-      throw ComponentError(fmt::format("useDirections has {} entries", used_.size()), "three; frames are moved by their centres only");
-    if (weights_.size() != 3 && weights_.size() != 1)
-      throw ComponentError(fmt::format("weight has {} numbers", weights_.size()), "one, or one for each of the three directions");
+    const bool frames = first().hasFrames();
+    const std::size_t count = frames ? 6 : 3, each = frames ? 2 : 1;
+    const std::string many = frames ? "six" : "three";
+    if (!written_.empty() && written_.size() != each * count)
+      throw ComponentError(fmt::format("directions has {} numbers", 3 * written_.size()),
+                           fmt::format("{} directions of {} numbers", many, 3 * each));
+    if (!used_.empty() && used_.size() != count) throw ComponentError(fmt::format("useDirections has {} entries", used_.size()), many);
+    if (weights_.size() != count && weights_.size() != 1)
+      throw ComponentError(fmt::format("weight has {} numbers", weights_.size()),
+                           fmt::format("one, or one for each of the {} directions", many));
     along_.clear();
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (!used_[k]) continue;
-      const double weight = weights_.size() == 1 ? weights_[0] : weights_[k];
-      if (!(all[k].norm() > 0) || !(std::abs(weight) > 0))
-        throw ComponentError(fmt::format("entry {} of directions has no length or no weight", k), "both other than zero");
-      along_.push_back(weight * all[k].normalized());
-    }
+    for (std::size_t k = 0; k < count; ++k)
+      if (used_.empty() || used_[k]) along_.push_back(direction(k, each));
     if (along_.empty()) throw ComponentError("useDirections holds no direction", "a 1 for each direction to move along");
+  }
+  /// Both halves of that of a frame have the length 1, or none.
+  Direction direction(std::size_t k, std::size_t each) const {
+    const double weight = weights_.size() == 1 ? weights_[0] : weights_[k];
+    Direction found{Vec3::Zero(), Vec3::Zero()};
+    if (written_.empty())
+      (k < 3 ? found.moves : found.turns)[Index(k % 3)] = weight;
+    else {
+      found.moves = weight * written_[each * k].normalized();
+      if (each > 1) found.turns = weight * written_[each * k + 1].normalized();
+    }
+    if (!(found.moves.norm() + found.turns.norm() > 0))
+      throw ComponentError(fmt::format("entry {} of directions has no length or no weight", k), "both other than zero");
+    return found;
   }
 
   std::vector<Index> nodes_{0};
-  std::vector<Vec3> written_, along_;  ///< directions; those in use, times their weights
-  std::vector<bool> used_{true, true, true};
+  std::vector<Vec3> written_;
+  std::vector<Direction> along_;
+  std::vector<bool> used_;
   std::vector<double> weights_{1};
   double least_force_ = 0, most_force_ = 0, least_way_ = 0, most_way_ = 0;
-  std::vector<Vec3> starts_;          ///< x_0 of the points [m]
+  std::vector<Vec3> starts_;          ///< x_0 or c_0 of the points [m]
+  std::vector<Quaternion> turns_;     ///< q_0 of frames
   mutable std::vector<double> ways_;  ///< s at the x of the last conditions, direction after direction of each point [m]
   std::vector<double> of_rows_;       ///< their forces [N]
 };
@@ -125,5 +164,5 @@ class Position final : public Actuator {
 }  // namespace stroma::lagrangian
 
 STROMA_COMPONENT(position_constraint) {
-  factory.add<stroma::lagrangian::Position>("PositionConstraint", "points that are moved along directions, by a way or a force");
+  factory.add<stroma::lagrangian::Position>("PositionConstraint", "points or frames that are moved along directions, by a way or a force");
 }

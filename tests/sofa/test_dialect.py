@@ -903,6 +903,15 @@ def quirk_first_node():
 
 
 @case
+def indices_that_are_empty():
+    """Written and empty, as of a selection of a program that found nothing, they hold no node: SOFA reads them as an empty list."""
+    for held in ['FixedProjectiveConstraint', 'PartialFixedProjectiveConstraint', 'FixedTranslationProjectiveConstraint']:
+        run = Run(f'<Node name="root" {FALL} dt="0.01">{EXACT}{BODY}<{held} indices=""/></Node>', 10)
+        agree(run.x()[:, 1], [fallen(10), fallen(10)])
+        run.says("no node is held")
+
+
+@case
 def quirk_impulse_values():
     """A cable pulls a free point of 2 kg with the force that is written over dt: x = -(F / m) h^2 n (n + 1) / 2 from 1."""
     scene = node(EXACT + '<MechanicalObject name="dofs" position="1 0 0"/><UniformMass vertexMass="2"/>'
@@ -921,6 +930,17 @@ def positions_of_softrobots():
     agree(put('useDirections="0 1 0" valueType="force" value="0.003"'), [[0, 0, 0], [1, 0.003 * 0.01, 0]])
     agree(put('useDirections="0 1 0" value="2"'), [[0, 0, 0], [1, 2, 0]])
     agree(put('useDirections="0 0 1" directions="1 0 0 0 1 0 0 3 4" weight="2" value="2"'), [[0, 0, 0], [1, 0.6, 0.8]])
+    agree(put('useDirections="0 0 0" weight="2 1" value="2"'), [[0, 0, 0], [2, 1, 1]])
+    RUNS[-1].says("useDirections: holds no direction: as in SOFA all are taken",
+                  "weight: has 2 numbers for 3 directions: as in SOFA the first is that of all")
+
+
+@case
+def frames_of_softrobots():
+    """A free frame is put along y and turned about z by as much, with the weight 2: the half of it each."""
+    run = Run(node(EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass totalMass="1"/>'
+                   '<PositionConstraint template="Rigid3" indices="0" useDirections="0 1 0 0 0 1" weight="2 2 2 2 2 2" value="0.6"/>'), 1)
+    agree(run.x(width=7), [[0, 0.3, 0, 0, 0, np.sin(0.15), np.cos(0.15)]])
 
 
 @case
@@ -6575,6 +6595,25 @@ def points_on_rods_that_are_pushed():
             s = (at - nodes[n - 1]) / length
             expected[10 - len(places) + i] = sum(c * p for c, p in zip(((1 - s)**3, 3 * s * (1 - s)**2, 3 * s * s * (1 - s), s**3), ends))
         agree(points, expected, 1e-8)
+
+
+@case
+def beams_of_rods_by_their_number():
+    """nbBeams of a section has the beams, nbEdgesCollis the points of the contact model: frames are those of as many edges."""
+    def run(section):
+        return Run(root(f'<Node name="t"><RodStraightSection name="s" length="0.2" radius="0.002" youngModulus="1e8" {section} '
+                        'massDensity="1000"/><WireRestShape name="shape" wireMaterials="@s"/><EdgeSetTopologyContainer name="mesh"/></Node>'
+                        '<Node name="rods"><EulerImplicitSolver rayleighStiffness="0.2" rayleighMass="0.1"/><BTDLinearSolver/>'
+                        '<RegularGridTopology nx="20" ny="1" nz="1" xmin="0" xmax="1" ymin="0" ymax="0" zmin="1" zmax="1"/>'
+                        '<MechanicalObject name="frames" template="Rigid3d"/><WireBeamInterpolation name="w" WireRestShape="@../t/shape"/>'
+                        '<AdaptiveBeamForceFieldAndMass interpolation="@w"/><InterventionalRadiologyController name="irc" '
+                        'instruments="w" xtip="0.15" controlledInstrument="0" threshold="0.001"/><FixedProjectiveConstraint indices="0"/>'
+                        '<RestShapeSpringsForceField points="@irc.indexFirstNode" stiffness="1e8" angularStiffness="1e8"/>'
+                        '<Node name="collis"><EdgeSetTopologyContainer name="edges"/><EdgeSetTopologyModifier/><MechanicalObject name="p"/>'
+                        '<MultiAdaptiveBeamMapping ircontroller="../irc" useCurvAbs="1"/></Node></Node>', 'gravity="0 0 0"'), 3)
+    given, edges = run('nbBeams="8" nbEdgesCollis="16"'), run('nbEdgesCollis="8"')
+    agree(given.x("rods.frames", 7), edges.x("rods.frames", 7), 1e-14)
+    assert len(given.x("rods.collis.p")) == 17 and len(edges.x("rods.collis.p")) == 9
 
 
 @case

@@ -86,7 +86,6 @@ class Rewriting {
   /// Sets the attribute that stands for a quirk, unless that is switched off.
   void setQuirk(Element& element, std::string_view quirk, const std::string& attribute, const std::string& value);
   void meanSelection(Element& element);
-  void meanActuator(Element& element);
   void meanField(Element& element);
   void meanPrisms(Element& element);
   // ---- rewritten_fields.cpp ----
@@ -161,6 +160,7 @@ class Rewriting {
   bool hasForcesOfConstraint() const;
   bool hasActuators() const;
   void meanCorrection(Element& correction);
+  void meanActuator(Element& element);
   void meanVariational(Element& element);
   void meanStatics(Element& solver);
   void meanNewton(Element& newton);
@@ -203,6 +203,8 @@ class Rewriting {
 
 /// It puts nodes somewhere at times. (rewritten_bodies.cpp)
 bool putsNodes(const Element& element);
+/// Its indices are node 0 in SOFA where none are written, and no node where they are written and empty. (rewritten_constraints.cpp)
+bool holdsFirstNode(const std::string& type);
 /// The loader of a file of meshes by its ending, or empty.
 std::string_view loaderOf(std::string_view file);
 /// The numbers of a list that is written out; of a link none.

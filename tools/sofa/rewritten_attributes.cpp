@@ -167,6 +167,7 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
   }
   const std::string text(trimmed(attribute.value));
   if (text.starts_with("@") || data.link()) return !text.empty();
+  if (text.empty() && attribute.name == "indices" && holdsFirstNode(element.written->type)) return true;
   if (text.empty() && !attribute.typed && data.defaultText().empty()) return false;  // as scenes that a program saved have it
   if (data.isOutput()) {
     warn(attribute.where, element, attribute.name, "is computed by the component: what is written does not count");

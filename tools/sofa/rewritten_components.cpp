@@ -71,9 +71,6 @@ void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::st
   if (is_ours ? quirks_.isOn(quirk) : quirks_.use(quirk, element.path())) element.set(attribute, value);
 }
 
-/// A force or a pressure that is written, and the one that is told after a step.
-void Rewriting::meanActuator(Element& element) { setQuirk(element, "impulse-values", "impulses", "true"); }
-
 void Rewriting::meanSelection(Element& element) {
   const Place& here = *element.place;  // without a state or a loader there SOFA asks the state above, whatever mesh is there
   const bool is_told = element.find("position") || element.find("rest_position") || !element.probe->data().find("position");

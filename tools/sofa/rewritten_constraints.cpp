@@ -149,6 +149,15 @@ void Rewriting::meanSlidingPlane(Element& plane, bool is_assembled) {
          "CGLinearSolver, with which both do the same");
 }
 
+bool holdsFirstNode(const std::string& type) {
+  static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
+                                              "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",
+                                              "PartialLinearMovementProjectiveConstraint", "DirectionProjectiveConstraint",
+                                              "ProjectToPointProjectiveConstraint", "ProjectToLineProjectiveConstraint",
+                                              "ProjectToPlaneProjectiveConstraint"};
+  return first.count(type) > 0;
+}
+
 void Rewriting::meanConstraint(Element& element) {
   if (element.is("InterventionalRadiologyController") && std::atof(element.text("speed").c_str()) < 0 && !element.find("motionFilename")) {
     warn(element.find("speed")->where, element, "speed", "is below 0: SOFA moves rods of a scene by a speed above 0 only, and they stay");
@@ -182,12 +191,7 @@ void Rewriting::meanConstraint(Element& element) {
     element.remove("dmin"), element.remove("dmax");
   if (element.is("FixedPlaneProjectiveConstraint")) meanSlidingPlane(element, integrator && moves && isAssembled(*integrator));
   const bool all = saysYes(element.text("fixAll"));
-  static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
-                                              "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",
-                                              "PartialLinearMovementProjectiveConstraint", "DirectionProjectiveConstraint",
-                                              "ProjectToPointProjectiveConstraint", "ProjectToLineProjectiveConstraint",
-                                              "ProjectToPlaneProjectiveConstraint"};
-  if (!all && !element.find("indices") && first.count(element.written->type) &&
+  if (!all && !element.find("indices") && holdsFirstNode(element.written->type) &&
       quirks_.use("first-node", element.path())) {
     warn(element.written->where, element, "indices", "is not given: SOFA holds node 0");
     element.set("indices", "0");

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What integrators and solvers mean in SOFA: their defaults, and what ends an iteration.
+#include <algorithm>
 #include <cstdlib>
 
 #include "framework/scene/names.h"
+#include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
 
 namespace stroma::sofa {
@@ -297,6 +299,24 @@ void Rewriting::warnOfAccepted(const Element& element) {
   if (pulls && holds)
     warn(element.written->where, element, {},
          "SOFA moves nodes by forces of constraint with the compliance of the start: here it is that of the step");
+}
+
+/// A force or a pressure that is written, and the one that is told after a step.
+void Rewriting::meanActuator(Element& element) {
+  setQuirk(element, "impulse-values", "impulses", "true");
+  if (!element.is("PositionConstraint")) return;
+  const auto warnOf = [&](const char* attribute, const std::string& what) { warn(element.written->where, element, attribute, what); };
+  const std::vector<double> used = writtenNumbers(element.text("useDirections")), weights = writtenNumbers(element.text("weight"));
+  if (!used.empty() && std::all_of(used.begin(), used.end(), [](double one) { return one == 0; })) {
+    warnOf("useDirections", "holds no direction: as in SOFA all are taken");
+    element.remove("useDirections");
+  }
+  const Element* state = element.place->nearest("mechanical state");
+  const std::size_t count = state && state->text("template").starts_with("Rigid") ? 6 : 3;
+  if (weights.size() < 2 || weights.size() == count) return;
+  warnOf("weight", "has " + std::to_string(weights.size()) + " numbers for " + std::to_string(count) +
+                       " directions: as in SOFA the first is that of all");
+  element.set("weight", printReal(weights[0]));
 }
 
 /// Forces of constraint that leave out the matrix of a body: where there are any, and unless they are not wanted.

@@ -163,3 +163,47 @@ def test_what_was_kept_ends_with_the_start():
     Sofa.Simulation.init(root)
     assert not {"_s_register", "_s_preview"} & {*root.__dict__, *region.__dict__}
     assert len(region.indices.value) == 4
+
+
+@pytest.mark.parametrize("sizes, edges, quads", [({"n": [3, 4, 2]}, 2 * 4 * 2 + 3 * 3 * 2 + 3 * 4, 2 * 3 * 2 + 2 * 4 + 3 * 3),
+                                                 ({"nx": 4, "ny": 3, "nz": 1}, 3 * 3 + 4 * 2, 3 * 2), ({"n": [5, 1, 1]}, 4, 0)])
+def test_grids_list_their_edges_and_faces(sizes, edges, quads):
+    """Two triangles of each quad, and the edges with one diagonal in each, before a scene runs and while it does."""
+    root = Sofa.Core.Node("root")
+    grid = root.addObject("RegularGridTopology", min=[0, 0, 0], max=[1, 1, 1], **sizes)
+    root.addObject("MechanicalObject")
+    for _ in range(2):
+        assert len(grid.quads.value) == quads and len(grid.triangles.value) == 2 * quads
+        assert len({frozenset(edge) for edge in grid.edges.value.tolist()}) == len(grid.edges.value) == edges + quads
+        assert grid.getNbEdges() == edges + quads
+        Sofa.Simulation.init(root)
+    assert len(root.addObject("RegularGridTopology", name="bare", n=[3, 3, 3], computeQuadList=False).quads.value) == 0
+
+
+def test_springs_are_added_one_by_one():
+    """Two springs side by side are as one of the sum of their stiffness: k (x - 1) = F where it comes to rest."""
+    from Sofa.SofaDeformable import LinearSpring
+
+    root = Sofa.Core.Node("root")
+    root.gravity = [0, 0, 0]
+    root.addObject("StaticSolver")
+    root.addObject("NewtonRaphsonSolver", maxNbIterationsNewton=20)
+    root.addObject("SparseLDLSolver")
+    state = root.addObject("MechanicalObject", position=[[0, 0, 0], [1, 0, 0]])
+    root.addObject("PartialFixedProjectiveConstraint", indices=[1], fixedDirections=[0, 1, 1])
+    root.addObject("FixedProjectiveConstraint", indices=[0])
+    root.addObject("ConstantForceField", indices=[1], forces=[3, 0, 0])
+    springs = root.addObject("SpringForceField", object1="@.", object2="@.")
+    springs.addSpring(0, 1, 10.0, 0.0, 1.0)
+    springs.addSpring(LinearSpring(index1=0, index2=1, springStiffness=20, dampingFactor=0, restLength=1))
+    Sofa.Simulation.init(root)
+    Sofa.Simulation.animate(root, 0.01)
+    assert state.position.value[1] == pytest.approx([1.1, 0, 0], abs=1e-9)
+    with pytest.raises(AttributeError, match="has no springs"):
+        state.addSpring(0, 1, 1, 1, 1)
+
+
+def test_data_are_listed():
+    root = Sofa.Core.Node("root")
+    state = root.addObject("MechanicalObject", position=[0, 0, 0])
+    assert "position" in [data.getName() for data in state.getDataFields()] and "position" in state.__data__

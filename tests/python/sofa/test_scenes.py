@@ -492,7 +492,7 @@ def test_cycles_are_refused():
 def test_every_scene_has_a_test():
     with open(__file__, encoding="utf-8") as file:
         text = file.read()
-    for other in ("test_command.py", "test_public.py", "test_ways.py"):
+    for other in ("test_command.py", "test_public.py", "test_ways.py", "test_linked.py"):
         with open(SCENES.parent / other, encoding="utf-8") as file:
             text += file.read()
     parts = ("parts_of_scene", "params", "FingerController", "helper_of_two")

@@ -209,7 +209,8 @@ def test_a_scene_that_would_go_on_without_a_part_is_not_run(folder, how):
 
 
 def test_edges_and_sides_that_a_topology_is_asked_for():
-    """SOFA makes them of the cells: two tetrahedra with a side in common have 9 edges and 7 sides, a cube of 27 has 144 and 108."""
+    """SOFA makes them of the cells: two tetrahedra with a side in common have 9 edges and 7 sides. Those of a grid are as a link to
+    its edges has them: a cube of 27 has 108 sides, and beside its 144 edges a diagonal in each."""
     root = Sofa.Core.Node("root")
     pair = root.addObject("TetrahedronSetTopologyContainer", position=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]],
                           tetrahedra=[[0, 1, 2, 3], [1, 4, 2, 3]])
@@ -218,7 +219,7 @@ def test_edges_and_sides_that_a_topology_is_asked_for():
     edges = [pair.getEdge(i) for i in pair.getEdgesInTetrahedron(1)]
     assert edges == [[1, 4], [1, 2], [1, 3], [2, 4], [3, 4], [2, 3]]
     cube = root.addChild("cube").addObject("RegularGridTopology", n=[4, 4, 4], min=[0, 0, 0], max=[1, 1, 1])
-    assert (cube.getNbEdges(), cube.getNbQuads(), cube.getNbHexahedra()) == (144, 108, 27)
+    assert (cube.getNbEdges(), cube.getNbQuads(), cube.getNbHexahedra()) == (144 + 108, 108, 27)
     both = root.addChild("both").addObject("MeshTopology", position=[[i & 1, i >> 1 & 1, i >> 2] for i in range(8)], quads=[[0, 1, 3, 2]],
                                            hexahedra=[[0, 1, 3, 2, 4, 5, 7, 6]])
     assert (both.getNbEdges(), both.getNbQuads()) == (12, 1) and both.getEdge(1) == [0, 2]

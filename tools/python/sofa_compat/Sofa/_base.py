@@ -150,16 +150,13 @@ class Base:
         return f"{self._s_place()}: has no data '{name}'" + (f"; did you mean '{near}'?" if near else "")
 
     def getDataFields(self):
-        return DataDict((name, self.findData(name)) for name in self._s_data_names())
+        return [self.findData(name) for name in self._s_data_names()]
 
-    def getDataList(self):
-        return list(self.getDataFields().values())
-
-    getDataFieldsList = getDataList
+    getDataList = getDataFieldsList = getDataFields
 
     @property
     def __data__(self):
-        return self.getDataFields()
+        return DataDict((name, self.findData(name)) for name in self._s_data_names())
 
     def getLinks(self):
         return []
@@ -171,6 +168,8 @@ class Base:
         if isinstance(name, Data):  # addData(data)
             return self._s_add_data(name._s_name, name, None, name._s_help, name._s_group)
         given = value if value is not None else default
+        if self._s_sample_of(str(name)) is None:  # the component has none of that name: it is the program's alone
+            self.__dict__.setdefault("_s_added", set()).add(str(name))
         return self._s_add_data(str(name), given, _kind_of(type, given), help, group)
 
     def addNewData(self, name, group="", help="", type=None, value=None):

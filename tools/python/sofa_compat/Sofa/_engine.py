@@ -173,11 +173,22 @@ class Engine:
         if takes_another or isinstance(value, Data) or _values.is_link_text(value):
             return self.edited(f"{thing._s_place()}.{data._s_name}")
         try:
-            self._components[id(thing)].set(data._s_name, _plain(value))
+            self._set(thing, data, value)
+        except TreeChanged:
+            raise
         except RuntimeError:
             data._s_raw = before
             raise
         return None
+
+    def _set(self, thing, data, value):
+        """What is read only where a scene is loaded, as a region of nodes that a load has taken, takes a new simulation."""
+        try:
+            self._components[id(thing)].set(data._s_name, _plain(value))
+        except stroma.SceneError as error:
+            if "cannot change while the scene runs" not in str(error):
+                raise
+            self.edited(f"{thing._s_place()}.{data._s_name}")
 
     @staticmethod
     def _has_put_aside(thing, data):
@@ -372,10 +383,12 @@ class Engine:
             found = thing._s_facts.find(data._s_name)
             if id(thing) not in self._components or found is None:
                 continue
-            if found.change == "restart":
-                self._restart = True
+            if id(thing) in self._states and data._s_name in ("position", "velocity", "rest_position"):
+                self._to_state(thing, self._states[id(thing)], data, source.value)
+            elif found.change == "restart":
+                self.edited(f"{thing._s_place()}.{data._s_name}")
             else:
-                self._components[id(thing)].set(data._s_name, _plain(source.value))
+                self._set(thing, data, source.value)
 
     def _update_engines(self):
         for each in _events.listeners(self.root):

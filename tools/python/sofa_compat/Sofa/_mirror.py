@@ -99,7 +99,9 @@ class Mirror:
         if thing._s_facts.role == "mesh loader":
             self._loaders.append(path)
         for name, data in thing._s_data.items():
-            if name in ("name",) or data._s_raw is None or (name == "src" and self._gives_nothing(thing, data)):
+            if name == "name" or data._s_raw is None or name in thing.__dict__.get("_s_added", ()):
+                continue
+            if name == "src" and self._gives_nothing(thing, data):
                 continue
             value = self._value(thing, data)
             if value is not None and (names is None or name in names):

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from . import _boxes, _catalogue, _cells, _messages, _values
+from . import _boxes, _catalogue, _cells, _grids, _messages, _values
 from ._base import Base
 from ._data import Data
 
@@ -103,9 +103,12 @@ class Object(Base):
     # ---- values ----
     def _s_read(self, data):
         engine = self._s_engine()
+        facts = self._s_facts
+        if data._s_name in _grids.LISTS and data._s_raw is None and facts is not None and facts.info is not None:
+            if facts.info.type == "RegularGridTopology":
+                return self._s_formed(data, _grids.list_of(self, data._s_name))
         if engine is not None and engine.knows(self, data):
             return engine.read(self, data)
-        facts = self._s_facts
         if data._s_name == "bbox" and (self._s_is_state() or self._s_is_drawn()) and (data._s_raw is None or engine is not None):
             found = _boxes.around([self])
             return super()._s_read(data) if found is None else found
@@ -229,6 +232,17 @@ class Object(Base):
     # ---- of states ----
     def getSize(self):
         return len(self.findData("position").value)
+
+    # ---- of springs ----
+    def addSpring(self, *spring):
+        """A LinearSpring, or its numbers: two indices, stiffness, damping, length at rest."""
+        self.addSprings([spring[0] if len(spring) == 1 else spring])
+
+    def addSprings(self, springs):
+        data = self.findData("spring")
+        if data is None:
+            raise AttributeError(f"{self._s_place()}: {self._s_type} has no springs that can be added")
+        data.value = [*np.ravel(data.value).tolist(), *(number for spring in springs for number in spring)]
 
     # ---- of topologies ----
     def _s_count(self, name):
