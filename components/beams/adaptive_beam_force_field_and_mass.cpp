@@ -246,7 +246,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   double weightEnergy(ConstRows x) const {
     const Vec3 g = node().gravity();
     double sum = 0;
-    for (std::size_t i = 0; has_mass_ && !g.isZero() && i < rows_.size(); ++i) {
+    for (std::size_t i = 0; has_mass_ && !g.isZero(0) && i < rows_.size(); ++i) {
       const auto [t_a, t_b] = tangents(i, x);
       sum -= g.dot(inertia_.massOf(i) / 2 * (x[rows_[i][0]] + x[rows_[i][2]]) + lever(i) * (t_a - t_b));
     }
@@ -254,7 +254,7 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
   }
   void addWeight(ConstRows x, Rows f) {
     const Vec3 g = node().gravity();
-    tangents_.assign(g.isZero() ? 0 : rows_.size(), {});
+    tangents_.assign(g.isZero(0) ? 0 : rows_.size(), {});
     for (std::size_t i = 0; i < tangents_.size(); ++i) {
       tangents_[i] = tangents(i, x);
       for (const std::size_t end : {0, 1}) {

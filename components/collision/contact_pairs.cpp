@@ -189,7 +189,7 @@ void ContactSearch::meet(const Surface& a, const Part& p, const Surface& b, cons
     const double distance = difference.norm();
     if (!(distance < alarm + radii)) return;
     if (!m.cones.hold(*found.a.part, difference) || !o.cones.hold(*found.b.part, -difference)) return;
-    if (distance > 1e-10) found.normal = difference / distance;  // else any, as SOFA does
+    if (distance > 1e-10 * (alarm + radii)) found.normal = difference / distance;  // else any, as SOFA does
     out.push_back(found);
   };
   const auto add = [&](const Surface& m, const Part& mine, std::span<const Vec3> from, int k, const Surface& o,

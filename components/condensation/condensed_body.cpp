@@ -333,7 +333,7 @@ void CondensedBody::projectNodes(Index first, double* vector) const {
 std::vector<double> CondensedBody::constantForce() {
   Vector force(system_->allRows());
   for (const Mass* mass : system_->masses())
-    if (!mass->node().gravity().isZero()) mass->addGravity(force);
+    if (!mass->node().gravity().isZero(0)) mass->addGravity(force);
   for (ForceField* field : constant_)
     field->addForce(std::count(dead_.begin(), dead_.end(), field) ? rest_ : reference_, still_, force);
   project(force);

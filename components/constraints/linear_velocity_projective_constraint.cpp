@@ -57,7 +57,7 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
     HeldNodes::init();
     velocity_.compile(state());
     if (late_ && !state().hasPointsOnly()) throw ComponentError("late is of points", "a state of template Vec3");
-    if (!ahead_.isZero() && velocity_.first() > node().root().root_time)
+    if (!ahead_.isZero(0) && velocity_.first() > node().root().root_time)
       throw ComponentError(
           fmt::format("ahead is of nodes that are driven from the start on, and the first key is at {:g} s", velocity_.first()),
           "no ahead");

@@ -47,9 +47,9 @@ void BarrierLaw::keepPositive(Term& term) {
   double cc = 0, ww = 0;
   for (std::size_t i = 0; i < 4; ++i) cc += term.c[i] * term.c[i], ww += term.w[i].squaredNorm();
   if (!(ww > 0)) return void(term.slope = 0);
-  const double square = std::sqrt(ww / cc);
-  term.slope *= 0.5, term.distance = 1 / square;
-  term.m -= term.slope * square * (Mat3::Identity() - term.n * term.n.transpose());
+  // what is near keeps half of its slides, with as little besides as that takes; what is far all of them, as nothing else turns it
+  if (const double near = std::sqrt(cc / ww); term.distance < near) term.slope *= 0.5, term.distance = near;
+  term.m -= term.slope / term.distance * (Mat3::Identity() - term.n * term.n.transpose());
 }
 
 /// `slope`: of the energy by the distance. Nothing is added where two sides are nearly parallel.

@@ -82,9 +82,11 @@ class OscillatingTorsion final : public NodeGroupField<1> {
   void compile() override {
     std::vector<Index> nodes;
     rest_.clear(), shares_.clear();
+    on_axis_ = 0;
     for (const auto& [node, weight] : weights_) {
       nodes.push_back(node), shares_.push_back(weight);
       rest_.push_back(state().rest_position[std::size_t(node)]);
+      on_axis_ = std::max(on_axis_, 1e-20 * fromAxis(rest_.back()).squaredNorm());
     }
     setNodes(nodes, false);
   }
@@ -107,21 +109,19 @@ class OscillatingTorsion final : public NodeGroupField<1> {
     }
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Vec3 arm = fromAxis(x[rows_[i][0]]);
-      if (const double square = arm.squaredNorm(); square > tiny)
+      if (const double square = arm.squaredNorm(); square > on_axis_)
         f[rows_[i][0]] += lacking * shares_[i] / square * direction_.cross(arm);
     }
   }
 
  private:
-  static constexpr double tiny = 1e-20;  ///< [m^2], on the axis
-
   Vec3 fromAxis(const Vec3& p) const { return p - centre_ - direction_.dot(p - centre_) * direction_; }
   Vec3 placeOf(std::size_t i, const Mat3& turn) const { return rest_[i] + (turn - Mat3::Identity()) * fromAxis(rest_[i]); }
   double meanAngle(ConstRows x) const {
     double sum = 0, distances = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Vec3 arm = fromAxis(x[rows_[i][0]]), rest = fromAxis(rest_[i]);
-      if (arm.squaredNorm() <= tiny || rest.squaredNorm() <= tiny) continue;
+      if (arm.squaredNorm() <= on_axis_ || rest.squaredNorm() <= on_axis_) continue;
       sum += arm.norm() * std::atan2(direction_.dot(rest.cross(arm)), rest.dot(arm));
       distances += arm.norm();
     }
@@ -163,6 +163,7 @@ class OscillatingTorsion final : public NodeGroupField<1> {
   std::vector<Vec3> rest_;           ///< [m], shape (nodes of the part)
   std::vector<double> shares_;       ///< of the moment, shape (nodes of the part)
   double now_ = 0;                   ///< M(t) [N m]
+  double on_axis_ = 0;               ///< [m^2], the square of an arm that is none
 };
 
 }  // namespace

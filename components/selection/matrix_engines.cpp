@@ -56,13 +56,25 @@ class TransformMatrixEngine final : public Engine {
       out = in * own();
       return;
     }
-    const Eigen::FullPivLU<Eigen::Matrix4d> factors{Eigen::Matrix4d(in)};
-    if (!in.allFinite() || !factors.isInvertible()) throw ComponentError("inT has no inverse", "a matrix that flattens nothing");
-    out = factors.inverse();
+    // a far translation has no part in whether a matrix flattens: it is a length, and depends on the unit of lengths
+    const bool is_affine = in.row(3) == Eigen::RowVector4d::Unit(3);
+    if (is_affine) {
+      out = Matrix::Identity();
+      out.topLeftCorner<3, 3>() = inverseOf<Mat3>(in.topLeftCorner<3, 3>());
+      out.topRightCorner<3, 1>() = -out.topLeftCorner<3, 3>() * in.topRightCorner<3, 1>();
+    } else {
+      out = inverseOf<Eigen::Matrix4d>(in);
+    }
   }
 
  private:
   using Matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+  template <class Square>
+  static Square inverseOf(const Square& in) {
+    const Eigen::FullPivLU<Square> factors(in);
+    if (!in.allFinite() || !factors.isInvertible()) throw ComponentError("inT has no inverse", "a matrix that flattens nothing");
+    return factors.inverse();
+  }
   Matrix own() const {
     Matrix own = Matrix::Identity();
     if (kind == Kind::translation) own.topRightCorner<3, 1>() = by_;

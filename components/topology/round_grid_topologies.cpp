@@ -134,7 +134,7 @@ class CylinderGrid final : public RoundGrid {
   Vec3 placed(const Vec3& share) const override {
     Vec3 p = radius_ * (2 * share - Vec3::Ones());
     p[2] = 0;
-    constexpr double middle = 1e-7;
+    const double middle = 1e-7 * radius_;
     if (p.norm() > middle) p *= p.cwiseAbs().maxCoeff() / p.norm();
     p[2] = share[2] * length_;
     return p;
@@ -145,7 +145,7 @@ class CylinderGrid final : public RoundGrid {
 class SphereGrid final : public RoundGrid {
   Vec3 placed(const Vec3& share) const override {
     Vec3 p = radius_ * (2 * share - Vec3::Ones());
-    constexpr double middle = 1e-7;
+    const double middle = 1e-7 * radius_;
     if (p.norm() > middle) p *= p.cwiseAbs().maxCoeff() / p.norm();
     return p;
   }

@@ -16,7 +16,7 @@ void System::setTime(double t) {
 void System::computeGravity() {
   gravity_force_.resize(allRows());
   for (const Mass* mass : masses()) {
-    if (mass->node().gravity().isZero()) continue;
+    if (mass->node().gravity().isZero(0)) continue;
     mass->addGravity(gravity_force_);
     has_gravity_ = true;
   }

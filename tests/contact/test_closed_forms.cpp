@@ -125,6 +125,35 @@ TEST(ClosedForms, Cone) {
   EXPECT_LT(std::abs(error), 0.015);
 }
 
+/// A sphere that is larger than the cells it is pressed into has its centre far away. What turns below it closes gaps by far more than
+/// their width, which a definite tangent must know. The force grows to that of a hard sphere, by the share of the gap that is left.
+TEST(ClosedForms, AHardBarrierAroundALargeSphereFindsItsBalance) {
+  const double range = 1e-4, way = 3e-4;
+  std::vector<double> forces;
+  for (const double stiffness : {1e5, 1e6, 1e7}) {
+    Simulation simulation = simulationFromText(contactScene(
+        fmt::format("<RegularGridTopology n=\"7 7 3\" min=\"0 0 -0.003\" max=\"0.0045 0.0045 0\"/><MechanicalObject name=\"dofs\"/>"
+                    "<HexahedronFEMForceField youngModulus=\"1e4\" poissonRatio=\"0.45\" method=\"small\"/>"
+                    "<BoxROI name=\"low\" box=\"-1 -1 -1 1 1 -0.0029\"/><FixedProjectiveConstraint indices=\"@low.indices\"/>"
+                    "<BoxROI name=\"left\" box=\"-1 -1 -1 1e-5 1 1\"/><BoxROI name=\"front\" box=\"-1 -1 -1 1 1e-5 1\"/>"
+                    "<PartialFixedProjectiveConstraint indices=\"@left.indices\" fixedDirections=\"1 0 0\"/>"
+                    "<PartialFixedProjectiveConstraint indices=\"@front.indices\" fixedDirections=\"0 1 0\"/>"
+                    "<BarrierContact spheres=\"0 0 {} 0.005\" contactDistance=\"{}\" stiffness=\"{}\" keyTimes=\"0 2 9\" "
+                    "movements=\"0 0 0  0 0 {}  0 0 {}\"/>",
+                    0.005 + 1.001 * range, range, stiffness, -way, -way),
+        1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-6\"/>"));
+    for (int i = 0; i < 2; ++i) {
+      const StepReport report = simulation.step();
+      ASSERT_TRUE(!report.diverged && report.newton_converged) << stiffness << " Pa, step " << i << ": " << report.reason;
+    }
+    forces.push_back(-numbersOf(simulation, "wrenches")[2]);
+  }
+  EXPECT_GT(forces[1], forces[0]);
+  EXPECT_GT(forces[2], forces[1]);
+  EXPECT_LT(forces[1], 1.03 * forces[0]);
+  EXPECT_LT(forces[2], 1.01 * forces[1]);
+}
+
 /// v^2 / (2 mu g) in v / (mu g), of a rigid block that is let go at the gap of its weight.
 TEST(ClosedForms, FrictionStopsABlock) {
   const Body box = boxOf(Vec3(-.5, -.5, -.1), Vec3(.5, .5, .1));

@@ -6,7 +6,7 @@ import weakref
 import numpy
 import pytest
 import stroma
-from conftest import block
+from conftest import EXAMPLES, block
 
 
 def with_constraint(constraint, **more):
@@ -178,3 +178,16 @@ def test_what_an_observer_throws_comes_out(simulation):
     simulation.add_observer(Fails())
     with pytest.raises(KeyError, match="mine"):
         simulation.step()
+
+
+def test_a_ball_that_falls_alone_over_a_plane_of_symmetry_stays_in_it():
+    """The third ball of the bowl, over a corner of its mesh that lies in the plane x = 0: friction and contacts to both sides are alike."""
+    alone = {"/balls/dofs.position": "0 0.11 -0.03", "/balls/mass.totalMass": "0.1"}
+    simulation = stroma.load(EXAMPLES / "balls_in_a_bowl.xml", set=alone, observers=False)
+    farthest = 0.0
+    for _ in range(200):
+        simulation.step()
+        farthest = max(farthest, abs(simulation.state("/balls").x[0][0]))
+    place = simulation.state("/balls").x[0]
+    assert farthest < 1e-12, farthest
+    assert 0.015 < place[1] < 0.02 and abs(place[2] + 0.03) < 1e-3, place  # it lies on the corner's faces

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The example of every component's manual page in other units of length, mass and time. The units are powers of two of those of the
 page, so that a run in which no number is compared with one of another dimension has the same numbers to the bit."""
+import math
 import re
 
 import numpy
@@ -114,7 +115,9 @@ def run(text, units):
     return {what: (of, values) for what, of, values in numbers_of(simulation)}
 
 
-@pytest.mark.parametrize("units", [(2.0 ** 12, 2.0 ** 18, 2.0 ** 6), (2.0 ** -12, 2.0 ** -18, 2.0 ** -6)])
+# the last are about gigametres with 0.01 s, and nanometres with a gravity of 8e-15
+@pytest.mark.parametrize("units", [(2.0 ** 12, 2.0 ** 18, 2.0 ** 6), (2.0 ** -12, 2.0 ** -18, 2.0 ** -6),
+                                   (2.0 ** 30, 2.0 ** 40, 2.0 ** -7), (2.0 ** -30, 2.0 ** -80, 2.0 ** 10)])
 def test_examples_have_the_same_numbers_in_other_units(units, folder):
     compared, exact, wrong = 0, 0, []
     for type in sorted(stroma.types()):
@@ -124,6 +127,8 @@ def test_examples_have_the_same_numbers_in_other_units(units, folder):
         if not text or named & (UNTOLD | BY_DEFAULT | INDEFINITE) or re.search('template="Vec|filename=', text):
             continue
         mixed = "Rigid3" in text  # iterations and thresholds add squares of metres and radians
+        if mixed and abs(math.log2(units[0])) > 20:
+            continue
         as_written = run(text, (1, 1, 1))
         for what, (of, values) in run(text, units).items():
             expected = as_written[what][1]
@@ -139,4 +144,4 @@ def test_examples_have_the_same_numbers_in_other_units(units, folder):
         compared += 1
         exact += not mixed
     assert not wrong, "\n".join(wrong)
-    assert compared > 120 and exact > 90, (compared, exact)
+    assert exact > 90 and (compared > 120 or abs(math.log2(units[0])) > 20), (compared, exact)

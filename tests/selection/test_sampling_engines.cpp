@@ -122,6 +122,12 @@ TEST(SamplingEngines, MatricesActOneAfterAnother) {
   EXPECT_LT((moved("c", "1 0 0") - Vec3(0, 2, 5)).norm(), 1e-15);
   EXPECT_LT((moved("c", "0 1 1") - Vec3(-3, 0, 9)).norm(), 1e-15);
   EXPECT_LT((moved("d", "-3 0 9") - Vec3(0, 1, 1)).norm(), 1e-15);
+  // a millimetre in nanometres, and more: a far place flattens nothing
+  const Scene far = engine("<InvertTransformMatrixEngine name='e' inT='@b.outT'/>",
+                           "<TranslateTransformMatrixEngine name='a' translation='0 0 5e9'/>"
+                           "<RotateTransformMatrixEngine name='b' inT='@a.outT' rotation='0 0 90'/>");
+  const auto back = made<std::array<double, 16>>(far, "outT");
+  EXPECT_EQ(back[11], -5e9);
   expectContains(problemsOf("<Node name='root'><ScaleTransformMatrixEngine name='flat' scale='1 0 1'/>"
                             "<InvertTransformMatrixEngine inT='@flat.outT'/></Node>"),
                  "inT has no inverse");

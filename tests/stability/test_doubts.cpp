@@ -156,6 +156,32 @@ TEST(Doubts, CellsThatAPressTurnsInsideOutAreNamed) {
   EXPECT_TRUE(says(log, "hexahedra are inside out at a corner")) << log;
 }
 
+/// W = mu/2 (I1 - 3) + (lambda + mu)/2 (J - a)^2 of a bar of length s with free sides: J = a - mu/((lambda + mu) s), with Poisson's
+/// ratio 0 2 - 1/s. Half its length leaves no width: the solve converges to a line.
+TEST(Doubts, ABarWithoutAWidthIsNamed) {
+  const auto pressed = [](double share) {
+    return simulationFromText(fmt::format(
+        R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="2 2 2" min="0 0 0" max="0.1 0.1 0.1"/><MechanicalObject/>
+  <HexahedronHyperelasticityFEMForceField name="fem" materialName="StableNeoHookean" mu="5000" lambda="0"/>
+  <PartialFixedProjectiveConstraint indices="0 2 4 6" fixedDirections="1 0 0"/>
+  <PartialFixedProjectiveConstraint indices="0 1 4 5" fixedDirections="0 1 0"/>
+  <PartialFixedProjectiveConstraint indices="0 1 2 3" fixedDirections="0 0 1"/>
+  <PartialLinearMovementProjectiveConstraint indices="4 5 6 7" movedDirections="0 0 1" keyTimes="0 1" movements="0 0 0 0 0 {}"
+   outside="hold"/></Node>)",
+        0.1 * (share - 1)));
+  };
+  Simulation thin = pressed(0.55);
+  ASSERT_TRUE(thin.step().newton_converged);
+  const double width = thin.systems()[0]->x[7].x() / 0.1;
+  EXPECT_NEAR(width * width * 0.55, 2 - 1 / 0.55, 1e-7);
+  EXPECT_EQ(doubtsText(thin), "");
+  Simulation none = pressed(0.5);
+  const StepReport report = none.step();
+  ASSERT_TRUE(report.newton_converged) << report.reason;
+  EXPECT_TRUE(says(doubtsText(none), "1 of 1 elements are inverted or flat")) << doubtsText(none);
+}
+
 /// Springs know lengths alone: the mirrored block is at rest.
 TEST(Doubts, MeshesThatSpringsLetFoldAreNamed) {
   Simulation block = simulationFromText(

@@ -120,7 +120,7 @@ std::string Target::nearEnd(double decades, bool above) const {
 std::vector<Target> targetsOf(const Simulation& simulation) {
   std::vector<Target> targets;
   targets.push_back({"/", "dt", Quantity::time, {simulation.dt()}, 0, infinity, true, false});
-  if (!simulation.root().gravity().isZero()) targets.push_back(gravityOf(simulation.root()));
+  if (!simulation.root().gravity().isZero(0)) targets.push_back(gravityOf(simulation.root()));
   std::vector<Component*> components;
   simulation.root().collect(components);
   for (const Component* component : components)
