@@ -43,7 +43,12 @@ std::int64_t mixedBits(const std::vector<double>& values) {
 RefinedFactor::RefinedFactor(FactorPrecision precision, std::shared_ptr<FactorRecord> record)
     : wanted_(precision), record_(record ? std::move(record) : std::make_shared<FactorRecord>()) {}
 
+/// A field that takes another tangent asks for a pattern anew, and mostly has the same one.
 bool RefinedFactor::analyse(const BlockMatrix& matrix, StopToken stop) {
+  if (analysis_ && analysis_->isOf(matrix)) {
+    has_fronts_ = has_double_ = false;
+    return true;
+  }
   analysis_ = SupernodalAnalysis::of(matrix, stop, record_->analysis.lock().get());
   record_->analysis = analysis_;
   has_fronts_ = has_analysis_ = has_double_ = false;

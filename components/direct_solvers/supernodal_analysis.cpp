@@ -76,11 +76,12 @@ std::shared_ptr<SupernodalAnalysis> SupernodalAnalysis::of(const BlockMatrix& ma
   analysis->pattern = mixedPattern(matrix);
   if (former && former->pattern == analysis->pattern && former->unknown.size() == 3 * std::size_t(matrix.rows()))
     analysis->unknown = former->unknown, analysis->ordering = former->ordering;
-  const auto graph = std::make_shared<Graph>(Graph{matrix.rowStart(), matrix.columns(), matrix.diagonal()});
+  const auto graph = std::make_shared<const Graph>(Graph{matrix.rowStart(), matrix.columns(), matrix.diagonal()});
   if (matrix.rows() < few_rows || !stop.isWatched())
     analysis->run(*graph);
   else if (!runOrLeave([analysis, graph] { analysis->run(*graph); }, reinterpret_cast<const void*>(&allocateForCholmod), stop))
     return nullptr;
+  analysis->graph_ = graph;
   return analysis;
 }
 

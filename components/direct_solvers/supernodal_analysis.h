@@ -37,6 +37,10 @@ class SupernodalAnalysis {
   static std::shared_ptr<SupernodalAnalysis> of(const BlockMatrix& matrix, StopToken stop,
                                                 const SupernodalAnalysis* former = nullptr);
 
+  /// Whether it serves this matrix: of the same pattern, to the last entry.
+  bool isOf(const BlockMatrix& matrix) const {
+    return graph_ && graph_->row_start == matrix.rowStart() && graph_->columns == matrix.columns();
+  }
   SupernodalPattern supernodes() const;
   /// Throws std::runtime_error that names what CHOLMOD could not do, where it could not.
   void check(bool good, const char* what) const;
@@ -62,6 +66,8 @@ class SupernodalAnalysis {
   static bool isDissectionWorth(const Graph& graph, double block_flops);
   std::vector<int> orderUnknowns(const Graph& graph);
   void buildLower(const Graph& graph);
+
+  std::shared_ptr<const Graph> graph_;  ///< what was analysed; null until then
 };
 
 }  // namespace stroma

@@ -64,6 +64,7 @@ void SupernodalFactor::releaseNumbers() {
 }
 
 bool SupernodalFactor::analyse(const BlockMatrix& matrix, StopToken stop) {
+  if (analysis_ && analysis_->isOf(matrix)) return true;
   std::shared_ptr<SupernodalAnalysis> analysis = SupernodalAnalysis::of(matrix, stop);
   if (analysis)
     take(std::move(analysis));

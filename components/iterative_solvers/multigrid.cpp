@@ -27,26 +27,6 @@ BlockMatrix symmetricPart(const BlockMatrix& a) {
   return part;
 }
 
-/// sum (x_j - x_i) (X_j - X_i)^T over the neighbours j of a node, X where they were: by columns of four numbers.
-Eigen::Array<double, 4, 3> spreadAround(const amg::Blocks<3, 3>& a, Index i, ConstRows x, ConstRows was) {
-  static_assert(row_doubles == 4);
-  const auto at = [](ConstRows rows, Index j) {
-    return Eigen::Array4d(Eigen::Map<const Eigen::Array4d>(rows.data + std::size_t(j) * row_doubles));
-  };
-  const Eigen::Array4d now_i = at(x, i), was_i = at(was, i);
-  Eigen::Array4d first = Eigen::Array4d::Zero(), second = first, third = first;
-  for (Index s = a.start[std::size_t(i)]; s < a.start[std::size_t(i) + 1]; ++s) {
-    const Index j = a.columns[std::size_t(s)];
-    const Eigen::Array4d now = at(x, j) - now_i, before = at(was, j) - was_i;
-    first += now * before[0];
-    second += now * before[1];
-    third += now * before[2];
-  }
-  Eigen::Array<double, 4, 3> sum;
-  sum << first, second, third;
-  return sum;
-}
-
 std::shared_ptr<amg::Hierarchy> hierarchyOf(SystemMatrix& matrix, ConstRows positions, SolveReport& report, StopToken stop) {
   const BlockMatrix& a = matrix.assemble();
   auto made = matrix.symmetric() ? amg::makeHierarchy(a, positions, report, stop)
@@ -99,7 +79,7 @@ void Multigrid::turn(const SystemMatrix& matrix) {
     auto next_held = std::ranges::lower_bound(held, first);
     for (Index i = first; i < end; i += 8) {
       for (Index k = 0; k < 8; ++k) {
-        const auto sum = spreadAround(a, std::min(i + k, end - 1), x, before);
+        const auto sum = spreadAround(a.start, a.columns, std::min(i + k, end - 1), x, before);
         for (Index c = 0; c < 3; ++c) eight.a.row(k).segment<3>(3 * c) = sum.col(c).head<3>();
       }
       eight.follow(enough);

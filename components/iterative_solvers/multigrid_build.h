@@ -78,21 +78,32 @@ void forPieces(Index rows, int pieces, Body&& body) {
 }
 inline int piecesOf(Index rows) { return std::clamp(int(rows / 64), 1, 32); }
 
-/// Links whose block is not small beside the diagonal blocks of its ends: |A_ij|^2 > weak^2 |A_ii| |A_jj|.
+/// Links whose block is not small beside the diagonal blocks of its ends: |A_ij|^2 > weak^2 |A_ii| |A_jj|. A node with many neighbours
+/// may have none that is: each spring of a net in hexahedra is a 26th of its diagonal. Then those are strong that are half as
+/// strong as the strongest one, unless that is below an eighth of `weak`: what holds such a node is not its neighbours.
 template <int D>
 StrongGraph strongLinks(const BlockView<D>& a, double weak) {
+  constexpr double half_as_strong = 0.25, least = 1.0 / 64;  // of squares
   std::vector<double> size(std::size_t(a.rows));
   forRows(a.rows, [&](Index i) { size[std::size_t(i)] = a.block(a.diagonal[i]).norm(); });
+  const auto strength = [&](Index i, Index s) {
+    return i == a.columns[s] ? 0 : a.block(s).squaredNorm() / (size[std::size_t(i)] * size[std::size_t(a.columns[s])]);
+  };
   std::vector<char> strong(std::size_t(a.start[a.rows]));
   StrongGraph graph;
   graph.start.assign(std::size_t(a.rows) + 1, 0);
   forRows(a.rows, [&](Index i) {
-    Index count = 0;
-    for (Index s = a.start[i]; s < a.start[i + 1]; ++s) {
-      const Index j = a.columns[s];
-      const double limit = weak * weak * size[std::size_t(i)] * size[std::size_t(j)];
-      strong[std::size_t(s)] = j != i && a.block(s).squaredNorm() > limit;
-      count += strong[std::size_t(s)];
+    const double weakest = weak * weak;
+    const auto mark = [&](double limit) {
+      Index count = 0;
+      for (Index s = a.start[i]; s < a.start[i + 1]; ++s) count += strong[std::size_t(s)] = strength(i, s) > limit;
+      return count;
+    };
+    Index count = mark(weakest);
+    if (count == 0) {
+      double most = 0;
+      for (Index s = a.start[i]; s < a.start[i + 1]; ++s) most = std::max(most, strength(i, s));
+      if (most > least * weakest) count = mark(half_as_strong * most);
     }
     graph.start[std::size_t(i) + 1] = count;
   });

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "framework/scene/types.h"
+#include "framework/algebra/vector.h"
 
 namespace stroma {
 
@@ -20,6 +20,28 @@ inline void followRotation(const Mat3& a, Eigen::Quaterniond& q, double enough =
     q = Eigen::AngleAxisd(angle, axis.normalized()) * q;
     q.normalize();
   }
+}
+
+/// sum (x_j - x_i) (X_j - X_i)^T over the neighbours j of a node, X where they were: by columns of four numbers. `start` and `columns`
+/// are those of a matrix by rows.
+template <class Starts, class Columns>
+Eigen::Array<double, 4, 3> spreadAround(const Starts& start, const Columns& columns, Index i, ConstRows x, ConstRows was) {
+  static_assert(row_doubles == 4);
+  const auto at = [](ConstRows rows, Index j) {
+    return Eigen::Array4d(Eigen::Map<const Eigen::Array4d>(rows.data + std::size_t(j) * row_doubles));
+  };
+  const Eigen::Array4d now_i = at(x, i), was_i = at(was, i);
+  Eigen::Array4d first = Eigen::Array4d::Zero(), second = first, third = first;
+  for (Index s = start[std::size_t(i)]; s < start[std::size_t(i) + 1]; ++s) {
+    const Index j = columns[std::size_t(s)];
+    const Eigen::Array4d now = at(x, j) - now_i, before = at(was, j) - was_i;
+    first += now * before[0];
+    second += now * before[1];
+    third += now * before[2];
+  }
+  Eigen::Array<double, 4, 3> sum;
+  sum << first, second, third;
+  return sum;
 }
 
 /// followRotation() of eight nodes at once. Quaternions have a column each of x, y, z, w; `a` has one for each entry, by columns.

@@ -334,6 +334,27 @@ TEST(FactorPrecision, AnotherMatrixOfTheSamePatternTakesItsOrder) {
   EXPECT_EQ(std::memcmp(x.rows().data, same.rows().data, x.rows().doubles() * sizeof(double)), 0);
   EXPECT_GT(3 * takenBy(other), 2 * taken) << "which has an order of its own";
 }
+
+/// A force field that takes another tangent has its pattern made anew, and mostly the same one comes out.
+TEST(FactorPrecision, APatternThatIsMadeAnewAndIsTheSameIsNotAnalysed) {
+  for (const char* precision : {"single", "double"}) {
+    StoredMatrix matrix = lattice(8, 8, 8);
+    const Vector b = randomVector(matrix.rows(), 1);
+    SolverInScene solver(fmt::format("<SparseLDLSolver precision='{}'/>", precision).c_str());
+    Vector x;
+    const auto taken = [&] {
+      const long before = allocations;
+      EXPECT_EQ(solver.solve(matrix, b, x).stop, SolveStop::converged);
+      return allocations - before;
+    };
+    const long with_analysis = taken();
+    ++matrix.revision_number;
+    const long again = taken();
+    ++matrix.revision_number, ++matrix.pattern_number;
+    EXPECT_LE(taken(), again + 5) << precision << " of " << with_analysis;
+    EXPECT_GT(with_analysis, again + 50);
+  }
+}
 #endif
 
 }  // namespace STROMA_TEST_FILE

@@ -375,5 +375,17 @@ TEST(MeshSpringForceField, FewProductsDoNotPayForAMatrix) {
   EXPECT_TRUE(matrix.prefersAssembled(200));
 }
 
+/// Of springs whose damping is in the tangent too: a product for each.
+TEST(MeshSpringForceField, DampingCostsAProductOfItsOwn) {
+  const auto fieldCost = [](const char* damping) {
+    Simulation simulation = simulationFromText(fmt::format(R"(<Node name="root" dt="0.01" gravity="0 -9.81 0"><EulerImplicitSolver/>
+      <CGLinearSolver/><RegularGridTopology n="5 5 5" min="0 0 0" max="1 1 1"/><MechanicalObject/><UniformMass totalMass="1"/>
+      <MeshSpringForceField hexasStiffness="200" hexasDamping="{}"/></Node>)", damping));
+    return simulation.systems().at(0)->matrix().productCost();
+  };
+  EXPECT_GT(fieldCost("0"), 0);
+  EXPECT_DOUBLE_EQ(fieldCost("0.1"), 2 * fieldCost("0"));
+}
+
 }  // namespace
 }  // namespace stroma::test

@@ -2,7 +2,7 @@
 """The scenes of solver_choice.py. `standing`: those that the estimates of a solver's time were made with. `fresh`: those that were
 written afterwards, without a look at the estimates, and were looked at when these were mended. `late`: those that were written
 after that; two mends came from looking at their first results. `held`: those that were written next; rules were mended by what they
-had shown. `unseen`: those that were written last, and only measured. SI units."""
+had shown. `unseen`: those that were written after that, and only measured. `mixed`: see mixed_scenes.py. SI units."""
 import math
 import os
 import re
@@ -464,7 +464,8 @@ def kinds():
 
 
 def scenes():
+    from mixed_scenes import mixed  # which is written with the words of this file
     for name, source in (("standing", standing), ("fresh", fresh), ("late", late), ("held", held_out), ("unseen", unseen),
-                         ("kinds", kinds)):
+                         ("kinds", kinds), ("mixed", mixed)):
         for found in source():
             yield Scene(found[0], name, *found[1:])
