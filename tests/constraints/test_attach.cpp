@@ -20,7 +20,7 @@ std::string attach(bool two_way = true) {
       first, second, two_way ? "true" : "false");
 }
 
-class AttachedBlocks : public ::testing::TestWithParam<std::array<const char*, 2>> {};
+class AttachedBlocks : public ::testing::TestWithParam<std::array<std::string, 2>> {};
 
 TEST_P(AttachedBlocks, MoveAsTheMergedBlock) {
   const auto& [integrator, solver] = GetParam();

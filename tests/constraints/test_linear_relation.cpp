@@ -18,7 +18,7 @@ std::string relation(const std::string& attributes) {
 
 // ---- two bodies as one ----
 
-class RelatedBlocks : public ::testing::TestWithParam<std::array<const char*, 2>> {};
+class RelatedBlocks : public ::testing::TestWithParam<std::array<std::string, 2>> {};
 
 /// u_a - u_b = 0 at nodes (2, j, k) of the first block and (0, j, k) of the second.
 TEST_P(RelatedBlocks, MoveAsTheMergedBlock) {
@@ -157,7 +157,7 @@ struct Lever {
   }
 };
 
-class MovedRelation : public ::testing::TestWithParam<std::pair<const char*, double>> {};
+class MovedRelation : public ::testing::TestWithParam<std::pair<std::string, double>> {};
 
 TEST_P(MovedRelation, HasTheOrderOfTheIntegrator) {
   const auto& [integrator, order] = GetParam();
