@@ -29,16 +29,16 @@ TEST_P(AttachedBlocks, MoveAsTheMergedBlock) {
 
 INSTANTIATE_TEST_SUITE_P(
     Integrators, AttachedBlocks,
-    ::testing::Values(std::array<const char*, 2>{"<EulerImplicitSolver/>",
+    ::testing::Values(std::array<std::string, 2>{"<EulerImplicitSolver/>",
                                                  "<CGLinearSolver iterations='400' tolerance='1e-13'/>"},
-                      std::array<const char*, 2>{
+                      std::array<std::string, 2>{
                           "<EulerImplicitSolver/>",
                           "<CGLinearSolver iterations='400' tolerance='1e-13' template='CompressedRowSparseMatrix'/>"},
-                      std::array<const char*, 2>{"<EulerImplicitSolver/>", "<SparseLDLSolver/>"},
-                      std::array<const char*, 2>{"<EulerImplicitSolver newtonIterations='20' newtonTolerance='1e-12'/>",
+                      std::array<std::string, 2>{"<EulerImplicitSolver/>", "<SparseLDLSolver/>"},
+                      std::array<std::string, 2>{"<EulerImplicitSolver newtonIterations='20' newtonTolerance='1e-12'/>",
                                                  "<SparseLDLSolver/>"},
-                      std::array<const char*, 2>{"<EulerExplicitSolver/>", "<SparseLDLSolver/>"},
-                      std::array<const char*, 2>{"<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>"}));
+                      std::array<std::string, 2>{"<EulerExplicitSolver/>", "<SparseLDLSolver/>"},
+                      std::array<std::string, 2>{"<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>"}));
 
 /// Two attached nodes of 1 kg and 3 kg at one place, of which 8 N draw the first, and a free one of 2 kg.
 Simulation drawnPair(const std::string& integrator, const std::string& attributes = "") {

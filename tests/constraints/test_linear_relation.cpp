@@ -35,20 +35,20 @@ TEST_P(RelatedBlocks, MoveAsTheMergedBlock) {
 INSTANTIATE_TEST_SUITE_P(
     Integrators, RelatedBlocks,
     ::testing::Values(
-        std::array<const char*, 2>{"<EulerImplicitSolver/>", "<CGLinearSolver iterations='900' tolerance='1e-13'/>"},
-        std::array<const char*, 2>{
+        std::array<std::string, 2>{"<EulerImplicitSolver/>", "<CGLinearSolver iterations='900' tolerance='1e-13'/>"},
+        std::array<std::string, 2>{
             "<EulerImplicitSolver/>",
             "<CGLinearSolver iterations='900' tolerance='1e-13' template='CompressedRowSparseMatrix'/>"},
-        std::array<const char*, 2>{"<EulerImplicitSolver/>", "<CGLinearSolver tolerance='1e-13'/>"},
-        std::array<const char*, 2>{"<EulerImplicitSolver/>",
+        std::array<std::string, 2>{"<EulerImplicitSolver/>", "<CGLinearSolver tolerance='1e-13'/>"},
+        std::array<std::string, 2>{"<EulerImplicitSolver/>",
                                    "<PCGLinearSolver iterations='900' tolerance='1e-13'/><SSORPreconditioner/>"},
-        std::array<const char*, 2>{"<EulerImplicitSolver/>",
+        std::array<std::string, 2>{"<EulerImplicitSolver/>",
                                    "<MinResLinearSolver iterations='900' tolerance='1e-13'/>"},
-        std::array<const char*, 2>{"<EulerImplicitSolver/>", "<SparseLDLSolver/>"},
-        std::array<const char*, 2>{"<EulerImplicitSolver newtonIterations='20' newtonTolerance='1e-12'/>",
+        std::array<std::string, 2>{"<EulerImplicitSolver/>", "<SparseLDLSolver/>"},
+        std::array<std::string, 2>{"<EulerImplicitSolver newtonIterations='20' newtonTolerance='1e-12'/>",
                                    "<SparseLDLSolver/>"},
-        std::array<const char*, 2>{"<EulerExplicitSolver/>", "<SparseLDLSolver/>"},
-        std::array<const char*, 2>{"<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>"}));
+        std::array<std::string, 2>{"<EulerExplicitSolver/>", "<SparseLDLSolver/>"},
+        std::array<std::string, 2>{"<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>"}));
 
 // ---- statics against Lagrange multipliers ----
 
@@ -182,11 +182,11 @@ TEST_P(MovedRelation, HasTheOrderOfTheIntegrator) {
 
 INSTANTIATE_TEST_SUITE_P(
     Integrators, MovedRelation,
-    ::testing::Values(std::pair("<EulerImplicitSolver/>", 1.0), std::pair("<EulerExplicitSolver/>", 1.0),
-                      std::pair("<CentralDifferenceSolver/>", 2.0), std::pair("<TrapezoidalRuleSolver/>", 2.0),
-                      std::pair("<NewmarkImplicitSolver/>", 2.0), std::pair("<BDFOdeSolver order='2'/>", 2.0),
-                      std::pair("<BDFOdeSolver order='2' newtonIterations='5'/>", 2.0),
-                      std::pair("<VariationalSymplecticSolver/>", 2.0), std::pair("<RungeKutta4Solver/>", 4.0)));
+    ::testing::Values(std::pair<std::string, double>("<EulerImplicitSolver/>", 1.0), std::pair<std::string, double>("<EulerExplicitSolver/>", 1.0),
+                      std::pair<std::string, double>("<CentralDifferenceSolver/>", 2.0), std::pair<std::string, double>("<TrapezoidalRuleSolver/>", 2.0),
+                      std::pair<std::string, double>("<NewmarkImplicitSolver/>", 2.0), std::pair<std::string, double>("<BDFOdeSolver order='2'/>", 2.0),
+                      std::pair<std::string, double>("<BDFOdeSolver order='2' newtonIterations='5'/>", 2.0),
+                      std::pair<std::string, double>("<VariationalSymplecticSolver/>", 2.0), std::pair<std::string, double>("<RungeKutta4Solver/>", 4.0)));
 
 /// Forces of the constraint do no work, whatever the masses: m1 + m2 / 4 on the spring.
 TEST(LinearRelation, SharesMomentumByMass) {
