@@ -157,7 +157,8 @@ struct Lever {
   }
 };
 
-class MovedRelation : public ::testing::TestWithParam<std::pair<std::string, double>> {};
+using OrderOf = std::pair<std::string, double>;  // an integrator and its order
+class MovedRelation : public ::testing::TestWithParam<OrderOf> {};
 
 TEST_P(MovedRelation, HasTheOrderOfTheIntegrator) {
   const auto& [integrator, order] = GetParam();
@@ -182,11 +183,11 @@ TEST_P(MovedRelation, HasTheOrderOfTheIntegrator) {
 
 INSTANTIATE_TEST_SUITE_P(
     Integrators, MovedRelation,
-    ::testing::Values(std::pair<std::string, double>("<EulerImplicitSolver/>", 1.0), std::pair<std::string, double>("<EulerExplicitSolver/>", 1.0),
-                      std::pair<std::string, double>("<CentralDifferenceSolver/>", 2.0), std::pair<std::string, double>("<TrapezoidalRuleSolver/>", 2.0),
-                      std::pair<std::string, double>("<NewmarkImplicitSolver/>", 2.0), std::pair<std::string, double>("<BDFOdeSolver order='2'/>", 2.0),
-                      std::pair<std::string, double>("<BDFOdeSolver order='2' newtonIterations='5'/>", 2.0),
-                      std::pair<std::string, double>("<VariationalSymplecticSolver/>", 2.0), std::pair<std::string, double>("<RungeKutta4Solver/>", 4.0)));
+    ::testing::Values(OrderOf("<EulerImplicitSolver/>", 1.0), OrderOf("<EulerExplicitSolver/>", 1.0),
+                      OrderOf("<CentralDifferenceSolver/>", 2.0), OrderOf("<TrapezoidalRuleSolver/>", 2.0),
+                      OrderOf("<NewmarkImplicitSolver/>", 2.0), OrderOf("<BDFOdeSolver order='2'/>", 2.0),
+                      OrderOf("<BDFOdeSolver order='2' newtonIterations='5'/>", 2.0),
+                      OrderOf("<VariationalSymplecticSolver/>", 2.0), OrderOf("<RungeKutta4Solver/>", 4.0)));
 
 /// Forces of the constraint do no work, whatever the masses: m1 + m2 / 4 on the spring.
 TEST(LinearRelation, SharesMomentumByMass) {
