@@ -185,12 +185,6 @@ void Multipliers::couple() {
   }
 }
 
-void Multipliers::findForces(StopToken stop) {
-  if (redundant_.find(rows_.rows(), live_, solve_.w, solve_.g, solve_.sizes, solve_.l, stop))
-    solve_.contradiction = redundant_.contradiction();
-  solve_.solve(rows_.rows(), stop, allowed_);
-}
-
 void Multipliers::give() {
   std::size_t begin = 0;
   const auto& constraints = system_->actors().lagrangian_constraints;
@@ -278,7 +272,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     leaveOutForces();
     const double little = far_less * leastTolerance(false);
     last_forces_ = solve_.l;
-    findForces(stop);
+    solve_.solve(rows_.rows(), stop, allowed_);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     sumResponses();

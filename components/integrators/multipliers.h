@@ -27,7 +27,6 @@
 #include <vector>
 
 #include "framework/algebra/mixing.h"
-#include "components/integrators/redundant_forces.h"
 #include "framework/mechanics/condition_forces.h"
 #include "framework/simulation/system.h"
 
@@ -97,7 +96,6 @@ class Multipliers {
   void pullBack(std::span<const LagrangianRows::Entry> entries, Rows out);
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
-  void findForces(StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
   void leaveOutForces();
   void sumResponses();
@@ -115,7 +113,6 @@ class Multipliers {
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
   ConditionForces solve_;                  ///< W, g and l
-  RedundantForces redundant_;              ///< where its search begins
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them
