@@ -132,7 +132,7 @@ void Outputs::note(const BarrierLaw& law, const std::vector<Touch>& touches, con
     if (!s.moves(int(v)) || s.bodyOf(int(v)) != 0) continue;
     const std::size_t node = std::size_t(s.rows[v] - first.firstRow());
     const double force = contact_forces_[node].norm(), sign = std::copysign(1., pressures_[node]);
-    // not areas_: a rim that sticks out looks askance at what it lies on and has next to no share, but others push it all the same
+    // not areas_: a rim that sticks out faces what it lies on at a slant and has next to no share, but others push it all the same
     const double area = force > 0 ? law.shareOf(int(v), contact_forces_[node] * (sign / force), x) : 0;
     pressures_[node] = area > 0 ? sign * force / area : 0;
   }

@@ -47,7 +47,8 @@ void BarrierLaw::keepPositive(Term& term) {
   double cc = 0, ww = 0;
   for (std::size_t i = 0; i < 4; ++i) cc += term.c[i] * term.c[i], ww += term.w[i].squaredNorm();
   if (!(ww > 0)) return void(term.slope = 0);
-  // what is near keeps half of its slides, with as little besides as that takes; what is far all of them, as nothing else turns it
+  // Near the surface half of the part by which closest points slide is kept, which needs the least besides to stay positive. Far from it,
+  // as from the centre of a large sphere, all is kept: nothing else tells how the normal turns.
   if (const double near = std::sqrt(cc / ww); term.distance < near) term.slope *= 0.5, term.distance = near;
   term.m -= term.slope / term.distance * (Mat3::Identity() - term.n * term.n.transpose());
 }

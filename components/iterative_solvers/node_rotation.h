@@ -60,7 +60,8 @@ struct EightRotations {
   void follow(double enough) {
     for (int i = 0; i < 10; ++i)
       if (!(turnOnce() > enough * enough)) break;
-    if (!q.allFinite()) q = identity();
+    for (Eigen::Index i = 0; i < 8; ++i)
+      if (!q.row(i).allFinite()) q.row(i) << 0, 0, 0, 1;
   }
 
  private:

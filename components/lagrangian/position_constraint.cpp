@@ -8,7 +8,8 @@
 //
 // The force on a point or a centre is f w d, and the torque f w r where a frame turns about r alone; elsewhere it is that of the
 // work f ds. One value and one pair of bounds stand for all points and directions, and each has a force of its own: `forces` has
-// all, `force` and `displacement` are those of the first. They do not depend on the time step.
+// all, `force` and `displacement` are those of the first. They do not depend on the time step. Along r ways are angles [rad], at most
+// pi either way, and forces are torques [N m]: bounds of both kinds at once are numbers of both.
 //
 // Source: the names and attributes are those of SOFA's plugin SoftRobots, where forces are f times the time step.
 //
@@ -40,7 +41,7 @@ class Position final : public Actuator {
     declareOneState(table);
     table.add("indices", nodes_).help("points or frames that are moved");
     table.add("directions", written_)
-        .help("three directions; of frames six, each to move along and to turn about; those of the axes when not given")
+        .help("three directions; of frames six, each to move along and to turn about, below pi; those of the axes when not given")
         .unit("-");
     table.add("useDirections", used_).help("1 for each of the directions to move along, 0 else; all when not given");
     table.add("weight", weights_).help("factor on the way along each of the directions, or one for all").unit("-");

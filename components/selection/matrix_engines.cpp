@@ -56,6 +56,7 @@ class TransformMatrixEngine final : public Engine {
       out = in * own();
       return;
     }
+    if (!in.allFinite()) throw ComponentError("inT has a number that is not finite", "16 numbers");
     // a far translation has no part in whether a matrix flattens: it is a length, and depends on the unit of lengths
     const bool is_affine = in.row(3) == Eigen::RowVector4d::Unit(3);
     if (is_affine) {
@@ -72,7 +73,7 @@ class TransformMatrixEngine final : public Engine {
   template <class Square>
   static Square inverseOf(const Square& in) {
     const Eigen::FullPivLU<Square> factors(in);
-    if (!in.allFinite() || !factors.isInvertible()) throw ComponentError("inT has no inverse", "a matrix that flattens nothing");
+    if (!factors.isInvertible()) throw ComponentError("inT has no inverse", "a matrix that flattens nothing");
     return factors.inverse();
   }
   Matrix own() const {

@@ -97,9 +97,8 @@ class ProjectiveTransformEngine final : public Engine {
         const double* row = matrix_.data() + 4 * k;
         seen[k] = row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
       }
-      const double* last = matrix_.data() + 8;
-      const double terms = std::abs(last[0] * p[0]) + std::abs(last[1] * p[1]) + std::abs(last[2] * p[2]) + std::abs(last[3]);
-      if (!(std::abs(seen[2]) > 1e-12 * terms))
+      const double size = Vec3::Map(matrix_.data() + 8).norm() * p.norm() + std::abs(matrix_[11]);
+      if (!(std::abs(seen[2]) > 1e-12 * size))
         throw ComponentError(fmt::format("the point {} {} {} lies in the plane of the camera: it has no picture", p[0], p[1], p[2]),
                              "points before or behind it");
       output_.push_back(focal_ / seen[2] * seen);

@@ -69,7 +69,7 @@ def check_tests(stages, build):
 def check_packages(stages, build, log, calls):
     """Most packages are installed while the engine is compiled, what tests need alone while the rest is; then nothing is left to wait for."""
     late = {"libvtk9-dev": "stroma", "chromium": "all"}  # package: what is being compiled
-    waits = "; ".join(f'case "$*" in *{package}*) until grep -q "^cmake --build .* {target}$" {log}; do sleep 0.02; done ;; esac'
+    waits = "; ".join(f'case "$*" in *{package}*) for i in $(seq 10000); do ! grep -q "^cmake --build .* {target}$" {log} || break; sleep 0.02; done ;; esac'
                       for package, target in late.items())
     calls("apt-get", f'{waits}; echo "apt-get ${{*##* }}" >> {log}; exit ${{APT_CODE:-0}}')
     missing = {"MISSING": "g++ libvtk9-dev chromium"}

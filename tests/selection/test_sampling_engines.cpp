@@ -131,6 +131,10 @@ TEST(SamplingEngines, MatricesActOneAfterAnother) {
   expectContains(problemsOf("<Node name='root'><ScaleTransformMatrixEngine name='flat' scale='1 0 1'/>"
                             "<InvertTransformMatrixEngine inT='@flat.outT'/></Node>"),
                  "inT has no inverse");
+  expectContains(problemsOf("<Node name='root'><TranslateTransformMatrixEngine name='a' translation='0 0 1e308'/>"
+                            "<TranslateTransformMatrixEngine name='b' inT='@a.outT' translation='0 0 1e308'/>"
+                            "<InvertTransformMatrixEngine inT='@b.outT'/></Node>"),
+                 "inT has a number that is not finite");
 }
 
 /// Not farther than maxRandomDisplacement along each axis, other numbers for another seed.

@@ -29,7 +29,7 @@ std::size_t bytesOf(const Shot& shot) {
 bool isThirdAxisUp(const Simulation& simulation, const Vec3& size) {
   constexpr double clearly = 1.3;
   const Vec3 g = simulation.root().gravity();
-  return g.isZero() ? size[2] > clearly * std::max(size[0], size[1]) : std::abs(g[2]) > std::abs(g[1]);
+  return g.isZero(0) ? size[2] > clearly * std::max(size[0], size[1]) : std::abs(g[2]) > std::abs(g[1]);
 }
 
 /// Empty where displacements are drawn as they are.

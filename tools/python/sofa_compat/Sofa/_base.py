@@ -165,12 +165,13 @@ class Base:
         return self.findData(name)
 
     def addData(self, name, value=None, default=None, help="", group="", type=None, *_):
+        known = name._s_name if isinstance(name, Data) else str(name)
+        if self._s_sample_of(known) is None:  # the component has none of that name: it is the program's alone
+            self.__dict__.setdefault("_s_added", set()).add(known)
         if isinstance(name, Data):  # addData(data)
             return self._s_add_data(name._s_name, name, None, name._s_help, name._s_group)
         given = value if value is not None else default
-        if self._s_sample_of(str(name)) is None:  # the component has none of that name: it is the program's alone
-            self.__dict__.setdefault("_s_added", set()).add(str(name))
-        return self._s_add_data(str(name), given, _kind_of(type, given), help, group)
+        return self._s_add_data(known, given, _kind_of(type, given), help, group)
 
     def addNewData(self, name, group="", help="", type=None, value=None):
         return self.addData(name, value=value, type=type, help=help, group=group)

@@ -186,7 +186,7 @@ class Engine:
         try:
             self._components[id(thing)].set(data._s_name, _plain(value))
         except stroma.SceneError as error:
-            if "cannot change while the scene runs" not in str(error):
+            if "load the scene again with the new value (--set" not in str(error):
                 raise
             self.edited(f"{thing._s_place()}.{data._s_name}")
 
