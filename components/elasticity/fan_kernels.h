@@ -8,23 +8,29 @@
 
 namespace stroma::tetrahedron {
 
-/// df += factor K dx with the gradients of the tangents.
-template <class Loop>
-[[gnu::noinline]] void addFanProduct(const Loop& loop, const Fanned<Tangent<Pack>>* tangent, ConstRows dx, double factor, Rows df) {
+/// df += factor K dx with the gradients of the tangents. The edges of a batch are gathered before the forces of the one before are
+/// added: the two touch no common number, so that a processor does both at once.
+template <class Storage>
+[[gnu::noinline]] void addFanProduct(const Storage& storage, ConstRows dx, double factor, Rows df) {
+  constexpr Index tile = 32;  // the first batch of a tile waits for its edges
   const Pack scale(factor);
-  loop.template forEachTile<1>([&](Index batch, Index count) __attribute__((flatten)) {
-    for (Index k = 0; k < count; ++k) {  // one: else the compiler keeps more packs than there are registers
-      FanEdges edges[1];
-      edges[k].gather(loop, batch, dx);
+  const auto& loop = storage.loop;
+  loop.template forEachTile<tile>([&](Index first, Index count) __attribute__((flatten)) {
+    FanEdges kept[2];
+    kept[0].gather(loop, first, dx);
+    for (Index k = 0; k < count; ++k) {
+      const FanEdges& edges = kept[k % 2];
+      storage.prefetchTangent(first + k);
+      if (k + 1 < count) kept[(k + 1) % 2].gather(loop, first + k + 1, dx);
       V3<Pack> f[fan_size][4], sum[fan_nodes];
 #pragma GCC unroll 2
       for (int i = 0; i < fan_size; ++i) {
-        const V3<Pack> d[3] = {edges[k][0], edges[k][1 + i], edges[k][2 + i]};
-        const Tangent<Pack>& t = tangent[batch].of[i];
+        const V3<Pack> d[3] = {edges[0], edges[1 + i], edges[2 + i]};
+        const Tangent<Pack>& t = storage.tangent[first + k].of[i];
         nodalForces(restoringStress(strainOf(d, t.g), scale * t.ratio, scale), t.g, f[i]);
       }
       sumOfBoth(f[0], f[1], sum);
-      loop.scatter(batch, sum, df);
+      loop.scatter(first + k, sum, df);
     }
   });
 }
@@ -47,7 +53,7 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
   void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override { add<true>(x, dx, factor, f); }
   double energy(ConstRows x) const override { return ForceLoops<Model>::energy(storage_, x); }
   void addProduct(ConstRows dx, double factor, Rows df) const override {
-    addFanProduct(storage_.loop, storage_.tangent.data(), dx, factor, df);
+    addFanProduct(storage_, dx, factor, df);
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
     Products::assemble(storage_, {}, factor, slots, values);
@@ -70,6 +76,7 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
     storage_.loop.template forEachTile<tile>([&](Index first, Index count) __attribute__((flatten)) {
       Work work;
       for (Index k = 0; k < count; ++k) {
+        storage_.prefetchBoth(first + k);
         work.edges[k].gather(storage_.loop, first + k, x);
         if constexpr (change) work.change[k].gather(storage_.loop, first + k, dx);
       }

@@ -16,6 +16,14 @@ using Pack = xsimd::batch<double>;
 /// Elements in a batch: 8 with AVX-512, 4 with AVX, 2 with SSE.
 constexpr int pack_lanes = int(Pack::size);
 
+/// Asks for the cache lines of array[at], which are read soon. Processors foresee an array in order, but not from one page to the
+/// next, and the numbers of three batches of tetrahedra fill one. Any `at` will do: what is not there is not fetched.
+template <class T>
+void prefetch(const T* array, std::size_t at) {
+  const char* first = reinterpret_cast<const char*>(array) + at * sizeof(T);
+  for (std::size_t line = 0; line < sizeof(T); line += 64) __builtin_prefetch(first + line);
+}
+
 // ---- the operations that kernels use, also for a plain double ----
 
 inline double fma(double a, double b, double c) { return a * b + c; }
@@ -141,17 +149,16 @@ struct S3 {
 
 #if defined(__AVX512F__)
 
-/// Rows offset[0..7] as packs x, y, z: eight 32-byte loads and 4x4 transposes in both halves of the registers.
+/// Rows offset[0..7] as packs x, y, z: eight 32-byte loads. A register holds lanes l and l + 2, so that what is left at the end is to
+/// move whole 16-byte parts: that needs no table of indices, and no copy of what a table's instruction overwrites.
 inline V3<Pack> gatherRows(const double* data, const Index* offset) {
   const auto row = [&](int l) { return _mm256_load_pd(data + offset[l]); };
-  const auto pair = [&](int l) { return _mm512_insertf64x4(_mm512_castpd256_pd512(row(l)), row(l + 4), 1); };
-  const __m512d r0 = pair(0), r1 = pair(1), r2 = pair(2), r3 = pair(3);  // x y z 0 of lanes l and l + 4
-  const __m512d xz01_lo = _mm512_unpacklo_pd(r0, r1), xz23_lo = _mm512_unpacklo_pd(r2, r3);  // x0 x1 z0 z1 | ...
-  const __m512d y01 = _mm512_unpackhi_pd(r0, r1), y23 = _mm512_unpackhi_pd(r2, r3);          // y0 y1 0 0 | ...
-  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-  const __m512i second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-  return {Pack(_mm512_permutex2var_pd(xz01_lo, first, xz23_lo)), Pack(_mm512_permutex2var_pd(y01, first, y23)),
-          Pack(_mm512_permutex2var_pd(xz01_lo, second, xz23_lo))};
+  const auto pair = [&](int l) { return _mm512_insertf64x4(_mm512_castpd256_pd512(row(l)), row(l + 2), 1); };
+  const __m512d r02 = pair(0), r13 = pair(1), r46 = pair(4), r57 = pair(5);                     // x y z 0 of two lanes
+  const __m512d xz_low = _mm512_unpacklo_pd(r02, r13), xz_high = _mm512_unpacklo_pd(r46, r57);  // x0 x1 z0 z1 x2 x3 z2 z3 | ...
+  const __m512d y_low = _mm512_unpackhi_pd(r02, r13), y_high = _mm512_unpackhi_pd(r46, r57);    // y0 y1 0 0 y2 y3 0 0 | ...
+  return {Pack(_mm512_shuffle_f64x2(xz_low, xz_high, 0x88)), Pack(_mm512_shuffle_f64x2(y_low, y_high, 0x88)),
+          Pack(_mm512_shuffle_f64x2(xz_low, xz_high, 0xdd))};
 }
 
 /// use(lane, row) for each lane in order, row an __m256d: x y z w.
