@@ -33,10 +33,12 @@ struct ElementStorage {
   Array<RestPacks> rest;
   Array<TangentPacks> tangent;
 
-  /// So many batches before their turn their numbers are asked for: a batch takes some 70 ns, memory 100 and more.
-  static constexpr Index ahead = 4;
-  void prefetchTangent(Index batch) const { prefetch(tangent.data(), std::size_t(batch + ahead)); }
+  /// Asks for the numbers of a batch to come, where a mesh is too large for the second cache.
+  void prefetchTangent(Index batch) const {
+    if (beyond_cache_) prefetch(tangent.data(), std::size_t(batch + ahead));
+  }
   void prefetchBoth(Index batch) const {
+    if (!beyond_cache_) return;
     prefetch(rest.data(), std::size_t(batch + ahead));
     prefetchTangent(batch);
   }
@@ -50,6 +52,7 @@ struct ElementStorage {
     loop.build(cells, position, first_row);
     rest.resize(loop.batches());
     tangent.resize(loop.batches());
+    beyond_cache_ = std::size_t(loop.batches()) * (sizeof(RestPacks) + sizeof(TangentPacks)) > (std::size_t(3) << 20) / 2;
   }
   /// set(element, is_padding, rest, tangent) gives the numbers of each element; a padding lane must have no stiffness.
   template <class Set>
@@ -64,6 +67,10 @@ struct ElementStorage {
         setLane(tangent[b], l, one_tangent);
       }
   }
+
+ private:
+  static constexpr Index ahead = 4;  ///< a batch takes some 70 ns, memory 100 and more
+  bool beyond_cache_ = false;         ///< some 1.5 MB; within it asking costs up to a tenth of a force
 };
 
 /// The part that does not depend on what an element computes.
