@@ -131,10 +131,12 @@ class BeamInterpolation final : public BeamChain {
             poisson};
   }
 
-  static Quaternion read(const std::vector<double>& all, std::size_t beam) {
+  /// `size`: how far the ends are apart [m].
+  static Quaternion read(const std::vector<double>& all, std::size_t beam, double size) {
+    constexpr double round_off = 1e-12;
     if (all.empty()) return Quaternion::Identity();
     const double* v = all.data() + 7 * beam;
-    if (!Vec3(v[0], v[1], v[2]).isZero())
+    if (!(Vec3(v[0], v[1], v[2]).norm() <= round_off * size))
       throw ComponentError(fmt::format("beam {} does not begin or end at the centre of its frame, which is not supported", beam),
                            "0 0 0 and a quaternion");
     return Quaternion(v[6], v[3], v[4], v[5]).normalized();
@@ -144,7 +146,8 @@ class BeamInterpolation final : public BeamChain {
     ChainBeam beam;
     beam.a = edge[0], beam.b = edge[1];
     beam.section = sectionOf(i);
-    beam.axes_a = read(first_, i), beam.axes_b = read(second_, i);
+    const double apart = (placementOf(beam.b, false).centre - placementOf(beam.a, false).centre).norm();
+    beam.axes_a = read(first_, i, apart), beam.axes_b = read(second_, i, apart);
     const auto end = [this](Index node, const Quaternion& axes, bool at_rest) {
       const Placement frame = placementOf(node, at_rest);
       return Placement{frame.centre, frame.turn * axes};

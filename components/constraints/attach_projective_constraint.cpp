@@ -235,9 +235,9 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
     bool is_own = false;                  ///< it goes on by itself in the step
     Vec3 place = Vec3::Zero(), velocity = Vec3::Zero();  ///< at its end [m], [m/s]
   };
-  bool changes() const { return last_way_.norm() > 1e-10 || min_distance_ != -1; }
+  bool changes() const { return !last_way_.isZero(0) || min_distance_ != -1; }
   double pastBy(const Vec3& one) const { return (one - last_place_).dot(last_way_); }
-  bool isPast(const Vec3& one) const { return last_way_.norm() > 1e-10 && pastBy(one) > 0; }
+  bool isPast(const Vec3& one) const { return !last_way_.isZero(0) && pastBy(one) > 0; }
   Bond bondOf(const Vec3& one, const Vec3& other) const {
     if (!changes()) return Bond::leader;
     const bool is_past = isPast(one);

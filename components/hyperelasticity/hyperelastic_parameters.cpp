@@ -170,6 +170,11 @@ void HyperelasticForceField::readParameters() {
                              "a value above 0");
     const std::string problem = law_.check ? law_.check(values) : "";
     if (!problem.empty()) throw ComponentError(problem, law_.expectation());
+    const double shear = std::abs(law_.moduliAtRest(values).shear);
+    constexpr double smallest = 1e-100, largest = 1e100;  // squares of forces must be numbers too
+    if (shear != 0 && !(shear >= smallest && shear <= largest))
+      throw ComponentError(fmt::format("{} has a shear modulus of {:.3g} Pa at small strains", law_.name, shear),
+                           fmt::format("one of {:g} to {:g} Pa", smallest, largest));
     if (set == 0)
       for (const Doubt& doubt : doubtsAbout(law_, values)) warn(doubt.sentence, doubt.expected);
     values_.insert(values_.end(), values.begin(), values.end());

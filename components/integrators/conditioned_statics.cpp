@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/integrators/conditioned_statics.h"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "framework/simulation/step_limits.h"
@@ -30,6 +32,50 @@ StepReport ConditionedStatics::solve(Newton& newton, LinearSolver& solver, StopT
   copy(start_, x());
   const StepReport before = std::exchange(report, solveFromStart(newton, solver, stop, advance));
   addCounts(before, report);
+  return report;
+}
+
+StepReport ConditionedStatics::solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context,
+                                            const std::function<bool(const StepContext&, StepReport&)>& advance,
+                                            const std::function<bool()>& retry, double smallest) {
+  constexpr double part_residual = 1e-4;
+  const auto solveTo = [&](const StepContext& end) {
+    return solve(newton, solver, end.stop, [&](StepReport& to) { return advance(end, to); }, retry);
+  };
+  const auto isGood = [](const StepReport& report) {
+    return report.newton_converged && report.constraints_converged && !report.failed();
+  };
+  StepReport report = solveTo(context);
+  if (report.stopped || isGood(report) || smallest >= 1 || !system_->constraints().hasPrescribed()) return report;
+  const std::string why = report.reason.empty() ? report.constraint_reason : report.reason;
+  const double whole_residual = newton.settings.relative_residual;
+  Vector before(start_.count()), good(start_.count()), forces(start_.count());
+  copy(start_, before), copy(start_, good), copy(multipliers_.lastForces(), forces);
+  double done = 0, part = 0.25;
+  for (int parts = 2; part >= smallest; ++parts) {
+    StepContext end = context;
+    const double share = std::min(1.0, done + part);
+    end.t_end = share < 1 ? context.t + share * context.dt : context.t_end;
+    newton.settings.relative_residual = share < 1 ? std::max(part_residual, whole_residual) : whole_residual;
+    copy(good, x());
+    StepReport attempt = solveTo(end);
+    newton.settings.relative_residual = whole_residual;
+    addCounts(report, attempt);
+    report = std::move(attempt);
+    report.load_parts = parts;
+    if (report.stopped || (isGood(report) && share == 1)) return report;
+    if (isGood(report)) {
+      done = share, part *= 2;
+      copy(x(), good), multipliers_.stepTaken();
+    } else {
+      part /= 4;
+    }
+  }
+  copy(before, x()), multipliers_.setLastForces(forces);
+  report.newton_converged = false, report.diverged = true;
+  const std::string last = report.reason.empty() ? report.constraint_reason : report.reason;
+  report.reason = fmt::format("{}; divided, the step reached {:.3g} of its prescribed motion, and no part of {:.2g} beyond{}{}", why, done,
+                              4 * part, last.empty() ? "" : ": ", last);
   return report;
 }
 

@@ -46,6 +46,11 @@ class ConditionedStatics final : public NonlinearProblem {
   /// when that is there; `retry` changes the tangent after a solve that failed, for another one from the same x, or is false.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance,
                    const std::function<bool()>& retry);
+  /// The same; a step that fails and moves something is divided into parts of `smallest` or more of its time, which begin with the
+  /// forces of constraint of the part before. `advance` goes to the end of a part.
+  StepReport solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context,
+                          const std::function<bool(const StepContext&, StepReport&)>& advance, const std::function<bool()>& retry,
+                          double smallest);
   /// J^T l of the step before [N].
   void addCarried(Rows out) const { multipliers_.addCarried(out); }
   void stepTaken() { multipliers_.stepTaken(); }

@@ -15,7 +15,7 @@ namespace stroma {
 
 void ConditionsNewton::compile(System& system, NonlinearProblem& problem, Multipliers& multipliers, Rows load) {
   problem_ = &problem, multipliers_ = &multipliers, load_ = load;
-  for (Vector* vector : {&residual_, &direction_, &last_, &way_}) vector->resize(system.independentRows());
+  for (Vector* vector : {&residual_, &direction_, &last_, &way_, &unmixed_, &unmixed_forces_}) vector->resize(system.independentRows());
 }
 
 double ConditionsNewton::residual() {
@@ -113,19 +113,26 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
   const double before = std::exchange(now, residual());
   noteSwing(now);
   if (longest_ == 0) longest_ = moved_;
+  if (!std::isfinite(now)) return goWhereFinite(now), true;
   // what ends is left where the conditions hold
   const bool is_last = iterations_ >= newton.settings.iterations && moved_ <= longest_;
   if (isLittle(newton.settings, now) || swings_ || is_last || newton.settings.fixed_count) return true;
   if (moved_ > longest_) goShare(longest_ / moved_), now = residual();
   constexpr int first_mixed = 4;
   if (iterations_ > first_mixed && longest_ > 0) {
-    goMixed(), now = residual();
+    goMixed(now);
     return true;
   }
   constexpr double smallest = 1. / 32;
   for (double share = std::min(1.0, longest_ / moved_) / 2; held && !(now <= before) && share > smallest; share /= 2)
     goShare(share), now = residual();
   return true;
+}
+
+/// Elements that the whole correction would turn inside out have no energy: it goes a share of its way.
+void ConditionsNewton::goWhereFinite(double& now) {
+  constexpr double smallest = 1. / 4096;
+  for (double share = 0.5; !std::isfinite(now) && share > smallest; share /= 2) goShare(share), now = residual();
 }
 
 /// u and q of the last iteration go this share of their way.
@@ -139,9 +146,20 @@ void ConditionsNewton::goShare(double share) {
   holds_ = false;
 }
 
-void ConditionsNewton::goMixed() {
-  multipliers_->carryMixed(mixing_, last_, problem_->unknowns(), load_);
+/// Where the mixed iterate crushes elements, the last one stands as it is.
+void ConditionsNewton::goMixed(double& now) {
+  const double without = now;
+  const Rows u = problem_->unknowns();
+  copy(u, unmixed_), copy(multipliers_->carried(), unmixed_forces_);
+  multipliers_->carryMixed(mixing_, last_, u, load_);
   problem_->unknownsChanged();
+  now = residual();
+  if (!std::isfinite(now) && std::isfinite(without)) {
+    copy(unmixed_, u), axpy(-1, multipliers_->carried(), load_), axpy(1, unmixed_forces_, load_);
+    multipliers_->carryAgain(unmixed_forces_), mixing_.restart();
+    problem_->unknownsChanged();
+    now = residual();
+  }
   multipliers_->aim();
   holds_ = false;
 }

@@ -28,8 +28,9 @@ class ConditionsNewton {
  private:
   bool iterate(Newton& newton, LinearSolver& solver, double& now, StopToken stop, StepReport& report);
   void noteSwing(double now);
+  void goWhereFinite(double& now);
   void goShare(double share);
-  void goMixed();
+  void goMixed(double& now);
   double residual();
   bool isLittle(const NewtonSettings& settings, double residual) const;
   bool isBalanced(const NewtonSettings& settings, double residual, StepReport& report) const;
@@ -39,6 +40,7 @@ class ConditionsNewton {
   Rows load_{};
   Vector residual_, direction_, last_;  ///< R + q, a correction and the iterate before it
   Vector way_;                          ///< of the last correction
+  Vector unmixed_, unmixed_forces_;     ///< the iterate before it was mixed, and what it carried
   double scale_ = 0;    ///< the largest of |R| and loadScale() where the step starts and of |q| so far
   double longest_ = 0;  ///< way of the first iteration [m]; 0: there was none
   double moved_ = 0;    ///< way of the last iteration [m]

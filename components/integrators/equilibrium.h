@@ -106,6 +106,7 @@ class Equilibrium final : public NonlinearProblem {
   void unknownsChanged() override {}
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return rows(); }
+  const Motion* motionOfFrames() const override { return system_->motion().turns() ? &system_->motion() : nullptr; }
   double travelled() const override { return distance(rows(), start_); }
   bool restsWithoutForces() const override { return true; }
   double loads() override { return loadsOn(*system_, loads_); }

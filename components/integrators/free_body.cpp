@@ -147,6 +147,12 @@ Vec3 motion(const System& system, const RigidPart& part, int number, Index row) 
   return (kind == RowKind::turn ? axis : Vec3(axis.cross(system.x[row] - part.centre))) / part.radius;
 }
 
+/// Torques count as forces at the radius, whatever the unit of length; turns of what has none are not looked at.
+double shareOf(const System& system, const RigidPart& part, Index row) {
+  if (system.motion().kindOf(row) != RowKind::turn) return 1;
+  return part.radius > 0 ? 1 / part.radius : 0;
+}
+
 std::vector<RigidPart> measure(const System& system, const std::vector<Index>& part_of_row,
                                const std::vector<double>& blocks, ConstRows force) {
   std::vector<RigidPart> parts;
@@ -157,12 +163,16 @@ std::vector<RigidPart> measure(const System& system, const std::vector<Index>& p
     RigidPart& part = of(row);
     ++part.rows;
     if (system.motion().kindOf(row) == RowKind::place) part.centre += (system.x[row] - part.centre) / ++part.places;
-    part.loads += force[row].norm();
-    for (int c = 0; c < 3; ++c) part.diagonal += std::abs(blocks[9 * std::size_t(row) + 4 * std::size_t(c)]);
   }
   for (Index row = 0; row < rows; ++row)
     if (system.motion().kindOf(row) == RowKind::place) of(row).radius += (system.x[row] - of(row).centre).squaredNorm();
   for (RigidPart& part : parts) part.radius = std::sqrt(part.radius / std::max<Index>(1, part.places));
+  for (Index row = 0; row < rows; ++row) {
+    RigidPart& part = of(row);
+    const double share = shareOf(system, part, row);
+    part.loads += share * force[row].norm();
+    for (int c = 0; c < 3; ++c) part.diagonal += share * share * std::abs(blocks[9 * std::size_t(row) + 4 * std::size_t(c)]);
+  }
   return parts;
 }
 
@@ -220,7 +230,8 @@ std::vector<Cluster> feel(System& system, SystemMatrix& matrix, const Division& 
       const RigidPart& part = parts[division.part_of_row[row]];
       Cluster& cluster = clusters[division.cluster_of_part[division.part_of_row[row]]];
       if (n >= cluster.load.size()) continue;
-      const double resistance = part.diagonal > 0 ? part.diagonal / (3 * part.rows) : 1;
+      const double share = shareOf(system, part, row);
+      const double resistance = (part.diagonal > 0 ? part.diagonal / (3 * part.rows) : 1) / (share > 0 ? share * share : 1);
       const Vec3 held = given(n, row) - modes[n][row];
       const bool is_held = (held.array() != 0).any();
       cluster.load[n] += force[row].dot(modes[n][row]);

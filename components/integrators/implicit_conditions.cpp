@@ -24,6 +24,11 @@ StepReport ImplicitStep::solveConditions(StopToken stop) {
     startIterating();
   }
   report = conditions_.solve(newton_, *solver_, stop, report);
+  if (mayDivide(report)) {
+    copy(x0_, x()), copy(v0_, v());
+    multipliers_.begin(rule_, true);
+    report = solveInParts(report, stop);
+  }
   if (report.failed()) return report;
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);

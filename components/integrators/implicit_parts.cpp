@@ -5,7 +5,9 @@
 //   R(u) = 0,   moved nodes at x0 + s d
 //
 // with d their way in the step, and s grows to 1 as in statics (static_solver.cpp). The start of each part is carried along by the
-// tangent where the last one ended: A du = R + A_m d, the motion spread over all nodes.
+// tangent where the last one ended: A du = R + A_m d, the motion spread over all nodes. With forces of Lagrangian constraints, R
+// has those that the last part found, and each part solves for its own. Steps that something may be in the way of have parts of their
+// own (implicit_ways.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,11 +18,13 @@
 
 namespace stroma {
 
+constexpr double near_enough = 1e-2;  ///< of the forces: what has come so near has not started from too large a motion
+
 /// Whether a solve that ended so may be one that has started from too large a motion. What has nearly balanced is not.
 bool ImplicitStep::mayDivide(const StepReport& report) const {
-  constexpr double near_enough = 1e-2;
-  constexpr int fewest = 5;
-  if (report.stopped || !limits_.empty() || newton_.settings.iterations < fewest) return false;
+  constexpr int fewest = 5;  // else a scene that is content with what they leave asks for no more
+  if (report.stopped || !limits_.empty()) return false;
+  if (newton_.settings.iterations < fewest && newton_.settings.keep_unconverged && !report.diverged) return false;
   if (!system_->constraints().hasPrescribed() || newton_.settings.stop_when_residual_grows) return false;
   return report.diverged || (!report.newton_converged && !(report.newton_residual <= near_enough));
 }
@@ -73,37 +77,50 @@ StepReport ImplicitStep::solveInParts(const StepReport& whole, StopToken stop) {
   good_.resize(x().count);
   copy(v(), good_);
   axpy(-1 / scheme_.displacement, carried_, good_);
+  // with forces of constraint: those where the last part ended, and the load that has them
+  Vector good_forces, good_load;
+  const auto keepForces = [&] {
+    if (multipliers_.empty()) return;
+    for (Vector* vector : {&good_forces, &good_load}) vector->resize(x().count);
+    copy(multipliers_.carried(), good_forces), copy(constant_, good_load);
+  };
+  keepForces();
   StepReport report = whole;
   const double end_residual = newton_.settings.relative_residual;
   double done = 0, part = 1;
   for (int parts = 2; part >= smallest_part; ++parts) {
     const double share = std::min(1.0, done + part);
     copy(good_, v());
+    if (!multipliers_.empty()) multipliers_.carryAgain(good_forces), copy(good_load, constant_);
     unknownsChanged();
     newton_.settings.relative_residual = share < 1 ? std::max(part_residual, end_residual) : end_residual;
     StepReport attempt;
     const bool is_carried = carryOn(share - done, stop, attempt);
     if (is_carried) {
       const StepReport before = attempt;
-      attempt = solveFromHere(stop);
+      attempt = multipliers_.empty() ? solveFromHere(stop) : conditions_.solve(newton_, *solver_, stop, {});
       addCounts(before, attempt);
     }
     newton_.settings.relative_residual = end_residual;
     addCounts(report, attempt);
-    const bool good = is_carried && attempt.newton_converged && !attempt.failed();
+    const bool good = is_carried && attempt.newton_converged && attempt.constraints_converged && !attempt.failed();
     report = attempt;
     report.load_parts = parts;
-    if (report.stopped || (good && share == 1)) return report;
+    // few iterations may end before the tolerance, as in any step
+    const bool is_near = is_carried && newton_.settings.keep_unconverged && !attempt.failed() && attempt.newton_residual <= near_enough;
+    if (report.stopped || ((good || is_near) && share == 1)) return report;
     if (good) {
       done = share, part *= 2;
       copy(v(), good_);
+      keepForces();
     } else {
       part /= 4;
     }
   }
   report.diverged = true, report.newton_converged = false;
-  report.reason = fmt::format("{}; divided, the step reached {:.3g} of its prescribed motion, and no part of {:.2g} beyond",
-                              whole.reason, done, 4 * part);
+  const std::string last = report.reason.empty() ? report.constraint_reason : report.reason;
+  report.reason = fmt::format("{}; divided, the step reached {:.3g} of its prescribed motion, and no part of {:.2g} beyond{}{}",
+                              whole.reason, done, 4 * part, last.empty() ? "" : ": ", last);
   return report;
 }
 

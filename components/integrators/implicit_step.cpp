@@ -22,7 +22,8 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   startBodies();
   energy_.stepBegins();
   const double whole = scheme.weight + scheme.old_weight;
-  multipliers_.begin({scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole, true, one_round}, !solvesOnce());
+  rule_ = {scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole, true, one_round};
+  multipliers_.begin(rule_, !solvesOnce());
   if (!solvesOnce()) {
     StepReport report = !multipliers_.empty() ? solveConditions(stop) : iterates() ? solveIterating(stop) : solveAsNeeded(stop);
     bodies_.momenta(x(), v(), end_momenta_);

@@ -122,6 +122,7 @@ class ImplicitStep final : public NonlinearProblem {
   bool isOnTheWay() override { return lack_ > 0 || limits_.isOnTheWay(); }
   double displacementPerUnknown() const override { return scheme_.displacement; }
   ConstRows positions() const override { return x(); }
+  const Motion* motionOfFrames() const override { return system_->motion().turns() ? &system_->motion() : nullptr; }
   double travelled() const override;
   double loadScale() const override;
   double loads() override { return scheme_.weight * loadsOn(*system_, right_side_); }
@@ -178,6 +179,7 @@ class ImplicitStep final : public NonlinearProblem {
   StepLimits limits_;
   WholeIfNeeded whole_;
   Multipliers multipliers_;
+  Multipliers::Rule rule_;  ///< of the step
   ConditionsNewton conditions_;  ///< with Newton's method and forces of constraint
   ExactTangent exact_;
   EnergyWatch energy_;

@@ -103,7 +103,10 @@ bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& res
   if (report.stopped) return false;
   if (!solve.usable() || solve.stop == SolveStop::breakdown) {
     report.diverged = true;
-    report.reason = fmt::format("the linear solver {} {} for a force of constraint", solver.path(), describe(solve.stop));
+    report.reason = fmt::format("the linear solver {} {} for a force of constraint{}", solver.path(), describe(solve.stop),
+                                solve.stop != SolveStop::not_definite ? ""
+                                    : ": without these forces a body is unstable, as one that is pressed. EigenSparseLU solves for it, or "
+                                      "AttachProjectiveConstraint holds it in the matrix");
     return false;
   }
   report.linear_at_limit =

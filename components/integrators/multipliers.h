@@ -63,6 +63,9 @@ class Multipliers {
   /// The last correct() has left conditions to the next one, with other directions.
   bool wasLeft() const { return is_left_; }
   double carriedSize() const { return norm(carried_); }
+  ConstRows carried() const { return carried_; }
+  /// What carried() was before.
+  void carryAgain(ConstRows carried) { copy(carried, carried_); }
   /// From now on J^T p of the last correct() is carried; out += by how much that is another.
   void carry(Rows out);
   /// Only this share of what the last carry() added; out += by how much that is another.
@@ -76,6 +79,8 @@ class Multipliers {
   void giveNone();
 
   // ---- what an integrator that carries passes on ----
+  ConstRows lastForces() const { return last_; }  ///< J^T l of the step before [N]
+  void setLastForces(ConstRows forces) { copy(forces, last_); }
   void stepTaken();
   void reset();
   void serialize(Archive& archive);

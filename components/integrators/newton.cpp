@@ -148,6 +148,16 @@ bool Newton::isCorrectionSmall(const NonlinearProblem& problem) const {
 
 /// True when it is too small to change positions in double precision.
 bool Newton::isCorrectionRoundOff(const NonlinearProblem& problem) const {
+  if (const Motion* motion = problem.motionOfFrames()) {  // places have a unit, turns have none
+    double size[2] = {0, 1}, way[2] = {0, 0};
+    for (Index row = 0; row < direction_.count(); ++row) {
+      const bool turns = motion->kindOf(row) == RowKind::turn;
+      way[turns] = std::max(way[turns], problem.displacementPerUnknown() * direction_[row].lpNorm<Eigen::Infinity>());
+      if (!turns) size[0] = std::max(size[0], problem.positions()[row].lpNorm<Eigen::Infinity>());
+    }
+    const double each = 2 * std::numeric_limits<double>::epsilon();
+    return way[0] <= each * size[0] && way[1] <= each * size[1];
+  }
   return problem.displacementPerUnknown() * largest(direction_) <=
          2 * std::numeric_limits<double>::epsilon() * largest(problem.positions());
 }

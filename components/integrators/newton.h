@@ -60,6 +60,7 @@ class NonlinearProblem {
   virtual void unknownsChanged() = 0;                 ///< called after u was written
   virtual double displacementPerUnknown() const = 0;  ///< dx/du: 1, or seconds when u is a velocity
   virtual ConstRows positions() const = 0;            ///< x(u) [m]
+  virtual const Motion* motionOfFrames() const { return nullptr; }  ///< where some rows turn
   virtual double travelled() const = 0;               ///< |x(u) - x at the start| [m]
   /// The size of what R balances at the u of the last residual(), in R's unit: forces with the reactions of held nodes.
   virtual double loadScale() const = 0;

@@ -296,9 +296,9 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
   const Rows x = system.independent(system.x);
   StepReport report, failed;
   if (!conditioned_.empty())
-    return conditioned_.solve(
-        newton_, *solver_, context.stop, [&](StepReport& to) { return advancePrescribed(system, context, to); },
-        [&] { return triesMore() && exact_.begin(system); });
+    return conditioned_.solveInParts(
+        newton_, *solver_, context, [&](const StepContext& to, StepReport& of) { return advancePrescribed(system, to, of); },
+        [&] { return triesMore() && exact_.begin(system); }, mayDivide() ? smallest_part_ : 1);
   double done = 0, part = 1;
   for (int parts = 1;; ++parts) {
     const double share = std::min(1.0, done + part);

@@ -18,7 +18,8 @@
 // it passes for every matrix of condition number below 4e20. All other iterates are those of SOFA's solver. SOFA's test is
 // there too: with absoluteThreshold t above zero, iteration k ends when |r| <= tolerance |b| or, before x moves, when
 // |p.A p| <= t; in the first solve of a run neither ends the first iteration. Scenes in SOFA's dialect have it, and then a matrix
-// that is not symmetric is taken as it is. With `bodies` the
+// that is not symmetric is taken as it is. Where some rows are turns, of rigid frames, r holds forces and torques, and |r| would
+// depend on the unit of length: there it is the root of r.D^-1 r, and |b| likewise, but for SOFA's test. With `bodies` the
 // rows below each of these nodes have alpha, beta and ends of their own, as where SOFA gives each body a solver. Nothing may tie
 // them in the matrix: the first solve refuses what does.
 //
@@ -86,12 +87,13 @@ class CGLinearSolver final : public KrylovSolver {
     cg::BlockJacobi jacobi;
     MatrixKey jacobi_key;
     Index bad_block = -1;
+    bool is_scaled = false;  ///< residuals of the solve are measured by the blocks
     std::vector<Part> parts;  ///< with `bodies`
     bool has_solved = false;  ///< since the start of the run
     bool had_solved = false;  ///< before the step
   };
   Kept& keptFor(const SystemMatrix& matrix, Index rows);
-  void prepare(const SystemMatrix& matrix, Kept& kept) const;
+  void prepare(const SystemMatrix& matrix, Kept& kept);
   SolveReport iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
   SolveReport iterateAbsolutely(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
   void findParts(SystemMatrix& matrix, Kept& kept) const;
@@ -142,26 +144,31 @@ CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index 
   Kept& kept = kept_.of(matrix);
   if (kept.r.count() == rows) return kept;
   for (Vector* vector : {&kept.r, &kept.p, &kept.q}) vector->resize(rows);
-  if (precondition_) kept.z.resize(rows);
+  if (precondition_ || mixesUnits()) kept.z.resize(rows);
   if (warm_start_) kept.previous.resize(rows), kept.before_step.resize(rows);
   kept.jacobi_key = {};
   kept.parts.clear();
   return kept;
 }
 
-void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) const {
-  if (!precondition_ || kept.jacobi_key == matrix.key()) return;
+void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) {
+  const bool may_scale = bodies_.empty() && absolute_threshold_ == 0 && mixesUnits();
+  kept.is_scaled = may_scale && kept.bad_block < 0;
+  if (!(precondition_ || may_scale) || kept.jacobi_key == matrix.key()) return;
   matrix.diagonalBlocks(kept.blocks);
   kept.bad_block = kept.jacobi.factor(kept.blocks);
   kept.jacobi_key = matrix.key();
+  kept.is_scaled = may_scale && kept.bad_block < 0;
 }
 
 SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual) {
   Vector &r = kept.r, &p = kept.p, &q = kept.q, &z = kept.z;
   SolveReport report;
-  double rho = precondition_ ? kept.jacobi.apply(r, z) : residual;
+  double rho = precondition_ ? kept.jacobi.apply(r, z) : kept.is_scaled ? cg::inner(r, r) : residual;
   copy(precondition_ ? z.rows() : r.rows(), p);
   const double enough = target();
+  // between turns and torques the cosine has a unit
+  const double smallest_cosine = threshold_ * threshold_ * (kept.is_scaled ? 1e-12 : 1);
   for (;;) {
     product(matrix, p, q);
     ++report.iterations;
@@ -170,13 +177,15 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
       report.stop = SolveStop::not_finite;
       break;
     }
-    if (curve.pq <= threshold_ * threshold_ * std::sqrt(curve.pp) * std::sqrt(curve.qq)) {
+    if (curve.pq <= smallest_cosine * std::sqrt(curve.pp) * std::sqrt(curve.qq)) {
       const bool negative = curve.pq < -1e-14 * std::sqrt(curve.pp) * std::sqrt(curve.qq);
       report.stop = negative ? SolveStop::not_definite : SolveStop::breakdown;
       break;
     }
     const double alpha = rho / curve.pq;
-    residual = cg::reduceResidual(alpha, q, r);
+    const double square = cg::reduceResidual(alpha, q, r);
+    const double in_blocks = kept.is_scaled ? kept.jacobi.apply(r, z) : 0;
+    residual = kept.is_scaled ? in_blocks : square;
     record(std::sqrt(residual) / norm_b_);
     if (!std::isfinite(residual)) {
       report.stop = SolveStop::not_finite;
@@ -193,7 +202,7 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
       break;
     }
     const double rho_before = rho;
-    rho = precondition_ ? kept.jacobi.apply(r, z) : residual;
+    rho = !precondition_ ? square : kept.is_scaled ? in_blocks : kept.jacobi.apply(r, z);
     cg::advance(alpha, rho / rho_before, precondition_ ? z.rows() : r.rows(), p, x);
   }
   report.relative_residual = std::sqrt(residual) / norm_b_;
@@ -319,14 +328,18 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, con
   if (!begin(matrix, b, x, terms, report)) return report;
   Kept& kept = keptFor(matrix, b.count);
   prepare(matrix, kept);
-  if (kept.bad_block >= 0) {
+  if (kept.bad_block >= 0 && precondition_) {
     report.stop = SolveStop::not_definite;
     report.row = kept.bad_block;
     report.relative_residual = 1;
     return report;
   }
   if (warm_start_) copy(kept.previous, x);
-  const double residual = KrylovSolver::residual(matrix, b, x, kept.r, kept.q);
+  double residual = KrylovSolver::residual(matrix, b, x, kept.r, kept.q);
+  if (kept.is_scaled) {
+    norm_b_ = std::sqrt(kept.jacobi.apply(b, kept.z));
+    residual = kept.jacobi.apply(kept.r, kept.z);
+  }
   if (!bodies_.empty()) {
     if (kept.parts.empty()) findParts(matrix, kept);
     report = iterateApart(matrix, kept, b, x);

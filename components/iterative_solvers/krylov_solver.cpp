@@ -8,6 +8,7 @@
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/mass.h"
+#include "framework/mechanics/state.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -23,6 +24,12 @@ bool matrixDependsOnState(const Node& root) {
   };
   return std::ranges::any_of(fields, varies) || !std::ranges::all_of(mappings, &Mapping::isLinear) ||
          std::ranges::any_of(masses, &Mass::turns);
+}
+
+bool someRowsTurn(const Node& root) {
+  std::vector<State*> states;
+  root.collect(states);
+  return std::ranges::any_of(states, [](const State* state) { return state->hasFrames(); });
 }
 
 void KrylovSolver::declare(DataTable& table) {

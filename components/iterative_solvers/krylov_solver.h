@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/symmetric_blocks.h"
@@ -12,6 +13,8 @@ namespace stroma {
 class Node;
 /// Whether some matrix of the scene may depend on places or velocities.
 bool matrixDependsOnState(const Node& root);
+/// Whether some rows are turns: the numbers of a residual are then forces and torques, and |r| depends on the unit of length.
+bool someRowsTurn(const Node& root);
 
 /// What solvers by products share: `iterations`, `tolerance`, `template`, `graph`, the form of the product, and the
 /// ends that need no iteration. Members are those of the solve that runs; what outlives it is kept for each matrix.
@@ -75,6 +78,11 @@ class KrylovSolver : public LinearSolver {
   }
   /// The |b - A x| at which a solve ends.
   double target() const { return relativeTarget(terms_) * norm_b_; }
+  /// Residuals are measured by |r|^2 = r.D^-1 r, an energy, and not by r.r: asked once, when states are bound.
+  bool mixesUnits() {
+    if (!mixes_units_) mixes_units_ = someRowsTurn(node().root());
+    return *mixes_units_;
+  }
   double relativeTarget(const SolveTerms& terms) const { return std::max(tolerance(), terms.relative_residual); }
   bool isStopAsked() const { return terms_.stop.isStopAsked(); }
   /// A scene that writes `iterations` and no tolerance, as SOFA's do, has SOFA's.
@@ -106,6 +114,7 @@ class KrylovSolver : public LinearSolver {
   std::vector<double> graph_;
   /// Whether products go through the elements or the matrix; automatic asks the system for the cheaper.
   Form form_ = Form::automatic;
+  std::optional<bool> mixes_units_;
   bool is_capped_ = false;                  ///< the scene writes `iterations`
   const Data* tolerance_data_ = nullptr;    ///< the attribute
   const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free

@@ -268,7 +268,12 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   const auto precondition = [&](ConstRows r, Rows z) { inverse ? inverse->apply(r, z) : copy(r, z); };
   if (inverse) most = std::min(most, inverse->patience());
-  cg::Limits limits{most, target(), terms_.stop};
+  const bool by_inverse = inverse && mixesUnits();
+  if (by_inverse) {
+    precondition(b, work.z.rows());
+    if (const double square = cg::inner(b, work.z); square > 0 && std::isfinite(square)) norm_b_ = std::sqrt(square);
+  }
+  cg::Limits limits{most, target(), terms_.stop, by_inverse};
   auto* const automatic = dynamic_cast<AutomaticInverse*>(inverse);
   int iterations = 0;
   const auto note = [&](double residual) {

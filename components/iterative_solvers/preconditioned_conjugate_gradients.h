@@ -23,6 +23,7 @@ struct Limits {
   int iterations = 25;
   double residual = 0;  ///< stop when |b - A x| is at most this
   StopToken stop{};
+  bool by_inverse = false;  ///< |r|^2 is r.z with z = B r, in which forces and torques are alike
 };
 
 /// Iterates from r = b - A x until the |r| of the recurrence is small enough (converged) or something else ends it.
@@ -30,7 +31,8 @@ struct Limits {
 template <class Product, class Precondition, class Record>
 SolveStop descend(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits,
                   Directions& work, Rows x, SolveReport& report) {
-  constexpr double smallest_cosine = 1e-10, noise = 1e-14;
+  constexpr double noise = 1e-14;
+  const double smallest_cosine = limits.by_inverse ? 1e-22 : 1e-10;  // between turns and torques it has a unit
   auto& [r, p, q, z] = work;
   precondition(r.rows(), z.rows());
   double rho = inner(r, z);
@@ -45,6 +47,12 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
       return curve.pq < -noise * size ? SolveStop::not_definite : SolveStop::breakdown;
     const double alpha = rho / curve.pq;
     report.relative_residual = std::sqrt(reduceResidual(alpha, q, r));
+    const double before = rho;
+    if (limits.by_inverse) {
+      precondition(r.rows(), z.rows());
+      rho = inner(r, z);
+      if (report.relative_residual > 0) report.relative_residual = std::sqrt(std::abs(rho));
+    }
     record(report.relative_residual);
     if (!std::isfinite(report.relative_residual)) return SolveStop::not_finite;
     const bool converged = report.relative_residual <= limits.residual;
@@ -53,9 +61,10 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
       axpy(alpha, p, x);
       return converged ? SolveStop::converged : SolveStop::iteration_limit;
     }
-    precondition(r.rows(), z.rows());
-    const double before = rho;
-    rho = inner(r, z);
+    if (!limits.by_inverse) {
+      precondition(r.rows(), z.rows());
+      rho = inner(r, z);
+    }
     advance(alpha, rho / before, z, p, x);
   }
 }
@@ -65,7 +74,7 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
 ///   record(|r|): called after each iteration.
 /// The |r| of the recurrence leaves b - A x behind by round-off, so where an iteration ends the residual itself is
 /// computed, and the method starts anew from there when it is not small enough, as long as that helps.
-/// `report.relative_residual` is |b - A x| (the caller divides by |b|). A matrix that shows itself to be singular or
+/// `report.relative_residual` is |b - A x|, see Limits (the caller divides by |b|). A matrix that shows itself to be singular or
 /// not definite leaves the last iterate in x. `has_residual`: work.r is b - A x.
 template <class Product, class Precondition, class Record>
 SolveReport preconditioned(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits,
@@ -78,7 +87,12 @@ SolveReport preconditioned(Product&& product, Precondition&& precondition, Recor
       axpy(-1, work.q, work.r);
     }
   }
-  double entered = std::sqrt(inner(work.r, work.r));
+  const auto measure = [&](double square) {
+    if (!limits.by_inverse || square == 0 || !std::isfinite(square)) return std::sqrt(square);
+    precondition(work.r.rows(), work.z.rows());
+    return std::sqrt(std::abs(inner(work.r, work.z)));
+  };
+  double entered = measure(inner(work.r, work.r));
   report.relative_residual = entered;
   if (!std::isfinite(entered)) report.stop = SolveStop::not_finite;
   if (!(entered > limits.residual)) return report;
@@ -87,7 +101,7 @@ SolveReport preconditioned(Product&& product, Precondition&& precondition, Recor
     if (report.stop != SolveStop::converged) return report;
     product(x, work.q.rows());
     copyShared(b, work.r);
-    report.relative_residual = std::sqrt(reduceResidual(1, work.q, work.r));
+    report.relative_residual = measure(reduceResidual(1, work.q, work.r));
     if (report.relative_residual <= 1.1 * limits.residual) return report;
     report.stop = report.iterations == limits.iterations ? SolveStop::iteration_limit : SolveStop::stagnated;
     // a restart that gains less than half fights round-off

@@ -197,7 +197,7 @@ void SurfacePressureForceField::checkGas() {
 
 std::vector<double> SurfacePressureForceField::weightsOf(const std::vector<Face>& faces) const {
   std::vector<double> weights;
-  if (main_direction_.isZero()) return weights;
+  if (main_direction_.isZero(0)) return weights;
   if (const double length = main_direction_.norm(); !(std::abs(length - 1) < unit_tolerance)) {
     const Vec3 unit = main_direction_ / length;
     throw ComponentError(fmt::format("mainDirection has the length {:g}, which would multiply the pressure", length),

@@ -123,8 +123,9 @@ class TransformPosition final : public Engine {
         break;
     }
     const Eigen::Vector4d q = affine * p.homogeneous();
-    constexpr double vanishing = 1e-10;
-    if (!(std::abs(q[3]) > vanishing)) throw ComponentError("the matrix sends a point to infinity", "a last row 0 0 0 1");
+    constexpr double vanishing = 1e-10;  // of its terms
+    const double terms = affine.row(3).cwiseAbs() * p.homogeneous().cwiseAbs();
+    if (!(std::abs(q[3]) > vanishing * terms)) throw ComponentError("the matrix sends a point to infinity", "a last row 0 0 0 1");
     return q.hnormalized();
   }
   enum class Method : int {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/mesh/cell_kind.h"
 
-
 #include "framework/mesh/simplex_size.h"
 
 namespace stroma::cell_tables {
-
 namespace {
 
 /// dx/dxi, one column per axis of the cell.

@@ -4,6 +4,7 @@
 #include "framework/scene/data.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "framework/scene/text.h"
@@ -69,11 +70,12 @@ bool allNumbers(const T& value, F&& f) {
 }  // namespace
 
 std::optional<Problem> Data::checkRange() const {
-  const auto inside = [this](double value) {
-    return (min_inclusive_ ? value >= min_ : value > min_) && (max_inclusive_ ? value <= max_ : value < max_);
+  bool is_extreme = false;  // for physics: squares of forces must be numbers too
+  const auto inside = [&](double value) {
+    is_extreme = physical_ && value != 0 && !(std::abs(value) >= 1e-100 && std::abs(value) <= 1e100);
+    return !is_extreme && (min_inclusive_ ? value >= min_ : value > min_) && (max_inclusive_ ? value <= max_ : value < max_);
   };
-  long count = 0;
-  double bad = 0;
+  double count = 0, bad = 0;
   const bool good = std::visit(
       [&](const auto& pointer) {
         using Pointer = std::decay_t<decltype(pointer)>;
@@ -84,11 +86,11 @@ std::optional<Problem> Data::checkRange() const {
         }
       },
       pointer_);
-  if (good || rangeText().empty()) return std::nullopt;
+  if (good || (rangeText().empty() && !is_extreme)) return std::nullopt;
   Problem problem;
-  problem.message = printReal(bad) + (count > 1 ? " (number " + std::to_string(count) + " of the value: commas part them)" : "") +
+  problem.message = printReal(bad) + (count > 1 ? " (number " + printReal(count) + " of the value: commas part them)" : "") +
                     " is outside the range of " + name_;
-  const std::string range = rangeText();
+  const std::string range = is_extreme ? "of size 1e-100 to 1e100" : rangeText();
   problem.expected = std::string(range[0] == '[' || range[0] == '(' ? "a value in " : "a value ") + range +
                      (unit_.empty() || unit_ == "-" ? "" : " " + unit_);
   return problem;

@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <functional>
 
+#include "framework/mesh/cell_kind.h"
 #include "tests/support/meshes.h"
+#include "tests/support/quadratic_block.h"
 #include "tools/checks/mesh_error.h"
 
 namespace stroma::test {
@@ -108,6 +110,74 @@ TEST(MeshError, IsThatOfBentTriangles) {
     EXPECT_NEAR(found.error, error, 0.35 * error) << n;
     EXPECT_NEAR(found.share(), 3.5 * h * h, 0.4 * 3.5 * h * h) << n;
     EXPECT_LT(strainError(mesh.triangles, rest, mesh.position, {}, 1. / 3).largest, 1e-24) << "turned only";
+  }
+}
+
+/// Integral of |dev(eps - exact)|^2 over cells, eps their own small strain.
+template <class Cell>
+double trueError(const std::vector<Cell>& cells, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
+                 const std::function<Mat3(const Vec3&)>& exact) {
+  const CellKind& kind = cells.front().size() == 6 ? cell_kinds::prism : cells.front().size() == 5 ? cell_kinds::pyramid
+                                                                                           : cell_kinds::quadratic_tetrahedron;
+  double sum = 0;
+  for (const Cell& cell : cells)
+    for (const QuadraturePoint& point : kind.rule(4).points) {
+      std::array<double, 10> shapes;
+      std::array<LocalPoint, 10> slopes;
+      kind.shapes(point.xi, shapes.data()), kind.gradients(point.xi, slopes.data());
+      Mat3 before = Mat3::Zero(), after = Mat3::Zero();
+      Vec3 place = Vec3::Zero();
+      for (std::size_t a = 0; a < cell.size(); ++a) {
+        const Vec3 slope(slopes[a][0], slopes[a][1], slopes[a][2]);
+        before += rest[std::size_t(cell[a])] * slope.transpose(), after += now[std::size_t(cell[a])] * slope.transpose();
+        place += shapes[a] * rest[std::size_t(cell[a])];
+      }
+      const Mat3 f = after * before.inverse();
+      Mat3 off = (f + f.transpose()) / 2 - Mat3::Identity() - exact(place);
+      off -= off.trace() / 3 * Mat3::Identity();
+      sum += point.weight * std::abs(before.determinant()) * off.squaredNorm();
+    }
+  return sum;
+}
+
+/// Hexahedra in two prisms with triangles across z, or in six pyramids around their centres; quadratic tetrahedra in quadratic shapes.
+/// Linear ones are bent, which quadratic ones can, and these get a shear that they cannot have.
+TEST(MeshError, IsThatOfPrismsPyramidsAndQuadraticCells) {
+  static constexpr double k = 1e-4;
+  const Map bend = [](const Vec3& p) -> Vec3 { return p + k * Vec3(p.x() * (p.y() - 0.5), -p.x() * p.x() / 2, 0); };
+  const auto bent = [](const Vec3& p) -> Mat3 { return Vec3(k * (p.y() - 0.5), 0, 0).asDiagonal(); };
+  const Map cubic = [](const Vec3& p) -> Vec3 { return p + k * Vec3(p.y() * p.y() * p.y(), 0, p.x() * p.x() * p.x()); };
+  const auto sheared = [](const Vec3& p) -> Mat3 {
+    Mat3 e = Mat3::Zero();
+    e(0, 1) = e(1, 0) = 1.5 * k * p.y() * p.y(), e(0, 2) = e(2, 0) = 1.5 * k * p.x() * p.x();
+    return e;
+  };
+  const auto expectNear = [&](const auto& cells, const std::vector<Vec3>& rest, const Map& map, const auto& exact) {
+    std::vector<Vec3> now;
+    for (const Vec3& p : rest) now.push_back(map(p));
+    const double expected = trueError(cells, rest, now, exact), found = strainError(cells, rest, now).error;
+    EXPECT_GT(found, 0.5 * expected);
+    EXPECT_LT(found, 1.6 * expected);
+  };
+  for (const int n : {2, 4}) {
+    SCOPED_TRACE(n);
+    Mesh mesh = beam(n, false);
+    for (const Hexahedron& h : mesh.hexahedra) {
+      mesh.prisms.push_back({h[0], h[1], h[2], h[4], h[5], h[6]}), mesh.prisms.push_back({h[0], h[2], h[3], h[4], h[6], h[7]});
+      Vec3 centre = Vec3::Zero();
+      for (const Index a : h) centre += mesh.position[std::size_t(a)] / 8;
+      const Index top = Index(mesh.position.size());
+      mesh.position.push_back(centre);
+      for (const auto& f : {std::array<int, 4>{0, 1, 2, 3}, {4, 7, 6, 5}, {0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}})
+        mesh.pyramids.push_back({h[std::size_t(f[0])], h[std::size_t(f[1])], h[std::size_t(f[2])], h[std::size_t(f[3])], top});
+    }
+    expectNear(mesh.prisms, mesh.position, bend, bent);
+    expectNear(mesh.pyramids, mesh.position, bend, bent);
+    const QuadraticBlock block = QuadraticBlock::box({2 * n, n, n}, [](const Vec3& p) { return Vec3(2 * p.x(), p.y(), p.z()); });
+    expectNear(block.cells, block.position, cubic, sheared);
+    std::vector<Vec3> now;
+    for (const Vec3& p : block.position) now.push_back(bend(p));
+    EXPECT_LT(strainError(block.cells, block.position, now).share(), 1e-12) << "bending is in their shapes";
   }
 }
 

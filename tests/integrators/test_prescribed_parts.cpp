@@ -115,6 +115,67 @@ TEST(PrescribedParts, AnAttachedToolPressesToHalfInOneStep) {
   }
 }
 
+/// The same where forces of constraint hold the end at the tool. Without them the pressed bar buckles, which Cholesky's factors refuse.
+TEST(PrescribedParts, AToolThatConstraintsHoldPressesToHalfInOneStep) {
+  const Outcome reference = run(bar(integrators[0], neo_hookean, 1, clamp, moved("-2 0 0")), 1);
+  std::string places, ends;
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j) places += fmt::format("4 {} {}  ", 0.5 * j, 0.5 * k), ends += fmt::format("{} ", 8 + 9 * (j + 3 * k));
+  for (const std::string& integrator : {integrators[0], integrators[1], std::string("StaticSolver")}) {
+    std::string scene = bar(integrator, neo_hookean, 1, clamp, "");
+    const std::string start = "<RegularGridTopology", end = "</Node>";
+    scene.insert(scene.rfind(end), fmt::format(R"(</Node><BilateralLagrangianConstraint object1="@tool/dofs"
+  object2="@body/MechanicalObject" first_point="0 1 2 3 4 5 6 7 8" second_point="{}"/>)", ends));
+    scene.insert(scene.find(start),
+                 fmt::format(R"(<Node name="tool"><MechanicalObject name="dofs" position="{}"/><UniformMass totalMass="1e-6"/>
+  <LinearMovementProjectiveConstraint indices="0 1 2 3 4 5 6 7 8" keyTimes="0 1" movements="0 0 0  -2 0 0" outside="hold"/></Node>
+  <Node name="body">)", places));
+    Simulation refused = simulationFromText(scene);
+    const std::string reason = refused.step().reason;
+    EXPECT_NE(reason.find("without these forces a body is unstable"), std::string::npos) << reason;
+    scene.replace(scene.find("SparseLDLSolver"), 15, "EigenSparseLU");
+    Outcome held = run(scene, 1);
+    ASSERT_EQ(held.place.size(), reference.place.size() + 9);
+    held.place.erase(held.place.begin(), held.place.begin() + 9);
+    EXPECT_LT(apart(held, reference), 1e-5) << integrator;
+  }
+}
+
+/// Constraints elsewhere, and obstacles that nothing touches, do not keep a step from being divided.
+TEST(PrescribedParts, ConstraintsAndContactElsewhereChangeNothing) {
+  const std::string away = R"(<Node name="pair"><MechanicalObject position="0 9 0  1 9 0"/><UniformMass totalMass="1"/>
+  <DistanceLagrangianConstraint first_point="0" second_point="1"/></Node>)";
+  const std::string wall = R"(<BarrierContact contactDistance="0.01" planes="0 0 1 -30"/>)";
+  for (const std::string& integrator : integrators) {
+    const Outcome reference = run(bar(integrator, neo_hookean, 1, clamp, moved("-2 0 0")), 1);
+    for (const std::string* each : {&away, &wall}) {
+      const std::string& beside = *each;
+      std::string scene = bar(integrator, neo_hookean, 1, clamp, moved("-2 0 0") + beside);
+      // pressed so far the bar might buckle, and forces of constraint are found with its matrix as it is
+      if (&beside == &away) scene.replace(scene.find("SparseLDLSolver"), 15, "EigenSparseLU");
+      Outcome one = run(scene, 1);
+      ASSERT_GE(one.place.size(), reference.place.size()) << integrator << beside;
+      one.place.resize(reference.place.size());
+      EXPECT_LT(apart(one, reference), 1e-5) << integrator << beside;
+    }
+  }
+}
+
+/// With few iterations too: the last part may end before the tolerance, as steps with few iterations do.
+TEST(PrescribedParts, FewIterationsDivideToo) {
+  const Outcome reference = run(bar(integrators[0], neo_hookean, 1, clamp, moved("-2 0 0")), 1);
+  for (const int iterations : {2, 3, 4}) {
+    Simulation few = simulationFromText(
+        bar(fmt::format("EulerImplicitSolver newtonIterations=\"{}\"", iterations), neo_hookean, 1, clamp, moved("-2 0 0")));
+    const StepReport report = few.step();
+    EXPECT_FALSE(report.failed()) << iterations << report.reason;
+    EXPECT_GT(report.load_parts, 1) << iterations;
+    const ConstRows x = few.systems()[0]->x;
+    for (std::size_t i = 0; i < reference.place.size(); ++i)
+      EXPECT_LT((x[Index(i)] - reference.place[i]).norm(), 1e-2) << iterations << " " << i;
+  }
+}
+
 /// What has no place to go says how far the motion came, and is put back.
 TEST(PrescribedParts, WhatCannotBeSaysHowFarItCame) {
   const std::string straight = R"(<BoxROI name="all" box="-1 -1 -1 5 2 2"/><PartialFixedProjectiveConstraint indices="@all.indices"

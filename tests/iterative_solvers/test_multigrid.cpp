@@ -287,6 +287,41 @@ TEST(Multigrid, NodesWhoseLinksAreAllWeakHaveGroups) {
   }
 }
 
+/// The upper half of the block is such a net instead, `soft` times as stiff as the elastic one below it.
+StoredMatrix netOnBlock(ElasticBlock block, double soft) {
+  const double half = double(block.cells[2]) / 2;
+  block.stiffer = [half](const Vec3& p) { return p.z() < half ? 1. : 0.; };
+  StoredMatrix matrix = matrixOf(block);
+  BlockMatrix& both = matrix.values;
+  const Index first = block.node(0, 0, block.cells[2] / 2);
+  for (Index i = first; i < both.rows(); ++i)
+    for (Index s = both.rowStart()[i]; s < both.rowStart()[i + 1]; ++s) {
+      const Index j = both.columns()[s];
+      if (j < first || i == j) continue;
+      const Vec3 along = (matrix.nodes[std::size_t(j)] - matrix.nodes[std::size_t(i)]).normalized();
+      const Mat3 spring = soft * along * along.transpose();
+      Eigen::Map<Mat3>(both.values().data() + 9 * std::size_t(s)) -= spring;
+      Eigen::Map<Mat3>(both.values().data() + 9 * std::size_t(both.diagonal()[i])) += spring;
+    }
+  return matrix;
+}
+
+/// Nodes of a soft net link to those of a stiff block beneath, which do not link back.
+TEST(Multigrid, ASoftNetOnAStiffBlockTakesFewIterations) {
+  for (const double soft : {10., 1e-1, 1e-3, 1e-6})
+    for (const Index cells : {8, 16}) {
+      const ElasticBlock block = box(cells, cells, cells);
+      StoredMatrix matrix = netOnBlock(block, soft);
+      Vector b = weight(block), x;
+      for (Index row = block.node(0, 0, block.cells[2] / 2 + 1); row < b.count(); ++row) b[row] *= soft;  // alike in both
+      SolverInScene in_scene(multigrid);
+      const SolveReport report = in_scene.solve(matrix, b, x);
+      fmt::print("a net of {:g} on a block, {}^3 cells: {} iterations\n", soft, cells, report.iterations);
+      EXPECT_EQ(report.stop, SolveStop::converged) << soft;
+      EXPECT_LE(report.iterations, 18) << soft;
+    }
+}
+
 TEST(Multigrid, EveryNodeWithStrongNeighboursIsInOneGroup) {
   amg::StrongGraph line;  // a chain of 10 nodes, and one alone
   for (Index i = 0; i < 10; ++i) {

@@ -58,5 +58,20 @@ TEST(EightRotations, StayRotationsOfMatricesWithoutRank) {
   for (Index k = 0; k < 8; ++k) EXPECT_NEAR(turnOf(eight, k).norm(), 1, 1e-14) << k;
 }
 
+/// A node without a finite matrix starts anew, and those beside it go on.
+TEST(EightRotations, WhatIsNotFiniteStartsAnewAlone) {
+  EightRotations eight;
+  for (Index k = 0; k < 8; ++k) set(eight, k, turnedAndStretched({1, 2, -1}, 0.1 * double(k + 1)));
+  for (int i = 0; i < 3; ++i) eight.follow(1e-9);
+  set(eight, 3, Mat3::Constant(std::nan("")));
+  set(eight, 6, Mat3::Constant(INFINITY));
+  eight.follow(1e-9);
+  for (Index k = 0; k < 8; ++k) {
+    const double angle = k == 3 || k == 6 ? 0 : 0.1 * double(k + 1);
+    const Eigen::Quaterniond expected(Eigen::AngleAxisd(angle, Vec3(1, 2, -1).normalized()));
+    EXPECT_LT(turnOf(eight, k).angularDistance(expected), 1e-7) << k;
+  }
+}
+
 }  // namespace
 }  // namespace stroma

@@ -190,6 +190,16 @@ class Pixels(Case):
         top, bottom = (np.flatnonzero(side[row]).mean() for row in (int(200 - 0.48 * scale), int(200 + 0.48 * scale)))
         self.assertLess(top, bottom, "z is to the left of who looks from the right")
 
+    def test_up_is_against_gravity_however_small_its_number_is(self):
+        """A plate that is thin along y: along z one looks at it from above where gravity goes along z, else at its edge."""
+        plate = (CUBE % "").replace('max="1 1 1"', 'max="1 0.25 1"')
+        for gravity, height in (("0 0 -9.81", 0.25), ("0 0 -1e-15", 0.25), ("0 0 0", 1), ("0 -1e-15 0", 1)):
+            scene = self.write("cube.xml", plate.replace('gravity="0 0 0"', f'gravity="{gravity}"'))
+            self.picture(scene, "-n", 0, "--view", "top", "--bare", "--size", "400x400")
+            seen = body(pixels(self.path("cube.png")))
+            high, wide = (np.ptp(np.flatnonzero(seen.any(axis=axis))) + 1 for axis in (1, 0))
+            self.assertAlmostEqual(high / wide, height, delta=0.02, msg=gravity)
+
     def test_a_cut_halves_the_cube(self):
         scene = self.write("cube.xml", CUBE % "")
         for cut, part in (("x=0.25", 0.25), ("x=0.25,below", 0.25), ("x=0.25,above", 0.75), ("z=0.5", 1)):

@@ -144,7 +144,7 @@ def main():
     assert subprocess.run(["bash", "-n", setup]).returncode == 0
     assert subprocess.run(["bash", "-n", os.path.join(sys.argv[1], ".ci", "run")]).returncode == 0
 
-    def run(*arguments, programs=None):
+    def run(*arguments, programs=None, terminal=subprocess.DEVNULL):
         with tempfile.TemporaryDirectory() as folder:
             for name, body in (programs or {}).items():
                 path = os.path.join(folder, name)
@@ -153,7 +153,7 @@ def main():
                 os.chmod(path, 0o755)
             environment = dict(os.environ, PATH=folder + ":" + os.environ["PATH"])
             return subprocess.run(["bash", setup, *arguments], capture_output=True, text=True, env=environment,
-                                  stdin=subprocess.DEVNULL, timeout=600)
+                                  stdin=terminal, timeout=600)
 
     result = run("--help")
     assert result.returncode == 0 and "tools/setup run" in result.stdout, result
@@ -169,6 +169,21 @@ def main():
 
     result = run("install", programs={**none_installed, "id": "echo 0", "apt-get": "exit 100"})
     assert result.returncode == 3 and "could not install" in result.stderr, result
+
+    # At a terminal the password is asked for first, and where there are no rights nothing is begun.
+    with tempfile.TemporaryDirectory() as folder:
+        log = os.path.join(folder, "log")
+        asked = {"dpkg-query": NOT_GMSH, "id": "echo 1000", "apt-get": f'echo "apt-get ${{*##* }}" >> {log}'}
+        sudo = f'case "$1" in -v) echo "sudo -v" >> {log}; exit $RIGHTS ;; -n) shift ;; esac; exec "$@"'
+        ours, terminal = os.openpty()
+        for rights, code, calls in (("0", 0, ["sudo -v", "apt-get libgmsh-dev"]), ("1", 3, ["sudo -v"])):
+            with open(log, "w", encoding="ascii"):
+                pass
+            result = run("install", "-y", programs={**asked, "sudo": sudo.replace("$RIGHTS", rights)}, terminal=terminal)
+            with open(log, encoding="ascii") as file:
+                assert file.read().splitlines() == calls and result.returncode == code, (rights, result)
+            assert ("sudo gave no root rights" in result.stderr) == (code == 3), result
+        os.close(ours), os.close(terminal)
 
     # As root without a terminal it installs, once, everything that is missing.
     with tempfile.TemporaryDirectory() as folder:

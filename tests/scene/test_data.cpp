@@ -116,6 +116,24 @@ TEST(DataParse, Ranges) {
   EXPECT_EQ(ratio, std::vector<double>{0}) << "the value before stays";
 }
 
+/// Squares of forces that are made of them must be numbers: of denormals nothing is left but zeros that count as converged.
+TEST(DataParse, PhysicalNumbersLeaveRoomForTheirSquares) {
+  std::vector<double> value{7};
+  Data data("youngModulus", &value);
+  data.unit("Pa").physical();
+  EXPECT_FALSE(data.parse("0", DataOrigin::written));
+  for (const char* taken : {"1e-99", "1e99", "-3", "0"}) EXPECT_FALSE(data.parse(taken, DataOrigin::written)) << taken;
+  for (const char* extreme : {"1e-320", "1e-101", "3 1e101"}) {
+    const auto problem = data.parse(extreme, DataOrigin::written);
+    ASSERT_TRUE(problem) << extreme;
+    EXPECT_NE(problem->expected.find("a value of size 1e-100 to 1e100 Pa"), std::string::npos) << problem->text();
+  }
+  EXPECT_EQ(value, std::vector<double>{0});
+  double number = 0;
+  Data other("factor", &number);
+  EXPECT_FALSE(other.parse("1e-320", DataOrigin::written)) << "any other number may be of any size";
+}
+
 TEST(DataPrint, RealsReadBackToTheSameBits) {
   std::mt19937_64 random(7);
   int checked = 0;

@@ -33,6 +33,20 @@ TEST(UnitSystem, IsFoundWhereTheNumbersAreThoseOfThings) {
   EXPECT_EQ(unitsIn(bar("", 1, 1e12, 1e-6, 1)).name, "") << "harder than anything: no system fits";
 }
 
+/// The body of many scenes of SOFA: 6 wide, a mass of 1, Young's modulus 3000, gravity 9.81. It would be foam in centimetres where
+/// nearly nothing has weight, and so would one without gravity; nobody named such units.
+TEST(UnitSystem, NumbersOfNoSystemHaveNoUnits) {
+  const auto block = [](const char* gravity, const char* mass, const char* modulus) {
+    return fmt::format(
+        R"(<Node name="root" gravity="0 {} 0"><EulerImplicitSolver/><SparseLDLSolver/><RegularGridTopology n="5 3 3" min="0 0 0"
+  max="6 3 3"/><MechanicalObject/><UniformMass totalMass="{}"/><HexahedronFEMForceField youngModulus="{}" poissonRatio="0.3"/></Node>)",
+        gravity, mass, modulus);
+  };
+  EXPECT_EQ(unitsIn(block("-9.81", "1", "3000")).name, "");
+  EXPECT_EQ(unitsIn(block("0", "54", "3000")).name, "");
+  EXPECT_EQ(unitsIn(block("-981", "54", "30000")).name, "cm, g, s");
+}
+
 /// Without a mass size and stiffness alone speak: 8 mm and 500 kPa could be 8 m and 500 Pa, if nothing had weight.
 TEST(UnitSystem, ABodyWithoutAMassIsNotTakenForOneThatItsWeightWouldCrush) {
   const auto sample = [](const char* size, const char* modulus) {

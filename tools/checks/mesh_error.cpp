@@ -24,7 +24,6 @@ namespace {
 /// The deviator xx yy zz, then xy yz zx times the root of 2: |.|^2 is that of the tensor. Then the trace times the root of
 /// K/(2 mu), so that mu |.|^2 is the energy.
 using Strain = Eigen::Matrix<double, 7, 1>;
-using Fit = Eigen::Matrix<double, 7, 4>;  ///< of 1, x, y, z
 
 /// Of (F^T F - 1) / 2.
 Strain strainOf(const Mat3& f, double bulk) {
@@ -39,6 +38,9 @@ Strain strainOf(const Mat3& f, double bulk) {
 const CellKind& kindOf(const Tetrahedron&) { return cell_kinds::tetrahedron; }
 const CellKind& kindOf(const Hexahedron&) { return cell_kinds::hexahedron; }
 const CellKind& kindOf(const Triangle&) { return cell_kinds::triangle; }
+const CellKind& kindOf(const Prism&) { return cell_kinds::prism; }
+const CellKind& kindOf(const Pyramid&) { return cell_kinds::pyramid; }
+const CellKind& kindOf(const QuadraticTetrahedron&) { return cell_kinds::quadratic_tetrahedron; }
 
 /// The third of a surface's axes, across which it keeps its thickness.
 void addNormal(Mat3& tangents) { tangents.col(2) = tangents.col(0).cross(tangents.col(1)).normalized(); }
@@ -59,7 +61,8 @@ std::pair<Mat3, double> deformationAt(const Cell& cell, const LocalPoint& xi, co
   return {after * before.inverse(), std::abs(before.determinant())};
 }
 
-/// Cells of one modulus: their strains at centres, and the continuous strain made of them. Nodes are numbered anew.
+/// Cells of one modulus: their strains at centres, of quadratic ones at four points, and the continuous strain made of them. Nodes
+/// are numbered anew.
 template <class Cell>
 class Recovery {
  public:
@@ -67,52 +70,71 @@ class Recovery {
            const std::vector<Vec3>& now)
       : cells_(std::move(cells)), modulus_(std::move(modulus)), bulk_(bulk) {
     takeNodes(rest, now);
-    const LocalPoint middle = is_flat                          ? LocalPoint{1. / 3, 1. / 3, 0}
-                              : std::tuple_size_v<Cell> == 4 ? LocalPoint{0.25, 0.25, 0.25}
-                                                             : LocalPoint{0, 0, 0};
+    const std::vector<LocalPoint> samples = samplePoints();
     for (const Cell& cell : cells_) {
-      Vec3 centre = Vec3::Zero();
-      for (const Index n : cell) centre += rest_[std::size_t(n)] / double(cell.size());
-      centre_.push_back(centre);
-      strain_.push_back(strainOf(deformationAt(cell, middle, rest_, now_).first, bulk_));
+      for (const LocalPoint& xi : samples) {
+        std::array<double, std::tuple_size_v<Cell>> shapes;
+        kindOf(cell).shapes(xi, shapes.data());
+        Vec3 place = Vec3::Zero();
+        for (std::size_t a = 0; a < cell.size(); ++a) place += shapes[a] * rest_[std::size_t(cell[a])];
+        place_.push_back(place);
+        strain_.push_back(strainOf(deformationAt(cell, xi, rest_, now_).first, bulk_));
+      }
     }
+    samples_ = samples.size();
     fitAll();
   }
 
   StrainError error() const {
     StrainError sum;
     for (std::size_t c = 0; c < cells_.size(); ++c)
-      for (const LocalPoint& xi : points()) addAt(c, xi, sum);
+      for (const QuadraturePoint& point : kindOf(Cell()).rule(degree).points) addAt(c, point, sum);
     return sum;
   }
 
  private:
-  static constexpr bool is_flat = std::tuple_size_v<Cell> == 3;
-
-  /// Exact for the square of a linear difference in a tetrahedron or triangle; those of a hexahedron's own quadrature.
-  static const std::vector<LocalPoint>& points() {
-    constexpr double a = 0.5854101966249685, b = 0.1381966011250105, g = 0.5773502691896258;
-    static const std::vector<LocalPoint> triangle{{1. / 6, 1. / 6, 0}, {2. / 3, 1. / 6, 0}, {1. / 6, 2. / 3, 0}};
-    static const std::vector<LocalPoint> tetrahedron{{b, b, b}, {a, b, b}, {b, a, b}, {b, b, a}};
-    static const std::vector<LocalPoint> hexahedron = [] {
-      std::vector<LocalPoint> all;
-      for (int i = 0; i < 8; ++i) all.push_back({i & 1 ? g : -g, i & 2 ? g : -g, i & 4 ? g : -g});
-      return all;
-    }();
-    return is_flat ? triangle : std::tuple_size_v<Cell> == 4 ? tetrahedron : hexahedron;
+  static constexpr bool is_flat = std::tuple_size_v<Cell> == 3, is_quadratic = std::tuple_size_v<Cell> == 10;
+  static constexpr int terms = is_quadratic ? 10 : 4;
+  static constexpr int degree = is_quadratic ? 4 : 2;  ///< of the square of what is compared
+  using Terms = Eigen::Matrix<double, terms, 1>;
+  struct Fit {
+    Eigen::Matrix<double, 7, terms> of;
+    double size;  ///< [m]
+    Strain at(const Vec3& from_node) const { return of * termsAt(from_node / size); }
+  };
+  /// 1, x, y, z, and the products of two.
+  static Terms termsAt(const Vec3& p) {
+    Terms t;
+    t.template head<4>() << 1, p;
+    if constexpr (is_quadratic) t.template tail<6>() << p.cwiseProduct(p), p[0] * p[1], p[1] * p[2], p[2] * p[0];
+    return t;
   }
-  static constexpr double weight = is_flat ? 1. / 6 : std::tuple_size_v<Cell> == 4 ? 1. / 24 : 1;
 
-  void addAt(std::size_t c, const LocalPoint& xi, StrainError& sum) const {
+  /// Where strains are better than elsewhere: the centre, the mean of a linear cell's nodes; four points of a quadratic one.
+  static std::vector<LocalPoint> samplePoints() {
+    const CellKind& kind = kindOf(Cell());
+    std::vector<LocalPoint> points;
+    if constexpr (is_quadratic) {
+      for (const QuadraturePoint& point : kind.rule(2).points) points.push_back(point.xi);
+    } else {
+      points.emplace_back();
+      for (const LocalPoint& node : kind.reference)
+        for (std::size_t k = 0; k < 3; ++k) points[0][k] += node[k] / kind.nodes;
+    }
+    return points;
+  }
+
+  void addAt(std::size_t c, const QuadraturePoint& point, StrainError& sum) const {
     const Cell& cell = cells_[c];
+    const LocalPoint& xi = point.xi;
     std::array<double, std::tuple_size_v<Cell>> shapes;
     kindOf(cell).shapes(xi, shapes.data());
     const auto [f, size] = deformationAt(cell, xi, rest_, now_);
     const Strain own = strainOf(f, bulk_);
     Strain recovered = Strain::Zero();
     for (std::size_t a = 0; a < cell.size(); ++a) recovered += shapes[a] * at_node_[std::size_t(cell[a])];
-    sum.error += modulus_[c] * weight * size * (recovered - own).squaredNorm();
-    sum.strain += modulus_[c] * weight * size * own.squaredNorm();
+    sum.error += modulus_[c] * point.weight * size * (recovered - own).squaredNorm();
+    sum.strain += modulus_[c] * point.weight * size * own.squaredNorm();
     sum.largest = std::max(sum.largest, own.squaredNorm());
   }
 
@@ -130,30 +152,31 @@ class Recovery {
       }
   }
 
-  /// The linear fit to the cells around a node, in coordinates from it; nothing where they do not determine one.
+  /// The fit to the samples in the cells around a node; nothing where they do not determine one.
   std::optional<Fit> fitAt(std::size_t node) const {
-    constexpr std::size_t fewest = is_flat ? 5 : 8;
-    const std::vector<std::size_t>& cells = around_[node];
-    if (cells.size() < fewest) return {};
-    double size = 0;
-    for (const std::size_t c : cells) size = std::max(size, (centre_[c] - rest_[node]).norm());
-    Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
-    Fit right = Fit::Zero();
-    for (const std::size_t c : cells) {
-      Eigen::Vector4d p;
-      p << 1, (centre_[c] - rest_[node]) / size;
-      squares += p * p.transpose();
-      right += strain_[c] * p.transpose();
+    constexpr std::size_t fewest = is_flat ? 5 : 2 * terms;
+    constexpr double least = is_quadratic ? 1e-4 : 0.01;
+    std::vector<std::size_t> samples;
+    for (const std::size_t c : around_[node])
+      for (std::size_t k = 0; k < samples_; ++k) samples.push_back(samples_ * c + k);
+    if (samples.size() < fewest) return {};
+    Fit fit{{}, 0};
+    for (const std::size_t s : samples) fit.size = std::max(fit.size, (place_[s] - rest_[node]).norm());
+    Eigen::Matrix<double, terms, terms> squares = Eigen::Matrix<double, terms, terms>::Zero();
+    Eigen::Matrix<double, 7, terms> right = Eigen::Matrix<double, 7, terms>::Zero();
+    for (const std::size_t s : samples) {
+      const Terms p = termsAt((place_[s] - rest_[node]) / fit.size);
+      squares += p * p.transpose() / double(samples.size());
+      right += strain_[s] * p.transpose() / double(samples.size());
     }
-    squares /= double(cells.size()), right /= double(cells.size());
     if constexpr (is_flat) {  // no slope across the surface
-      const Vec3 normal = Eigen::SelfAdjointEigenSolver<Mat3>(squares.bottomRightCorner<3, 3>()).eigenvectors().col(0);
-      squares.bottomRightCorner<3, 3>() += normal * normal.transpose();
+      const Mat3 slopes = squares.template bottomRightCorner<3, 3>();
+      const Vec3 normal = Eigen::SelfAdjointEigenSolver<Mat3>(slopes).eigenvectors().col(0);
+      squares.template bottomRightCorner<3, 3>() += normal * normal.transpose();
     }
-    const Eigen::LDLT<Eigen::Matrix4d> factors(squares);
-    if (!(factors.vectorD().minCoeff() > 0.01)) return {};
-    Fit fit = factors.solve(right.transpose()).transpose();
-    fit.rightCols<3>() /= size;
+    const Eigen::LDLT<Eigen::Matrix<double, terms, terms>> factors(squares);
+    if (!(factors.vectorD().minCoeff() > least)) return {};
+    fit.of = factors.solve(right.transpose()).transpose();
     return fit;
   }
 
@@ -161,7 +184,7 @@ class Recovery {
     std::vector<std::optional<Fit>> fits(rest_.size());
     for (std::size_t n = 0; n < rest_.size(); ++n) fits[n] = fitAt(n);
     for (std::size_t n = 0; n < rest_.size(); ++n)
-      at_node_.push_back(fits[n] ? Strain(fits[n]->col(0)) : beside(n, fits));
+      at_node_.push_back(fits[n] ? Strain(fits[n]->of.col(0)) : beside(n, fits));
   }
 
   /// What the fits around say of a node without one; where there are none, the mean of its cells.
@@ -169,12 +192,10 @@ class Recovery {
     Strain sum = Strain::Zero(), mean = Strain::Zero();
     int count = 0;
     for (const std::size_t c : around_[node]) {
-      mean += strain_[c] / double(around_[node].size());
+      for (std::size_t k = 0; k < samples_; ++k) mean += strain_[samples_ * c + k] / double(samples_ * around_[node].size());
       for (const Index other : cells_[c]) {
         if (!fits[std::size_t(other)]) continue;
-        Eigen::Vector4d p;
-        p << 1, rest_[node] - rest_[std::size_t(other)];
-        sum += *fits[std::size_t(other)] * p, ++count;
+        sum += fits[std::size_t(other)]->at(rest_[node] - rest_[std::size_t(other)]), ++count;
       }
     }
     return count > 0 ? Strain(sum / count) : mean;
@@ -183,8 +204,10 @@ class Recovery {
   std::vector<Cell> cells_;
   std::vector<double> modulus_;
   double bulk_;
-  std::vector<Vec3> rest_, now_, centre_;
-  std::vector<Strain> strain_;                    ///< of each cell at its centre
+  std::vector<Vec3> rest_, now_;
+  std::size_t samples_ = 1;                       ///< in each cell
+  std::vector<Vec3> place_;                       ///< of them, shape (cells * samples_)
+  std::vector<Strain> strain_;                    ///< the same
   std::vector<std::vector<std::size_t>> around_;  ///< cells around each node
   std::vector<Strain> at_node_;
 };
@@ -260,24 +283,31 @@ void visitCells(const ForceField& field, Visit&& visit) {
     if (!kind) continue;
     if (kind->type == CellType::tetrahedron && !mesh.tetrahedra.empty()) return visit(mesh.tetrahedra);
     if (kind->type == CellType::hexahedron && !mesh.hexahedra.empty()) return visit(mesh.hexahedra);
+    if (kind->type == CellType::prism && !mesh.prisms.empty()) return visit(mesh.prisms);
+    if (kind->type == CellType::pyramid && !mesh.pyramids.empty()) return visit(mesh.pyramids);
+    if (kind->type == CellType::quadratic_tetrahedron && !mesh.quadratic_tetrahedra.empty()) return visit(mesh.quadratic_tetrahedra);
   }
 }
 
 }  // namespace
 
-StrainError strainError(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& rest,
-                        const std::vector<Vec3>& now, const std::vector<double>& modulus, double bulk) {
+template <class Cell>
+StrainError strainError(const std::vector<Cell>& cells, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
+                        const std::vector<double>& modulus, double bulk) {
   return estimate(cells, rest, now, modulus, bulk);
 }
-StrainError strainError(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& rest,
-                        const std::vector<Vec3>& now, const std::vector<double>& modulus, double bulk) {
-  return estimate(cells, rest, now, modulus, bulk);
-}
-
-StrainError strainError(const std::vector<Triangle>& cells, const std::vector<Vec3>& rest,
-                        const std::vector<Vec3>& now, const std::vector<double>& modulus, double bulk) {
-  return estimate(cells, rest, now, modulus, bulk);
-}
+template StrainError strainError(const std::vector<Tetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
+                                 const std::vector<double>&, double);
+template StrainError strainError(const std::vector<Hexahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
+                                 const std::vector<double>&, double);
+template StrainError strainError(const std::vector<Triangle>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
+                                 const std::vector<double>&, double);
+template StrainError strainError(const std::vector<Prism>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
+                                 const std::vector<double>&, double);
+template StrainError strainError(const std::vector<Pyramid>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
+                                 const std::vector<double>&, double);
+template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
+                                 const std::vector<double>&, double);
 
 std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
   if (!isMembrane(field) && !kindOfLaw(field)) return {};
@@ -309,14 +339,14 @@ std::vector<std::string> meshErrors(const Simulation& simulation) {
       if (own->share() * energy > greatest) greatest = own->share() * energy, worst = field;
     }
     if (!worst || error <= limit * all) continue;
-    bool tetrahedra = false;
-    visitCells(*worst, [&tetrahedra](const auto& cells) { tetrahedra = cells.front().size() == 4; });
+    bool are_stiff = false;
+    visitCells(*worst, [&are_stiff](const auto& cells) { are_stiff = cells.front().size() >= 4 && cells.front().size() <= 6; });
     sentences.push_back(fmt::format(
         "{} at t = {:.6g}{}: by the jumps of the strain between cells the mesh is too coarse for this "
         "deformation: some "
         "{:.0f} % too stiff. Finer cells{} are closer",
         worst->path(), simulation.time(), units.behind("s"), 100 * error / all,
-        tetrahedra ? ", quadratic tetrahedra or hexahedra" : ""));
+        are_stiff ? ", quadratic tetrahedra or hexahedra" : ""));
   }
   return sentences;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How far linear cells are from the body that they stand for, from the deformed shape alone: strains that jump between
-// cells are not those of a body.
+// How far cells are from the body that they stand for, from the deformed shape alone: strains that jump between cells are not
+// those of a body.
 #pragma once
 #include <optional>
 #include <string>
@@ -20,15 +20,13 @@ struct StrainError {
 
 /// Of Green's strain, whatever the law: |E|^2 = |dev E|^2 + `bulk` tr(E)^2, with K/(2 mu) for `bulk`, or 0. It is compared
 /// with a continuous one, whose values at nodes are those of a linear fit to the cells around it (Zienkiewicz and Zhu
-/// 1992). `modulus`: a weight per cell, empty: 1. Fits hold cells of one modulus only: between materials strains do jump.
-StrainError strainError(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& rest,
-                        const std::vector<Vec3>& now, const std::vector<double>& modulus = {}, double bulk = 0);
-StrainError strainError(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& rest,
-                        const std::vector<Vec3>& now, const std::vector<double>& modulus = {}, double bulk = 0);
-StrainError strainError(const std::vector<Triangle>& cells, const std::vector<Vec3>& rest,
-                        const std::vector<Vec3>& now, const std::vector<double>& modulus = {}, double bulk = 0);
+/// 1992), of quadratic cells a quadratic one. `modulus`: a weight per cell, empty: 1. Fits hold cells of one modulus only: between
+/// materials strains do jump. Of tetrahedra, hexahedra, prisms, pyramids, quadratic tetrahedra and triangles.
+template <class Cell>
+StrainError strainError(const std::vector<Cell>& cells, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
+                        const std::vector<double>& modulus = {}, double bulk = 0);
 
-/// Of the linear cells of a field that stores elastic energy; nothing for other fields, inverted cells and shapes that
+/// Of the cells of a field that stores elastic energy; nothing for other fields, inverted cells and shapes that
 /// are as at rest.
 std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x);
 

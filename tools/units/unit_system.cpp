@@ -200,13 +200,22 @@ UnitSystem unitsOf(const Scene& scene) {
   // whose usual weight would crush it may be one in millimetres and kilopascals, without a mass
   const auto bearsItsUsualWeight = [&](const WrittenBody& body) { return weightOf(body, factorsOf(si)) <= heaviest; };
   if (isPlausible(si) && std::ranges::all_of(bodies, bearsItsUsualWeight)) return si;
+  // numbers that happen to be plausible in one other system alone are no sign of it: a usual scene without units, gravity 9.81 and
+  // any mass, would be one in centimetres on the moon of a moon
+  const auto hasEarthsGravity = [&](const UnitSystem& system) {
+    constexpr double least = 9.7, most = 9.9;
+    return std::ranges::any_of(bodies, [&](const WrittenBody& body) {
+      const double gravity = body.value[body_gravity] * factorsOf(system)[body_gravity];
+      return gravity >= least && gravity <= most;
+    });
+  };
   const UnitSystem* found = nullptr;
   for (const UnitSystem& system : unitSystems()) {
     if (!isPlausible(system)) continue;
     if (found || system.isSI()) return {};
     found = &system;
   }
-  return found ? *found : UnitSystem{};
+  return found && hasEarthsGravity(*found) ? *found : UnitSystem{};
 }
 
 std::string unitInBrackets(const Scene& scene, std::string_view si_unit) { return unitsOf(scene).inBrackets(si_unit); }

@@ -71,3 +71,20 @@ def test_data_that_a_program_adds_to_a_component_are_its_own(capfd):
     animate(root, 1)
     assert state.velocity.value[0] == pytest.approx([0.01, 0.02, 0], abs=1e-15)
     assert "pull" not in capfd.readouterr().err
+
+
+def test_data_of_another_component_that_are_added_whole_are_the_programs_own(capfd):
+    """addData(data): what is added follows the data that were given, and is no attribute either."""
+    root = Sofa.Core.Node("root")
+    root.gravity, root.dt = [0, 0, 0], 0.01
+    root.addObject("EulerImplicitSolver")
+    root.addObject("SparseLDLSolver")
+    state = root.addObject("MechanicalObject", position=[[0, 0, 0]])
+    mass = root.addObject("UniformMass", totalMass=2)
+    state.addData(name="pull", type="Vec3d", value=[2, 0, 0], help="", group="")
+    mass.addData(state.pull)
+    root.addObject("ConstantForceField", indices=[0], totalForce=mass.pull.getLinkPath())
+    Sofa.Simulation.init(root)
+    animate(root, 1)
+    assert state.velocity.value[0] == pytest.approx([0.01, 0, 0], abs=1e-15)
+    assert "pull" not in capfd.readouterr().err
