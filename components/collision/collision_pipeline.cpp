@@ -61,6 +61,7 @@ class CollisionPipeline final : public Observer, public StepGuard, public Contac
     for (const ModelPair& pair : found)
       if (pair.a != pair.b) pairs_.push_back({pair, boxesOf(*pair.b), {}});
     found.empty() ? tellOfStrangers() : tellOfStrangersAmong(found);
+    if (method_ && method_->hasCones()) tellOfHollows(found);
     for (Watched& each : pairs_) each.tree.build(each.boxes);
     std::vector<ContactAnswer*> answers;
     node().root().collect(answers);
@@ -121,6 +122,21 @@ class CollisionPipeline final : public Observer, public StepGuard, public Contac
                                   a->path(), b->path()),
                       "MinProximityIntersection, and points, lines and triangles on both");
       }
+  }
+  /// Bodies that meet by lines and points of their surfaces alone, within cones of normals: what bends inwards has no contacts but those
+  /// of triangles (normal_cones.h), and a floor that is pressed does.
+  void tellOfHollows(const std::vector<ModelPair>& found) const {
+    using Kind = CollisionModel::Kind;
+    std::set<std::pair<const Node*, const Node*>> with_triangles;
+    for (const auto& [a, b] : found)
+      if (a->kind() == Kind::triangle || b->kind() == Kind::triangle) with_triangles.insert(std::minmax(bodyOf(*a), bodyOf(*b)));
+    for (const auto& [a, b] : found)
+      for (const CollisionModel* model : {a, b})
+        if (model->kind() == Kind::line && !with_triangles.contains(std::minmax(bodyOf(*a), bodyOf(*b))) && !model->faces().empty())
+          return warn(fmt::format("{} and {} meet by {} without triangles: where {} is hollow or bends inwards it has no contacts, and "
+                                  "bodies pass through it",
+                                  a->path(), b->path(), method_->path(), model->path()),
+                      "a TriangleCollisionModel beside it, or MinProximityIntersection");
   }
   struct Watched {
     ModelPair models;

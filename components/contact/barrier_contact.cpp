@@ -136,6 +136,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   bool sharesChange();
   auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
+  static constexpr double ease = 1e-3;  ///< of contactDistance, may creep what sticks where a step is solved another time
   // ---- attributes ----
   int friction_iterations_ = 10;
   bool resolve_start_ = false;
@@ -242,17 +243,18 @@ void BarrierContact::beginPart(double t, double t_end) {
 }
 
 void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
-  is_explicit_ = holds_nothing_;
+  is_explicit_ = holds_nothing_, waits_ = false;  // what waited was of a solve that was stopped
   if (!is_in_step_ || t_end > to_) from_ = t, to_ = t_end;
   follow(x);
   if (law_.candidates.isNew()) has_new_pairs_ = true, law_.candidates.find(x_, leastMargin()), law_.candidates.crossings(x_);
   lookAgain(x_);  // whether or not somebody has asked between steps
   law_.candidates.stepBegins();
+  const bool again = is_in_step_ && !has_solved_;
   is_in_step_ = true, has_solved_ = false;
   law_.small_range = is_explicit_ ? 0.5 : 0.1, law_.small_share = is_explicit_ ? 1 : 0.1;
   if (is_explicit_) beginPart(t, t_end), gather(x, law_.moved);
   duration_ = t_end - t;
-  friction_.slip = slip_velocity_ * duration_;
+  friction_.setSlip(slip_velocity_ * duration_);
   friction_.begin(x_.size());
   if (is_explicit_) return copyPlaces(x_, start_);
   if (friction_.acts() && start_.size() == x_.size()) {
@@ -265,6 +267,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   is_behind_ = (law_.moved - obstacles_.displacement(t)).norm() > 1e-9 * law_.range;
   outputs_.friction_change = 0;
   goal_ = obstacles_.displacement(t_end);
+  if (again) friction_.ease(ease * law_.range);
   beginRounds();
 }
 
@@ -287,6 +290,7 @@ void BarrierContact::follow(ConstRows x) {
     const int rounds = law_.moved == moved_first_ ? obstacle_rounds_ : 0;
     law_.moved = moved_first_;
     gather(x, law_.moved);
+    friction_.ease(ease * law_.range);
     beginRounds(), obstacle_rounds_ = rounds;
   }
   left_start_ = !is_back;
@@ -312,6 +316,10 @@ bool BarrierContact::movesOn(ConstRows x) {
   if (obstaclesGoOn()) {
     law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
     return ++obstacle_rounds_, waits_ = true;
+  }
+  if (friction_.isEased()) {
+    friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_);
+    return shares_.solveBegins(), true;
   }
   law_.copyShares(solved_shares_);
   const bool others = sharesChange(), goes_on = frictionGoesOn(), held = friction_.release();
@@ -339,15 +347,7 @@ bool BarrierContact::sharesChange() {
 /// Friction with the forces and shares that have been found now, against that of the solve before. What was held says nothing of slip.
 bool BarrierContact::frictionChanges(bool was_held) {
   constexpr double settled = 1e-3, usual_factor = 0.1, surely = 3;
-  slideTo(x_);
-  friction_.forces(forces_before_);
-  if (was_held)
-    friction_.note(law_, law_.touches(x_));
-  else
-    friction_.noteAgain(law_, law_.touches(x_), x_, start_, law_.moved - moved_at_start_);
-  slideTo(x_);
-  friction_.forces(forces_);
-  outputs_.friction_change = relativeChange(forces_before_, forces_);
+  outputs_.friction_change = friction_.renew(law_, x_, start_, law_.moved - moved_at_start_, was_held, forces_before_, forces_);
   is_to_change_ = !was_held && usual_factor * outputs_.friction_change > surely * settled;
   return outputs_.friction_change > settled;
 }

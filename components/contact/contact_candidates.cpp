@@ -18,7 +18,7 @@ bool has(const std::array<int, 3>& face, int vertex) {
 
 void Candidates::compile(const Surfaces& surfaces) {
   surfaces_ = &surfaces;
-  parts_ = partsOf(surfaces);
+  parts_ = partsOf(surfaces), strangers_ = strangersOf(surfaces, parts_);
   trees_.assign(parts_.size(), {});
   boxes_.assign(parts_.size(), {});
   is_fit_.assign(parts_.size(), false);
@@ -168,7 +168,6 @@ void Candidates::search(int number, const std::vector<Vec3>& x, double margin) {
   if (apart >= reach + 2 * margin) return;
   forEachNearPair(meeting, near, [&](int f, int g) {
     face_pairs_[std::size_t(number)].push_back({f, g});
-    meeting.clear = std::min(meeting.clear, leastApart(*surfaces_, f, g, x, meeting.clear));
     pairsOf(f, g, [&](Candidate pair) {
       const double far = near + pair.radius;
       const FourPoints points = pointsOf(pair, x);
@@ -181,6 +180,9 @@ void Candidates::search(int number, const std::vector<Vec3>& x, double margin) {
       found_.push_back(pair);
     });
   });
+  // what belongs to triangles of other parts comes last: most of it is farther than the nearest of those
+  for (const auto& [f, g] : face_pairs_[std::size_t(number)])
+    meeting.clear = leastApart(*surfaces_, f, strangers_[std::size_t(f)], g, strangers_[std::size_t(g)], x, meeting.clear);
 }
 
 /// Pairs that have been found take the place of those of the same parts. True: see needsPattern().

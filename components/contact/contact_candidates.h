@@ -163,6 +163,7 @@ class Candidates {
 
   const Surfaces* surfaces_ = nullptr;
   std::vector<SurfacePart> parts_;
+  std::vector<unsigned> strangers_;      ///< of each triangle, see leastApart()
   std::vector<BoxTree> trees_;           ///< one per part
   std::vector<std::vector<Box>> boxes_;  ///< of its triangles
   std::vector<char> is_fit_;             ///< these boxes are of what is looked for now

@@ -66,6 +66,31 @@ void Friction::noteAgain(const BarrierLaw& law, const std::vector<Touch>& touche
   }
 }
 
+double Friction::renew(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved, bool was_held,
+                       std::vector<Vec3>& before, std::vector<Vec3>& after) {
+  compute(law.surfaces, x, start, moved);
+  forces(before);
+  if (was_held)
+    note(law, law.touches(x));
+  else
+    noteAgain(law, law.touches(x), x, start, moved);
+  compute(law.surfaces, x, start, moved);
+  forces(after);
+  return relativeChange(before, after);
+}
+
+void Friction::sharpen(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
+  constexpr double part = 0.1;
+  if (!release()) {
+    // what has stuck by the larger slip is to stick, and would seem to slide now
+    met_.assign(met_.size(), true);
+    for (const Slide& slide : slides)
+      if (wayOf(slide, x, start, moved).norm() <= slip) met_[std::size_t(slide.v[0])] = false;
+    slip = std::max(wanted_slip_, part * slip);
+  }
+  noteAgain(law, law.touches(x), x, start, moved);
+}
+
 void Friction::remember(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
   const auto slipOf = [&](const Slide& slide) {
     const Vec3 u = wayOf(slide, x, start, moved);
@@ -108,6 +133,7 @@ bool Friction::release() {
 }
 
 void Friction::lineStarts() {
+  ++lines_;
   if (!is_computed_) return;
   is_on_line_ = true;
   for (Slide& slide : slides) slide.start_u = slide.u, slide.start_t = slide.t;

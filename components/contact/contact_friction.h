@@ -56,9 +56,18 @@ class Friction {
   /// The same with the coefficients of the ways that have been made up to x.
   void noteAgain(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x, const std::vector<Vec3>& start,
                  const Vec3& moved);
+  void setSlip(double e) { slip = wanted_slip_ = e; }
+  /// A step is tried again whose solves have failed, in lines and not by a guess: what sticks may creep by e in the first solve now. Each
+  /// one after which nothing is held any more begins from the one before with a tenth of it, down to what it was set to.
+  void ease(double e) { slip = lines_ > 1 ? std::max(wanted_slip_, e) : wanted_slip_; }
+  bool isEased() const { return acts() && slip > wanted_slip_; }
+  void sharpen(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
+  /// Slides with the forces and shares at the end x of a solve, and the change of the forces on all vertices, see relativeChange().
+  double renew(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved, bool was_held,
+               std::vector<Vec3>& before, std::vector<Vec3>& after);
   /// A step begins, with so many vertices.
   void begin(std::size_t vertices) { slid_.resize(vertices, Vec3::Zero()), slid_before_.reserve(vertices), met_.assign(vertices, false); }
-  void beginAgain() { met_.assign(met_.size(), false); }
+  void beginAgain() { met_.assign(met_.size(), false), lines_ = 0; }
   /// Of the step before, at its end x: what slips then is likely to go on.
   void remember(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   /// At the first x of a solve: holds what is off by more than e, has not been held in this step, and does not go on as before.
@@ -115,6 +124,8 @@ class Friction {
   static Vec3 wayOf(const Slide& slide, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
 
   Terms terms_;
+  double wanted_slip_ = 1e-6;  ///< slip, where it is not eased [m]
+  int lines_ = 0;              ///< that have started in this try of a step
   std::vector<bool> met_;   ///< of each vertex: it has been held in this step
   std::vector<Vec3> slid_;  ///< of each vertex: u in the step before; zero where it has stuck [m]
   std::vector<Vec3> slid_before_;  ///< work space

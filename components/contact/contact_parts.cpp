@@ -324,7 +324,8 @@ double leastDistance(PairKind kind, const FourPoints& x) {
   return least >= 0 ? least : closestPoints(kind, x).distance();
 }
 
-double leastApart(const Surfaces& s, int f, int g, const std::vector<Vec3>& x, double least) {
+double leastApart(const Surfaces& s, int f, unsigned f_strangers, int g, unsigned g_strangers, const std::vector<Vec3>& x, double least) {
+  if ((f_strangers | g_strangers) == 0) return least;
   const auto &p = s.faces[std::size_t(f)], &q = s.faces[std::size_t(g)];
   // boxes of the whole of both and of the edges, which are compared often
   std::array<Box, 2> whole;
@@ -345,16 +346,36 @@ double leastApart(const Surfaces& s, int f, int g, const std::vector<Vec3>& x, d
   const auto isOf = [](int v, const std::array<int, 3>& face) { return v == face[0] || v == face[1] || v == face[2]; };
   for (std::size_t side = 0; side < 2; ++side) {
     const auto &one = side == 0 ? p : q, &other = side == 0 ? q : p;
-    for (const int v : one)
-      if (const Vec3& at = x[std::size_t(v)]; !isOf(v, other))
-        look(PairKind::point_triangle, {at, at}, whole[1 - side], {v, other[0], other[1], other[2]});
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const Vec3& at = x[std::size_t(one[i])]; ((side == 0 ? f_strangers : g_strangers) >> i & 1) && !isOf(one[i], other))
+        look(PairKind::point_triangle, {at, at}, whole[1 - side], {one[i], other[0], other[1], other[2]});
   }
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
       const int a = p[i], b = p[(i + 1) % 3], c = q[j], d = q[(j + 1) % 3];
-      if (a != c && a != d && b != c && b != d) look(PairKind::edge_edge, edges[0][i], edges[1][j], {a, b, c, d});
+      if (((f_strangers >> (3 + i) | g_strangers >> (3 + j)) & 1) && a != c && a != d && b != c && b != d)
+        look(PairKind::edge_edge, edges[0][i], edges[1][j], {a, b, c, d});
     }
   return least;
+}
+
+std::vector<unsigned> strangersOf(const Surfaces& s, const std::vector<SurfacePart>& parts) {
+  std::vector<int> of_vertex(s.rows.size(), -1), of_edge(s.edges.size(), -1);
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    for (const int f : parts[p].faces)
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (const int v = s.owned_vertices[std::size_t(f)][k]; v >= 0) of_vertex[std::size_t(v)] = int(p);
+        if (const int e = s.owned_edges[std::size_t(f)][k]; e >= 0) of_edge[std::size_t(e)] = int(p);
+      }
+  std::vector<unsigned> bits(s.faces.size(), 0);
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    for (const int f : parts[p].faces)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int e = s.face_edges[std::size_t(f)][k];
+        if (of_vertex[std::size_t(s.faces[std::size_t(f)][k])] != int(p)) bits[std::size_t(f)] |= 1u << k;
+        if (e < 0 || of_edge[std::size_t(e)] != int(p)) bits[std::size_t(f)] |= 8u << k;
+      }
+  return bits;
 }
 
 }  // namespace stroma::contact

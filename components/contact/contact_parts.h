@@ -83,9 +83,13 @@ bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double dis
 double leastOfParallel(const FourPoints& edges);
 /// closestPoints().distance(), or that bound.
 double leastDistance(PairKind kind, const FourPoints& x);
-/// The smallest distance of a corner or an edge of one triangle from what the other does not share with it, also of those that
-/// belong to a triangle of another part; no more than `least` [m]. An edge comes to cross a triangle only through a distance of 0.
-double leastApart(const Surfaces& surfaces, int f, int g, const std::vector<Vec3>& x, double least);
+/// The smallest distance of a corner or an edge of one triangle from what the other does not share with it, of those that belong to a
+/// triangle of another part; no more than `least` [m]. `f_strangers`, `g_strangers`: bits of corners that do, then of edges from each
+/// corner to the next. An edge comes to cross a triangle only through a distance of 0.
+double leastApart(const Surfaces& surfaces, int f, unsigned f_strangers, int g, unsigned g_strangers, const std::vector<Vec3>& x,
+                  double least);
+/// Of all triangles: bits of what belongs to a triangle of another part, or to none.
+std::vector<unsigned> strangersOf(const Surfaces& surfaces, const std::vector<SurfacePart>& parts);
 
 /// Two parts that may meet, and what a search at some positions has found out. Distances are less radii of obstacles.
 struct Meeting {

@@ -48,8 +48,10 @@ void BarrierLaw::keepPositive(Term& term) {
   for (std::size_t i = 0; i < 4; ++i) cc += term.c[i] * term.c[i], ww += term.w[i].squaredNorm();
   if (!(ww > 0)) return void(term.slope = 0);
   // Near the surface half of the part by which closest points slide is kept, which needs the least besides to stay positive. Far from it,
-  // as from the centre of a large sphere, all is kept: nothing else tells how the normal turns.
-  if (const double near = std::sqrt(cc / ww); term.distance < near) term.slope *= 0.5, term.distance = near;
+  // as from the centre of a large sphere, all is kept: nothing else tells how the normal turns. Between, the part grows with the distance.
+  const double near = std::sqrt(cc / ww);
+  term.slope *= std::clamp(0.5 * term.distance / near, 0.5, 1.0);
+  term.distance = std::max(term.distance, near);
   term.m -= term.slope / term.distance * (Mat3::Identity() - term.n * term.n.transpose());
 }
 

@@ -65,7 +65,8 @@ struct Adhesion {
 ///   e'' (n.a)^2 - |e'|/d a.Q a + |e'| (d |b|^2 + 2 a.b),   2 a.b = 1/2 |s a + b/s|^2 - 1/2 |s a - b/s|^2,   s^2 = |w|/|c|
 /// A definite derivative has e'' (n.a)^2, where that is positive, and |e'|/2 |s a + b/s|^2, of slides that turn two sides into each
 /// other. Without that a correction slides so far that the gap closes by the square of the slide, and the force that then acts is
-/// decades too large. Where d is more than 1/s^2, as from the centre of a large sphere, it has |e'| d |b + a/d|^2 instead.
+/// decades too large. Where d is more than 1/s^2, as from the centre of a large sphere, it has q |e'| d |b + a/d|^2 instead, and q grows
+/// with d s^2 / 2 from a half to 1.
 struct Term {
   std::array<Index, 4> rows{-1, -1, -1, -1};  ///< -1: of an obstacle
   std::array<double, 4> c{};

@@ -29,9 +29,10 @@ double separatedFor(const FourPoints& x, const FourPoints& v, std::size_t first_
 double longestStep(PairKind kind, const FourPoints& x, const FourPoints& dx, const StepOptions& options) {
   const std::size_t first_side = kind == PairKind::point_triangle ? 1 : 2;
   FourPoints start, v, now;
-  double largest = 0;
+  double largest = 0, places = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     start[i] = x[i] - x[0], v[i] = dx[i] - dx[0];
+    places = std::max(places, x[i].cwiseAbs().maxCoeff() + dx[i].cwiseAbs().maxCoeff() * options.longest);
     largest = std::max({largest, start[i].cwiseAbs().maxCoeff(), v[i].cwiseAbs().maxCoeff() * options.longest});
     if (!start[i].allFinite() || !v[i].allFinite()) return 0;
   }
@@ -47,7 +48,8 @@ double longestStep(PairKind kind, const FourPoints& x, const FourPoints& dx, con
     speed = std::max(speed, v[i].norm());
   }
   const double speed = speeds[0] + speeds[1], whole = speed * options.longest;
-  const double noise = 2e-12 * (size + whole), least = unit * options.thickness + noise;
+  // of distances, and of the places where points will be: those are far larger than a small pair far from the origin
+  const double noise = std::max(2e-12 * (size + whole), 1e-15 * unit * places), least = unit * options.thickness + noise;
   if (!(speed > 0)) return closestPoints(kind, start).distance() > noise ? options.longest : 0;
   double t = 0, stop = 0;
   constexpr int most_advances = 1000;

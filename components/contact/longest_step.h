@@ -17,9 +17,9 @@ struct StepOptions {
   double left = 0.1;     ///< of the first distance: nearer than that ends the step. Small: what does not touch passes
 };
 
-/// The t in [0, longest] up to which the pair may move. 0 when it touches from the start, to 1e-12 of its size, also where it
-/// stands. At the t that is returned at least a hundredth of `left` times the first distance remains. After 1000 advances it is
-/// what has been reached.
+/// The t in [0, longest] up to which the pair may move. 0 when it touches from the start, to 1e-12 of its size and to the round-off of
+/// its coordinates, also where it stands. At the t that is returned at least a hundredth of `left` times the first distance remains, and
+/// places x + t dx that are rounded have not met either. After 1000 advances it is what has been reached.
 double longestStep(PairKind kind, const FourPoints& x, const FourPoints& dx, const StepOptions& options = {});
 
 /// A point at distance `gap` from a plane that nears it at `closing` per unit of time.

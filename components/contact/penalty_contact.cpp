@@ -3,7 +3,7 @@
 //
 // Surfaces of `mstate` and `other`, obstacles and paths are those of BarrierContact and ConstraintContact. Where a step starts, a vertex
 // and a triangle or two edges that are nearer than alarmDistance become a contact, with the closest points p and q of both and the
-// normal n from q to p. They last for the step; leaveRims() has sharp rims. With the gap d = (p - q).n less radii and `thickness`, A
+// normal n from q to p. They last for the step; contact_rims.h has sharp rims. With the gap d = (p - q).n less radii and `thickness`, A
 // the share of the vertex in the surface (contact_terms.h) and kappa the stiffness, a contact pushes while d < contactDistance:
 //
 //   pressure = kappa (1 - d/contactDistance),   K = -k n n^T with k = kappa A/contactDistance
@@ -35,13 +35,12 @@
 // </Node>
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-#include <span>
 #include <utility>
 
 #include "components/contact/contact_field.h"
+#include "components/contact/contact_rims.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -86,8 +85,6 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   void checkAlarm() const;
   void startObstacles();
   void noteEnd(ConstRows x);
-  void leaveRims();
-  bool slidesPast(const Touch& touch, Vec3& along) const;
   void serializeFound(Archive& archive);
   const std::vector<Touch>& pushing();
 
@@ -210,52 +207,6 @@ const std::vector<Touch>& PenaltyContact::pushing() {
   return pushing_;
 }
 
-/// The touch is of a vertex beside a sharp rim of a surface that its own surface lies along: `along` is the normal of the one at the rim.
-bool PenaltyContact::slidesPast(const Touch& touch, Vec3& along) const {
-  constexpr double opposite = -0.9, straight = 0.999, sharp = 0.8;
-  const Surfaces& surfaces = law_.surfaces;
-  const auto normalOf = [&](Index face, double side) {
-    const auto& [a, b, c] = surfaces.faces[std::size_t(face)];
-    const Vec3& p = x_[std::size_t(a)];
-    const Vec3 n = (x_[std::size_t(b)] - p).cross(x_[std::size_t(c)] - p).normalized();
-    return !surfaces.isOneSided(a) && side * n.dot(touch.n) < 0 ? Vec3(-n) : n;
-  };
-  const auto around = [&](std::size_t v) {
-    const Adjacency& faces = surfaces.faces_around;
-    return std::span(faces.values).subspan(std::size_t(faces.start[v]), std::size_t(faces.start[v + 1] - faces.start[v]));
-  };
-  const auto isAt = [&](Index face, std::size_t k) {
-    return touch.c[k] == 0 || std::ranges::count(surfaces.faces[std::size_t(face)], touch.v[k]) > 0;
-  };
-  const std::size_t first = touch.c[1] != 0 ? 1 : touch.c[2] != 0 ? 2 : 3;
-  double least = opposite, steepest = 1;
-  for (const Index face : around(std::size_t(touch.v[first]))) {
-    if (!isAt(face, 1) || !isAt(face, 2) || !isAt(face, 3)) continue;
-    const Vec3 n = normalOf(face, 1);
-    if (n.dot(touch.n) > straight) return false;
-    steepest = std::min(steepest, n.dot(touch.n));
-    for (const Index own : around(std::size_t(touch.v[0]))) {
-      const Vec3 other = normalOf(own, -1);
-      if (other.dot(touch.n) < 0 && n.dot(other) < least) least = n.dot(other), along = n;
-    }
-  }
-  return least < opposite && steepest < sharp;
-}
-
-/// A vertex beside a rim has a normal that leans along the way on which it slides below the surface or off it. As normals last for the
-/// step, it would be stopped there, or thrown. It is pushed as it will be there; what is far beside waits until it is there.
-void PenaltyContact::leaveRims() {
-  constexpr double steep = 0.7;
-  std::erase_if(found_, [&](Touch& touch) {
-    Vec3 along;
-    if (!touch.of_surface || touch.v[1] < 0 || touch.c[1] * touch.c[2] * touch.c[3] != 0 || !slidesPast(touch, along)) return false;
-    const double part = along.dot(touch.n);
-    if (part <= steep) return touch.gap >= touch.range;
-    touch.gap -= (1 - part) * (touch.gap + law_.thickness), touch.n = along;
-    return false;
-  });
-}
-
 /// Contacts at x, where the step begins.
 void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
   const bool again = t == began_;
@@ -268,7 +219,7 @@ void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
   law_.candidates.findAgain(x_, 0.5 * law_.range, 0.25 * mean_edge_);
   law_.weigh(x_);
   found_ = law_.touches(x_);
-  leaveRims();
+  leaveRims(law_, x_, found_);
   friction_.slip = slip_velocity_ * duration_;
   friction_.begin(x_.size());
   const std::vector<Touch>& touches = friction_.acts() ? pushing() : found_;

@@ -318,6 +318,24 @@ TEST(CollisionPipeline, BodiesThatDoNotMeetAreToldWhereOthersDo) {
   EXPECT_EQ(told(near_half).find("pass through"), std::string::npos);
 }
 
+/// Cones of normals leave what bends inwards to triangles: where a surface of faces meets by lines and points alone, that is told.
+TEST(CollisionPipeline, LinesWithoutTrianglesWithinConesAreTold) {
+  const auto told = [](const std::string& method, const std::string& models) {
+    return simulationFromText(collisionScene(moved("a", "0.1 2 0.2", "<PointCollisionModel/>") + still(plate, models),
+                                             "<" + method + " name=\"method\" alarmDistance=\"1\" contactDistance=\"0.5\"/>"))
+        .scene()
+        .diagnostics.text();
+  };
+  const std::string lines = "<LineCollisionModel name=\"rim\" simulated=\"0\"/><PointCollisionModel simulated=\"0\"/>";
+  const std::string sentence = "meet by /method without triangles: where";
+  expectContains(told("LocalMinDistance", lines), sentence);
+  expectContains(told("LocalMinDistance", lines), "/rim is hollow or bends inwards");
+  EXPECT_EQ(told("LocalMinDistance", lines + "<TriangleCollisionModel simulated=\"0\"/>").find(sentence), std::string::npos);
+  EXPECT_EQ(told("LocalMinDistance filterIntersection=\"0\"", lines).find(sentence), std::string::npos);
+  EXPECT_EQ(told("MinProximityIntersection", lines).find(sentence), std::string::npos);
+  EXPECT_EQ(told("LocalMinDistance", "<PointCollisionModel simulated=\"0\"/>").find(sentence), std::string::npos);
+}
+
 TEST(CollisionResponse, OneAnswers) {
   expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<PointCollisionModel/>"), near_half, "0 0 0",
                                            "<CollisionResponse/><CollisionResponse/>")),

@@ -144,6 +144,29 @@ TEST(BarrierContact, ADefiniteTangentKnowsSlidesThatCloseTheGap) {
   }
 }
 
+/// The middle of a triangle of side 1 below a sphere. Between what is near, d < 1/s^2 = 1/sqrt(3), and what is far the definite tangent
+/// does not jump as the sphere grows: iterates that come to the other side would have another equation.
+TEST(BarrierContact, ADefiniteTangentIsTheSameOnBothSidesOfItsLimit) {
+  const double height = std::sqrt(0.75), gap = 1e-3, limit = 1 / std::sqrt(3.0);
+  const Body body{{{0, 0, 0}, {1, 0, 0}, {0.5, height, 0}, {0.5, height / 3, -1}}, {{0, 1, 2, 3}}};
+  const auto stiffnessBelow = [&](double distance) {
+    FieldUnderTest t(contactScene(bodyNode("a", body, "") +
+                                  fmt::format("<BarrierContact mstate=\"@a/dofs\" topology=\"@a/mesh\" contactDistance=\"0.02\" "
+                                              "selfContact=\"0\" spheres=\"0.5 {} {} {}\"/>",
+                                              height / 3, distance, distance - gap)),
+                     "BarrierContact");
+    EXPECT_GT(t.force()[0].norm(), 0);
+    EXPECT_TRUE(dynamic_cast<OpenChoices&>(t.field()).useDefiniteTangent(true));
+    Vector way(t.x.count());
+    way[0] = Vec3(0.1, 0.2, 1), way[1] = Vec3(0.1, 0.2, -1), way[2] = Vec3(0.1, 0.2, 0);  // it slides and tilts
+    return -dot(way, t.product(way)) / t.force()[0].norm();
+  };
+  const double below = stiffnessBelow((1 - 1e-6) * limit), above = stiffnessBelow((1 + 1e-6) * limit);
+  EXPECT_GT(below, 0);
+  EXPECT_NEAR(above, below, 1e-4 * below);
+  EXPECT_GT(stiffnessBelow(2.5 * limit), 1.5 * below) << "far above all of it is kept";
+}
+
 /// Two free bodies that collide keep what they have together, to round-off.
 TEST(BarrierContact, CollidingBodiesKeepTheirMomentum) {
   Body a = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2}), b = boxOf(Vec3(0, 0, 0), Vec3(0.8, 0.8, 0.8), {2, 2, 2});

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "components/contact/longest_step.h"
+#include "framework/collision/exact_intersection.h"
 #include "tests/contact/every_pair.h"
 
 namespace stroma::test {
@@ -71,6 +72,36 @@ TEST(LongestStep, DoesNotTireOfSliding) {
   const FourPoints x{Vec3(0.3, 0.3, 1e-6), Vec3(0, 0, 0), Vec3(1e4, 0, 0), Vec3(0, 1e4, 0)};
   const FourPoints dx{Vec3(1e3, 1e3, 0), Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0, 0, 0)};
   EXPECT_EQ(longestStep(PairKind::point_triangle, x, dx), 1);
+}
+
+/// Small pairs a million metres from the origin, whose places are rounded to 1e-10 m: a point over a triangle and an edge over an edge,
+/// a few of these steps apart. Where they end is rounded too, and they are on the sides where they were, exactly.
+TEST(LongestStep, PlacesThatAreRoundedHaveNotMet) {
+  Motions motions(4);
+  const double step = std::ldexp(1, -33);  // of doubles up to 2^20
+  int moved = 0;
+  for (int i = 0; i < 20000; ++i)
+    for (const PairKind kind : kinds) {
+      const Vec3 far = 5e5 * motions.point() + Vec3::Constant(5.2e5);
+      const double gap = step * std::floor(motions.number(1, 40));
+      FourPoints x{Vec3(0.3, 0.3, gap), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+      if (kind == PairKind::edge_edge) x = {Vec3(-1, 0, gap), Vec3(1, 0, gap), Vec3(0, -1, 0), Vec3(0, 1, 0)};
+      FourPoints dx, end;
+      const Vec3 together = 0.1 * motions.point();
+      for (std::size_t k = 0; k < 4; ++k) {
+        x[k] = 1e-3 * Vec3(x[k].x(), x[k].y(), 0) + Vec3(0, 0, x[k].z()) + far;
+        dx[k] = together + 10 * gap * motions.point();
+      }
+      const auto side = [kind](const FourPoints& p) {
+        return kind == PairKind::edge_edge ? orientation(p[0], p[1], p[2], p[3]) : orientation(p[1], p[2], p[3], p[0]);
+      };
+      const double t = longestStep(kind, x, dx);
+      for (std::size_t k = 0; k < 4; ++k) end[k] = x[k] + t * dx[k];
+      ASSERT_NE(side(x), 0) << i;
+      ASSERT_EQ(side(end), side(x)) << i << ", a gap of " << gap / step << " steps";
+      moved += t > 0;
+    }
+  EXPECT_GT(moved, 10000);
 }
 
 TEST(LongestStep, OfPairsThatTouchOrStandOrAreNoNumbers) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Obstacles on a path beside each integrator, against closed forms: what they lift goes along with them, and belts draw with mu times the
 // weight. What a hand leads does not end a run, and a reset takes it back. What is thin ends its steps too.
+#include "framework/mechanics/step_limiter.h"
 #include "tests/contact/contact_scenes.h"
 
 namespace stroma::test {
@@ -49,6 +50,33 @@ TEST(MovingObstacles, ARampLiftsACubeAsFastAsItGoes) {
         ASSERT_NEAR(mean(simulation, false).z(), start + c * dt * (i + 1), 2e-4) << "step " << i;
       }
     }
+}
+
+/// A solve that is stopped while obstacles are half way leaves them there, and bodies go back to where the step starts. The step that
+/// begins again has obstacles where they were: else they would be in bodies, and no filter would have seen it.
+TEST(MovingObstacles, AStepThatWasStoppedBeginsAgainWithThem) {
+  for (const std::string& obstacle : {plane, box}) {
+    FieldUnderTest t(contactScene(cubeOn(obstacle, 1e6, "keyTimes=\"0 1\" movements=\"0 0 0  0 0 0.05\"")), "BarrierContact");
+    auto& limiter = dynamic_cast<StepLimiter&>(t.field());
+    const auto moved = [&t] {
+      std::istringstream text(t.field().data().find("moved")->print());
+      double x = 0, y = 0, z = 0;
+      text >> x >> y >> z;
+      return z;
+    };
+    Vector start(t.x.count());
+    copy(t.x, start);
+    limiter.stepBegins(start, 0, 0.01);
+    ASSERT_TRUE(limiter.hasWay());
+    limiter.goAlong(0.5);
+    ASSERT_NEAR(moved(), 2.5e-4, 1e-12);
+    for (Index i = 0; i < t.x.count(); ++i) t.x[i] += Vec3(0, 0, 3e-4);
+    t.force();
+    ASSERT_TRUE(limiter.movesOn(t.x)) << "they have a way left";
+    limiter.stepBegins(start, 0, 0.01);
+    EXPECT_EQ(moved(), 0);
+    EXPECT_TRUE(limiter.hasWay());
+  }
 }
 
 /// Without a slip the belt would have 1 m/s; after 0.2 s the cube has mu g t.

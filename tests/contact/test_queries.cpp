@@ -54,6 +54,39 @@ TEST(Queries, DegenerateOnesAreAllFound) {
       }
 }
 
+/// Parallel edges, slivers, edges without length, triangles without area, meetings at corners and on edges; as they are, a millionth and a
+/// million times as large, and a million metres from the origin. They touch exactly where the step ends: that is missed by none. Where
+/// they stop, as doubles round it, nothing has met. What touches exactly where the step starts does not move, apart or nearer.
+TEST(Queries, WhatTouchesAtTheEndOrAtTheStart) {
+  Numbers numbers(19);
+  struct Place {
+    int power;
+    double offset;
+  };
+  int moved = 0;
+  for (const Place& place : {Place{0, 0}, Place{-20, 0}, Place{20, 0}, Place{0, 0x1p10}, Place{0, 0x1p20}})
+    for (unsigned i = 0; i < 1280; ++i)
+      for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+        if (place.offset > 0 && (i & 16)) continue;  // these have too many digits
+        FourPoints x, dx, start, way, at, end;
+        double when;
+        makeMeeting(numbers, kind, i % 64, when, x, dx);
+        const double size = std::ldexp(1, place.power);
+        for (std::size_t k = 0; k < 4; ++k) {
+          at[k] = size * (x[k] + when * dx[k]) + place.offset * Vec3(1, -1, 0.5);
+          way[k] = size * when * dx[k], start[k] = at[k] - way[k];
+        }
+        ASSERT_EQ(squaredDistance(kind, exact(at)), 0) << i;
+        const double t = longestStep(kind, start, way);
+        ASSERT_LT(t, 1) << "missed pair " << i << " at 2^" << place.power << ", " << place.offset;
+        for (std::size_t k = 0; k < 4; ++k) end[k] = start[k] + t * way[k];
+        if (t > 0) ASSERT_GT(squaredDistance(kind, exact(end)), 0) << i;
+        moved += t > 0;
+        ASSERT_EQ(longestStep(kind, at, way), 0) << "it touches where it starts, " << i;
+      }
+  EXPECT_GT(moved, 5000);
+}
+
 /// A side that is carried along as a whole can meet once only where the other is flat: what is lost has a bound.
 TEST(Queries, LittleIsLostOfAStraightApproach) {
   Numbers numbers(13);

@@ -191,3 +191,25 @@ def test_a_ball_that_falls_alone_over_a_plane_of_symmetry_stays_in_it():
     place = simulation.state("/balls").x[0]
     assert farthest < 1e-12, farthest
     assert 0.015 < place[1] < 0.02 and abs(place[2] + 0.03) < 1e-3, place  # it lies on the corner's faces
+
+
+def test_a_ball_that_rolls_over_a_valley_stays_in_it_where_the_mesh_is_alike_on_both_sides():
+    """Quads of the bowl are cut along a diagonal that goes round: that and the lines along it are not alike on both sides. Mirrored, they
+    are, and so is what the ball does, from contact to contact."""
+    simulation = stroma.load(EXAMPLES / "balls_in_a_bowl.xml", observers=False)
+    points = numpy.array(simulation["/bowl/mesh"].position).reshape(-1, 3)
+    points[abs(points) < 1e-12] = 0
+    mirror = [int(numpy.argmin(numpy.linalg.norm(points - p * [-1, 1, 1], axis=1))) for p in points]
+    points = 0.5 * (points + points[mirror] * [-1, 1, 1])
+    half = [t for t in numpy.array(simulation["/bowl/mesh"].triangles).reshape(-1, 3) if points[t, 0].sum() > 0]
+    triangles = half + [[mirror[a], mirror[c], mirror[b]] for a, b, c in half]
+    text = lambda rows: "  ".join(" ".join(str(v) for v in row) for row in rows)
+    alike = {"/balls/dofs.position": "0 0.06 -0.08", "/balls/mass.totalMass": "0.1", "/bowl/mesh.position": text(points.tolist()),
+             "/bowl/mesh.triangles": text(triangles)}
+    simulation = stroma.load(EXAMPLES / "balls_in_a_bowl.xml", set=alike, observers=False)
+    farthest = 0.0
+    for _ in range(200):
+        simulation.step()
+        farthest = max(farthest, abs(simulation.state("/balls").x[0][0]))
+    assert farthest < 1e-14, farthest
+    assert -0.05 < simulation.state("/balls").x[0][2] < -0.02, "it has come down"
