@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <span>
 
 #include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_positions.h"
@@ -70,11 +72,13 @@ class Recovery {
     const LocalPoint middle = is_flat                          ? LocalPoint{1. / 3, 1. / 3, 0}
                               : std::tuple_size_v<Cell> == 4 ? LocalPoint{0.25, 0.25, 0.25}
                                                              : LocalPoint{0, 0, 0};
+    centre_.reserve(cells_.size()), strain_.reserve(cells_.size()), size_.reserve(cells_.size());
     for (const Cell& cell : cells_) {
       Vec3 centre = Vec3::Zero();
       for (const Index n : cell) centre += rest_[std::size_t(n)] / double(cell.size());
       centre_.push_back(centre);
-      strain_.push_back(strainOf(deformationAt(cell, middle, rest_, now_).first, bulk_));
+      const auto [f, size] = deformationAt(cell, middle, rest_, now_);
+      strain_.push_back(strainOf(f, bulk_)), size_.push_back(size);
     }
     fitAll();
   }
@@ -88,6 +92,7 @@ class Recovery {
 
  private:
   static constexpr bool is_flat = std::tuple_size_v<Cell> == 3;
+  static constexpr bool has_one_strain = std::tuple_size_v<Cell> != 8;
 
   /// Exact for the square of a linear difference in a tetrahedron or triangle; those of a hexahedron's own quadrature.
   static const std::vector<LocalPoint>& points() {
@@ -107,8 +112,12 @@ class Recovery {
     const Cell& cell = cells_[c];
     std::array<double, std::tuple_size_v<Cell>> shapes;
     kindOf(cell).shapes(xi, shapes.data());
-    const auto [f, size] = deformationAt(cell, xi, rest_, now_);
-    const Strain own = strainOf(f, bulk_);
+    Strain own = strain_[c];
+    double size = size_[c];
+    if constexpr (!has_one_strain) {
+      const auto [f, its_size] = deformationAt(cell, xi, rest_, now_);
+      own = strainOf(f, bulk_), size = its_size;
+    }
     Strain recovered = Strain::Zero();
     for (std::size_t a = 0; a < cell.size(); ++a) recovered += shapes[a] * at_node_[std::size_t(cell[a])];
     sum.error += modulus_[c] * weight * size * (recovered - own).squaredNorm();
@@ -116,24 +125,31 @@ class Recovery {
     sum.largest = std::max(sum.largest, own.squaredNorm());
   }
 
+  /// Nodes keep their order. Cells around them are counted first, and then put in rows.
   void takeNodes(const std::vector<Vec3>& rest, const std::vector<Vec3>& now) {
-    std::vector<Index> nodes;
-    for (const Cell& cell : cells_) nodes.insert(nodes.end(), cell.begin(), cell.end());
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    for (const Index n : nodes) rest_.push_back(rest[std::size_t(n)]), now_.push_back(now[std::size_t(n)]);
-    around_.resize(nodes.size());
+    std::vector<Index> number(rest.size(), -1);
+    for (const Cell& cell : cells_)
+      for (const Index n : cell) number[std::size_t(n)] = 0;
+    for (std::size_t n = 0; n < rest.size(); ++n)
+      if (number[n] == 0) number[n] = Index(rest_.size()), rest_.push_back(rest[n]), now_.push_back(now[n]);
+    first_around_.assign(rest_.size() + 1, 0);
+    for (Cell& cell : cells_)
+      for (Index& n : cell) n = number[std::size_t(n)], ++first_around_[std::size_t(n) + 1];
+    std::partial_sum(first_around_.begin(), first_around_.end(), first_around_.begin());
+    around_.resize(first_around_.back());
+    std::vector<std::size_t> next(first_around_.begin(), first_around_.end() - 1);
     for (std::size_t c = 0; c < cells_.size(); ++c)
-      for (Index& n : cells_[c]) {
-        n = Index(std::lower_bound(nodes.begin(), nodes.end(), n) - nodes.begin());
-        around_[std::size_t(n)].push_back(c);
-      }
+      for (const Index n : cells_[c]) around_[next[std::size_t(n)]++] = c;
+  }
+
+  std::span<const std::size_t> around(std::size_t node) const {
+    return std::span(around_).subspan(first_around_[node], first_around_[node + 1] - first_around_[node]);
   }
 
   /// The linear fit to the cells around a node, in coordinates from it; nothing where they do not determine one.
   std::optional<Fit> fitAt(std::size_t node) const {
     constexpr std::size_t fewest = is_flat ? 5 : 8;
-    const std::vector<std::size_t>& cells = around_[node];
+    const std::span<const std::size_t> cells = around(node);
     if (cells.size() < fewest) return {};
     double size = 0;
     for (const std::size_t c : cells) size = std::max(size, (centre_[c] - rest_[node]).norm());
@@ -168,8 +184,9 @@ class Recovery {
   Strain beside(std::size_t node, const std::vector<std::optional<Fit>>& fits) const {
     Strain sum = Strain::Zero(), mean = Strain::Zero();
     int count = 0;
-    for (const std::size_t c : around_[node]) {
-      mean += strain_[c] / double(around_[node].size());
+    const std::span<const std::size_t> cells = around(node);
+    for (const std::size_t c : cells) {
+      mean += strain_[c] / double(cells.size());
       for (const Index other : cells_[c]) {
         if (!fits[std::size_t(other)]) continue;
         Eigen::Vector4d p;
@@ -184,8 +201,9 @@ class Recovery {
   std::vector<double> modulus_;
   double bulk_;
   std::vector<Vec3> rest_, now_, centre_;
-  std::vector<Strain> strain_;                    ///< of each cell at its centre
-  std::vector<std::vector<std::size_t>> around_;  ///< cells around each node
+  std::vector<Strain> strain_;  ///< of each cell at its centre
+  std::vector<double> size_;    ///< det dX/dxi there
+  std::vector<std::size_t> first_around_, around_;  ///< cells around each node, in rows
   std::vector<Strain> at_node_;
 };
 
