@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <span>
 
 #include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_positions.h"
@@ -71,6 +73,7 @@ class Recovery {
       : cells_(std::move(cells)), modulus_(std::move(modulus)), bulk_(bulk) {
     takeNodes(rest, now);
     const std::vector<LocalPoint> samples = samplePoints();
+    place_.reserve(cells_.size() * samples.size()), strain_.reserve(place_.capacity()), size_.reserve(place_.capacity());
     for (const Cell& cell : cells_) {
       for (const LocalPoint& xi : samples) {
         std::array<double, std::tuple_size_v<Cell>> shapes;
@@ -78,7 +81,8 @@ class Recovery {
         Vec3 place = Vec3::Zero();
         for (std::size_t a = 0; a < cell.size(); ++a) place += shapes[a] * rest_[std::size_t(cell[a])];
         place_.push_back(place);
-        strain_.push_back(strainOf(deformationAt(cell, xi, rest_, now_).first, bulk_));
+        const auto [f, size] = deformationAt(cell, xi, rest_, now_);
+        strain_.push_back(strainOf(f, bulk_)), size_.push_back(size);
       }
     }
     samples_ = samples.size();
@@ -94,6 +98,7 @@ class Recovery {
 
  private:
   static constexpr bool is_flat = std::tuple_size_v<Cell> == 3, is_quadratic = std::tuple_size_v<Cell> == 10;
+  static constexpr bool has_one_strain = is_flat || std::tuple_size_v<Cell> == 4;
   static constexpr int terms = is_quadratic ? 10 : 4;
   static constexpr int degree = is_quadratic ? 4 : 2;  ///< of the square of what is compared
   using Terms = Eigen::Matrix<double, terms, 1>;
@@ -129,8 +134,12 @@ class Recovery {
     const LocalPoint& xi = point.xi;
     std::array<double, std::tuple_size_v<Cell>> shapes;
     kindOf(cell).shapes(xi, shapes.data());
-    const auto [f, size] = deformationAt(cell, xi, rest_, now_);
-    const Strain own = strainOf(f, bulk_);
+    Strain own = strain_[c];
+    double size = size_[c];
+    if constexpr (!has_one_strain) {
+      const auto [f, its_size] = deformationAt(cell, xi, rest_, now_);
+      own = strainOf(f, bulk_), size = its_size;
+    }
     Strain recovered = Strain::Zero();
     for (std::size_t a = 0; a < cell.size(); ++a) recovered += shapes[a] * at_node_[std::size_t(cell[a])];
     sum.error += modulus_[c] * point.weight * size * (recovered - own).squaredNorm();
@@ -138,26 +147,35 @@ class Recovery {
     sum.largest = std::max(sum.largest, own.squaredNorm());
   }
 
+  /// Nodes keep their order. Cells around them are counted first, and then put in rows.
   void takeNodes(const std::vector<Vec3>& rest, const std::vector<Vec3>& now) {
-    std::vector<Index> nodes;
-    for (const Cell& cell : cells_) nodes.insert(nodes.end(), cell.begin(), cell.end());
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    for (const Index n : nodes) rest_.push_back(rest[std::size_t(n)]), now_.push_back(now[std::size_t(n)]);
-    around_.resize(nodes.size());
+    std::vector<Index> number(rest.size(), -1);
+    for (const Cell& cell : cells_)
+      for (const Index n : cell) number[std::size_t(n)] = 0;
+    for (std::size_t n = 0; n < rest.size(); ++n)
+      if (number[n] == 0) number[n] = Index(rest_.size()), rest_.push_back(rest[n]), now_.push_back(now[n]);
+    first_around_.assign(rest_.size() + 1, 0);
+    for (Cell& cell : cells_)
+      for (Index& n : cell) n = number[std::size_t(n)], ++first_around_[std::size_t(n) + 1];
+    std::partial_sum(first_around_.begin(), first_around_.end(), first_around_.begin());
+    around_.resize(first_around_.back());
+    std::vector<std::size_t> next(first_around_.begin(), first_around_.end() - 1);
     for (std::size_t c = 0; c < cells_.size(); ++c)
-      for (Index& n : cells_[c]) {
-        n = Index(std::lower_bound(nodes.begin(), nodes.end(), n) - nodes.begin());
-        around_[std::size_t(n)].push_back(c);
-      }
+      for (const Index n : cells_[c]) around_[next[std::size_t(n)]++] = c;
+  }
+
+  std::span<const std::size_t> around(std::size_t node) const {
+    return std::span(around_).subspan(first_around_[node], first_around_[node + 1] - first_around_[node]);
   }
 
   /// The fit to the samples in the cells around a node; nothing where they do not determine one.
   std::optional<Fit> fitAt(std::size_t node) const {
     constexpr std::size_t fewest = is_flat ? 5 : 2 * terms;
     constexpr double least = is_quadratic ? 1e-4 : 0.01;
+    const std::span<const std::size_t> cells = around(node);
     std::vector<std::size_t> samples;
-    for (const std::size_t c : around_[node])
+    samples.reserve(samples_ * cells.size());
+    for (const std::size_t c : cells)
       for (std::size_t k = 0; k < samples_; ++k) samples.push_back(samples_ * c + k);
     if (samples.size() < fewest) return {};
     Fit fit{{}, 0};
@@ -191,8 +209,9 @@ class Recovery {
   Strain beside(std::size_t node, const std::vector<std::optional<Fit>>& fits) const {
     Strain sum = Strain::Zero(), mean = Strain::Zero();
     int count = 0;
-    for (const std::size_t c : around_[node]) {
-      for (std::size_t k = 0; k < samples_; ++k) mean += strain_[samples_ * c + k] / double(samples_ * around_[node].size());
+    const std::span<const std::size_t> cells = around(node);
+    for (const std::size_t c : cells) {
+      for (std::size_t k = 0; k < samples_; ++k) mean += strain_[samples_ * c + k] / double(samples_ * cells.size());
       for (const Index other : cells_[c]) {
         if (!fits[std::size_t(other)]) continue;
         sum += fits[std::size_t(other)]->at(rest_[node] - rest_[std::size_t(other)]), ++count;
@@ -205,10 +224,11 @@ class Recovery {
   std::vector<double> modulus_;
   double bulk_;
   std::vector<Vec3> rest_, now_;
-  std::size_t samples_ = 1;                       ///< in each cell
-  std::vector<Vec3> place_;                       ///< of them, shape (cells * samples_)
-  std::vector<Strain> strain_;                    ///< the same
-  std::vector<std::vector<std::size_t>> around_;  ///< cells around each node
+  std::size_t samples_ = 1;                         ///< in each cell
+  std::vector<Vec3> place_;                         ///< of them, shape (cells * samples_)
+  std::vector<Strain> strain_;                      ///< the same
+  std::vector<double> size_;                        ///< det dX/dxi there
+  std::vector<std::size_t> first_around_, around_;  ///< cells around each node, in rows
   std::vector<Strain> at_node_;
 };
 
