@@ -6,7 +6,7 @@
 //   helix: theta = 2 pi s/l,  l^2 = spireHeight^2 + (pi spireDiameter)^2,
 //          place = (spireDiameter/2 sin theta, spireHeight s/l, spireDiameter/2 (cos theta - 1))
 //
-// nbBeams is how many beams the stretch has where it is out; when it is not given, nbEdgesCollis, which is how many edges of a
+// nbBeams is how many beams the stretch has where it is out; with 0, the usual value, nbEdgesCollis, which is how many edges of a
 // contact model follow it. nbEdgesVisu is how many edges it has in the mesh of the rod.
 //
 // Source: names, attributes, defaults and formulas are those of the plug-in BeamAdapter for SOFA.
@@ -29,6 +29,7 @@ class RodStretchComponent final : public HasRodStretch {
  public:
   bool is_helix = false;
 
+  RodStretchComponent() { stretch_.beams = 0; }
   void declare(DataTable& table) override {
     table.add("length", stretch_.length).help("of the stretch").unit("m").min(0, false);
     table.add("radius", radius_).help("of its section").unit("m").min(0, false).physical();
@@ -38,7 +39,7 @@ class RodStretchComponent final : public HasRodStretch {
     table.add("massDensity", density_).help("of its material").unit("kg/m^3").min(0, false);
     table.add("nbEdgesVisu", stretch_.drawn_edges).help("edges in the mesh of the rod").min(1);
     table.add("nbEdgesCollis", stretch_.contact_edges).help("edges of a contact model, and beams without nbBeams").min(1);
-    table.add("nbBeams", beams_).help("beams; without it nbEdgesCollis").min(1);
+    table.add("nbBeams", stretch_.beams).help("beams; 0: as many as nbEdgesCollis").min(0);
     table.add("spireDiameter", diameter_).help("of the helix; a RodStraightSection has none").unit("m").min(0, false);
     table.add("spireHeight", height_).help("along the axis of the helix in each turn").unit("m").min(0);
   }
@@ -48,14 +49,13 @@ class RodStretchComponent final : public HasRodStretch {
       throw ComponentError("a straight stretch has no helix", "RodSpireSection");
     stretch_.section = roundSection(radius_, inner_, young_, poisson_);
     if (data().find("massDensity")->isSet()) stretch_.section.density = density_;
-    stretch_.beams = data().find("nbBeams")->isSet() ? beams_ : stretch_.contact_edges;
+    if (stretch_.beams == 0) stretch_.beams = stretch_.contact_edges;
     if (is_helix) stretch_.diameter = diameter_, stretch_.height = height_;
   }
   const RodStretch& stretch() const override { return stretch_; }
 
  private:
   RodStretch stretch_;
-  int beams_ = 20;
   double radius_ = 1, inner_ = 0, young_ = 5000, poisson_ = 0.49, density_ = 1, diameter_ = 0.1, height_ = 0.01;
 };
 

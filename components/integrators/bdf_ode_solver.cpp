@@ -101,6 +101,7 @@ void BDFOdeSolver::declare(DataTable& table) {
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
+  implicit_.declareConditions(table);
   sleep_.declare(table);
 }
 

@@ -38,6 +38,7 @@ StepReport solveWithFollowers(const Advance& advance, const Solve& solve) {
 /// The unknown u is the way since the step began: x = x0 + u, where rows that turn do so by the rotation vector in u.
 class ConditionedStatics final : public NonlinearProblem {
  public:
+  void declare(DataTable& table) { multipliers_.declare(table); }
   /// Throws ComponentError where something bounds steps that this does not ask.
   void compile(System& system);
   /// No Lagrangian constraint is there.

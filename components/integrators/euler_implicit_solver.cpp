@@ -98,6 +98,7 @@ void EulerImplicitSolver::declare(DataTable& table) {
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
+  implicit_.declareConditions(table);
   sleep_.declare(table);
   for (const char* name : {"solveConstraint", "threadSafeVisitor", "computeResidual"}) table.addVisualOnly(name);
 }

@@ -61,6 +61,7 @@ class ImplicitStep final : public NonlinearProblem {
   void declareDamping(DataTable& table);       ///< rayleighMass, rayleighStiffness
   void declareNewton(DataTable& table);        ///< newtonIterations, newtonTolerance, newtonForcing
   void declareNewtonSolver(DataTable& table);  ///< newtonSolver, residualGraph
+  void declareConditions(DataTable& table) { multipliers_.declare(table); }
 
   /// Allocates; throws ComponentError when a linear solver or a mass is missing.
   void compile(Integrator& integrator, System& system);

@@ -17,6 +17,15 @@ namespace {
 constexpr double exact = 1e-9;  ///< of the place: by which conditions may be off
 }
 
+void Multipliers::declare(DataTable& table) {
+  table.add("conditionIterations", iterations_).help("steps of the search for forces of Lagrangian constraints, in the last step").output();
+  table.add("conditionResidual", residual_)
+      .help("by how much the worst law of such a force does not hold where that search ended, against the largest that does not hold "
+            "without forces")
+      .unit("-")
+      .output();
+}
+
 void Multipliers::compile(System& system) {
   system_ = &system;
   if (empty()) return;
@@ -31,6 +40,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   if (empty()) return;
   rule_ = rule;
   carries_ = carries;
+  made_before_ = solve_.steps + solve_.rounds;
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
   knows_forces_ = false, bend_count_ = 0;
@@ -189,6 +199,8 @@ void Multipliers::couple() {
 }
 
 void Multipliers::give() {
+  iterations_ = int(solve_.steps + solve_.rounds - made_before_);
+  residual_ = rows_.rows().empty() ? 0 : solve_.unsettled();
   std::size_t begin = 0;
   const auto& constraints = system_->actors().lagrangian_constraints;
   for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++])

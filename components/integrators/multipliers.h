@@ -46,6 +46,8 @@ class Multipliers {
     bool once = false;           ///< one round; not with Newton's method
   };
 
+  /// What the last step took to find forces, as outputs of the integrator.
+  void declare(DataTable& table);
   void compile(System& system);
   bool empty() const { return !system_ || system_->actors().lagrangian_constraints.empty(); }
   /// Where the step starts. `carries`: x without forces of constraint has been found under those of addCarried().
@@ -118,6 +120,9 @@ class Multipliers {
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
   ConditionForces solve_;                  ///< W, g and l
+  long made_before_ = 0;                   ///< iterations of all steps before
+  int iterations_ = 0;                     ///< of the last step
+  double residual_ = 0;                    ///< where they ended
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them

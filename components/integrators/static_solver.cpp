@@ -153,7 +153,7 @@ void StaticSolver::declare(DataTable& table) {
   declareExactTangentSteps(table, exact_tangent_steps_), declareLinearSolver(table);
   table.addLink("newtonSolver", newton_link_)
       .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
-  sleep_.declare(table);
+  sleep_.declare(table), conditioned_.declare(table);
 }
 
 void StaticSolver::compile(System& system) {

@@ -44,6 +44,7 @@ class TrapezoidalRuleSolver final : public Integrator, public AsksRightSides, pu
     implicit_.declareNewton(table);
     declareLinearSolver(table);
     implicit_.declareNewtonSolver(table);
+    implicit_.declareConditions(table);
     sleep_.declare(table);
   }
   void compile(System& system) override {

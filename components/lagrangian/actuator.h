@@ -43,6 +43,7 @@ class Actuator : public PairConstraint {
   /// In init(): throws ComponentError where least is above most.
   void bound(const Bounds& way, const Bounds& force);
   bool imposesForce() const { return imposed_ == force_is_; }
+  double value() const;
   // ---- of one that has several ways, with the one value and the bounds of all ----
   /// The conditions on a way s - start; `add` adds sign * ds/dx to the last row.
   template <class Add>
@@ -67,7 +68,6 @@ class Actuator : public PairConstraint {
     double sign, at, factor;
   };
   enum class Imposed : int { first, second };  ///< of the words of valueType
-  double value() const;
   void plan();
 
   std::vector<double> values_{0};

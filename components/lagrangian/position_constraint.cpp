@@ -25,6 +25,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "components/lagrangian/actuator.h"
 #include "framework/mechanics/frames.h"
@@ -61,9 +62,11 @@ class Position final : public Actuator {
     findDirections();
     bound({-written("maxNegativeDisp", least_way_, infinity), written("maxPositiveDisp", most_way_, infinity), infinity},
           {written("minForce", least_force_, -infinity), written("maxForce", most_force_, infinity), infinity});
+    checkTurns();
     startAt(0);
   }
   void constrainedStepBegins(ConstRows x, double t_end) override {
+    checkTurns();
     for (std::size_t i = starts_.size(); i < nodes_.size(); ++i) {
       const Index row = rowOf(first(), nodes_[i]);
       starts_.push_back(x[row]);
@@ -117,6 +120,15 @@ class Position final : public Actuator {
   struct Direction {
     Vec3 moves, turns;
   };
+
+  /// A turn is found from an orientation, which is the same after a whole one.
+  void checkTurns() const {
+    if (imposesForce()) return;
+    for (const Direction& each : along_)
+      if (const double most = std::numbers::pi * each.turns.norm(); each.moves.isZero(0) && std::abs(value()) > most)
+        throw ComponentError(fmt::format("value is {:g}, and a frame is found to turn by {:.4g} at most", value(), most),
+                             fmt::format("-{0:.4g} to {0:.4g}", most));
+  }
 
   void findDirections() {
     const bool frames = first().hasFrames();

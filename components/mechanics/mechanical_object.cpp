@@ -92,6 +92,8 @@ class MechanicalObject final : public State {
     translateBy(translation2_);
     if (velocity.empty()) velocity.assign(position.size(), Vec3::Zero());
     if (velocity.size() == 1) velocity.resize(position.size(), Vec3(velocity[0]));
+    while (repeats_velocity_ && velocity.size() < position.size())
+      velocity.push_back(velocity[velocity.size() - std::size_t(rows_per_node)]);
     checkSizes();
     if (kinds_.empty()) {
       reset_position_ = position;
@@ -178,14 +180,17 @@ class MechanicalObject final : public State {
       for (std::size_t i = kinds_.size(); i < position.size(); ++i) velocity.push_back(velocity[i % kinds_.size()]);
   }
 
-  /// Of points that a mesh gives: frames that are not turned, or numbers that are zero.
+  /// Of points that a mesh gives: frames that are not turned, or numbers, which are the coordinates, or zero of nodes at the origin.
   void makeRows() {
     rows_per_node = Index(kinds_.size());
     if (position_is_of_points_) {
       const std::vector<Vec3> points = std::move(position);
       position.clear();
       for (const Vec3& point : points)
-        for (const RowKind kind : kinds_) position.push_back(kind == RowKind::place ? point : Vec3(Vec3::Zero()));
+        for (std::size_t k = 0; k < kinds_.size(); ++k)
+          position.push_back(kinds_[k] == RowKind::place                ? point
+                             : kinds_[k] == RowKind::value && k < 3 ? Vec3(point[Eigen::Index(k)], 0, 0)
+                                                                    : Vec3(Vec3::Zero()));
     }
     row_kinds.clear();
     while (row_kinds.size() < position.size()) row_kinds.insert(row_kinds.end(), kinds_.begin(), kinds_.end());
@@ -212,6 +217,9 @@ class MechanicalObject final : public State {
     table.add("reset_position", reset_position_).help("positions that a reset returns to").unit("m").output();
     table.add("size", size_).help("number of nodes, at the origin, when no positions are given").min(0);
     table.add("useTopology", use_topology_).help("take positions from the mesh of this node when none are given");
+    table.add("valuesFromMesh", values_from_mesh_)
+        .help("numbers that are not given are the coordinates of the mesh of this node, of a Vec1 the first, as in SOFA");
+    table.add("repeatVelocity", repeats_velocity_).help("nodes for which velocity has none have the last of its list, as in SOFA");
     table.addLink("topology", topology_).help("mesh that gives the positions; the one of this node when not given");
     table.add("restScale", rest_scale_)
         .help("scale of the rest positions only: the body starts stressed")
@@ -266,7 +274,8 @@ class MechanicalObject final : public State {
     position_is_of_points_ = position.empty() && rest_position.empty();
     if (!position.empty()) return;
     if (!kinds_.empty() && kinds_[0] == RowKind::value && rest_position.empty()) {  // a mapping may say how many
-      position.assign(std::size_t(std::max(size_, 1)), Vec3::Zero());
+      if (const Topology* mesh = values_from_mesh_ ? firstTopology(*this, false) : nullptr) position = mesh->mesh().position;
+      if (position.empty()) position.assign(std::size_t(std::max(size_, 1)), Vec3::Zero());
       return;
     }
     const Topology* mesh = topology_.get();
@@ -362,7 +371,7 @@ class MechanicalObject final : public State {
   bool position_is_of_points_ = false;
   std::vector<Vec3> reset_position_;
   int size_ = 0;
-  bool use_topology_ = true;
+  bool use_topology_ = true, values_from_mesh_ = false, repeats_velocity_ = false;
   Link<Topology> topology_{"topology"};
   double rest_scale_ = 1, uniform_scale_ = 1;
   Vec3 translation_ = Vec3::Zero(), rotation_ = Vec3::Zero(), scale_ = Vec3::Ones();

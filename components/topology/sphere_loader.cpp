@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads spheres from a text: a first line "sph 1.0", lines "nums COUNT", which tell how many there are, and lines
-// "sphe NUMBER x y z r"; # starts a comment. Centres are scaled, turned and moved as by the mesh loaders; radii are scaled by the
-// first factor.
+// "sphe NUMBER x y z r"; # starts a comment. Lines that begin otherwise are told and left out, as in SOFA. Centres are scaled,
+// turned and moved as by the mesh loaders; radii are scaled by the first factor.
 //
 // Source: the format, names and attributes are SOFA's.
 //
@@ -40,17 +40,22 @@ class SphereLoader final : public MeshSource {
     if (!stream) throw ComponentError(fmt::format("the file {} cannot be opened", filename_.given));
     position_.clear(), radii_.clear();
     const Mat3 turn = rotationFromDegrees(rotation_);
-    std::string line, told;
+    std::string line, told, unknown;
     for (int number = 1; std::getline(stream, line); ++number) {
       std::istringstream words(line.substr(0, line.find('#')));
       std::string word;
       if (!(words >> word)) continue;
       if (word == "nums") words >> told;
       if (word == "sph" || word == "nums") continue;
+      if (word != "sphe") {
+        if (unknown.empty()) warn(fmt::format("{}:{}: {} is not read", filename_.given, number, inQuotes(line)));
+        unknown = word;
+        continue;
+      }
       int index = 0;
       Vec3 centre;
       double radius = 0;
-      if (word != "sphe" || !(words >> index >> centre[0] >> centre[1] >> centre[2] >> radius) || !(radius >= 0) ||
+      if (!(words >> index >> centre[0] >> centre[1] >> centre[2] >> radius) || !(radius >= 0) ||
           !centre.allFinite())
         throw ComponentError(fmt::format("{}:{}: {} is no sphere", filename_.given, number, inQuotes(line)),
                              "sphe NUMBER x y z r");

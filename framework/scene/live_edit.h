@@ -12,6 +12,8 @@ namespace stroma {
 /// ComponentError that says what would be needed, and leaves the scene as it was.
 class LiveEdit {
  public:
+  /// The refusal of what only another load can change.
+  struct NeedsLoad : ComponentError { using ComponentError::ComponentError; };
   /// `path` names a component or a node, as in `--set`. Refuses what does not exist (with the nearest name) and what
   /// only a restart can change.
   LiveEdit(Node& root, const std::string& path, const std::string& attribute);
@@ -20,13 +22,11 @@ class LiveEdit {
   Component* component() const { return component_; }
   /// The node whose attribute it is; null for an attribute of a component.
   const Node* node() const { return node_; }
-  /// What has to be made anew: the component, if its attribute asks for that, and, in the order of their dependence,
-  /// those that take values from it by links. Each attribute they take has to allow a change.
+  /// What is made anew: the component, if its attribute asks for that, and in order those with links to it, which must allow it.
   const std::vector<Component*>& recompiled() const { return recompiled_; }
   bool changesTimeStep() const { return !component_ && attribute_ == "dt"; }
   bool changesGravity() const { return !component_ && attribute_ == "gravity"; }
-  /// "/liver/fem.youngModulus"
-  std::string name() const;
+  std::string name() const;  ///< "/liver/fem.youngModulus"
   /// A value in the scene's notation and how it came there: components ask whether an attribute was given.
   struct Value {
     std::string text;

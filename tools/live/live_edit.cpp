@@ -31,8 +31,8 @@ Node* findNode(Node& root, std::string_view path) {
 }
 
 [[noreturn]] void refuse(const std::string& name, const std::string& why) {
-  throw ComponentError(name + " cannot change while the scene runs: " + why, "an attribute that may change",
-                       "load the scene again with the new value (--set " + name + "=...)");
+  throw LiveEdit::NeedsLoad(name + " cannot change while the scene runs: " + why, "an attribute that may change",
+                            "load the scene again with the new value (--set " + name + "=...)");
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ void RunEdits::check(const LiveEdit& edit) const {
       const auto isEdited = [&edit](const Component* each) { return edit.component() && edit.component() == each; };
       if (std::any_of(std::begin(own), std::end(own), isEdited) ||
           (!is_shared && std::any_of(std::begin(solvers), std::end(solvers), isEdited)))
-        throw ComponentError(
+        throw LiveEdit::NeedsLoad(
             fmt::format("{} cannot change while the scene runs: {} couples the bodies of {} and {}, "
                         "integrators that must stay alike",
                         edit.name(), merged.because, merged.integrator->path(), system->integrator().path()),
@@ -116,10 +116,10 @@ void RunEdits::check(const LiveEdit& edit) const {
     };
     if (!edit.component() || inside(edit.component()) ||
         std::any_of(edit.recompiled().begin(), edit.recompiled().end(), inside))
-      throw ComponentError(edit.name() + " cannot change while the scene runs: " + system->integrator().path() +
-                               " has computed its matrix and loads beforehand",
-                           "an integrator that makes its matrix in steps",
-                           "load the scene again with the new value (--set " + edit.name() + "=...)");
+      throw LiveEdit::NeedsLoad(edit.name() + " cannot change while the scene runs: " + system->integrator().path() +
+                                    " has computed its matrix and loads beforehand",
+                                "an integrator that makes its matrix in steps",
+                                "load the scene again with the new value (--set " + edit.name() + "=...)");
   }
 }
 

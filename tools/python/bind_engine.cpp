@@ -6,6 +6,7 @@
 
 #include "framework/mechanics/force_field.h"
 #include "framework/mesh/cell_kind.h"
+#include "framework/scene/live_edit.h"
 #include "tools/checks/result_doubts.h"
 #include "tools/plan/plan.h"
 #include "tools/python/engine.h"
@@ -52,6 +53,7 @@ py::list setAttribute(Ref engine, const std::string& path, const std::string& at
     Diagnostics one;
     one.error(component ? component->where() : SourceLocation{}, has_path ? std::string() : component->path(), refused.what(),
               refused.expected, refused.suggestion);
+    if (dynamic_cast<const LiveEdit::NeedsLoad*>(&refused)) raiseLoadNeeded(one);
     throw SceneError(std::move(one));
   }
 }

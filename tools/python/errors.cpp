@@ -53,6 +53,11 @@ py::list problemsOf(const Diagnostics& diagnostics) {
   return list;
 }
 
+void raiseLoadNeeded(const Diagnostics& diagnostics) {
+  raise("LoadNeeded", problemsOf(diagnostics));
+  throw py::error_already_set();
+}
+
 void bindErrors(py::module_&) { py::register_local_exception_translator(translate); }
 
 }  // namespace stroma::python

@@ -33,6 +33,8 @@ py::tuple tupleOf(const NodeDescription& node);
 // ---- errors.cpp ----
 /// (severity, file, line, column, path, message, expected, suggestion, text) of each.
 py::list problemsOf(const Diagnostics& diagnostics);
+/// LoadNeeded of stroma/errors.py.
+[[noreturn]] void raiseLoadNeeded(const Diagnostics& diagnostics);
 
 // ---- catalogue.cpp ----
 /// Components and modules for questions about types; of the whole process, and never destroyed.

@@ -101,6 +101,7 @@ class Rewriting {
   bool mayLoadQuads(const Element& load) const;
   void meanConstantForce(Element& load);
   void meanPlane(Element& plane);
+  void meanLayer(Element& load);
   void includeLast(Element& element);
   void checkOneBody(Element& field);
   void warnOfTangents(const Element& field);
@@ -115,8 +116,11 @@ class Rewriting {
   void checkSequence(Element& loader);
   // ---- rewritten_components.cpp again ----
   void meanMesh(Element& element);
+  // ---- rewritten_states.cpp ----
   void meanState(Element& element);
-  void leaveOnePosition(Element& state);  // rewritten_bodies.cpp
+  void leaveOnePosition(Element& state);
+  void evenLists(Element& state);
+  void takeNumbersOfMesh(Element& state);
   // ---- rewritten_constraints.cpp ----
   void meanConstraint(Element& element);
   void meanMatrix(Element& element, const Element& integrator);

@@ -364,16 +364,4 @@ bool putsNodes(const Element& element) {
 
 void Rewriting::joinBodies() { Bodies(*tree_, diagnostics_, quirks_.isOn("isolated-springs")).join(); }
 
-/// A mesh of several nodes counts more than one position that is written.
-void Rewriting::leaveOnePosition(Element& state) {
-  Element* mesh = state.place->firstOf("topology");
-  const AttributeDescription* position = state.find("position");
-  if (!mesh || !position || !hasOwnNodes(*mesh) || saysNo(state.text("useTopology")) || state.find("rest_position")) return;
-  const std::string type = state.text("template");
-  const std::size_t one = type.starts_with("Rigid3") ? 7 : type.size() > 3 && type.starts_with("Vec") ? std::size_t(type[3] - '0') : 3;
-  if (writtenNumbers(position->value).size() != one) return;
-  warn(position->where, state, "position", "is one node: those of " + mesh->path() + " count, as in SOFA");
-  state.remove("position");
-}
-
 }  // namespace stroma::sofa

@@ -360,29 +360,4 @@ void Rewriting::readMeshFile(Element& element, const std::string& attribute) {
                      "there is no loader for " + inQuotes(file), "a file of Gmsh, OBJ, STL, OFF, VTK, GID, .xs3 or .trian");
 }
 
-void Rewriting::meanState(Element& element) {
-  leaveOnePosition(element);
-  if (element.find("restScale") && std::atof(element.text("restScale").c_str()) == 1) element.remove("restScale");
-  if (element.find("scale")) element.remove("scale3d");
-  const bool has_positions = element.find("position") || element.find("rest_position") || element.find("src") ||
-                             element.place->has("topology");
-  if (element.find("size") && has_positions) {
-    element.remove("size");
-    noEffect("MechanicalObject.size beside positions");
-  }
-  // of several meshes of a node the first one that has nodes of its own
-  std::size_t meshes = 0;
-  Element* first = nullptr;
-  for (const auto& each : element.place->elements) {
-    if (each->dropped || each->role() != "topology") continue;
-    ++meshes;
-    const bool has_nodes = each->find("position") || each->find("points") || each->find("src");
-    if (!first && (has_nodes || each->written->type.ends_with("GridTopology"))) first = each.get();
-  }
-  bool is_given = false;
-  for (const char* name : {"position", "rest_position", "src", "topology"}) is_given = is_given || element.find(name);
-  if (meshes > 1 && first && !is_given)
-    element.set("topology", SceneTree::linkTo(*first));
-}
-
 }  // namespace stroma::sofa

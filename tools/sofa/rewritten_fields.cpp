@@ -90,20 +90,7 @@ void Rewriting::meanOfNames(Element& element) {
       if (other->is("EdgeSetTopologyContainer") && !other->find("edges")) element.set("topology", SceneTree::linkTo(*other));
   if (element.is("VTKExporter")) meanStressFields(element);
   if (element.written->type.starts_with("PartialLinearMovement")) shareMovement(element);
-  if (element.is("TrianglePressureForceField") && element.writes("normal") && element.writes("dmin") && element.writes("dmax")) {
-    const std::vector<double> normal = writtenNumbers(element.text("normal"));
-    const auto given = [](double n) { return n != 0; };
-    if (normal.size() != 3 || std::count_if(normal.begin(), normal.end(), given) != 1) return;
-    const auto axis = std::size_t(std::find_if(normal.begin(), normal.end(), given) - normal.begin());
-    double low = std::atof(element.text("dmin").c_str()) / normal[axis], high = std::atof(element.text("dmax").c_str()) / normal[axis];
-    if (low > high) std::swap(low, high);
-    constexpr double far = 1e30;
-    std::vector<double> box(6, -far);
-    std::fill(box.begin() + 3, box.end(), far);
-    box[axis] = low, box[3 + axis] = high;
-    if (!element.find("triangleList")) layers_[&element] = printed(box);
-    for (const char* name : {"normal", "dmin", "dmax"}) element.remove(name);
-  }
+  if (element.is("TrianglePressureForceField")) meanLayer(element);
 }
 
 /// Some spring of the field may have no length at rest.

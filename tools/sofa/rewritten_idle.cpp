@@ -13,6 +13,8 @@ bool Rewriting::actsOnNothing(Element& element) {
   const auto has_no = [&element](const char* what) { return !element.place->nearest(what); };
   const bool acts = isAnyOf(role, {"force field", "mass", "projective constraint"}) && !movesElsewhere(element) &&
                     !isContactAnswer(type);
+  const bool is_dead_load = isAnyOf(type, {"QuadPressureForceField", "TrianglePressureForceField"}) &&
+                            !saysNo(element.text("useConstantForce"));
   const bool joins_itself = type == "VectorSpringForceField" && !element.find("object1") && !element.find("object2") &&
                             !element.find("filename") && !saysYes(element.text("useTopology"));
   std::string why;
@@ -24,6 +26,14 @@ bool Rewriting::actsOnNothing(Element& element) {
     why = "has nothing to write";
   else if (type == "GearSpringForceField" && !element.find("spring"))
     why = "has no pair of wheels: it does nothing";
+  else if (type == "FrameSpringForceField" && !element.find("spring"))
+    why = "has no spring: it does nothing";
+  else if (is_dead_load && !element.find("pressure"))
+    why = "has no pressure, which is zero in SOFA then: it does nothing";
+  else if (type == "MeshSpringForceField" && !element.find("topology") && has_no("topology"))
+    why = "has no mesh that gives springs: it does nothing";
+  else if (element.is("PositionBasedDynamicsProjectiveConstraint") && !element.find("position") && !element.find("cluster"))
+    why = "has no places to go to: it does nothing";
   else if (joins_itself)
     why = "joins each node to itself: it does nothing";
   else if (acts && has_no("mechanical state"))

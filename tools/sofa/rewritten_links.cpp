@@ -107,6 +107,16 @@ std::string Rewriting::componentLink(Element& element, const Data& data, const s
   return SceneTree::linkTo(*found);
 }
 
+/// Edges and sides of its cells, which SOFA's containers list from the start: here where somebody reads them.
+static void listParts(Element& container, const std::string& list) {
+  const bool has_cells = container.find("tetrahedra") || container.find("hexahedra") || container.find("triangles") ||
+                         container.find("quads") || container.find("src");
+  if (!container.written->type.ends_with("SetTopologyContainer") || !has_cells || container.find(list)) return;
+  if (list == "edges") container.set("createEdgeArray", "true");
+  if (list == "triangles") container.set("createTriangleArray", "true");
+  if (list == "quads") container.set("createQuadArray", "true");
+}
+
 std::string Rewriting::dataLink(Element& element, const AttributeDescription& attribute) {
   const std::string text(trimmed(attribute.value));
   LinkTarget target = tree_->follow(element, text, true);
@@ -120,7 +130,7 @@ std::string Rewriting::dataLink(Element& element, const AttributeDescription& at
   // what a mapping was given may be read before the mapping has its output, which is the asker
   if (element.role() == "mechanical state" && target.element->role() == "mapping" && target.element->place == element.place)
     if (const std::string given = target.element->text(data); !given.empty() && !given.starts_with("@")) return given;
-  warnOfMoving(element, attribute, *target.element, data);
+  warnOfMoving(element, attribute, *target.element, data), listParts(*target.element, data);
   const bool is_surface = target.element->is("GenerateCylinder") && data == "triangles";  // of nodes of its own
   return SceneTree::linkTo(*target.element) + "." + (is_surface ? "surfaceTriangles" : data);
 }

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Parts that are one component in SOFA and another here.
 // ShapeMatching is there an engine that follows a state as it moves: here what draws nodes to its goals matches the shapes itself.
-// MultiAdaptiveBeamMapping fills the edges of its node there: here a topological mapping does.
+// MultiAdaptiveBeamMapping fills the edges of its node there: here a topological mapping does. A TrianglePressureForceField chooses its
+// triangles between two planes there: here a region does.
+#include <algorithm>
+#include <cstdlib>
+
 #include "tools/sofa/rewriting.h"
 
 namespace stroma::sofa {
@@ -54,6 +58,25 @@ void Rewriting::makeChains() {
     edges.attributes.push_back({"output", SceneTree::linkTo(*container), where});
     tree_->add(*mapping->place, std::move(edges));
   }
+}
+
+/// Triangles between two planes; the planes choose where dmin and dmax differ.
+void Rewriting::meanLayer(Element& load) {
+  if (load.find("normal") && !load.find("dmin") && !load.find("dmax"))
+    load.remove("normal"), noEffect("TrianglePressureForceField.normal without dmin and dmax");
+  if (!load.writes("normal") || !load.writes("dmin") || !load.writes("dmax")) return;
+  const std::vector<double> normal = writtenNumbers(load.text("normal"));
+  const auto given = [](double n) { return n != 0; };
+  if (normal.size() != 3 || std::count_if(normal.begin(), normal.end(), given) != 1) return;
+  const auto axis = std::size_t(std::find_if(normal.begin(), normal.end(), given) - normal.begin());
+  double low = std::atof(load.text("dmin").c_str()) / normal[axis], high = std::atof(load.text("dmax").c_str()) / normal[axis];
+  if (low > high) std::swap(low, high);
+  constexpr double far = 1e30;
+  std::vector<double> box(6, -far);
+  std::fill(box.begin() + 3, box.end(), far);
+  box[axis] = low, box[3 + axis] = high;
+  if (!load.find("triangleList")) layers_[&load] = printed(box);
+  for (const char* name : {"normal", "dmin", "dmax"}) load.remove(name);
 }
 
 }  // namespace stroma::sofa

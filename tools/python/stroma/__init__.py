@@ -12,7 +12,7 @@ from .blas import take_kernels
 take_kernels(_stroma.instruction_level())  # before numpy is opened, or after
 # pylint: disable=wrong-import-position
 from .code import to_python
-from .errors import OutputError, Problem, SceneError, SceneWarning, StepError, StromaError
+from .errors import LoadNeeded, OutputError, Problem, SceneError, SceneWarning, StepError, StromaError
 from .formula import FormulaLaw
 from .laws import Law
 from .played import Constraint, ForceField

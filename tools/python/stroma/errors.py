@@ -35,7 +35,11 @@ class SceneError(StromaError):
         super().__init__("\n".join(problem.text for problem in wrong or self.problems))
 
     def __reduce__(self):
-        return SceneError, (self.problems,)
+        return type(self), (self.problems,)
+
+
+class LoadNeeded(SceneError):
+    """The change of a running scene that only another load makes."""
 
 
 class StepError(StromaError):

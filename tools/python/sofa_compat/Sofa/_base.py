@@ -370,10 +370,14 @@ def _kind_of(word, given):
     plain = {"bool": False, "int": 0, "unsignedint": 0, "float": 0.0, "double": 0.0, "string": "", "PrefabLink": ""}
     if word in plain:
         return plain[word] if not _values.is_link_text(given) or word == "string" else None
+    if word.startswith("vector<vector"):  # rows of different lengths
+        return None
     if "string" in word:
         return []
     if word.startswith("vector<") and any(each in word for each in ("<int", "<unsigned", "<bool")):
         return np.zeros(0, dtype=np.int32)
+    if word.startswith(("Quat", "RigidCoord", "RigidDeriv")):
+        return np.zeros(0)
     for columns in (2, 3, 4, 6, 7):
         if f"Vec{columns}" in word and word.startswith("vector"):
             return np.zeros((0, columns))

@@ -39,21 +39,24 @@ DRAWN = _BESIDES["OglModel"]
 for _each in ("InteractiveCamera", "RecordedCamera", "BaseCamera"):
     _BESIDES[_each] = _BESIDES["Camera"]
 CONSTRAINTS = {"computeConstraintForces": False, "constraintForces": np.zeros(0), "maxIterations": 1000, "tolerance": 0.001,
-                "currentNumConstraints": 0, "currentIterations": 0, "currentError": 0.0, "reverseAccumulateOrder": False}
+                "currentNumConstraints": 0, "currentNumConstraintGroups": 0, "currentIterations": 0, "currentError": 0.0,
+                "reverseAccumulateOrder": False}
 #: of those, what a step leaves there
-OF_CONSTRAINTS = {"constraintForces", "currentNumConstraints"}
+OF_CONSTRAINTS = {"constraintForces", "currentNumConstraints", "currentIterations", "currentError"}
 for _each in ("GenericConstraintSolver", "LCPConstraintSolver", "BlockGaussSeidelConstraintSolver",
               "ProjectedGaussSeidelConstraintSolver", "NNCGConstraintSolver", "UnbuiltGaussSeidelConstraintSolver"):
     _BESIDES[_each] = CONSTRAINTS
 
 #: of those, what SOFA computes in each step
-NOT_COMPUTED = {"currentIterations", "currentError", "vonMisesPerElement", "vonMisesPerNode", "constraint", "derivX", "externalForce"}
+NOT_COMPUTED = {"vonMisesPerElement", "vonMisesPerNode", "constraint", "derivX", "externalForce"}
 
 #: lists of numbers that SOFA keeps in rows; of a name in place of a number: as many as velocities or positions of the template have
 _ROWS = {("ConstantForceField", "forces"): "velocity", ("BoxROI", "box"): 6, ("BoxROI", "orientedBox"): 10, ("PlaneROI", "plane"): 10,
          ("LinearForceField", "forces"): "velocity", ("LinearVelocityProjectiveConstraint", "velocities"): "velocity",
          ("RigidRigidMapping", "initialPoints"): 7,
          **{("MergePoints", name): "position" for name in ("position1", "position2", "points")}}
+#: lists of cells that SOFA's topologies have, whatever they are made of
+_CELLS = {"edges": 2, "triangles": 3, "quads": 4, "tetrahedra": 4, "hexahedra": 8}
 #: engines whose lists hold values of their template
 _OF_TEMPLATE = {"ValuesFromIndices", "IndicesFromValues", "MergeVectors", "DifferenceEngine", "MathOp"}
 
@@ -95,6 +98,10 @@ class Facts:
         if found is None:
             if name in self.besides:
                 return self.besides[name]
+            if name in _CELLS and self.role == "topology":
+                return np.zeros((0, _CELLS[name]), np.int32)
+            if name == "nbPoints" and self.role == "topology":
+                return 0
             shown = self.info is not None and not name.startswith("_") and _stroma.is_accepted(self.word, name)
             return "" if shown else None
         if found.link:

@@ -185,9 +185,7 @@ class Engine:
         """What is read only where a scene is loaded, as a region of nodes that a load has taken, takes a new simulation."""
         try:
             self._components[id(thing)].set(data._s_name, _plain(value))
-        except stroma.SceneError as error:
-            if "load the scene again with the new value (--set" not in str(error):
-                raise
+        except stroma.LoadNeeded:
             self.edited(f"{thing._s_place()}.{data._s_name}")
 
     @staticmethod
@@ -275,6 +273,17 @@ class Engine:
         if component is None:
             raise RuntimeError(f"{thing._s_place()}: is no part of the simulation, and has no matrix")
         return self.sim.matrix_of(component).tocsr()
+
+    def of_constraints(self, name):
+        """What a constraint solver of SOFA tells of the last step: of the search for the forces, where there was one."""
+        if name == "constraintForces":
+            return self.constraint_forces()
+        if name == "currentNumConstraints":
+            return len(self.constraint_forces())
+        searches = [each for each in self._components.values() if "conditionIterations" in each.attributes]
+        if name == "currentIterations":
+            return sum(each.get("conditionIterations") for each in searches)
+        return max((each.get("conditionResidual") for each in searches), default=0.0)
 
     def constraint_forces(self):
         """Of the last step, row by row, of constraint after constraint in the order of the scene. SOFA keeps impulses, f dt."""
@@ -472,6 +481,7 @@ def load(root, mirror, time=None):
 
 def begin(root):
     """What comes before the engine: Python's objects are initialised, and may still change the scene."""
+    _events.of_scene(root, "SimulationInitStartEvent")
     _events.call(root, "init")
     for each in _events.listeners(root):
         if isinstance(each, DataEngine):

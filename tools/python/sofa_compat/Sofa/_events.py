@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Events to what a scene writes in Python: a method on...Event(self, event), else onEvent(self, event)."""
-from . import _messages, _values
+from . import _catalogue, _messages, _values
 from ._objects import Object
 
 
@@ -45,6 +45,11 @@ def send(root, name, values, to_all=True):
 #: what SOFA tells at the beginning and at the end of a step besides: here nothing happens between these moments
 AT_BEGIN = ("CollisionBeginEvent", "CollisionEndEvent", "IntegrateBeginEvent")
 AT_END = ("IntegrateEndEvent", "UpdateMappingEndEvent")
+#: of a constraint solver, before those of the end
+OF_CONSTRAINTS = ("BuildConstraintSystemEndEvent", "SolveConstraintSystemEndEvent")
+#: of a scene as a whole. A run by a command starts and stops; a program's own loop does neither, as in SOFA
+OF_SCENES = ("SimulationInitStartEvent", "SimulationInitDoneEvent", "SimulationInitTexturesDoneEvent", "SimulationStartEvent",
+             "SimulationStopEvent")
 
 
 def begin_step(root, dt):
@@ -54,13 +59,22 @@ def begin_step(root, dt):
 
 
 def end_step(root, dt):
-    for name in AT_END:
+    for name in (*OF_CONSTRAINTS, *AT_END) if _solves_constraints(root) else AT_END:
         send(root, name, {"dt": dt}, to_all=False)
     send(root, "AnimateEndEvent", {"dt": dt})
 
 
+def _solves_constraints(root):
+    return any(each._s_type and each._s_facts.besides is _catalogue.CONSTRAINTS for each in root._s_objects)
+
+
+def of_scene(root, name):
+    """One of OF_SCENES, to those that have a method for it."""
+    send(root, name, {}, to_all=False)
+
+
 _SENT = {"Event", "AnimateBeginEvent", "AnimateEndEvent", "KeypressedEvent", "KeyreleasedEvent", "MouseEvent", "PythonScriptEvent",
-         "SimulationInitDoneEvent", *AT_BEGIN, *AT_END}
+         *AT_BEGIN, *AT_END, *OF_CONSTRAINTS, *OF_SCENES}
 
 
 def warn_of_unsent(root):

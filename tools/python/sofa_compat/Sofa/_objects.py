@@ -102,11 +102,20 @@ class Object(Base):
 
     # ---- values ----
     def _s_read(self, data):
+        facts = self._s_facts
+        if not _cells.are_made(data._s_name) or facts is None or facts.role != "topology":
+            return self._s_given(data)
+        if facts.info.type == "RegularGridTopology" and data._s_raw is None:
+            return self._s_formed(data, _grids.list_of(self, data._s_name))
+        given = self._s_given(data)
+        return given if len(given) else self._s_formed(data, _cells.made(self, data._s_name))
+
+    def _s_given(self, data):
+        """What the scene or the engine has of it."""
         engine = self._s_engine()
         facts = self._s_facts
-        if data._s_name in _grids.LISTS and data._s_raw is None and facts is not None and facts.info is not None:
-            if facts.info.type == "RegularGridTopology":
-                return self._s_formed(data, _grids.list_of(self, data._s_name))
+        if data._s_name == "nbPoints" and facts is not None and facts.role == "topology" and data._s_raw is None:
+            return self.getNbPoints()
         if engine is not None and engine.knows(self, data):
             return engine.read(self, data)
         if data._s_name == "bbox" and (self._s_is_state() or self._s_is_drawn()) and (data._s_raw is None or engine is not None):
@@ -115,8 +124,7 @@ class Object(Base):
         if facts is None or data._s_name == "name":
             return super()._s_read(data)
         if engine is not None and facts.besides is _catalogue.CONSTRAINTS and data._s_name in _catalogue.OF_CONSTRAINTS:
-            found = engine.constraint_forces()
-            return found if data._s_name == "constraintForces" else len(found)
+            return engine.of_constraints(data._s_name)
         if data._s_name == "size" and facts.role == "mechanical state":
             return self.getSize()
         if data._s_raw is None and self._s_is_computed(data):
@@ -253,16 +261,16 @@ class Object(Base):
         return self._s_count("position")
 
     def getNbEdges(self):
-        return len(_cells.edges(self))
+        return self._s_count("edges")
 
     def getNbLines(self):
         return self.getNbEdges()
 
     def getNbTriangles(self):
-        return len(_cells.triangles(self))
+        return self._s_count("triangles")
 
     def getNbQuads(self):
-        return len(_cells.quads(self))
+        return self._s_count("quads")
 
     def getNbTetrahedra(self):
         return self._s_count("tetrahedra")
@@ -275,17 +283,17 @@ class Object(Base):
     getNbHexas = getNbHexahedra
 
     def getEdge(self, index):
-        return _cells.edges(self)[index]
+        return _cells.cells(self, "edges")[index].tolist()
 
     def getTetrahedron(self, index):
-        return _cells.cells(self, "tetrahedra")[index]
+        return _cells.cells(self, "tetrahedra")[index].tolist()
 
     def getLocalEdgesInTetrahedron(self, index):
         return list(_cells.TETRAHEDRON_EDGES[index])
 
     def getEdgesInTetrahedron(self, index):
         """The numbers of its edges, in the order of getLocalEdgesInTetrahedron."""
-        numbers = {frozenset(edge): i for i, edge in enumerate(_cells.edges(self))}
+        numbers = {frozenset(edge): i for i, edge in enumerate(_cells.cells(self, "edges").tolist())}
         nodes = self.getTetrahedron(index)
         return [numbers[frozenset(nodes[k] for k in pair)] for pair in _cells.TETRAHEDRON_EDGES]
 

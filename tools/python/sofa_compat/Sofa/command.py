@@ -33,8 +33,14 @@ class Program:
     def __init__(self, root=None, words=()):
         self._words = words
         self._given, self._root, self._mirror, self._running, self._steps = root, None, None, None, 0
-        self.changes_tree = False
+        self.changes_tree = self._has_started = False
         self._told = set()
+
+    @traced
+    def ended(self):
+        """The command has made its steps."""
+        if self._has_started:
+            _events.of_scene(self._root, "SimulationStopEvent")
 
     @traced
     def describe(self, file, session):
@@ -68,6 +74,9 @@ class Program:
         if steps < self._steps:  # the view has gone back to the start
             self._running.restarted()
         self._steps = steps
+        if not self._has_started:
+            self._has_started = True
+            _events.of_scene(self._root, "SimulationStartEvent")
         self._part_of_step(self._running.begin_step)
 
     @traced
@@ -142,9 +151,11 @@ def own_loop(words):
     print(f"note: {known.scene} changes its tree while it runs: it is run again, and nothing is recorded", file=sys.stderr)
     root = _scene_file.load(known.scene)
     Simulation.init(root)
+    _events.of_scene(root, "SimulationStartEvent")
     while not ((known.steps is not None and root._s_running.steps >= known.steps) or (
             known.until is not None and root.getTime() >= known.until - 1e-9 * root.getDt())):
         Simulation.animate(root)
+    _events.of_scene(root, "SimulationStopEvent")
     steps, time = root._s_running.steps, root.getTime()
     if not known.quiet and known.json != "-":
         print(f"{steps} steps, t = {time:.6g} s")
@@ -195,7 +206,7 @@ def main(words):
     code = _command.main(list(words), program)
     if program.changes_tree and words[0] == "run":
         run_again(words)
-    return code
+    return told(words, lambda _: program.ended() or code)
 
 
 def end(code):

@@ -90,11 +90,16 @@ def sendEvent(root, name, value=None):
     _events.user_event(root, name, value)
 
 
-def initTextures(*_):
+def initTextures(root, *_):
+    """Controllers hear of it; what draws has no effect."""
+    _events.of_scene(root.getRoot(), "SimulationInitTexturesDoneEvent")
+
+
+def initVisual(*_):
     """What draws has no effect."""
 
 
-initVisual = updateVisual = draw = drawing = exportOBJ = exportGraph = glewInit = initTextures
+updateVisual = draw = drawing = exportOBJ = exportGraph = glewInit = initVisual
 
 
 def updateContext(*_):
