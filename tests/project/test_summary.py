@@ -24,6 +24,7 @@ CRASH = '<testcase name="t.S" status="fail' + BEGIN("a") + '[       OK ] S.a (0 
 AT_EXIT = CRASH.replace("[ RUN      ] S.b\n", "")
 NONE_HERE = '<testcase name="t.S" status="run"><system-out>[==========] Running 3 tests from 1 test suite.\nno AVX\n[  PASSED  ] 0 tests.' \
     '</system-out></testcase>'
+CUT = GOOD.replace("[ RUN      ] S.c\nx[       OK ] S.c (1 ms)\n[  PASSED  ] 2 tests.", "[This part of the test output was removed since ...]")
 CASES = [  # cases, exit code of ctest, the end of what is said, exit code
     ([PASS, PASS], 0, "2 passed, 0 failed", 0),
     ([PASS, FAIL], 8, "1 passed, 1 failed", 1),
@@ -35,6 +36,7 @@ CASES = [  # cases, exit code of ctest, the end of what is said, exit code
     ([SKIP], 0, "1 skipped\n0 passed, 0 failed", 1),
     ([], 0, "0 passed, 0 failed", 1),
     ([GOOD, PASS], 0, "1 skipped\n3 passed, 0 failed", 0),
+    ([CUT], 0, "1 skipped\n2 passed, 0 failed", 0),
     ([GOOD, BAD], 8, "failed: S.a/0\n1 skipped\n4 passed, 1 failed", 1),
     ([BAD], 8, "failed: S.a/0\nfirst\n[  FAILED  ] S.a/0, where GetParam() = \"x y\" (0 ms)\n\nfailed: S.a/0\n2 passed, 1 failed", 1),
     ([CRASH], 8, "failed: S.b\nbegins\n1 tests of the suite did not begin\n\nfailed: S.b\n1 passed, 1 failed", 1),
