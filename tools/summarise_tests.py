@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Reads JUnit files of ctest and prints the tests that were skipped, then what those said that failed; before
-the last line, which is "N passed, N failed", stands how many were skipped. Of a test of ctest that holds many of Python's, those that were
-skipped inside are told as well. Usage: summarise_tests.py FILE.xml... CTEST_EXIT_CODE.
+the last line, which is "N passed, N failed", stands how many were skipped. A test of ctest that is a suite of GoogleTest counts as
+the tests that it holds; the one in which it crashed is among those that failed. Of a test of ctest that holds many of Python's, those
+that were skipped inside are told as well. Usage: summarise_tests.py FILE.xml... CTEST_EXIT_CODE.
 Exit code 0 when nothing failed and ctest itself said so."""
 import re
 import sys
@@ -24,22 +25,44 @@ def skipped_inside(case):
     return sum(int(count) for pair in re.findall(r"\b\d+ passed, (\d+) skipped\b|^OK \(skipped=(\d+)", said, re.M) for count in pair if count)
 
 
+class Suite:
+    """What a test of ctest that is a suite of GoogleTest said: how many tests it has (0: it is none), how many of them passed, and
+    the output of each that failed, or in which it ended, by name."""
+
+    def __init__(self, case):
+        said = case.findtext("system-out") or ""
+        count = re.search(r"^\[=+\] Running (\d+) tests? from 1 test suite", said, re.M)
+        self.count = int(count.group(1)) if count else 0
+        tests = [re.split(r"\s", part, maxsplit=1) for part in re.split(r"\[ RUN      \] ", said)[1:]] if count else []
+        self.failed = {name: text for name, text in tests if not re.search(r"\[ +(OK|SKIPPED) \] ", text)}
+        is_cut = "[This part of the test output was removed" in said  # what ctest keeps of each test has a limit
+        self.passed = self.count - said.count("[  SKIPPED ] ") if is_cut else sum("[       OK ] " in text for _, text in tests)
+        if self.failed and len(tests) < self.count:
+            self.failed[tests[-1][0]] += f"\n{self.count - len(tests)} tests of the suite did not begin"
+
+
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
-    passed, failed, skipped, inside, said = [], [], [], 0, {}
+    passed, failed, skipped, inside, said = 0, [], [], 0, {}
+
+    def fails(name, text):
+        failed.append(name)
+        said[name] = text.strip().split("\n")[-MOST_LINES:]
+
     for case in (case for path in sys.argv[1:-1] for case in cases_of(path)):
-        reason = case.find("skipped")
+        reason, name, suite = case.find("skipped"), case.get("name"), Suite(case)
         if case.get("status") == "run" and case.find("failure") is None:
-            passed.append(case.get("name"))
-            if count := skipped_inside(case):
-                print(f"skipped: {count} inside {case.get('name')}")
+            if count := suite.count - suite.passed or skipped_inside(case):
+                print(f"skipped: {count} inside {name}")
                 inside += count
+            passed += suite.passed if suite.count else 1
         elif case.get("status") == "disabled" or (reason is not None and "SKIP" in reason.get("message", "")):
-            skipped.append(case.get("name"))
+            skipped.append(name)
         else:  # failed, timed out, crashed, or its program was not built
-            failed.append(case.get("name"))
-            said[case.get("name")] = (case.findtext("system-out") or "").strip().split("\n")[-MOST_LINES:]
+            passed += suite.passed
+            for test, text in (suite.failed or {name: case.findtext("system-out") or ""}).items():
+                fails(test, text)
     for name in skipped:
         print(f"skipped: {name}")
     for name in failed:
@@ -51,7 +74,7 @@ def main():
         failed.append("ctest")
     if skipped or inside:
         print(f"{len(skipped) + inside} skipped")
-    print(f"{len(passed)} passed, {len(failed)} failed")
+    print(f"{passed} passed, {len(failed)} failed")
     sys.exit(1 if failed or not passed else 0)
 
 

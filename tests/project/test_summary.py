@@ -14,6 +14,17 @@ GONE = '<testcase name="e" status="notrun"><skipped message="Unable to find exec
 OFF = '<testcase name="f" status="disabled"/>'
 INSIDE = '<testcase name="g" status="run"><system-out>...s. [100%]\n4 passed, 1 skipped in 2.1s</system-out></testcase>'
 UNITTEST = '<testcase name="h" status="run"><system-out>Ran 9 tests in 1s\nOK (skipped=2)</system-out></testcase>'
+# suites of GoogleTest
+BEGIN = '"><system-out>[==========] Running 3 tests from 1 test suite.\nx[ RUN      ] S.{}\nfirst\n'.format
+GOOD = '<testcase name="t.S" status="run' + BEGIN("a") + '[       OK ] S.a (0 ms)\n[ RUN      ] S.b\nwhy\n[  SKIPPED ] S.b (0 ms)\n' \
+    '[ RUN      ] S.c\nx[       OK ] S.c (1 ms)\n[  PASSED  ] 2 tests.</system-out></testcase>'
+BAD = '<testcase name="t.S" status="fail' + BEGIN("a/0") + '[  FAILED  ] S.a/0, where GetParam() = "x y" (0 ms)\n[ RUN      ] S.b\n' \
+    '[       OK ] S.b (0 ms)\n[ RUN      ] S.c\n[       OK ] S.c (1 ms)\n[  FAILED  ] 1 test, listed below:</system-out><failure message=""/></testcase>'
+CRASH = '<testcase name="t.S" status="fail' + BEGIN("a") + '[       OK ] S.a (0 ms)\n[ RUN      ] S.b\nbegins</system-out><failure message=""/></testcase>'
+AT_EXIT = CRASH.replace("[ RUN      ] S.b\n", "")
+NONE_HERE = '<testcase name="t.S" status="run"><system-out>[==========] Running 3 tests from 1 test suite.\nno AVX\n[  PASSED  ] 0 tests.' \
+    '</system-out></testcase>'
+CUT = GOOD.replace("[ RUN      ] S.c\nx[       OK ] S.c (1 ms)\n[  PASSED  ] 2 tests.", "[This part of the test output was removed since ...]")
 CASES = [  # cases, exit code of ctest, the end of what is said, exit code
     ([PASS, PASS], 0, "2 passed, 0 failed", 0),
     ([PASS, FAIL], 8, "1 passed, 1 failed", 1),
@@ -24,6 +35,13 @@ CASES = [  # cases, exit code of ctest, the end of what is said, exit code
     ([PASS], 8, "1 passed, 1 failed", 1),  # ctest says that something went wrong
     ([SKIP], 0, "1 skipped\n0 passed, 0 failed", 1),
     ([], 0, "0 passed, 0 failed", 1),
+    ([GOOD, PASS], 0, "1 skipped\n3 passed, 0 failed", 0),
+    ([CUT], 0, "1 skipped\n2 passed, 0 failed", 0),
+    ([GOOD, BAD], 8, "failed: S.a/0\n1 skipped\n4 passed, 1 failed", 1),
+    ([BAD], 8, "failed: S.a/0\nfirst\n[  FAILED  ] S.a/0, where GetParam() = \"x y\" (0 ms)\n\nfailed: S.a/0\n2 passed, 1 failed", 1),
+    ([CRASH], 8, "failed: S.b\nbegins\n1 tests of the suite did not begin\n\nfailed: S.b\n1 passed, 1 failed", 1),
+    ([AT_EXIT], 8, "failed: t.S\n1 passed, 1 failed", 1),
+    ([NONE_HERE, PASS], 0, "3 skipped\n1 passed, 0 failed", 0),
 ]
 
 

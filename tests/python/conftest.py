@@ -3,6 +3,7 @@
 import ctypes
 import os
 import pathlib
+import signal
 import sys
 
 import pytest
@@ -11,6 +12,9 @@ import stroma
 SOURCE = pathlib.Path(os.environ.get("STROMA_SOURCE", pathlib.Path(__file__).parents[2]))
 EXAMPLES = SOURCE / "scenes" / "examples"
 PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 600))  # seconds: only what hangs takes so long, whatever else a machine does
+
+# A shell starts what it does not wait for with Ctrl-C ignored, and Python then leaves it so.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class HeapInfo(ctypes.Structure):
