@@ -20,8 +20,7 @@ void setLane(Packs& batch, int lane, const Doubles& value) {
   double numbers[count];
   std::memcpy(numbers, &value, sizeof numbers);
   for (std::size_t i = 0; i < count; ++i)
-    std::memcpy(reinterpret_cast<char*>(&batch) + i * sizeof(Pack) + std::size_t(lane) * sizeof(double), &numbers[i],
-                sizeof(double));
+    std::memcpy(reinterpret_cast<char*>(&batch) + i * sizeof(Pack) + std::size_t(lane) * sizeof(double), &numbers[i], sizeof(double));
 }
 
 /// Loop and arrays of a mesh of elements of N nodes, shape (batches). The rest shape and the tangent, which products
@@ -38,9 +37,7 @@ struct ElementStorage {
     if (beyond_cache_) prefetch(tangent.data(), std::size_t(batch + ahead));
   }
   void prefetchBoth(Index batch) const {
-    if (!beyond_cache_) return;
-    prefetch(rest.data(), std::size_t(batch + ahead));
-    prefetchTangent(batch);
+    if (beyond_cache_) prefetch(rest.data(), std::size_t(batch + ahead)), prefetchTangent(batch);
   }
 
   template <class Set>
@@ -203,8 +200,7 @@ struct ProductLoops {
     else if constexpr (Model::reads_position)
       ElementLoop<N>::matrixFromProducts([&](const Nodes& dx, Nodes& df) { product(rest, tangent, Pack(1.), x, dx, df); }, k);
     else
-      ElementLoop<N>::matrixFromProducts(
-          [&](const Nodes& dx, Nodes& df) { Model::product(rest, tangent, Pack(1.), x, dx, df); }, k);
+      ElementLoop<N>::matrixFromProducts([&](const Nodes& dx, Nodes& df) { Model::product(rest, tangent, Pack(1.), x, dx, df); }, k);
   }
 };
 /// The ElementKernels of a model. `x` handed to a model is that of the last force, and only valid when it reads it.
@@ -241,9 +237,7 @@ class ModelKernels final : public StoredKernels<StorageOf<Model>> {
     }
   }
   double energy(ConstRows x) const override { return Forces::energy(storage_, x); }
-  void addProduct(ConstRows dx, double factor, Rows df) const override {
-    Products::addProduct(storage_, x_, dx, factor, df);
-  }
+  void addProduct(ConstRows dx, double factor, Rows df) const override { Products::addProduct(storage_, x_, dx, factor, df); }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
     Products::assemble(storage_, x_, factor, slots, values);
   }

@@ -139,13 +139,11 @@ struct S3 {
   S3 operator+(const S3& b) const { return {xx + b.xx, yy + b.yy, zz + b.zz, xy + b.xy, yz + b.yz, zx + b.zx}; }
   S3 operator*(T s) const { return {xx * s, yy * s, zz * s, xy * s, yz * s, zx * s}; }
   V3<T> operator*(const V3<T>& v) const {
-    return {fma(xx, v.x, fma(xy, v.y, zx * v.z)), fma(xy, v.x, fma(yy, v.y, yz * v.z)),
-            fma(zx, v.x, fma(yz, v.y, zz * v.z))};
+    return {fma(xx, v.x, fma(xy, v.y, zx * v.z)), fma(xy, v.x, fma(yy, v.y, yz * v.z)), fma(zx, v.x, fma(yz, v.y, zz * v.z))};
   }
 };
 
-// ---- rows of a Vector to packs and back; offset[l] is the row of lane l times row_doubles: an address needs no shift
-// ----
+// ---- rows of a Vector to packs and back; offset[l] is the row of lane l times row_doubles: an address needs no shift ----
 
 #if defined(__AVX512F__)
 
