@@ -120,9 +120,6 @@ class Multipliers {
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
   ConditionForces solve_;                  ///< W, g and l
-  long made_before_ = 0;                   ///< iterations of all steps before
-  int iterations_ = 0;                     ///< of the last step
-  double residual_ = 0;                    ///< where they ended
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them
@@ -140,6 +137,9 @@ class Multipliers {
   Eigen::PartialPivLU<Eigen::MatrixXd> bent_;  ///< S^-1 + B^T Y
   Eigen::VectorXd along_bends_, bend_shares_;  ///< work space, as is
   Eigen::MatrixXd bend_matrix_;
+  long made_before_ = 0;  ///< iterations of the search of all steps before
+  int iterations_ = 0;    ///< of the last step
+  double residual_ = 0;   ///< where they ended
   bool knows_forces_ = false;  ///< of the rows of this step
   std::vector<UncoupledConstraintCorrection*> uncoupled_;  ///< bodies whose nodes answer one by one
   Vector pushes_;                                          ///< right_side_ with what these take of it

@@ -3,7 +3,8 @@
 //
 //   f_i(t) = forces at t for each of points;  energy = -sum f_i . x_i;  K = 0
 //
-// Before the first and after the last time the force is constant.
+// Before the first and after the last time the force is constant. On a rigid frame it has six numbers, the force on its centre and the
+// torque in fixed axes, which has no energy; on nodes of numbers as many as they have.
 //
 // Source: the name, points, times and forces are SOFA's.
 //
@@ -14,6 +15,8 @@
 //   <UniformMass totalMass="3"/>
 //   <LinearForceField points="1 2" times="0 0.5 1" forces="0 0 0  0 -2 0  0 0 1"/>
 // </Node>
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "framework/mechanics/force_field.h"
@@ -30,16 +33,16 @@ class LinearForceField final : public ForceField, public LocalLoad {
   void declare(DataTable& table) override {
     ForceField::declare(table);
     table.add("points", points_).alias("indices").help("loaded nodes").required();
-    force_.declare(table, "forces", "force on each of points at each of keyTimes", "N");
-    table.find("keyTimes")->alias("times");
+    table.add("keyTimes", times_).alias("times").help("times, ascending").unit("s").required();
+    table.add("forces", forces_).help("force on each of points at each of keyTimes").unit("N").required();
     for (const char* drawing : {"arrowSizeCoef", "showArrowSize"}) table.addVisualOnly(drawing);
   }
 
   void init() override {
     ForceField::init();
     nodes_ = checkedNodesInOrder(points_, state(), "points");
-    force_.check();
-    now_ = force_.at(node().root().root_time);
+    findKeys();
+    setTime(node().root().root_time);
   }
 
   ForceTraits traits() const override {
@@ -47,19 +50,24 @@ class LinearForceField final : public ForceField, public LocalLoad {
     traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
     traits.has_stiffness = false;
     traits.time_dependent = true;
+    if (state().hasFrames()) traits.conservative = false;
     return traits;
   }
-  void setTime(double t) override { now_ = force_.at(t); }
+  void setTime(double t) override {
+    for (std::size_t k = 0; k < keys_.size(); ++k) now_[k] = keys_[k].at(t);
+  }
   double energy(ConstRows x) const override {
     double sum = 0;
-    for (const Index node : nodes_) sum -= now_.dot(x[state().firstRow() + node]);
+    forEachRow([&](Index row, std::size_t k) {
+      if (state().kindOf(row - state().firstRow()) != RowKind::turn) sum -= now_[k].dot(x[row]);
+    });
     return sum;
   }
   void addForce(ConstRows, ConstRows, Rows f) override {
-    for (const Index node : nodes_) f[state().firstRow() + node] += now_;
+    forEachRow([&](Index row, std::size_t k) { f[row] += now_[k]; });
   }
   void addLoadedRows(std::vector<Index>& rows) const override {
-    for (const Index node : nodes_) rows.push_back(state().firstRow() + node);
+    forEachRow([&](Index row, std::size_t) { rows.push_back(row); });
   }
   // K = 0
   void addStiffnessProduct(ConstRows, double, Rows) const override {}
@@ -67,11 +75,38 @@ class LinearForceField final : public ForceField, public LocalLoad {
   void addStiffness(double, BlockMatrix&) const override {}
   void addStiffnessDiagonal(double, std::vector<double>&) const override {}
 
+ protected:
+  bool takesAllRows() const override { return true; }
+
  private:
+  /// Of each loaded node: the row of the system, and which of the node's rows it is.
+  template <class Visit>
+  void forEachRow(const Visit& visit) const {
+    const Index rows = Index(keys_.size());
+    for (const Index node : nodes_)
+      for (Index k = 0; k < rows; ++k) visit(state().firstRow() + node * rows + k, std::size_t(k));
+  }
+
+  /// For each row of a node, a vector of which a number has x.
+  void findKeys() {
+    const std::size_t rows = std::size_t(state().rows_per_node), each = state().kindOf(0) == RowKind::value ? 1 : 3, width = each * rows;
+    if (forces_.size() % width != 0)
+      throw ComponentError(fmt::format("forces has {} numbers", forces_.size()), fmt::format("{} for each time", width));
+    keys_.assign(rows, {}), now_.assign(rows, Vec3::Zero());
+    for (std::size_t k = 0; k < rows; ++k) {
+      std::vector<Vec3> values;
+      for (const double* at = forces_.data() + each * k; at < forces_.data() + forces_.size(); at += width)
+        values.push_back(each == 1 ? Vec3(at[0], 0, 0) : Vec3(at[0], at[1], at[2]));
+      keys_[k].assign(times_, std::move(values), "keyTimes", "forces");
+      keys_[k].check();
+    }
+  }
+
   std::vector<int> points_;
-  KeyTimes<Vec3> force_;
+  std::vector<double> times_, forces_;  ///< as written
+  std::vector<KeyTimes<Vec3>> keys_;    ///< shape (rows of a node)
   std::vector<Index> nodes_;
-  Vec3 now_ = Vec3::Zero();  ///< [N]
+  std::vector<Vec3> now_;  ///< [N], shape (rows of a node)
 };
 
 }  // namespace

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """States in SOFA's dialect, how many nodes they have and where they start; and what SOFA creates and leaves idle. Usage:
 test_dialect_states.py STROMA [WORD]."""
+import numpy as np
+
 from dialect import BODY, EXACT, Run, agree, case, differ, fallen, main, node, root
 
 MESH = '<MeshTopology position="1 2 3  4 5 6  7 8 9" edges="0 1  1 2"/>'
@@ -59,6 +61,22 @@ def what_has_nothing_to_do_does_nothing():
     springs.says("has no mesh that gives springs: it does nothing")
     frame = '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass totalMass="1"/><FrameSpringForceField/>'
     agree(Run(root(EXACT + frame), 5).x("dofs", 7)[0, 1], fallen(5))
+
+
+@case
+def forces_over_time_act_on_frames_and_numbers():
+    """Linear from 0 to 2 N over 0.1 s, taken where a step starts, as in SOFA: v_n = h sum_k 20 k h/m, k < n."""
+    h, steps, push = 0.01, 5, '<LinearForceField indices="0" times="0 0.1" forces="{}"/>'
+    v = np.cumsum([20 * h * k * h for k in range(steps)])
+    x = h * v.sum()
+    frame = ('<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1"/><UniformMass vertexMass="2 1 [1 0 0,0 1 0,0 0 2]"/>'
+             + push.format("0 0 0 0 0 0  0 2 0 0 0 2"))
+    found = Run(node(EXACT + frame), steps).x("dofs", 7)[0]
+    agree(found[:3], [0, x / 2, 0])
+    agree(2 * np.arcsin(found[5]), x / 4)  # the inertia is that of the file times the mass
+    numbers = Run(node(EXACT + '<MechanicalObject name="dofs" template="Vec1" position="0 1"/><UniformMass totalMass="2"/>' + push.format("0 2")), steps)
+    agree(numbers.x("dofs", 1)[:, 0], [x, 1])
+    Run(node(EXACT + BODY + push.format("0 0 0  1 0")), 1).fails(2, "forces has 5 numbers", "3 for each time")
 
 
 @case

@@ -60,6 +60,96 @@ def test_cells_have_the_order_of_sofa():
     assert mesh.getEdge(2) == [0, 3] and mesh.getEdgesInTetrahedron(1) == [3, 1 - 1, 6, 1, 7, 8]
 
 
+BLOCK = [[x, y, z] for z in range(3) for y in range(3) for x in range(3)]
+
+
+def cells_of_block():
+    """Six tetrahedra in each of eight cubes, all about one diagonal."""
+    corners = [(0, 1, 3, 7), (0, 3, 2, 7), (0, 2, 6, 7), (0, 6, 4, 7), (0, 4, 5, 7), (0, 5, 1, 7)]
+    return [[9 * (k + (c >> 2)) + 3 * (j + (c >> 1 & 1)) + i + (c & 1) for c in cell]
+            for k in range(2) for j in range(2) for i in range(2) for cell in corners]
+
+
+def block(cells, **state):
+    root = Sofa.Core.Node("root")
+    root.gravity = [0, -10, 0]
+    body = root.addChild("body")
+    body.addObject("EulerImplicitSolver")
+    body.addObject("SparseLDLSolver")
+    body.addObject("TetrahedronSetTopologyContainer", name="mesh", position=BLOCK, tetrahedra=cells, createTriangleArray=True)
+    body.addObject("TetrahedronSetTopologyModifier", name="modifier")
+    body.addObject("MechanicalObject", name="dofs", rest_position=BLOCK, **state)
+    body.addObject("UniformMass", totalMass=27)
+    body.addObject("FixedProjectiveConstraint", indices=list(range(9)))
+    body.addObject("TetrahedronFEMForceField", youngModulus=1e4, poissonRatio=0.3, method="polar")
+    surface = body.addChild("surface")
+    surface.addObject("TriangleSetTopologyContainer", name="mesh")
+    surface.addObject("Tetra2TriangleTopologicalMapping", input="@../mesh", output="@mesh")
+    return root
+
+
+def test_cells_go_by_a_modifier():
+    """The run goes on as that of the scene without them does from there; numbers that are free are taken by the last."""
+    cells = cells_of_block()
+    root = block(cells)
+    Sofa.Simulation.init(root)
+    animate(root, 3)
+    body = root.body
+    x, v, faces = (np.array(data.value) for data in (body.dofs.position, body.dofs.velocity, body.surface.mesh.triangles))
+    body.modifier.removeTetrahedra([45, 2, 40], True)
+    kept = list(cells)
+    for each in (45, 40, 2):
+        kept[each] = kept[-1]
+        kept.pop()
+    assert body.mesh.tetrahedra.value.tolist() == kept and body.mesh.getNbTetrahedra() == 45
+    animate(root, 4)
+    other = block(kept, position=x, velocity=v)
+    Sofa.Simulation.init(other)
+    animate(other, 4)
+    assert np.allclose(body.dofs.position.value, other.body.dofs.position.value, atol=1e-12, rtol=0)
+    assert body.surface.mesh.triangles.value.tolist() == other.body.surface.mesh.triangles.value.tolist() != faces.tolist()
+    whole = block(cells, position=x, velocity=v)
+    Sofa.Simulation.init(whole)
+    animate(whole, 4)
+    assert np.abs(body.dofs.position.value - whole.body.dofs.position.value).max() > 1e-5
+
+
+def test_cells_come_by_a_modifier():
+    cells = cells_of_block()
+    root = block(cells[:-1])
+    root.body.modifier.addTetrahedra([cells[-1]])
+    assert root.body.mesh.tetrahedra.value.tolist() == cells
+    Sofa.Simulation.init(root)
+    root.body.modifier.removeItems([0])
+    root.body.modifier.addTetrahedra([cells[0]])
+    animate(root, 1)
+    assert root.body.mesh.tetrahedra.value.tolist() == [cells[-1], *cells[1:-1], cells[0]]
+
+
+def test_what_a_modifier_cannot_is_told():
+    root = block(cells_of_block())
+    modifier = root.body.modifier
+    with pytest.raises(IndexError, match="there are 48 tetrahedra, and 48 is none"):
+        modifier.removeTetrahedra([48])
+    with pytest.raises(ValueError, match="point 0 would lose its last cell"):
+        modifier.removeTetrahedra(list(range(12)))
+    with pytest.raises(IndexError, match="names node 27 of 27"):
+        modifier.addTetrahedra([[0, 1, 2, 27]])
+    with pytest.raises(AttributeError, match="points do not come or go by a scene in Python"):
+        modifier.addPoints(2)
+    alone = Sofa.Core.Node("root").addObject("TriangleSetTopologyModifier")
+    with pytest.raises(RuntimeError, match="there is no container beside it"):
+        alone.removeTriangles([0])
+
+
+def test_sides_go_with_their_cells():
+    root = Sofa.Core.Node("root")
+    mesh = root.addObject("TetrahedronSetTopologyContainer", name="mesh", position=[*TETRAHEDRON, [1, 1, 1]],
+                          tetrahedra=[[0, 1, 2, 3], [1, 2, 3, 4], [0, 1, 2, 4], [0, 1, 3, 4]], triangles=[[1, 2, 3], [2, 3, 4], [0, 1, 2]], edges=[[2, 3]])
+    root.addObject("TetrahedronSetTopologyModifier", name="modifier").removeTetrahedra([1])
+    assert mesh.triangles.value.tolist() == [[1, 2, 3], [0, 1, 2]] and mesh.edges.value.tolist() == [[2, 3]]
+
+
 def pressed_ball(response):
     root = Sofa.Core.Node("root")
     root.dt, root.gravity = 0.01, [0, -10, 0]

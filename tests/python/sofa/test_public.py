@@ -36,7 +36,7 @@ def test_all_that_is_missing_is_one_message(name, folder):
 
 def test_a_call_that_is_missing_names_the_line(folder):
     done = run("run", SCENES / "topology_cut.py", "-n", 10, "--no-record", folder=folder)
-    assert done.returncode == 3 and re.search(r"topology_cut.py:\d+: .*removeTetrahedra", done.stderr), done.stderr
+    assert done.returncode == 3 and re.search(r"topology_cut.py:\d+: .*points do not come or go", done.stderr), done.stderr
 
 
 def test_instruments_that_are_drawn_back_have_a_matrix_with_a_solution(folder):

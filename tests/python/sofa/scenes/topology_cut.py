@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A controller that removes tetrahedra by the modifier of the topology, where it has the call."""
+"""A controller that removes points by the modifier of the topology, where it has the call."""
 import Sofa
 
 
@@ -10,7 +10,7 @@ class Cut(Sofa.Core.Controller):
 
     def onAnimateBeginEvent(self, event):
         if self.getContext().getRoot().time.value > 0.02:
-            self.modifier.removeTetrahedra([0, 1], True)
+            self.modifier.removePoints([0, 1], True)
 
 
 def createScene(root):

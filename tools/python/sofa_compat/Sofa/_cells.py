@@ -11,7 +11,18 @@ _SIDES = {"tetrahedra": [(1, 2, 3), (0, 3, 2), (1, 3, 0), (0, 2, 1)],
 #: lists that are made where they are empty: of which cells, the next of them where there are none of the first
 _FROM = {"edges": (_EDGES, ("tetrahedra", "hexahedra"), ("triangles", "quads")), "triangles": (_SIDES, ("tetrahedra",)),
          "quads": (_SIDES, ("hexahedra",))}
-_NODES = {"edges": 2, "triangles": 3, "quads": 4, "tetrahedra": 4, "hexahedra": 8}
+NODES = {"edges": 2, "triangles": 3, "quads": 4, "tetrahedra": 4, "hexahedra": 8}
+
+
+def parts_of(name):
+    """The lists of what a kind of cells has for sides and edges."""
+    return [part for part in ("triangles", "quads", "edges") if any(name in kinds for kinds in _FROM[part][1:])]
+
+
+def keys_of(name, rows, part):
+    """The sides or edges of cells, each as its nodes in ascending order."""
+    table = _FROM[part][0][name]
+    return {tuple(sorted(row[k] for k in nodes)) for row in rows.tolist() for nodes in table}
 
 
 def are_made(name):
@@ -21,18 +32,18 @@ def are_made(name):
 def cells(topology, name):
     """One row of nodes for each."""
     data = topology.findData(name)
-    return np.reshape([] if data is None else np.asarray(data.value), (-1, _NODES[name])).astype(np.int32)
+    return np.reshape([] if data is None else np.asarray(data.value), (-1, NODES[name])).astype(np.int32)
 
 
 def made(topology, name):
     """Each once, in the order of the cells. Edges and triangles begin with their lowest node."""
     table, *dimensions = _FROM[name]
     for kinds in dimensions:
-        parts = [np.stack([rows[:, part] for part in table[kind]], axis=1).reshape(-1, _NODES[name])
+        parts = [np.stack([rows[:, part] for part in table[kind]], axis=1).reshape(-1, NODES[name])
                  for kind in kinds for rows in [cells(topology, kind)] if len(rows)]
         if parts:
             return _from_lowest(name, _each_once(np.concatenate(parts)))
-    return np.zeros((0, _NODES[name]), np.int32)
+    return np.zeros((0, NODES[name]), np.int32)
 
 
 def _each_once(parts):

@@ -75,6 +75,7 @@ class Engine:
     def _take(self, simulation, mirror):
         self.sim, self.mirror, self._drawing = simulation, mirror, None
         self._components, self._attributes, self._states, self._rest = {}, {}, {}, {}
+        self._waiting = set()  # data, by id, that have a value which the next simulation takes
         for key, thing in mirror.things.items():
             if not isinstance(thing, Object):
                 continue
@@ -93,7 +94,7 @@ class Engine:
         if id(thing) in self._asleep and data._s_name in ("position", "velocity"):
             return True
         component = self._components.get(id(thing))
-        if component is None:
+        if component is None or id(data) in self._waiting:
             return False
         if id(thing) in self._states and data._s_name in _STATE:
             return True
@@ -171,6 +172,7 @@ class Engine:
         thing._s_changed()
         takes_another = self._has_put_aside(thing, data) or thing._s_facts.find(data._s_name).change == "restart"
         if takes_another or isinstance(value, Data) or _values.is_link_text(value):
+            self._waiting.add(id(data))
             return self.edited(f"{thing._s_place()}.{data._s_name}")
         try:
             self._set(thing, data, value)
@@ -186,6 +188,7 @@ class Engine:
         try:
             self._components[id(thing)].set(data._s_name, _plain(value))
         except stroma.LoadNeeded:
+            self._waiting.add(id(thing.findData(data._s_name)))
             self.edited(f"{thing._s_place()}.{data._s_name}")
 
     @staticmethod

@@ -552,5 +552,8 @@ def _frozen(value):
 def _class_of(word):
     """The class of Python for a type."""
     from ._contacts import ContactListener
+    from ._modifier import Modifier
 
+    if word.endswith("SetTopologyModifier"):
+        return Modifier
     return ContactListener if word == "ContactListener" else Object
