@@ -198,7 +198,7 @@ def test_events_in_their_order(capsys):
     animate(root, 2)
     assert ear.calls == ["begin", "collided", "integrate", "end"] * 2
     told = capsys.readouterr().err
-    for name in ("onBuildConstraintSystemEndEvent", "onScriptEvent"):
+    for name in ("onHapticDeviceEvent", "onScriptEvent"):
         assert told.count(f"{name}() is not called") == 1
     assert "onKeypressedEvent" not in told and "onEvent()" not in told
 

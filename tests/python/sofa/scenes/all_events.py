@@ -37,8 +37,8 @@ class EmptyController(Sofa.Core.Controller):
     def onScriptEvent(self, event):
         print("script", event)
 
-    def onBuildConstraintSystemEndEvent(self, event):
-        print("built")
+    def onHapticDeviceEvent(self, event):
+        print("felt")
 
 
 def createScene(root):
