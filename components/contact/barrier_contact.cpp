@@ -145,7 +145,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   std::vector<Vec3> way_, forces_, forces_before_;
   std::vector<double> bend_;
   Vec3 goal_ = Vec3::Zero(), moved_first_ = Vec3::Zero();  ///< where obstacles are to come; had come with bodies at the start
-  double fastest_ = 0;  ///< a hand leads obstacles in explicit steps [m/s]
+  double fastest_ = 0, share_change_ = 0;  ///< a hand leads obstacles in explicit steps [m/s]; of forces, by the last round of shares
   Vec3 arrived_ = Vec3::Zero();  ///< the offset that obstacles have come to last
   bool is_in_step_ = false, is_explicit_ = false;  ///< steps solve nothing: forces are those where parts of them start
   double from_ = 0, to_ = 0, duration_ = 0;  ///< times of the step; its length, or that of a part of an explicit one [s]
@@ -317,10 +317,7 @@ bool BarrierContact::movesOn(ConstRows x) {
     law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
     return ++obstacle_rounds_, waits_ = true;
   }
-  if (friction_.isEased()) {
-    friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_);
-    return shares_.solveBegins(), true;
-  }
+  if (friction_.isEased()) return friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_), shares_.solveBegins(), true;
   law_.copyShares(solved_shares_);
   const bool others = sharesChange(), goes_on = frictionGoesOn(), held = friction_.release();
   solved_slides_ = friction_.slides;
@@ -337,11 +334,14 @@ void BarrierContact::goAlong(double s) {
   law_.moved = s < 1 ? Vec3(law_.moved + way) : goal_, friction_.looksAgain();
 }
 
-/// Shares that stayed in the solve, against those of where it has ended.
+/// Shares that stayed in the solve, against those of where it has ended. Where a round gains nothing, others would but swing.
 bool BarrierContact::sharesChange() {
-  constexpr double settled = 1e-2, most_rounds = 10;
-  return !law_.isOutOfReach(x_) && law_.changeByWeighing(x_, friction_.acts(), forces_before_, forces_) > settled &&
-         ++share_rounds_ < most_rounds;
+  constexpr double settled = 1e-2, most_rounds = 10, gains = 0.9;
+  if (law_.isOutOfReach(x_)) return false;
+  const double change = law_.changeByWeighing(x_, friction_.acts(), forces_before_, forces_);
+  const bool goes_on = share_rounds_ == 0 || change < gains * share_change_;
+  share_change_ = change;
+  return change > settled && goes_on && ++share_rounds_ < most_rounds;
 }
 
 /// Friction with the forces and shares that have been found now, against that of the solve before. What was held says nothing of slip.
