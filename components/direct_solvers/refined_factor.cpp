@@ -19,6 +19,11 @@ constexpr double residual_left = 1e-11, error_left = 1e-11;
 /// numbers take time too, of an application for each number, and of a product for each block.
 double secondsInSingle(const CholeskyFactor& of) { return of.flops() / 115e9 + 2.3e-9 * of.entries(); }
 double secondsInDouble(const CholeskyFactor& of) { return of.flops() / 40e9 + 8e-9 * of.entries(); }
+/// Of an application as a preconditioner: from the caches, or from memory where there are 25 MB of numbers. In nine bodies.
+double secondsRoughly(double entries) {
+  const double megabytes = 4e-6 * entries;
+  return 1e-9 * entries * (0.33 + 0.4 * std::clamp((megabytes - 10) / 15, 0.0, 1.0));
+}
 constexpr double application_single = 0.65e-9, application_double = 1.3e-9, product_block = 3e-9;
 
 /// Where `error` is left after k iterations, they would have to become twice as fast to end in `most`.
@@ -248,7 +253,7 @@ void RefinedFactor::applyRoughly(ConstRows b, Rows x) {
 
 Factorisation::Cost RefinedFactor::cost() const {
   if (!uses_single_) return in_double_.cost();
-  return {secondsInSingle(*this), application_single * entries()};
+  return {secondsInSingle(*this), secondsRoughly(entries())};
 }
 
 std::unique_ptr<CholeskyFactor> CholeskyFactor::make(FactorPrecision precision, std::shared_ptr<FactorRecord> record) {

@@ -18,7 +18,7 @@ constexpr double direct_applications = 2;                    // of these by a di
 constexpr double in_double = 3;                              // factorisations that it makes of what is solved with often
 constexpr int most_served = 100;                             // matrices
 constexpr double to_open_factors = 1e7;                      // ns: a module and its libraries
-constexpr double new_memory = 6;                             // ns: for a number of the first factors
+constexpr double new_memory = 5.5;                           // ns: for a number of the first factors
 
 }  // namespace
 
@@ -79,16 +79,12 @@ double AutomaticInverse::direct() const {
 /// Of the matrices after the first one, a solve's share.
 double AutomaticInverse::turning(Way way) const {
   if (now_.matrices < 2 || isConstant() || way == Way::block_jacobi || way == Way::direct) return 0;
-  return turnedOnce(way) / perMatrix();
+  return IterationCosts::turns(rows_, blocks()) / perMatrix();
 }
 
 /// The first step of integrators that look back two steps has a matrix of its own.
 bool AutomaticInverse::isConstant() const {
   return is_constant_ ? now_.matrices <= 2 : now_.matrices == 1 && now_.solves > 1;
-}
-
-double AutomaticInverse::turnedOnce(Way way) const {
-  return way == Way::multigrid ? IterationCosts::turnHierarchy(blocks()) : IterationCosts::turnFactors(blocks());
 }
 
 /// Of hierarchies that were made anew, and of what was done with the former ones in vain, a solve's share.
@@ -124,6 +120,15 @@ double AutomaticInverse::solve(Way way) const {
   if (way == Way::direct) return direct() + factors;
   if (now_.factor_solves > 0) return now_.with_factors / now_.factor_solves;
   return solveByFormer(each, factors) + turning(way);
+}
+
+/// By factors of each matrix. Where those take many iterations too, what multiplies is not what was factored (terms that are not
+/// assembled, a matrix that is not symmetric), and former ones serve as well.
+double AutomaticInverse::solveByOwn() const {
+  constexpr double most_own_rate = 1;
+  if (now_.way != Way::factors || perMatrix() >= several) return solve(Way::direct);
+  if (now_.fresh_rate > most_own_rate) return std::numeric_limits<double>::infinity();
+  return factorisation() / perMatrix() + std::max(1.0, now_.fresh_rate * decades()) * iteration(Way::factors);
 }
 
 /// From below: a body of few tetrahedra has a third of the numbers of the laws.

@@ -36,12 +36,12 @@ void AutomaticInverse::solved(const SolveReport& report) {
   if (report.iterations == 0 || !report.usable() || by_blocks_) return;
   if (now_.way != Way::block_jacobi) now_.refusals = 0;
   SolveReport part = report;
-  part.relative_residual = std::max(report.relative_residual, 1e-16) / start_;
-  start_ = std::max(report.relative_residual, 1e-16);
-  const double gained = std::max(leaves_ ? 0.25 : 0.5, -std::log10(part.relative_residual));
-  const double rate = (isDirect() ? 0 : report.iterations) / gained * (leaves_ ? 0.7 : 1);
-  if (double& mean = now_.rates[at(now_.way)]; !renews_)
-    mean = mean == 0 ? rate : leaves_ ? std::max(mean, rate) : mean + (rate - mean) / 4;
+  const double from = std::exchange(start_, std::max(report.relative_residual, 1e-16));
+  part.relative_residual = start_ / from;
+  const double wanted = -std::log10(target_ / from), reached = -std::log10(part.relative_residual);
+  const double gained = leaves_ ? std::max(0.25, reached) : std::clamp(reached, 0.5, std::max(0.5, wanted));
+  if (!renews_) noteRate(isDirect() ? 0 : report.iterations, gained);
+  if (now_.way == Way::factors && (factored_ || report.factored)) now_.fresh_rate = report.iterations / gained;
   if (now_.way == Way::multigrid) multigrid_.solved(part), ++(renews_ ? now_.renewals : now_.multigrid_solves);
   if (renews_)  // what more than a hierarchy that is not aged would have taken
     now_.wasted += std::max(0.0, report.iterations - now_.rates[at(now_.way)] * gained) * iteration(now_.way);
@@ -53,6 +53,21 @@ void AutomaticInverse::solved(const SolveReport& report) {
   const double cost = (isDirect() ? direct() : report.iterations * iteration(now_.way)) + turning(now_.way);
   if (now_.way == Way::factors && report.stop == SolveStop::iteration_limit) return void(now_.given_up += cost);
   judge(cost + std::exchange(now_.given_up, 0));
+}
+
+/// Loose solves take more iterations for a decade than those that go on: the mean is that of iterations over that of decades.
+void AutomaticInverse::noteRate(double iterations, double gained) {
+  constexpr double of_slow_start = 0.7;
+  double& rate = now_.rates[at(now_.way)];
+  double& spent = now_.spent[at(now_.way)];
+  double& decades = now_.gained[at(now_.way)];
+  if (rate == 0 || leaves_) {
+    rate = std::max(rate, iterations / gained * (leaves_ ? of_slow_start : 1));
+    decades = gained, spent = rate * gained;
+    return;
+  }
+  spent += (iterations - spent) / 4, decades += (gained - decades) / 4;
+  rate = spent / decades;
 }
 
 /// What the next solve should take.
@@ -67,15 +82,17 @@ void AutomaticInverse::judge(double cost) {
     now_.has_new_pattern = false;
     if (way == Way::factors) now_.with_factors += cost, ++now_.factor_solves;
     if (is_first) return;
-    const double gain = solve(way) - worth_changing * solve(Way::direct);
+    const double gain = solve(way) - worth_changing * solveByOwn();
+    const bool was_at_once = now_.at_once;
     if (way == Way::factors && now_.factor_solves >= enough_solves && !isConstant() && gain > 0) takeFactorsOfEach(gain);
-    if (now_.next != way) return;
+    if (now_.next != way || now_.at_once != was_at_once) return;
   }
   const Way other = bestOfOthers();
-  now_.lost = std::max(0.0, now_.lost + cost - solve(other));
+  const double other_cost = other == Way::direct ? solveByOwn() : solve(other);
+  now_.lost = std::max(0.0, now_.lost + cost - other_cost);
   const double to_lose = other == Way::block_jacobi ? setup(way) : setup(other);
-  if (now_.lost <= to_lose) return;
-  if (other == Way::direct) return takeFactorsOfEach(solve(way) - solve(other));
+  if (now_.lost <= to_lose || solve(way) <= other_cost) return;
+  if (other == Way::direct) return takeFactorsOfEach(solve(way) - other_cost);
   if (now_.changes >= most_changes) return;
   now_.next = other;
   now_.may_factor = now_.may_factor && (!isFactored(way) || isFactored(other));
@@ -83,14 +100,13 @@ void AutomaticInverse::judge(double cost) {
 
 /// Where several solves share a matrix the direct solver saves more than it takes to make room for its numbers.
 void AutomaticInverse::takeFactorsOfEach(double gain) {
-  constexpr double several = 2;
-  if (perMatrix() < several) return void(now_.at_once = true);
+  if (perMatrix() < several) return void((now_.at_once = true, now_.lost = 0));
   if (now_.changes < most_changes && gain * horizon() > setup(Way::direct)) now_.next = Way::direct;
 }
 
 /// Of the ways that are known, and of factors of each matrix where there are former ones.
 AutomaticInverse::Way AutomaticInverse::bestOfOthers() const {
-  const auto cost = [this](Way way) { return solve(way) * horizon() + setup(way); };
+  const auto cost = [this](Way way) { return (way == Way::direct ? solveByOwn() : solve(way)) * horizon() + setup(way); };
   Way best = Way::block_jacobi;
   if (!isFactored(now_.way)) return best;
   if (now_.rates[at(Way::multigrid)] > 0 && cost(Way::multigrid) < cost(best)) best = Way::multigrid;

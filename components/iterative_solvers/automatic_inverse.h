@@ -80,6 +80,8 @@ class AutomaticInverse final : public ApproximateInverse {
   static constexpr int most_changes = 4;
   /// A change has to gain this much, as estimates are no better; by drifts more.
   static constexpr double worth_changing = 1.15, worth_by_drifts = 1.25;
+  /// Solves that share a matrix: a direct solver is made for them.
+  static constexpr double several = 2;
   /// In a row. An iteration of Newton's method tries up to nine matrices until one is definite.
   static constexpr int most_refusals = 20;
 
@@ -88,11 +90,13 @@ class AutomaticInverse final : public ApproximateInverse {
     Way way = Way::block_jacobi, next = Way::block_jacobi;  ///< from the next matrix or solve on
     int changes = 0;
     double lost = 0;                   ///< what the present way cost more than another would have [ns]
-    std::array<double, ways> rates{};  ///< iterations for a decade of the residual, a moving mean; 0: not known
+    std::array<double, ways> rates{};  ///< iterations for a decade of the residual; 0: not known
+    std::array<double, ways> spent{}, gained{};  ///< of a solve: iterations and decades, moving means
     double decades = 0;                ///< that a solve gains, a moving mean
     double with_factors = 0;           ///< of all solves by factors, with factorisations [ns]
     int factor_solves = 0;             ///< these
     int factored_solves = 0;           ///< with those by the direct solver
+    double fresh_rate = 0;             ///< iterations for a decade by factors of the very matrix
     double given_up = 0;               ///< on a solve by former factors that new ones end [ns]
     double product = 0;                ///< by the force fields [ns]; 0: not known
     int multigrid_solves = 0;
@@ -126,10 +130,10 @@ class AutomaticInverse final : public ApproximateInverse {
   double renewing() const;
   double cycle() const;
   bool isConstant() const;
-  double turnedOnce(Way way) const;
   double direct() const;
   double blocks() const { return now_.blocks > 0 ? double(now_.blocks) : IterationCosts::usual_blocks * rows_; }
   double solve(Way way) const;
+  double solveByOwn() const;
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
   double perMatrix() const { return double(now_.solves) / std::max(1, now_.matrices); }
   double horizon() const;
@@ -145,6 +149,7 @@ class AutomaticInverse final : public ApproximateInverse {
   WarpedFactor& factors();
   bool canFactor();
   bool refuse(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  void noteRate(double iterations, double gained);
   void judge(double cost);
   void takeFactorsOfEach(double gain);
   Way bestOfOthers() const;

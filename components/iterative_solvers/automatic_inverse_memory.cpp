@@ -12,12 +12,15 @@ void AutomaticInverse::Memory::serialize(Archive& archive) {
   archive.value("auto_changes", changes);
   archive.value("auto_lost", lost);
   archive.rows("auto_rates", rates.data(), rates.size());
+  archive.rows("auto_spent", spent.data(), spent.size());
+  archive.rows("auto_gained", gained.data(), gained.size());
   archive.value("auto_decades", decades);
   archive.value("auto_with_factors", with_factors);
   archive.value("auto_factor_solves", factor_solves);
   archive.value("auto_factored_solves", factored_solves);
   archive.value("auto_multigrid_solves", multigrid_solves);
   archive.value("auto_renewals", renewals);
+  archive.value("auto_fresh_rate", fresh_rate);
   archive.value("auto_given_up", given_up);
   archive.value("auto_product", product);
   former.serialize(archive);

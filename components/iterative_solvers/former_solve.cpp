@@ -85,7 +85,10 @@ void FormerSolve::serialize(Archive& archive) {
   archive.rows("former_positions", kept_->positions);
 }
 
-double ratePerDecade(double drift) { return 1 / -std::log10(std::max(1e-12, 2 * drift / (1 + 12 * drift))); }
+double ratePerDecade(double drift) {
+  const double wide = std::sqrt(1 + drift), of_spectrum = (wide - 1) / (wide + 1);
+  return 1 / -std::log10(std::clamp(drift < 1 ? 2 * drift / (1 + 12 * drift) : of_spectrum, 1e-12, 1 - 1e-6));
+}
 
 void Drifts::note(int age_now, double drift) {
   if (drift < 0) return;

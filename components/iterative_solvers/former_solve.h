@@ -36,7 +36,8 @@ class FormerSolve {
 };
 
 /// Iterations for a decade of the residual that factors take after such a drift, fitted to d from 0.001 to 1 in 14 bodies: the
-/// residual falls by 2 d / (1 + 12 d) in each, in most of them by half to twice that.
+/// residual falls by 2 d / (1 + 12 d) in each, in most of them by half to twice that. Beyond, eigenvalues are taken to lie between
+/// 1 and 1 + d, and the bound of conjugate gradients for these.
 double ratePerDecade(double drift);
 
 /// What is known of drifts: the largest of one matrix on, and of `age` matrices.

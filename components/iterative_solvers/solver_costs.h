@@ -47,29 +47,28 @@ FactorCosts factorCosts(Index rows, const FactorCounts& counts, bool in_single =
 bool factorsFit(double entries);
 
 /// Nanoseconds of what multigrid and conjugate gradients take, for a matrix of so many blocks. A V-cycle reads the finest blocks
-/// four times in 40 bytes; what goes with the rows is vectors, what leads to the next level and the levels below. Of 13 blocks of
-/// tetrahedra and hexahedra with 729 to 34,969 nodes on a machine that did nothing else, and of seven more beside other work: the
-/// means of both, new memory included.
+/// four times in 40 bytes; what goes with the rows is vectors, what leads to the next level and the levels below. Processor time of
+/// each part in 18 bodies of 729 to 9,633 nodes (tetrahedra, hexahedra, quadratic ones, a membrane) beside other work, new memory
+/// included.
 struct IterationCosts {
   static constexpr double vectors = 20, usual_product = 20;  ///< for a row
   static constexpr double usual_blocks = 13;                 ///< in a row, where no pattern is known: of tetrahedra
-  /// Each node with what surrounds it, for each matrix.
-  static double turnHierarchy(double blocks) { return 16 * blocks; }
-  static double turnFactors(double blocks) { return 55 * blocks; }
+  /// Of former factors, or of a hierarchy: each node with what surrounds it, for each matrix.
+  static double turns(double rows, double blocks) { return 140 * rows + 4 * blocks; }
   /// Times as much where the hierarchy needs patches: two to three times the iterations, each 1.4 to 3 times as dear.
   static constexpr double with_patches = 4;
   /// Less where the levels fit into the caches.
   static double cycle(double rows, double blocks) {
     const double megabytes = 50e-6 * blocks;
-    return (5.8 * blocks + 111 * rows) * (0.75 + 0.25 * std::clamp((megabytes - 3) / 6, 0.0, 1.0));
+    return (4.9 * blocks + 93 * rows) * (0.75 + 0.25 * std::clamp((megabytes - 3) / 6, 0.0, 1.0));
   }
   /// Where the finest level goes by products of so many nanoseconds.
   static double cycleByProducts(double rows, double product, bool is_turned) { return 7 * product + (is_turned ? 85 : 60) * rows; }
-  static double hierarchy(double rows, double blocks) { return 150 * blocks + 3500 * rows; }
+  static double hierarchy(double rows, double blocks) { return 110 * blocks + 1200 * rows; }
   static double assembly(double rows) { return 600 * rows; }
-  /// Of a direct solver, with the analysis and its new memory. More than is measured: with the true cost factors are taken too often.
+  /// Of a direct solver, with the analysis.
   static double order(double blocks, const FactorCounts& counts) {
-    return 5e6 + (isDissected(blocks, counts) ? 450 : 200) * blocks + 10 * counts.entries;
+    return 5e5 + (isDissected(blocks, counts) ? 430 : 80) * blocks;
   }
   static double pattern(double rows, double blocks) { return 2500 * rows + 150 * blocks; }
 };

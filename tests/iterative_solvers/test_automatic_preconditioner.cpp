@@ -97,17 +97,17 @@ struct Counts {
         counts(dissected(blocks, countFactors(body.matrix.values))), factors(factorCosts(body.matrix.rows(), counts)) {}
   double jacobi(int iterations) const { return iterations * iteration; }
   double cycles(double iterations) const {
-    return iterations * (iteration + IterationCosts::cycle(rows, blocks)) + IterationCosts::turnHierarchy(blocks);
+    return iterations * (iteration + IterationCosts::cycle(rows, blocks)) + IterationCosts::turns(rows, blocks);
   }
   /// Of hexahedra.
   double multigrid() const { return cycles(1.25 + 1.2 * 8); }
   /// Where they never age.
   double bestByFactors() const {
     const double each = iteration + factors.application;
-    return std::ceil(8 * ratePerDecade(factors.is_single ? 5e-4 : 1e-5)) * each + iteration + IterationCosts::turnFactors(blocks);
+    return std::ceil(8 * ratePerDecade(factors.is_single ? 5e-4 : 1e-5)) * each + iteration + IterationCosts::turns(rows, blocks);
   }
   double hierarchy() const { return IterationCosts::hierarchy(rows, blocks) + IterationCosts::assembly(rows); }
-  double beforeFactors() const { return IterationCosts::order(blocks, counts) + factors.factor + 6 * factors.entries + 1e7; }
+  double beforeFactors() const { return IterationCosts::order(blocks, counts) + factors.factor + 5.5 * factors.entries + 1e7; }
   double rows, blocks, iteration;
   FactorCounts counts;
   FactorCosts factors;
@@ -135,7 +135,7 @@ TEST(AutomaticPreconditioner, ManyIterationsOfACompactBodyBringMultigrid) {
 /// there have been, and 8 more.
 TEST(AutomaticPreconditioner, FactorsAreTakenOnceTheyWouldPay) {
   Cube cube(0.02, 6);
-  cube.matrix.product_nanoseconds = 35. * cube.matrix.rows();
+  cube.matrix.product_nanoseconds = 10. * cube.matrix.rows();
   const Counts counts(cube, cube.matrix.product_nanoseconds);
   SolverWhereMatricesVary solver("<PCGLinearSolver/>"), named("<PCGLinearSolver preconditioner='block_jacobi'/>");
   const int iterations = cube.solve(named);
@@ -154,7 +154,7 @@ TEST(AutomaticPreconditioner, FactorsAreTakenOnceTheyWouldPay) {
 /// The same body, stiffer above and then below by turns: nothing is factored to see that factors would not serve.
 TEST(AutomaticPreconditioner, FactorsThatWouldNotServeAreNotTried) {
   Cube cube(0.02, 6);
-  cube.matrix.product_nanoseconds = 35. * cube.matrix.rows();
+  cube.matrix.product_nanoseconds = 10. * cube.matrix.rows();
   SolverWhereMatricesVary solver("<PCGLinearSolver/>"), same("<PCGLinearSolver/>");
   for (int step = 0; step < 90; ++step) cube.solve(same);
   EXPECT_TRUE(says(choiceOf(same), "by factors of former")) << choiceOf(same);

@@ -135,7 +135,7 @@ def measure(scene, asked, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--set", choices=("standing", "fresh", "late", "held", "unseen", "kinds", "mixed", "all"), default="all")
+    parser.add_argument("--set", choices=("standing", "fresh", "late", "held", "unseen", "kinds", "mixed", "further", "all"), default="all")
     parser.add_argument("--only", default="", metavar="NAME,NAME")
     parser.add_argument("--grid", default="", metavar="NAME;NAME", help="of the named solvers these alone: " + "; ".join(GRID))
     parser.add_argument("--rounds", type=int, default=3)
