@@ -9,6 +9,7 @@
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
+#include "framework/mechanics/shares_forces.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
@@ -185,6 +186,29 @@ void Multipliers::couple() {
   }
 }
 
+/// Where the search of a correction begins.
+void Multipliers::expectForces() {
+  const std::size_t count = rows_.rows().size();
+  solve_.l.setZero(Eigen::Index(count)), solve_.contradiction = 0;
+  yields_.clear();
+  std::size_t begin = 0;
+  const auto& constraints = system_->actors().lagrangian_constraints;
+  for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++]) {
+    const auto* shares = dynamic_cast<const SharesForces*>(constraints[i]);
+    if (!shares) continue;
+    yields_.resize(count, 0);
+    shares->expectForces({solve_.l.data() + begin, ends_[i] - begin}, {yields_.data() + begin, ends_[i] - begin});
+  }
+  if (std::ranges::none_of(yields_, [](double each) { return each > 0; })) yields_.clear();
+}
+
+void Multipliers::findForces(StopToken stop) {
+  solve_.enough = 0;
+  if (!yields_.empty() && redundant_.find({rows_.rows(), live_, solve_.w, solve_.g, solve_.sizes, yields_, allowed_}, solve_.l, stop))
+    solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
+  solve_.solve(rows_.rows(), stop, allowed_);
+}
+
 void Multipliers::give() {
   std::size_t begin = 0;
   const auto& constraints = system_->actors().lagrangian_constraints;
@@ -261,7 +285,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (report.stopped) return;
     findConditions();
     if (rows_.rows().empty() && !carries_) break;
-    if (round == 0) solve_.l.setZero(solve_.g.size()), solve_.contradiction = 0;
+    if (round == 0) expectForces();
     // what mapped points follow turns
     if (round == 0 || !s.mappingChain().isLinear() || !rows_.hasGradientsOf(old_rows_)) {
       if (!carries_) takeDirections();
@@ -272,7 +296,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     leaveOutForces();
     const double little = far_less * leastTolerance(false);
     last_forces_ = solve_.l;
-    solve_.solve(rows_.rows(), stop, allowed_);
+    findForces(stop);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     sumResponses();

@@ -26,7 +26,8 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   for (const Group& group : groups_)
     size_ = std::max(size_, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
   unsettled_ = none, least_ = q_;
-  restart(q_), newton(), note();
+  restart(q_), note();
+  if (unsettled_ > 1.5 * enough) newton(), note();
   if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
   const auto search = [&](auto way) {
     const double before = std::exchange(unsettled_, none);

@@ -35,6 +35,7 @@ class ConditionForces {
   };
 
   long searches = 0, steps = 0, rounds = 0;  ///< of all solve(): calls, Newton steps, rounds of the interior-point method
+  double enough = 0;          ///< of unsettled(): nothing better is searched for where l begins with no more
   double contradiction = 0;   ///< twice what a search has left; nothing is searched for below it. 0 where a step starts
   Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
   Eigen::VectorXd g;          ///< the conditions without forces, shape (rows); solve() adds forces that are given
