@@ -9,13 +9,6 @@ namespace stroma {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-namespace {
-
-constexpr double none = std::numeric_limits<double>::infinity();
-constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;  // of the largest condition without forces
-
-}  // namespace
-
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
   const auto& [rows, live, w, g, sizes, yields, allowed] = problem;
   const auto count = Eigen::Index(live.size());

@@ -18,6 +18,7 @@
 // and once more for what that leaves with W itself, which is not quite symmetric where directions turn in a step.
 #pragma once
 #include <Eigen/Dense>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -57,6 +58,8 @@ class RedundantForces {
   };
   struct Blocks;
   struct Inside;
+  static constexpr double none = std::numeric_limits<double>::infinity();
+  static constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;  ///< of the largest condition without forces
 
   bool scaleRows(const Problem& problem, const Eigen::VectorXd& l);
   void findYields(const Problem& problem);

@@ -12,17 +12,16 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::infinity();
-
-double squareOf(const auto& x) {
+double squareIn(const auto& x) {
   const double along = x.tail(x.size() - 1).norm();
   return (x[0] - along) * (x[0] + along);
 }
 
 /// The part of the way d from x at which it leaves the cone.
 double wayInside(const auto& x, const auto& d) {
+  constexpr double none = std::numeric_limits<double>::infinity();
   const auto n = x.size() - 1;
-  const double a = squareOf(d), b = x[0] * d[0] - x.tail(n).dot(d.tail(n)), c = squareOf(x), root = b * b - a * c;
+  const double a = squareIn(d), b = x[0] * d[0] - x.tail(n).dot(d.tail(n)), c = squareIn(x), root = b * b - a * c;
   const double way = d[0] < 0 ? -x[0] / d[0] : none;
   if (!(root >= 0) || !(b < 0 || a < 0)) return way;
   const double touch = b < 0 ? c / (std::sqrt(root) - b) : -(b + std::sqrt(root)) / a;
@@ -46,7 +45,7 @@ VectorXd correction(const VectorXd& w, double e, const VectorXd& x, const Vector
   const VectorXd l = t * x, a = t * dx, b = reflection(1 / std::sqrt(e), v) * dz;
   VectorXd c = a[0] * b + b[0] * a, d = c;
   c[0] = a.dot(b);
-  d[0] = (l[0] * c[0] - l.tail(n).dot(c.tail(n))) / squareOf(l);
+  d[0] = (l[0] * c[0] - l.tail(n).dot(c.tail(n))) / squareIn(l);
   d.tail(n) = (c.tail(n) - d[0] * l.tail(n)) / l[0];
   return t * d;
 }
@@ -90,7 +89,7 @@ struct RedundantForces::Inside {
     for (const Group& cone : cones) {
       const Eigen::Index at = cone.first, n = cone.tangents();
       const VectorXd p = x.segment(at, n + 1), s = z.segment(at, n + 1);
-      const double xx = squareOf(p), zz = squareOf(s);
+      const double xx = squareIn(p), zz = squareIn(s);
       if (!(xx > 0 && zz > 0)) return false;
       const double length = std::sqrt(s.tail(n).squaredNorm() + (n > 0 ? smooth * nu * nu / (p[0] * p[0] + nu) : 0));
       if (way >= short_way && n > 0) turn.segment(at + 1, n) = s.tail(n) / length;
