@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <tuple>
 
 #include "components/contact/kept_gaps.h"
 
@@ -13,7 +13,7 @@ namespace stroma::contact {
 
 namespace {
 
-constexpr double flat = 0.02;  // rad
+constexpr double flat = 0.3;  // rad
 
 /// Twice the area, outward.
 Vec3 areaOf(const std::array<int, 3>& t, const std::vector<Vec3>& x) {
@@ -115,7 +115,8 @@ bool FlushFaces::add(KeptGap& gap, const Surfaces& s, const std::vector<Vec3>& x
 
 /// Along the direction of two faces. False: what it is of is not above each other, or in no way a corner.
 bool FlushFaces::place(KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together) const {
-  constexpr double parallel = 1e-6;
+  if (gap.flush_at_start == KeptGap::Flush::corner) together *= 2;  // it stays one for the step
+  constexpr double parallel = 1e-6, steep = 0.1;
   const bool crosses = gap.pair->kind == PairKind::edge_edge;
   const bool is_forth = isOn(meeting.a, gap.v[0]) && (!crosses || isOn(meeting.a, gap.v[1]));
   const int own = is_forth ? meeting.a : meeting.b, other = is_forth ? meeting.b : meeting.a;
@@ -144,6 +145,8 @@ bool FlushFaces::place(KeptGap& gap, const Meeting& meeting, const std::vector<V
   }
   if (!is_inside) return false;
   gap.c = c, gap.n = n;
+  const double across = std::abs(size) / (p.norm() * q.norm());
+  gap.upright = crosses && across < steep ? 1 : std::abs(size) / up.norm();
   return true;
 }
 
@@ -161,10 +164,12 @@ void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, do
       if (!place(gap, meeting, x, together)) continue;
       gap.flush = KeptGap::Flush::corner, meeting.overlaps = true;
       Vec3 middle = Vec3::Zero();  // of the two sides
+      double apart = 0;
       const bool crosses = gap.pair->kind == PairKind::edge_edge;
       for (std::size_t k = 0; k < 4; ++k)
         middle += (k == 0 || (crosses && k == 1) ? 0.5 : -0.5) * gap.c[k] * x[std::size_t(gap.v[k])];
-      places_.push_back({number, crosses, middle, i});
+      for (std::size_t k = 0; k < 4; ++k) apart += gap.upright * gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])]);
+      places_.push_back({number, crosses, middle, apart, i});
     }
   }
   for (KeptGap& gap : gaps)
@@ -177,13 +182,21 @@ void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, do
 
 /// One of those that are together counts, of a vertex before one of rims.
 void FlushFaces::joinNear(std::vector<KeptGap>& gaps, double together) {
+  constexpr double alike = 0.025;  // apart, of how far they are along the faces
   const auto alongX = [](const Place& p, const Place& q) { return p.meeting != q.meeting ? p.meeting < q.meeting : p.x.x() < q.x.x(); };
   std::stable_sort(places_.begin(), places_.end(), alongX);
   for (auto first = places_.begin(); first != places_.end(); ++first)
     for (auto last = first + 1; last != places_.end() && last->meeting == first->meeting; ++last) {
-      if (last->x.x() - first->x.x() > 2 * together || gaps[first->gap].flush == KeptGap::Flush::beside) break;
-      if (gaps[last->gap].flush == KeptGap::Flush::beside || (last->x - first->x).norm() > 2 * together) continue;
-      const bool keeps_first = std::pair(first->crosses, first->gap) < std::pair(last->crosses, last->gap);
+      if (last->x.x() - first->x.x() > 4 * together || gaps[first->gap].flush == KeptGap::Flush::beside) break;
+      KeptGap &one = gaps[first->gap], &other = gaps[last->gap];
+      if (other.flush == KeptGap::Flush::beside) continue;
+      // what is one where the step starts stays one for it
+      const double far = one.flush_at_start == other.flush_at_start ? 2 * together : 4 * together;
+      if ((last->x - first->x).norm() > far || std::abs(last->apart - first->apart) > alike * far) continue;
+      const auto rank = [](const KeptGap& gap, const Place& place) {
+        return std::tuple(gap.flush_at_start != KeptGap::Flush::corner, place.crosses, place.gap);
+      };
+      const bool keeps_first = rank(one, *first) < rank(other, *last);
       gaps[keeps_first ? last->gap : first->gap].flush = KeptGap::Flush::beside;
     }
 }

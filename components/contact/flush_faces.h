@@ -3,7 +3,8 @@
 // both rims, and their direction turns by the slide over the gap: a slide of a micrometre below a gap of a millimetre is a
 // thousandth of a radian. Conditions then have directions of their own and contradict each other. So two such faces have one
 // direction, with m outward on each,
-//   n = (m_b - m_a) / |m_b - m_a|,   x_a - x_b = d n
+//   n = (m_b - m_a) / |m_b - m_a|,   x_a - x_b = d n / (n . m)
+// where m is the direction of their distance d: of a vertex the other face's, of two rims what is across both,
 // and contacts at the corners of what they have in common, seen along n: vertices of one over the other, and rims that cross.
 // These carry every force and moment that a pressure between the two faces can have. What is beside has no condition as long as
 // there is one of these; beyond that, closest points tell, as on a rim that is rounded by the gap.
@@ -41,6 +42,7 @@ class FlushFaces {
     int meeting;
     bool crosses;
     Vec3 x;
+    double apart;
     std::size_t gap;
   };
   Vec3 outward(int face, const std::vector<Vec3>& x) const;

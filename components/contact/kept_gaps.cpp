@@ -174,6 +174,7 @@ bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double w
 void KeptGaps::addPairs(const BarrierLaw& law, const ExpectedWays& ways) {
   for (const Candidate& pair : law.candidates.pairs()) add({.pair = &pair, .v = pair.v}, law, ways);
   lookAtFlush(law, start_);
+  for (KeptGap& gap : all_) gap.flush_at_start = gap.flush;
   addPlanes(law, start_);
 }
 
@@ -229,7 +230,7 @@ void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
     if (gap.flush == KeptGap::Flush::corner) {
       double apart = 0;
       for (std::size_t k = 1; k < 4; ++k) apart += gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])] - x[std::size_t(gap.v[0])]);
-      gap.gap = apart - gap.pair->radius - law.thickness - law.range;
+      gap.gap = gap.upright * apart - gap.pair->radius - law.thickness - law.range;
       gap.turnTangent();
       gap.acts = gap.acts || gap.gap < rounding * law.range;
     } else if (gap.flush == KeptGap::Flush::beside) {

@@ -37,7 +37,8 @@ struct KeptGap {
   double free = 1;       ///< the part of the straight way to there that touches nothing
   bool tells = false;    ///< c, n and gap are those of the closest points, or of the first touch
   /// Of faces that lie flat on each other: at a corner of what they have in common; beside it, so that others tell.
-  enum class Flush : unsigned char { no, corner, beside } flush = Flush::no;
+  enum class Flush : unsigned char { no, corner, beside } flush = Flush::no, flush_at_start = Flush::no;
+  double upright = 1;    ///< of such a corner: distance over length along n
   bool acts = false;     ///< the gap has been below zero in this step
   bool counts = false;   ///< it acts, and no other one stands for it
 

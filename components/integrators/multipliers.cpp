@@ -176,8 +176,11 @@ void Multipliers::couple() {
   solve_.w.resize(count, count);
   own_.assign(rows.size(), 0);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const ConstRows along = system_->mappingChain().direction(responses_[live_[std::size_t(i)]]);
-    for (Eigen::Index j = 0; j < count; ++j) {
+    const Vector& response = responses_[live_[std::size_t(i)]];
+    for (Eigen::Index j = 0; j < count && keepsDirections(); ++j)
+      solve_.w(j, i) = rule_.weight * rule_.displacement * dot(directions_[live_[std::size_t(j)]], response);
+    const ConstRows along = system_->mappingChain().direction(response);
+    for (Eigen::Index j = 0; j < count && !keepsDirections(); ++j) {
       double sum = 0;
       for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
       solve_.w(j, i) = rule_.weight * rule_.displacement * sum;
@@ -258,6 +261,10 @@ bool Multipliers::answerCarried(LinearSolver& solver, SystemMatrix& matrix, Cons
 void Multipliers::leaveOutForces() {
   copy(whole_, before_);
   if (carries_) axpy(1, base_, before_);
+  if (keepsDirections()) {
+    for (const std::size_t row : live_) solve_.g[Eigen::Index(row)] -= rule_.displacement * dot(directions_[row], before_);
+    return;
+  }
   const ConstRows along = system_->mappingChain().direction(before_);
   for (Eigen::Index i = 0; i < solve_.g.size(); ++i)
     for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))

@@ -85,6 +85,8 @@ class Multipliers {
   void findConditions();
   double likeRowBefore(std::size_t row) const;
   bool isIdle(std::size_t row) const;
+  /// Where rows say the same W has to be symmetric: its conditions are those along the directions of forces, too.
+  bool keepsDirections() const { return carries_ && !yields_.empty(); }
   bool isOnce() const { return rule_.once && !carries_; }
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }

@@ -66,25 +66,13 @@ class ConditionForces {
   };
   using Square = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-  void scaleRows(const std::vector<Row>& rows);
-  void findGroups(const std::vector<Row>& rows);
-  void restart(const Eigen::VectorXd& q);
-  void change(int row, double to);
-  void findWanted(const Group& group);
-  double offAt(const Group& group) const;
-  double offAlong(const Group& group);
-  double residual();
-  void note();
+  void scaleRows(const std::vector<Row>& rows), findGroups(const std::vector<Row>& rows);
+  void restart(const Eigen::VectorXd& q), change(int row, double to), findWanted(const Group& group);
+  double offAt(const Group& group) const, offAlong(const Group& group), residual();
   bool isOver() const { return stop_.isStopAsked(); }
-  bool isLittle();
-  void newton();
-  void settle();
-  void searchInside(const Eigen::VectorXd* slides = nullptr);
-  void searchWithSlides();
-  bool newtonStep();
-  void findActive();
+  void note(), newton(), settle(), searchInside(const Eigen::VectorXd* slides = nullptr), searchWithSlides(), findActive();
   Square linearise();
-  bool eliminate(Square a);
+  bool isLittle(), newtonStep(), eliminate(Square a);
 
   std::vector<Group> groups_;
   std::vector<std::size_t> live_;  ///< rows whose force is not given as zero; all below are of these alone

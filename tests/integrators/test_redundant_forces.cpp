@@ -16,7 +16,7 @@ struct Plate {
   LagrangianRows rows;
   Eigen::MatrixXd w;
   Eigen::VectorXd g, l;
-  std::vector<double> sizes;
+  std::vector<double> sizes, yields;
   std::vector<std::size_t> live;
 
   Plate(int each, double mu, double push) {
@@ -32,11 +32,14 @@ struct Plate {
       }
     w = j * j.transpose();
     g = j * (Eigen::VectorXd(6) << push, 0, -10, 0, 0, 0).finished();
-    l.setZero(n), sizes.assign(std::size_t(n), 1);
+    l.setZero(n), sizes.assign(std::size_t(n), 1), yields = sizes;
     for (Eigen::Index i = 0; i < n; ++i) {
       rows.begin(i % 3 == 0 ? Kind::push : Kind::rub, g[i], i % 3 == 0 ? 0 : mu);
       live.push_back(std::size_t(i));
     }
+  }
+  bool find(RedundantForces& forces, const std::vector<LagrangianRows::Row>& of) {
+    return forces.find({of, live, w, g, sizes, yields, {}}, l, {});
   }
 };
 
@@ -44,7 +47,7 @@ TEST(RedundantForces, HoldAPlateOnManyPoints) {
   for (const double push : {2.0, 4.0}) {  // less and more than mu m g
     Plate plate(8, 0.3, push);
     RedundantForces forces;
-    ASSERT_TRUE(forces.find(plate.rows.rows(), plate.live, plate.w, plate.g, plate.sizes, plate.l, {}));
+    ASSERT_TRUE(plate.find(forces, plate.rows.rows()));
     EXPECT_EQ(forces.contradiction(), 0);
     const Eigen::VectorXd r = plate.g + plate.w * plate.l;
     double weight = 0, friction = 0;
@@ -60,6 +63,29 @@ TEST(RedundantForces, HoldAPlateOnManyPoints) {
   }
 }
 
+/// At rest an even layer carries the weight: its pressure is the same everywhere, whatever W says of the ways of a point.
+TEST(RedundantForces, AreThoseOfAnEvenLayer) {
+  Plate plate(6, 0.3, 0);
+  for (std::size_t i = 0; i < plate.yields.size(); ++i) plate.yields[i] = i / 3 % 2 == 0 ? 1 : 2;  // 1 over the area
+  RedundantForces forces;
+  ASSERT_TRUE(plate.find(forces, plate.rows.rows()));
+  EXPECT_LE(forces.unsettled(), 1e-11);
+  for (Eigen::Index i = 0; i < plate.l.size(); i += 3)
+    EXPECT_NEAR(plate.l[i] * plate.yields[std::size_t(i)], 10. / (18 + 9), 1e-2) << i;
+}
+
+/// Forces that hold are those of the next step: nothing is searched for.
+TEST(RedundantForces, BeginFromThoseBefore) {
+  Plate plate(6, 0.3, 2);
+  RedundantForces forces;
+  ASSERT_TRUE(plate.find(forces, plate.rows.rows()));
+  const Eigen::VectorXd before = plate.l;
+  forces.steps = forces.rounds = 0;
+  ASSERT_TRUE(plate.find(forces, plate.rows.rows()));
+  EXPECT_EQ(forces.steps + forces.rounds, 0);
+  EXPECT_LE((plate.l - before).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 /// Gaps that no motion closes together: their contradiction is told, and what is left of them is not larger.
 TEST(RedundantForces, TellWhatContradicts) {
   Plate plate(5, 0, 0);
@@ -67,7 +93,7 @@ TEST(RedundantForces, TellWhatContradicts) {
   for (Eigen::Index i = 0; i < plate.g.size(); ++i) rows.begin(Kind::equal, plate.g[i], 0);
   plate.g[0] += 1e-7;
   RedundantForces forces;
-  ASSERT_TRUE(forces.find(rows.rows(), plate.live, plate.w, plate.g, plate.sizes, plate.l, {}));
+  ASSERT_TRUE(plate.find(forces, rows.rows()));
   EXPECT_GT(forces.contradiction(), 1e-9);
   EXPECT_LT(forces.contradiction(), 4e-7);
   EXPECT_LT((plate.g + plate.w * plate.l).cwiseAbs().maxCoeff(), 2e-7);
@@ -79,7 +105,7 @@ TEST(RedundantForces, AreOfFewWaysToMove) {
   plate.w += Eigen::MatrixXd::Identity(12, 12);
   plate.l.setConstant(3);
   RedundantForces forces;
-  EXPECT_FALSE(forces.find(plate.rows.rows(), plate.live, plate.w, plate.g, plate.sizes, plate.l, {}));
+  EXPECT_FALSE(plate.find(forces, plate.rows.rows()));
   EXPECT_EQ(plate.l.minCoeff(), 3);
 }
 
