@@ -170,7 +170,7 @@ void RedundantForces::note(const VectorXd& q) {
 }
 
 /// The forces of a layer that yields, from q. False: they were not found.
-bool RedundantForces::layer(double size, VectorXd& q) { return newton(size, VectorXd::Zero(q.size()), q) <= rounded; }
+bool RedundantForces::layer(double size, VectorXd& q) { return newton(size, VectorXd::Zero(q.size()), q) <= near; }
 
 /// Proximal points from q, until the conditions hold.
 void RedundantForces::draw(const Problem& problem, double size, VectorXd q) {
@@ -198,7 +198,7 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
     for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
   }
   if (is_found) draw(problem, thin, q);
-  if (!(off_ < coarse)) return false;
+  if (!(off_ < coarse) && !isLittle(problem)) return false;
   if (off_ > near) contradiction_ = 2 * off_ * size_;
   for (std::size_t k = 0; k < problem.live.size(); ++k)
     l[Eigen::Index(problem.live[k])] = scale_[Eigen::Index(k)] * best_[Eigen::Index(k)];
