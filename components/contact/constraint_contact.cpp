@@ -325,7 +325,7 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
   is_clear_ = std::ranges::none_of(forces, [](double each) { return each > 0; });
   if (!is_clear_ || !was_clear) contact_forces_.assign(nodes, Vec3::Zero()), friction_forces_ = contact_forces_, wrenches_.begin();
   const std::size_t each = rowsOfEach();
-  kept_forces_.take(gaps_, forces, each);
+  kept_forces_.take(gaps_, law_.surfaces, forces, each);
   for (std::size_t i = 0; i < gaps_.all().size(); ++i) {
     const KeptGap& gap = gaps_.all()[i];
     smallest_gap_ = std::min(smallest_gap_, gap.gap + law_.range);

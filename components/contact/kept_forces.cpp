@@ -46,13 +46,12 @@ KeptForces::Name KeptForces::nameOf(const KeptGap& gap) {
   return {int(gap.pair->kind), gap.pair->first, gap.pair->second};
 }
 
-void KeptForces::take(const KeptGaps& gaps, std::span<const double> forces, std::size_t each) {
-  clear();
-  std::vector<std::size_t> pushed;
+void KeptForces::take(const KeptGaps& gaps, const Surfaces& surfaces, std::span<const double> forces, std::size_t each) {
+  clear(), pushed_.clear();
   for (std::size_t i = 0; i < gaps.all().size(); ++i)
-    if (forces[each * i] > 0) pushed.push_back(i);
-  std::ranges::sort(pushed, {}, [&](std::size_t i) { return nameOf(gaps.all()[i]); });
-  for (const std::size_t i : pushed) {
+    if (forces[each * i] > 0 && isRigid(gaps.all()[i], surfaces)) pushed_.push_back(i);
+  std::ranges::sort(pushed_, {}, [&](std::size_t i) { return nameOf(gaps.all()[i]); });
+  for (const std::size_t i : pushed_) {
     const KeptGap& gap = gaps.all()[i];
     const double* l = forces.data() + each * i;
     names_.push_back(nameOf(gap));

@@ -21,8 +21,8 @@ class KeptForces {
   /// After `surfaces` have been finished. `rigid`: of each body of them.
   void compile(const Surfaces& surfaces, std::vector<char> rigid);
   void clear() { names_.clear(), forces_.clear(); }
-  /// Of a step: `each` rows of a gap, its push and what rubs there.
-  void take(const KeptGaps& gaps, std::span<const double> forces, std::size_t each);
+  /// Of gaps between rigid bodies: `each` rows of a gap, its push and what rubs there.
+  void take(const KeptGaps& gaps, const Surfaces& surfaces, std::span<const double> forces, std::size_t each);
   /// Of gaps between rigid bodies: forces that are likely now, and what their rows yield by. Others are left as they are.
   void expect(const KeptGaps& gaps, const Surfaces& surfaces, const std::vector<Vec3>& x, std::size_t each, std::span<double> forces,
               std::span<double> yields) const;
@@ -40,6 +40,7 @@ class KeptForces {
   std::vector<std::array<double, 3>> shares_;  ///< of the corners of each triangle [m^2]
   std::vector<Name> names_;                    ///< sorted
   std::vector<Vec3> forces_;                   ///< of each name: on its first side [N]
+  std::vector<std::size_t> pushed_;            ///< work space
 };
 
 }  // namespace stroma::contact
