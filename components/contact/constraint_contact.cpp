@@ -45,11 +45,13 @@
 #include "components/contact/contact_bodies.h"
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_obstacles.h"
-#include "components/contact/kept_gaps.h"
+#include "components/contact/kept_forces.h"
+#include "components/contact/kept_rows.h"
 #include "components/contact/wrenches.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/open_choices.h"
+#include "framework/mechanics/shares_forces.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
@@ -64,8 +66,8 @@ using namespace contact;
 
 constexpr double of_edge = 0.125;  ///< as far as pairs are looked for at least
 
-class ConstraintContact final : public Component, public LagrangianConstraint, public HearsSteps, public DrawnObstacles,
-                                public OpenChoices {
+class ConstraintContact final : public Component, public LagrangianConstraint, public SharesForces, public HearsSteps,
+                                public DrawnObstacles, public OpenChoices {
  public:
   std::string roleText() const override { return "contact"; }
   void declare(DataTable& table) override;
@@ -78,6 +80,9 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void constrainedStepBegins(ConstRows x, double t_end) override;
   void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
   void takeForces(std::span<const double> forces) override;
+  void expectForces(std::span<double> forces, std::span<double> yields) const override {
+    kept_forces_.expect(gaps_, law_.surfaces, x_, rowsOfEach(), forces, yields);
+  }
   std::string choice() const override {
     return fmt::format("{}, which keep a gap of {:.4g} m{}", namesOf(law_, bodies_, self_), law_.range,
                        friction_ > 0 ? fmt::format(", friction {:g}", friction_) : "");
@@ -100,6 +105,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void startObstacles();
   void findWay(double dt);
   void expectWays(double dt, const Vec3& way);
+  std::size_t rowsOfEach() const { return friction_ > 0 ? 3 : 1; }
   double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
@@ -121,6 +127,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   std::vector<Vec3> start_, end_;  ///< of all vertices, where the step starts, and where the last one ended
   mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
   mutable KeptGaps gaps_;
+  KeptForces kept_forces_;
   ExpectedWays ways_;
   Vec3 moved_at_start_ = Vec3::Zero();
   Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come; at the end of the step
@@ -179,7 +186,8 @@ void ConstraintContact::build() {
   if (law_.range == 0) law_.range = partOfMeanEdge(law_.surfaces, small);
   law_.candidates.self_contact = self_;
   law_.compile();
-  gaps_.compile(law_, toleratedError());
+  const std::vector<char> rigid = areRigid(law_.surfaces, bodies_);
+  gaps_.compile(law_, toleratedError(), rigid), kept_forces_.compile(law_.surfaces, rigid);
   wrenches_.compile(law_, bodies_);
 }
 
@@ -300,41 +308,10 @@ void ConstraintContact::expectWays(double dt, const Vec3& way) {
   ways_.other = 2 * of_edge * s.meanEdge();
 }
 
-// Nodes with a weight of zero have a gradient too: the conditions read where they are.
 void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {
   law_.surfaces.gather(x, law_.moved, x_);
   gaps_.look(law_, x_);
-  const auto add = [&](const KeptGap& gap, const Vec3& along) {
-    for (std::size_t k = 0; k < 4; ++k)
-      if (gap.v[k] >= 0 && law_.surfaces.moves(gap.v[k])) rows.add(law_.surfaces.rows[std::size_t(gap.v[k])], gap.c[k] * along);
-  };
-  for (const KeptGap& gap : gaps_.all()) {
-    const auto kindOf = [&gap](LagrangianRows::Kind kind) { return gap.counts ? kind : LagrangianRows::Kind::given; };
-    rows.begin(kindOf(LagrangianRows::Kind::push), gap.gap);
-    add(gap, gap.n);
-    const KeptGap::Turns turns = gap.counts ? gap.turns(law_, x_) : KeptGap::Turns();
-    for (std::size_t t = 0; t < std::size_t(turns.count); ++t) {
-      rows.bend(gap.apart(law_));
-      for (std::size_t k = 0; k < 4; ++k)
-        if (gap.v[k] >= 0 && law_.surfaces.moves(gap.v[k]) && turns.of[t][k] != 0)
-          rows.addToBend(law_.surfaces.rows[std::size_t(gap.v[k])], turns.of[t][k] * gap.n);
-    }
-    if (friction_ == 0) continue;
-    const Vec3 slid = gaps_.slide(gap, law_, x_);
-    for (const Vec3& tangent : {gap.tangent, Vec3(gap.n.cross(gap.tangent))}) {
-      rows.begin(kindOf(LagrangianRows::Kind::rub), tangent.dot(slid), gap.counts ? friction_ : 0);
-      add(gap, tangent);
-    }
-  }
-  rows.begin(LagrangianRows::Kind::given, 0);  // a condensed body then knows where all of them are
-  for (const KeptGap& gap : gaps_.watched())
-    for (const int v : gap.v)
-      if (law_.surfaces.moves(v)) rows.add(law_.surfaces.rows[std::size_t(v)], Vec3::Zero());
-  const double unproved = gaps_.unproved() > 0 ? gaps_.unproved() + toleratedError() : 0;
-  rows.begin(LagrangianRows::Kind::push, -unproved);  // no force helps where it is below zero; its nodes are for messages
-  if (const Candidate* pair = gaps_.notFree())
-    for (const int v : pair->v)
-      if (law_.surfaces.moves(v)) rows.add(law_.surfaces.rows[std::size_t(v)], Vec3::Zero());
+  addRows(gaps_, law_, x_, friction_, toleratedError(), rows);
 }
 
 void ConstraintContact::takeForces(std::span<const double> forces) {
@@ -347,7 +324,8 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
   const bool was_clear = is_clear_ && contact_forces_.size() == nodes;
   is_clear_ = std::ranges::none_of(forces, [](double each) { return each > 0; });
   if (!is_clear_ || !was_clear) contact_forces_.assign(nodes, Vec3::Zero()), friction_forces_ = contact_forces_, wrenches_.begin();
-  const std::size_t each = friction_ > 0 ? 3 : 1;
+  const std::size_t each = rowsOfEach();
+  kept_forces_.take(gaps_, law_.surfaces, forces, each);
   for (std::size_t i = 0; i < gaps_.all().size(); ++i) {
     const KeptGap& gap = gaps_.all()[i];
     smallest_gap_ = std::min(smallest_gap_, gap.gap + law_.range);
@@ -368,7 +346,7 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
 
 void ConstraintContact::reset() {
   startObstacles();
-  start_.clear(), end_.clear(), gaps_.clear();
+  start_.clear(), end_.clear(), gaps_.clear(), kept_forces_.clear();
   forces_.clear(), contact_forces_.clear(), friction_forces_.clear(), wrenches_.begin();
   travel_ = way_ = smallest_gap_ = 0;
   contacts_ = 0;
@@ -387,7 +365,7 @@ void ConstraintContact::serialize(Archive& archive) {
   archive.list("forces", forces_);
   archive.list("contact_forces", contact_forces_);
   archive.list("friction_forces", friction_forces_);
-  wrenches_.serialize(archive);
+  wrenches_.serialize(archive), kept_forces_.serialize(archive);
   if (archive.isReading()) end_.clear(), is_clear_ = false;
 }
 

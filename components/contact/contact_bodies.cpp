@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/mapping.h"
 #include "framework/scene/node.h"
 
 namespace stroma::contact {
@@ -39,6 +40,19 @@ void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const To
     if (surfaces.faces.size() == before)
       throw ComponentError(fmt::format("the mesh of {} has no node", body->path()), "cells, edges or points");
   }
+}
+
+std::vector<char> areRigid(const Surfaces& surfaces, const std::vector<State*>& bodies) {
+  std::vector<Mapping*> mappings;
+  bodies.front()->node().root().collect(mappings);
+  std::vector<char> rigid;
+  for (const Surfaces::Body& body : surfaces.bodies()) {
+    const State* state = body.moves && body.vertices > 0 ? bodies[std::size_t(surfaces.bodyOf(body.first_vertex))] : nullptr;
+    rigid.push_back(!body.moves || std::ranges::any_of(mappings, [state](const Mapping* mapping) {
+      return &mapping->output() == state && mapping->inputs().size() == 1 && mapping->input().hasFrames() && mapping->input().nodes() == 1;
+    }));
+  }
+  return rigid;
 }
 
 double partOfMeanEdge(const Surfaces& surfaces, double part) {

@@ -18,6 +18,9 @@ void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const To
 /// The mesh that addSurfaces() takes of a body. Throws ComponentError where there is none.
 const Mesh& meshOfBody(const State& body, bool is_first, const TopologyLink& topology, const Component& asker);
 
+/// Of each body of the surfaces: it is an obstacle, or points of `bodies` that one rigid frame carries.
+std::vector<char> areRigid(const Surfaces& surfaces, const std::vector<State*>& bodies);
+
 /// What contactDistance is where it is not given. Throws ComponentError where bodies have no edge.
 double partOfMeanEdge(const Surfaces& surfaces, double part);
 

@@ -106,6 +106,10 @@ void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& from, const s
     }
     gap = apart - pair->radius - law.thickness - law.range;
   }
+  turnTangent();
+}
+
+void KeptGap::turnTangent() {
   tangent = across - n * n.dot(across);
   const double length = tangent.norm();
   tangent = length > 0 ? Vec3(tangent / length) : n.unitOrthogonal();
@@ -145,8 +149,9 @@ KeptGap::Turns KeptGap::turns(const BarrierLaw& law, const std::vector<Vec3>& x)
   return turns;
 }
 
-void KeptGaps::compile(const BarrierLaw& law, double tolerated) {
+void KeptGaps::compile(const BarrierLaw& law, double tolerated, const std::vector<char>& rigid) {
   tolerated_ = tolerated;
+  flush_.compile(law.surfaces, rigid);
   bodies_.clear();
   for (const Surfaces::Body& body : law.surfaces.bodies()) {
     bodies_.emplace_back();
@@ -160,7 +165,7 @@ bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double w
   copyPlaces(x, start_);
   moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr;
   if (!law.candidates.areFarther(x, law.candidates.reach + 2 * way)) law.candidates.find(x, way);
-  all_.clear(), watched_.clear();
+  all_.clear(), watched_.clear(), flush_.begin();
   if (!law.candidates.pairs().empty()) return true;
   addPlanes(law, x);
   return false;
@@ -168,6 +173,8 @@ bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double w
 
 void KeptGaps::addPairs(const BarrierLaw& law, const ExpectedWays& ways) {
   for (const Candidate& pair : law.candidates.pairs()) add({.pair = &pair, .v = pair.v}, law, ways);
+  lookAtFlush(law, start_);
+  for (KeptGap& gap : all_) gap.flush_at_start = gap.flush;
   addPlanes(law, start_);
 }
 
@@ -187,9 +194,10 @@ void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways)
     return mostAgainst(gap.pair->kind, law.candidates.pointsOf(*gap.pair, all));
   };
   const double most = 2 * std::max(against(ways.last), against(ways.straight)) + ways.other;
-  const bool has_condition =
-      gap.pair->pushes && gap.gap <= most && !isOfParallelEdges(*gap.pair, law.candidates.pointsOf(*gap.pair, start_));
-  gap.acts = has_condition && gap.gap < rounding * law.range && allowance(gap, law, start_, tolerated_) == 0;
+  gap.is_parallel = isOfParallelEdges(*gap.pair, law.candidates.pointsOf(*gap.pair, start_));
+  const bool comes = gap.pair->pushes && gap.gap <= most, may_be_flush = comes && flush_.add(gap, law.surfaces, start_);
+  const bool has_condition = comes && (may_be_flush || !gap.is_parallel);
+  gap.acts = has_condition && !gap.is_parallel && gap.gap < rounding * law.range && allowance(gap, law, start_, tolerated_) == 0;
   (has_condition ? all_ : watched_).push_back(gap);
 }
 
@@ -199,16 +207,36 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
   findFirstTouches(law, x);
   bool are_kept = true;
   for (KeptGap& gap : all_) {
-    const bool anew = tells(gap, law, x);
-    gap.look(law, start_, x, anew);
-    gap.acts = gap.acts || (anew && gap.gap < 0 && allowance(gap, law, x, tolerated_) == 0);
+    gap.tells = tells(gap, law, x);
+    gap.look(law, start_, x, gap.tells);
+  }
+  lookAtFlush(law, x);
+  for (KeptGap& gap : all_) {
+    if (gap.flush == KeptGap::Flush::no && !gap.is_parallel)
+      gap.acts = gap.acts || (gap.tells && gap.gap < 0 && allowance(gap, law, x, tolerated_) == 0);
     are_kept = are_kept && !(gap.acts && gap.gap < -tolerated_);
   }
   for (KeptGap& gap : all_) {  // over faces that are nearly flat only what is left when the others hold
-    const bool is_left = are_kept && !gap.acts && gap.gap < -tolerated_ && tells(gap, law, x);
+    const bool is_left = are_kept && !gap.acts && gap.gap < -tolerated_ && gap.tells && gap.flush == KeptGap::Flush::no && !gap.is_parallel;
     gap.counts = gap.acts = gap.acts || (is_left && gap.gap < -allowance(gap, law, x, tolerated_));
   }
   ignoreDoubles();
+}
+
+void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
+  constexpr double together = 0.01, rounding = 1e-3;  // of the gap to keep
+  flush_.look(all_, x, together * law.range);
+  for (KeptGap& gap : all_) {
+    if (gap.flush == KeptGap::Flush::corner) {
+      double apart = 0;
+      for (std::size_t k = 1; k < 4; ++k) apart += gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])] - x[std::size_t(gap.v[0])]);
+      gap.gap = gap.upright * apart - gap.pair->radius - law.thickness - law.range;
+      gap.turnTangent();
+      gap.acts = gap.acts || gap.gap < rounding * law.range;
+    } else if (gap.flush == KeptGap::Flush::beside) {
+      gap.acts = false;
+    }
+  }
 }
 
 void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x) {

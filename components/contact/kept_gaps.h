@@ -12,11 +12,12 @@
 // bend it is nearly so, and their condition is made only where the others hold and leave a smaller gap than is tolerated.
 // Nearly parallel edges have none, because their distance has no one direction; the ways of all of them are looked at.
 // A condition is made when its pair first comes nearer than the gap that is kept, and lasts for the step. Of pairs with the same
-// closest points one counts.
+// closest points one counts. Faces of rigid bodies that lie flat on each other have one direction (flush_faces.h).
 #pragma once
 #include <compare>
 
 #include "components/contact/contact_terms.h"
+#include "components/contact/flush_faces.h"
 
 namespace stroma::contact {
 
@@ -27,11 +28,17 @@ struct KeptGap {
   std::array<int, 4> v{-1, -1, -1, -1};
   Vec3 across = Vec3::Zero();  ///< unit, along the surface where the step starts
   double start = 0;            ///< gap there, without contactDistance [m]
+  std::array<int, 3> meetings{-1, -1, -1};  ///< of FlushFaces, that it may be of
+  bool is_parallel = false;                 ///< of edges that have a condition only at a corner of such faces
   // where conditions were last looked at
   std::array<double, 4> c{};
   Vec3 n = Vec3::Zero(), tangent = Vec3::Zero();
   double gap = 0;        ///< less contactDistance [m]
   double free = 1;       ///< the part of the straight way to there that touches nothing
+  bool tells = false;    ///< c, n and gap are those of the closest points, or of the first touch
+  /// Of faces that lie flat on each other: at a corner of what they have in common; beside it, so that others tell.
+  enum class Flush : unsigned char { no, corner, beside } flush = Flush::no, flush_at_start = Flush::no;
+  double upright = 1;    ///< of such a corner: distance over length along n
   bool acts = false;     ///< the gap has been below zero in this step
   bool counts = false;   ///< it acts, and no other one stands for it
 
@@ -41,6 +48,8 @@ struct KeptGap {
   void findFreeWay(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x);
   /// Where it has come to at x from where it was. Without `anew`, by the directions that there are.
   void look(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x, bool anew);
+  /// As n has turned.
+  void turnTangent();
   /// How n turns with the places: by -apart() b (b . dx) along them, b = sum of[i] n, with the coefficients of at most two b.
   struct Turns {
     int count = 0;
@@ -60,8 +69,8 @@ struct ExpectedWays {
 
 class KeptGaps {
  public:
-  /// After `surfaces` of the law have been finished. Gaps may be off by `tolerated` [m].
-  void compile(const BarrierLaw& law, double tolerated);
+  /// After `surfaces` of the law have been finished. Gaps may be off by `tolerated` [m]. `rigid`: of each body.
+  void compile(const BarrierLaw& law, double tolerated, const std::vector<char>& rigid);
   /// A step starts at x. Pairs are looked for up to twice `way`. True: there are some, and addPairs() is to follow.
   bool begin(const BarrierLaw& law, const std::vector<Vec3>& x, double way);
   /// Those that may come near have conditions.
@@ -82,6 +91,7 @@ class KeptGaps {
  private:
   void addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x);
   void add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways);
+  void lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x);
   void ignoreDoubles();
   bool isWithin(const BarrierLaw& law, const std::vector<Vec3>& x);
   double beyond(const BarrierLaw& law, const std::vector<Vec3>& x);
@@ -105,6 +115,7 @@ class KeptGaps {
   Vec3 moved_at_start_ = Vec3::Zero();
   std::vector<double> first_;  ///< of each vertex, the part of its way to its first touch; above 1: none
   std::vector<Key> keys_;
+  FlushFaces flush_;
   double way_ = 0, unproved_ = 0, tolerated_ = 0;
   const Candidate* not_free_ = nullptr;
 };

@@ -9,6 +9,7 @@
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
+#include "framework/mechanics/shares_forces.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
@@ -188,14 +189,40 @@ void Multipliers::couple() {
   solve_.w.resize(count, count);
   own_.assign(rows.size(), 0);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const ConstRows along = system_->mappingChain().direction(responses_[live_[std::size_t(i)]]);
-    for (Eigen::Index j = 0; j < count; ++j) {
+    const Vector& response = responses_[live_[std::size_t(i)]];
+    for (Eigen::Index j = 0; j < count && keepsDirections(); ++j)
+      solve_.w(j, i) = rule_.weight * rule_.displacement * dot(directions_[live_[std::size_t(j)]], response);
+    const ConstRows along = system_->mappingChain().direction(response);
+    for (Eigen::Index j = 0; j < count && !keepsDirections(); ++j) {
       double sum = 0;
       for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
       solve_.w(j, i) = rule_.weight * rule_.displacement * sum;
     }
     own_[live_[std::size_t(i)]] = solve_.w(i, i);
   }
+}
+
+/// Where the search of a correction begins.
+void Multipliers::expectForces() {
+  const std::size_t count = rows_.rows().size();
+  solve_.l.setZero(Eigen::Index(count)), solve_.contradiction = 0;
+  yields_.clear();
+  std::size_t begin = 0;
+  const auto& constraints = system_->actors().lagrangian_constraints;
+  for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++]) {
+    const auto* shares = dynamic_cast<const SharesForces*>(constraints[i]);
+    if (!shares) continue;
+    yields_.resize(count, 0);
+    shares->expectForces({solve_.l.data() + begin, ends_[i] - begin}, {yields_.data() + begin, ends_[i] - begin});
+  }
+  if (std::ranges::none_of(yields_, [](double each) { return each > 0; })) yields_.clear();
+}
+
+void Multipliers::findForces(StopToken stop) {
+  solve_.enough = 0;
+  if (!yields_.empty() && redundant_.find({rows_.rows(), live_, solve_.w, solve_.g, solve_.sizes, yields_, allowed_}, solve_.l, stop))
+    solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
+  solve_.solve(rows_.rows(), stop, allowed_);
 }
 
 void Multipliers::give() {
@@ -249,6 +276,10 @@ bool Multipliers::answerCarried(LinearSolver& solver, SystemMatrix& matrix, Cons
 void Multipliers::leaveOutForces() {
   copy(whole_, before_);
   if (carries_) axpy(1, base_, before_);
+  if (keepsDirections()) {
+    for (const std::size_t row : live_) solve_.g[Eigen::Index(row)] -= rule_.displacement * dot(directions_[row], before_);
+    return;
+  }
   const ConstRows along = system_->mappingChain().direction(before_);
   for (Eigen::Index i = 0; i < solve_.g.size(); ++i)
     for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
@@ -276,7 +307,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (report.stopped) return;
     findConditions();
     if (rows_.rows().empty() && !carries_) break;
-    if (round == 0) solve_.l.setZero(solve_.g.size()), solve_.contradiction = 0;
+    if (round == 0) expectForces();
     // what mapped points follow turns
     if (round == 0 || !s.mappingChain().isLinear() || !rows_.hasGradientsOf(old_rows_)) {
       if (!carries_) takeDirections();
@@ -287,7 +318,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     leaveOutForces();
     const double little = far_less * leastTolerance(false);
     last_forces_ = solve_.l;
-    solve_.solve(rows_.rows(), stop, allowed_);
+    findForces(stop);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     sumResponses();

@@ -26,6 +26,7 @@
 #include <string>
 #include <vector>
 
+#include "components/integrators/redundant_forces.h"
 #include "framework/algebra/mixing.h"
 #include "framework/mechanics/condition_forces.h"
 #include "framework/simulation/system.h"
@@ -91,6 +92,8 @@ class Multipliers {
   void findConditions();
   double likeRowBefore(std::size_t row) const;
   bool isIdle(std::size_t row) const;
+  /// Where rows say the same W has to be symmetric: its conditions are those along the directions of forces, too.
+  bool keepsDirections() const { return carries_ && !yields_.empty(); }
   bool isOnce() const { return rule_.once && !carries_; }
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
@@ -103,6 +106,8 @@ class Multipliers {
   void pullBack(std::span<const LagrangianRows::Entry> entries, Rows out);
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
+  void expectForces();
+  void findForces(StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
   void leaveOutForces();
   void sumResponses();
@@ -120,6 +125,8 @@ class Multipliers {
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
   ConditionForces solve_;                  ///< W, g and l
+  RedundantForces redundant_;              ///< where its search begins, of rows that yield
+  std::vector<double> yields_;             ///< of each row; empty: none does
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them

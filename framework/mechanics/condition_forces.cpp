@@ -7,8 +7,6 @@
 
 namespace stroma {
 
-using Kind = LagrangianRows::Kind;
-
 namespace {
 // where a step no longer helps, round-off of forces that are large for their conditions is left
 constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;
@@ -25,8 +23,8 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   size_ = 0;  // of those that forces have to mend; gaps far from contact have no say
   for (const Group& group : groups_)
     size_ = std::max(size_, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
-  unsettled_ = none, least_ = q_;
-  restart(q_), newton(), note();
+  unsettled_ = none, least_ = q_, restart(q_), note();
+  if (unsettled_ > 1.5 * enough) newton(), note();
   if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
   const auto search = [&](auto way) {
     const double before = std::exchange(unsettled_, none);
@@ -91,14 +89,11 @@ void ConditionForces::findGroups(const std::vector<Row>& rows) {
 
 void ConditionForces::restart(const Eigen::VectorXd& q) {
   if (&q != &q_) q_ = q;
-  r_ = offset_;
-  r_.noalias() += scaled_ * q_;
+  r_ = offset_, r_.noalias() += scaled_ * q_;
 }
 
 void ConditionForces::change(int row, double to) {
-  if (to == q_[row]) return;
-  r_ += (to - q_[row]) * scaled_.col(row);
-  q_[row] = to;
+  if (to != q_[row]) r_ += (to - q_[row]) * scaled_.col(row), q_[row] = to;
 }
 
 void ConditionForces::findWanted(const Group& group) {
@@ -139,12 +134,12 @@ bool ConditionForces::isLittle() {
   if (unsettled_ * size_ < contradiction) return true;
   if (allowed_.empty() || !std::isfinite(unsettled_)) return false;
   restart(least_);
-  const auto holds = [&](const Group& group, int at, double off) {
-    const std::size_t row = live_[std::size_t(at)];
+  const auto holds = [&](const Group& group, std::size_t row, double off) {
     return off <= part * allowed_[row] * sizes[row] * scale_[group.first];
   };
   return std::all_of(groups_.begin(), groups_.end(), [&](const Group& group) {
-    return holds(group, group.first, offAt(group)) && (group.tangents() == 0 || holds(group, group.first + 1, offAlong(group)));
+    const auto row = live_.begin() + group.first;
+    return holds(group, *row, offAt(group)) && (group.tangents() == 0 || holds(group, row[1], offAlong(group)));
   });
 }
 
@@ -171,16 +166,14 @@ void ConditionForces::settle() {
   Eigen::VectorXd where = least_;
   for (double shift = first; shift >= 0.9 * last && unsettled_ > rounded && !isOver(); shift *= 0.1) {
     double before = unsettled_;
-    scaled_.diagonal().array() += shift;
-    where = least_;
+    scaled_.diagonal().array() += shift, where = least_;
     for (int turn = 1; turn <= most && unsettled_ > settled && !isOver(); ++turn) {
       offset_ = offset - shift * where;
       restart(where), newton();
       r_ -= shift * (q_ - where), where = q_, note();
       if (turn % look == 0 && !(unsettled_ < 0.5 * std::exchange(before, unsettled_))) break;
     }
-    offset_ = offset, scaled_.diagonal() = diagonal;
-    restart(least_), newton(), note();
+    offset_ = offset, scaled_.diagonal() = diagonal, restart(least_), newton(), note();
   }
 }
 
@@ -199,8 +192,7 @@ void ConditionForces::findActive() {
     if (!group.is_active) continue;
     for (int row = group.first; row < group.end; ++row) active_.push_back(row);
     if (group.tangents() == 0) continue;
-    findWanted(group);
-    group.slips = length_ > bound_;
+    findWanted(group), group.slips = length_ > bound_;
     if (!group.slips) continue;
     group.turn = bound_ / length_;
     const int first = group.first + 1, count = group.tangents();
@@ -275,8 +267,7 @@ bool ConditionForces::newtonStep() {
   ++steps;
   if (!eliminate(linearise())) {  // rows that say the same twice: the shortest solution
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> general;
-    general.setThreshold(1e-12);
-    general.compute(linearise());
+    general.setThreshold(1e-12), general.compute(linearise());
     step_.head(count) = general.solve(step_.head(count)).eval();
   }
   if (!step_.head(count).allFinite()) return false;
@@ -308,10 +299,9 @@ ConditionForces::Violation ConditionForces::worst(const std::vector<Row>& rows, 
   if (next != live_.size()) return found;
   q_ = least_;
   for (const Group& group : groups_) {
-    const double scale = scale_[group.first];
     const std::size_t row = live_[std::size_t(group.first)];
-    note(row, offAt(group) / scale, false);
-    if (group.tangents() > 0) note(row + 1, offAlong(group) / scale, true);
+    note(row, offAt(group) / scale_[group.first], false);
+    if (group.tangents() > 0) note(row + 1, offAlong(group) / scale_[group.first], true);
   }
   return found;
 }

@@ -35,6 +35,7 @@ class ConditionForces {
   };
 
   long searches = 0, steps = 0, rounds = 0;  ///< of all solve(): calls, Newton steps, rounds of the interior-point method
+  double enough = 0;          ///< of unsettled(): nothing better is searched for where l begins with no more
   double contradiction = 0;   ///< twice what a search has left; nothing is searched for below it. 0 where a step starts
   Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
   Eigen::VectorXd g;          ///< the conditions without forces, shape (rows); solve() adds forces that are given
@@ -65,25 +66,13 @@ class ConditionForces {
   };
   using Square = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-  void scaleRows(const std::vector<Row>& rows);
-  void findGroups(const std::vector<Row>& rows);
-  void restart(const Eigen::VectorXd& q);
-  void change(int row, double to);
-  void findWanted(const Group& group);
-  double offAt(const Group& group) const;
-  double offAlong(const Group& group);
-  double residual();
-  void note();
+  void scaleRows(const std::vector<Row>& rows), findGroups(const std::vector<Row>& rows);
+  void restart(const Eigen::VectorXd& q), change(int row, double to), findWanted(const Group& group);
+  double offAt(const Group& group) const, offAlong(const Group& group), residual();
   bool isOver() const { return stop_.isStopAsked(); }
-  bool isLittle();
-  void newton();
-  void settle();
-  void searchInside(const Eigen::VectorXd* slides = nullptr);
-  void searchWithSlides();
-  bool newtonStep();
-  void findActive();
+  void note(), newton(), settle(), searchInside(const Eigen::VectorXd* slides = nullptr), searchWithSlides(), findActive();
   Square linearise();
-  bool eliminate(Square a);
+  bool isLittle(), newtonStep(), eliminate(Square a);
 
   std::vector<Group> groups_;
   std::vector<std::size_t> live_;  ///< rows whose force is not given as zero; all below are of these alone

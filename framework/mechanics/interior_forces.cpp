@@ -64,9 +64,7 @@ void ConditionForces::searchInside(const Eigen::VectorXd* slides) {
   Eigen::MatrixXd a, turned;
   double way = 1, share = 0.1, tried = early * size_ * size_;  // share: of nu, that is left
   for (int round = 0; round < most_rounds && unsettled_ > enough && !isOver(); ++round) {
-    ++rounds;
-    restart(by.cwiseProduct(x));
-    note();
+    restart(by.cwiseProduct(x)), note(), ++rounds;
     off = by.cwiseProduct(r_) - z;
     double nu = 0;
     for (const auto& [at, size] : cones) nu += x.segment(at, size).dot(z.segment(at, size)) / double(cones.size());

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/contact/flush_faces.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "components/contact/kept_gaps.h"
+
+namespace stroma::contact {
+
+namespace {
+
+constexpr double flat = 0.3;  // rad
+
+/// Twice the area, outward.
+Vec3 areaOf(const std::array<int, 3>& t, const std::vector<Vec3>& x) {
+  const Vec3& p = x[std::size_t(t[0])];
+  return (x[std::size_t(t[1])] - p).cross(x[std::size_t(t[2])] - p);
+}
+
+}  // namespace
+
+void FlushFaces::compile(const Surfaces& s, const std::vector<char>& rigid) {
+  constexpr double one_plane = 1e-6;  // rad
+  faces_.clear(), body_.clear(), meetings_.clear();
+  face_of_.assign(s.faces.size(), -1), edge_faces_.assign(s.edges.size(), {-1, -1}), around_.assign(s.rest.size(), {});
+  std::vector<std::array<int, 2>> sides(s.edges.size(), {-1, -1});  // triangles of each edge
+  const auto counts = [&](std::size_t t) {
+    const int v = s.faces[t][0];
+    return rigid[std::size_t(s.bodyOf(v))] && s.isOneSided(v) && s.radius[t] == 0 && areaOf(s.faces[t], s.rest).norm() > 0;
+  };
+  for (std::size_t t = 0; t < s.faces.size(); ++t)
+    for (const int edge : s.face_edges[t])
+      if (edge >= 0 && counts(t)) (sides[std::size_t(edge)][0] < 0 ? sides[std::size_t(edge)][0] : sides[std::size_t(edge)][1]) = int(t);
+  std::vector<int> open;
+  for (std::size_t first = 0; first < s.faces.size(); ++first) {
+    if (face_of_[first] >= 0 || !counts(first)) continue;
+    const int number = int(faces_.size());
+    const Vec3 normal = areaOf(s.faces[first], s.rest).normalized();
+    std::size_t largest = first;
+    open.assign(1, int(first)), face_of_[first] = number;
+    while (!open.empty()) {
+      const auto t = std::size_t(open.back());
+      open.pop_back();
+      if (areaOf(s.faces[t], s.rest).norm() > areaOf(s.faces[largest], s.rest).norm()) largest = t;
+      for (const int edge : s.face_edges[t])
+        for (const int next : edge < 0 ? std::array{-1, -1} : sides[std::size_t(edge)])
+          if (next >= 0 && face_of_[std::size_t(next)] < 0 &&
+              (areaOf(s.faces[std::size_t(next)], s.rest).normalized() - normal).norm() < one_plane)
+            face_of_[std::size_t(next)] = number, open.push_back(next);
+    }
+    faces_.push_back(s.faces[largest]), body_.push_back(s.bodyOf(s.faces[largest][0]));
+  }
+  for (std::size_t t = 0; t < s.faces.size(); ++t)
+    for (const int v : s.faces[t]) {
+      std::vector<int>& all = around_[std::size_t(v)];
+      if (face_of_[t] >= 0 && std::find(all.begin(), all.end(), face_of_[t]) == all.end()) all.push_back(face_of_[t]);
+    }
+  for (std::size_t e = 0; e < s.edges.size(); ++e)
+    for (std::size_t k = 0; k < 2; ++k)
+      if (sides[e][k] >= 0) edge_faces_[e][k] = face_of_[std::size_t(sides[e][k])];
+}
+
+Vec3 FlushFaces::outward(int face, const std::vector<Vec3>& x) const { return areaOf(faces_[std::size_t(face)], x).normalized(); }
+
+bool FlushFaces::isOn(int face, int vertex) const {
+  const std::vector<int>& all = around_[std::size_t(vertex)];
+  return std::find(all.begin(), all.end(), face) != all.end();
+}
+
+bool FlushFaces::isRim(int edge, int face) const {
+  const auto& [a, b] = edge_faces_[std::size_t(edge)];
+  return (a == face) != (b == face);
+}
+
+/// Where the closest points are.
+bool FlushFaces::isOnBoth(const KeptGap& gap, const Meeting& meeting) const {
+  const std::size_t second = gap.pair->kind == PairKind::edge_edge ? 2 : 1;
+  const auto areOn = [&](std::size_t from, std::size_t to, int face) {
+    for (std::size_t k = from; k < to; ++k)
+      if (gap.c[k] != 0 && !isOn(face, gap.v[k])) return false;
+    return true;
+  };
+  return (areOn(0, second, meeting.a) && areOn(second, 4, meeting.b)) || (areOn(0, second, meeting.b) && areOn(second, 4, meeting.a));
+}
+
+bool FlushFaces::add(KeptGap& gap, const Surfaces& s, const std::vector<Vec3>& x) {
+  if (!gap.pair || faces_.empty()) return false;
+  const std::size_t second = gap.pair->kind == PairKind::edge_edge ? 2 : 1;
+  if (s.bodyOf(gap.v[0]) == s.bodyOf(gap.v[second])) return false;
+  std::size_t found = 0;
+  const auto meet = [&](int f, int g) {
+    const auto known = [&](const Meeting& meeting) { return meeting.a == std::min(f, g) && meeting.b == std::max(f, g); };
+    auto at = std::find_if(meetings_.begin(), meetings_.end(), known);
+    if (at == meetings_.end()) {
+      const Vec3 m = outward(f, x), o = outward(g, x);
+      if (!(m.dot(o) < -std::cos(flat))) return;
+      const Vec3 between = x[std::size_t(faces_[std::size_t(g)][0])] - x[std::size_t(faces_[std::size_t(f)][0])];
+      if (!(between.dot(m - o) > 0)) return;
+      at = meetings_.insert(at, {std::min(f, g), std::max(f, g)});
+    }
+    const int number = int(at - meetings_.begin());
+    const auto end = gap.meetings.begin() + std::ptrdiff_t(found);
+    if (found < gap.meetings.size() && std::find(gap.meetings.begin(), end, number) == end) gap.meetings[found++] = number;
+  };
+  for (std::size_t i = 0; i < second; ++i)
+    for (std::size_t j = second; j < 4; ++j)
+      for (const int f : around_[std::size_t(gap.v[i])])
+        for (const int g : around_[std::size_t(gap.v[j])]) meet(f, g);
+  return found > 0;
+}
+
+/// Along the direction of two faces. False: what it is of is not above each other, or in no way a corner.
+bool FlushFaces::place(KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together) const {
+  if (gap.flush_at_start == KeptGap::Flush::corner) together *= 2;  // it stays one for the step
+  constexpr double parallel = 1e-6, steep = 0.1;
+  const bool crosses = gap.pair->kind == PairKind::edge_edge;
+  const bool is_forth = isOn(meeting.a, gap.v[0]) && (!crosses || isOn(meeting.a, gap.v[1]));
+  const int own = is_forth ? meeting.a : meeting.b, other = is_forth ? meeting.b : meeting.a;
+  const Vec3 n = is_forth ? Vec3(-meeting.n) : meeting.n;
+  const auto at = [&](std::size_t k) -> const Vec3& { return x[std::size_t(gap.v[k])]; };
+  if (crosses ? !(isRim(gap.pair->first, own) && isRim(gap.pair->second, other))
+              : !(isOn(own, gap.v[0]) && face_of_[std::size_t(gap.pair->second)] == other))
+    return false;
+  // ways along the surfaces from the first vertex of each side
+  const Vec3 p = crosses ? Vec3(at(1) - at(0)) : Vec3(at(2) - at(1)), q = crosses ? Vec3(at(3) - at(2)) : Vec3(at(3) - at(1));
+  const Vec3 from = crosses ? Vec3(at(0) - at(2)) : Vec3(at(0) - at(1)), up = p.cross(q);
+  const double size = n.dot(up);
+  if (!(std::abs(size) > parallel * p.norm() * q.norm())) return false;
+  // from = s p + t q + gap n
+  const double s = n.dot(from.cross(q)) / size, t = n.dot(p.cross(from)) / size;
+  std::array<double, 4> c{1, s + t - 1, -s, -t};
+  bool is_inside = false;
+  if (crosses) {
+    c = {1 + s, -s, t - 1, -t};
+    const double first = together / p.norm(), last = together / q.norm();
+    is_inside = -s >= -first && -s <= 1 + first && t >= -last && t <= 1 + last;
+  } else {  // how far beyond each edge
+    const double height = std::abs(size);
+    is_inside = s * height >= -together * q.norm() && t * height >= -together * p.norm() &&
+                (1 - s - t) * height >= -together * (p - q).norm();
+  }
+  if (!is_inside) return false;
+  gap.c = c, gap.n = n;
+  const double across = std::abs(size) / (p.norm() * q.norm());
+  gap.upright = crosses && across < steep ? 1 : std::abs(size) / up.norm();
+  return true;
+}
+
+void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, double together) {
+  if (meetings_.empty()) return;
+  for (Meeting& meeting : meetings_)
+    meeting.n = (outward(meeting.a, x) - outward(meeting.b, x)).normalized(), meeting.overlaps = false;
+  places_.clear();
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    KeptGap& gap = gaps[i];
+    gap.flush = KeptGap::Flush::no;
+    for (const int number : gap.meetings) {
+      if (number < 0 || gap.flush == KeptGap::Flush::corner) break;
+      Meeting& meeting = meetings_[std::size_t(number)];
+      if (!place(gap, meeting, x, together)) continue;
+      gap.flush = KeptGap::Flush::corner, meeting.overlaps = true;
+      Vec3 middle = Vec3::Zero();  // of the two sides
+      double apart = 0;
+      const bool crosses = gap.pair->kind == PairKind::edge_edge;
+      for (std::size_t k = 0; k < 4; ++k)
+        middle += (k == 0 || (crosses && k == 1) ? 0.5 : -0.5) * gap.c[k] * x[std::size_t(gap.v[k])];
+      for (std::size_t k = 0; k < 4; ++k) apart += gap.upright * gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])]);
+      places_.push_back({number, crosses, middle, apart, i});
+    }
+  }
+  for (KeptGap& gap : gaps)
+    for (const int number : gap.meetings)
+      if (number >= 0 && gap.flush == KeptGap::Flush::no && meetings_[std::size_t(number)].overlaps &&
+          isOnBoth(gap, meetings_[std::size_t(number)]))
+        gap.flush = KeptGap::Flush::beside;
+  joinNear(gaps, together);
+}
+
+/// One of those that are together counts, of a vertex before one of rims.
+void FlushFaces::joinNear(std::vector<KeptGap>& gaps, double together) {
+  constexpr double alike = 0.025;  // apart, of how far they are along the faces
+  const auto alongX = [](const Place& p, const Place& q) { return p.meeting != q.meeting ? p.meeting < q.meeting : p.x.x() < q.x.x(); };
+  std::stable_sort(places_.begin(), places_.end(), alongX);
+  for (auto first = places_.begin(); first != places_.end(); ++first)
+    for (auto last = first + 1; last != places_.end() && last->meeting == first->meeting; ++last) {
+      if (last->x.x() - first->x.x() > 4 * together || gaps[first->gap].flush == KeptGap::Flush::beside) break;
+      KeptGap &one = gaps[first->gap], &other = gaps[last->gap];
+      if (other.flush == KeptGap::Flush::beside) continue;
+      // what is one where the step starts stays one for it
+      const double far = one.flush_at_start == other.flush_at_start ? 2 * together : 4 * together;
+      if ((last->x - first->x).norm() > far || std::abs(last->apart - first->apart) > alike * far) continue;
+      const auto rank = [](const KeptGap& gap, const Place& place) {
+        return std::tuple(gap.flush_at_start != KeptGap::Flush::corner, place.crosses, place.gap);
+      };
+      const bool keeps_first = rank(one, *first) < rank(other, *last);
+      gaps[keeps_first ? last->gap : first->gap].flush = KeptGap::Flush::beside;
+    }
+}
+
+}  // namespace stroma::contact

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Faces of rigid bodies that lie flat on each other. Where the rim of one is above the rim of the other, closest points are on
+// both rims, and their direction turns by the slide over the gap: a slide of a micrometre below a gap of a millimetre is a
+// thousandth of a radian. Conditions then have directions of their own and contradict each other. So two such faces have one
+// direction, with m outward on each,
+//   n = (m_b - m_a) / |m_b - m_a|,   x_a - x_b = d n / (n . m)
+// where m is the direction of their distance d: of a vertex the other face's, of two rims what is across both,
+// and contacts at the corners of what they have in common, seen along n: vertices of one over the other, and rims that cross.
+// These carry every force and moment that a pressure between the two faces can have. What is beside has no condition as long as
+// there is one of these; beyond that, closest points tell, as on a rim that is rounded by the gap.
+//
+// A face is what triangles in one plane make of the surface of a body that a rigid frame carries, or of an obstacle. Two are flat
+// on each other where a step starts with less than `flat` between their planes [rad] and each is on the outer side of the other.
+#pragma once
+#include <vector>
+
+#include "components/contact/contact_terms.h"
+
+namespace stroma::contact {
+
+struct KeptGap;
+
+class FlushFaces {
+ public:
+  /// After `surfaces` have been finished. `rigid`: of each body of them.
+  void compile(const Surfaces& surfaces, const std::vector<char>& rigid);
+  /// A step starts, with other pairs.
+  void begin() { meetings_.clear(); }
+  /// Where a step starts: whether the sides of a pair may lie in two such faces. Their numbers go to KeptGap::meetings.
+  bool add(KeptGap& gap, const Surfaces& surfaces, const std::vector<Vec3>& x);
+  /// Gives directions, places and gaps to those at corners (KeptGap::flush). Corners nearer to each other than `together` [m] are one.
+  void look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, double together);
+
+ private:
+  /// Two faces, the first with the smaller number.
+  struct Meeting {
+    int a, b;
+    Vec3 n = Vec3::Zero();  ///< from a to b
+    bool overlaps = false;
+  };
+  struct Place {
+    int meeting;
+    bool crosses;
+    Vec3 x;
+    double apart;
+    std::size_t gap;
+  };
+  Vec3 outward(int face, const std::vector<Vec3>& x) const;
+  bool isOn(int face, int vertex) const;
+  bool isRim(int edge, int face) const;
+  bool isOnBoth(const KeptGap& gap, const Meeting& meeting) const;
+  bool place(KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together) const;
+  void joinNear(std::vector<KeptGap>& gaps, double together);
+
+  std::vector<std::array<int, 3>> faces_;       ///< vertices of the largest triangle of each
+  std::vector<int> body_;                       ///< of each face
+  std::vector<int> face_of_;                    ///< of each triangle; -1: none
+  std::vector<std::array<int, 2>> edge_faces_;  ///< of each edge
+  std::vector<std::vector<int>> around_;        ///< of each vertex
+  std::vector<Meeting> meetings_;
+  std::vector<Place> places_;  ///< work space
+};
+
+}  // namespace stroma::contact

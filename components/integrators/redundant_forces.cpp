@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/integrators/redundant_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace stroma {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+
+bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
+  const auto& [rows, live, w, g, sizes, yields, allowed] = problem;
+  const auto count = Eigen::Index(live.size());
+  double most = 0;
+  for (Eigen::Index k = 0; k < count; ++k)
+    if (const double size = sizes[live[std::size_t(k)]]; size > 0) most = std::max(most, std::abs(w(k, k)) / (size * size));
+  scale_.resize(count), offset_.resize(count), start_.setZero(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const std::size_t row = live[std::size_t(k)];
+    const double own = w(k, k), size = sizes[row];
+    if (!(own >= 0)) return false;  // what buckles
+    scale_[k] = rows[row].kind == Kind::rub && k > 0 ? scale_[k - 1] : own > 1e-14 * most * size * size ? 1 / std::sqrt(own) : 0;
+    offset_[k] = scale_[k] * g[Eigen::Index(row)];
+    if (scale_[k] > 0) start_[k] = l[Eigen::Index(row)] / scale_[k];
+  }
+  w_ = scale_.asDiagonal() * w * scale_.asDiagonal();
+  findYields(problem);
+  return true;
+}
+
+/// In the units of W, one in the mean; rows that say nothing of it are as the mean.
+void RedundantForces::findYields(const Problem& problem) {
+  yields_.setZero(scale_.size());
+  double sum = 0, known = 0;
+  for (Eigen::Index k = 0; k < scale_.size(); ++k) {
+    yields_[k] = problem.yields[problem.live[std::size_t(k)]] * scale_[k] * scale_[k];
+    if (yields_[k] > 0) sum += yields_[k], ++known;
+  }
+  for (double& each : yields_) each = each > 0 ? each * known / sum : 1;
+}
+
+/// False where forces are given or have a bound.
+bool RedundantForces::findGroups(const Problem& problem) {
+  groups_.clear(), all_.clear();
+  widest_ = 1, size_ = 0;
+  const auto count = Eigen::Index(problem.live.size());
+  const auto at = [&](Eigen::Index k) -> const Row& { return problem.rows[problem.live[std::size_t(k)]]; };
+  for (Eigen::Index i = 0; i < count;) {
+    const Row& row = at(i);
+    if (row.kind == Kind::given || (row.kind == Kind::push && row.factor > 0)) return false;
+    Group group{.pushes = row.kind == Kind::push, .first = i};
+    Eigen::Index end = i + 1;
+    while (group.pushes && end < count && at(end).kind == Kind::rub) ++end;
+    const Eigen::Index tangents = end - i - 1;
+    if (tangents > 0 && at(i + 1).factor > 0) {
+      group.mu = at(i + 1).factor, group.size = end - i;
+      group.rate = w_.block(i + 1, i + 1, tangents, tangents).cwiseAbs().rowwise().sum().maxCoeff();
+      if (!(group.rate > 0)) return false;
+    }
+    const bool moves = scale_[i] > 0 && w_(i, i) > 0 && row.kind != Kind::rub;
+    if (moves) groups_.push_back(group), size_ = std::max(size_, group.pushes ? -offset_[i] : std::abs(offset_[i]));
+    const Eigen::Index held = moves ? group.size : 0;
+    if (held > 0) all_.push_back({i, held}), widest_ = std::max(widest_, held);
+    for (Eigen::Index k = i + held; k < end; ++k) all_.push_back({k, 1}), start_[k] = 0;
+    i = end;
+  }
+  return size_ > 0;
+}
+
+/// By elimination with pivots of the diagonal. False: all rows are independent.
+bool RedundantForces::findRoots() {
+  constexpr double little = 1e-11;
+  const Eigen::Index count = w_.rows();
+  VectorXd left = w_.diagonal();
+  MatrixXd p(count, count), q(count, count);
+  for (Eigen::Index k = 0, at = 0; k < count; ++k) {
+    const double pivot = left.maxCoeff(&at);
+    if (!(pivot > little)) {
+      p_ = p.leftCols(k), q_ = q.leftCols(k);
+      return true;
+    }
+    p.col(k) = w_.col(at), q.col(k) = w_.row(at).transpose();
+    p.col(k).noalias() -= p.leftCols(k) * q.row(at).head(k).transpose();
+    q.col(k).noalias() -= q.leftCols(k) * p.row(at).head(k).transpose();
+    q.col(k) /= pivot;
+    left -= p.col(k).cwiseProduct(q.col(k));
+    left[at] = 0;
+  }
+  return false;
+}
+
+/// The largest function of the laws (condition_forces.h), of size_.
+double RedundantForces::offOf(const VectorXd& q, const VectorXd& r) const {
+  double worst = 0;
+  for (const Group& group : groups_) {
+    const Eigen::Index at = group.first, n = group.tangents();
+    worst = std::max(worst, std::abs(group.pushes ? q[at] - std::max(q[at] - r[at], 0.0) : r[at]));
+    if (n == 0) continue;
+    VectorXd wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
+    const double length = wanted.norm(), bound = group.mu * std::max(q[at], 0.0);
+    if (length > bound) wanted *= bound / length;
+    worst = std::max(worst, group.rate * (wanted - q.segment(at + 1, n)).cwiseAbs().maxCoeff());
+  }
+  return q.allFinite() && r.allFinite() ? worst / size_ : none;
+}
+
+/// best_ is off by less than a thousandth of what each row may.
+bool RedundantForces::isLittle(const Problem& problem) const {
+  constexpr double part = 1e-3;
+  if (problem.allowed.empty()) return false;
+  return std::all_of(groups_.begin(), groups_.end(), [&](const Group& group) {
+    const std::size_t row = problem.live[std::size_t(group.first)];
+    return off_ * size_ <= part * problem.allowed[row] * problem.sizes[row] * scale_[group.first];
+  });
+}
+
+/// A step of Newton's method. What is open has its force taken away first; q and r follow.
+VectorXd RedundantForces::stepFrom(VectorXd& q, VectorXd& r, double size) {
+  ++steps;
+  Blocks blocks(*this, VectorXd::Ones(q.size()), size);
+  VectorXd right = VectorXd::Zero(q.size());
+  const VectorXd was = q;
+  std::vector<char> is_open;
+  for (const Group& group : groups_) {
+    is_open.push_back(group.pushes && !(q[group.first] > r[group.first]));
+    if (is_open.back()) q.segment(group.first, group.size).setZero();
+  }
+  r += blocks.timesW(q - was);
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const Group& group = groups_[k];
+    if (is_open[k]) continue;
+    const Eigen::Index at = group.first, n = group.tangents();
+    blocks.a.block(at, 0, n + 1, n + 1).setIdentity(), blocks.b.block(at, 0, n + 1, n + 1).setZero();
+    right.segment(at, n + 1) = -r.segment(at, n + 1);
+    if (n == 0) continue;
+    const VectorXd wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
+    const double length = wanted.norm(), bound = group.mu * std::max(q[at], 0.0);
+    if (length <= bound) continue;
+    const VectorXd across = wanted / length;
+    const MatrixXd one = MatrixXd::Identity(n, n), turned = bound / length * (one - across * across.transpose());
+    blocks.a.block(at + 1, 1, n, n) = turned / group.rate, blocks.b.block(at + 1, 1, n, n) = one - turned;
+    blocks.b.block(at + 1, 0, n, 1) = -group.mu * across;
+    right.segment(at + 1, n) = bound * across - q.segment(at + 1, n);
+  }
+  blocks.factor();
+  return blocks.solve(right);
+}
+
+/// Steps from q while they help; q becomes the best. What it is off by.
+double RedundantForces::newton(double size, const VectorXd& where, VectorXd& q) {
+  constexpr int most = 12;
+  const auto conditions = [&](const VectorXd& at) -> VectorXd {
+    return offset_ + w_ * at + size * yields_.cwiseProduct(at - where);
+  };
+  VectorXd at = q, r = conditions(at);
+  double now = offOf(at, r), least = now;
+  for (int k = 0; k < most && now > settled && !stop_.isStopAsked(); ++k) {
+    at += stepFrom(at, r, size);
+    r = conditions(at);
+    const double last = std::exchange(now, offOf(at, r));
+    if (now < least) least = now, q = at;
+    if (!std::isfinite(now) || !(now > rounded || now < 0.5 * last)) break;
+  }
+  return least;
+}
+
+void RedundantForces::note(const VectorXd& q) {
+  if (const double now = offOf(q, offset_ + w_ * q); now < off_) off_ = now, best_ = q;
+}
+
+/// The forces of a layer that yields, from q. False: they were not found.
+bool RedundantForces::layer(double size, VectorXd& q) { return newton(size, VectorXd::Zero(q.size()), q) <= near; }
+
+/// Proximal points from q, until the conditions hold.
+void RedundantForces::draw(const Problem& problem, double size, VectorXd q) {
+  constexpr int most = 20, look = 3;
+  note(q);
+  double before = off_;
+  for (int turn = 1; turn <= most && off_ > rounded && !stop_.isStopAsked(); ++turn) {
+    const VectorXd where = q;
+    if (newton(size, where, q) > near) break;
+    note(q);
+    if (turn % look == 0 && (isLittle(problem) || !(off_ < 0.5 * std::exchange(before, off_)))) break;
+  }
+}
+
+bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) {
+  constexpr double thin = 1e-6;  // the layer, of the mean of W's diagonal
+  stop_ = stop, contradiction_ = 0;
+  if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem) || !findRoots()) return false;
+  off_ = none, best_ = start_, note(start_);
+  if (!(off_ > rounded)) return true;
+  VectorXd q = start_;
+  bool is_found = layer(thin, q);
+  for (double first = thin; !is_found && first < 0.1 && !stop_.isStopAsked(); first *= 100) {
+    q = searchInside(first), is_found = layer(first, q);
+    for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
+  }
+  if (is_found) draw(problem, thin, q);
+  if (!(off_ < coarse) && !isLittle(problem)) return false;
+  if (off_ > near) contradiction_ = 2 * off_ * size_;
+  for (std::size_t k = 0; k < problem.live.size(); ++k)
+    l[Eigen::Index(problem.live[k])] = scale_[Eigen::Index(k)] * best_[Eigen::Index(k)];
+  return true;
+}
+
+}  // namespace stroma

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Forces of many conditions on few ways to move, as of rigid bodies whose faces meet in many points: W (condition_forces.h) is
+// P Q^T with fewer columns than rows. Such rows say the same, and no force is the only one. Of all that hold, those are taken that
+// give way as little as they can: with r + size Y (q - where) instead of r, Y what rows yield in comparison (SharesForces), there
+// is one solution. It is found with where = 0, which is the pressure of a thin elastic layer (Winkler), and then drawn from where
+// it is until the conditions themselves hold: proximal points (Rockafellar 1976). Newton's method finds each, from the forces of
+// the step before; where it does not, it begins from an interior-point method with a larger size, which is then made smaller.
+//
+// With x = (mu l_n, l_t) and z = (r_n / mu + |r_t|, r_t) of each group, both are in the cone x_0 >= |x_t| and x . z = 0 (De Saxce
+// and Feng 1998). A round goes towards x o z = share nu e, nu the mean of x . z; |r_t| is (|r_t|^2 + smooth nu^2 / (x_0^2 + nu))^.5:
+//   (W + F) dx = share nu x^-1 - z - T ((T x)^-1 o c) - (z(x) - z),   F x = z,   F = T T = e (2 w w^T - J),   J = diag(1, -1, -1)
+// with |x|^2 = x_0^2 - |x_t|^2, e = |z| / |x|, w the middle of z / |z| and J x / |x|, |w| = 1 (Nesterov and Todd 1998), and
+// c = T dx o T^-1 dz of a first way without share (Mehrotra 1992). Of rows that are equal z = 0 and x is free. W then has the
+// derivative D r of |r_t|, but after a short way; F is (1 - D) F.
+//
+// Newton's method is that of condition_forces.h. Both solve, with blocks A and B of groups,
+//   (A (W + size Y) + B) d = b,   C = A size Y + B:   d = y - C^-1 A P (1 + Q^T C^-1 A P)^-1 Q^T y,   y = C^-1 b
+// and once more for what that leaves with W itself, which is not quite symmetric where directions turn in a step.
+#pragma once
+#include <Eigen/Dense>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "framework/algebra/stop.h"
+#include "framework/mechanics/lagrangian_constraint.h"
+
+namespace stroma {
+
+class RedundantForces {
+ public:
+  using Kind = LagrangianRows::Kind;
+  using Row = LagrangianRows::Row;
+
+  /// What is searched for; all but w, of the `live` rows, are of all rows.
+  struct Problem {
+    const std::vector<Row>& rows;
+    const std::vector<std::size_t>& live;
+    const Eigen::MatrixXd& w;
+    const Eigen::VectorXd& g;
+    const std::vector<double>&sizes, &yields, &allowed;  ///< allowed: as of ConditionForces::solve()
+  };
+  /// l: where the search begins and ends. False: these are not such conditions, or nothing better was found; l is as it was.
+  bool find(const Problem& problem, Eigen::VectorXd& l, StopToken stop);
+  /// What is off with the forces found, of the largest condition that does not hold without forces.
+  double unsettled() const { return off_; }
+  /// What is off, where rows contradict each other by a little; else 0. As ConditionForces::contradiction.
+  double contradiction() const { return contradiction_; }
+  long steps = 0, rounds = 0;  ///< of all find(): Newton steps, rounds of the interior-point method
+
+ private:
+  /// Rows [first, first + size): one that is equal, or a push and what rubs there.
+  struct Group {
+    bool pushes = false;
+    Eigen::Index first = 0, size = 1;
+    double mu = 0, rate = 0;  ///< rate: of the tangents' block of W
+    Eigen::Index tangents() const { return size - 1; }
+  };
+  struct Blocks;
+  struct Inside;
+  static constexpr double none = std::numeric_limits<double>::infinity();
+  static constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;  ///< of the largest condition without forces
+
+  bool scaleRows(const Problem& problem, const Eigen::VectorXd& l);
+  void findYields(const Problem& problem);
+  bool findGroups(const Problem& problem);
+  bool findRoots();
+  double offOf(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
+  bool isLittle(const Problem& problem) const;
+  Eigen::VectorXd stepFrom(Eigen::VectorXd& q, Eigen::VectorXd& r, double size);
+  double newton(double size, const Eigen::VectorXd& where, Eigen::VectorXd& q);
+  bool layer(double size, Eigen::VectorXd& q);
+  void draw(const Problem& problem, double size, Eigen::VectorXd q);
+  Eigen::VectorXd searchInside(double size);
+  void note(const Eigen::VectorXd& q);
+
+  std::vector<Group> groups_;                              ///< of rows that something moves
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> all_;  ///< first row and rows of all groups and other rows
+  Eigen::Index widest_ = 1;
+  Eigen::VectorXd scale_, offset_, yields_, start_, best_;  ///< in units in which W has a diagonal of one; start_, best_: forces
+  Eigen::MatrixXd w_, p_, q_;                               ///< W, P and Q
+  double size_ = 0, off_ = 0, contradiction_ = 0;           ///< off_: of best_, of size_
+  StopToken stop_;
+};
+
+}  // namespace stroma
