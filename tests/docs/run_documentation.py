@@ -68,12 +68,14 @@ class Page:
     def _lay_out(self):
         """A folder like the source tree: scenes as copies, because commands may write beside them; the rest as links."""
         os.mkdir(self.work)
+        linked = set()
         for path in tree_files(self.tree):
             top, copy = path.split("/")[0], os.path.join(self.work, path)
             if top == "scenes":
                 os.makedirs(os.path.dirname(copy), exist_ok=True)
                 shutil.copy(os.path.join(self.tree, path), copy)
-            elif not top.startswith(".") and not os.path.lexists(os.path.join(self.work, top)):
+            elif not top.startswith(".") and top not in linked:
+                linked.add(top)
                 os.symlink(os.path.join(self.tree, top), os.path.join(self.work, top))
         commands = os.path.join(self.work, "build", "release", "bin")
         os.makedirs(commands)
@@ -295,16 +297,24 @@ PLANTED = [  # page, what must be said of it (None: nothing is wrong)
     ('```cpp title="a.cpp"\nint f() { return g(); }\n```\n', "does not compile"),
 ]
 
+NAMED_BY_PLANTED = ["scenes/examples/organ.xml", "scenes/examples/cantilever_polar.xml", "scenes/examples/parts/beam.xml",
+                    "scenes/meshes/organ_600.msh"]
+
 
 def self_test(tree, build):
-    """Every planted mistake is found, and nothing else."""
-    for number, (text, expected) in enumerate(PLANTED):
-        try:
-            run_page(tree, build, f"planted_{number}.md", text)
-            said = None
-        except Wrong as error:
-            said = str(error)
-        assert (said is None) == (expected is None) and (expected is None or expected in said), (text, expected, said)
+    """Every planted mistake is found, and nothing else. The planted pages have the few files of the tree that they name: to copy all
+    scenes for each takes longer than what it shows."""
+    with tempfile.TemporaryDirectory() as small:
+        for path in NAMED_BY_PLANTED:
+            os.makedirs(os.path.join(small, os.path.dirname(path)), exist_ok=True)
+            shutil.copy(os.path.join(tree, path), os.path.join(small, path))
+        for number, (text, expected) in enumerate(PLANTED):
+            try:
+                run_page(small, build, f"planted_{number}.md", text)
+                said = None
+            except Wrong as error:
+                said = str(error)
+            assert (said is None) == (expected is None) and (expected is None or expected in said), (text, expected, said)
     print(f"{len(PLANTED)} planted pages, all judged as they should be")
 
 

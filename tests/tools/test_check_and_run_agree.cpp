@@ -10,8 +10,8 @@
 //   scenes: no scene plays a part in that.
 // And of the example scenes:
 // - a component that repeats another one of the scene, of the same type and name (the five beams of cantilever.xml);
-// - meshes of many nodes: the organs and the leg have a block of few, some of them in each of their regions, grids have
-//   fewer, and the bowl has four sides;
+// - meshes of many nodes: the organs and the leg have a block of few, some of them in each of their regions, grids and the
+//   skin have fewer, the bowl has four sides, and two balls meet in it;
 // - all but the first precomputation of leg.xml's matrix: it is kept in a cache folder.
 #include <fmt/format.h>
 
@@ -134,7 +134,7 @@ std::string blockMesh(const std::vector<double>& x, const std::vector<double>& y
       x.size() * y.size() * z.size(), nodes, count, elements);
 }
 
-/// What makes an example scene small, see above; `folder` has organ.msh and leg.msh.
+/// What makes an example scene small, see above; `folder` has organ.msh, leg.msh and skin.msh.
 std::vector<Override> overridesOf(const std::string& scene, const std::string& folder, const std::string& cache) {
   const std::string organ = folder + "/organ.msh";
   if (scene == "leg.xml") return {{"/leg/loader", "filename", folder + "/leg.msh"}, {"/leg/solver", "cacheFolder", cache}};
@@ -147,7 +147,9 @@ std::vector<Override> overridesOf(const std::string& scene, const std::string& f
   if (scene == "folded_sheet.xml") return {{"/grid", "n", "5 3 1"}};
   if (scene == "balls_in_a_bowl.xml")
     return {{"/bowl/mesh", "position", "0 0 0  0.11 0.05 0  0 0.05 0.11  -0.11 0.05 0  0 0.05 -0.11"},
-            {"/bowl/mesh", "triangles", "0 2 1  0 3 2  0 4 3  0 1 4"}};
+            {"/bowl/mesh", "triangles", "0 2 1  0 3 2  0 4 3  0 1 4"},
+            {"/balls/dofs", "position", "0.04 0.06 0.005  -0.03 0.08 0.02"}};
+  if (scene == "skin.xml") return {{"/patch/loader", "filename", folder + "/skin.msh"}};
   if (scene == "carving.xml") return {{"/tissue/mesh", "n", "7 3 4"}};
   if (scene == "cartilage.xml") return {{"/block/grid", "n", "4 4 3"}};
   if (scene == "quadratic.xml") return {{"/grid", "n", "3 3 3"}};
@@ -253,6 +255,8 @@ TEST_F(CheckAndRunAgree, OnTheExampleOfEveryManualPage) {
 class CheckAndRunAgreeOn : public CheckAndRunAgree, public testing::WithParamInterface<std::string> {};
 
 TEST_P(CheckAndRunAgreeOn, EveryWrongAttribute) {
+  if (GetParam() == "skin.xml")
+    ASSERT_EQ(shell("python3 " STROMA_SOURCE_DIR "/scenes/meshes/make_skin.py --cells 4 --out skin.msh").code, 0);
   tryAll("scenes/examples/" + GetParam(), true, overridesOf(GetParam(), folder_.string(), cache()));
   EXPECT_GT(refused_, 0);
   EXPECT_LT(refused_, tried_) << "nothing ran";
