@@ -25,13 +25,23 @@ namespace {
 /// K/(2 mu), so that mu |.|^2 is the energy.
 using Strain = Eigen::Matrix<double, 7, 1>;
 
+double changeOf(const Mat3& f, const Mat3& c, VolumeChange::Of of) {
+  switch (of) {
+    case VolumeChange::Of::stretch:
+      return Eigen::SelfAdjointEigenSolver<Mat3>(c, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0).cwiseSqrt().sum() - 3;
+    case VolumeChange::Of::displacement: return f.trace() - 3;
+    case VolumeChange::Of::volume: return f.determinant() - 1;
+    default: return (c.trace() - 3) / 2;
+  }
+}
+
 /// Of (F^T F - 1) / 2.
-Strain strainOf(const Mat3& f, double bulk) {
+Strain strainOf(const Mat3& f, double bulk, VolumeChange::Of of) {
   const Mat3 c = f.transpose() * f;
   const double third = c.trace() / 3, root = std::sqrt(0.5);
   Strain e;
   e << (c(0, 0) - third) / 2, (c(1, 1) - third) / 2, (c(2, 2) - third) / 2, root * c(0, 1), root * c(1, 2),
-      root * c(2, 0), std::sqrt(bulk) * (c.trace() - 3) / 2;
+      root * c(2, 0), std::sqrt(bulk) * changeOf(f, c, of);
   return e;
 }
 
@@ -66,9 +76,9 @@ std::pair<Mat3, double> deformationAt(const Cell& cell, const LocalPoint& xi, co
 template <class Cell>
 class Recovery {
  public:
-  Recovery(std::vector<Cell> cells, std::vector<double> modulus, double bulk, const std::vector<Vec3>& rest,
+  Recovery(std::vector<Cell> cells, std::vector<double> modulus, double bulk, VolumeChange change, const std::vector<Vec3>& rest,
            const std::vector<Vec3>& now)
-      : cells_(std::move(cells)), modulus_(std::move(modulus)), bulk_(bulk) {
+      : cells_(std::move(cells)), modulus_(std::move(modulus)), bulk_(bulk), change_(change) {
     takeNodes(rest, now);
     const std::vector<LocalPoint> samples = samplePoints();
     for (const Cell& cell : cells_) {
@@ -78,10 +88,15 @@ class Recovery {
         Vec3 place = Vec3::Zero();
         for (std::size_t a = 0; a < cell.size(); ++a) place += shapes[a] * rest_[std::size_t(cell[a])];
         place_.push_back(place);
-        strain_.push_back(strainOf(deformationAt(cell, xi, rest_, now_).first, bulk_));
+        strain_.push_back(strainOf(deformationAt(cell, xi, rest_, now_).first, bulk_, change_.of));
       }
     }
     samples_ = samples.size();
+    if (change_.is_mean)
+      for (std::size_t c = 0; c < cells_.size(); ++c) {
+        mean_.push_back(meanChange(cells_[c]));
+        for (std::size_t k = 0; k < samples_; ++k) strain_[samples_ * c + k][6] = mean_[c];
+      }
     fitAll();
   }
 
@@ -124,13 +139,24 @@ class Recovery {
     return points;
   }
 
+  /// By the points of the cells' own quadrature.
+  double meanChange(const Cell& cell) const {
+    double sum = 0, all = 0;
+    for (const QuadraturePoint& point : kindOf(cell).rule(std::tuple_size_v<Cell> == 5 ? 1 : 2).points) {
+      const auto [f, size] = deformationAt(cell, point.xi, rest_, now_);
+      sum += point.weight * size * strainOf(f, bulk_, change_.of)[6], all += point.weight * size;
+    }
+    return sum / all;
+  }
+
   void addAt(std::size_t c, const QuadraturePoint& point, StrainError& sum) const {
     const Cell& cell = cells_[c];
     const LocalPoint& xi = point.xi;
     std::array<double, std::tuple_size_v<Cell>> shapes;
     kindOf(cell).shapes(xi, shapes.data());
     const auto [f, size] = deformationAt(cell, xi, rest_, now_);
-    const Strain own = strainOf(f, bulk_);
+    Strain own = strainOf(f, bulk_, change_.of);
+    if (change_.is_mean) own[6] = mean_[c];
     Strain recovered = Strain::Zero();
     for (std::size_t a = 0; a < cell.size(); ++a) recovered += shapes[a] * at_node_[std::size_t(cell[a])];
     sum.error += modulus_[c] * point.weight * size * (recovered - own).squaredNorm();
@@ -204,6 +230,8 @@ class Recovery {
   std::vector<Cell> cells_;
   std::vector<double> modulus_;
   double bulk_;
+  VolumeChange change_;
+  std::vector<double> mean_;  ///< of cells, where they have one
   std::vector<Vec3> rest_, now_;
   std::size_t samples_ = 1;                       ///< in each cell
   std::vector<Vec3> place_;                       ///< of them, shape (cells * samples_)
@@ -215,7 +243,7 @@ class Recovery {
 /// Cells with moduli within 1.5 of each other are one material.
 template <class Cell>
 StrainError estimate(const std::vector<Cell>& cells, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
-                     const std::vector<double>& modulus, double bulk) {
+                     const std::vector<double>& modulus, double bulk, VolumeChange change) {
   std::map<long, std::pair<std::vector<Cell>, std::vector<double>>> materials;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const double own = modulus.size() == cells.size() ? modulus[c] : 1;
@@ -225,7 +253,7 @@ StrainError estimate(const std::vector<Cell>& cells, const std::vector<Vec3>& re
   }
   StrainError sum;
   for (auto& [material, its] : materials) {
-    const StrainError part = Recovery<Cell>(std::move(its.first), std::move(its.second), bulk, rest, now).error();
+    const StrainError part = Recovery<Cell>(std::move(its.first), std::move(its.second), bulk, change, rest, now).error();
     sum.error += part.error, sum.strain += part.strain;
     sum.largest = std::max(sum.largest, part.largest);
   }
@@ -253,8 +281,14 @@ bool isMembrane(const ForceField& field) {
   return field.type().find("Triang") != std::string::npos && field.type().find("FEM") != std::string::npos;
 }
 
-/// K/(2 mu) of a field whose volume change is that of each point, or what stands for it in plane stress; zero where it is a
-/// mean, or not known.
+bool hasMeanDilatation(const ForceField& field) {
+  const Data* dilatation = field.data().find("dilatation");
+  const auto* open = dynamic_cast<const OpenChoices*>(&field);
+  return dilatation && (dilatation->print() == "mean" || (open && open->choice().find("mean") != std::string::npos));
+}
+
+/// K/(2 mu), or what stands for it in plane stress; zero where it is not known, and with a mean dilatation for tetrahedra, which have
+/// that of their nodes, and hexahedra, which do not lock with it. Prisms and pyramids may.
 double bulkOf(const ForceField& field) {
   const Data *data = field.data().find("poissonRatio"), *dilatation = field.data().find("dilatation");
   const bool is_membrane = isMembrane(field);
@@ -264,10 +298,21 @@ double bulkOf(const ForceField& field) {
     const double nu = *std::max_element((*list)->begin(), (*list)->end());
     return (1 + 2 * nu) / (3 * (1 - nu));
   }
-  const auto* open = dynamic_cast<const OpenChoices*>(&field);
-  if (dilatation->print() == "mean" || (open && open->choice().find("mean") != std::string::npos)) return 0;
+  const CellKind* kind = kindOfLaw(field);
+  const bool is_free = kind && (kind->type == CellType::tetrahedron || kind->type == CellType::hexahedron);
+  if (is_free && hasMeanDilatation(field)) return 0;
   const double nu = *std::max_element((*list)->begin(), (*list)->end());
   return (1 + nu) / (3 * (1 - 2 * nu));
+}
+
+VolumeChange volumeChangeOf(const ForceField& field) {
+  using Of = VolumeChange::Of;
+  if (!hasMeanDilatation(field) || bulkOf(field) == 0) return {};
+  const Data* method = field.data().find("method");
+  if (!method) return {field.type().find("SmallStrain") != std::string::npos ? Of::displacement : Of::volume, true};
+  const std::string word = method->print();
+  if (word == "small" || word == "none" || word == "identity") return {Of::displacement, true};
+  return {word.starts_with("green") ? Of::green : Of::stretch, true};
 }
 
 /// The cells of a mesh that a field is made of.
@@ -293,21 +338,21 @@ void visitCells(const ForceField& field, Visit&& visit) {
 
 template <class Cell>
 StrainError strainError(const std::vector<Cell>& cells, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
-                        const std::vector<double>& modulus, double bulk) {
-  return estimate(cells, rest, now, modulus, bulk);
+                        const std::vector<double>& modulus, double bulk, VolumeChange change) {
+  return estimate(cells, rest, now, modulus, bulk, change);
 }
 template StrainError strainError(const std::vector<Tetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<Hexahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<Triangle>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<Prism>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<Pyramid>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 
 std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
   if (!isMembrane(field) && !kindOfLaw(field)) return {};
@@ -317,7 +362,7 @@ std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
   constexpr double round_off = 1e-10;  // strains of rounded positions
   std::optional<StrainError> found;
   visitCells(field, [&](const auto& cells) {
-    const StrainError error = strainError(cells, rest, now, modulusOf(field, cells.size()), bulkOf(field));
+    const StrainError error = strainError(cells, rest, now, modulusOf(field, cells.size()), bulkOf(field), volumeChangeOf(field));
     if (std::isfinite(error.error) && error.largest > round_off * round_off) found = error;
   });
   return found;
