@@ -157,7 +157,7 @@ inline bool hasUndrainedTangent(const ForceField& field) {
 }
 
 /// A hint, or nothing: Newton's method converges slowly, or not at all, with a tangent that is an approximation.
-inline std::string exactTangentHint(const System& system) {
+inline std::string exactTangentHint(const System& system, const StepReport& report) {
   for (const ForceField* field : system.forceFields())
     if (hasUndrainedTangent(*field))
       return "; the tangent of " + field->path() + " keeps the fluid in each element: tangent=\"coupled\" lets it flow";
@@ -165,6 +165,9 @@ inline std::string exactTangentHint(const System& system) {
     if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent") && !field->data().find("coupling"))
       return "; the tangent of " + field->path() +
              " is an approximation: tangent=\"exact\" may converge, with SparseLDLSolver where it is not symmetric";
+  if (report.linear_stop == SolveStop::not_definite)
+    return "; the stiffness has directions that are unstable, as beyond buckling or under a torque that does not turn with its frame: "
+           "EigenSparseLU solves with them";
   return {};
 }
 

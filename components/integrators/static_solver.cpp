@@ -247,7 +247,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   report.unsolved = !report.newton_converged;
   unmoved_.note(report, settings_, [&] { return norm(system.independent(system.f)) > 3 * problem_.roundOff().residual; });
   if (report.unsolved && !report.diverged)
-    report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system);
+    report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system, report);
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
   if (report.unsolved && !settings_.keep_unconverged) problem_.giveUp(), report.reason += "; the state before the step was kept";

@@ -181,6 +181,23 @@ TEST(MeshError, IsThatOfPrismsPyramidsAndQuadraticCells) {
   }
 }
 
+/// A shear that keeps every volume, u = (0.3 y^2, 0, 0), in cells that have it exactly. Its tr(E) does not vanish, and near Poisson's
+/// ratio 1/2 would count for far more than the shear itself.
+TEST(MeshError, LargeShapesOfOneVolumeHaveNoChangeOfIt) {
+  const QuadraticBlock block = QuadraticBlock::box({4, 2, 2}, [](const Vec3& p) { return Vec3(2 * p.x(), p.y(), p.z()); });
+  std::vector<Vec3> now;
+  for (const Vec3& p : block.position) now.push_back(p + Vec3(0.3 * p.y() * p.y(), 0, 0));
+  constexpr double bulk = 5000;
+  using Of = VolumeChange::Of;
+  EXPECT_LT(strainError(block.cells, block.position, now, {}, bulk, {Of::volume, true}).share(), 0.03);
+  EXPECT_GT(strainError(block.cells, block.position, now, {}, bulk, {Of::green, true}).share(), 0.03);
+  // pressed cells of which each second one grows and each other shrinks
+  const Mesh mesh = beam(4, false);
+  std::vector<Vec3> swung = mesh.position;
+  for (std::size_t i = 0; i < swung.size(); ++i) swung[i].z() += 1e-3 * std::pow(-1, std::lround(4 * swung[i].z()));
+  EXPECT_GT(strainError(mesh.hexahedra, mesh.position, swung, {}, bulk, {Of::volume, true}).share(), 0.3);
+}
+
 /// Two layers of which one is ten times as stiff: the strain jumps between them, and does in the body.
 TEST(MeshError, StrainsMayJumpBetweenMaterials) {
   for (const bool tetrahedra : {false, true}) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/checks/mesh_error.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -13,12 +11,7 @@
 #include <numeric>
 #include <span>
 
-#include "framework/mechanics/open_choices.h"
-#include "framework/mechanics/state_positions.h"
-#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
-#include "tools/checks/cells_across.h"
-#include "tools/units/unit_system.h"
 
 namespace stroma {
 namespace {
@@ -27,13 +20,23 @@ namespace {
 /// K/(2 mu), so that mu |.|^2 is the energy.
 using Strain = Eigen::Matrix<double, 7, 1>;
 
+double changeOf(const Mat3& f, const Mat3& c, VolumeChange::Of of) {
+  switch (of) {
+    case VolumeChange::Of::stretch:
+      return Eigen::SelfAdjointEigenSolver<Mat3>(c, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0).cwiseSqrt().sum() - 3;
+    case VolumeChange::Of::displacement: return f.trace() - 3;
+    case VolumeChange::Of::volume: return f.determinant() - 1;
+    default: return (c.trace() - 3) / 2;
+  }
+}
+
 /// Of (F^T F - 1) / 2.
-Strain strainOf(const Mat3& f, double bulk) {
+Strain strainOf(const Mat3& f, double bulk, VolumeChange::Of of) {
   const Mat3 c = f.transpose() * f;
   const double third = c.trace() / 3, root = std::sqrt(0.5);
   Strain e;
   e << (c(0, 0) - third) / 2, (c(1, 1) - third) / 2, (c(2, 2) - third) / 2, root * c(0, 1), root * c(1, 2),
-      root * c(2, 0), std::sqrt(bulk) * (c.trace() - 3) / 2;
+      root * c(2, 0), std::sqrt(bulk) * changeOf(f, c, of);
   return e;
 }
 
@@ -68,9 +71,9 @@ std::pair<Mat3, double> deformationAt(const Cell& cell, const LocalPoint& xi, co
 template <class Cell>
 class Recovery {
  public:
-  Recovery(std::vector<Cell> cells, std::vector<double> modulus, double bulk, const std::vector<Vec3>& rest,
+  Recovery(std::vector<Cell> cells, std::vector<double> modulus, double bulk, VolumeChange change, const std::vector<Vec3>& rest,
            const std::vector<Vec3>& now)
-      : cells_(std::move(cells)), modulus_(std::move(modulus)), bulk_(bulk) {
+      : cells_(std::move(cells)), modulus_(std::move(modulus)), bulk_(bulk), change_(change) {
     takeNodes(rest, now);
     const std::vector<LocalPoint> samples = samplePoints();
     place_.reserve(cells_.size() * samples.size()), strain_.reserve(place_.capacity()), size_.reserve(place_.capacity());
@@ -82,10 +85,15 @@ class Recovery {
         for (std::size_t a = 0; a < cell.size(); ++a) place += shapes[a] * rest_[std::size_t(cell[a])];
         place_.push_back(place);
         const auto [f, size] = deformationAt(cell, xi, rest_, now_);
-        strain_.push_back(strainOf(f, bulk_)), size_.push_back(size);
+        strain_.push_back(strainOf(f, bulk_, change_.of)), size_.push_back(size);
       }
     }
     samples_ = samples.size();
+    if (change_.is_mean)
+      for (std::size_t c = 0; c < cells_.size(); ++c) {
+        mean_.push_back(meanChange(cells_[c]));
+        for (std::size_t k = 0; k < samples_; ++k) strain_[samples_ * c + k][6] = mean_[c];
+      }
     fitAll();
   }
 
@@ -129,6 +137,16 @@ class Recovery {
     return points;
   }
 
+  /// By the points of the cells' own quadrature.
+  double meanChange(const Cell& cell) const {
+    double sum = 0, all = 0;
+    for (const QuadraturePoint& point : kindOf(cell).rule(std::tuple_size_v<Cell> == 5 ? 1 : 2).points) {
+      const auto [f, size] = deformationAt(cell, point.xi, rest_, now_);
+      sum += point.weight * size * strainOf(f, bulk_, change_.of)[6], all += point.weight * size;
+    }
+    return sum / all;
+  }
+
   void addAt(std::size_t c, const QuadraturePoint& point, StrainError& sum) const {
     const Cell& cell = cells_[c];
     const LocalPoint& xi = point.xi;
@@ -138,8 +156,9 @@ class Recovery {
     double size = size_[c];
     if constexpr (!has_one_strain) {
       const auto [f, its_size] = deformationAt(cell, xi, rest_, now_);
-      own = strainOf(f, bulk_), size = its_size;
+      own = strainOf(f, bulk_, change_.of), size = its_size;
     }
+    if (change_.is_mean) own[6] = mean_[c];
     Strain recovered = Strain::Zero();
     for (std::size_t a = 0; a < cell.size(); ++a) recovered += shapes[a] * at_node_[std::size_t(cell[a])];
     sum.error += modulus_[c] * point.weight * size * (recovered - own).squaredNorm();
@@ -223,6 +242,8 @@ class Recovery {
   std::vector<Cell> cells_;
   std::vector<double> modulus_;
   double bulk_;
+  VolumeChange change_;
+  std::vector<double> mean_;  ///< of cells, where they have one
   std::vector<Vec3> rest_, now_;
   std::size_t samples_ = 1;                         ///< in each cell
   std::vector<Vec3> place_;                         ///< of them, shape (cells * samples_)
@@ -235,7 +256,7 @@ class Recovery {
 /// Cells with moduli within 1.5 of each other are one material.
 template <class Cell>
 StrainError estimate(const std::vector<Cell>& cells, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
-                     const std::vector<double>& modulus, double bulk) {
+                     const std::vector<double>& modulus, double bulk, VolumeChange change) {
   std::map<long, std::pair<std::vector<Cell>, std::vector<double>>> materials;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const double own = modulus.size() == cells.size() ? modulus[c] : 1;
@@ -245,130 +266,31 @@ StrainError estimate(const std::vector<Cell>& cells, const std::vector<Vec3>& re
   }
   StrainError sum;
   for (auto& [material, its] : materials) {
-    const StrainError part = Recovery<Cell>(std::move(its.first), std::move(its.second), bulk, rest, now).error();
+    const StrainError part = Recovery<Cell>(std::move(its.first), std::move(its.second), bulk, change, rest, now).error();
     sum.error += part.error, sum.strain += part.strain;
     sum.largest = std::max(sum.largest, part.largest);
   }
   return sum;
 }
 
-/// A list with a value per cell, or empty.
-std::vector<double> listOf(const ForceField& field, const char* name, std::size_t cells) {
-  const Data* data = field.data().find(name);
-  if (!data) return {};
-  const auto* list = std::get_if<std::vector<double>*>(&data->pointer());
-  return list && (*list)->size() == cells ? **list : std::vector<double>();
-}
-
-std::vector<double> modulusOf(const ForceField& field, std::size_t cells) {
-  std::vector<double> modulus = listOf(field, "youngModulus", cells);
-  const std::vector<double> factor = listOf(field, "localStiffnessFactor", cells);
-  if (modulus.empty()) return factor;
-  for (std::size_t c = 0; c < factor.size(); ++c) modulus[c] *= factor[c];
-  return modulus;
-}
-
-/// Of triangles with stiffness in their plane; they have no stress for exporters.
-bool isMembrane(const ForceField& field) {
-  return field.type().find("Triang") != std::string::npos && field.type().find("FEM") != std::string::npos;
-}
-
-/// K/(2 mu) of a field whose volume change is that of each point, or what stands for it in plane stress; zero where it is a
-/// mean, or not known.
-double bulkOf(const ForceField& field) {
-  const Data *data = field.data().find("poissonRatio"), *dilatation = field.data().find("dilatation");
-  const bool is_membrane = isMembrane(field);
-  const auto* list = data && (dilatation || is_membrane) ? std::get_if<std::vector<double>*>(&data->pointer()) : nullptr;
-  if (!list || (*list)->empty()) return 0;
-  if (is_membrane) {
-    const double nu = *std::max_element((*list)->begin(), (*list)->end());
-    return (1 + 2 * nu) / (3 * (1 - nu));
-  }
-  const auto* open = dynamic_cast<const OpenChoices*>(&field);
-  if (dilatation->print() == "mean" || (open && open->choice().find("mean") != std::string::npos)) return 0;
-  const double nu = *std::max_element((*list)->begin(), (*list)->end());
-  return (1 + nu) / (3 * (1 - 2 * nu));
-}
-
-/// The cells of a mesh that a field is made of.
-template <class Visit>
-void visitCells(const ForceField& field, Visit&& visit) {
-  const CellKind* kind = kindOfLaw(field);
-  const bool is_membrane = isMembrane(field);
-  for (const Topology* topology : topologiesOf(field.state())) {
-    const Mesh& mesh = topology->mesh();
-    if (mesh.overlap != 1 || std::size_t(mesh.nodes()) > field.state().rest_position.size()) continue;
-    if (is_membrane && !mesh.triangles.empty()) return visit(mesh.triangles);
-    if (is_membrane) continue;
-    if (!kind) continue;
-    if (kind->type == CellType::tetrahedron && !mesh.tetrahedra.empty()) return visit(mesh.tetrahedra);
-    if (kind->type == CellType::hexahedron && !mesh.hexahedra.empty()) return visit(mesh.hexahedra);
-    if (kind->type == CellType::prism && !mesh.prisms.empty()) return visit(mesh.prisms);
-    if (kind->type == CellType::pyramid && !mesh.pyramids.empty()) return visit(mesh.pyramids);
-    if (kind->type == CellType::quadratic_tetrahedron && !mesh.quadratic_tetrahedra.empty()) return visit(mesh.quadratic_tetrahedra);
-  }
-}
-
 }  // namespace
 
 template <class Cell>
 StrainError strainError(const std::vector<Cell>& cells, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
-                        const std::vector<double>& modulus, double bulk) {
-  return estimate(cells, rest, now, modulus, bulk);
+                        const std::vector<double>& modulus, double bulk, VolumeChange change) {
+  return estimate(cells, rest, now, modulus, bulk, change);
 }
 template StrainError strainError(const std::vector<Tetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<Hexahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<Triangle>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<Prism>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<Pyramid>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
+                                 const std::vector<double>&, double, VolumeChange);
 template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double);
-
-std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
-  if (!isMembrane(field) && !kindOfLaw(field)) return {};
-  const std::vector<Vec3>& rest = field.state().rest_position;
-  const std::vector<Vec3> now = positionsOf(field.state(), x);
-  if (now == rest) return {};
-  constexpr double round_off = 1e-10;  // strains of rounded positions
-  std::optional<StrainError> found;
-  visitCells(field, [&](const auto& cells) {
-    const StrainError error = strainError(cells, rest, now, modulusOf(field, cells.size()), bulkOf(field));
-    if (std::isfinite(error.error) && error.largest > round_off * round_off) found = error;
-  });
-  return found;
-}
-
-std::vector<std::string> meshErrors(const Simulation& simulation) {
-  constexpr double limit = 0.03;
-  simulation.complete();
-  const UnitSystem units = unitsOf(simulation.scene());
-  std::vector<std::string> sentences;
-  for (const auto& system : simulation.systems()) {
-    double error = 0, all = 0, greatest = 0;
-    const ForceField* worst = nullptr;
-    for (const ForceField* field : system->forceFields()) {
-      const auto own = meshErrorOf(*field, system->x);
-      const double energy = own ? std::abs(field->energy(system->x)) : 0;
-      if (!own || !std::isfinite(energy)) continue;
-      all += energy, error += own->share() * energy;
-      if (own->share() * energy > greatest) greatest = own->share() * energy, worst = field;
-    }
-    if (!worst || error <= limit * all) continue;
-    bool are_stiff = false;
-    visitCells(*worst, [&are_stiff](const auto& cells) { are_stiff = cells.front().size() >= 4 && cells.front().size() <= 6; });
-    sentences.push_back(fmt::format(
-        "{} at t = {:.6g}{}: by the jumps of the strain between cells the mesh is too coarse for this "
-        "deformation: some "
-        "{:.0f} % too stiff. Finer cells{} are closer",
-        worst->path(), simulation.time(), units.behind("s"), 100 * error / all,
-        are_stiff ? ", quadratic tetrahedra or hexahedra" : ""));
-  }
-  return sentences;
-}
+                                 const std::vector<double>&, double, VolumeChange);
 
 }  // namespace stroma

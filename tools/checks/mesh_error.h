@@ -18,13 +18,19 @@ struct StrainError {
   double share() const { return strain > 0 ? error / (error + strain) : 0; }
 };
 
+/// What stands for tr(E): near Poisson's ratio 1/2 only that which the law resists tells how much.
+struct VolumeChange {
+  enum class Of { green, stretch, displacement, volume } of = Of::green;  ///< tr(E), tr(U) - 3, tr(F) - 3, J - 1
+  bool is_mean = false;                                                   ///< each cell has one, its mean
+};
+
 /// Of Green's strain, whatever the law: |E|^2 = |dev E|^2 + `bulk` tr(E)^2, with K/(2 mu) for `bulk`, or 0. It is compared
 /// with a continuous one, whose values at nodes are those of a linear fit to the cells around it (Zienkiewicz and Zhu
 /// 1992), of quadratic cells a quadratic one. `modulus`: a weight per cell, empty: 1. Fits hold cells of one modulus only: between
 /// materials strains do jump. Of tetrahedra, hexahedra, prisms, pyramids, quadratic tetrahedra and triangles.
 template <class Cell>
 StrainError strainError(const std::vector<Cell>& cells, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
-                        const std::vector<double>& modulus = {}, double bulk = 0);
+                        const std::vector<double>& modulus = {}, double bulk = 0, VolumeChange change = {});
 
 /// Of the cells of a field that stores elastic energy; nothing for other fields, inverted cells and shapes that
 /// are as at rest.
