@@ -341,18 +341,14 @@ StrainError strainError(const std::vector<Cell>& cells, const std::vector<Vec3>&
                         const std::vector<double>& modulus, double bulk, VolumeChange change) {
   return estimate(cells, rest, now, modulus, bulk, change);
 }
-template StrainError strainError(const std::vector<Tetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<Hexahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<Triangle>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<Prism>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<Pyramid>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
+using Places = std::vector<Vec3>;
+using Moduli = std::vector<double>;
+template StrainError strainError(const std::vector<Tetrahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Hexahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Triangle>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Prism>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Pyramid>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
 
 std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
   if (!isMembrane(field) && !kindOfLaw(field)) return {};
@@ -384,13 +380,17 @@ std::vector<std::string> meshErrors(const Simulation& simulation) {
       if (own->share() * energy > greatest) greatest = own->share() * energy, worst = field;
     }
     if (!worst || error <= limit * all) continue;
-    bool are_stiff = false;
-    visitCells(*worst, [&are_stiff](const auto& cells) { are_stiff = cells.front().size() >= 4 && cells.front().size() <= 6; });
+    bool are_stiff = false, is_quadratic = false;
+    visitCells(*worst, [&](const auto& cells) {
+      const std::size_t nodes = cells.front().size();
+      are_stiff = nodes >= 4 && nodes <= 6, is_quadratic = nodes == 10;
+    });
     sentences.push_back(fmt::format(
         "{} at t = {:.6g}{}: by the jumps of the strain between cells the mesh is too coarse for this "
         "deformation: some "
-        "{:.0f} % too stiff. Finer cells{} are closer",
+        "{:.0f} % {}. Finer cells{} are closer",
         worst->path(), simulation.time(), units.behind("s"), 100 * error / all,
+        is_quadratic && hasMeanDilatation(*worst) ? "off" : "too stiff",  // with four points and one volume they may be too soft
         are_stiff ? ", quadratic tetrahedra or hexahedra" : ""));
   }
   return sentences;
