@@ -341,14 +341,14 @@ StrainError strainError(const std::vector<Cell>& cells, const std::vector<Vec3>&
                         const std::vector<double>& modulus, double bulk, VolumeChange change) {
   return estimate(cells, rest, now, modulus, bulk, change);
 }
-using Places = std::vector<Vec3>;
+using Spots = std::vector<Vec3>;
 using Moduli = std::vector<double>;
-template StrainError strainError(const std::vector<Tetrahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
-template StrainError strainError(const std::vector<Hexahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
-template StrainError strainError(const std::vector<Triangle>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
-template StrainError strainError(const std::vector<Prism>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
-template StrainError strainError(const std::vector<Pyramid>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
-template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Tetrahedron>&, const Spots&, const Spots&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Hexahedron>&, const Spots&, const Spots&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Triangle>&, const Spots&, const Spots&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Prism>&, const Spots&, const Spots&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Pyramid>&, const Spots&, const Spots&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const Spots&, const Spots&, const Moduli&, double, VolumeChange);
 
 std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
   if (!isMembrane(field) && !kindOfLaw(field)) return {};
