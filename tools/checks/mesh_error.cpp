@@ -280,17 +280,13 @@ StrainError strainError(const std::vector<Cell>& cells, const std::vector<Vec3>&
                         const std::vector<double>& modulus, double bulk, VolumeChange change) {
   return estimate(cells, rest, now, modulus, bulk, change);
 }
-template StrainError strainError(const std::vector<Tetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<Hexahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<Triangle>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<Prism>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<Pyramid>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
-template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const std::vector<Vec3>&, const std::vector<Vec3>&,
-                                 const std::vector<double>&, double, VolumeChange);
+using Places = std::vector<Vec3>;
+using Moduli = std::vector<double>;
+template StrainError strainError(const std::vector<Tetrahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Hexahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Triangle>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Prism>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<Pyramid>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
 
 }  // namespace stroma

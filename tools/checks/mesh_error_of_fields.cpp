@@ -122,13 +122,16 @@ std::vector<std::string> meshErrors(const Simulation& simulation) {
       if (own->share() * energy > greatest) greatest = own->share() * energy, worst = field;
     }
     if (!worst || error <= limit * all) continue;
-    bool are_stiff = false;
-    visitCells(*worst, [&are_stiff](const auto& cells) { are_stiff = cells.front().size() >= 4 && cells.front().size() <= 6; });
+    bool are_stiff = false, is_quadratic = false;
+    visitCells(*worst, [&](const auto& cells) {
+      const std::size_t nodes = cells.front().size();
+      are_stiff = nodes >= 4 && nodes <= 6, is_quadratic = nodes == 10;
+    });
     sentences.push_back(fmt::format(
-        "{} at t = {:.6g}{}: by the jumps of the strain between cells the mesh is too coarse for this "
-        "deformation: some "
-        "{:.0f} % too stiff. Finer cells{} are closer",
+        "{} at t = {:.6g}{}: by the jumps of the strain between cells the mesh is too coarse for this deformation: some "
+        "{:.0f} % {}. Finer cells{} are closer",
         worst->path(), simulation.time(), units.behind("s"), 100 * error / all,
+        is_quadratic && hasMeanDilatation(*worst) ? "off" : "too stiff",  // with four points and one volume they may be too soft
         are_stiff ? ", quadratic tetrahedra or hexahedra" : ""));
   }
   return sentences;
