@@ -115,6 +115,7 @@ class Multipliers {
   void give();
   std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
   bool partRightSide();
+  static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
   std::string nameOf(std::size_t row) const;
   std::string nodesOf(std::size_t row) const;
   void judge(double step, double size, double rounding, StepReport& report);

@@ -287,6 +287,7 @@ template StrainError strainError(const std::vector<Hexahedron>&, const Places&, 
 template StrainError strainError(const std::vector<Triangle>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
 template StrainError strainError(const std::vector<Prism>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
 template StrainError strainError(const std::vector<Pyramid>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
-template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const Places&, const Places&, const Moduli&, double, VolumeChange);
+template StrainError strainError(const std::vector<QuadraticTetrahedron>&, const Places&, const Places&, const Moduli&, double,
+                                 VolumeChange);
 
 }  // namespace stroma

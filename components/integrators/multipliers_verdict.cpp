@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the forces of Lagrangian constraints of a step are worth when their rounds have ended.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/integrators/multipliers.h"
+#include "framework/simulation/integrator.h"
+
+namespace stroma {
+
+/// The constraint that a row is of.
+std::string Multipliers::nameOf(std::size_t row) const {
+  const auto end = std::upper_bound(ends_.begin(), ends_.end(), row);
+  const auto* constraint = system_->actors().lagrangian_constraints[std::size_t(end - ends_.begin())];
+  return dynamic_cast<const Component&>(*constraint).path();
+}
+
+/// " (node 3 of /a/dofs, node 4 of /b/dofs)"
+std::string Multipliers::nodesOf(std::size_t row) const {
+  constexpr std::size_t most = 4;
+  std::string nodes;
+  const auto entries = rows_.entriesOf(rows_.rows()[row]);
+  for (std::size_t i = 0; i < std::min(most, entries.size()); ++i)
+    nodes += (i == 0 ? " (" : ", ") + system_->actors().describeRow(entries[i].row);
+  return nodes.empty() ? nodes : nodes + (entries.size() > most ? " and others)" : ")");
+}
+
+/// That of all rows: no row says whose the forces of a step are.
+double Multipliers::leastTolerance(bool kept) {
+  findTolerances(system_->actors().lagrangian_constraints, ends_, kept, allowed_);
+  return allowed_.empty() ? 0 : *std::min_element(allowed_.begin(), allowed_.end());
+}
+
+/// What has not come to rest and what does not hold.
+void Multipliers::judge(double step, double size, double rounding, StepReport& report) {
+  if (!std::isfinite(step)) {
+    report.diverged = true;
+    report.reason = "the forces of Lagrangian constraints are not finite";
+    return;
+  }
+  if (isOnce()) return;
+  constexpr double still = 1e-6;  // of the place: what directions of forces still turn bodies by
+  const double held = held_within * size + rounding + 1e-300;
+  ConditionForces::Violation worst;
+  bool is_kept = true;
+  for (const bool kept : {true, false}) {
+    findTolerances(system_->actors().lagrangian_constraints, ends_, kept, allowed_);
+    if (is_kept) worst = solve_.worst(rows_.rows(), allowed_), is_kept = !kept || worst.off <= held;
+  }
+  const auto refuse = [&](std::string reason) {
+    report.constraints_converged = is_kept;
+    report.constraint_reason = std::move(reason);
+  };
+  if (!(worst.off <= held)) {
+    const std::string name = nameOf(worst.row), nodes = nodesOf(worst.row);
+    if (worst.rubs)
+      return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m{}", name, worst.off, nodes));
+    const auto entries = rows_.entriesOf(rows_.rows()[worst.row]);
+    if (std::all_of(entries.begin(), entries.end(), [](const auto& entry) { return entry.gradient.isZero(0); })) {
+      is_kept = false;
+      return refuse(fmt::format("the Lagrangian constraint {} does not hold and no force mends it: the step goes farther than what "
+                                "it can prove to be free{}. A smaller dt helps, or larger gaps",
+                                name, nodes));
+    }
+    const double g = std::abs(solve_.g[Eigen::Index(worst.row)]);
+    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}{}", name, g, nodes));
+  }
+  if (!(step <= std::max(still * size, leastTolerance(false)) + rounding + 1e-300)) {
+    is_kept = step <= leastTolerance(true);
+    refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their largest coordinate "
+                       "when their rounds end",
+                       system_->integrator().path(), step / size));
+  }
+}
+
+}  // namespace stroma
