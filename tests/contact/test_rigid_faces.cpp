@@ -221,6 +221,27 @@ TEST(RigidFaces, ABallOfTrianglesIsPushedUpright) {
   }
 }
 
+/// What finds the forces of many equal conditions counts as a search, and where nothing meets there is none.
+TEST(RigidFaces, SearchesForForcesAreCounted) {
+  const auto outputOf = [](const Simulation& simulation, const char* name) {
+    std::vector<Component*> all;
+    simulation.root().collect(all);
+    for (const Component* component : all)
+      if (component->type() == "EulerImplicitSolver") return std::stod(component->data().find(name)->print());
+    return -1.0;
+  };
+  Simulation stands = simulationFromText(boxes(2, 0.01, 1e-3));
+  expectCleanStep(stands, 0);
+  EXPECT_GT(outputOf(stands, "conditionIterations"), 0);
+  EXPECT_LT(outputOf(stands, "conditionResidual"), 1e-9);
+  Simulation falls = simulationFromText(
+      freeOnTable(rigid("a", boxOf(Vec3::Constant(-0.05), Vec3::Constant(0.05)).mesh(), Vec3(0, 0, 0.2), 0, 1, Vec3::Constant(0.01 / 6)),
+                  Vec3(0.5, 0.5, 0.1)));
+  expectCleanStep(falls, 0);
+  EXPECT_EQ(outputOf(falls, "conditionIterations"), 0);
+  EXPECT_EQ(outputOf(falls, "conditionResidual"), 0);
+}
+
 /// Forces of the step before are in a checkpoint: what goes on from it is the same to the bit.
 TEST(RigidFaces, GoOnFromACheckpoint) {
   const std::string text = boxes(5, 0.01, 1e-3);
