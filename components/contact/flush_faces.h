@@ -5,8 +5,9 @@
 // has that face's direction m, outward, and rims of both have one direction,
 //   n = (m_b - m_a) / |m_b - m_a|,   x_a - x_b = d n / (n . m)
 // where m is the direction of their distance d, across both rims. There are conditions at the corners of what they have in common,
-// seen along n: vertices of one over the other, and rims that cross. These carry every force and moment that a pressure between the two faces can have. What is beside has no condition as long as
-// there is one of these; beyond that, closest points tell, as on a rim that is rounded by the gap.
+// seen along n: vertices of one over the other, and rims that cross. These carry every force and moment that a pressure between
+// the two faces can have. What is beside has no condition as long as there is one of these; beyond that, closest points tell, as
+// on a rim that is rounded by the gap.
 //
 // A face is what triangles in one plane make of the surface of a body that a rigid frame carries, or of an obstacle. Two are flat
 // on each other where a step starts with planes whose distance changes by less than contactDistance over what they have in common,
