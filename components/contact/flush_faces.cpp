@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "components/contact/kept_gaps.h"
@@ -13,7 +14,7 @@ namespace stroma::contact {
 
 namespace {
 
-constexpr double flat = 0.3;  // rad
+constexpr double steepest = 0.1;  // rad, also of faces that are smaller than the gap
 
 /// Twice the area, outward.
 Vec3 areaOf(const std::array<int, 3>& t, const std::vector<Vec3>& x) {
@@ -25,7 +26,7 @@ Vec3 areaOf(const std::array<int, 3>& t, const std::vector<Vec3>& x) {
 
 void FlushFaces::compile(const Surfaces& s, const std::vector<char>& rigid) {
   constexpr double one_plane = 1e-6;  // rad
-  faces_.clear(), body_.clear(), meetings_.clear();
+  faces_.clear(), begin();
   face_of_.assign(s.faces.size(), -1), edge_faces_.assign(s.edges.size(), {-1, -1}), around_.assign(s.rest.size(), {});
   std::vector<std::array<int, 2>> sides(s.edges.size(), {-1, -1});  // triangles of each edge
   const auto counts = [&](std::size_t t) {
@@ -52,12 +53,15 @@ void FlushFaces::compile(const Surfaces& s, const std::vector<char>& rigid) {
               (areaOf(s.faces[std::size_t(next)], s.rest).normalized() - normal).norm() < one_plane)
             face_of_[std::size_t(next)] = number, open.push_back(next);
     }
-    faces_.push_back(s.faces[largest]), body_.push_back(s.bodyOf(s.faces[largest][0]));
+    faces_.push_back(s.faces[largest]);
   }
+  vertices_.assign(faces_.size(), {});
   for (std::size_t t = 0; t < s.faces.size(); ++t)
     for (const int v : s.faces[t]) {
       std::vector<int>& all = around_[std::size_t(v)];
-      if (face_of_[t] >= 0 && std::find(all.begin(), all.end(), face_of_[t]) == all.end()) all.push_back(face_of_[t]);
+      if (face_of_[t] < 0 || std::find(all.begin(), all.end(), face_of_[t]) != all.end()) continue;
+      all.push_back(face_of_[t]);
+      vertices_[std::size_t(face_of_[t])].push_back(v);
     }
   for (std::size_t e = 0; e < s.edges.size(); ++e)
     for (std::size_t k = 0; k < 2; ++k)
@@ -65,6 +69,10 @@ void FlushFaces::compile(const Surfaces& s, const std::vector<char>& rigid) {
 }
 
 Vec3 FlushFaces::outward(int face, const std::vector<Vec3>& x) const { return areaOf(faces_[std::size_t(face)], x).normalized(); }
+
+std::span<const int> FlushFaces::numbersOf(const KeptGap& gap) const {
+  return std::span(numbers_).subspan(gap.first_meeting, gap.end_of_meetings - gap.first_meeting);
+}
 
 bool FlushFaces::isOn(int face, int vertex) const {
   const std::vector<int>& all = around_[std::size_t(vertex)];
@@ -87,40 +95,62 @@ bool FlushFaces::isOnBoth(const KeptGap& gap, const Meeting& meeting) const {
   return (areOn(0, second, meeting.a) && areOn(second, 4, meeting.b)) || (areOn(0, second, meeting.b) && areOn(second, 4, meeting.a));
 }
 
-bool FlushFaces::add(KeptGap& gap, const Surfaces& s, const std::vector<Vec3>& x) {
+/// How much their distance changes along `way`, of the length of their tilt, over what they have in common in its direction [m].
+double FlushFaces::openingOf(int a, int b, const Vec3& way, const std::vector<Vec3>& x) const {
+  double first = -std::numeric_limits<double>::infinity(), last = -first;
+  for (const int face : {a, b}) {
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const int v : vertices_[std::size_t(face)]) {
+      const double at = way.dot(x[std::size_t(v)]);
+      least = std::min(least, at), most = std::max(most, at);
+    }
+    first = std::max(first, least), last = std::min(last, most);
+  }
+  return last - first;
+}
+
+/// The number of that of two faces. -1: they are not flat on each other.
+int FlushFaces::meetingOf(int a, int b, double range, const std::vector<Vec3>& x) {
+  const auto known = [&](const Meeting& meeting) { return meeting.a == a && meeting.b == b; };
+  const auto at = std::find_if(meetings_.begin(), meetings_.end(), known);
+  if (at != meetings_.end()) return int(at - meetings_.begin());
+  const Vec3 m = outward(a, x), o = outward(b, x), way = m + o;
+  if (!(m.dot(o) < 0 && way.norm() < steepest) || openingOf(a, b, way, x) > range) return -1;
+  meetings_.push_back({.a = a, .b = b, .n = (m - o).normalized(), .tilt = way.norm()});
+  return int(meetings_.size()) - 1;
+}
+
+bool FlushFaces::add(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) {
+  gap.first_meeting = gap.end_of_meetings = numbers_.size();
   if (!gap.pair || faces_.empty()) return false;
   const std::size_t second = gap.pair->kind == PairKind::edge_edge ? 2 : 1;
-  if (s.bodyOf(gap.v[0]) == s.bodyOf(gap.v[second])) return false;
-  std::size_t found = 0;
+  if (law.surfaces.bodyOf(gap.v[0]) == law.surfaces.bodyOf(gap.v[second])) return false;
   const auto meet = [&](int f, int g) {
-    const auto known = [&](const Meeting& meeting) { return meeting.a == std::min(f, g) && meeting.b == std::max(f, g); };
-    auto at = std::find_if(meetings_.begin(), meetings_.end(), known);
-    if (at == meetings_.end()) {
-      const Vec3 m = outward(f, x), o = outward(g, x);
-      if (!(m.dot(o) < -std::cos(flat))) return;
-      const Vec3 between = x[std::size_t(faces_[std::size_t(g)][0])] - x[std::size_t(faces_[std::size_t(f)][0])];
-      if (!(between.dot(m - o) > 0)) return;
-      at = meetings_.insert(at, {std::min(f, g), std::max(f, g)});
-    }
-    const int number = int(at - meetings_.begin());
-    const auto end = gap.meetings.begin() + std::ptrdiff_t(found);
-    if (found < gap.meetings.size() && std::find(gap.meetings.begin(), end, number) == end) gap.meetings[found++] = number;
+    const int number = meetingOf(std::min(f, g), std::max(f, g), law.range, x);
+    const auto own = numbers_.begin() + std::ptrdiff_t(gap.first_meeting);
+    if (number < 0 || std::find(own, numbers_.end(), number) != numbers_.end()) return;
+    numbers_.push_back(number);
+    Meeting& meeting = meetings_[std::size_t(number)];
+    if (!(gap.start < meeting.nearest) || !isOnBoth(gap, meeting)) return;
+    meeting.nearest = gap.start;
+    meeting.is_outside = gap.n.dot(f == meeting.a ? Vec3(-meeting.n) : meeting.n) > 0;
   };
   for (std::size_t i = 0; i < second; ++i)
     for (std::size_t j = second; j < 4; ++j)
       for (const int f : around_[std::size_t(gap.v[i])])
         for (const int g : around_[std::size_t(gap.v[j])]) meet(f, g);
-  return found > 0;
+  gap.end_of_meetings = numbers_.size();
+  return gap.end_of_meetings > gap.first_meeting;
 }
 
-/// Along the direction of two faces. False: what it is of is not above each other, or in no way a corner.
+/// Along the face that a vertex is on, or the direction of two faces. False: what it is of is not above each other, or in no way a corner.
 bool FlushFaces::place(KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together) const {
   if (gap.flush_at_start == KeptGap::Flush::corner) together *= 2;  // it stays one for the step
   constexpr double parallel = 1e-6, steep = 0.1;
   const bool crosses = gap.pair->kind == PairKind::edge_edge;
   const bool is_forth = isOn(meeting.a, gap.v[0]) && (!crosses || isOn(meeting.a, gap.v[1]));
   const int own = is_forth ? meeting.a : meeting.b, other = is_forth ? meeting.b : meeting.a;
-  const Vec3 n = is_forth ? Vec3(-meeting.n) : meeting.n;
+  const Vec3 n = !crosses ? outward(other, x) : is_forth ? Vec3(-meeting.n) : meeting.n;
   const auto at = [&](std::size_t k) -> const Vec3& { return x[std::size_t(gap.v[k])]; };
   if (crosses ? !(isRim(gap.pair->first, own) && isRim(gap.pair->second, other))
               : !(isOn(own, gap.v[0]) && face_of_[std::size_t(gap.pair->second)] == other))
@@ -158,24 +188,28 @@ void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, do
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     KeptGap& gap = gaps[i];
     gap.flush = KeptGap::Flush::no;
-    for (const int number : gap.meetings) {
-      if (number < 0 || gap.flush == KeptGap::Flush::corner) break;
+    int flattest = -1;  // of those that it is at a corner of
+    KeptGap corner;
+    for (const int number : numbersOf(gap)) {
       Meeting& meeting = meetings_[std::size_t(number)];
-      if (!place(gap, meeting, x, together)) continue;
-      gap.flush = KeptGap::Flush::corner, meeting.overlaps = true;
-      Vec3 middle = Vec3::Zero();  // of the two sides
-      double apart = 0;
-      const bool crosses = gap.pair->kind == PairKind::edge_edge;
-      for (std::size_t k = 0; k < 4; ++k)
-        middle += (k == 0 || (crosses && k == 1) ? 0.5 : -0.5) * gap.c[k] * x[std::size_t(gap.v[k])];
-      for (std::size_t k = 0; k < 4; ++k) apart += gap.upright * gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])]);
-      places_.push_back({number, crosses, middle, apart, i});
+      KeptGap there = gap;
+      if (!meeting.is_outside || !place(there, meeting, x, together)) continue;
+      meeting.overlaps = true;
+      if (flattest < 0 || meeting.tilt < meetings_[std::size_t(flattest)].tilt) flattest = number, corner = there;
     }
+    if (flattest < 0) continue;
+    gap = corner, gap.flush = KeptGap::Flush::corner;
+    Vec3 middle = Vec3::Zero();  // of the two sides
+    double apart = 0;
+    const bool crosses = gap.pair->kind == PairKind::edge_edge;
+    for (std::size_t k = 0; k < 4; ++k)
+      middle += (k == 0 || (crosses && k == 1) ? 0.5 : -0.5) * gap.c[k] * x[std::size_t(gap.v[k])];
+    for (std::size_t k = 0; k < 4; ++k) apart += gap.upright * gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])]);
+    places_.push_back({flattest, crosses, middle, apart, i});
   }
   for (KeptGap& gap : gaps)
-    for (const int number : gap.meetings)
-      if (number >= 0 && gap.flush == KeptGap::Flush::no && meetings_[std::size_t(number)].overlaps &&
-          isOnBoth(gap, meetings_[std::size_t(number)]))
+    for (const int number : numbersOf(gap))
+      if (gap.flush == KeptGap::Flush::no && meetings_[std::size_t(number)].overlaps && isOnBoth(gap, meetings_[std::size_t(number)]))
         gap.flush = KeptGap::Flush::beside;
   joinNear(gaps, together);
 }

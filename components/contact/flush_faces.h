@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Faces of rigid bodies that lie flat on each other. Where the rim of one is above the rim of the other, closest points are on
 // both rims, and their direction turns by the slide over the gap: a slide of a micrometre below a gap of a millimetre is a
-// thousandth of a radian. Conditions then have directions of their own and contradict each other. So two such faces have one
-// direction, with m outward on each,
+// thousandth of a radian. Conditions then have directions of their own and contradict each other. So a vertex over the other face
+// has that face's direction m, outward, and rims of both have one direction,
 //   n = (m_b - m_a) / |m_b - m_a|,   x_a - x_b = d n / (n . m)
-// where m is the direction of their distance d: of a vertex the other face's, of two rims what is across both,
-// and contacts at the corners of what they have in common, seen along n: vertices of one over the other, and rims that cross.
-// These carry every force and moment that a pressure between the two faces can have. What is beside has no condition as long as
-// there is one of these; beyond that, closest points tell, as on a rim that is rounded by the gap.
+// where m is the direction of their distance d, across both rims. There are conditions at the corners of what they have in common,
+// seen along n: vertices of one over the other, and rims that cross. These carry every force and moment that a pressure between
+// the two faces can have. What is beside has no condition as long as there is one of these; beyond that, closest points tell, as
+// on a rim that is rounded by the gap.
 //
 // A face is what triangles in one plane make of the surface of a body that a rigid frame carries, or of an obstacle. Two are flat
-// on each other where a step starts with less than `flat` between their planes [rad] and each is on the outer side of the other.
+// on each other where a step starts with planes whose distance changes by less than contactDistance over what they have in common,
+// and where the closest points of the nearest pair that is on both are on the outer side of each. Along m a tilted box is not
+// pushed aside, and vertices of a ball of triangles are pushed along the face that they are on, whichever triangles they are of.
 #pragma once
+#include <limits>
+#include <span>
 #include <vector>
 
 #include "components/contact/contact_terms.h"
@@ -25,9 +29,9 @@ class FlushFaces {
   /// After `surfaces` have been finished. `rigid`: of each body of them.
   void compile(const Surfaces& surfaces, const std::vector<char>& rigid);
   /// A step starts, with other pairs.
-  void begin() { meetings_.clear(); }
-  /// Where a step starts: whether the sides of a pair may lie in two such faces. Their numbers go to KeptGap::meetings.
-  bool add(KeptGap& gap, const Surfaces& surfaces, const std::vector<Vec3>& x);
+  void begin() { meetings_.clear(), numbers_.clear(); }
+  /// Where a step starts: whether the sides of a pair may lie in two such faces.
+  bool add(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x);
   /// Gives directions, places and gaps to those at corners (KeptGap::flush). Corners nearer to each other than `together` [m] are one.
   void look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, double together);
 
@@ -36,6 +40,9 @@ class FlushFaces {
   struct Meeting {
     int a, b;
     Vec3 n = Vec3::Zero();  ///< from a to b
+    double tilt = 0;        ///< where the step starts [rad]
+    double nearest = std::numeric_limits<double>::infinity();  ///< distance of the nearest pair on both there [m]
+    bool is_outside = false;                                   ///< of that pair: each is on the outer side of the other
     bool overlaps = false;
   };
   struct Place {
@@ -45,19 +52,23 @@ class FlushFaces {
     double apart;
     std::size_t gap;
   };
+  std::span<const int> numbersOf(const KeptGap& gap) const;
   Vec3 outward(int face, const std::vector<Vec3>& x) const;
   bool isOn(int face, int vertex) const;
   bool isRim(int edge, int face) const;
+  int meetingOf(int a, int b, double range, const std::vector<Vec3>& x);
+  double openingOf(int a, int b, const Vec3& way, const std::vector<Vec3>& x) const;
   bool isOnBoth(const KeptGap& gap, const Meeting& meeting) const;
   bool place(KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together) const;
   void joinNear(std::vector<KeptGap>& gaps, double together);
 
   std::vector<std::array<int, 3>> faces_;       ///< vertices of the largest triangle of each
-  std::vector<int> body_;                       ///< of each face
+  std::vector<std::vector<int>> vertices_;      ///< all of each face
   std::vector<int> face_of_;                    ///< of each triangle; -1: none
   std::vector<std::array<int, 2>> edge_faces_;  ///< of each edge
   std::vector<std::vector<int>> around_;        ///< of each vertex
   std::vector<Meeting> meetings_;
+  std::vector<int> numbers_;  ///< of meetings, of one gap after another
   std::vector<Place> places_;  ///< work space
 };
 

@@ -106,6 +106,7 @@ void KeptForces::serialize(Archive& archive) {
   for (const Name& name : names_) numbers.insert(numbers.end(), name.begin(), name.end());
   archive.list("pushed_pairs", numbers);
   archive.list("pair_forces", forces_);
+  if (numbers.size() != 3 * forces_.size()) numbers.clear(), forces_.clear();  // of no use without each other
   names_.resize(numbers.size() / 3);
   for (std::size_t i = 0; i < names_.size(); ++i) std::copy_n(numbers.begin() + std::ptrdiff_t(3 * i), 3, names_[i].begin());
 }

@@ -195,7 +195,7 @@ void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways)
   };
   const double most = 2 * std::max(against(ways.last), against(ways.straight)) + ways.other;
   gap.is_parallel = isOfParallelEdges(*gap.pair, law.candidates.pointsOf(*gap.pair, start_));
-  const bool comes = gap.pair->pushes && gap.gap <= most, may_be_flush = comes && flush_.add(gap, law.surfaces, start_);
+  const bool comes = gap.pair->pushes && gap.gap <= most, may_be_flush = comes && flush_.add(gap, law, start_);
   const bool has_condition = comes && (may_be_flush || !gap.is_parallel);
   gap.acts = has_condition && !gap.is_parallel && gap.gap < rounding * law.range && allowance(gap, law, start_, tolerated_) == 0;
   (has_condition ? all_ : watched_).push_back(gap);

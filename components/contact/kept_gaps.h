@@ -28,7 +28,7 @@ struct KeptGap {
   std::array<int, 4> v{-1, -1, -1, -1};
   Vec3 across = Vec3::Zero();  ///< unit, along the surface where the step starts
   double start = 0;            ///< gap there, without contactDistance [m]
-  std::array<int, 3> meetings{-1, -1, -1};  ///< of FlushFaces, that it may be of
+  std::size_t first_meeting = 0, end_of_meetings = 0;  ///< in the list of FlushFaces, of those it may be of
   bool is_parallel = false;                 ///< of edges that have a condition only at a corner of such faces
   // where conditions were last looked at
   std::array<double, 4> c{};

@@ -36,7 +36,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   if (empty()) return;
   rule_ = rule;
   carries_ = carries;
-  made_before_ = solve_.steps + solve_.rounds;
+  made_before_ = iterationsOfAll(), searches_before_ = solve_.searches;
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
   knows_forces_ = false, bend_count_ = 0;
@@ -221,8 +221,8 @@ void Multipliers::findForces(StopToken stop) {
 }
 
 void Multipliers::give() {
-  iterations_ = int(solve_.steps + solve_.rounds - made_before_);
-  residual_ = rows_.rows().empty() ? 0 : solve_.unsettled();
+  iterations_ = int(iterationsOfAll() - made_before_);
+  residual_ = rows_.rows().empty() || solve_.searches == searches_before_ ? 0 : solve_.unsettled();
   std::size_t begin = 0;
   const auto& constraints = system_->actors().lagrangian_constraints;
   for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++])

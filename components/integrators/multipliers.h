@@ -113,6 +113,7 @@ class Multipliers {
   void sumResponses();
   void apply(Rows change);
   void give();
+  long iterationsOfAll() const { return solve_.steps + solve_.rounds + redundant_.steps + redundant_.rounds; }
   std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
   bool partRightSide();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
@@ -145,7 +146,7 @@ class Multipliers {
   Eigen::PartialPivLU<Eigen::MatrixXd> bent_;  ///< S^-1 + B^T Y
   Eigen::VectorXd along_bends_, bend_shares_;  ///< work space, as is
   Eigen::MatrixXd bend_matrix_;
-  long made_before_ = 0;  ///< iterations of the search of all steps before
+  long made_before_ = 0, searches_before_ = 0;  ///< iterations of the searches of all steps before, and how many these are
   int iterations_ = 0;    ///< of the last step
   double residual_ = 0;   ///< where they ended
   bool knows_forces_ = false;  ///< of the rows of this step

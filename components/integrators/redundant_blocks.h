@@ -8,21 +8,26 @@ namespace stroma {
 struct RedundantForces::Blocks {
   const RedundantForces& of;
   Eigen::VectorXd by, yields;
-  Eigen::MatrixXd p, q;  ///< P and Q
-  Eigen::MatrixXd a, b;  ///< blocks, each from the first column
-  Eigen::MatrixXd inverse, slim;
-  Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+  Work& work;
+  Eigen::MatrixXd &p = work.p, &q = work.q;  ///< P and Q
+  Eigen::MatrixXd &a = work.a, &b = work.b;  ///< blocks, each from the first column
 
-  Blocks(const RedundantForces& all, Eigen::VectorXd scale, double size)
-      : of(all), by(std::move(scale)), yields(size * by.cwiseAbs2().cwiseProduct(of.yields_)), p(by.asDiagonal() * of.p_),
-        q(by.asDiagonal() * of.q_) {
-    a.setZero(p.rows(), of.widest_), b = a;
+  Blocks(RedundantForces& all, Eigen::VectorXd scale, double size)
+      : of(all), by(std::move(scale)), yields(size * by.cwiseAbs2().cwiseProduct(of.yields_)), work(all.work_) {
+    p = by.asDiagonal() * of.p_;
+    q = by.asDiagonal() * of.q_;
+    a.setZero(p.rows(), of.widest_);
+    b = a;
     for (const auto& [at, rows] : of.all_) b.block(at, 0, rows, rows).setIdentity();
   }
-  Eigen::MatrixXd times(const Eigen::MatrixXd& blocks, const Eigen::MatrixXd& m) const {
-    Eigen::MatrixXd out(m.rows(), m.cols());
+  void multiply(const Eigen::MatrixXd& blocks, const auto& m, auto& out) const {
+    out.resize(m.rows(), m.cols());
     for (const auto& [at, rows] : of.all_)
       out.middleRows(at, rows).noalias() = blocks.block(at, 0, rows, rows).lazyProduct(m.middleRows(at, rows));
+  }
+  Eigen::VectorXd times(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& v) const {
+    Eigen::VectorXd out;
+    multiply(blocks, v, out);
     return out;
   }
   /// (W + size Y) v
@@ -31,17 +36,20 @@ struct RedundantForces::Blocks {
     return by.cwiseProduct(out) + yields.cwiseProduct(v);
   }
   void factor() {
-    inverse = b;
+    work.inverse = b;
     for (const auto& [at, rows] : of.all_) {
       const Eigen::MatrixXd c = a.block(at, 0, rows, rows) * yields.segment(at, rows).asDiagonal();
-      inverse.block(at, 0, rows, rows) = (c + b.block(at, 0, rows, rows)).inverse();
+      work.inverse.block(at, 0, rows, rows) = (c + b.block(at, 0, rows, rows)).inverse();
     }
-    slim = times(inverse, times(a, p));
-    lu.compute(Eigen::MatrixXd::Identity(p.cols(), p.cols()) + q.transpose() * slim);
+    multiply(a, p, work.half);
+    multiply(work.inverse, work.half, work.slim);
+    work.small.noalias() = q.transpose() * work.slim;
+    work.small.diagonal().array() += 1;
+    work.lu.compute(work.small);
   }
   Eigen::VectorXd solveOnce(const Eigen::VectorXd& right) const {
-    const Eigen::VectorXd y = times(inverse, right);
-    return y - slim * lu.solve(q.transpose() * y);
+    const Eigen::VectorXd y = times(work.inverse, right);
+    return y - work.slim * work.lu.solve(q.transpose() * y);
   }
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const {
     const Eigen::VectorXd d = solveOnce(right);

@@ -73,14 +73,18 @@ bool RedundantForces::findRoots() {
   constexpr double little = 1e-11;
   const Eigen::Index count = w_.rows();
   VectorXd left = w_.diagonal();
-  MatrixXd p(count, count), q(count, count);
+  MatrixXd &p = whole_p_, &q = whole_q_;
+  p.resize(count, count);
+  q.resize(count, count);
   for (Eigen::Index k = 0, at = 0; k < count; ++k) {
     const double pivot = left.maxCoeff(&at);
     if (!(pivot > little)) {
-      p_ = p.leftCols(k), q_ = q.leftCols(k);
+      p_ = p.leftCols(k);
+      q_ = q.leftCols(k);
       return true;
     }
-    p.col(k) = w_.col(at), q.col(k) = w_.row(at).transpose();
+    p.col(k) = w_.col(at);
+    q.col(k) = w_.row(at).transpose();
     p.col(k).noalias() -= p.leftCols(k) * q.row(at).head(k).transpose();
     q.col(k).noalias() -= q.leftCols(k) * p.row(at).head(k).transpose();
     q.col(k) /= pivot;
@@ -131,7 +135,8 @@ VectorXd RedundantForces::stepFrom(VectorXd& q, VectorXd& r, double size) {
     const Group& group = groups_[k];
     if (is_open[k]) continue;
     const Eigen::Index at = group.first, n = group.tangents();
-    blocks.a.block(at, 0, n + 1, n + 1).setIdentity(), blocks.b.block(at, 0, n + 1, n + 1).setZero();
+    blocks.a.block(at, 0, n + 1, n + 1).setIdentity();
+    blocks.b.block(at, 0, n + 1, n + 1).setZero();
     right.segment(at, n + 1) = -r.segment(at, n + 1);
     if (n == 0) continue;
     const VectorXd wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
@@ -139,7 +144,8 @@ VectorXd RedundantForces::stepFrom(VectorXd& q, VectorXd& r, double size) {
     if (length <= bound) continue;
     const VectorXd across = wanted / length;
     const MatrixXd one = MatrixXd::Identity(n, n), turned = bound / length * (one - across * across.transpose());
-    blocks.a.block(at + 1, 1, n, n) = turned / group.rate, blocks.b.block(at + 1, 1, n, n) = one - turned;
+    blocks.a.block(at + 1, 1, n, n) = turned / group.rate;
+    blocks.b.block(at + 1, 1, n, n) = one - turned;
     blocks.b.block(at + 1, 0, n, 1) = -group.mu * across;
     right.segment(at + 1, n) = bound * across - q.segment(at + 1, n);
   }

@@ -57,6 +57,11 @@ class RedundantForces {
     Eigen::Index tangents() const { return size - 1; }
   };
   struct Blocks;
+  /// The matrices of Blocks, of which there is one at a time.
+  struct Work {
+    Eigen::MatrixXd p, q, a, b, inverse, slim, half, small;
+    Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+  };
   struct Inside;
   static constexpr double none = std::numeric_limits<double>::infinity();
   static constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;  ///< of the largest condition without forces
@@ -80,6 +85,8 @@ class RedundantForces {
   Eigen::VectorXd scale_, offset_, yields_, start_, best_;  ///< in units in which W has a diagonal of one; start_, best_: forces
   Eigen::MatrixXd w_, p_, q_;                               ///< W, P and Q
   double size_ = 0, off_ = 0, contradiction_ = 0;           ///< off_: of best_, of size_
+  Eigen::MatrixXd whole_p_, whole_q_;                       ///< work space, as is
+  Work work_;
   StopToken stop_;
 };
 

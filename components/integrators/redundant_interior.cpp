@@ -60,7 +60,7 @@ struct RedundantForces::Inside {
   Blocks blocks;
   double nu = 0, way = 1;
 
-  Inside(const RedundantForces& all, double size) : of(all), by(scaleOf(all)), blocks(all, by, size) {
+  Inside(RedundantForces& all, double size) : of(all), by(scaleOf(all)), blocks(all, by, size) {
     x.setZero(by.size()), z = off = power = turn = middle = e = x;
     for (const Group& group : of.groups_) {
       blocks.a.block(group.first, 0, group.size, group.size).setIdentity();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Faces of rigid bodies that lie flat on each other, by forces of constraint: a disc that spins, a stack of boxes, squares that are
-// turned by a little, and a run that goes on from a checkpoint.
+// turned by a little, what is tipped or round, and a run that goes on from a checkpoint.
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "framework/simulation/simulation.h"
 #include "tests/contact/contact_scenes.h"
@@ -109,6 +111,135 @@ TEST(RigidFaces, StacksOfBoxesStand) {
       const std::vector<double> wrench = constraintOutput(simulation, "wrenches");
       for (int i = 0; i < count; ++i) EXPECT_NEAR(wrench.at(std::size_t(6 * i + 2)), gravity, 1e-6) << i;
     }
+}
+
+std::string fixedTable(const Vec3& half) {
+  const Body table = boxOf(-half, half);
+  return fmt::format(
+      "<Node name=\"table\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 {}  0 0 0 1\"/><UniformMass "
+      "totalMass=\"1\"/><FixedProjectiveConstraint indices=\"0\"/><Node name=\"skin\">{}<MechanicalObject name=\"dofs\"/>"
+      "<RigidMapping/></Node></Node>",
+      -half.z(), table.mesh());
+}
+
+std::string freeOnTable(const std::string& body, const Vec3& table) {
+  return contactScene(body + fixedTable(table) +
+                          fmt::format("<ConstraintContact mstate=\"@a/skin/dofs\" other=\"@table/skin/dofs\" "
+                                      "contactDistance=\"{}\" selfContact=\"0\"/>",
+                                      range),
+                      1e-3, Vec3(0, 0, -gravity), "<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-10\"/>");
+}
+
+const State& frameOf(const Simulation& simulation, const std::string& name) {
+  for (const State* state : simulation.states())
+    if (state->path() == "/" + name + "/frame") return *state;
+  throw std::runtime_error("no frame of " + name);
+}
+
+/// Nothing rubs and the table is level, so that no force is aside: on an edge that is tipped, and later flat on its face.
+TEST(RigidFaces, ATippedBoxIsNotPushedAside) {
+  for (const double degrees : {10.0, 3.0, 0.3}) {
+    SCOPED_TRACE(degrees);
+    const double angle = degrees * M_PI / 180, half = 0.05;
+    Body box = boxOf(Vec3::Constant(-half), Vec3::Constant(half));
+    box.turn(Eigen::AngleAxisd(angle, Vec3::UnitY()).toRotationMatrix(), Vec3::Zero());
+    const double height = 1.0005 * range - box.lowest(2);
+    Simulation simulation =
+        simulationFromText(freeOnTable(rigid("a", box.mesh(), Vec3(0.01, 0, height), 0, 1, Vec3::Constant(0.01 / 6)), Vec3(0.5, 0.5, 0.1)));
+    const State& frame = frameOf(simulation, "a");
+    double turns = 0;
+    for (int step = 0; step < 80; ++step) {
+      expectCleanStep(simulation, step);
+      if (HasFatalFailure()) return;
+      ASSERT_LT(frame.v()[0].head<2>().norm(), 1e-9) << "step " << step;
+      turns += 1e-3 * frame.v()[1].y();
+    }
+    EXPECT_NEAR(std::abs(turns), angle, 1e-4) << "it has come to lie on its face";
+  }
+}
+
+/// A ball of triangles: a cube of cells drawn out, with the middle of a side down. `reversed`: triangles in the other order.
+std::string ball(int cells, double radius, bool reversed) {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> triangles;
+  const auto numberOf = [&](const Vec3& p) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if ((points[i] - p).norm() < 1e-9 * radius) return int(i);
+    points.push_back(p);
+    return int(points.size()) - 1;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int side : {-1, 1})
+      for (int i = 0; i < cells; ++i)
+        for (int j = 0; j < cells; ++j) {
+          std::array<int, 4> v{};
+          for (int k = 0; k < 4; ++k) {
+            Vec3 p = Vec3::Constant(side);
+            p[(axis + 1) % 3] = std::tan(M_PI / 4 * (2. * (i + (k == 1 || k == 2)) / cells - 1));
+            p[(axis + 2) % 3] = std::tan(M_PI / 4 * (2. * (j + k / 2) / cells - 1));
+            v[std::size_t(k)] = numberOf(radius * p.normalized());
+          }
+          // diagonals towards the middle of the side, so that the ball is its own mirror image
+          const bool turns = (2 * i < cells) != (2 * j < cells);
+          std::array<std::array<int, 3>, 2> two{{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}};
+          if (turns) two = {{{v[0], v[1], v[3]}, {v[1], v[2], v[3]}}};
+          for (std::array<int, 3>& t : two) {
+            if (side < 0) std::swap(t[1], t[2]);
+            triangles.push_back(t);
+          }
+        }
+  if (reversed) std::reverse(triangles.begin(), triangles.end());
+  std::string text = "<MeshTopology name=\"mesh\" position=\"";
+  for (const Vec3& p : points) text += fmt::format("{} {} {}  ", p.x(), p.y(), p.z());
+  text += "\" triangles=\"";
+  for (const auto& t : triangles) text += fmt::format("{} {} {}  ", t[0], t[1], t[2]);
+  return text + "\"/>";
+}
+
+/// Its facets are no faces that lie flat: it is pushed along the table's normal, whichever triangle comes first.
+TEST(RigidFaces, ABallOfTrianglesIsPushedUpright) {
+  constexpr double radius = 0.05, aside = 0.0007;
+  for (const int cells : {6, 12}) {
+    SCOPED_TRACE(cells);
+    std::vector<std::vector<Vec3>> ways;
+    for (const bool reversed : {false, true}) {
+      const std::string body = rigid("a", ball(cells, radius, reversed), Vec3(aside, 2 * aside, radius + 1.0005 * range), 0, 1,
+                                     Vec3::Constant(0.4 * radius * radius), "velocity=\"0 0 -0.05  0.3 0.2 0\"");
+      Simulation simulation = simulationFromText(freeOnTable(body, Vec3(0.5, 0.5, 0.1)));
+      const State& frame = frameOf(simulation, "a");
+      ways.emplace_back();
+      for (int step = 0; step < 30; ++step) {
+        expectCleanStep(simulation, step);
+        if (HasFatalFailure()) return;
+        ASSERT_LT(frame.v()[0].head<2>().norm(), 1e-9) << "step " << step;
+        ways.back().push_back(Vec3(frame.x()[0]));
+        ways.back().push_back(Vec3(frame.v()[1]));
+      }
+      EXPECT_NEAR(frame.x()[0].z(), radius + range, 0.02 * radius) << "the table carries it";
+    }
+    for (std::size_t i = 0; i < ways[0].size(); ++i) ASSERT_LT((ways[0][i] - ways[1][i]).norm(), 1e-9) << i;
+  }
+}
+
+/// What finds the forces of many equal conditions counts as a search, and where nothing meets there is none.
+TEST(RigidFaces, SearchesForForcesAreCounted) {
+  const auto outputOf = [](const Simulation& simulation, const char* name) {
+    std::vector<Component*> all;
+    simulation.root().collect(all);
+    for (const Component* component : all)
+      if (component->type() == "EulerImplicitSolver") return std::stod(component->data().find(name)->print());
+    return -1.0;
+  };
+  Simulation stands = simulationFromText(boxes(2, 0.01, 1e-3));
+  expectCleanStep(stands, 0);
+  EXPECT_GT(outputOf(stands, "conditionIterations"), 0);
+  EXPECT_LT(outputOf(stands, "conditionResidual"), 1e-9);
+  Simulation falls = simulationFromText(
+      freeOnTable(rigid("a", boxOf(Vec3::Constant(-0.05), Vec3::Constant(0.05)).mesh(), Vec3(0, 0, 0.2), 0, 1, Vec3::Constant(0.01 / 6)),
+                  Vec3(0.5, 0.5, 0.1)));
+  expectCleanStep(falls, 0);
+  EXPECT_EQ(outputOf(falls, "conditionIterations"), 0);
+  EXPECT_EQ(outputOf(falls, "conditionResidual"), 0);
 }
 
 /// Forces of the step before are in a checkpoint: what goes on from it is the same to the bit.
