@@ -26,18 +26,26 @@ def skipped_inside(case):
 
 
 class Suite:
-    """What a test of ctest that is a suite of GoogleTest said: how many tests it has (0: it is none), how many of them passed, and
-    the output of each that failed, or in which it ended, by name."""
+    """What a test of ctest that is a suite of GoogleTest said: how many tests it has (0: it is none), how many of them passed, the
+    output of each that failed, or in which it ended, by name, and whether it came to its end."""
 
     def __init__(self, case):
         said = case.findtext("system-out") or ""
         count = re.search(r"^\[=+\] Running (\d+) tests? from 1 test suite", said, re.M)
         self.count = int(count.group(1)) if count else 0
         tests = [re.split(r"\s", part, maxsplit=1) for part in re.split(r"\[ RUN      \] ", said)[1:]] if count else []
-        self.failed = {name: text for name, text in tests if not re.search(r"\[ +(OK|SKIPPED) \] ", text)}
         is_cut = "[This part of the test output was removed" in said  # what ctest keeps of each test has a limit
-        self.passed = self.count - said.count("[  SKIPPED ] ") if is_cut else sum("[       OK ] " in text for _, text in tests)
-        if self.failed and len(tests) < self.count:
+        self.is_whole = is_cut or "[  PASSED  ] " in said
+
+        def ended(name, text, word):
+            return re.search(r"\[ +" + word + r" +\] " + re.escape(name) + r"(,| \()", text)
+
+        self.failed = {name: text for name, text in tests
+                       if (ended(name, text, "FAILED") if is_cut else not ended(name, text, "(OK|SKIPPED)"))}
+        self.passed = sum(bool(ended(name, text, "OK")) for name, text in tests)
+        if is_cut and case.find("failure") is None:
+            self.passed = self.count - said.count("[  SKIPPED ] ")
+        if self.failed and len(tests) < self.count and not is_cut:
             self.failed[tests[-1][0]] += f"\n{self.count - len(tests)} tests of the suite did not begin"
 
 
@@ -52,7 +60,8 @@ def main():
 
     for case in (case for path in sys.argv[1:-1] for case in cases_of(path)):
         reason, name, suite = case.find("skipped"), case.get("name"), Suite(case)
-        if case.get("status") == "run" and case.find("failure") is None:
+        has_ended = not suite.count or (suite.is_whole and not suite.failed)  # not by exit(0) in one of its tests
+        if case.get("status") == "run" and case.find("failure") is None and has_ended:
             if count := suite.count - suite.passed or skipped_inside(case):
                 print(f"skipped: {count} inside {name}")
                 inside += count

@@ -11,7 +11,7 @@ foreach(cost
     10:editor.acceptance 10:validation.Cantilever 11:contact.Drops 9:python.sofa_command 9:python.sofa_public
     9:project.module_outside_the_tree 10:contact.ConstraintClosedForms 8:project.compiler_cache 8:tools.Words 8:tools.run_manners
     8:editor.emacs 8:sofa.folders 8:python.sofa_ways 8:validation.All/ElasticaOfMethod 7:hyperelasticity.HyperelasticNewton
-    7:stability.Recovery 7:budgets.idle_parts 5:contact.ConstraintBodies 6:project.mutants 6:project.fuzzed_scenes 6:python.sofa_rows
+    7:stability.Recovery 7:budgets.idle_parts 5:contact.ConstraintBodies 26:contact.Arch 6:project.mutants 6:project.fuzzed_scenes 6:python.sofa_rows
     6:picture.EveryExample 6:docs.page.developer 6:iterative_solvers.AutomaticPreconditioner 5:docs.page.python
     5:validation.All/CalculiXBlocks 5:iterative_solvers.Multigrid 5:python.episodes 5:hyperelasticity.MeanDilatation)
   string(REGEX MATCH "^([0-9]+):(.*)" cost "${cost}")

@@ -21,10 +21,16 @@ GOOD = '<testcase name="t.S" status="run' + BEGIN("a") + '[       OK ] S.a (0 ms
 BAD = '<testcase name="t.S" status="fail' + BEGIN("a/0") + '[  FAILED  ] S.a/0, where GetParam() = "x y" (0 ms)\n[ RUN      ] S.b\n' \
     '[       OK ] S.b (0 ms)\n[ RUN      ] S.c\n[       OK ] S.c (1 ms)\n[  FAILED  ] 1 test, listed below:</system-out><failure message=""/></testcase>'
 CRASH = '<testcase name="t.S" status="fail' + BEGIN("a") + '[       OK ] S.a (0 ms)\n[ RUN      ] S.b\nbegins</system-out><failure message=""/></testcase>'
+LEFT = CRASH.replace("fail", "run", 1).replace('<failure message=""/>', "")  # by exit(0)
+LEFT_AT_END = GOOD.replace("[       OK ] S.c (1 ms)\n[  PASSED  ] 2 tests.", "")
+LAST = GOOD.replace('"run"', '"fail"').replace("[       OK ] S.c (1 ms)\n[  PASSED  ] 2 tests.",
+                                             "bad\n[  FAILED  ] S.c (1 ms)\n[  PASSED  ] 1 test.\n[  SKIPPED ] 1 test, listed below:\n[  SKIPPED ] S.b\n")
+LAST = LAST.replace("</testcase>", '<failure message=""/></testcase>')
 AT_EXIT = CRASH.replace("[ RUN      ] S.b\n", "")
 NONE_HERE = '<testcase name="t.S" status="run"><system-out>[==========] Running 3 tests from 1 test suite.\nno AVX\n[  PASSED  ] 0 tests.' \
     '</system-out></testcase>'
 CUT = GOOD.replace("[ RUN      ] S.c\nx[       OK ] S.c (1 ms)\n[  PASSED  ] 2 tests.", "[This part of the test output was removed since ...]")
+CUT_BAD = LAST.replace("[ RUN      ] S.c\n", "[This part of the test output was removed since ...]")
 CASES = [  # cases, exit code of ctest, the end of what is said, exit code
     ([PASS, PASS], 0, "2 passed, 0 failed", 0),
     ([PASS, FAIL], 8, "1 passed, 1 failed", 1),
@@ -40,6 +46,10 @@ CASES = [  # cases, exit code of ctest, the end of what is said, exit code
     ([GOOD, BAD], 8, "failed: S.a/0\n1 skipped\n4 passed, 1 failed", 1),
     ([BAD], 8, "failed: S.a/0\nfirst\n[  FAILED  ] S.a/0, where GetParam() = \"x y\" (0 ms)\n\nfailed: S.a/0\n2 passed, 1 failed", 1),
     ([CRASH], 8, "failed: S.b\nbegins\n1 tests of the suite did not begin\n\nfailed: S.b\n1 passed, 1 failed", 1),
+    ([LEFT], 0, "failed: S.b\nbegins\n1 tests of the suite did not begin\n\nfailed: S.b\n1 passed, 1 failed", 1),
+    ([LEFT_AT_END], 0, "failed: S.c\n1 passed, 1 failed", 1),
+    ([LAST], 8, "failed: S.c\n1 passed, 1 failed", 1),
+    ([CUT_BAD], 8, "failed: t.S\n1 passed, 1 failed", 1),
     ([AT_EXIT], 8, "failed: t.S\n1 passed, 1 failed", 1),
     ([NONE_HERE, PASS], 0, "3 skipped\n1 passed, 0 failed", 0),
 ]

@@ -99,7 +99,7 @@ TEST_F(Sweep, ASignalBetweenRunsStopsIt) {
 TEST_F(Sweep, ARunThatIsAlwaysKilledIsARowWithItsSentence) {
   write("oscillator.xml", oscillator);
   const Finished run =
-      shell("ulimit -t 1; '" STROMA_COMMAND "' sweep oscillator.xml --vary dt=1e-2,2e-8 --until 1 -o out --repeat 1");
+      shell("ulimit -t 2; '" STROMA_COMMAND "' sweep oscillator.xml --vary dt=1e-2,2e-8 --until 1 -o out --repeat 1");
   EXPECT_EQ(run.code, 0) << run.err;
   const auto rows = table("out")["configurations"];
   EXPECT_EQ(rows[0]["outcome"], "done");

@@ -201,7 +201,7 @@ UnitSystem unitsOf(const Scene& scene) {
   const auto bearsItsUsualWeight = [&](const WrittenBody& body) { return weightOf(body, factorsOf(si)) <= heaviest; };
   if (isPlausible(si) && std::ranges::all_of(bodies, bearsItsUsualWeight)) return si;
   // numbers that happen to be plausible in one other system alone are no sign of it: a usual scene without units, gravity 9.81 and
-  // any mass, would be one in centimetres on the moon of a moon
+  // any mass, would be one in centimetres with a hundredth of the earth's gravity
   const auto hasEarthsGravity = [&](const UnitSystem& system) {
     constexpr double least = 9.7, most = 9.9;
     return std::ranges::any_of(bodies, [&](const WrittenBody& body) {

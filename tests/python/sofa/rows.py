@@ -668,13 +668,13 @@ def calls_that_are_not_here(root):
     body = particle(root)
     modifier = body.addObject("TetrahedronSetTopologyModifier", name="modifier")
     shown = body.addObject("OglModel", name="shown")
-    assert not hasattr(modifier, "removeTetrahedra") and not hasattr(shown, "setColor")
+    assert not hasattr(modifier, "addPoints") and not hasattr(shown, "setColor")
     assert hasattr(shown, "color") and hasattr(shown, "createTangents") and hasattr(modifier, "removeIsolated")
     try:
-        modifier.removeTetrahedra([0])
+        modifier.removePoints([0])
         raise AssertionError("it is not there")
     except AttributeError as error:
-        assert "/body/modifier: TetrahedronSetTopologyModifier has no 'removeTetrahedra()' here" in str(error)
+        assert "/body/modifier: points do not come or go by a scene in Python" in str(error)
 
     class Rest(Sofa.Core.ForceFieldVec3d):
         def init(self):

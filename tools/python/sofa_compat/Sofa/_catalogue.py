@@ -48,7 +48,7 @@ for _each in ("GenericConstraintSolver", "LCPConstraintSolver", "BlockGaussSeide
     _BESIDES[_each] = CONSTRAINTS
 
 #: of those, what SOFA computes in each step
-NOT_COMPUTED = {"vonMisesPerElement", "vonMisesPerNode", "constraint", "derivX", "externalForce"}
+NOT_COMPUTED = {"currentNumConstraintGroups", "vonMisesPerElement", "vonMisesPerNode", "constraint", "derivX", "externalForce"}
 
 #: lists of numbers that SOFA keeps in rows; of a name in place of a number: as many as velocities or positions of the template have
 _ROWS = {("ConstantForceField", "forces"): "velocity", ("BoxROI", "box"): 6, ("BoxROI", "orientedBox"): 10, ("PlaneROI", "plane"): 10,

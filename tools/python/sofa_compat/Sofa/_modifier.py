@@ -58,7 +58,10 @@ class Modifier(Object):
     def removeItems(self, numbers, *_):
         """Cells of the container's own kind."""
         kind = self._s_container()._s_type
-        self._s_remove(next(name for word, name in _MAIN.items() if kind.startswith(word)), numbers)
+        name = next((name for word, name in _MAIN.items() if kind.startswith(word)), None)
+        if name is None:
+            raise AttributeError(self._s_no_data("removePoints"))
+        self._s_remove(name, numbers)
 
     def removeEdges(self, numbers, *_):
         self._s_remove("edges", numbers)
