@@ -145,17 +145,18 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   std::vector<Vec3> way_, forces_, forces_before_;
   std::vector<double> bend_;
   Vec3 goal_ = Vec3::Zero(), moved_first_ = Vec3::Zero();  ///< where obstacles are to come; had come with bodies at the start
-  double fastest_ = 0, share_change_ = 0;  ///< a hand leads obstacles in explicit steps [m/s]; of forces, by the last round of shares
+  double fastest_ = 0;           ///< a hand leads obstacles in explicit steps [m/s]
   Vec3 arrived_ = Vec3::Zero();  ///< the offset that obstacles have come to last
   bool is_in_step_ = false, is_explicit_ = false;  ///< steps solve nothing: forces are those where parts of them start
   double from_ = 0, to_ = 0, duration_ = 0;  ///< times of the step; its length, or that of a part of an explicit one [s]
   bool is_carried_ = false;  ///< what is moved has gone on since the last force
   bool left_start_ = false, holds_nothing_ = false, has_solved_ = false;  ///< bodies were elsewhere; wantStartForces(); solved_shares_
-  int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0;
+  int obstacle_rounds_ = 0, friction_rounds_ = 0;
   bool gets_on_ = false;  ///< obstacles have gone far beside contactDistance; little says that a contact has not opened again
   bool is_behind_ = false;  ///< obstacles begin the step elsewhere than where path and hand had them then
   bool waits_ = false, is_to_change_ = false;  ///< see hasWay(); frictionGoesOn()
   LineShares shares_;
+  ShareRounds share_rounds_;
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
   std::vector<Friction::Slide> solved_slides_;
   Tangent tangent_ = Tangent::whole;
@@ -272,7 +273,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 }
 
 void BarrierContact::beginRounds() {
-  obstacle_rounds_ = friction_rounds_ = share_rounds_ = 0, shares_.solveBegins();
+  obstacle_rounds_ = friction_rounds_ = 0, share_rounds_.stepBegins(), shares_.solveBegins();
   left_start_ = is_carried_ = gets_on_ = false;
   friction_.beginAgain(), lookAgain(x_), law_.weigh(x_);
   friction_.note(law_, law_.touches(x_)), is_to_change_ = friction_.hasSlid() && !friction_.slides.empty();
@@ -317,7 +318,11 @@ bool BarrierContact::movesOn(ConstRows x) {
     law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
     return ++obstacle_rounds_, waits_ = true;
   }
-  if (friction_.isEased()) return friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_), shares_.solveBegins(), true;
+  if (friction_.isEased()) {
+    friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_);
+    shares_.solveBegins();
+    return true;
+  }
   law_.copyShares(solved_shares_);
   const bool others = sharesChange(), goes_on = frictionGoesOn(), held = friction_.release();
   solved_slides_ = friction_.slides;
@@ -334,14 +339,9 @@ void BarrierContact::goAlong(double s) {
   law_.moved = s < 1 ? Vec3(law_.moved + way) : goal_, friction_.looksAgain();
 }
 
-/// Shares that stayed in the solve, against those of where it has ended. Where a round gains nothing, others would but swing.
+/// Shares that stayed in the solve, against those of where it has ended.
 bool BarrierContact::sharesChange() {
-  constexpr double settled = 1e-2, most_rounds = 10, gains = 0.9;
-  if (law_.isOutOfReach(x_)) return false;
-  const double change = law_.changeByWeighing(x_, friction_.acts(), forces_before_, forces_);
-  const bool goes_on = share_rounds_ == 0 || change < gains * share_change_;
-  share_change_ = change;
-  return change > settled && goes_on && ++share_rounds_ < most_rounds;
+  return share_rounds_.goOn(law_.isOutOfReach(x_) ? 0 : law_.changeByWeighing(x_, friction_.acts(), forces_before_, forces_));
 }
 
 /// Friction with the forces and shares that have been found now, against that of the solve before. What was held says nothing of slip.
@@ -366,7 +366,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   if (hasArrived()) arrived_ = is_explicit_ ? ledTo() : obstacles_.offset();
   if (found.empty() && !hasArrived() && !isLed())
     return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(), (goal_ - law_.moved).norm());
-  outputs_.crossings += !found.empty(), outputs_.noteFriction();
+  outputs_.crossings += !found.empty(), outputs_.noteSettling(has_balance ? share_rounds_.left() : 0);
   return found;
 }
 

@@ -152,24 +152,33 @@ std::string Outputs::overlap(const std::string& path, const std::vector<Candidat
   return {};
 }
 
-void Outputs::noteFriction() {
+void Outputs::noteSettling(double shares) {
   constexpr double much = 0.05;
   unsettled_ += friction_change > much;
   worst_change_ = std::max(worst_change_, friction_change);
+  unsettled_shares_ += shares > much;
+  worst_shares_ = std::max(worst_shares_, shares);
 }
 
 std::string Outputs::doubt() const {
-  if (unsettled_ == 0) return {};
-  return fmt::format(
-      "the friction of {} steps had not settled when frictionIterations ended: another solve would have changed it by up to "
-      "{:.0f} %. A smaller dt helps",
-      unsettled_, 100 * worst_change_);
+  std::string text;
+  if (unsettled_ > 0)
+    text = fmt::format(
+        "the friction of {} steps had not settled when frictionIterations ended: another solve would have changed it by up to "
+        "{:.0f} %. A smaller dt helps",
+        unsettled_, 100 * worst_change_);
+  if (unsettled_shares_ > 0)
+    text += fmt::format("{}the shares of the surface in contact had not settled in {} steps: another solve would have changed forces by up "
+                        "to {:.0f} %",
+                        text.empty() ? "" : "; ", unsettled_shares_, 100 * worst_shares_);
+  return text;
 }
 
 void Outputs::serialize(Archive& archive) {
   archive.value("crossings", crossings);
   archive.value("unsettled", unsettled_);
   archive.value("worst_change", worst_change_);
+  archive.value("unsettled_shares", unsettled_shares_), archive.value("worst_shares", worst_shares_);
   archive.value("open_stiffness", open_stiffness_);
   archive.value("friction_change", friction_change), archive.value("smallest_gap", smallest_gap_);
   archive.value("queries", queries_), archive.value("touched", touched_);

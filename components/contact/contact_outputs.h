@@ -19,11 +19,11 @@ class Outputs {
   /// Touches at the positions x of all vertices; `bodies` as in compile().
   void note(const BarrierLaw& law, const std::vector<Touch>& touches, const Friction& friction, const std::vector<Vec3>& x,
             const std::vector<State*>& bodies);
-  /// After a step: whether its friction has settled.
-  void noteFriction();
+  /// After a step: whether its friction has settled, and the shares of the surface, which would change forces by `shares`.
+  void noteSettling(double shares);
   /// A sentence when that was not so in some steps, or empty.
   std::string doubt() const;
-  void reset() { crossings = unsettled_ = 0, worst_change_ = open_stiffness_ = 0; }
+  void reset() { crossings = unsettled_ = unsettled_shares_ = 0, worst_change_ = worst_shares_ = open_stiffness_ = 0; }
   void serialize(Archive& archive);
   /// What lies in one another after the step, as a sentence, or empty. `name` says what a vertex is.
   std::string overlap(const std::string& path, const std::vector<Candidates::Crossing>& crossings, const Surfaces& surfaces,
@@ -38,6 +38,8 @@ class Outputs {
   double open_stiffness_ = 0;  ///< [Pa]
   int unsettled_ = 0;        ///< steps
   double worst_change_ = 0;  ///< of friction_change
+  int unsettled_shares_ = 0;  ///< steps
+  double worst_shares_ = 0;   ///< what another solve with other shares of the surface would change of forces, as a part
   bool touched_ = false;  ///< something is in reach
   std::vector<Vec3> contact_forces_, friction_forces_, forces_;
   Wrenches wrenches_;

@@ -35,4 +35,24 @@ class LineShares {
   std::vector<Vec3> at_, before_;   ///< places whose shares there are, and were before the line
 };
 
+/// Solves of a step that are repeated because shares are others where one has ended. Where they only swing between two states, the
+/// change is that of two rounds before, and another solve gains nothing; a change that gets smaller slowly goes on.
+class ShareRounds {
+ public:
+  void stepBegins() { *this = {}; }
+  /// `change`: of the forces, by the shares of where a solve has ended. Whether another one is to follow.
+  bool goOn(double change) {
+    constexpr double settled = 1e-2, gains = 0.9;
+    constexpr int most = 10;
+    const bool swings = rounds_ >= 2 && change >= gains * before_;
+    before_ = std::exchange(left_, change);
+    return change > settled && !swings && ++rounds_ < most;
+  }
+  double left() const { return left_; }  ///< what the last change was
+
+ private:
+  int rounds_ = 0;
+  double left_ = 0, before_ = 0;  ///< the last change, and the one before
+};
+
 }  // namespace stroma::contact

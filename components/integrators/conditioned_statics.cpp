@@ -38,7 +38,7 @@ StepReport ConditionedStatics::solve(Newton& newton, LinearSolver& solver, StopT
 StepReport ConditionedStatics::solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context,
                                             const std::function<bool(const StepContext&, StepReport&)>& advance,
                                             const std::function<bool()>& retry, double smallest) {
-  constexpr double part_residual = 1e-4;
+  constexpr double part_residual = 1e-4, first_part = 0.25;
   const auto solveTo = [&](const StepContext& end) {
     return solve(newton, solver, end.stop, [&](StepReport& to) { return advance(end, to); }, retry);
   };
@@ -46,12 +46,12 @@ StepReport ConditionedStatics::solveInParts(Newton& newton, LinearSolver& solver
     return report.newton_converged && report.constraints_converged && !report.failed();
   };
   StepReport report = solveTo(context);
-  if (report.stopped || isGood(report) || smallest >= 1 || !system_->constraints().hasPrescribed()) return report;
+  if (report.stopped || isGood(report) || smallest > first_part || !system_->constraints().hasPrescribed()) return report;
   const std::string why = report.reason.empty() ? report.constraint_reason : report.reason;
   const double whole_residual = newton.settings.relative_residual;
   Vector before(start_.count()), good(start_.count()), forces(start_.count());
   copy(start_, before), copy(start_, good), copy(multipliers_.lastForces(), forces);
-  double done = 0, part = 0.25;
+  double done = 0, part = first_part;
   for (int parts = 2; part >= smallest; ++parts) {
     StepContext end = context;
     const double share = std::min(1.0, done + part);

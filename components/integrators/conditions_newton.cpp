@@ -113,7 +113,10 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
   const double before = std::exchange(now, residual());
   noteSwing(now);
   if (longest_ == 0) longest_ = moved_;
-  if (!std::isfinite(now)) return goWhereFinite(now), true;
+  if (!std::isfinite(now)) {
+    goWhereFinite(now);
+    return true;
+  }
   // what ends is left where the conditions hold
   const bool is_last = iterations_ >= newton.settings.iterations && moved_ <= longest_;
   if (isLittle(newton.settings, now) || swings_ || is_last || newton.settings.fixed_count) return true;
@@ -155,8 +158,11 @@ void ConditionsNewton::goMixed(double& now) {
   problem_->unknownsChanged();
   now = residual();
   if (!std::isfinite(now) && std::isfinite(without)) {
-    copy(unmixed_, u), axpy(-1, multipliers_->carried(), load_), axpy(1, unmixed_forces_, load_);
-    multipliers_->carryAgain(unmixed_forces_), mixing_.restart();
+    copy(unmixed_, u);
+    axpy(-1, multipliers_->carried(), load_);
+    axpy(1, unmixed_forces_, load_);
+    multipliers_->carryAgain(unmixed_forces_);
+    mixing_.restart();
     problem_->unknownsChanged();
     now = residual();
   }

@@ -144,7 +144,7 @@ CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index 
   Kept& kept = kept_.of(matrix);
   if (kept.r.count() == rows) return kept;
   for (Vector* vector : {&kept.r, &kept.p, &kept.q}) vector->resize(rows);
-  if (precondition_ || mixesUnits()) kept.z.resize(rows);
+  if (precondition_ || mixesUnits(matrix)) kept.z.resize(rows);
   if (warm_start_) kept.previous.resize(rows), kept.before_step.resize(rows);
   kept.jacobi_key = {};
   kept.parts.clear();
@@ -152,7 +152,7 @@ CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index 
 }
 
 void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) {
-  const bool may_scale = bodies_.empty() && absolute_threshold_ == 0 && mixesUnits();
+  const bool may_scale = bodies_.empty() && absolute_threshold_ == 0 && mixesUnits(matrix);
   kept.is_scaled = may_scale && kept.bad_block < 0;
   if (!(precondition_ || may_scale) || kept.jacobi_key == matrix.key()) return;
   matrix.diagonalBlocks(kept.blocks);
@@ -337,9 +337,11 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, con
   if (warm_start_) copy(kept.previous, x);
   double residual = KrylovSolver::residual(matrix, b, x, kept.r, kept.q);
   if (kept.is_scaled) {
-    norm_b_ = std::sqrt(kept.jacobi.apply(b, kept.z));
-    residual = kept.jacobi.apply(kept.r, kept.z);
+    const double square = kept.jacobi.apply(b, kept.z);
+    kept.is_scaled = square > 0 && std::isfinite(square);  // of numbers near the smallest there is no square
+    if (kept.is_scaled) norm_b_ = std::sqrt(square);
   }
+  if (kept.is_scaled) residual = kept.jacobi.apply(kept.r, kept.z);
   if (!bodies_.empty()) {
     if (kept.parts.empty()) findParts(matrix, kept);
     report = iterateApart(matrix, kept, b, x);

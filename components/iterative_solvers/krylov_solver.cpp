@@ -26,10 +26,16 @@ bool matrixDependsOnState(const Node& root) {
          std::ranges::any_of(masses, &Mass::turns);
 }
 
-bool someRowsTurn(const Node& root) {
+bool someRowsTurn(const Node& root, const SystemMatrix& matrix) {
   std::vector<State*> states;
   root.collect(states);
-  return std::ranges::any_of(states, [](const State* state) { return state->hasFrames(); });
+  // rows are counted in each system anew, and those of mapped states come after the last one of its matrix
+  return std::ranges::any_of(states, [&](const State* state) {
+    const Index row = state->firstRow() + 1;
+    if (!state->hasFrames() || row <= 0 || row >= matrix.rows()) return false;
+    const std::string text = matrix.describeRow(row);  // "the turn of node 0 of /tool/dofs"
+    return text.starts_with("the turn of ") && text.ends_with(" of " + state->path());
+  });
 }
 
 void KrylovSolver::declare(DataTable& table) {

@@ -268,10 +268,13 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   const auto precondition = [&](ConstRows r, Rows z) { inverse ? inverse->apply(r, z) : copy(r, z); };
   if (inverse) most = std::min(most, inverse->patience());
-  const bool by_inverse = inverse && mixesUnits();
+  const double norm_of_forces = norm_b_;  // the measure of what may follow, a direct solve or another inverse
+  bool by_inverse = inverse && mixesUnits(matrix);
   if (by_inverse) {
     precondition(b, work.z.rows());
-    if (const double square = cg::inner(b, work.z); square > 0 && std::isfinite(square)) norm_b_ = std::sqrt(square);
+    const double square = cg::inner(b, work.z);
+    by_inverse = square > 0 && std::isfinite(square);
+    if (by_inverse) norm_b_ = std::sqrt(square);
   }
   cg::Limits limits{most, target(), terms_.stop, by_inverse};
   auto* const automatic = dynamic_cast<AutomaticInverse*>(inverse);
@@ -284,6 +287,7 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
   };
   SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, work, x);
   report.relative_residual /= norm_b_;
+  norm_b_ = norm_of_forces;
   if (automatic && automatic->isSecondTry() && report.stop == SolveStop::iteration_limit) report.stop = SolveStop::not_definite;
   if (inverse && report.stop != SolveStop::stopped) inverse->solved(report);
   return report;

@@ -95,8 +95,8 @@ class LinearForceField final : public ForceField, public LocalLoad {
     keys_.assign(rows, {}), now_.assign(rows, Vec3::Zero());
     for (std::size_t k = 0; k < rows; ++k) {
       std::vector<Vec3> values;
-      for (const double* at = forces_.data() + each * k; at < forces_.data() + forces_.size(); at += width)
-        values.push_back(each == 1 ? Vec3(at[0], 0, 0) : Vec3(at[0], at[1], at[2]));
+      for (std::size_t at = each * k; at < forces_.size(); at += width)
+        values.push_back(each == 1 ? Vec3(forces_[at], 0, 0) : Vec3(forces_[at], forces_[at + 1], forces_[at + 2]));
       keys_[k].assign(times_, std::move(values), "keyTimes", "forces");
       keys_[k].check();
     }
