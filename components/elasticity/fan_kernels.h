@@ -76,7 +76,6 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
     storage_.loop.template forEachTile<tile>([&](Index first, Index count) __attribute__((flatten)) {
       Work work;
       for (Index k = 0; k < count; ++k) {
-        storage_.prefetchBoth(first + k);
         work.edges[k].gather(storage_.loop, first + k, x);
         if constexpr (change) work.change[k].gather(storage_.loop, first + k, dx);
       }

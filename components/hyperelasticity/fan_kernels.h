@@ -53,10 +53,7 @@ class FanKernels final : public StoredKernels<StorageOf<Model>> {
     const auto& loop = storage_.loop;
     loop.template forEachTile<tile>([&](Index first, Index count) __attribute__((flatten)) {
       tetrahedron::FanEdges edges[tile], change[tile];
-      for (Index k = 0; k < count; ++k) {
-        storage_.prefetchBoth(first + k);
-        edges[k].gather(loop, first + k, x), change[k].gather(loop, first + k, dx);
-      }
+      for (Index k = 0; k < count; ++k) edges[k].gather(loop, first + k, x), change[k].gather(loop, first + k, dx);
       for (Index k = 0; k < count; ++k) {
         V3<Pack> own[fan_size][4], sum[tetrahedron::fan_nodes];
 #pragma GCC unroll 2

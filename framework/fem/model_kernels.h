@@ -32,12 +32,10 @@ struct ElementStorage {
   Array<RestPacks> rest;
   Array<TangentPacks> tangent;
 
-  /// Asks for the numbers of a batch to come, where a mesh is too large for the second cache.
+  /// Asks for the tangent of a batch to come, where a mesh is too large for the second cache. For products that calculate little:
+  /// those that calculate more hide the wait, and forces become no faster.
   void prefetchTangent(Index batch) const {
     if (beyond_cache_) prefetch(tangent.data(), std::size_t(batch + ahead));
-  }
-  void prefetchBoth(Index batch) const {
-    if (beyond_cache_) prefetch(rest.data(), std::size_t(batch + ahead)), prefetchTangent(batch);
   }
 
   template <class Set>
@@ -49,7 +47,7 @@ struct ElementStorage {
     loop.build(cells, position, first_row);
     rest.resize(loop.batches());
     tangent.resize(loop.batches());
-    beyond_cache_ = std::size_t(loop.batches()) * (sizeof(RestPacks) + sizeof(TangentPacks)) > (std::size_t(3) << 20) / 2;
+    beyond_cache_ = std::size_t(loop.batches()) * sizeof(TangentPacks) > std::size_t(1) << 20;
   }
   /// set(element, is_padding, rest, tangent) gives the numbers of each element; a padding lane must have no stiffness.
   template <class Set>
@@ -67,7 +65,7 @@ struct ElementStorage {
 
  private:
   static constexpr Index ahead = 4;  ///< a batch takes some 70 ns, memory 100 and more
-  bool beyond_cache_ = false;         ///< some 1.5 MB; within it asking costs up to a tenth of a force
+  bool beyond_cache_ = false;         ///< 1 MB and more
 };
 
 /// The part that does not depend on what an element computes.
@@ -132,7 +130,6 @@ struct ForceLoops {
   using Storage = StorageOf<Model>;
   [[gnu::noinline]] static void addForce(Storage& storage, ConstRows x, Rows f) {
     storage.loop.template run<1, 1>({x}, {f}, [&](Index b, const auto& in, auto& out) {
-      storage.prefetchBoth(b);
       Model::force(storage.rest[b], storage.tangent[b], in[0], out[0]);
     });
   }
@@ -153,7 +150,6 @@ struct ProductLoops {
     const Pack scale(factor);
     if constexpr (Model::reads_position)
       storage.loop.template run<2, 1>({x.rows(), dx}, {df}, [&](Index b, const auto& in, auto& out) {
-        storage.prefetchBoth(b);
         if constexpr (has_matrix)
           Model::product(storage.rest[b], storage.tangent[b], scale, in[0], in[1], out[0]);
         else
@@ -161,7 +157,6 @@ struct ProductLoops {
       });
     else
       storage.loop.template run<1, 1>({dx}, {df}, [&](Index b, const auto& in, auto& out) {
-        storage.prefetchTangent(b);
         Model::product(storage.rest[b], storage.tangent[b], scale, in[0], in[0], out[0]);
       });
   }
@@ -257,7 +252,6 @@ class ModelKernels final : public StoredKernels<StorageOf<Model>> {
   void forceAndProduct(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& f) {
     auto& rest = storage_.rest[b];
     auto& tangent = storage_.tangent[b];
-    storage_.prefetchBoth(b);
     if constexpr (fuses) {
       Model::forceAndProduct(rest, tangent, factor, x, dx, f);
     } else {
