@@ -22,6 +22,7 @@ class MatrixView : public SystemMatrix {
   double productCost() const override { return base_.productCost(); }
   ConstRows positions() const override { return base_.positions(); }
   bool isOfLooseNodes() const override { return base_.isOfLooseNodes(); }
+  bool hasTurns() const override { return base_.hasTurns(); }
   std::string describeRow(Index row) const override { return base_.describeRow(row); }
 
  protected:

@@ -144,7 +144,7 @@ CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index 
   Kept& kept = kept_.of(matrix);
   if (kept.r.count() == rows) return kept;
   for (Vector* vector : {&kept.r, &kept.p, &kept.q}) vector->resize(rows);
-  if (precondition_ || mixesUnits(matrix)) kept.z.resize(rows);
+  if (precondition_ || matrix.hasTurns()) kept.z.resize(rows);
   if (warm_start_) kept.previous.resize(rows), kept.before_step.resize(rows);
   kept.jacobi_key = {};
   kept.parts.clear();
@@ -152,7 +152,7 @@ CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index 
 }
 
 void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) {
-  const bool may_scale = bodies_.empty() && absolute_threshold_ == 0 && mixesUnits(matrix);
+  const bool may_scale = bodies_.empty() && absolute_threshold_ == 0 && matrix.hasTurns();
   kept.is_scaled = may_scale && kept.bad_block < 0;
   if (!(precondition_ || may_scale) || kept.jacobi_key == matrix.key()) return;
   matrix.diagonalBlocks(kept.blocks);

@@ -8,7 +8,6 @@
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/mass.h"
-#include "framework/mechanics/state.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -24,18 +23,6 @@ bool matrixDependsOnState(const Node& root) {
   };
   return std::ranges::any_of(fields, varies) || !std::ranges::all_of(mappings, &Mapping::isLinear) ||
          std::ranges::any_of(masses, &Mass::turns);
-}
-
-bool someRowsTurn(const Node& root, const SystemMatrix& matrix) {
-  std::vector<State*> states;
-  root.collect(states);
-  // rows are counted in each system anew, and those of mapped states come after the last one of its matrix
-  return std::ranges::any_of(states, [&](const State* state) {
-    const Index row = state->firstRow() + 1;
-    if (!state->hasFrames() || row <= 0 || row >= matrix.rows()) return false;
-    const std::string text = matrix.describeRow(row);  // "the turn of node 0 of /tool/dofs"
-    return text.starts_with("the turn of ") && text.ends_with(" of " + state->path());
-  });
 }
 
 void KrylovSolver::declare(DataTable& table) {

@@ -12,10 +12,6 @@ namespace stroma {
 class Node;
 /// Whether some matrix of the scene may depend on places or velocities.
 bool matrixDependsOnState(const Node& root);
-/// Whether some rows of the matrix are turns of frames below `root`: the numbers of a residual are then forces and torques, and |r|
-/// depends on the unit of length.
-bool someRowsTurn(const Node& root, const SystemMatrix& matrix);
-
 /// What solvers by products share: `iterations`, `tolerance`, `template`, `graph`, the form of the product, and the
 /// ends that need no iteration. Members are those of the solve that runs; what outlives it is kept for each matrix.
 class KrylovSolver : public LinearSolver {
@@ -78,13 +74,6 @@ class KrylovSolver : public LinearSolver {
   }
   /// The |b - A x| at which a solve ends.
   double target() const { return relativeTarget(terms_) * norm_b_; }
-  /// Residuals are measured by |r|^2 = r.D^-1 r, an energy, and not by r.r: asked once for a matrix of so many rows. Frames
-  /// that another integrator moves have no say.
-  bool mixesUnits(const SystemMatrix& matrix) {
-    Units& units = units_.of(matrix);
-    if (units.rows != matrix.rows()) units = {matrix.rows(), someRowsTurn(node().root(), matrix)};
-    return units.are_mixed;
-  }
   double relativeTarget(const SolveTerms& terms) const { return std::max(tolerance(), terms.relative_residual); }
   bool isStopAsked() const { return terms_.stop.isStopAsked(); }
   /// A scene that writes `iterations` and no tolerance, as SOFA's do, has SOFA's.
@@ -116,12 +105,6 @@ class KrylovSolver : public LinearSolver {
   std::vector<double> graph_;
   /// Whether products go through the elements or the matrix; automatic asks the system for the cheaper.
   Form form_ = Form::automatic;
-  /// What the rows of a matrix are.
-  struct Units {
-    Index rows = -1;
-    bool are_mixed = false;
-  };
-  PerMatrix<Units> units_;
   bool is_capped_ = false;                  ///< the scene writes `iterations`
   const Data* tolerance_data_ = nullptr;    ///< the attribute
   const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free

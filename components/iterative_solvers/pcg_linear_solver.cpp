@@ -269,7 +269,7 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
   const auto precondition = [&](ConstRows r, Rows z) { inverse ? inverse->apply(r, z) : copy(r, z); };
   if (inverse) most = std::min(most, inverse->patience());
   const double norm_of_forces = norm_b_;  // the measure of what may follow, a direct solve or another inverse
-  bool by_inverse = inverse && mixesUnits(matrix);
+  bool by_inverse = inverse && matrix.hasTurns();
   if (by_inverse) {
     precondition(b, work.z.rows());
     const double square = cg::inner(b, work.z);

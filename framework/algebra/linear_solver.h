@@ -54,6 +54,7 @@ class SystemMatrix {
   virtual ConstRows positions() const { return {}; }
   /// Every row is a place that nothing ties to others: what belongs to one may turn alone.
   virtual bool isOfLooseNodes() const { return positions().count > 0; }
+  virtual bool hasTurns() const { return false; }  ///< some rows are turns: a residual holds forces and torques
   virtual std::string describeRow(Index row) const = 0;  ///< path of the component to blame for it, for messages
 
  protected:

@@ -91,6 +91,11 @@ void MechanicalMatrix::serialize(Archive& archive) {
 
 Index MechanicalMatrix::rows() const { return actors_.independent_rows; }
 ConstRows MechanicalMatrix::positions() const { return system_.independent(system_.x); }
+bool MechanicalMatrix::hasTurns() const {
+  bool turns = false;  // frames that others carry have no rows here
+  for (Index row = 0; system_.motion().turns() && !turns && row < rows(); ++row) turns = system_.motion().kindOf(row) == RowKind::turn;
+  return turns;
+}
 bool MechanicalMatrix::isOfLooseNodes() const {
   bool loose = constraints_.groups().empty() && constraints_.relations().empty();
   for (Index row = 0; loose && row < rows(); ++row) loose = system_.motion().kindOf(row) == RowKind::place;

@@ -35,6 +35,7 @@ class MechanicalMatrix final : public SystemMatrix {
   double productCost() const override;
   ConstRows positions() const override;
   bool isOfLooseNodes() const override;
+  bool hasTurns() const override;
   std::string describeRow(Index row) const override;
 
   /// Blocks of the matrix that is kept; -1: none so far.
