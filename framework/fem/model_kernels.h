@@ -32,12 +32,6 @@ struct ElementStorage {
   Array<RestPacks> rest;
   Array<TangentPacks> tangent;
 
-  /// Asks for the tangent of a batch to come, where a mesh is too large for the second cache. For products that calculate little:
-  /// those that calculate more hide the wait, and forces become no faster.
-  void prefetchTangent(Index batch) const {
-    if (beyond_cache_) prefetch(tangent.data(), std::size_t(batch + ahead));
-  }
-
   template <class Set>
   void build(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row, Set&& set) {
     arrange(cells, position, first_row);
@@ -47,7 +41,6 @@ struct ElementStorage {
     loop.build(cells, position, first_row);
     rest.resize(loop.batches());
     tangent.resize(loop.batches());
-    beyond_cache_ = std::size_t(loop.batches()) * sizeof(TangentPacks) > std::size_t(1) << 20;
   }
   /// set(element, is_padding, rest, tangent) gives the numbers of each element; a padding lane must have no stiffness.
   template <class Set>
@@ -62,10 +55,6 @@ struct ElementStorage {
         setLane(tangent[b], l, one_tangent);
       }
   }
-
- private:
-  static constexpr Index ahead = 4;  ///< a batch takes some 70 ns, memory 100 and more
-  bool beyond_cache_ = false;         ///< 1 MB and more
 };
 
 /// The part that does not depend on what an element computes.

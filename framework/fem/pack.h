@@ -16,14 +16,6 @@ using Pack = xsimd::batch<double>;
 /// Elements in a batch: 8 with AVX-512, 4 with AVX, 2 with SSE.
 constexpr int pack_lanes = int(Pack::size);
 
-/// Asks for the cache lines of array[at], which are read soon. Processors foresee an array in order, but not from one page to the
-/// next, and the numbers of three batches of tetrahedra fill one. `at` may lie behind the end: nothing is read there.
-template <class T>
-void prefetch(const T* array, std::size_t at) {
-  const std::uintptr_t first = reinterpret_cast<std::uintptr_t>(array) + at * sizeof(T);
-  for (std::size_t line = 0; line < sizeof(T); line += 64) __builtin_prefetch(reinterpret_cast<const void*>(first + line));
-}
-
 // ---- the operations that kernels use, also for a plain double ----
 
 inline double fma(double a, double b, double c) { return a * b + c; }
