@@ -100,7 +100,10 @@ void AutomaticInverse::judge(double cost) {
 
 /// Where several solves share a matrix the direct solver saves more than it takes to make room for its numbers.
 void AutomaticInverse::takeFactorsOfEach(double gain) {
-  if (perMatrix() < several) return void((now_.at_once = true, now_.lost = 0));
+  if (perMatrix() < several) {
+    now_.at_once = true, now_.lost = 0;
+    return;
+  }
   if (now_.changes < most_changes && gain * horizon() > setup(Way::direct)) now_.next = Way::direct;
 }
 

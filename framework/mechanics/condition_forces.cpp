@@ -23,7 +23,8 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   size_ = 0;  // of those that forces have to mend; gaps far from contact have no say
   for (const Group& group : groups_)
     size_ = std::max(size_, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
-  unsettled_ = none, least_ = q_, restart(q_), note();
+  unsettled_ = none, least_ = q_;
+  restart(q_), note();
   if (unsettled_ > 1.5 * enough) newton(), note();
   if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
   const auto search = [&](auto way) {
@@ -89,11 +90,14 @@ void ConditionForces::findGroups(const std::vector<Row>& rows) {
 
 void ConditionForces::restart(const Eigen::VectorXd& q) {
   if (&q != &q_) q_ = q;
-  r_ = offset_, r_.noalias() += scaled_ * q_;
+  r_ = offset_;
+  r_.noalias() += scaled_ * q_;
 }
 
 void ConditionForces::change(int row, double to) {
-  if (to != q_[row]) r_ += (to - q_[row]) * scaled_.col(row), q_[row] = to;
+  if (to == q_[row]) return;
+  r_ += (to - q_[row]) * scaled_.col(row);
+  q_[row] = to;
 }
 
 void ConditionForces::findWanted(const Group& group) {

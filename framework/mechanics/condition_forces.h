@@ -66,13 +66,25 @@ class ConditionForces {
   };
   using Square = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-  void scaleRows(const std::vector<Row>& rows), findGroups(const std::vector<Row>& rows);
-  void restart(const Eigen::VectorXd& q), change(int row, double to), findWanted(const Group& group);
-  double offAt(const Group& group) const, offAlong(const Group& group), residual();
+  void scaleRows(const std::vector<Row>& rows);
+  void findGroups(const std::vector<Row>& rows);
+  void restart(const Eigen::VectorXd& q);
+  void change(int row, double to);
+  void findWanted(const Group& group);
+  double offAt(const Group& group) const;
+  double offAlong(const Group& group);
+  double residual();
+  void note();
   bool isOver() const { return stop_.isStopAsked(); }
-  void note(), newton(), settle(), searchInside(const Eigen::VectorXd* slides = nullptr), searchWithSlides(), findActive();
+  bool isLittle();
+  void newton();
+  void settle();
+  void searchInside(const Eigen::VectorXd* slides = nullptr);
+  void searchWithSlides();
+  bool newtonStep();
+  void findActive();
   Square linearise();
-  bool isLittle(), newtonStep(), eliminate(Square a);
+  bool eliminate(Square a);
 
   std::vector<Group> groups_;
   std::vector<std::size_t> live_;  ///< rows whose force is not given as zero; all below are of these alone
