@@ -40,7 +40,8 @@ class SphereLoader final : public MeshSource {
     if (!stream) throw ComponentError(fmt::format("the file {} cannot be opened", filename_.given));
     position_.clear(), radii_.clear();
     const Mat3 turn = rotationFromDegrees(rotation_);
-    std::string line, told, unknown;
+    std::string line, told, unknown;  // unknown: where the first line is that is none of these
+    int left_out = 0;
     for (int number = 1; std::getline(stream, line); ++number) {
       std::istringstream words(line.substr(0, line.find('#')));
       std::string word;
@@ -48,8 +49,7 @@ class SphereLoader final : public MeshSource {
       if (word == "nums") words >> told;
       if (word == "sph" || word == "nums") continue;
       if (word != "sphe") {
-        if (unknown.empty()) warn(fmt::format("{}:{}: {} is not read", filename_.given, number, inQuotes(line)));
-        unknown = word;
+        if (left_out++ == 0) unknown = fmt::format("{}:{}: {} is not read", filename_.given, number, inQuotes(line));
         continue;
       }
       int index = 0;
@@ -62,6 +62,7 @@ class SphereLoader final : public MeshSource {
       position_.push_back(turn * centre.cwiseProduct(scale3d_) + translation_);
       radii_.push_back(radius * scale3d_[0]);
     }
+    if (left_out > 0) warn(unknown + (left_out > 1 ? fmt::format(", nor are {} lines after it", left_out - 1) : ""), "sphe NUMBER x y z r");
     if (position_.empty()) throw ComponentError(fmt::format("{} holds no sphere", filename_.given), "lines sphe NUMBER x y z r");
     if (!told.empty() && told != std::to_string(position_.size()))
       warn(fmt::format("{} tells of {} spheres, and holds {}: the file may be cut off", filename_.given, told, position_.size()));

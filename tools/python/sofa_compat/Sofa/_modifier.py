@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Cells that go and come by the modifier of a topology: the lists of its container are set, and a running scene is made anew. Numbers
 are SOFA's: those that go are sorted, the largest first, and the last of the list takes the number that is free."""
+from functools import partialmethod
+
 import numpy as np
 
 from . import _cells
@@ -20,7 +22,7 @@ class Modifier(Object):
     def _s_set(self, container, name, rows):
         container.findData(name).value = np.reshape(rows, (-1, _cells.NODES[name])).astype(np.int32)
 
-    def _s_remove(self, name, numbers):
+    def _s_remove(self, name, numbers, *_):
         container = self._s_container()
         rows = _cells.cells(container, name).tolist()
         gone = sorted({int(each) for each in np.ravel(numbers)}, reverse=True)
@@ -47,7 +49,7 @@ class Modifier(Object):
         if len(rows) < len(given):
             self._s_set(container, name, rows)
 
-    def _s_add(self, name, cells):
+    def _s_add(self, name, cells, *_):
         container = self._s_container()
         new = np.reshape(cells, (-1, _cells.NODES[name])).astype(np.int32)
         points = container.getNbPoints()
@@ -63,40 +65,14 @@ class Modifier(Object):
             raise AttributeError(self._s_no_data("removePoints"))
         self._s_remove(name, numbers)
 
-    def removeEdges(self, numbers, *_):
-        self._s_remove("edges", numbers)
-
-    def removeTriangles(self, numbers, *_):
-        self._s_remove("triangles", numbers)
-
-    def removeQuads(self, numbers, *_):
-        self._s_remove("quads", numbers)
-
-    def removeTetrahedra(self, numbers, *_):
-        self._s_remove("tetrahedra", numbers)
-
-    def removeHexahedra(self, numbers, *_):
-        self._s_remove("hexahedra", numbers)
-
-    def addEdges(self, cells, *_):
-        self._s_add("edges", cells)
-
-    def addTriangles(self, cells, *_):
-        self._s_add("triangles", cells)
-
-    def addQuads(self, cells, *_):
-        self._s_add("quads", cells)
-
-    def addTetrahedra(self, cells, *_):
-        self._s_add("tetrahedra", cells)
-
-    def addHexahedra(self, cells, *_):
-        self._s_add("hexahedra", cells)
-
-    removeTetras, removeHexas = removeTetrahedra, removeHexahedra
-
     def _s_no_data(self, name):
         if name in ("addPoints", "removePoints"):
             return (f"{self._s_place()}: points do not come or go by a scene in Python: a TopologicalChangeProcessor adds them and takes "
                     "them away")
         return super()._s_no_data(name)
+
+
+for _each in _cells.NODES:
+    setattr(Modifier, f"remove{_each.capitalize()}", partialmethod(Modifier._s_remove, _each))
+    setattr(Modifier, f"add{_each.capitalize()}", partialmethod(Modifier._s_add, _each))
+Modifier.removeTetras, Modifier.removeHexas = Modifier.removeTetrahedra, Modifier.removeHexahedra
