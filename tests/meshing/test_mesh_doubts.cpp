@@ -84,13 +84,13 @@ TEST_F(MeshCommand, OptionsWithoutEffectAndNamesThatMeanTwoThingsAreRefused) {
 
 TEST_F(MeshCommand, SmallPartsKeepTheVolumeOfTheirVoxelsWithCellsSmallerThanVoxels) {
   for (const int thick : {1, 2, 3}) {
-    write("p.mha", Blocks(16).put({2, 2, 2}, {12, 12, 12}, 1).put({6, 6, 6}, {thick, thick, thick}, 2).text());
+    write("p.mha", Blocks(16).put({4, 4, 4}, {7, 7, 7}, 1).put({6, 6, 6}, {thick, thick, thick}, 2).text());
     const auto json = report("p.mha -o p.msh --cell-size 3 --cell-size 2=0.4 --distance 0.03");
     ASSERT_FALSE(json.is_null());
     const double volume = json["regions"][1]["volume"], voxels = thick * thick * thick;
     EXPECT_NEAR(volume, voxels, (thick == 1 ? 0.08 : 0.04) * voxels) << thick;
     write("sheet.mha", Blocks(12).put({3, 3, 3}, {6, 6, thick}, 1).text());
-    const auto sheet = report("sheet.mha -o p.msh --cell-size 0.5 --distance 0.05");
+    const auto sheet = report("sheet.mha -o p.msh --cell-size 0.45 --distance 0.05");
     ASSERT_FALSE(sheet.is_null());
     EXPECT_NEAR(sheet["regions"][0]["volume"].get<double>(), 36. * thick, 0.02 * 36 * thick) << thick;
   }

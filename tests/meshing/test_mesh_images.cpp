@@ -8,7 +8,7 @@
 namespace stroma::test {
 namespace {
 
-const std::string coarse = " --scale 0.001 --cell-size 0.02 --cell-size 2=0.014 --cell-size 3=0.010 --distance 0.003";
+const std::string coarse = " --scale 0.001 --cell-size 0.03 --cell-size 2=0.025 --cell-size 3=0.02 --distance 0.004";
 
 TEST_F(MeshCommand, TheLegIsWatertightOfGoodShapeAndHasTheVolumesOfItsVoxels) {
   if (!makeLeg("leg.mhd")) GTEST_SKIP() << "no Python with numpy";

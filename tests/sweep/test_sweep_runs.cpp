@@ -8,20 +8,20 @@ namespace {
 /// Eight runs of many steps, `times` as many as usual.
 std::string manySteps(int times = 1) {
   return "sweep oscillator.xml --vary dt=4e-6,2.5e-6,2e-6,1e-6 --vary /spring.stiffness=90,100 --until " +
-         std::to_string(0.5 * times) + " ";
+         std::to_string(0.1 * times) + " ";
 }
 /// A loop of the shell that ends when `condition` holds, the process is over, or after ten minutes: only a hang takes so long.
 std::string waitFor(const std::string& condition, const std::string& process) {
   return "for try in $(seq 60000); do " + condition + " && break; [ -e /proc/" + process + "/exe ] || break; sleep 0.01; done\n";
 }
-constexpr int longest[] = {1, 8, 64};  ///< on a machine that is done before anything can happen to the work
+constexpr int longest[] = {1, 5, 40, 320};  ///< on a machine that is done before anything can happen to the work
 
 TEST_F(Sweep, ASecondSweepAtOnceIsRefusedAndRemovesNothing) {
   write("oscillator.xml", oscillator);
   for (const int times : longest) {
     std::filesystem::remove_all(folder_ / "out");
     const std::string line = "'" STROMA_COMMAND "' sweep oscillator.xml --vary dt=4e-6,2e-6 --repeat 1 -o out --until " +
-                             std::to_string(0.5 * times);
+                             std::to_string(0.1 * times);
     // the first one stands still, with its runs before it, while the second one tries
     shell("exec 3>.codes\n" + line + " 2>.first & first=$!\n" + waitFor("ls out/runs/* >.found 2>&1", "$first") +
           "kill -STOP $first\n" + line +
