@@ -141,24 +141,24 @@ def sizes(stroma):
 
 
 def column(stroma):
-    rows, _ = bench(stroma, "column/40")
+    rows, _ = bench(stroma, "column/20")
     for cells in ("hexahedra", "tetrahedra"):
-        by_steps = [float(rows[f"{cells}, {steps} steps", 40]["relative_error"]) for steps in (10, 40, 160)]
+        by_steps = [float(rows[f"{cells}, {steps} steps", 20]["relative_error"]) for steps in (10, 40, 160)]
         expect(abs(by_steps[2]) < 0.001, f"{cells}, 160 steps: {by_steps[2]}")
-        orders = [math.log(a / b, 4) for a, b in zip(by_steps, by_steps[1:])]
-        expect(all(0.9 < order < 1.2 for order in orders), f"{cells}: orders {orders} in the time step, errors {by_steps}")
+        # of the differences, which the error in space of these layers is not in
+        order = math.log((by_steps[0] - by_steps[1]) / (by_steps[1] - by_steps[2]), 4)
+        expect(0.9 < order < 1.1, f"{cells}: order {order} in the time step, errors {by_steps}")
 
 
 def other_programs(stroma):
     """The same mesh in another program: what is left is round-off and the digits that it writes."""
-    for problem, ways in (("organ", ["St. Venant-Kirchhoff"]), ("leg", None)):
-        rows, _ = bench(stroma, problem)
+    organ, leg = bench(stroma, "organ")[0], bench(stroma, "leg")[0]
+    for problem, rows, ways in (("organ", organ, ["St. Venant-Kirchhoff"]), ("leg", leg, None)):
         for (way, _), row in rows.items():
             if ways is None or way in ways:
                 error = float(row["relative_error"])
                 expect(row["converged"] == "1" and abs(error) < 1e-5, f"{problem}, {way}: {error} from CalculiX")
-    rows, _ = bench(stroma, "organ")
-    expect(float(rows["small", 0]["relative_error"]) > 0.5, "linear elasticity does not turn")
+    expect(float(organ["small", 0]["relative_error"]) > 0.5, "linear elasticity does not turn")
 
 
 def beads(stroma):

@@ -21,7 +21,7 @@ SWITCH = "/sys/kernel/mm/transparent_hugepage/enabled"
 HEADER = "#include <map>\n#include <regex>\n#include <string>\n#include <vector>\n"
 UNIT = """int main(int count, char** words) {
   std::map<std::string, std::vector<int>> lengths;
-  for (int i = 0; i < count; ++i) lengths[words[i]].push_back(std::regex_match(words[i], std::regex("[a-z]+")));
+  for (int i = 0; i < count; ++i) lengths[words[i]].push_back(i);
   return static_cast<int>(lengths.size());
 }
 """
