@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
@@ -26,7 +27,7 @@ void Multipliers::compile(System& system) {
   system_ = &system;
   if (empty()) return;
   for (Vector* vector : {&start_, &work_}) vector->resize(system.allRows());
-  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &carried_, &added_, &base_, &last_})
+  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &carried_, &added_, &base_, &last_, &aimed_at_, &here_})
     vector->resize(system.independentRows());
   uncoupled_ = findUncoupled();
   if (!uncoupled_.empty()) pushes_.resize(system.independentRows());
@@ -125,26 +126,49 @@ bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& res
   return true;
 }
 
-/// J^T of all rows where they were found.
+void Multipliers::takeDirection(std::size_t row) {
+  is_aimed_[row] = true;
+  Vector& direction = directions_[row];
+  if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
+  like_[row] = row > 0 && is_aimed_[row - 1] ? likeRowBefore(row) : 0;
+  if (like_[row] != 0) {
+    copy(directions_[row - 1], direction);
+    scale(like_[row], direction);
+    return;
+  }
+  pullBack(row, direction);
+  if (rule_.old_share == 0) return;
+  scale(1 - rule_.old_share, direction);
+  axpy(rule_.old_share, start_directions_[row], direction);
+}
+
+/// J^T of rows that may have a force, where they were found: they are few of those that may come near in a step.
 void Multipliers::takeDirections() {
   const std::size_t count = rows_.rows().size();
   directions_.resize(std::max(directions_.size(), count));
-  like_.assign(count, 0);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (isIdle(i) && !carries_) continue;  // of one that carries the directions stay for what comes near later
-    Vector& direction = directions_[i];
-    if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
-    like_[i] = likeRowBefore(i);
-    if (like_[i] != 0) {
-      copy(directions_[i - 1], direction);
-      scale(like_[i], direction);
-      continue;
-    }
-    pullBack(i, direction);
-    if (rule_.old_share == 0) continue;
-    scale(1 - rule_.old_share, direction);
-    axpy(rule_.old_share, start_directions_[i], direction);
+  like_.assign(count, 0), is_aimed_.assign(count, false);
+  for (std::size_t i = 0; i < count; ++i)
+    if (!isIdle(i)) takeDirection(i);
+  if (carries_) copy(system_->independent(system_->x), aimed_at_);
+}
+
+/// What has come near since directions were taken gets its own from there.
+void Multipliers::aimAtNew() {
+  constexpr int most = 8;  // of times that going back there brings others near
+  const Rows x = system_->independent(system_->x);
+  for (int turn = 0; turn < most; ++turn) {
+    new_rows_.clear();
+    for (std::size_t i = 0; i < rows_.rows().size(); ++i)
+      if (!isIdle(i) && !isAimed(i)) new_rows_.push_back(i);
+    if (new_rows_.empty()) return;
+    copy(x, here_), copy(aimed_at_, x);
+    findConditions();
+    for (const std::size_t row : new_rows_) takeDirection(row);
+    copy(here_, x);
+    findConditions();
   }
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i)
+    if (!isIdle(i) && !isAimed(i)) takeDirection(i);
 }
 
 void Multipliers::aim() {
@@ -154,6 +178,7 @@ void Multipliers::aim() {
 
 /// A^-1 J^T, of what is not known
 bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  if (carries_) aimAtNew();
   const std::size_t count = rows_.rows().size();
   responses_.resize(std::max(responses_.size(), count));
   is_answered_.resize(count, false);
@@ -169,17 +194,19 @@ bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken 
       copy(responses_[i - 1], response);
       scale(like_[i], response);
     }
-    is_answered_[i] = true;
+    is_answered_[i] = has_new_answers_ = true;
   }
   return true;
 }
 
-/// W
+/// W. Along directions that stay it is what it was while the same rows are alive.
 void Multipliers::couple() {
   const auto& rows = rows_.rows();
+  std::swap(live_, coupled_);
   live_.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (!isIdle(i)) live_.push_back(i);
+  if (!std::exchange(has_new_answers_, false) && keepsDirections() && live_ == coupled_ && own_.size() == rows.size()) return;
   const auto count = Eigen::Index(live_.size());
   solve_.w.resize(count, count);
   own_.assign(rows.size(), 0);
@@ -187,7 +214,7 @@ void Multipliers::couple() {
     const Vector& response = responses_[live_[std::size_t(i)]];
     for (Eigen::Index j = 0; j < count && keepsDirections(); ++j)
       solve_.w(j, i) = rule_.weight * rule_.displacement * dot(directions_[live_[std::size_t(j)]], response);
-    const ConstRows along = system_->mappingChain().direction(response);
+    const ConstRows along = keepsDirections() ? ConstRows() : system_->mappingChain().direction(response);
     for (Eigen::Index j = 0; j < count && !keepsDirections(); ++j) {
       double sum = 0;
       for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);

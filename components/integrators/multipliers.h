@@ -98,6 +98,9 @@ class Multipliers {
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
   void takeDirections();
+  void takeDirection(std::size_t row);
+  bool isAimed(std::size_t row) const { return row < is_aimed_.size() && is_aimed_[row]; }
+  void aimAtNew();
   void takeBends();
   double shareOf(const LagrangianRows::Bend& bend) const;
   bool respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
@@ -130,10 +133,14 @@ class Multipliers {
   RedundantForces redundant_;              ///< where its search begins, of rows that yield
   std::vector<double> yields_;             ///< of each row; empty: none does
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
+  std::vector<char> is_aimed_;             ///< of each row: it has a direction
+  std::vector<std::size_t> new_rows_;      ///< that have none; work space
+  Vector aimed_at_, here_;                 ///< x where directions were taken; work space
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them
   std::vector<char> is_answered_;          ///< of each row: they are known
-  std::vector<std::size_t> live_;          ///< rows of W
+  std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the one before
+  bool has_new_answers_ = false;             ///< since that
   std::vector<double> own_;                ///< of each row: its diagonal of W
   std::vector<double> allowed_;            ///< by how much each row may be off; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
