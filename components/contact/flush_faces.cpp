@@ -67,7 +67,17 @@ void FlushFaces::compile(const Surfaces& s, const std::vector<char>& rigid) {
   for (std::size_t e = 0; e < s.edges.size(); ++e)
     for (std::size_t k = 0; k < 2; ++k)
       if (sides[e][k] >= 0) edge_faces_[e][k] = face_of_[std::size_t(sides[e][k])];
-  outward_.assign(faces_.size(), {});
+  outward_.assign(faces_.size(), {}), at_edges_.clear(), at_triangles_.clear();
+  if (!faces_.empty()) facesAt(s.edges, at_edges_), facesAt(s.faces, at_triangles_);
+}
+
+/// Those around any vertex of each cell.
+void FlushFaces::facesAt(const auto& cells, std::vector<std::vector<int>>& all) const {
+  all.assign(cells.size(), {});
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    for (const int v : cells[i])
+      for (const int face : around_[std::size_t(v)])
+        if (std::ranges::find(all[i], face) == all[i].end()) all[i].push_back(face);
 }
 
 Vec3 FlushFaces::outward(int face, const std::vector<Vec3>& x) const { return areaOf(faces_[std::size_t(face)], x).normalized(); }
@@ -162,10 +172,9 @@ bool FlushFaces::add(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3
     meeting.nearest = gap.start;
     meeting.is_outside = gap.n.dot(f == meeting.a ? Vec3(-meeting.n) : meeting.n) > 0;
   };
-  for (std::size_t i = 0; i < second; ++i)
-    for (std::size_t j = second; j < 4; ++j)
-      for (const int f : around_[std::size_t(gap.v[i])])
-        for (const int g : around_[std::size_t(gap.v[j])]) meet(f, g);
+  const auto first_side = std::size_t(gap.pair->first), second_side = std::size_t(gap.pair->second);
+  for (const int f : second == 2 ? at_edges_[first_side] : around_[first_side])
+    for (const int g : second == 2 ? at_edges_[second_side] : at_triangles_[second_side]) meet(f, g);
   gap.end_of_meetings = numbers_.size();
   return gap.end_of_meetings > gap.first_meeting;
 }

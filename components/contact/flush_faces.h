@@ -68,6 +68,7 @@ class FlushFaces {
     double apart;
     std::size_t gap;
   };
+  void facesAt(const auto& cells, std::vector<std::vector<int>>& all) const;
   std::span<const int> numbersOf(const KeptGap& gap) const;
   Vec3 outward(int face, const std::vector<Vec3>& x) const;
   const Vec3& outwardAtStart(int face, const std::vector<Vec3>& x);
@@ -85,6 +86,7 @@ class FlushFaces {
   std::vector<int> face_of_;                    ///< of each triangle; -1: none
   std::vector<std::array<int, 2>> edge_faces_;  ///< of each edge
   std::vector<std::vector<int>> around_;        ///< of each vertex
+  std::vector<std::vector<int>> at_edges_, at_triangles_;  ///< those around any of their vertices
   std::vector<Outward> outward_;  ///< of each face
   std::vector<Known> known_;      ///< a table with open addresses, of a power of two
   std::size_t known_count_ = 0;   ///< of those of this step

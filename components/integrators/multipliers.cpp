@@ -208,20 +208,44 @@ void Multipliers::couple() {
     if (!isIdle(i)) live_.push_back(i);
   if (!std::exchange(has_new_answers_, false) && keepsDirections() && live_ == coupled_ && own_.size() == rows.size()) return;
   const auto count = Eigen::Index(live_.size());
+  const double factor = rule_.weight * rule_.displacement;
   solve_.w.resize(count, count);
   own_.assign(rows.size(), 0);
+  if (couplesByDirections()) findReached();
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector& response = responses_[live_[std::size_t(i)]];
-    for (Eigen::Index j = 0; j < count && keepsDirections(); ++j)
-      solve_.w(j, i) = rule_.weight * rule_.displacement * dot(directions_[live_[std::size_t(j)]], response);
-    const ConstRows along = keepsDirections() ? ConstRows() : system_->mappingChain().direction(response);
-    for (Eigen::Index j = 0; j < count && !keepsDirections(); ++j) {
-      double sum = 0;
-      for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
-      solve_.w(j, i) = rule_.weight * rule_.displacement * sum;
+    if (couplesByDirections()) {
+      for (Eigen::Index j = 0; j < count; ++j) solve_.w(j, i) = factor * alongReached(std::size_t(j), response);
+    } else {
+      const ConstRows along = system_->mappingChain().direction(response);
+      for (Eigen::Index j = 0; j < count; ++j) {
+        double sum = 0;
+        for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
+        solve_.w(j, i) = factor * sum;
+      }
     }
     own_[live_[std::size_t(i)]] = solve_.w(i, i);
   }
+}
+
+/// Where the directions of rows of W are not zero: of two rigid bodies, of however many there are.
+void Multipliers::findReached() {
+  reached_.clear(), first_reached_.assign(1, 0);
+  for (const std::size_t row : live_) {
+    const ConstRows direction = directions_[row];
+    for (Index at = 0; at < direction.count; ++at)
+      if (!direction[at].isZero(0)) reached_.push_back(at);
+    first_reached_.push_back(reached_.size());
+  }
+}
+
+/// The direction of a row of W with a response.
+double Multipliers::alongReached(std::size_t number, ConstRows response) const {
+  const ConstRows direction = directions_[live_[number]];
+  double sum = 0;
+  for (std::size_t k = first_reached_[number]; k < first_reached_[number + 1]; ++k)
+    sum += direction[reached_[k]].dot(response[reached_[k]]);
+  return sum;
 }
 
 /// Where the search of a correction begins.
@@ -242,7 +266,9 @@ void Multipliers::expectForces() {
 
 void Multipliers::findForces(StopToken stop) {
   solve_.enough = 0;
-  if (!yields_.empty() && redundant_.find({rows_.rows(), live_, solve_.w, solve_.g, solve_.sizes, yields_, allowed_}, solve_.l, stop))
+  constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
+  const RedundantForces::Problem problem{rows_.rows(), live_, solve_.w, solve_.g, solve_.sizes, yields_, allowed_, carries_ ? at_rest : 0};
+  if (!yields_.empty() && redundant_.find(problem, solve_.l, stop))
     solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
   solve_.solve(rows_.rows(), stop, allowed_);
 }

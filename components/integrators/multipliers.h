@@ -94,6 +94,8 @@ class Multipliers {
   bool isIdle(std::size_t row) const;
   /// Where rows say the same W has to be symmetric: its conditions are those along the directions of forces, too.
   bool keepsDirections() const { return carries_ && !yields_.empty(); }
+  /// W is J^T of rows with their responses: the same, and cheap for rows of few bodies.
+  bool couplesByDirections() const { return !yields_.empty() && (carries_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
@@ -109,6 +111,8 @@ class Multipliers {
   void pullBack(std::span<const LagrangianRows::Entry> entries, Rows out);
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
+  void findReached();
+  double alongReached(std::size_t number, ConstRows response) const;
   void expectForces();
   void findForces(StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
@@ -141,6 +145,8 @@ class Multipliers {
   std::vector<char> is_answered_;          ///< of each row: they are known
   std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the one before
   bool has_new_answers_ = false;             ///< since that
+  std::vector<Index> reached_;               ///< rows in which directions of rows of W are not zero
+  std::vector<std::size_t> first_reached_;   ///< of each row of W, in reached_
   std::vector<double> own_;                ///< of each row: its diagonal of W
   std::vector<double> allowed_;            ///< by how much each row may be off; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share

@@ -39,6 +39,7 @@ class RedundantForces {
     const Eigen::MatrixXd& w;
     const Eigen::VectorXd& g;
     const std::vector<double>&sizes, &yields, &allowed;  ///< allowed: as of ConditionForces::solve()
+    double at_rest;  ///< forces that are off by less than this part of it are not searched for again
   };
   /// l: where the search begins and ends. False: these are not such conditions, or nothing better was found; l is as it was.
   bool find(const Problem& problem, Eigen::VectorXd& l, StopToken stop);
@@ -57,10 +58,16 @@ class RedundantForces {
     Eigen::Index tangents() const { return size - 1; }
   };
   struct Blocks;
-  /// The matrices of Blocks, of which there is one at a time.
+  static constexpr int most_tangents = 2;
+  using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 1 + most_tangents, 1 + most_tangents>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 1 + most_tangents, 1>;
+  /// Of Blocks, of which there is one at a time, and of Newton's method, so that steps allocate nothing.
   struct Work {
     Eigen::MatrixXd p, q, a, b, inverse, slim, half, small;
     Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+    Eigen::VectorXd by, yields, scaled, product, y, few, few_solved, left, pulled, turned;
+    Eigen::VectorXd right, way, was, at, r, where, found, noted;
+    std::vector<char> is_open;
   };
   struct Inside;
   static constexpr double none = std::numeric_limits<double>::infinity();
@@ -71,11 +78,13 @@ class RedundantForces {
   bool findGroups(const Problem& problem);
   bool findRoots();
   double offOf(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
-  bool isLittle(const Problem& problem) const;
-  Eigen::VectorXd stepFrom(Eigen::VectorXd& q, Eigen::VectorXd& r, double size);
+  bool isLittle(const Problem& problem, double part) const;
+  void conditions(const Eigen::VectorXd& q, Eigen::VectorXd& r);
+  void stepFrom(Eigen::VectorXd& q, Eigen::VectorXd& r, double size);
+  void linearise(Blocks& blocks);
   double newton(double size, const Eigen::VectorXd& where, Eigen::VectorXd& q);
   bool layer(double size, Eigen::VectorXd& q);
-  void draw(const Problem& problem, double size, Eigen::VectorXd q);
+  void draw(const Problem& problem, double size, Eigen::VectorXd& q);
   Eigen::VectorXd searchInside(double size);
   void note(const Eigen::VectorXd& q);
 

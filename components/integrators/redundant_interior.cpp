@@ -60,7 +60,7 @@ struct RedundantForces::Inside {
   Blocks blocks;
   double nu = 0, way = 1;
 
-  Inside(RedundantForces& all, double size) : of(all), by(scaleOf(all)), blocks(all, by, size) {
+  Inside(RedundantForces& all, double size) : of(all), by(all.work_.by = scaleOf(all)), blocks(all, size) {
     x.setZero(by.size()), z = off = power = turn = middle = e = x;
     for (const Group& group : of.groups_) {
       blocks.a.block(group.first, 0, group.size, group.size).setIdentity();
@@ -112,7 +112,7 @@ struct RedundantForces::Inside {
     VectorXd right = goal * power - less - z - off;
     for (const Group& cone : cones)
       right[cone.first] -= turn.segment(cone.first + 1, cone.tangents()).dot(right.segment(cone.first + 1, cone.tangents()));
-    dx = blocks.solve(right), dz = blocks.timesW(dx);
+    blocks.solve(right, dx), blocks.timesW(dx, dz);
     double part = none;
     for (const Group& cone : cones) {
       dz[cone.first] += turn.segment(cone.first + 1, cone.tangents()).dot(dz.segment(cone.first + 1, cone.tangents()));
