@@ -40,7 +40,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   made_before_ = iterationsOfAll(), searches_before_ = solve_.searches;
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
-  knows_forces_ = false, bend_count_ = 0;
+  knows_forces_ = false, bend_count_ = 0, times_left_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
   copy(system_->mappingChain().positions(system_->x), start_);
@@ -267,7 +267,8 @@ void Multipliers::expectForces() {
 void Multipliers::findForces(StopToken stop) {
   solve_.enough = 0;
   constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
-  const RedundantForces::Problem problem{rows_.rows(), live_, solve_.w, solve_.g, solve_.sizes, yields_, allowed_, carries_ ? at_rest : 0};
+  const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w,                solve_.g, solve_.sizes,
+                                         yields_,      allowed_, carries_ ? at_rest : 0, solve_.searches > searches_before_};
   if (!yields_.empty() && redundant_.find(problem, solve_.l, stop))
     solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
   solve_.solve(rows_.rows(), stop, allowed_);
@@ -336,7 +337,7 @@ void Multipliers::leaveOutForces() {
 
 void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
                           StepReport& report) {
-  constexpr int most_rounds = 100, most_idle = 10, few_idle = 2;
+  constexpr int most_rounds = 100, most_idle = 10, few_idle = 2, few_left = 3, most_left = 4;
   constexpr double close = 1e-13, far_less = 1e-3;  // of the place; of what is tolerated
   System& s = *system_;
   copy(s.independent(s.x), free_);
@@ -381,7 +382,10 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (!(step > 0.5 * least)) least = step, least_round = round;
     const int idle = round - least_round;
     const bool is_idle = (step <= held_within * size && idle > most_idle) || (step <= little && idle > few_idle);
-    const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle;
+    // directions that turn far in a step, as of bodies that tumble, are taken anew before rounds along them come to rest
+    is_left_ = keepsDirections() && !is_idle && idle > few_left && step > little && times_left_ < most_left;
+    times_left_ += is_left_;
+    const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle && !is_left_;
     // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());
     if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);

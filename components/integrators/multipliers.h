@@ -174,6 +174,7 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
+  int times_left_ = 0;  ///< in the step, where directions turned far
   double share_ = 1;
   Mixing mixing_;
 };

@@ -10,7 +10,7 @@ namespace stroma {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
-  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest] = problem;
+  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on] = problem;
   const auto count = Eigen::Index(live.size());
   double most = 0;
   for (Eigen::Index k = 0; k < count; ++k)
@@ -69,21 +69,20 @@ bool RedundantForces::findGroups(const Problem& problem) {
   return size_ > 0;
 }
 
-/// By elimination with pivots of the diagonal. False: all rows are independent.
-bool RedundantForces::findRoots() {
+/// By elimination with pivots of the diagonal.
+void RedundantForces::findRoots() {
   constexpr double little = 1e-11;
   const Eigen::Index count = w_.rows();
   VectorXd left = w_.diagonal();
   MatrixXd &p = whole_p_, &q = whole_q_;
   p.resize(count, count);
   q.resize(count, count);
+  Eigen::Index rank = 0;
   for (Eigen::Index k = 0, at = 0; k < count; ++k) {
     const double pivot = left.maxCoeff(&at);
-    if (!(pivot > little)) {
-      p_ = p.leftCols(k);
-      q_ = q.leftCols(k);
-      return true;
-    }
+    rank = k;
+    if (!(pivot > little)) break;
+    rank = k + 1;
     p.col(k) = w_.col(at);
     q.col(k) = w_.row(at).transpose();
     p.col(k).noalias() -= p.leftCols(k) * q.row(at).head(k).transpose();
@@ -92,7 +91,8 @@ bool RedundantForces::findRoots() {
     left -= p.col(k).cwiseProduct(q.col(k));
     left[at] = 0;
   }
-  return false;
+  p_ = p.leftCols(rank);
+  q_ = q.leftCols(rank);
 }
 
 /// The largest function of the laws (condition_forces.h), of size_.
@@ -223,16 +223,26 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
   if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
   off_ = none, best_ = start_, note(start_);
   if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
-  if (!findRoots()) return false;
+  findRoots();
   VectorXd& q = work_.found;
   q = start_;
-  bool is_found = off_ < unchanged || layer(thin, q);
+  const auto isDone = [&] { return !(off_ > near) || isLittle(problem, little); };
+  if (problem.goes_on || off_ < unchanged) {
+    draw(problem, thin, q);
+    if (isDone()) return take(problem, l);
+    q = start_;
+  }
+  bool is_found = layer(thin, q);
   for (double first = thin; !is_found && first < 0.1 && !stop_.isStopAsked(); first *= 100) {
     q = searchInside(first), is_found = layer(first, q);
     for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
   }
   if (is_found) draw(problem, thin, q);
-  if (!(off_ < coarse) && !isLittle(problem, little)) return false;
+  return (off_ < coarse || isDone()) && take(problem, l);
+}
+
+/// l = best_
+bool RedundantForces::take(const Problem& problem, VectorXd& l) {
   if (off_ > near) contradiction_ = 2 * off_ * size_;
   for (std::size_t k = 0; k < problem.live.size(); ++k)
     l[Eigen::Index(problem.live[k])] = scale_[Eigen::Index(k)] * best_[Eigen::Index(k)];

@@ -40,6 +40,7 @@ class RedundantForces {
     const Eigen::VectorXd& g;
     const std::vector<double>&sizes, &yields, &allowed;  ///< allowed: as of ConditionForces::solve()
     double at_rest;  ///< forces that are off by less than this part of it are not searched for again
+    bool goes_on;    ///< l has been found in this step, where bodies were a little elsewhere
   };
   /// l: where the search begins and ends. False: these are not such conditions, or nothing better was found; l is as it was.
   bool find(const Problem& problem, Eigen::VectorXd& l, StopToken stop);
@@ -76,7 +77,7 @@ class RedundantForces {
   bool scaleRows(const Problem& problem, const Eigen::VectorXd& l);
   void findYields(const Problem& problem);
   bool findGroups(const Problem& problem);
-  bool findRoots();
+  void findRoots();
   double offOf(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   bool isLittle(const Problem& problem, double part) const;
   void conditions(const Eigen::VectorXd& q, Eigen::VectorXd& r);
@@ -87,6 +88,7 @@ class RedundantForces {
   void draw(const Problem& problem, double size, Eigen::VectorXd& q);
   Eigen::VectorXd searchInside(double size);
   void note(const Eigen::VectorXd& q);
+  bool take(const Problem& problem, Eigen::VectorXd& l);
 
   std::vector<Group> groups_;                              ///< of rows that something moves
   std::vector<std::pair<Eigen::Index, Eigen::Index>> all_;  ///< first row and rows of all groups and other rows
