@@ -253,8 +253,7 @@ void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, do
 /// One of those that are together counts, of a vertex before one of rims.
 void FlushFaces::joinNear(std::vector<KeptGap>& gaps, double together) {
   constexpr double alike = 0.025;  // apart, of how far they are along the faces
-  const auto alongX = [](const Place& p, const Place& q) { return p.meeting != q.meeting ? p.meeting < q.meeting : p.x.x() < q.x.x(); };
-  std::stable_sort(places_.begin(), places_.end(), alongX);
+  std::ranges::sort(places_, {}, [](const Place& place) { return std::tuple(place.meeting, place.x.x(), place.gap); });
   for (auto first = places_.begin(); first != places_.end(); ++first)
     for (auto last = first + 1; last != places_.end() && last->meeting == first->meeting; ++last) {
       if (last->x.x() - first->x.x() > 4 * together || gaps[first->gap].flush == KeptGap::Flush::beside) break;

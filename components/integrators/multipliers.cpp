@@ -41,6 +41,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
   knows_forces_ = false, bend_count_ = 0, times_left_ = 0;
+  spent_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
   copy(system_->mappingChain().positions(system_->x), start_);
@@ -77,26 +78,6 @@ bool Multipliers::isIdle(std::size_t row) const {
   return rows_.rows()[row].kind == LagrangianRows::Kind::given && rows_.rows()[row].factor == 0;
 }
 
-/// 1 or -1 when the gradient is that of the row before, or its opposite; else 0.
-double Multipliers::likeRowBefore(std::size_t row) const {
-  if (row == 0 || rule_.old_share != 0 || isIdle(row - 1)) return 0;
-  const auto a = rows_.entriesOf(rows_.rows()[row - 1]), b = rows_.entriesOf(rows_.rows()[row]);
-  for (const double sign : {1.0, -1.0})
-    if (std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                   [sign](const auto& p, const auto& q) { return p.row == q.row && p.gradient == sign * q.gradient; }))
-      return sign;
-  return 0;
-}
-
-/// J^T of one row on what may move.
-void Multipliers::pullBack(std::span<const LagrangianRows::Entry> entries, Rows out) {
-  clear(work_);
-  for (const auto& [at, gradient] : entries) work_[at] += gradient;
-  system_->mappingChain().pullBack(work_);
-  copy(system_->independent(work_), out);
-  system_->constraints().project(out);
-}
-
 /// A^-1 of right_side_.
 bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
   if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
@@ -124,56 +105,6 @@ bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& res
     if (!carries_) each->respond(pushes_, response);
   system_->constraints().project(response);
   return true;
-}
-
-void Multipliers::takeDirection(std::size_t row) {
-  is_aimed_[row] = true;
-  Vector& direction = directions_[row];
-  if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
-  like_[row] = row > 0 && is_aimed_[row - 1] ? likeRowBefore(row) : 0;
-  if (like_[row] != 0) {
-    copy(directions_[row - 1], direction);
-    scale(like_[row], direction);
-    return;
-  }
-  pullBack(row, direction);
-  if (rule_.old_share == 0) return;
-  scale(1 - rule_.old_share, direction);
-  axpy(rule_.old_share, start_directions_[row], direction);
-}
-
-/// J^T of rows that may have a force, where they were found: they are few of those that may come near in a step.
-void Multipliers::takeDirections() {
-  const std::size_t count = rows_.rows().size();
-  directions_.resize(std::max(directions_.size(), count));
-  like_.assign(count, 0), is_aimed_.assign(count, false);
-  for (std::size_t i = 0; i < count; ++i)
-    if (!isIdle(i)) takeDirection(i);
-  if (carries_) copy(system_->independent(system_->x), aimed_at_);
-}
-
-/// What has come near since directions were taken gets its own from there.
-void Multipliers::aimAtNew() {
-  constexpr int most = 8;  // of times that going back there brings others near
-  const Rows x = system_->independent(system_->x);
-  for (int turn = 0; turn < most; ++turn) {
-    new_rows_.clear();
-    for (std::size_t i = 0; i < rows_.rows().size(); ++i)
-      if (!isIdle(i) && !isAimed(i)) new_rows_.push_back(i);
-    if (new_rows_.empty()) return;
-    copy(x, here_), copy(aimed_at_, x);
-    findConditions();
-    for (const std::size_t row : new_rows_) takeDirection(row);
-    copy(here_, x);
-    findConditions();
-  }
-  for (std::size_t i = 0; i < rows_.rows().size(); ++i)
-    if (!isIdle(i) && !isAimed(i)) takeDirection(i);
-}
-
-void Multipliers::aim() {
-  findConditions();
-  takeDirections(), takeBends();
 }
 
 /// A^-1 J^T, of what is not known
@@ -267,11 +198,18 @@ void Multipliers::expectForces() {
 void Multipliers::findForces(StopToken stop) {
   solve_.enough = 0;
   constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
-  const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w,                solve_.g, solve_.sizes,
-                                         yields_,      allowed_, carries_ ? at_rest : 0, solve_.searches > searches_before_};
-  if (!yields_.empty() && redundant_.find(problem, solve_.l, stop))
-    solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
-  solve_.solve(rows_.rows(), stop, allowed_);
+  const bool goes_on = solve_.searches > searches_before_;
+  const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w,
+                                         solve_.g,     solve_.sizes, yields_,
+                                         allowed_,     carries_ ? at_rest : 0, goes_on, budget - spent_};
+  if (!yields_.empty()) {
+    if (redundant_.find(problem, solve_.l, stop))
+      solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
+    spent_ += redundant_.spent;
+  }
+  const long before = solve_.steps + solve_.rounds;
+  if (spent_ <= budget) solve_.solve(rows_.rows(), stop, allowed_);
+  spent_ += double(solve_.steps + solve_.rounds - before) * std::pow(double(live_.size()), 3);
 }
 
 void Multipliers::give() {
@@ -337,11 +275,10 @@ void Multipliers::leaveOutForces() {
 
 void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
                           StepReport& report) {
-  constexpr int most_rounds = 100, most_idle = 10, few_idle = 2, few_left = 3, most_left = 4;
+  constexpr int most_rounds = 100, most_idle = 10, few_idle = 2, few_left = 3;
   constexpr double close = 1e-13, far_less = 1e-3;  // of the place; of what is tolerated
   System& s = *system_;
-  copy(s.independent(s.x), free_);
-  clear(whole_);
+  copy(s.independent(s.x), free_), clear(whole_);
   bool is_mixed = false;
   is_left_ = false;
   mixing_.restart();
@@ -369,7 +306,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     last_forces_ = solve_.l;
     findForces(stop);
     report.stopped = report.stopped || stop.isStopAsked();
-    if (report.stopped) return;
+    if (report.stopped || isSpent(report)) return;
     sumResponses();
     const double last = step;
     step = rule_.displacement * distance(whole_, before_);
@@ -382,9 +319,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (!(step > 0.5 * least)) least = step, least_round = round;
     const int idle = round - least_round;
     const bool is_idle = (step <= held_within * size && idle > most_idle) || (step <= little && idle > few_idle);
-    // directions that turn far in a step, as of bodies that tumble, are taken anew before rounds along them come to rest
-    is_left_ = keepsDirections() && !is_idle && idle > few_left && step > little && times_left_ < most_left;
-    times_left_ += is_left_;
+    is_left_ = !is_idle && idle > few_left && step > little && leavesDirections();
     const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle && !is_left_;
     // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());

@@ -103,6 +103,7 @@ class Multipliers {
   void takeDirection(std::size_t row);
   bool isAimed(std::size_t row) const { return row < is_aimed_.size() && is_aimed_[row]; }
   void aimAtNew();
+  bool leavesDirections();
   void takeBends();
   double shareOf(const LagrangianRows::Bend& bend) const;
   bool respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
@@ -124,6 +125,8 @@ class Multipliers {
   std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
   bool partRightSide();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
+  static constexpr double budget = 1e11;       ///< of spent_: some ten seconds of a processor
+  bool isSpent(StepReport& report);
   std::string nameOf(std::size_t row) const;
   std::string nodesOf(std::size_t row) const;
   void judge(double step, double size, double rounding, StepReport& report);
@@ -174,6 +177,7 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
+  double spent_ = 0;    ///< in the step on searches: the cube of the rows of each elimination
   int times_left_ = 0;  ///< in the step, where directions turned far
   double share_ = 1;
   Mixing mixing_;

@@ -10,7 +10,7 @@ namespace stroma {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
-  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on] = problem;
+  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, budget] = problem;
   const auto count = Eigen::Index(live.size());
   double most = 0;
   for (Eigen::Index k = 0; k < count; ++k)
@@ -127,7 +127,7 @@ void RedundantForces::conditions(const VectorXd& q, VectorXd& r) {
 
 /// A step of Newton's method, work_.way. What is open has its force taken away first; q and r follow.
 void RedundantForces::stepFrom(VectorXd& q, VectorXd& r, double size) {
-  ++steps;
+  ++steps, spend();
   work_.by.setOnes(q.size());
   Blocks blocks(*this, size);
   work_.was = q;
@@ -180,7 +180,7 @@ double RedundantForces::newton(double size, const VectorXd& where, VectorXd& q) 
   };
   at = q;
   double now = look(), least = now;
-  for (int k = 0; k < most && now > settled && !stop_.isStopAsked(); ++k) {
+  for (int k = 0; k < most && now > settled && !isOver(); ++k) {
     stepFrom(at, r, size);
     at += work_.way;
     const double last = std::exchange(now, look());
@@ -207,7 +207,7 @@ void RedundantForces::draw(const Problem& problem, double size, VectorXd& q) {
   constexpr double little = 1e-3;
   note(q);
   double before = off_;
-  for (int turn = 1; turn <= most && off_ > rounded && !stop_.isStopAsked(); ++turn) {
+  for (int turn = 1; turn <= most && off_ > rounded && !isOver(); ++turn) {
     work_.where = q;
     if (newton(size, work_.where, q) > near) break;
     note(q);
@@ -219,7 +219,7 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
   constexpr double thin = 1e-6;       // the layer, of the mean of W's diagonal
   constexpr double little = 1e-3;     // of what rows may be off by
   constexpr double unchanged = 1e-8;  // so little of the largest condition moves forces along where they were
-  stop_ = stop, contradiction_ = 0;
+  stop_ = stop, contradiction_ = 0, budget_ = problem.budget, spent = 0;
   if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
   off_ = none, best_ = start_, note(start_);
   if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
@@ -233,7 +233,7 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
     q = start_;
   }
   bool is_found = layer(thin, q);
-  for (double first = thin; !is_found && first < 0.1 && !stop_.isStopAsked(); first *= 100) {
+  for (double first = thin; !is_found && first < 0.1 && !isOver(); first *= 100) {
     q = searchInside(first), is_found = layer(first, q);
     for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
   }

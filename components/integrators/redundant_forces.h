@@ -41,6 +41,7 @@ class RedundantForces {
     const std::vector<double>&sizes, &yields, &allowed;  ///< allowed: as of ConditionForces::solve()
     double at_rest;  ///< forces that are off by less than this part of it are not searched for again
     bool goes_on;    ///< l has been found in this step, where bodies were a little elsewhere
+    double budget;   ///< of `spent`; beyond it the search ends
   };
   /// l: where the search begins and ends. False: these are not such conditions, or nothing better was found; l is as it was.
   bool find(const Problem& problem, Eigen::VectorXd& l, StopToken stop);
@@ -48,6 +49,7 @@ class RedundantForces {
   double unsettled() const { return off_; }
   /// What is off, where rows contradict each other by a little; else 0. As ConditionForces::contradiction.
   double contradiction() const { return contradiction_; }
+  double spent = 0;            ///< on the last find(): rows times columns^2 of each step
   long steps = 0, rounds = 0;  ///< of all find(): Newton steps, rounds of the interior-point method
 
  private:
@@ -89,6 +91,8 @@ class RedundantForces {
   Eigen::VectorXd searchInside(double size);
   void note(const Eigen::VectorXd& q);
   bool take(const Problem& problem, Eigen::VectorXd& l);
+  void spend() { spent += double(w_.rows()) * double(p_.cols()) * double(p_.cols()); }
+  bool isOver() const { return stop_.isStopAsked() || spent > budget_; }
 
   std::vector<Group> groups_;                              ///< of rows that something moves
   std::vector<std::pair<Eigen::Index, Eigen::Index>> all_;  ///< first row and rows of all groups and other rows
@@ -98,6 +102,7 @@ class RedundantForces {
   double size_ = 0, off_ = 0, contradiction_ = 0;           ///< off_: of best_, of size_
   Eigen::MatrixXd whole_p_, whole_q_;                       ///< work space, as is
   Work work_;
+  double budget_ = 0;
   StopToken stop_;
 };
 

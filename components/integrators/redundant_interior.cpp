@@ -150,11 +150,11 @@ VectorXd RedundantForces::searchInside(double size) {
   Inside inside(*this, size);
   VectorXd best = inside.x;
   double least = none;
-  for (int round = 0; round < most_rounds && !inside.cones.empty() && !stop_.isStopAsked(); ++round) {
+  for (int round = 0; round < most_rounds && !inside.cones.empty() && !isOver(); ++round) {
     const VectorXd q = inside.by.cwiseProduct(inside.x), r = offset_ + w_ * q + size * yields_.cwiseProduct(q);
     if (const double now = offOf(q, r); now < least) least = now, best = q;
     inside.nu = inside.mean(inside.x, inside.z);
-    ++rounds;
+    ++rounds, spend();
     const double nu = inside.nu / (size_ * size_);
     if (least < enough || !(nu > nothing) || !(inside.way > least_way) || (inside.way < short_way && nu < little)) break;
     if (!inside.prepare(r) || !inside.move()) break;
