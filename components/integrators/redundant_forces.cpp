@@ -73,10 +73,11 @@ bool RedundantForces::findGroups(const Problem& problem) {
 void RedundantForces::findRoots() {
   constexpr double little = 1e-11;
   const Eigen::Index count = w_.rows();
-  VectorXd left = w_.diagonal();
+  VectorXd& left = work_.left;
+  left = w_.diagonal();
   MatrixXd &p = whole_p_, &q = whole_q_;
-  p.resize(count, count);
-  q.resize(count, count);
+  p.resize(count, count), q.resize(count, count);
+  work_.y.resize(count), work_.pulled.resize(count);
   Eigen::Index rank = 0;
   for (Eigen::Index k = 0, at = 0; k < count; ++k) {
     const double pivot = left.maxCoeff(&at);
@@ -85,8 +86,10 @@ void RedundantForces::findRoots() {
     rank = k + 1;
     p.col(k) = w_.col(at);
     q.col(k) = w_.row(at).transpose();
-    p.col(k).noalias() -= p.leftCols(k) * q.row(at).head(k).transpose();
-    q.col(k).noalias() -= q.leftCols(k) * p.row(at).head(k).transpose();
+    work_.y.head(k) = q.row(at).head(k);  // as columns, which products take as they are
+    work_.pulled.head(k) = p.row(at).head(k);
+    p.col(k).noalias() -= p.leftCols(k) * work_.y.head(k);
+    q.col(k).noalias() -= q.leftCols(k) * work_.pulled.head(k);
     q.col(k) /= pivot;
     left -= p.col(k).cwiseProduct(q.col(k));
     left[at] = 0;
