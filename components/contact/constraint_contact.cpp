@@ -40,7 +40,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "components/contact/contact_bodies.h"
 #include "components/contact/contact_inside.h"
@@ -319,7 +318,6 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
   forces_.assign(forces.begin(), forces.end());
   gaps_.all().empty() ? end_.clear() : copyPlaces(x_, end_);
   contacts_ = 0;
-  smallest_gap_ = std::numeric_limits<double>::infinity();
   const std::size_t nodes = std::size_t(bodies_.front()->size());
   const bool was_clear = is_clear_ && contact_forces_.size() == nodes;
   is_clear_ = std::ranges::none_of(forces, [](double each) { return each > 0; });
@@ -328,7 +326,6 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
   kept_forces_.take(gaps_, law_.surfaces, forces, each);
   for (std::size_t i = 0; i < gaps_.all().size(); ++i) {
     const KeptGap& gap = gaps_.all()[i];
-    smallest_gap_ = std::min(smallest_gap_, gap.gap + law_.range);
     const double* l = forces.data() + each * i;
     if (!(l[0] > 0)) continue;
     ++contacts_;
@@ -341,7 +338,7 @@ void ConstraintContact::takeForces(std::span<const double> forces) {
       contact_forces_[node] += gap.c[k] * normal, friction_forces_[node] += gap.c[k] * rubbing;
     }
   }
-  if (gaps_.all().empty()) smallest_gap_ = 0;
+  smallest_gap_ = gaps_.all().empty() ? 0 : gaps_.smallest(law_, x_) + law_.range;
 }
 
 void ConstraintContact::reset() {

@@ -278,7 +278,24 @@ double mostApart(const CommonMotion& a, const CommonMotion& b) {
   return (a.left.high - low).cwiseMax(high - a.left.low).norm();
 }
 
+/// Of a side of `first` points and one of the others.
+template <std::size_t first>
+static bool areFar(const FourPoints& x, double distance) {
+  double square = 0;
+  for (int k = 0; k < 3; ++k) {
+    double low[2] = {x[0][k], x[first][k]}, high[2] = {x[0][k], x[first][k]};
+    for (std::size_t i = 1; i < 4; ++i) {
+      const std::size_t side = i < first ? 0 : 1;
+      low[side] = std::min(low[side], x[i][k]), high[side] = std::max(high[side], x[i][k]);
+    }
+    const double apart = std::max({low[1] - high[0], low[0] - high[1], 0.0});
+    square += apart * apart;
+  }
+  return square > distance * distance;
+}
+
 bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double distance) {
+  if (!dx) return kind == PairKind::point_triangle ? areFar<1>(x, distance) : areFar<2>(x, distance);
   const std::size_t first_side = kind == PairKind::point_triangle ? 1 : 2;
   double square = 0;
   for (int k = 0; k < 3 && !(square > distance * distance); ++k) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "components/contact/kept_gaps.h"
 
@@ -66,9 +67,45 @@ void FlushFaces::compile(const Surfaces& s, const std::vector<char>& rigid) {
   for (std::size_t e = 0; e < s.edges.size(); ++e)
     for (std::size_t k = 0; k < 2; ++k)
       if (sides[e][k] >= 0) edge_faces_[e][k] = face_of_[std::size_t(sides[e][k])];
+  outward_.assign(faces_.size(), {}), at_edges_.clear(), at_triangles_.clear();
+  if (!faces_.empty()) facesAt(s.edges, at_edges_), facesAt(s.faces, at_triangles_);
+}
+
+/// Those around any vertex of each cell.
+void FlushFaces::facesAt(const auto& cells, std::vector<std::vector<int>>& all) const {
+  all.assign(cells.size(), {});
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    for (const int v : cells[i])
+      for (const int face : around_[std::size_t(v)])
+        if (std::ranges::find(all[i], face) == all[i].end()) all[i].push_back(face);
 }
 
 Vec3 FlushFaces::outward(int face, const std::vector<Vec3>& x) const { return areaOf(faces_[std::size_t(face)], x).normalized(); }
+
+const Vec3& FlushFaces::outwardAtStart(int face, const std::vector<Vec3>& x) {
+  Outward& known = outward_[std::size_t(face)];
+  if (std::exchange(known.step, step_) != step_) known.n = outward(face, x);
+  return known.n;
+}
+
+/// That of two faces; of another step where it is not known yet.
+FlushFaces::Known& FlushFaces::knownOf(int a, int b) {
+  const auto find = [&](int first, int second) -> Known& {
+    const std::size_t mask = known_.size() - 1;
+    std::size_t at = (std::size_t(first) * 0x9e3779b1u + std::size_t(second) * 0x85ebca6bu) & mask;
+    while (known_[at].step == step_ && (known_[at].a != first || known_[at].b != second)) at = (at + 1) & mask;
+    return known_[at];
+  };
+  if (2 * known_count_ >= known_.size()) {
+    std::vector<Known> old(std::max<std::size_t>(256, 2 * known_.size()));
+    std::swap(old, known_);
+    for (const Known& each : old)
+      if (each.step == step_) find(each.a, each.b) = each;
+  }
+  Known& known = find(a, b);
+  if (known.step != step_) known.a = a, known.b = b, ++known_count_;
+  return known;
+}
 
 std::span<const int> FlushFaces::numbersOf(const KeptGap& gap) const {
   return std::span(numbers_).subspan(gap.first_meeting, gap.end_of_meetings - gap.first_meeting);
@@ -111,13 +148,13 @@ double FlushFaces::openingOf(int a, int b, const Vec3& way, const std::vector<Ve
 
 /// The number of that of two faces. -1: they are not flat on each other.
 int FlushFaces::meetingOf(int a, int b, double range, const std::vector<Vec3>& x) {
-  const auto known = [&](const Meeting& meeting) { return meeting.a == a && meeting.b == b; };
-  const auto at = std::find_if(meetings_.begin(), meetings_.end(), known);
-  if (at != meetings_.end()) return int(at - meetings_.begin());
-  const Vec3 m = outward(a, x), o = outward(b, x), way = m + o;
+  Known& known = knownOf(a, b);
+  if (std::exchange(known.step, step_) == step_) return known.number;
+  const Vec3 &m = outwardAtStart(a, x), &o = outwardAtStart(b, x), way = m + o;
+  known.number = -1;
   if (!(m.dot(o) < 0 && way.norm() < steepest) || openingOf(a, b, way, x) > range) return -1;
   meetings_.push_back({.a = a, .b = b, .n = (m - o).normalized(), .tilt = way.norm()});
-  return int(meetings_.size()) - 1;
+  return known.number = int(meetings_.size()) - 1;
 }
 
 bool FlushFaces::add(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) {
@@ -131,26 +168,25 @@ bool FlushFaces::add(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3
     if (number < 0 || std::find(own, numbers_.end(), number) != numbers_.end()) return;
     numbers_.push_back(number);
     Meeting& meeting = meetings_[std::size_t(number)];
-    if (!(gap.start < meeting.nearest) || !isOnBoth(gap, meeting)) return;
+    if (gap.is_aligned || !(gap.start < meeting.nearest) || !isOnBoth(gap, meeting)) return;
     meeting.nearest = gap.start;
     meeting.is_outside = gap.n.dot(f == meeting.a ? Vec3(-meeting.n) : meeting.n) > 0;
   };
-  for (std::size_t i = 0; i < second; ++i)
-    for (std::size_t j = second; j < 4; ++j)
-      for (const int f : around_[std::size_t(gap.v[i])])
-        for (const int g : around_[std::size_t(gap.v[j])]) meet(f, g);
+  const auto first_side = std::size_t(gap.pair->first), second_side = std::size_t(gap.pair->second);
+  for (const int f : second == 2 ? at_edges_[first_side] : around_[first_side])
+    for (const int g : second == 2 ? at_edges_[second_side] : at_triangles_[second_side]) meet(f, g);
   gap.end_of_meetings = numbers_.size();
   return gap.end_of_meetings > gap.first_meeting;
 }
 
 /// Along the face that a vertex is on, or the direction of two faces. False: what it is of is not above each other, or in no way a corner.
-bool FlushFaces::place(KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together) const {
+bool FlushFaces::place(const KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together, Corner& corner) const {
   if (gap.flush_at_start == KeptGap::Flush::corner) together *= 2;  // it stays one for the step
   constexpr double parallel = 1e-6, steep = 0.1;
   const bool crosses = gap.pair->kind == PairKind::edge_edge;
   const bool is_forth = isOn(meeting.a, gap.v[0]) && (!crosses || isOn(meeting.a, gap.v[1]));
   const int own = is_forth ? meeting.a : meeting.b, other = is_forth ? meeting.b : meeting.a;
-  const Vec3 n = !crosses ? outward(other, x) : is_forth ? Vec3(-meeting.n) : meeting.n;
+  const Vec3 n = !crosses ? (is_forth ? meeting.of_b : meeting.of_a) : is_forth ? Vec3(-meeting.n) : meeting.n;
   const auto at = [&](std::size_t k) -> const Vec3& { return x[std::size_t(gap.v[k])]; };
   if (crosses ? !(isRim(gap.pair->first, own) && isRim(gap.pair->second, other))
               : !(isOn(own, gap.v[0]) && face_of_[std::size_t(gap.pair->second)] == other))
@@ -174,31 +210,31 @@ bool FlushFaces::place(KeptGap& gap, const Meeting& meeting, const std::vector<V
                 (1 - s - t) * height >= -together * (p - q).norm();
   }
   if (!is_inside) return false;
-  gap.c = c, gap.n = n;
   const double across = std::abs(size) / (p.norm() * q.norm());
-  gap.upright = crosses && across < steep ? 1 : std::abs(size) / up.norm();
+  corner = {c, n, crosses && across < steep ? 1 : std::abs(size) / up.norm()};
   return true;
 }
 
 void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, double together) {
   if (meetings_.empty()) return;
-  for (Meeting& meeting : meetings_)
-    meeting.n = (outward(meeting.a, x) - outward(meeting.b, x)).normalized(), meeting.overlaps = false;
+  for (Meeting& meeting : meetings_) {
+    meeting.of_a = outward(meeting.a, x), meeting.of_b = outward(meeting.b, x);
+    meeting.n = (meeting.of_a - meeting.of_b).normalized(), meeting.overlaps = false;
+  }
   places_.clear();
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     KeptGap& gap = gaps[i];
     gap.flush = KeptGap::Flush::no;
     int flattest = -1;  // of those that it is at a corner of
-    KeptGap corner;
+    Corner corner, there;
     for (const int number : numbersOf(gap)) {
       Meeting& meeting = meetings_[std::size_t(number)];
-      KeptGap there = gap;
-      if (!meeting.is_outside || !place(there, meeting, x, together)) continue;
+      if (!meeting.is_outside || !place(gap, meeting, x, together, there)) continue;
       meeting.overlaps = true;
       if (flattest < 0 || meeting.tilt < meetings_[std::size_t(flattest)].tilt) flattest = number, corner = there;
     }
     if (flattest < 0) continue;
-    gap = corner, gap.flush = KeptGap::Flush::corner;
+    gap.c = corner.c, gap.n = corner.n, gap.upright = corner.upright, gap.flush = KeptGap::Flush::corner;
     Vec3 middle = Vec3::Zero();  // of the two sides
     double apart = 0;
     const bool crosses = gap.pair->kind == PairKind::edge_edge;
@@ -217,8 +253,7 @@ void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, do
 /// One of those that are together counts, of a vertex before one of rims.
 void FlushFaces::joinNear(std::vector<KeptGap>& gaps, double together) {
   constexpr double alike = 0.025;  // apart, of how far they are along the faces
-  const auto alongX = [](const Place& p, const Place& q) { return p.meeting != q.meeting ? p.meeting < q.meeting : p.x.x() < q.x.x(); };
-  std::stable_sort(places_.begin(), places_.end(), alongX);
+  std::ranges::sort(places_, {}, [](const Place& place) { return std::tuple(place.meeting, place.x.x(), place.gap); });
   for (auto first = places_.begin(); first != places_.end(); ++first)
     for (auto last = first + 1; last != places_.end() && last->meeting == first->meeting; ++last) {
       if (last->x.x() - first->x.x() > 4 * together || gaps[first->gap].flush == KeptGap::Flush::beside) break;

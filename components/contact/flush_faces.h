@@ -29,7 +29,7 @@ class FlushFaces {
   /// After `surfaces` have been finished. `rigid`: of each body of them.
   void compile(const Surfaces& surfaces, const std::vector<char>& rigid);
   /// A step starts, with other pairs.
-  void begin() { meetings_.clear(), numbers_.clear(); }
+  void begin() { meetings_.clear(), numbers_.clear(), known_count_ = 0, ++step_; }
   /// Where a step starts: whether the sides of a pair may lie in two such faces.
   bool add(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x);
   /// Gives directions, places and gaps to those at corners (KeptGap::flush). Corners nearer to each other than `together` [m] are one.
@@ -40,10 +40,26 @@ class FlushFaces {
   struct Meeting {
     int a, b;
     Vec3 n = Vec3::Zero();  ///< from a to b
+    Vec3 of_a = Vec3::Zero(), of_b = Vec3::Zero();  ///< outward
     double tilt = 0;        ///< where the step starts [rad]
     double nearest = std::numeric_limits<double>::infinity();  ///< distance of the nearest pair on both there [m]
     bool is_outside = false;                                   ///< of that pair: each is on the outer side of the other
     bool overlaps = false;
+  };
+  /// Of a gap at a corner.
+  struct Corner {
+    std::array<double, 4> c;
+    Vec3 n;
+    double upright;
+  };
+  /// Where the step starts: outward; and the number of a meeting of two faces, -1: none.
+  struct Outward {
+    Vec3 n;
+    long step = -1;
+  };
+  struct Known {
+    int a, b, number;
+    long step = -1;
   };
   struct Place {
     int meeting;
@@ -52,14 +68,17 @@ class FlushFaces {
     double apart;
     std::size_t gap;
   };
+  void facesAt(const auto& cells, std::vector<std::vector<int>>& all) const;
   std::span<const int> numbersOf(const KeptGap& gap) const;
   Vec3 outward(int face, const std::vector<Vec3>& x) const;
+  const Vec3& outwardAtStart(int face, const std::vector<Vec3>& x);
+  Known& knownOf(int a, int b);
   bool isOn(int face, int vertex) const;
   bool isRim(int edge, int face) const;
   int meetingOf(int a, int b, double range, const std::vector<Vec3>& x);
   double openingOf(int a, int b, const Vec3& way, const std::vector<Vec3>& x) const;
   bool isOnBoth(const KeptGap& gap, const Meeting& meeting) const;
-  bool place(KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together) const;
+  bool place(const KeptGap& gap, const Meeting& meeting, const std::vector<Vec3>& x, double together, Corner& corner) const;
   void joinNear(std::vector<KeptGap>& gaps, double together);
 
   std::vector<std::array<int, 3>> faces_;       ///< vertices of the largest triangle of each
@@ -67,6 +86,11 @@ class FlushFaces {
   std::vector<int> face_of_;                    ///< of each triangle; -1: none
   std::vector<std::array<int, 2>> edge_faces_;  ///< of each edge
   std::vector<std::vector<int>> around_;        ///< of each vertex
+  std::vector<std::vector<int>> at_edges_, at_triangles_;  ///< those around any of their vertices
+  std::vector<Outward> outward_;  ///< of each face
+  std::vector<Known> known_;      ///< a table with open addresses, of a power of two
+  std::size_t known_count_ = 0;   ///< of those of this step
+  long step_ = 0;
   std::vector<Meeting> meetings_;
   std::vector<int> numbers_;  ///< of meetings, of one gap after another
   std::vector<Place> places_;  ///< work space

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace stroma::contact {
 
@@ -62,8 +63,8 @@ void KeptGap::findFreeWay(const BarrierLaw& law, const std::vector<Vec3>& from, 
   const FourPoints places = law.candidates.pointsOf(*pair, from);
   FourPoints ways = law.candidates.pointsOf(*pair, x);
   for (std::size_t k = 0; k < 4; ++k) ways[k] -= places[k];
-  const double way = mostAgainst(pair->kind, ways);
-  if (start > 0 && way < 0.7 * start) return;
+  moved = mostAgainst(pair->kind, ways);
+  if (start > 0 && moved < 0.7 * start) return;
   const double left = start > 0 ? std::min(most, part * law.range / start) : most;
   const double touching = pair->radius + (pair->pushes ? law.thickness : 0);
   free = longestStep(pair->kind, places, ways, {.thickness = touching, .left = left});
@@ -74,8 +75,14 @@ void KeptGap::place(const BarrierLaw& law, const std::vector<Vec3>& x) {
     c[0] = 1;
     n = law.planes[plane].normal;
     start = law.gapToPlane(plane, x[std::size_t(v[0])]);
+  } else if (const FourPoints points = law.candidates.pointsOf(*pair, x); is_aligned) {
+    const Vec3 along = points[1] - points[0], from = points[0] - points[2];
+    const Vec3 beside = from - along * (along.dot(from) / along.squaredNorm());
+    n = beside.norm() > 0 ? Vec3(beside.normalized()) : along.unitOrthogonal();
+    start = leastOfParallel(points) - pair->radius - (pair->pushes ? law.thickness : 0);
+    has_way_across = false;
   } else {
-    const ClosestPoints closest = closestPoints(pair->kind, law.candidates.pointsOf(*pair, x));
+    const ClosestPoints closest = closestPoints(pair->kind, points);
     const double apart = closest.distance();
     c = closest.weights;
     if (apart > 0) n = closest.difference / apart;
@@ -83,6 +90,11 @@ void KeptGap::place(const BarrierLaw& law, const std::vector<Vec3>& x) {
   }
   gap = start - law.range;
   across = tangent = n.unitOrthogonal();
+}
+
+bool KeptGap::isFar(const BarrierLaw& law) const {
+  constexpr double rounding = 0.01;  // of the gap to keep
+  return pair && !acts && free == 1 && (is_aligned || start - moved > (1 + rounding) * law.range);
 }
 
 void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x, bool anew) {
@@ -187,6 +199,11 @@ void KeptGaps::addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x) {
 
 void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways) {
   constexpr double rounding = 1e-3;  // what is nearer has been in contact, and will hardly be anywhere else
+  if (gap.pair) {
+    const FourPoints points = law.candidates.pointsOf(*gap.pair, start_);
+    gap.is_parallel = isOfParallelEdges(*gap.pair, points);
+    gap.is_aligned = gap.is_parallel && leastOfParallel(points) >= 0;
+  }
   gap.place(law, start_);
   gap.acts = gap.gap < rounding * law.range;
   if (!gap.pair) return all_.push_back(gap);
@@ -194,7 +211,6 @@ void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways)
     return mostAgainst(gap.pair->kind, law.candidates.pointsOf(*gap.pair, all));
   };
   const double most = 2 * std::max(against(ways.last), against(ways.straight)) + ways.other;
-  gap.is_parallel = isOfParallelEdges(*gap.pair, law.candidates.pointsOf(*gap.pair, start_));
   const bool comes = gap.pair->pushes && gap.gap <= most, may_be_flush = comes && flush_.add(gap, law, start_);
   const bool has_condition = comes && (may_be_flush || !gap.is_parallel);
   gap.acts = has_condition && !gap.is_parallel && gap.gap < rounding * law.range && allowance(gap, law, start_, tolerated_) == 0;
@@ -208,7 +224,11 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
   bool are_kept = true;
   for (KeptGap& gap : all_) {
     gap.tells = tells(gap, law, x);
-    gap.look(law, start_, x, gap.tells);
+    gap.is_bound = gap.isFar(law);
+    if (gap.is_bound)
+      gap.gap = gap.start - gap.moved - law.range;
+    else
+      gap.look(law, start_, x, gap.tells);
   }
   lookAtFlush(law, x);
   for (KeptGap& gap : all_) {
@@ -230,13 +250,28 @@ void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
     if (gap.flush == KeptGap::Flush::corner) {
       double apart = 0;
       for (std::size_t k = 1; k < 4; ++k) apart += gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])] - x[std::size_t(gap.v[0])]);
-      gap.gap = gap.upright * apart - gap.pair->radius - law.thickness - law.range;
+      gap.gap = gap.upright * apart - gap.pair->radius - law.thickness - law.range, gap.is_bound = false;
+      if (!std::exchange(gap.has_way_across, true)) {
+        KeptGap there = gap;
+        there.is_aligned = false, there.place(law, start_), gap.across = there.across;
+      }
       gap.turnTangent();
       gap.acts = gap.acts || gap.gap < rounding * law.range;
     } else if (gap.flush == KeptGap::Flush::beside) {
       gap.acts = false;
     }
   }
+}
+
+/// What is far is only looked at where its bound is the smallest. Nearly parallel edges have a vertex that is as near to a face.
+double KeptGaps::smallest(const BarrierLaw& law, const std::vector<Vec3>& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const KeptGap& gap : all_)
+    if (!gap.is_bound) least = std::min(least, gap.gap);
+  for (KeptGap& gap : all_)
+    if (gap.is_bound && !gap.is_aligned && gap.gap < least) gap.look(law, start_, x, true), least = std::min(least, gap.gap);
+  if (!std::isfinite(least) && !all_.empty()) least = std::ranges::min(all_, {}, &KeptGap::gap).gap;
+  return least;
 }
 
 void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x) {

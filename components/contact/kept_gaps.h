@@ -30,10 +30,14 @@ struct KeptGap {
   double start = 0;            ///< gap there, without contactDistance [m]
   std::size_t first_meeting = 0, end_of_meetings = 0;  ///< in the list of FlushFaces, of those it may be of
   bool is_parallel = false;                 ///< of edges that have a condition only at a corner of such faces
+  bool is_aligned = false;  ///< so much that their closest points cost 113 bits: `start` is a lower bound, and n is near enough
+  bool has_way_across = true;  ///< else `across` is still to be found
   // where conditions were last looked at
   std::array<double, 4> c{};
   Vec3 n = Vec3::Zero(), tangent = Vec3::Zero();
   double gap = 0;        ///< less contactDistance [m]
+  bool is_bound = false;  ///< it is no less than `gap`, and c and n are those of where it was nearer
+  double moved = 0;      ///< by how much its sides have moved against each other at most [m]
   double free = 1;       ///< the part of the straight way to there that touches nothing
   bool tells = false;    ///< c, n and gap are those of the closest points, or of the first touch
   /// Of faces that lie flat on each other: at a corner of what they have in common; beside it, so that others tell.
@@ -44,6 +48,8 @@ struct KeptGap {
 
   /// Where a step starts.
   void place(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// It has not come near since the step began: a bound is enough.
+  bool isFar(const BarrierLaw& law) const;
   /// `free` on the way to x, to a fiftieth of the gap to keep.
   void findFreeWay(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x);
   /// Where it has come to at x from where it was. Without `anew`, by the directions that there are.
@@ -85,6 +91,8 @@ class KeptGaps {
   /// The ways of these are looked at as well.
   const std::vector<KeptGap>& watched() const { return watched_; }
   const std::vector<Vec3>& start() const { return start_; }
+  /// The smallest gap at the last x, less contactDistance [m]; infinity without any.
+  double smallest(const BarrierLaw& law, const std::vector<Vec3>& x);
   Vec3 slide(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const;
   void clear() { all_.clear(), watched_.clear(), start_.clear(), not_free_ = nullptr; }
 

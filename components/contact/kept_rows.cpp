@@ -26,6 +26,10 @@ void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3
           rows.addToBend(s.rows[std::size_t(gap.v[k])], turns.of[t][k] * gap.n);
     }
     if (friction == 0) continue;
+    if (gap.is_bound) {  // most of them, and nothing asks along what
+      for (int k = 0; k < 2; ++k) rows.begin(LagrangianRows::Kind::given, 0);
+      continue;
+    }
     const Vec3 slid = gaps.slide(gap, law, x);
     for (const Vec3& tangent : {gap.tangent, Vec3(gap.n.cross(gap.tangent))}) {
       rows.begin(kindOf(LagrangianRows::Kind::rub), tangent.dot(slid), gap.counts ? friction : 0);

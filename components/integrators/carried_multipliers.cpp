@@ -32,7 +32,11 @@ void Multipliers::carry(Rows out) {
   takeDirections(), takeBends();
   clear(added_);
   share_ = 1;
-  for (std::size_t i = 0; i < rows_.rows().size(); ++i) axpy(rule_.weight * solve_.l[Eigen::Index(i)], directions_[i], added_);
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i)
+    if (const double p = rule_.weight * solve_.l[Eigen::Index(i)]; p != 0) {
+      if (!isAimed(i)) takeDirection(i);
+      axpy(p, directions_[i], added_);
+    }
   axpy(-1, carried_, added_);
   axpy(1, added_, carried_);
   axpy(1, added_, out);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
@@ -26,7 +27,7 @@ void Multipliers::compile(System& system) {
   system_ = &system;
   if (empty()) return;
   for (Vector* vector : {&start_, &work_}) vector->resize(system.allRows());
-  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &carried_, &added_, &base_, &last_})
+  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &carried_, &added_, &base_, &last_, &aimed_at_, &here_})
     vector->resize(system.independentRows());
   uncoupled_ = findUncoupled();
   if (!uncoupled_.empty()) pushes_.resize(system.independentRows());
@@ -39,7 +40,8 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   made_before_ = iterationsOfAll(), searches_before_ = solve_.searches;
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
-  knows_forces_ = false, bend_count_ = 0;
+  knows_forces_ = false, bend_count_ = 0, times_left_ = 0;
+  spent_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
   copy(system_->mappingChain().positions(system_->x), start_);
@@ -76,26 +78,6 @@ bool Multipliers::isIdle(std::size_t row) const {
   return rows_.rows()[row].kind == LagrangianRows::Kind::given && rows_.rows()[row].factor == 0;
 }
 
-/// 1 or -1 when the gradient is that of the row before, or its opposite; else 0.
-double Multipliers::likeRowBefore(std::size_t row) const {
-  if (row == 0 || rule_.old_share != 0 || isIdle(row - 1)) return 0;
-  const auto a = rows_.entriesOf(rows_.rows()[row - 1]), b = rows_.entriesOf(rows_.rows()[row]);
-  for (const double sign : {1.0, -1.0})
-    if (std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                   [sign](const auto& p, const auto& q) { return p.row == q.row && p.gradient == sign * q.gradient; }))
-      return sign;
-  return 0;
-}
-
-/// J^T of one row on what may move.
-void Multipliers::pullBack(std::span<const LagrangianRows::Entry> entries, Rows out) {
-  clear(work_);
-  for (const auto& [at, gradient] : entries) work_[at] += gradient;
-  system_->mappingChain().pullBack(work_);
-  copy(system_->independent(work_), out);
-  system_->constraints().project(out);
-}
-
 /// A^-1 of right_side_.
 bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
   if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
@@ -125,35 +107,9 @@ bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& res
   return true;
 }
 
-/// J^T of all rows where they were found.
-void Multipliers::takeDirections() {
-  const std::size_t count = rows_.rows().size();
-  directions_.resize(std::max(directions_.size(), count));
-  like_.assign(count, 0);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (isIdle(i) && !carries_) continue;  // of one that carries the directions stay for what comes near later
-    Vector& direction = directions_[i];
-    if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
-    like_[i] = likeRowBefore(i);
-    if (like_[i] != 0) {
-      copy(directions_[i - 1], direction);
-      scale(like_[i], direction);
-      continue;
-    }
-    pullBack(i, direction);
-    if (rule_.old_share == 0) continue;
-    scale(1 - rule_.old_share, direction);
-    axpy(rule_.old_share, start_directions_[i], direction);
-  }
-}
-
-void Multipliers::aim() {
-  findConditions();
-  takeDirections(), takeBends();
-}
-
 /// A^-1 J^T, of what is not known
 bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  if (carries_) aimAtNew();
   const std::size_t count = rows_.rows().size();
   responses_.resize(std::max(responses_.size(), count));
   is_answered_.resize(count, false);
@@ -169,32 +125,58 @@ bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken 
       copy(responses_[i - 1], response);
       scale(like_[i], response);
     }
-    is_answered_[i] = true;
+    is_answered_[i] = has_new_answers_ = true;
   }
   return true;
 }
 
-/// W
+/// W. Along directions that stay it is what it was while the same rows are alive.
 void Multipliers::couple() {
   const auto& rows = rows_.rows();
+  std::swap(live_, coupled_);
   live_.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (!isIdle(i)) live_.push_back(i);
+  if (!std::exchange(has_new_answers_, false) && keepsDirections() && live_ == coupled_ && own_.size() == rows.size()) return;
   const auto count = Eigen::Index(live_.size());
+  const double factor = rule_.weight * rule_.displacement;
   solve_.w.resize(count, count);
   own_.assign(rows.size(), 0);
+  if (couplesByDirections()) findReached();
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector& response = responses_[live_[std::size_t(i)]];
-    for (Eigen::Index j = 0; j < count && keepsDirections(); ++j)
-      solve_.w(j, i) = rule_.weight * rule_.displacement * dot(directions_[live_[std::size_t(j)]], response);
-    const ConstRows along = system_->mappingChain().direction(response);
-    for (Eigen::Index j = 0; j < count && !keepsDirections(); ++j) {
-      double sum = 0;
-      for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
-      solve_.w(j, i) = rule_.weight * rule_.displacement * sum;
+    if (couplesByDirections()) {
+      for (Eigen::Index j = 0; j < count; ++j) solve_.w(j, i) = factor * alongReached(std::size_t(j), response);
+    } else {
+      const ConstRows along = system_->mappingChain().direction(response);
+      for (Eigen::Index j = 0; j < count; ++j) {
+        double sum = 0;
+        for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
+        solve_.w(j, i) = factor * sum;
+      }
     }
     own_[live_[std::size_t(i)]] = solve_.w(i, i);
   }
+}
+
+/// Where the directions of rows of W are not zero: of two rigid bodies, of however many there are.
+void Multipliers::findReached() {
+  reached_.clear(), first_reached_.assign(1, 0);
+  for (const std::size_t row : live_) {
+    const ConstRows direction = directions_[row];
+    for (Index at = 0; at < direction.count; ++at)
+      if (!direction[at].isZero(0)) reached_.push_back(at);
+    first_reached_.push_back(reached_.size());
+  }
+}
+
+/// The direction of a row of W with a response.
+double Multipliers::alongReached(std::size_t number, ConstRows response) const {
+  const ConstRows direction = directions_[live_[number]];
+  double sum = 0;
+  for (std::size_t k = first_reached_[number]; k < first_reached_[number + 1]; ++k)
+    sum += direction[reached_[k]].dot(response[reached_[k]]);
+  return sum;
 }
 
 /// Where the search of a correction begins.
@@ -215,9 +197,19 @@ void Multipliers::expectForces() {
 
 void Multipliers::findForces(StopToken stop) {
   solve_.enough = 0;
-  if (!yields_.empty() && redundant_.find({rows_.rows(), live_, solve_.w, solve_.g, solve_.sizes, yields_, allowed_}, solve_.l, stop))
-    solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
-  solve_.solve(rows_.rows(), stop, allowed_);
+  constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
+  const bool goes_on = solve_.searches > searches_before_;
+  const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w,
+                                         solve_.g,     solve_.sizes, yields_,
+                                         allowed_,     carries_ ? at_rest : 0, goes_on, budget - spent_};
+  if (!yields_.empty()) {
+    if (redundant_.find(problem, solve_.l, stop))
+      solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
+    spent_ += redundant_.spent;
+  }
+  const long before = solve_.steps + solve_.rounds;
+  if (spent_ <= budget) solve_.solve(rows_.rows(), stop, allowed_);
+  spent_ += double(solve_.steps + solve_.rounds - before) * std::pow(double(live_.size()), 3);
 }
 
 void Multipliers::give() {
@@ -283,11 +275,10 @@ void Multipliers::leaveOutForces() {
 
 void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
                           StepReport& report) {
-  constexpr int most_rounds = 100, most_idle = 10, few_idle = 2;
+  constexpr int most_rounds = 100, most_idle = 10, few_idle = 2, few_left = 3;
   constexpr double close = 1e-13, far_less = 1e-3;  // of the place; of what is tolerated
   System& s = *system_;
-  copy(s.independent(s.x), free_);
-  clear(whole_);
+  copy(s.independent(s.x), free_), clear(whole_);
   bool is_mixed = false;
   is_left_ = false;
   mixing_.restart();
@@ -315,7 +306,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     last_forces_ = solve_.l;
     findForces(stop);
     report.stopped = report.stopped || stop.isStopAsked();
-    if (report.stopped) return;
+    if (report.stopped || isSpent(report)) return;
     sumResponses();
     const double last = step;
     step = rule_.displacement * distance(whole_, before_);
@@ -328,7 +319,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (!(step > 0.5 * least)) least = step, least_round = round;
     const int idle = round - least_round;
     const bool is_idle = (step <= held_within * size && idle > most_idle) || (step <= little && idle > few_idle);
-    const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle;
+    is_left_ = !is_idle && idle > few_left && step > little && leavesDirections();
+    const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle && !is_left_;
     // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());
     if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);

@@ -94,10 +94,16 @@ class Multipliers {
   bool isIdle(std::size_t row) const;
   /// Where rows say the same W has to be symmetric: its conditions are those along the directions of forces, too.
   bool keepsDirections() const { return carries_ && !yields_.empty(); }
+  /// W is J^T of rows with their responses: the same, and cheap for rows of few bodies.
+  bool couplesByDirections() const { return !yields_.empty() && (carries_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
   void takeDirections();
+  void takeDirection(std::size_t row);
+  bool isAimed(std::size_t row) const { return row < is_aimed_.size() && is_aimed_[row]; }
+  void aimAtNew();
+  bool leavesDirections();
   void takeBends();
   double shareOf(const LagrangianRows::Bend& bend) const;
   bool respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
@@ -106,6 +112,8 @@ class Multipliers {
   void pullBack(std::span<const LagrangianRows::Entry> entries, Rows out);
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
+  void findReached();
+  double alongReached(std::size_t number, ConstRows response) const;
   void expectForces();
   void findForces(StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
@@ -117,6 +125,8 @@ class Multipliers {
   std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
   bool partRightSide();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
+  static constexpr double budget = 1e11;       ///< of spent_: some ten seconds of a processor
+  bool isSpent(StepReport& report);
   std::string nameOf(std::size_t row) const;
   std::string nodesOf(std::size_t row) const;
   void judge(double step, double size, double rounding, StepReport& report);
@@ -130,10 +140,16 @@ class Multipliers {
   RedundantForces redundant_;              ///< where its search begins, of rows that yield
   std::vector<double> yields_;             ///< of each row; empty: none does
   std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
+  std::vector<char> is_aimed_;             ///< of each row: it has a direction
+  std::vector<std::size_t> new_rows_;      ///< that have none; work space
+  Vector aimed_at_, here_;                 ///< x where directions were taken; work space
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them
   std::vector<char> is_answered_;          ///< of each row: they are known
-  std::vector<std::size_t> live_;          ///< rows of W
+  std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the one before
+  bool has_new_answers_ = false;             ///< since that
+  std::vector<Index> reached_;               ///< rows in which directions of rows of W are not zero
+  std::vector<std::size_t> first_reached_;   ///< of each row of W, in reached_
   std::vector<double> own_;                ///< of each row: its diagonal of W
   std::vector<double> allowed_;            ///< by how much each row may be off; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
@@ -161,6 +177,8 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
+  double spent_ = 0;    ///< in the step on searches: the cube of the rows of each elimination
+  int times_left_ = 0;  ///< in the step, where directions turned far
   double share_ = 1;
   Mixing mixing_;
 };

@@ -33,6 +33,18 @@ double Multipliers::leastTolerance(bool kept) {
   return allowed_.empty() ? 0 : *std::min_element(allowed_.begin(), allowed_.end());
 }
 
+/// True, and the step has failed: its budget is spent.
+bool Multipliers::isSpent(StepReport& report) {
+  if (!(spent_ > budget)) return false;
+  const auto worst = solve_.worst(rows_.rows(), allowed_);
+  report.diverged = true;
+  report.reason = fmt::format("{} finds no forces of Lagrangian constraints within the budget of a step, {} iterations on {} rows: {} "
+                              "does not hold, a condition is off by {:.3g}{}. A smaller dt helps, or fewer places that meet at once",
+                              system_->integrator().path(), iterationsOfAll() - made_before_, live_.size(), nameOf(worst.row), worst.off,
+                              nodesOf(worst.row));
+  return true;
+}
+
 /// What has not come to rest and what does not hold.
 void Multipliers::judge(double step, double size, double rounding, StepReport& report) {
   if (!std::isfinite(step)) {

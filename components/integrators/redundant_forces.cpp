@@ -10,7 +10,7 @@ namespace stroma {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
-  const auto& [rows, live, w, g, sizes, yields, allowed] = problem;
+  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, budget] = problem;
   const auto count = Eigen::Index(live.size());
   double most = 0;
   for (Eigen::Index k = 0; k < count; ++k)
@@ -53,6 +53,7 @@ bool RedundantForces::findGroups(const Problem& problem) {
     Eigen::Index end = i + 1;
     while (group.pushes && end < count && at(end).kind == Kind::rub) ++end;
     const Eigen::Index tangents = end - i - 1;
+    if (tangents > most_tangents) return false;
     if (tangents > 0 && at(i + 1).factor > 0) {
       group.mu = at(i + 1).factor, group.size = end - i;
       group.rate = w_.block(i + 1, i + 1, tangents, tangents).cwiseAbs().rowwise().sum().maxCoeff();
@@ -68,30 +69,33 @@ bool RedundantForces::findGroups(const Problem& problem) {
   return size_ > 0;
 }
 
-/// By elimination with pivots of the diagonal. False: all rows are independent.
-bool RedundantForces::findRoots() {
+/// By elimination with pivots of the diagonal.
+void RedundantForces::findRoots() {
   constexpr double little = 1e-11;
   const Eigen::Index count = w_.rows();
-  VectorXd left = w_.diagonal();
+  VectorXd& left = work_.left;
+  left = w_.diagonal();
   MatrixXd &p = whole_p_, &q = whole_q_;
-  p.resize(count, count);
-  q.resize(count, count);
+  p.resize(count, count), q.resize(count, count);
+  work_.y.resize(count), work_.pulled.resize(count);
+  Eigen::Index rank = 0;
   for (Eigen::Index k = 0, at = 0; k < count; ++k) {
     const double pivot = left.maxCoeff(&at);
-    if (!(pivot > little)) {
-      p_ = p.leftCols(k);
-      q_ = q.leftCols(k);
-      return true;
-    }
+    rank = k;
+    if (!(pivot > little)) break;
+    rank = k + 1;
     p.col(k) = w_.col(at);
     q.col(k) = w_.row(at).transpose();
-    p.col(k).noalias() -= p.leftCols(k) * q.row(at).head(k).transpose();
-    q.col(k).noalias() -= q.leftCols(k) * p.row(at).head(k).transpose();
+    work_.y.head(k) = q.row(at).head(k);  // as columns, which products take as they are
+    work_.pulled.head(k) = p.row(at).head(k);
+    p.col(k).noalias() -= p.leftCols(k) * work_.y.head(k);
+    q.col(k).noalias() -= q.leftCols(k) * work_.pulled.head(k);
     q.col(k) /= pivot;
     left -= p.col(k).cwiseProduct(q.col(k));
     left[at] = 0;
   }
-  return false;
+  p_ = p.leftCols(rank);
+  q_ = q.leftCols(rank);
 }
 
 /// The largest function of the laws (condition_forces.h), of size_.
@@ -101,7 +105,7 @@ double RedundantForces::offOf(const VectorXd& q, const VectorXd& r) const {
     const Eigen::Index at = group.first, n = group.tangents();
     worst = std::max(worst, std::abs(group.pushes ? q[at] - std::max(q[at] - r[at], 0.0) : r[at]));
     if (n == 0) continue;
-    VectorXd wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
+    SmallVector wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
     const double length = wanted.norm(), bound = group.mu * std::max(q[at], 0.0);
     if (length > bound) wanted *= bound / length;
     worst = std::max(worst, group.rate * (wanted - q.segment(at + 1, n)).cwiseAbs().maxCoeff());
@@ -109,9 +113,8 @@ double RedundantForces::offOf(const VectorXd& q, const VectorXd& r) const {
   return q.allFinite() && r.allFinite() ? worst / size_ : none;
 }
 
-/// best_ is off by less than a thousandth of what each row may.
-bool RedundantForces::isLittle(const Problem& problem) const {
-  constexpr double part = 1e-3;
+/// best_ is off by less than this part of what each row may.
+bool RedundantForces::isLittle(const Problem& problem, double part) const {
   if (problem.allowed.empty()) return false;
   return std::all_of(groups_.begin(), groups_.end(), [&](const Group& group) {
     const std::size_t row = problem.live[std::size_t(group.first)];
@@ -119,52 +122,71 @@ bool RedundantForces::isLittle(const Problem& problem) const {
   });
 }
 
-/// A step of Newton's method. What is open has its force taken away first; q and r follow.
-VectorXd RedundantForces::stepFrom(VectorXd& q, VectorXd& r, double size) {
-  ++steps;
-  Blocks blocks(*this, VectorXd::Ones(q.size()), size);
-  VectorXd right = VectorXd::Zero(q.size());
-  const VectorXd was = q;
-  std::vector<char> is_open;
+/// r = g + W q
+void RedundantForces::conditions(const VectorXd& q, VectorXd& r) {
+  work_.product.noalias() = w_ * q;
+  r = offset_ + work_.product;
+}
+
+/// A step of Newton's method, work_.way. What is open has its force taken away first; q and r follow.
+void RedundantForces::stepFrom(VectorXd& q, VectorXd& r, double size) {
+  ++steps, spend();
+  work_.by.setOnes(q.size());
+  Blocks blocks(*this, size);
+  work_.was = q;
+  work_.is_open.clear();
   for (const Group& group : groups_) {
-    is_open.push_back(group.pushes && !(q[group.first] > r[group.first]));
-    if (is_open.back()) q.segment(group.first, group.size).setZero();
+    work_.is_open.push_back(group.pushes && !(q[group.first] > r[group.first]));
+    if (work_.is_open.back()) q.segment(group.first, group.size).setZero();
   }
-  r += blocks.timesW(q - was);
+  work_.left = q - work_.was;
+  blocks.timesW(work_.left, work_.pulled);
+  r += work_.pulled;
+  linearise(blocks);
+  blocks.factor();
+  blocks.solve(work_.right, work_.way);
+}
+
+/// A and B at work_.at and work_.r, and the right side.
+void RedundantForces::linearise(Blocks& blocks) {
+  const VectorXd &q = work_.at, &r = work_.r;
+  VectorXd& right = work_.right;
+  right.setZero(q.size());
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     const Group& group = groups_[k];
-    if (is_open[k]) continue;
+    if (work_.is_open[k]) continue;
     const Eigen::Index at = group.first, n = group.tangents();
     blocks.a.block(at, 0, n + 1, n + 1).setIdentity();
     blocks.b.block(at, 0, n + 1, n + 1).setZero();
     right.segment(at, n + 1) = -r.segment(at, n + 1);
     if (n == 0) continue;
-    const VectorXd wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
+    const SmallVector wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
     const double length = wanted.norm(), bound = group.mu * std::max(q[at], 0.0);
     if (length <= bound) continue;
-    const VectorXd across = wanted / length;
-    const MatrixXd one = MatrixXd::Identity(n, n), turned = bound / length * (one - across * across.transpose());
+    const SmallVector across = wanted / length;
+    const SmallMatrix one = SmallMatrix::Identity(n, n), turned = bound / length * (one - across * across.transpose());
     blocks.a.block(at + 1, 1, n, n) = turned / group.rate;
     blocks.b.block(at + 1, 1, n, n) = one - turned;
     blocks.b.block(at + 1, 0, n, 1) = -group.mu * across;
     right.segment(at + 1, n) = bound * across - q.segment(at + 1, n);
   }
-  blocks.factor();
-  return blocks.solve(right);
 }
 
 /// Steps from q while they help; q becomes the best. What it is off by.
 double RedundantForces::newton(double size, const VectorXd& where, VectorXd& q) {
   constexpr int most = 12;
-  const auto conditions = [&](const VectorXd& at) -> VectorXd {
-    return offset_ + w_ * at + size * yields_.cwiseProduct(at - where);
+  VectorXd &at = work_.at, &r = work_.r;
+  const auto look = [&] {
+    conditions(at, r);
+    r += size * yields_.cwiseProduct(at - where);
+    return offOf(at, r);
   };
-  VectorXd at = q, r = conditions(at);
-  double now = offOf(at, r), least = now;
-  for (int k = 0; k < most && now > settled && !stop_.isStopAsked(); ++k) {
-    at += stepFrom(at, r, size);
-    r = conditions(at);
-    const double last = std::exchange(now, offOf(at, r));
+  at = q;
+  double now = look(), least = now;
+  for (int k = 0; k < most && now > settled && !isOver(); ++k) {
+    stepFrom(at, r, size);
+    at += work_.way;
+    const double last = std::exchange(now, look());
     if (now < least) least = now, q = at;
     if (!std::isfinite(now) || !(now > rounded || now < 0.5 * last)) break;
   }
@@ -172,39 +194,58 @@ double RedundantForces::newton(double size, const VectorXd& where, VectorXd& q) 
 }
 
 void RedundantForces::note(const VectorXd& q) {
-  if (const double now = offOf(q, offset_ + w_ * q); now < off_) off_ = now, best_ = q;
+  conditions(q, work_.noted);
+  if (const double now = offOf(q, work_.noted); now < off_) off_ = now, best_ = q;
 }
 
 /// The forces of a layer that yields, from q. False: they were not found.
-bool RedundantForces::layer(double size, VectorXd& q) { return newton(size, VectorXd::Zero(q.size()), q) <= near; }
+bool RedundantForces::layer(double size, VectorXd& q) {
+  work_.where.setZero(q.size());
+  return newton(size, work_.where, q) <= near;
+}
 
 /// Proximal points from q, until the conditions hold.
-void RedundantForces::draw(const Problem& problem, double size, VectorXd q) {
+void RedundantForces::draw(const Problem& problem, double size, VectorXd& q) {
   constexpr int most = 20, look = 3;
+  constexpr double little = 1e-3;
   note(q);
   double before = off_;
-  for (int turn = 1; turn <= most && off_ > rounded && !stop_.isStopAsked(); ++turn) {
-    const VectorXd where = q;
-    if (newton(size, where, q) > near) break;
+  for (int turn = 1; turn <= most && off_ > rounded && !isOver(); ++turn) {
+    work_.where = q;
+    if (newton(size, work_.where, q) > near) break;
     note(q);
-    if (turn % look == 0 && (isLittle(problem) || !(off_ < 0.5 * std::exchange(before, off_)))) break;
+    if (turn % look == 0 && (isLittle(problem, little) || !(off_ < 0.5 * std::exchange(before, off_)))) break;
   }
 }
 
 bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) {
-  constexpr double thin = 1e-6;  // the layer, of the mean of W's diagonal
-  stop_ = stop, contradiction_ = 0;
-  if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem) || !findRoots()) return false;
+  constexpr double thin = 1e-6;       // the layer, of the mean of W's diagonal
+  constexpr double little = 1e-3;     // of what rows may be off by
+  constexpr double unchanged = 1e-8;  // so little of the largest condition moves forces along where they were
+  stop_ = stop, contradiction_ = 0, budget_ = problem.budget, spent = 0;
+  if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
   off_ = none, best_ = start_, note(start_);
-  if (!(off_ > rounded)) return true;
-  VectorXd q = start_;
+  if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
+  findRoots();
+  VectorXd& q = work_.found;
+  q = start_;
+  const auto isDone = [&] { return !(off_ > near) || isLittle(problem, little); };
+  if (problem.goes_on || off_ < unchanged) {
+    draw(problem, thin, q);
+    if (isDone()) return take(problem, l);
+    q = start_;
+  }
   bool is_found = layer(thin, q);
-  for (double first = thin; !is_found && first < 0.1 && !stop_.isStopAsked(); first *= 100) {
+  for (double first = thin; !is_found && first < 0.1 && !isOver(); first *= 100) {
     q = searchInside(first), is_found = layer(first, q);
     for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
   }
   if (is_found) draw(problem, thin, q);
-  if (!(off_ < coarse) && !isLittle(problem)) return false;
+  return (off_ < coarse || isDone()) && take(problem, l);
+}
+
+/// l = best_
+bool RedundantForces::take(const Problem& problem, VectorXd& l) {
   if (off_ > near) contradiction_ = 2 * off_ * size_;
   for (std::size_t k = 0; k < problem.live.size(); ++k)
     l[Eigen::Index(problem.live[k])] = scale_[Eigen::Index(k)] * best_[Eigen::Index(k)];

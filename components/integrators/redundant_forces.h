@@ -39,6 +39,9 @@ class RedundantForces {
     const Eigen::MatrixXd& w;
     const Eigen::VectorXd& g;
     const std::vector<double>&sizes, &yields, &allowed;  ///< allowed: as of ConditionForces::solve()
+    double at_rest;  ///< forces that are off by less than this part of it are not searched for again
+    bool goes_on;    ///< l has been found in this step, where bodies were a little elsewhere
+    double budget;   ///< of `spent`; beyond it the search ends
   };
   /// l: where the search begins and ends. False: these are not such conditions, or nothing better was found; l is as it was.
   bool find(const Problem& problem, Eigen::VectorXd& l, StopToken stop);
@@ -46,6 +49,7 @@ class RedundantForces {
   double unsettled() const { return off_; }
   /// What is off, where rows contradict each other by a little; else 0. As ConditionForces::contradiction.
   double contradiction() const { return contradiction_; }
+  double spent = 0;            ///< on the last find(): rows times columns^2 of each step
   long steps = 0, rounds = 0;  ///< of all find(): Newton steps, rounds of the interior-point method
 
  private:
@@ -57,10 +61,16 @@ class RedundantForces {
     Eigen::Index tangents() const { return size - 1; }
   };
   struct Blocks;
-  /// The matrices of Blocks, of which there is one at a time.
+  static constexpr int most_tangents = 2;
+  using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 1 + most_tangents, 1 + most_tangents>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 1 + most_tangents, 1>;
+  /// Of Blocks, of which there is one at a time, and of Newton's method, so that steps allocate nothing.
   struct Work {
     Eigen::MatrixXd p, q, a, b, inverse, slim, half, small;
     Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+    Eigen::VectorXd by, yields, scaled, product, y, few, few_solved, left, pulled, turned;
+    Eigen::VectorXd right, way, was, at, r, where, found, noted;
+    std::vector<char> is_open;
   };
   struct Inside;
   static constexpr double none = std::numeric_limits<double>::infinity();
@@ -69,15 +79,20 @@ class RedundantForces {
   bool scaleRows(const Problem& problem, const Eigen::VectorXd& l);
   void findYields(const Problem& problem);
   bool findGroups(const Problem& problem);
-  bool findRoots();
+  void findRoots();
   double offOf(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
-  bool isLittle(const Problem& problem) const;
-  Eigen::VectorXd stepFrom(Eigen::VectorXd& q, Eigen::VectorXd& r, double size);
+  bool isLittle(const Problem& problem, double part) const;
+  void conditions(const Eigen::VectorXd& q, Eigen::VectorXd& r);
+  void stepFrom(Eigen::VectorXd& q, Eigen::VectorXd& r, double size);
+  void linearise(Blocks& blocks);
   double newton(double size, const Eigen::VectorXd& where, Eigen::VectorXd& q);
   bool layer(double size, Eigen::VectorXd& q);
-  void draw(const Problem& problem, double size, Eigen::VectorXd q);
+  void draw(const Problem& problem, double size, Eigen::VectorXd& q);
   Eigen::VectorXd searchInside(double size);
   void note(const Eigen::VectorXd& q);
+  bool take(const Problem& problem, Eigen::VectorXd& l);
+  void spend() { spent += double(w_.rows()) * double(p_.cols()) * double(p_.cols()); }
+  bool isOver() const { return stop_.isStopAsked() || spent > budget_; }
 
   std::vector<Group> groups_;                              ///< of rows that something moves
   std::vector<std::pair<Eigen::Index, Eigen::Index>> all_;  ///< first row and rows of all groups and other rows
@@ -87,6 +102,7 @@ class RedundantForces {
   double size_ = 0, off_ = 0, contradiction_ = 0;           ///< off_: of best_, of size_
   Eigen::MatrixXd whole_p_, whole_q_;                       ///< work space, as is
   Work work_;
+  double budget_ = 0;
   StopToken stop_;
 };
 

@@ -60,7 +60,7 @@ struct RedundantForces::Inside {
   Blocks blocks;
   double nu = 0, way = 1;
 
-  Inside(RedundantForces& all, double size) : of(all), by(scaleOf(all)), blocks(all, by, size) {
+  Inside(RedundantForces& all, double size) : of(all), by(all.work_.by = scaleOf(all)), blocks(all, size) {
     x.setZero(by.size()), z = off = power = turn = middle = e = x;
     for (const Group& group : of.groups_) {
       blocks.a.block(group.first, 0, group.size, group.size).setIdentity();
@@ -112,7 +112,7 @@ struct RedundantForces::Inside {
     VectorXd right = goal * power - less - z - off;
     for (const Group& cone : cones)
       right[cone.first] -= turn.segment(cone.first + 1, cone.tangents()).dot(right.segment(cone.first + 1, cone.tangents()));
-    dx = blocks.solve(right), dz = blocks.timesW(dx);
+    blocks.solve(right, dx), blocks.timesW(dx, dz);
     double part = none;
     for (const Group& cone : cones) {
       dz[cone.first] += turn.segment(cone.first + 1, cone.tangents()).dot(dz.segment(cone.first + 1, cone.tangents()));
@@ -150,11 +150,11 @@ VectorXd RedundantForces::searchInside(double size) {
   Inside inside(*this, size);
   VectorXd best = inside.x;
   double least = none;
-  for (int round = 0; round < most_rounds && !inside.cones.empty() && !stop_.isStopAsked(); ++round) {
+  for (int round = 0; round < most_rounds && !inside.cones.empty() && !isOver(); ++round) {
     const VectorXd q = inside.by.cwiseProduct(inside.x), r = offset_ + w_ * q + size * yields_.cwiseProduct(q);
     if (const double now = offOf(q, r); now < least) least = now, best = q;
     inside.nu = inside.mean(inside.x, inside.z);
-    ++rounds;
+    ++rounds, spend();
     const double nu = inside.nu / (size_ * size_);
     if (least < enough || !(nu > nothing) || !(inside.way > least_way) || (inside.way < short_way && nu < little)) break;
     if (!inside.prepare(r) || !inside.move()) break;

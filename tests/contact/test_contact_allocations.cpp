@@ -40,6 +40,38 @@ TEST(ContactAllocations, ThereAreNoneInASteadyStep) {
   EXPECT_GT(allocations, 0) << "the counter counts";
 }
 
+/// Rigid boxes on each other: more rows than ways to move, whose forces are searched for from those of the step before.
+long allocationsOfBoxes(const std::string& integrator) {
+  std::string content, others;
+  for (int i = 0; i < 3; ++i) {
+    const Body box = boxOf(Vec3::Constant(-0.05), Vec3::Constant(0.05));
+    content += fmt::format(
+        "<Node name=\"b{}\"><MechanicalObject template=\"Rigid3\" position=\"{} 0 {}  0 0 0 1\"/><UniformMass totalMass=\"1\" "
+        "inertia=\"0.0017 0.0017 0.0017\"/><Node name=\"skin\">{}<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>",
+        i, 1e-3 * i, 0.051 + 0.1011 * i, box.mesh());
+    if (i > 0) others += fmt::format("@b{}/skin/dofs ", i);
+  }
+  content += fmt::format("<ConstraintContact mstate=\"@b0/skin/dofs\" other=\"{}\" contactDistance=\"1e-3\" friction=\"0.5\" "
+                         "planes=\"0 0 1 0\" selfContact=\"0\"/>",
+                         others);
+  Simulation simulation = simulationFromText(fmt::format("<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 -9.81\">{}<CGLinearSolver "
+                                                         "iterations=\"100\" tolerance=\"1e-14\"/>{}</Node>",
+                                                         integrator, content));
+  for (int i = 0; i < 30; ++i) simulation.step();
+  const long before = allocations;
+  for (int i = 0; i < 10; ++i) {
+    const StepReport report = simulation.step();
+    EXPECT_FALSE(report.failed()) << report.reason;
+    EXPECT_TRUE(report.constraints_converged) << report.constraint_reason;
+  }
+  return allocations - before;
+}
+
+TEST(ContactAllocations, ThereAreNoneWhereBoxesStand) {
+  EXPECT_EQ(allocationsOfBoxes("<EulerImplicitSolver/>"), 0);
+  EXPECT_EQ(allocationsOfBoxes("<EulerImplicitSolver newtonIterations=\"20\"/>"), 0);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
 #endif
