@@ -59,6 +59,7 @@
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_start.h"
 #include "components/contact/line_shares.h"
+#include "components/contact/step_energy.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -100,7 +101,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
   std::string worstElement(ConstRows x) const override;
   bool useDefiniteTangent(bool on) override { return friction_.definite = on, tangent_ = on ? Tangent::definite : Tangent::whole, true; }
-  void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(); }
+  void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(), step_energy_.forget(); }
   void serialize(Archive& archive) override;
 
  private:
@@ -134,6 +135,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   /// The present solve is but a place to go on from: friction is expected to change after it by so much that another one follows.
   bool frictionGoesOn() const { return friction_rounds_ + 2 < friction_iterations_ && is_to_change_ && !friction_.isHolding(); }
   bool sharesChange();
+  void lookAtEnergy() { step_energy_.look(law_, x_, start_, law_.moved - moved_at_start_); }
   auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
   static constexpr double ease = 1e-3;  ///< of contactDistance, may creep what sticks where a step is solved another time
@@ -160,6 +162,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
   std::vector<Friction::Slide> solved_slides_;
   Tangent tangent_ = Tangent::whole;
+  StepEnergy step_energy_;
 };
 
 void BarrierContact::declare(DataTable& table) {
@@ -201,7 +204,7 @@ double BarrierContact::energy(ConstRows x) const {
   gather(x, law_.moved);
   if (!is_in_step_ && !law_.candidates.covers(x_)) return lawAt(x_).energy(x_);
   lookAgain(x_);
-  return law_.energy(x_);
+  return step_energy_.isBackward() ? step_energy_.replaced(law_.energy(x_), law_.surfaces, x_) : law_.energy(x_);
 }
 
 std::string BarrierContact::worstElement(ConstRows x) const {
@@ -217,7 +220,9 @@ void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
   if (const auto* place = are_free ? shares_.placeFor(x_) : is_explicit_ || begins ? &x_ : nullptr) law_.weigh(*place);
   terms_.clear();
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, is_explicit_ ? Tangent::normal : tangent_));
+  if (step_energy_.isBackward()) step_energy_.replace(terms_, law_.surfaces, f);
   terms_.addForce(f);
+  if (is_in_step_ && !is_explicit_ && holds_nothing_) step_energy_.startsAt(law_, x_);
   if (friction_.acts() && start_.size() == x_.size()) rub(v, f);
 }
 
@@ -266,7 +271,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   copyPlaces(x_, start_);
   moved_at_start_ = moved_first_ = law_.moved;
   is_behind_ = (law_.moved - obstacles_.displacement(t)).norm() > 1e-9 * law_.range;
-  outputs_.friction_change = 0;
+  outputs_.friction_change = 0, step_energy_.stepBegins();
   goal_ = obstacles_.displacement(t_end);
   if (again) friction_.ease(ease * law_.range);
   beginRounds();
@@ -323,12 +328,13 @@ bool BarrierContact::movesOn(ConstRows x) {
     shares_.solveBegins();
     return true;
   }
-  law_.copyShares(solved_shares_);
+  law_.copyShares(solved_shares_), lookAtEnergy();
   const bool others = sharesChange(), goes_on = frictionGoesOn(), held = friction_.release();
   solved_slides_ = friction_.slides;
   const bool rubs = (friction_.acts() && frictionChanges(held)) || goes_on;
   const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
-  if (has_solved_ = !again && !others; has_solved_) return friction_.settle(), false;
+  has_solved_ = !again && !others && !step_energy_.goesBackward();
+  if (has_solved_) return friction_.settle(), false;
   return shares_.solveBegins(), true;
 }
 
@@ -358,7 +364,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   const bool has_balance = std::exchange(has_solved_, false) && law_.putBack(solved_shares_);
   lookAgain(x_);
   has_balance ? void(friction_.slides = solved_slides_) : law_.weigh(x_);
-  friction_.release();
+  friction_.release(), lookAtEnergy(), step_energy_.stepTaken();
   slideTo(x_);
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);
   is_in_step_ = false;
@@ -385,7 +391,7 @@ void BarrierContact::serialize(Archive& archive) {
     archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
     archive.value(std::string("arrived_") + char('x' + k), arrived_[k]);
   }
-  friction_.serialize(archive);
+  friction_.serialize(archive), step_energy_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
   goal_ = law_.moved, left_start_ = is_in_step_ = false, ++pattern_revision_;
