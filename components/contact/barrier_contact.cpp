@@ -20,15 +20,12 @@
 //   adhesion d/adhesionPeak below adhesionPeak,   adhesion (adhesionDistance - d)/(adhesionDistance - adhesionPeak) beyond
 //
 // l is then what pushes. adhesionFriction times the tension holds besides what sticks, and lets it go when it slides.
-//
 // Shares of the surface that vertices stand for follow the first six forces of a solve and then stay (line_shares.h); with friction,
 // whose solves compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
-//
 // Every iterate is shortened where something would pass through something, and round-off is taken into account. After each step an
 // exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps. A start with
 // surfaces in one another is refused, or pushed apart by resolveStart (contact_start.h). Integrators with one linear solve are refused:
 // newtonIterations it is. Explicit ones divide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
-//
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count
 // as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A
 // state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz
@@ -133,12 +130,14 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   }
   bool frictionChanges(bool was_held);
   /// The present solve is but a place to go on from: friction is expected to change after it by so much that another one follows.
-  bool frictionGoesOn() const { return friction_rounds_ + 2 < friction_iterations_ && is_to_change_ && !friction_.isHolding(); }
+  bool frictionGoesOn() const {
+    return friction_rounds_ + 2 < friction_iterations_ && is_to_change_ && !friction_.isHolding() && !friction_.isEased();
+  }
   bool sharesChange();
   void lookAtEnergy() { step_energy_.look(law_, x_, start_, law_.moved - moved_at_start_); }
   auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
-  static constexpr double ease = 1e-3;  ///< of contactDistance, may creep what sticks where a step is solved another time
+  static constexpr double ease = 1e-3;  ///< of contactDistance, may creep what sticks where a step is solved again, or creep is to be tiny
   // ---- attributes ----
   int friction_iterations_ = 10;
   bool resolve_start_ = false;
@@ -180,7 +179,7 @@ void BarrierContact::compile() {
   law_.compile(), fastest_ = fastestLead(law_, bodies_);
   startObstacles();
   way_.resize(law_.surfaces.rows.size());
-  for (std::vector<Vec3>* forces : {&forces_, &forces_before_}) forces->resize(law_.surfaces.rows.size());
+  forces_.resize(way_.size()), forces_before_.resize(way_.size());
 }
 
 void BarrierContact::placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) {
@@ -273,7 +272,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   is_behind_ = (law_.moved - obstacles_.displacement(t)).norm() > 1e-9 * law_.range;
   outputs_.friction_change = 0, step_energy_.stepBegins();
   goal_ = obstacles_.displacement(t_end);
-  if (again) friction_.ease(ease * law_.range);
+  friction_.ease(ease * law_.range, again);
   beginRounds();
 }
 
@@ -296,7 +295,7 @@ void BarrierContact::follow(ConstRows x) {
     const int rounds = law_.moved == moved_first_ ? obstacle_rounds_ : 0;
     law_.moved = moved_first_;
     gather(x, law_.moved);
-    friction_.ease(ease * law_.range);
+    friction_.ease(ease * law_.range, true);
     beginRounds(), obstacle_rounds_ = rounds;
   }
   left_start_ = !is_back;
@@ -323,19 +322,15 @@ bool BarrierContact::movesOn(ConstRows x) {
     law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
     return ++obstacle_rounds_, waits_ = true;
   }
-  if (friction_.isEased()) {
-    friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_);
-    shares_.solveBegins();
-    return true;
-  }
   law_.copyShares(solved_shares_), lookAtEnergy();
   const bool others = sharesChange(), goes_on = frictionGoesOn(), held = friction_.release();
   solved_slides_ = friction_.slides;
   const bool rubs = (friction_.acts() && frictionChanges(held)) || goes_on;
   const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
-  has_solved_ = !again && !others && !step_energy_.goesBackward();
-  if (has_solved_) return friction_.settle(), false;
-  return shares_.solveBegins(), true;
+  const bool sharpens = !again && !others && friction_.isEased();
+  if (sharpens) friction_rounds_ = 0, friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_);
+  has_solved_ = !again && !others && !sharpens && !step_energy_.goesBackward();
+  return has_solved_ ? (friction_.settle(), false) : (shares_.solveBegins(), true);
 }
 
 void BarrierContact::goAlong(double s) {
@@ -362,8 +357,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   follow(x);
   const auto crossings = law_.candidates.crossings(x_);
   const bool has_balance = std::exchange(has_solved_, false) && law_.putBack(solved_shares_);
-  lookAgain(x_);
-  has_balance ? void(friction_.slides = solved_slides_) : law_.weigh(x_);
+  lookAgain(x_), has_balance ? void(friction_.slides = solved_slides_) : law_.weigh(x_);
   friction_.release(), lookAtEnergy(), step_energy_.stepTaken();
   slideTo(x_);
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);

@@ -65,8 +65,8 @@ std::string describeNear(const BarrierLaw& law, const std::vector<Vec3>& x, cons
     for (int v = 0; v < int(x.size()); ++v)
       if (s.moves(v)) look(law.gapToPlane(p, x[std::size_t(v)]), v, -1);
   if (at < 0) return {};
-  return fmt::format("{} starts with a gap of {:.4g} m{}, and contactDistance is {:.4g} m: the first step pushes them as far apart, in time as "
-                     "fast as that takes",
+  return fmt::format("{} starts with a gap of {:.4g} m{}, and contactDistance is {:.4g} m: the first step pushes them as far apart, in "
+                     "time as fast as that takes",
                      nameOf(at), nearest, from >= 0 && s.moves(from) ? " from the surface at " + nameOf(from) : "", law.range);
 }
 

@@ -62,8 +62,9 @@ std::string Passages::doubt(const std::string& path, const std::function<std::st
   const std::string keeps = "A penalty keeps nothing apart: a larger stiffness, or a smaller dt with a larger alarmDistance, helps; "
                             "BarrierContact lets nothing through";
   if (!(deepest_ > 0))
-    return fmt::format("something may have passed through a surface of {} by t = {:.6g}: it moved {:.3g} m in a step, farther than contacts "
-                       "are looked for. {}", path, first_, farthest_, keeps);
+    return fmt::format("something may have passed through a surface of {} by t = {:.6g}: it moved {:.3g} m in a step, farther than "
+                       "contacts are looked for. {}",
+                       path, first_, farthest_, keeps);
   return fmt::format("surfaces of {} were in one another, first by t = {:.6g}; deepest was {}, {:.3g} m beyond {}. {}", path, first_,
                      name(one_), deepest_, other_ < 0 ? "a plane" : name(other_), keeps);
 }

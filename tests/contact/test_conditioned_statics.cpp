@@ -80,7 +80,8 @@ TEST(ConditionedStatics, AnIdleStopperChangesNothing) {
   for (const std::string integrator : {"<StaticSolver/>", "<EulerImplicitSolver newtonIterations=\"60\"/>"})
     for (const auto& [way, aside, poisson_ratio] : {std::tuple(0.2, 0.0, 0.3), std::tuple(0.3, 0.02, 0.45)}) {
       SCOPED_TRACE(fmt::format("{}, {} m", integrator, way));
-      Simulation alone = pressedBar(integrator, way, aside, poisson_ratio, ""), beside = pressedBar(integrator, way, aside, poisson_ratio, idle);
+      Simulation alone = pressedBar(integrator, way, aside, poisson_ratio, "");
+      Simulation beside = pressedBar(integrator, way, aside, poisson_ratio, idle);
       const StepReport of_alone = alone.step(), of_both = beside.step();
       ASSERT_TRUE(of_alone.newton_converged) << of_alone.reason;
       ASSERT_TRUE(of_both.newton_converged && of_both.constraints_converged) << of_both.reason << of_both.constraint_reason;
