@@ -20,15 +20,12 @@
 //   adhesion d/adhesionPeak below adhesionPeak,   adhesion (adhesionDistance - d)/(adhesionDistance - adhesionPeak) beyond
 //
 // l is then what pushes. adhesionFriction times the tension holds besides what sticks, and lets it go when it slides.
-//
 // Shares of the surface that vertices stand for follow the first six forces of a solve and then stay (line_shares.h); with friction,
 // whose solves compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
-//
 // Every iterate is shortened where something would pass through something, and round-off is taken into account. After each step an
 // exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps. A start with
 // surfaces in one another is refused, or pushed apart by resolveStart (contact_start.h). Integrators with one linear solve are refused:
 // newtonIterations it is. Explicit ones divide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
-//
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count
 // as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A
 // state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz
@@ -59,6 +56,7 @@
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_start.h"
 #include "components/contact/line_shares.h"
+#include "components/contact/step_energy.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -100,7 +98,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
   std::string worstElement(ConstRows x) const override;
   bool useDefiniteTangent(bool on) override { return friction_.definite = on, tangent_ = on ? Tangent::definite : Tangent::whole, true; }
-  void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(); }
+  void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(), step_energy_.forget(); }
   void serialize(Archive& archive) override;
 
  private:
@@ -132,11 +130,14 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   }
   bool frictionChanges(bool was_held);
   /// The present solve is but a place to go on from: friction is expected to change after it by so much that another one follows.
-  bool frictionGoesOn() const { return friction_rounds_ + 2 < friction_iterations_ && is_to_change_ && !friction_.isHolding(); }
+  bool frictionGoesOn() const {
+    return friction_rounds_ + 2 < friction_iterations_ && is_to_change_ && !friction_.isHolding() && !friction_.isEased();
+  }
   bool sharesChange();
+  void lookAtEnergy() { step_energy_.look(law_, x_, start_, law_.moved - moved_at_start_); }
   auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
-  static constexpr double ease = 1e-3;  ///< of contactDistance, may creep what sticks where a step is solved another time
+  static constexpr double ease = 1e-3;  ///< of contactDistance, may creep what sticks where a step is solved again, or creep is to be tiny
   // ---- attributes ----
   int friction_iterations_ = 10;
   bool resolve_start_ = false;
@@ -160,6 +161,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
   std::vector<Friction::Slide> solved_slides_;
   Tangent tangent_ = Tangent::whole;
+  StepEnergy step_energy_;
 };
 
 void BarrierContact::declare(DataTable& table) {
@@ -177,7 +179,7 @@ void BarrierContact::compile() {
   law_.compile(), fastest_ = fastestLead(law_, bodies_);
   startObstacles();
   way_.resize(law_.surfaces.rows.size());
-  for (std::vector<Vec3>* forces : {&forces_, &forces_before_}) forces->resize(law_.surfaces.rows.size());
+  forces_.resize(way_.size()), forces_before_.resize(way_.size());
 }
 
 void BarrierContact::placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) {
@@ -201,7 +203,7 @@ double BarrierContact::energy(ConstRows x) const {
   gather(x, law_.moved);
   if (!is_in_step_ && !law_.candidates.covers(x_)) return lawAt(x_).energy(x_);
   lookAgain(x_);
-  return law_.energy(x_);
+  return step_energy_.isBackward() ? step_energy_.replaced(law_.energy(x_), law_.surfaces, x_) : law_.energy(x_);
 }
 
 std::string BarrierContact::worstElement(ConstRows x) const {
@@ -217,7 +219,9 @@ void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
   if (const auto* place = are_free ? shares_.placeFor(x_) : is_explicit_ || begins ? &x_ : nullptr) law_.weigh(*place);
   terms_.clear();
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, is_explicit_ ? Tangent::normal : tangent_));
+  if (step_energy_.isBackward()) step_energy_.replace(terms_, law_.surfaces, f);
   terms_.addForce(f);
+  if (is_in_step_ && !is_explicit_ && holds_nothing_) step_energy_.startsAt(law_, x_);
   if (friction_.acts() && start_.size() == x_.size()) rub(v, f);
 }
 
@@ -266,9 +270,9 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   copyPlaces(x_, start_);
   moved_at_start_ = moved_first_ = law_.moved;
   is_behind_ = (law_.moved - obstacles_.displacement(t)).norm() > 1e-9 * law_.range;
-  outputs_.friction_change = 0;
+  outputs_.friction_change = 0, step_energy_.stepBegins();
   goal_ = obstacles_.displacement(t_end);
-  if (again) friction_.ease(ease * law_.range);
+  friction_.ease(ease * law_.range, again);
   beginRounds();
 }
 
@@ -291,7 +295,7 @@ void BarrierContact::follow(ConstRows x) {
     const int rounds = law_.moved == moved_first_ ? obstacle_rounds_ : 0;
     law_.moved = moved_first_;
     gather(x, law_.moved);
-    friction_.ease(ease * law_.range);
+    friction_.ease(ease * law_.range, true);
     beginRounds(), obstacle_rounds_ = rounds;
   }
   left_start_ = !is_back;
@@ -318,18 +322,15 @@ bool BarrierContact::movesOn(ConstRows x) {
     law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
     return ++obstacle_rounds_, waits_ = true;
   }
-  if (friction_.isEased()) {
-    friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_);
-    shares_.solveBegins();
-    return true;
-  }
-  law_.copyShares(solved_shares_);
+  law_.copyShares(solved_shares_), lookAtEnergy();
   const bool others = sharesChange(), goes_on = frictionGoesOn(), held = friction_.release();
   solved_slides_ = friction_.slides;
   const bool rubs = (friction_.acts() && frictionChanges(held)) || goes_on;
   const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
-  if (has_solved_ = !again && !others; has_solved_) return friction_.settle(), false;
-  return shares_.solveBegins(), true;
+  const bool sharpens = !again && !others && friction_.isEased();
+  if (sharpens) friction_rounds_ = 0, friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_);
+  has_solved_ = !again && !others && !sharpens && !step_energy_.goesBackward();
+  return has_solved_ ? (friction_.settle(), false) : (shares_.solveBegins(), true);
 }
 
 void BarrierContact::goAlong(double s) {
@@ -356,9 +357,8 @@ std::string BarrierContact::overlap(ConstRows x) {
   follow(x);
   const auto crossings = law_.candidates.crossings(x_);
   const bool has_balance = std::exchange(has_solved_, false) && law_.putBack(solved_shares_);
-  lookAgain(x_);
-  has_balance ? void(friction_.slides = solved_slides_) : law_.weigh(x_);
-  friction_.release();
+  lookAgain(x_), has_balance ? void(friction_.slides = solved_slides_) : law_.weigh(x_);
+  friction_.release(), lookAtEnergy(), step_energy_.stepTaken();
   slideTo(x_);
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);
   is_in_step_ = false;
@@ -385,7 +385,7 @@ void BarrierContact::serialize(Archive& archive) {
     archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
     archive.value(std::string("arrived_") + char('x' + k), arrived_[k]);
   }
-  friction_.serialize(archive);
+  friction_.serialize(archive), step_energy_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
   goal_ = law_.moved, left_start_ = is_in_step_ = false, ++pattern_revision_;

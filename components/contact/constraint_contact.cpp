@@ -98,7 +98,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void checkStart();
   void checkFirstStep(ConstRows x);
   void refuseOverlaps() const;
-  void refuseNear() const { contact::refuseNear(law_, x_, [this](int vertex) { return nameOf(vertex); }); }
+  void tellNear();
   void checkMoves() const;
   void measureTravel();
   void startObstacles();
@@ -130,6 +130,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   ExpectedWays ways_;
   Vec3 moved_at_start_ = Vec3::Zero();
   Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come; at the end of the step
+  std::string told_;   ///< of the start
   double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
   double way_ = 0;     ///< up to which pairs were looked for in it [m]
 };
@@ -198,12 +199,19 @@ void ConstraintContact::buildForRun(ConstRows x) {
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
   refuseOverlaps();
-  refuseNear();
+  tellNear();
 }
 
 void ConstraintContact::refuseOverlaps() const {
   refuseOverlap(path(), law_, x_, [this](int vertex) { return nameOf(vertex); });
   refuseInside(path(), law_.surfaces, x_, [this](int vertex) { return nameOf(vertex); });
+}
+
+/// Nearer than the gap that is kept is no error: forces of constraint part them, as they do in the end of any step.
+void ConstraintContact::tellNear() {
+  const std::string near = describeNear(law_, x_, [this](int vertex) { return nameOf(vertex); });
+  if (!near.empty() && near != told_) warn(near, "gaps that are not smaller than contactDistance");
+  told_ = near;
 }
 
 /// As it is written; where mapped nodes are is known when a system has been compiled (stepBegins()).
@@ -223,7 +231,7 @@ void ConstraintContact::checkStart() {
     x_[v] = moves ? body->position[std::size_t(s.rows[v] - body->firstRow())] : Vec3(s.rest[v] + law_.moved);
   }
   refuseOverlaps();
-  refuseNear();
+  tellNear();
 }
 
 /// Somebody else has moved what is near: it may be anywhere.
@@ -244,7 +252,7 @@ void ConstraintContact::checkFirstStep(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
   if (found_free.size() == x_.size() && law_.surfaces.areBodiesAt(x_, found_free)) return;
   refuseOverlaps();
-  refuseNear();
+  tellNear();
 }
 
 void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {

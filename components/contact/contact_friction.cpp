@@ -70,6 +70,7 @@ double Friction::renew(const BarrierLaw& law, const std::vector<Vec3>& x, const 
                        std::vector<Vec3>& before, std::vector<Vec3>& after) {
   compute(law.surfaces, x, start, moved);
   forces(before);
+  if (!was_held && knows_stuck_) noteStuck(x, start, moved);
   if (was_held)
     note(law, law.touches(x));
   else
@@ -79,15 +80,23 @@ double Friction::renew(const BarrierLaw& law, const std::vector<Vec3>& x, const 
   return relativeChange(before, after);
 }
 
+/// What has stuck by the present e is to stick in the next solve too, and might seem to slide there.
+void Friction::noteStuck(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
+  stuck_.clear(), knows_stuck_ = true;
+  for (const Slide& slide : slides)
+    if (const double y = wayOf(slide, x, start, moved).norm() / slip; y <= 1) stuck_[placeOf(slide)] = y;
+}
+
+Friction::PlaceOf Friction::placeOf(const Slide& slide) {
+  PlaceOf place{slide.v[0], slide.v[1], slide.v[2], slide.v[3], 0};
+  for (std::size_t i = 0; i < 4; ++i) place[4] |= int(slide.c[i] != 0) << i;
+  return place;
+}
+
 void Friction::sharpen(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
   constexpr double part = 0.1;
-  if (!release()) {
-    // what has stuck by the larger slip is to stick, and would seem to slide now
-    met_.assign(met_.size(), true);
-    for (const Slide& slide : slides)
-      if (wayOf(slide, x, start, moved).norm() <= slip) met_[std::size_t(slide.v[0])] = false;
-    slip = std::max(wanted_slip_, part * slip);
-  }
+  noteStuck(x, start, moved);
+  slip = std::max(wanted_slip_, part * slip);
   noteAgain(law, law.touches(x), x, start, moved);
 }
 
@@ -117,6 +126,11 @@ void Friction::serialize(Archive& archive) {
 void Friction::hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
   if (!std::exchange(looks_, false)) return;
   for (Slide& slide : slides) {
+    if (knows_stuck_) {
+      const auto stuck = stuck_.find(placeOf(slide));
+      if (stuck != stuck_.end()) slide.held = true, slide.hold = 2 - stuck->second;
+      continue;
+    }
     if (met_[std::size_t(slide.v[0])]) continue;
     const Vec3 u = wayOf(slide, x, start, moved);
     const double way = u.norm();
@@ -148,7 +162,8 @@ void Friction::compute(const Surfaces& surfaces, const std::vector<Vec3>& x, con
     for (std::size_t i = 0; i < 4; ++i)
       if (const int v = slide.v[i]; v >= 0) term.rows[i] = surfaces.rows[std::size_t(v)];
     slide.u = wayOf(slide, x, start, moved);
-    const Law law(slide.held ? Vec3(Vec3::Zero()) : slide.u, slip);
+    Law law(slide.u, slip);
+    if (slide.held) law.one_over = slide.hold / slip;
     slide.t = law.one_over * slide.u;
     term.c = slide.c;
     term.force = -slide.force * slide.t;
@@ -174,12 +189,12 @@ void Friction::computeAtSpeed(const Surfaces& surfaces, ConstRows v, double dt, 
   compute(surfaces, x, start, moved);
 }
 
-/// mu l f0, which is e (y^2 - y^3/3) for y < 1, else e (y - 1/3); of what is held e y^2.
+/// mu l f0, which is e (y^2 - y^3/3) for y < 1, else e (y - 1/3); of what is held e y^2 hold/2.
 double Friction::energy(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) const {
   double sum = 0;
   for (const Slide& slide : slides) {
     const double y = wayOf(slide, x, start, moved).norm() / slip;
-    sum += slide.force * slip * (slide.held ? y * y : y < 1 ? y * y * (1 - y / 3) : y - 1.0 / 3);
+    sum += slide.force * slip * (slide.held ? 0.5 * slide.hold * y * y : y < 1 ? y * y * (1 - y / 3) : y - 1.0 / 3);
   }
   return sum;
 }

@@ -21,6 +21,8 @@
 // Adhesion that pulls with a force a bears mu_a a along the surfaces besides, where it sticks, and nothing from y = 2 on: what slides is
 // not glued (Fang, Li and others 2023 let it go by the law of f; here it follows the solves too).
 #pragma once
+#include <map>
+
 #include "components/contact/contact_terms.h"
 
 namespace stroma {
@@ -45,7 +47,8 @@ class Friction {
     Vec3 n;
     double force = 0;   ///< mu l + mu_a a [N]; negative: takes away what was counted twice
     bool on_plane = false;  ///< its other point moves with the obstacles
-    bool held = false;  ///< by the tangent of u = 0
+    bool held = false;  ///< by a spring of rho = e/hold; 2: the tangent of u = 0
+    double hold = 2;
     Vec3 u = Vec3::Zero(), t = Vec3::Zero();              ///< at the x of the last compute()
     Vec3 start_u = Vec3::Zero(), start_t = Vec3::Zero();  ///< where the line starts
   };
@@ -57,9 +60,13 @@ class Friction {
   void noteAgain(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x, const std::vector<Vec3>& start,
                  const Vec3& moved);
   void setSlip(double e) { slip = wanted_slip_ = e; }
-  /// A step is tried again whose solves have failed, in lines and not by a guess: what sticks may creep by e in the first solve now. Each
-  /// one after which nothing is held any more begins from the one before with a tenth of it, down to what it was set to.
-  void ease(double e) { slip = lines_ > 1 ? std::max(wanted_slip_, e) : wanted_slip_; }
+  /// Where a step is tried again whose solves have failed, in lines and not by a guess, or creep is to be tiny: what sticks may creep by e
+  /// in the first solve now. When forces and shares have settled the next one has a tenth of it, down to what it was set to. What has stuck
+  /// is held first by the spring that gives its y again, and with it its force.
+  void ease(double e, bool again) {
+    constexpr double tiny = 1e-3;  // of e: the first try begins so as well
+    slip = (again && lines_ > 1) || wanted_slip_ < tiny * e ? std::max(wanted_slip_, e) : wanted_slip_;
+  }
   bool isEased() const { return acts() && slip > wanted_slip_; }
   void sharpen(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   /// Slides with the forces and shares at the end x of a solve, and the change of the forces on all vertices, see relativeChange().
@@ -67,7 +74,7 @@ class Friction {
                std::vector<Vec3>& before, std::vector<Vec3>& after);
   /// A step begins, with so many vertices.
   void begin(std::size_t vertices) { slid_.resize(vertices, Vec3::Zero()), slid_before_.reserve(vertices), met_.assign(vertices, false); }
-  void beginAgain() { met_.assign(met_.size(), false), lines_ = 0; }
+  void beginAgain() { met_.assign(met_.size(), false), stuck_.clear(), knows_stuck_ = false, lines_ = 0; }
   /// Of the step before, at its end x: what slips then is likely to go on.
   void remember(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   /// At the first x of a solve: holds what is off by more than e, has not been held in this step, and does not go on as before.
@@ -114,7 +121,10 @@ class Friction {
   void serialize(Archive& archive);
 
  private:
+  using PlaceOf = std::array<int, 5>;  ///< vertices of a slide, and which of them have a weight
   void followLine(Slide& slide) const;
+  static PlaceOf placeOf(const Slide& slide);
+  void noteStuck(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   double addSpring(const BarrierLaw& law, const Touch& touch);
   void weighWays(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
                  const std::vector<Vec3>& start, const Vec3& moved);
@@ -127,6 +137,8 @@ class Friction {
   double wanted_slip_ = 1e-6;  ///< slip, where it is not eased [m]
   int lines_ = 0;              ///< that have started in this try of a step
   std::vector<bool> met_;   ///< of each vertex: it has been held in this step
+  std::map<PlaceOf, double> stuck_;    ///< y of what has stuck in the solve before, in a step whose e was larger
+  bool knows_stuck_ = false;
   std::vector<Vec3> slid_;  ///< of each vertex: u in the step before; zero where it has stuck [m]
   std::vector<Vec3> slid_before_;  ///< work space
   // ---- in explicit steps slid_ is what springs are stretched by; in those of one solve also, or of what slides its last way ----

@@ -47,7 +47,7 @@ void refuseInside(const std::string& path, const Surfaces& surfaces, const std::
 }
 
 /// What starts nearer than the gap that is kept would be thrown out to it.
-void refuseNear(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& nameOf) {
+std::string describeNear(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& nameOf) {
   constexpr double rounding = 1e-6;
   const Surfaces& s = law.surfaces;
   double nearest = (1 - rounding) * law.range;
@@ -64,10 +64,10 @@ void refuseNear(const BarrierLaw& law, const std::vector<Vec3>& x, const std::fu
   for (std::size_t p = 0; p < law.planes.size(); ++p)
     for (int v = 0; v < int(x.size()); ++v)
       if (s.moves(v)) look(law.gapToPlane(p, x[std::size_t(v)]), v, -1);
-  if (at >= 0)
-    throw ComponentError(fmt::format("{} starts with a gap of {:.4g} m{}, and contactDistance is {:.4g} m", nameOf(at), nearest,
-                                     from >= 0 && s.moves(from) ? " from the surface at " + nameOf(from) : "", law.range),
-                         "gaps that are not smaller than contactDistance");
+  if (at < 0) return {};
+  return fmt::format("{} starts with a gap of {:.4g} m{}, and contactDistance is {:.4g} m: the first step pushes them as far apart, in "
+                     "time as fast as that takes",
+                     nameOf(at), nearest, from >= 0 && s.moves(from) ? " from the surface at " + nameOf(from) : "", law.range);
 }
 
 }  // namespace stroma::contact

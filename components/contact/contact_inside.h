@@ -17,7 +17,7 @@ bool isInside(const Vec3& place, const Surfaces& surfaces, const std::vector<Vec
 void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x,
                   const std::function<std::string(int)>& name = {});
 
-/// Throws ComponentError where bodies start nearer to each other than the gap that is kept, the range of the law.
-void refuseNear(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& nameOf);
+/// A sentence where bodies start nearer to each other than the gap that is kept, the range of the law; else nothing.
+std::string describeNear(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& nameOf);
 
 }  // namespace stroma::contact

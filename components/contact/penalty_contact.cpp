@@ -39,8 +39,10 @@
 #include <limits>
 #include <utility>
 
+#include "components/contact/contact_bodies.h"
 #include "components/contact/contact_field.h"
 #include "components/contact/contact_rims.h"
+#include "components/contact/passages.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -72,6 +74,7 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   void addPattern(BlockPattern& pattern) const override { contacts_.addPattern(pattern); }
   void reset() override;
   void serialize(Archive& archive) override;
+  std::string doubt(ConstRows x) const override;
 
  private:
   Touch at(const Touch& start, const std::vector<Vec3>& x) const;
@@ -84,7 +87,8 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   void rub(ConstRows v);
   void checkAlarm() const;
   void startObstacles();
-  void noteEnd(ConstRows x);
+  void noteEnd(ConstRows x, double t);
+  void lookAtWay(Passages& passages, double t) const;
   void serializeFound(Archive& archive);
   const std::vector<Touch>& pushing();
 
@@ -92,6 +96,7 @@ class PenaltyContact final : public ContactField, public HearsSteps {
   std::vector<Touch> found_, touches_;       ///< where the step starts; at the x of the last force
   Terms contacts_;                           ///< of all that were found
   Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come where the step starts, and ends
+  Passages passages_;
   double began_ = 0;                                   ///< when it starts; not a number before the first one [s]
   // ---- for friction ----
   std::vector<double> pushed_;      ///< of each vertex, the least gap of its contacts where the step before ended [m]
@@ -183,14 +188,30 @@ void PenaltyContact::rub(ConstRows v) {
 }
 
 /// Of the contacts of the step before, at its end x.
-void PenaltyContact::noteEnd(ConstRows x) {
+void PenaltyContact::noteEnd(ConstRows x, double t) {
+  gather(x, law_.moved);
+  lookAtWay(passages_, t);
   pushed_.clear(), pushed_along_.clear();
   if (!friction_.acts() || found_.empty()) return;
-  gather(x, law_.moved);
   pushed_.assign(start_.size(), law_.range), pushed_along_.assign(start_.size(), Vec3::Zero());
   for (const Touch& start : found_)
     if (const double gap = at(start, x_).gap; start.of_surface && gap < std::min(start.range, pushed_[std::size_t(start.v[0])]))
       pushed_[std::size_t(start.v[0])] = gap, pushed_along_[std::size_t(start.v[0])] = start.n;
+}
+
+/// Of the step that has ended at x_.
+void PenaltyContact::lookAtWay(Passages& passages, double t) const {
+  std::vector<Touch> ended;
+  for (const Touch& start : found_)
+    if (const Touch touch = at(start, x_); touch.gap < 0) ended.push_back(touch);
+  passages.look(law_, ended, start_, x_, t);
+}
+
+std::string PenaltyContact::doubt(ConstRows x) const {
+  gather(x, law_.moved);
+  Passages passages = passages_;
+  lookAtWay(passages, began_ + duration_);
+  return passages.doubt(path(), [this](int vertex) { return nameOfVertex(law_.surfaces, bodies_, vertex); });
 }
 
 /// The contacts that have been found, with the force that they had in the step before and have lost as normals turned. That of a plane
@@ -210,7 +231,7 @@ const std::vector<Touch>& PenaltyContact::pushing() {
 /// Contacts at x, where the step begins.
 void PenaltyContact::stepBegins(ConstRows x, double t, double t_end) {
   const bool again = t == began_;
-  if (!again) led_ = led_next_, noteEnd(x);
+  if (!again) led_ = led_next_, noteEnd(x, t);
   began_ = t, duration_ = t_end - t;
   led_next_ = obstacles_.ledFrom(led_, 0.5 * law_.alarm);
   law_.moved = obstacles_.pathAt(t) + led_;
@@ -302,7 +323,7 @@ void PenaltyContact::reset() {
   startObstacles();
   start_.clear(), found_.clear(), touches_.clear(), terms_.clear(), contacts_.clear(), friction_.clear();
   pushed_.clear(), pushed_along_.clear();
-  is_found_ = false, outputs_.reset();
+  is_found_ = false, outputs_.reset(), passages_.forget();
   ++pattern_revision_;
 }
 
@@ -336,7 +357,7 @@ void PenaltyContact::serialize(Archive& archive) {
     archive.value(std::string("led_") + char('x' + k), led_next_[k]);
     archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
   }
-  friction_.serialize(archive);
+  friction_.serialize(archive), passages_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
   is_found_ = false, led_ = led_next_, began_ = std::numeric_limits<double>::quiet_NaN();

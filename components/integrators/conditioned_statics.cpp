@@ -83,7 +83,7 @@ StepReport ConditionedStatics::solveInParts(Newton& newton, LinearSolver& solver
 StepReport ConditionedStatics::solveFromStart(Newton& newton, LinearSolver& solver, StopToken stop,
                                               const std::function<bool(StepReport&)>& advance) {
   clear(way_), clear(load_);
-  multipliers_.begin({.displacement = 1, .weight = 1, .has_velocities = false}, true);
+  multipliers_.begin(rule, true);
   multipliers_.addCarried(load_);
   return solveWithFollowers(advance, [&] {
     copy(start_, way_);

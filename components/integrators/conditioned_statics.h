@@ -43,6 +43,10 @@ class ConditionedStatics final : public NonlinearProblem {
   void compile(System& system);
   /// No Lagrangian constraint is there.
   bool empty() const { return multipliers_.empty(); }
+  /// Where a step starts: no condition needs a force there.
+  bool areFree() { return multipliers_.begin(rule, true), multipliers_.areFree(); }
+  /// At the end of a step that was made so: none does there, and none is given.
+  bool stayFree() { return multipliers_.areFree() && (multipliers_.giveNone(), true); }
   /// A step from the present x, in one go: conditions are of its end. `advance` moves x where motion is prescribed, and is false
   /// when that is there; `retry` changes the tangent after a solve that failed, for another one from the same x, or is false.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance,
@@ -75,6 +79,7 @@ class ConditionedStatics final : public NonlinearProblem {
  private:
   StepReport solveFromStart(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance);
   Rows x() const { return system_->independent(system_->x); }
+  static constexpr Multipliers::Rule rule{.displacement = 1, .weight = 1, .has_velocities = false};
   System* system_ = nullptr;
   WholeIfNeeded whole_;
   Multipliers multipliers_;

@@ -4,16 +4,17 @@
 
 namespace stroma {
 
-/// Where no force of constraint acts, the step is first made as if there were no conditions. It stands where they hold: with
+/// Where no force of constraint acts, the step is first made as if there were no conditions, in parts too. It stands where they hold: with
 /// barriers the solve with forces goes on from there otherwise, else from where the step starts.
 StepReport ImplicitStep::solveConditions(StopToken stop) {
   StepReport report;
   const bool may_be_free = multipliers_.areFree();
   if (may_be_free || !limits_.empty()) {
+    is_free_ = may_be_free;
     report = iterates() ? solveIterating(stop) : solveAsNeeded(stop);
-    const bool is_solved = !report.failed() && report.newton_converged;
+    is_free_ = false;
     if (report.stopped || (report.failed() && !limits_.empty())) return report;
-    if (may_be_free && is_solved && multipliers_.areFree()) {
+    if (may_be_free && !report.failed() && multipliers_.areFree()) {  // not converged too: forces of constraint would not help
       multipliers_.giveNone();
       return report;
     }

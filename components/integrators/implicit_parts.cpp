@@ -80,7 +80,7 @@ StepReport ImplicitStep::solveInParts(const StepReport& whole, StopToken stop) {
   // with forces of constraint: those where the last part ended, and the load that has them
   Vector good_forces, good_load;
   const auto keepForces = [&] {
-    if (multipliers_.empty()) return;
+    if (!hasForces()) return;
     for (Vector* vector : {&good_forces, &good_load}) vector->resize(x().count);
     copy(multipliers_.carried(), good_forces), copy(constant_, good_load);
   };
@@ -91,14 +91,14 @@ StepReport ImplicitStep::solveInParts(const StepReport& whole, StopToken stop) {
   for (int parts = 2; part >= smallest_part; ++parts) {
     const double share = std::min(1.0, done + part);
     copy(good_, v());
-    if (!multipliers_.empty()) multipliers_.carryAgain(good_forces), copy(good_load, constant_);
+    if (hasForces()) multipliers_.carryAgain(good_forces), copy(good_load, constant_);
     unknownsChanged();
     newton_.settings.relative_residual = share < 1 ? std::max(part_residual, end_residual) : end_residual;
     StepReport attempt;
     const bool is_carried = carryOn(share - done, stop, attempt);
     if (is_carried) {
       const StepReport before = attempt;
-      attempt = multipliers_.empty() ? solveFromHere(stop) : conditions_.solve(newton_, *solver_, stop, {});
+      attempt = hasForces() ? conditions_.solve(newton_, *solver_, stop, {}) : solveFromHere(stop);
       addCounts(before, attempt);
     }
     newton_.settings.relative_residual = end_residual;
@@ -109,6 +109,7 @@ StepReport ImplicitStep::solveInParts(const StepReport& whole, StopToken stop) {
     // few iterations may end before the tolerance, as in any step
     const bool is_near = is_carried && newton_.settings.keep_unconverged && !attempt.failed() && attempt.newton_residual <= near_enough;
     if (report.stopped || ((good || is_near) && share == 1)) return report;
+    if (good && is_free_ && !multipliers_.areFree()) return report.newton_converged = false, report;  // parts with forces follow
     if (good) {
       done = share, part *= 2;
       copy(v(), good_);

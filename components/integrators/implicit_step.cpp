@@ -208,8 +208,7 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
     report = newton_.solve(*this, *solver_, stop);
     addCounts(before, report);
   }
-  // a try without forces of constraint is not worth parts that their solve would make again
-  if (multipliers_.empty() && mayDivide(report)) report = solveInParts(report, stop);
+  if (!hasForces() && mayDivide(report)) report = solveInParts(report, stop);
   if (report.stopped) return report;
   if (lack_ > 0) {
     report.diverged = true;

@@ -150,6 +150,7 @@ class ImplicitStep final : public NonlinearProblem {
   bool mayTryExact() const;
   bool beginFaster();
   StepReport solveConditions(StopToken stop);
+  bool hasForces() const { return !multipliers_.empty() && !is_free_; }  ///< of constraints, in the solve
   // implicit_parts.cpp
   bool mayDivide(const StepReport& report) const;
   bool findWayOfHeld();
@@ -200,6 +201,7 @@ class ImplicitStep final : public NonlinearProblem {
   Vector good_;            ///< u where the last part of a step ended; see implicit_parts.cpp
   double lack_ = 0;        ///< the part of it that has not been made yet
   int carries_ = 0;
+  bool is_free_ = false;      ///< the step is made as if there were no Lagrangian constraints
   bool is_to_guess_ = false;  ///< no solve of the step has begun
   Orientations orientations_;
   TurningBodies bodies_;

@@ -131,7 +131,7 @@ void NewmarkImplicitSolver::takeRates(const System& system) {
 
 StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
   if (sleep_.passesOver(context)) return {};
-  if (!started_) {
+  if (!started_ || implicit_.isLimited()) {
     StepReport first;
     implicit_.wholeForce(context.t, force_);
     for (std::size_t b = 0; b < implicit_.bodies().count(); ++b) rates_[b] = implicit_.bodies().sum(b, force_);

@@ -95,4 +95,14 @@ inline NewtonSolver* findNewtonSolver(const Component& integrator, const Link<Ne
   return link.target() ? link.get() : integrator.find<NewtonSolver>();
 }
 
+/// Of statics beside one: which of two places holds must not be a guess.
+inline void refuseSettingsBeside(const Component& statics, const NewtonSolver& settings) {
+  for (const Data& attribute : statics.data().all())
+    if (attribute.isSet() && !attribute.link())
+      if (attribute.name().find("threshold") != std::string::npos || attribute.name() == "newton_iterations")
+        throw ComponentError(fmt::format("{} is set here, and {} holds the settings of Newton's method", attribute.name(),
+                                         settings.path()),
+                             "the settings in one of the two");
+}
+
 }  // namespace stroma

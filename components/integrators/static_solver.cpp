@@ -100,7 +100,6 @@ class StaticSolver final : public Integrator, public HeedsStepLimits, public Fin
   }
 
  private:
-  void checkSettings() const;
   bool mayDivide() const { return smallest_part_ < 1 && triesMore(); }
   /// With less the scene does not ask for an equilibrium.
   bool triesMore() const { return settings_.iterations >= 5 && !settings_.stop_when_residual_grows; }
@@ -108,6 +107,7 @@ class StaticSolver final : public Integrator, public HeedsStepLimits, public Fin
   StepReport solvePart(System& system, const StepContext& context);
   StepReport solveWithFallback(System& system, const StepContext& context);
   StepReport solveInParts(System& system, const StepContext& context);
+  StepReport solveConditions(System& system, const StepContext& context);
   bool advancePrescribed(System& system, const StepContext& context, StepReport& report);
 
   NewtonSettings settings_;
@@ -123,6 +123,7 @@ class StaticSolver final : public Integrator, public HeedsStepLimits, public Fin
   double smallest_part_ = 1.0 / 1024;
   Vector force_, good_;
   Vector mode_, moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
+  bool is_free_ = false;                   ///< the step is made as if there were no Lagrangian constraints
   bool is_checked_ = false;                ///< no body was free when something last changed
   long checked_revision_ = -1;             ///< of what held bodies then
   long held_ = 0;                          ///< directions of nodes, in the last step
@@ -162,7 +163,7 @@ void StaticSolver::compile(System& system) {
   assert(solver_ && "Integrator::missingPartner() sees to it");
   settings_component_ = findNewtonSolver(*this, newton_link_);
   if (settings_component_) {
-    checkSettings();
+    refuseSettingsBeside(*this, *settings_component_);
     const NewtonSettings own = settings_;
     settings_ = settings_component_->settings();
     settings_.stop_when_residual_grows = own.stop_when_residual_grows;
@@ -179,16 +180,6 @@ void StaticSolver::compile(System& system) {
   force_.resize(system.independentRows()), good_.resize(system.independentRows());
   graph_.reserve(std::size_t(settings_.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
-}
-
-/// Which of two places holds must not be a guess.
-void StaticSolver::checkSettings() const {
-  for (const Data& attribute : data().all())
-    if (attribute.isSet() && !attribute.link())
-      if (attribute.name().find("threshold") != std::string::npos || attribute.name() == "newton_iterations")
-        throw ComponentError(fmt::format("{} is set here, and {} holds the settings of Newton's method",
-                                         attribute.name(), settings_component_->path()),
-                             "the settings in one of the two");
 }
 
 /// False, with the sentence, when a body has no equilibrium where the step starts; or when it is asked to stop.
@@ -295,10 +286,7 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
   constexpr double part_residual = 1e-4;
   const Rows x = system.independent(system.x);
   StepReport report, failed;
-  if (!conditioned_.empty())
-    return conditioned_.solveInParts(
-        newton_, *solver_, context, [&](const StepContext& to, StepReport& of) { return advancePrescribed(system, to, of); },
-        [&] { return triesMore() && exact_.begin(system); }, mayDivide() ? smallest_part_ : 1);
+  if (!conditioned_.empty() && !is_free_) return solveConditions(system, context);
   double done = 0, part = 1;
   for (int parts = 1;; ++parts) {
     const double share = std::min(1.0, done + part);
@@ -338,6 +326,21 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
   return report;
 }
 
+/// What no force of constraint acts on goes its way as if there were none, and stands where the conditions hold.
+StepReport StaticSolver::solveConditions(System& system, const StepContext& context) {
+  StepReport tried;
+  if (conditioned_.areFree()) {
+    is_free_ = true, tried = solveInParts(system, context), is_free_ = false;
+    if (tried.stopped || (!tried.diverged && conditioned_.stayFree())) return tried;
+    exact_.end(), problem_.giveUp(), problem_.setShare(1);
+  }
+  StepReport report = conditioned_.solveInParts(
+      newton_, *solver_, context, [&](const StepContext& to, StepReport& of) { return advancePrescribed(system, to, of); },
+      [&] { return triesMore() && exact_.begin(system); }, mayDivide() ? smallest_part_ : 1);
+  addCounts(tried, report);
+  return report;
+}
+
 /// Moves what has a prescribed motion to the end of the step; false when it is there. The rest is carried along by the
 /// tangent where the step starts, -K du = f + K d with d the prescribed displacements: moved alone, a face would crush
 /// the elements behind it. Where that costs more energy than moving it alone, it is moved alone.
@@ -356,7 +359,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   copy(system.independent(moved_v_), force_);
   clear(moved_v_);
   problem_.leaveOut(force_);
-  if (!conditioned_.empty()) conditioned_.addCarried(force_);
+  if (!conditioned_.empty() && !is_free_) conditioned_.addCarried(force_);
   system.constraints().project(force_);
   const SolveTerms terms{settings_.forcing, context.stop};
   const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, provided(mode_, x.count), terms, report);
@@ -368,7 +371,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
     motion.advance(1, mode_, x);
     energy = problem_.energy();
     // moved alone, nodes may crush elements so far that they have no energy: any that exists is then better
-    if (!std::isfinite(energy) || (settings_.use_energy && conditioned_.empty() && energy > alone)) {
+    if (!std::isfinite(energy) || (settings_.use_energy && (conditioned_.empty() || is_free_) && energy > alone)) {
       motion.advance(-1, mode_, x);
       energy = alone;
     }

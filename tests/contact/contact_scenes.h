@@ -142,6 +142,18 @@ inline void expectForceOfEnergy(FieldUnderTest& t, double step, unsigned seed) {
   EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * std::sqrt(dot(f, f) * dot(t.direction, t.direction))) << "seed " << seed;
 }
 
+/// What is said where a scene is loaded: its errors, or its warnings.
+inline std::string saidOf(const std::string& text) {
+  std::string said;
+  ::testing::internal::CaptureStderr();  // of what is seen after loading
+  const std::string errors = problemsIn([&] {
+    Simulation simulation = simulationFromText(text);
+    for (const Problem& problem : simulation.diagnostics().problems())
+      if (problem.severity == Severity::warning) said += problem.text() + "\n";
+  });
+  return errors + said + ::testing::internal::GetCapturedStderr();
+}
+
 /// Of an output of all ConstraintContacts.
 inline std::vector<double> constraintOutput(const Simulation& simulation, const char* name) {
   std::vector<Component*> all;

@@ -435,11 +435,12 @@ TEST(ConstraintBodies, WhatDoesNotHoldIsNamedWithItsNodes) {
   }
 }
 
-TEST(ConstraintBodies, BadStartsAreRefusedWithTheirPlaces) {
+/// What is in one another is refused; what is nearer than the gap that is kept is told of.
+TEST(ConstraintBodies, BadStartsAreSaidWithTheirPlaces) {
   const auto problems = [](const Vec3& shift, double size, double distance) {
     Body high = boxOf(Vec3(0, 0, 0), Vec3(size, size, size));
     high.turn(Mat3::Identity(), shift);
-    return problemsOf(contactScene(
+    return saidOf(contactScene(
         bodyNode("a", high, "") + bodyNode("b", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "") +
             keeps(fmt::format("contactDistance=\"{}\"", distance)),
         0.01, Vec3::Zero(), euler));
@@ -453,7 +454,7 @@ TEST(ConstraintBodies, BadStartsAreRefusedWithTheirPlaces) {
   expectContains(near, "contactDistance is 0.05 m");
   EXPECT_EQ(problems(Vec3(0.5, 0.4, 1.02), 0.3, 0.02), "");
   const auto mapped = [](double height, double distance) {  // of a tool that a frame carries
-    return problemsOf(contactScene(
+    return saidOf(contactScene(
         fmt::format("<Node name=\"tool\"><MechanicalObject template=\"Rigid3\" position=\"0.5 0.5 {} 0 0 0 1\"/>"
                     "<UniformMass totalMass=\"4\" inertia=\"0.03 0.03 0.03\"/><Node name=\"skin\">{}<MechanicalObject name=\"dofs\"/>"
                     "<RigidMapping/></Node></Node>",
@@ -469,7 +470,7 @@ TEST(ConstraintBodies, BadStartsAreRefusedWithTheirPlaces) {
   expectContains(mapped(1.12, 0.03), "starts with a gap of 0.02 m from the surface at node");
   EXPECT_EQ(mapped(1.12, 0.01), "");
   const auto above = [](double height) {  // a plane that begins half a metre below where it is written
-    return problemsOf(contactScene(
+    return saidOf(contactScene(
         fmt::format("<MechanicalObject template=\"Rigid3\" position=\"0 0 {} 0 0 0 1\"/><UniformMass totalMass=\"4\" "
                     "inertia=\"0.03 0.03 0.03\"/><Node name=\"skin\">{}<MechanicalObject/><RigidMapping/><ConstraintContact "
                     "planes=\"0 0 1 0\" contactDistance=\"0.01\" keyTimes=\"0 1\" movements=\"0 0 -0.5  0 0 -0.4\"/></Node>",

@@ -163,18 +163,23 @@ TEST(ConstraintContact, WhatIsPutIntoAnObstacleIsRefused) {
   EXPECT_THROW(simulation.step(), ComponentError);
 }
 
-/// Nearer than the gap that is kept: a plane below a cube, and a sphere below its bottom.
-TEST(ConstraintContact, AStartNearerThanTheGapIsRefused) {
+/// Nearer than the gap that is kept: a plane below a cube, and a sphere below its bottom. The first step parts them.
+TEST(ConstraintContact, AStartNearerThanTheGapIsParted) {
   for (const char* obstacle : {"planes=\"0 0 1 -0.02\"", "spheres=\"0.6 0.5 -0.22 0.2\""}) {
     const auto scene = [&](double distance) {
       return contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)),
                                    fmt::format("<ConstraintContact contactDistance=\"{}\" {}/>", distance, obstacle)),
                           0.01, Vec3::Zero(), euler);
     };
-    const std::string problems = problemsOf(scene(0.05));
+    const std::string problems = saidOf(scene(0.05));
     expectContains(problems, "of /a/dofs starts with a gap of 0.02 m, and contactDistance is 0.05 m");
     expectContains(problems, "gaps that are not smaller than contactDistance");
-    EXPECT_EQ(problemsOf(scene(0.02)), "") << "a start at the gap is none";
+    EXPECT_EQ(saidOf(scene(0.02)), "") << "a start at the gap is none";
+    Simulation simulation = simulationFromText(scene(0.05));
+    for (int i = 1; i <= 3; ++i) {
+      expectCleanStep(simulation, i);
+      EXPECT_GT(constraintOutput(simulation, "smallestGap").at(0), 0.05 - 1e-4) << obstacle << ", step " << i;
+    }
   }
 }
 

@@ -322,17 +322,26 @@ TEST(Friction, ABallIsPressedInWithFewIterations) {
 /// A sphere is pressed into a block in statics, and what sticks may creep by 2.5e-10 m only. Solves from scratch do not find who slips;
 /// from those with a larger creep they do. Forces are those of a creep of 1e-6 m.
 TEST(Friction, HardlyAnyCreepIsReachedFromMore) {
-  const auto forcesWith = [](double creep) {
-    constexpr double young = 1e4, radius = 0.06, range = 1e-3;
+  struct Case {
+    double creep = 0, stiffness = 0;  // the latter over the modulus
+    std::string cells;
+  };
+  constexpr double young = 1e4;
+  const std::string polar = fmt::format("<HexahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"0.3\"/>", young),
+                    svd = fmt::format("<HexahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"0.3\" method=\"svd\"/>", young),
+                    neo_hookean = fmt::format("<HexahedronHyperelasticityFEMForceField materialName=\"NeoHookean\" youngModulus=\"{}\" "
+                                              "poissonRatio=\"0.3\"/>",
+                                              young);
+  const auto forcesWith = [&](const Case& test) {
+    constexpr double radius = 0.06, range = 1e-3;
     std::vector<double> forces;
     Simulation simulation = simulationFromText(contactScene(
         fmt::format("<RegularGridTopology n=\"5 5 5\" min=\"-0.05 -0.05 -0.1\" max=\"0.05 0.05 0\"/><MechanicalObject name=\"dofs\"/>"
-                    "<HexahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"0.3\"/>"
-                    "<BoxROI name=\"below\" box=\"-1 -1 -1  1 1 -0.0999\"/>"
+                    "{}<BoxROI name=\"below\" box=\"-1 -1 -1  1 1 -0.0999\"/>"
                     "<FixedProjectiveConstraint indices=\"@below.indices\"/>"
                     "<BarrierContact name=\"contact\" contactDistance=\"{}\" stiffness=\"{}\" friction=\"0.3\" slipVelocity=\"{}\" "
                     "selfContact=\"0\" spheres=\"0.003 0.002 {} {}\" keyTimes=\"0 10\" movements=\"0 0 0  0 0 -0.01\"/>",
-                    young, range, 30 * young, creep, radius + range, radius),
+                    test.cells, range, test.stiffness * young, test.creep, radius + range, radius),
         1, Vec3::Zero(), "<StaticSolver newton_iterations=\"100\" relative_residual_tolerance_threshold=\"1e-6\"/>"));
     for (int step = 1; step <= 10; ++step) {
       expectCleanStep(simulation, step);
@@ -341,9 +350,13 @@ TEST(Friction, HardlyAnyCreepIsReachedFromMore) {
     }
     return forces;
   };
-  const std::vector<double> hardly = forcesWith(2.5e-10), more = forcesWith(1e-6);
-  ASSERT_EQ(hardly.size(), 10u);
-  for (std::size_t i = 0; i < hardly.size(); ++i) EXPECT_NEAR(hardly[i], more[i], 5e-3 * std::abs(more[i])) << i;
+  for (const double stiffness : {0.1, 1., 30.})
+    for (const std::string& cells : {polar, svd, neo_hookean}) {
+      SCOPED_TRACE(fmt::format("{} E, {}", stiffness, cells));
+      const std::vector<double> hardly = forcesWith({2.5e-10, stiffness, cells}), more = forcesWith({1e-6, stiffness, cells});
+      ASSERT_EQ(hardly.size(), 10u);
+      for (std::size_t i = 0; i < hardly.size(); ++i) EXPECT_NEAR(hardly[i], more[i], 5e-3 * std::abs(more[i])) << i;
+    }
 }
 
 }  // namespace STROMA_TEST_FILE

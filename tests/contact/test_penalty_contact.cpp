@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // PenaltyContact: its gap by the pressure, its derivatives, momentum, and that the three contacts take one scene.
+#include <gmock/gmock.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 
@@ -364,6 +366,37 @@ TEST(PenaltyContact, RefusesWhatCanNeverAct) {
   for (const char* wrong : {"planes=\"0 0 1\"", "planes=\"0 0 0 1\"", "spheres=\"0 0 9 -1\"", "capsules=\"0 0 9 0 0 8\"",
                             "cylinders=\"0 0 9 0 0 9 1\"", "boxes=\"0 0 9 1\""})
     expectContains(with(wrong), "/a/PenaltyContact: ");
+}
+
+/// What a box of 1 m and 1000 kg that falls on something says at the end of a second.
+std::string doubtOfFall(const std::string& obstacle, double speed, double stiffness) {
+  const Body box = boxOf(Vec3(0.1, 0.1, 0.3), Vec3(1.1, 1.1, 1.3), {1, 1, 1});
+  std::string velocity = "velocity=\"";
+  for (int i = 0; i < 8; ++i) velocity += fmt::format("0 0 {} ", -speed);
+  const std::string sheet = "<Node name=\"sheet\"><MeshTopology name=\"mesh\" position=\"-2 -2 0  3 -2 0  3 3 0  -2 3 0\" "
+                            "triangles=\"0 1 2  0 2 3\"/></Node>";
+  Simulation simulation = simulationFromText(contactScene(
+      sheet + fmt::format("<Node name=\"a\">{}<MechanicalObject name=\"dofs\" {}\"/><UniformMass totalMass=\"1000\"/>"
+                          "<TetrahedronFEMForceField youngModulus=\"1e7\" poissonRatio=\"0.3\"/></Node>"
+                          "<PenaltyContact name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" {} contactDistance=\"0.05\" "
+                          "alarmDistance=\"0.2\" stiffness=\"{}\"/>",
+                          box.mesh(), velocity, obstacle, stiffness),
+      0.01, Vec3(0, 0, -10), "<EulerImplicitSolver newtonIterations=\"20\"/>"));
+  for (int i = 0; i < 100; ++i) simulation.step();
+  std::string said;
+  for (ForceField* field : simulation.systems()[0]->forceFields()) said += field->doubt(simulation.systems()[0]->x);
+  return said;
+}
+
+/// It rests on a sheet and on a plane; goes into and through both where they are soft; and jumps over the sheet within a step.
+TEST(PenaltyContact, WhatGoesThroughIsSaid) {
+  for (const std::string obstacle : {"meshes=\"@sheet/mesh\"", "planes=\"0 0 1 0\""}) {
+    EXPECT_EQ(doubtOfFall(obstacle, 0, 1e6), "") << obstacle;
+    EXPECT_THAT(doubtOfFall(obstacle, 0, 1e3), ::testing::AllOf(::testing::HasSubstr("in one another, first by t = 0.2"),
+                                                                ::testing::HasSubstr("of /a/dofs")))
+        << obstacle;
+  }
+  EXPECT_THAT(doubtOfFall("meshes=\"@sheet/mesh\"", 300, 1e6), ::testing::HasSubstr("passed through a surface of /contact by t = 0.01"));
 }
 
 }  // namespace STROMA_TEST_FILE
