@@ -1,23 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Elastic bodies around meshes."""
 import Sofa
+import Sofa.Core
+from Sofa import _libraries
 from stlib3.visuals import VisualModel
 
-
-def ElasticBlock(attachedTo, name="ElasticBlock", n=(2, 2, 2), low=(0, 0, 0), high=(1, 1, 1), totalMass=1.0, youngModulus=1e3,
-                          poissonRatio=0.3):
-    body = attachedTo.addChild(name) if attachedTo is not None else None
-    body.addObject("RegularGridTopology", name="loader", n=list(n), min=list(low), max=list(high))
-    body.addObject("HexahedronSetTopologyContainer", src=body.loader.getLinkPath(), name="container")
-    body.addObject("MechanicalObject", template="Vec3", name="dofs", showObject=False, showObjectScale=5.0)
-    body.addObject("UniformMass", totalMass=totalMass, name="mass")
-    body.addObject("HexahedronFEMForceField", template="Vec3", method="large", name="forcefield", poissonRatio=poissonRatio,
-                   youngModulus=youngModulus)
-    return body
+_libraries.same_module(__name__, "elasticmaterialobject")
+_LOADERS = {"msh": "MeshGmshLoader", "gidmsh": "GIDMeshLoader"}
 
 
 class ElasticMaterialObject(Sofa.Prefab):
-    """A body around a file, as a prefab that may hang nowhere while it is filled."""
+    """Solvers, loader, container, state, mass, force field and correction; a prefab, which may hang nowhere while it is filled.
+
+    Of old, a function: ElasticMaterialObject(attachedTo, volumeMeshFileName, name, ...), whose `node` it is itself here."""
 
     properties = [
         {"name": "volumeMeshFileName", "type": "string", "help": "file", "default": ""},
@@ -35,45 +30,55 @@ class ElasticMaterialObject(Sofa.Prefab):
         {"name": "solverName", "type": "string", "help": "", "default": ""}]
 
     def __init__(self, *args, **kwargs):
-        Sofa.Prefab.__init__(self, *args, **kwargs)
+        if args and isinstance(args[0], Sofa.Core.Node):
+            kwargs = {**dict(zip(("attachedTo", "volumeMeshFileName", "name", "rotation", "translation"), args)), **kwargs}
+            args = ()
+        if kwargs.get("attachedTo") is not None:
+            kwargs["parent"] = kwargs["attachedTo"]
+        if kwargs.get("solver") is not None:
+            kwargs["solverName"] = str(kwargs["solver"])
+        kept = {name: value for name, value in kwargs.items() if value is not None and name not in ("attachedTo", "solver")}
+        Sofa.Prefab.__init__(self, *args, **{"name": "ElasticMaterialObject", **kept} if not args else kept)
+
+    @property
+    def node(self):
+        return self
 
     def init(self):
-        plugins = []
         if self.solverName.value == "":
             self.integration = self.addObject("EulerImplicitSolver", name="integration")
             self.solver = self.addObject("SparseLDLSolver", name="solver")
-        if self.volumeMeshFileName.value == "":
+        mesh = self.volumeMeshFileName.value
+        if mesh == "":
             Sofa.msg_error(self, "there is no volume mesh")
-            return None
-        place = dict(filename=self.volumeMeshFileName.value, rotation=list(self.rotation.value), translation=list(self.translation.value),
-                     scale3d=list(self.scale.value))
-        kind = "MeshGmshLoader" if self.volumeMeshFileName.value.endswith(".msh") else "MeshVTKLoader"
-        self.loader = self.addObject(kind, name="loader", **place)
+            return
+        place = dict(rotation=list(self.rotation.value), translation=list(self.translation.value))
+        scale = list(self.scale.value)
+        kind = _LOADERS.get(mesh.rsplit(".", 1)[-1], "MeshVTKLoader")
+        self.loader = self.addObject(kind, name="loader", filename=mesh, scale3d=scale, **place)
         self.container = self.addObject("TetrahedronSetTopologyContainer", src=self.loader.getLinkPath(), name="container")
         self.dofs = self.addObject("MechanicalObject", template="Vec3", name="dofs")
         self.mass = self.addObject("UniformMass", totalMass=self.totalMass.value, name="mass")
-        plugins.append("SofaSimpleFem")
         self.forcefield = self.addObject("TetrahedronFEMForceField", template="Vec3", method="large", name="forcefield",
                                          poissonRatio=self.poissonRatio.value, youngModulus=self.youngModulus.value)
         if self.withConstrain.value:
             self.correction = self.addObject("LinearSolverConstraintCorrection", name="correction")
-        if self.collisionMesh:
-            self.addCollisionModel(self.collisionMesh.value, list(self.rotation.value), list(self.translation.value))
-        if self.surfaceMeshFileName:
-            self.addVisualModel(self.surfaceMeshFileName.value, list(self.surfaceColor.value))
-        self.addObject("RequiredPlugin", pluginName=plugins)
+        if self.collisionMesh.value:
+            self.addCollisionModel(self.collisionMesh.value, scale=scale, **place)
+        if self.surfaceMeshFileName.value:
+            self.addVisualModel(self.surfaceMeshFileName.value, list(self.surfaceColor.value), scale=scale, **place)
 
-    def addCollisionModel(self, collisionMesh, rotation=[0.0, 0.0, 0.0], translation=[0.0, 0.0, 0.0]):
+    def addCollisionModel(self, collisionMesh, rotation=[0.0, 0.0, 0.0], translation=[0.0, 0.0, 0.0], scale=[1., 1., 1.]):
         self.collisionmodel = self.addChild("CollisionModel")
-        self.collisionmodel.addObject("MeshSTLLoader", name="loader", filename=collisionMesh, rotation=rotation, translation=translation)
+        self.collisionmodel.addObject("MeshSTLLoader", name="loader", filename=collisionMesh, rotation=rotation, translation=translation,
+                                      scale3d=scale)
         self.collisionmodel.addObject("TriangleSetTopologyContainer", src="@loader", name="container")
         self.collisionmodel.addObject("MechanicalObject", template="Vec3", name="dofs")
-        self.collisionmodel.addObject("TriangleCollisionModel")
-        self.collisionmodel.addObject("LineCollisionModel")
-        self.collisionmodel.addObject("PointCollisionModel")
+        for kind in ("TriangleCollisionModel", "LineCollisionModel", "PointCollisionModel"):
+            self.collisionmodel.addObject(kind)
         self.collisionmodel.addObject("BarycentricMapping")
 
-    def addVisualModel(self, filename, color):
-        visual = self.addChild(VisualModel(visualMeshPath=filename, color=color, rotation=list(self.rotation.value),
-                                           translation=list(self.translation.value), scale=list(self.scale.value)))
-        visual.addObject("BarycentricMapping", name="mapping")
+    def addVisualModel(self, filename, color, rotation, translation, scale=[1., 1., 1.]):
+        self.visualmodel = self.addChild(VisualModel(visualMeshPath=filename, color=color, rotation=rotation, translation=translation,
+                                                     scale=scale))
+        self.visualmodel.addObject("BarycentricMapping", name="mapping")

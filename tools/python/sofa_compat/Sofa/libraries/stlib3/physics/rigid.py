@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Rigid bodies, to which functions are tied that a scene calls."""
+"""Rigid bodies around surfaces, to which functions are tied that a scene calls."""
 import Sofa
+import Sofa.Core
+from Sofa import _libraries
 from stlib3.visuals import VisualModel
+
+_libraries.same_module(__name__, "RigidObject", "rigidobject")
 
 
 def RigidObject(name="RigidObject", surfaceMeshFileName=None, translation=[0., 0., 0.], rotation=[0., 0., 0.], uniformScale=1.,
                 totalMass=1., volume=1., inertiaMatrix=[1., 0., 0., 0., 1., 0., 0., 0., 1.], color=[1., 1., 1., 1.],
                 collisionGroup="", isAStaticObject=False, parent=None):
+    """A node that hangs below `parent`, or nowhere yet; a static one has no solver."""
     thing = Sofa.Core.Node(name)
-    if parent != None:  # noqa: E711
+    if parent is not None:
         parent.addChild(thing)
     thing.addObject("MechanicalObject", name="mstate", template="Rigid3", translation2=translation, rotation2=rotation,
                     showObjectScale=uniformScale)
@@ -35,18 +40,18 @@ def RigidObject(name="RigidObject", surfaceMeshFileName=None, translation=[0., 0
 
     thing.addCollisionModel = addCollisionModel
     thing.addVisualModel = addVisualModel
-    if surfaceMeshFileName != None:  # noqa: E711
+    if surfaceMeshFileName is not None:
         thing.addCollisionModel()
         thing.addVisualModel()
     return thing
 
 
-def Cube(node, **kwargs):
-    if "surfaceMeshFileName" not in kwargs:
-        kwargs["surfaceMeshFileName"] = "mesh/cube.obj"
-    if "name" not in kwargs:
-        kwargs["name"] = "Cube"
-    return node.addChild(RigidObject(**kwargs))
+def _of_file(name, mesh):
+    def make(node, **kwargs):
+        return RigidObject(parent=node, **{"name": name, "surfaceMeshFileName": mesh, **kwargs})
+
+    make.__name__ = name
+    return make
 
 
-Floor = Cube
+Cube, Sphere, Floor = _of_file("Cube", "mesh/cube.obj"), _of_file("Sphere", "mesh/ball.obj"), _of_file("Floor", "mesh/floor.obj")
