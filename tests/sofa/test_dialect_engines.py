@@ -444,4 +444,39 @@ def cells_about_a_box():
     agree(run.x("c.m"), [share @ expected])
 
 
+@case
+def regions_choose_of_all_that_a_topology_lists():
+    """Edges and sides of cells that nobody writes: springs on those in a box are those on them written out."""
+    tets = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
+    cube = [(x, y, z) for z in range(2) for y in range(2) for x in range(2)]
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)]
+    pairs = {kind: [(a, b) for a in range(len(x)) for b in range(a + 1, len(x)) if near(a, b)] for kind, x, near in (
+        ("tets", tets, lambda a, b: (a, b) != (0, 4)), ("cube", cube, lambda a, b: bin(a ^ b).count("1") == 1))}
+    faces = [f for f in itertools.combinations(range(5), 3) if not {0, 4} <= set(f)]
+    text = " ".join
+    of_tets = f'position="{text(f"{a} {b} {c}" for a, b, c in tets)}" tetrahedra="0 1 2 3  1 2 3 4"'
+    of_cube = f'position="{text(f"{a} {b} {c}" for a, b, c in cube)}" hexahedra="0 1 3 2 4 5 7 6"'
+    meshes = [("tets", f"<{mesh} {of_tets}/>") for mesh in ("TetrahedronSetTopologyContainer", "MeshTopology")]
+    meshes += [("cube", f"<{mesh} {of_cube}/>") for mesh in ("HexahedronSetTopologyContainer", "MeshTopology")]
+    scene = ('{}{}<MechanicalObject name="dofs" velocity="{}"/><UniformMass totalMass="5"/><BoxROI name="roi" box="-1 -1 -1  {}"/>'
+             '<Node name="n"><{}SetTopologyContainer position="@../dofs.position" {}="{}"/><MechanicalObject name="m"/><IdentityMapping/>'
+             '<MeshSpringForceField stiffness="10"/></Node>')
+    for kind, mesh in meshes:
+        x = tets if kind == "tets" else cube
+        v = text(f"{20 * a + c * c} {b} {9 * c * a}" for a, b, c in x)
+        corners = {"edges": pairs[kind], "triangles": faces, "quads": sides}
+        for part, name in (("Edge", "edges"), ("Triangle", "triangles") if kind == "tets" else ("Quad", "quads")):
+            for top, inside in (("2 2 2", lambda p: True), ("2 2 0.5", lambda p: p[2] < 0.5)):
+                chosen = text(text(map(str, f)) for f in corners[name] if all(inside(x[i]) for i in f))
+                linked, given = (Run(node(scene.format(EXACT, mesh, v, top, part, name, cells)), 3).x()
+                                 for cells in (f"@../roi.{name}InROI", chosen))
+                agree(linked, given)
+    start = Run(node(scene.format(EXACT, meshes[0][1], " ", "2 2 2", "Edge", "edges", "0 1")), 0).x()
+    differ(given - np.array(cube) - 0.03 * np.array(v.split(), float).reshape(-1, 3), np.zeros((8, 3)), 1e-4)  # springs act
+    agree(start, tets)
+    grid = '<RegularGridTopology name="g" n="3 3 3" min="0 0 0" max="1 1 1"/>'
+    agree(*(Run(node(scene.format(EXACT, grid, text(["1 0 0", "0 3 0", "0 0 2"] * 9), "2 2 2", "Edge", "edges", link)), 3).x()
+            for link in ("@../roi.edgesInROI", "@../g.edges")))
+
+
 main()

@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 
-from dialect import CUBE, EXACT, PLACES, Run, agree, case, differ, fallen, falls, main, node, root, shapes_at, voxels
+from dialect import CUBE, EXACT, PLACES, X4_TEXT, Run, agree, case, differ, fallen, falls, main, node, root, shapes_at, voxels
 from reference import euler, gravity, load, stiffness, together
 
 
@@ -249,6 +249,27 @@ def masses_that_a_mapping_does_not_map():
         agree(run.x(), oscillated(mass))
         if "Masses" in words:
             run.says("has no effect, as in SOFA: masses of the nodes that follow count")
+
+
+@case
+def masses_of_one_state_add_up():
+    """A force field each in SOFA: gravity, inertia and damping of both."""
+    for solvers in (EXACT, '<EulerImplicitSolver rayleighMass="2"/><CGLinearSolver iterations="50" tolerance="1e-14" threshold="1e-30"/>',
+                    "<EulerExplicitSolver/>", "<RungeKutta4Solver/>", '<CentralDifferenceSolver rayleighMass="2"/>'):
+        scene = (f'{solvers}<MeshTopology position="{X4_TEXT}" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/>{{}}'
+                 '<RestShapeSpringsForceField points="0 1 2 3" stiffness="30"/>')
+        both = Run(root(scene.format('<UniformMass totalMass="2"/><UniformMass totalMass="6"/>')), 10)
+        agree(both.x(), Run(root(scene.format('<UniformMass totalMass="8"/>')), 10).x(), 1e-12)
+        both.says("/dofs has the mass of /UniformMass too: they add up")
+    scene = (f'{EXACT}<MeshTopology position="{X4_TEXT}" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs"/>{{}}'
+             '<FixedConstraint indices="0"/><TetrahedronFEMForceField youngModulus="50" poissonRatio="0.3"/>')
+    twice = '<MeshMatrixMass massDensity="3" rayleighMass="2"/>'
+    agree(Run(root(scene.format(twice + twice.replace("3", "6", 1))), 10).x(), Run(root(scene.format(twice.replace("3", "9", 1))), 10).x(), 1e-12)
+    spun = (EXACT + '<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1" velocity="0 0 0 1 2 3"/>{}'
+            '<RestShapeSpringsForceField points="0" stiffness="5" angularStiffness="40"/>')
+    two = Run(node(spun.format('<UniformMass vertexMass="1 1 [1 0 0,0 2 0,0 0 3]"/><UniformMass vertexMass="2 1 [2 0 0,0 1 0,0 0 1]"/>')), 10)
+    one = Run(node(spun.format('<UniformMass vertexMass="3 1 [1.6666666666666667 0 0,0 1.3333333333333333 0,0 0 1.6666666666666667]"/>')), 10)
+    agree(two.x("dofs", 7), one.x("dofs", 7), 1e-12)
 
 
 main()
