@@ -2,7 +2,8 @@
 // A mesh given in the scene, taken from a loader (src="@loader") or read directly from a Gmsh file (filename).
 //
 // Cells keep the order in which they are given; edges and faces of volume cells are derived when something asks for
-// them, not before; createEdgeArray, createTriangleArray and createQuadArray make them a part of the mesh. A node without positions takes those of the state beside it.
+// them, not before; createEdgeArray, createTriangleArray and createQuadArray make them a part of the mesh. A node without
+// positions takes those of the state beside it.
 //
 // Source: the attributes are those of SOFA's MeshTopology.
 //

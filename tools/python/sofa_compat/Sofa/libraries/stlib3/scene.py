@@ -88,8 +88,8 @@ def Scene(root, gravity=[0.0, -9.81, 0.0], dt=0.01, plugins=[], repositoryPaths=
         addModelling()
         addSimulation()
 
-    def addContact():
-        return ContactHeader(root, alarmDistance=1.0, contactDistance=0.1, frictionCoef=1.0)
+    def addContact(alarmDistance=1.0, contactDistance=0.1, frictionCoef=1.0):
+        return ContactHeader(root, alarmDistance, contactDistance, frictionCoef)
 
     root.gravity.value = gravity
     root.dt.value = dt
