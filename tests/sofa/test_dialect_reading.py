@@ -609,4 +609,14 @@ def templates_that_do_not_fit_are_told():
     Run(root(EXACT + frames.format("Rgid3d")), 1).fails(2, "nodes of type Rgid3d do not exist here", "did you mean 'Rigid3'?")
 
 
+@case
+def a_state_of_no_template_has_points():
+    """Another one is taken where the one of the scene does not exist; those of a plug-in's own nodes are refused."""
+    for word in ("vec3d", "Vec3d,Vec3d"):
+        run = Run(root(EXACT + BODY.replace("<MechanicalObject", f'<MechanicalObject template="{word}"')), 5)
+        falls(run, steps=5)
+        run.says("is no template: SOFA takes Vec3, and so does this scene")
+    Run(root(EXACT + BODY.replace("<MechanicalObject", '<MechanicalObject template="Affine"')), 1).fails(2, "nodes of type Affine do not exist here")
+
+
 main()

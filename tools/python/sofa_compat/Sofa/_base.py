@@ -235,8 +235,9 @@ class Base:
             return None
         path, data = links[0][1:], None
         tail = path.rsplit("/", 1)[-1]
-        if "." in tail and tail not in (".", "..") and not tail.startswith("["):
-            path, data = path[: len(path) - len(tail) + tail.index(".")], tail[tail.index(".") + 1:]
+        dot = tail.find(".", tail.find("]") + 1)  # of [-1].position after the number
+        if dot >= 0 and tail not in (".", ".."):
+            path, data = path[: len(path) - len(tail) + dot], tail[dot + 1:]
         found = None if data and " " in data else self._s_follow(path)
         return found.findData(data) if found is not None and data else found
 
