@@ -158,6 +158,11 @@ class Base:
     def __data__(self):
         return DataDict((name, self.findData(name)) for name in self._s_data_names())
 
+    @property
+    def __links__(self):
+        """Data that lead to an object or a node."""
+        return DataDict((name, data) for name, data in self.__data__.items() if data.isSet() and data.getLinkedBase() is not None)
+
     def getLinks(self):
         return []
 
