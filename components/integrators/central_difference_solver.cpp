@@ -104,6 +104,9 @@ void CentralDifferenceSolver::compile(System& system) {
     if (first >= system.independentRows() && mass->rayleigh_mass != 0)
       throw ComponentError(mass->path() + " acts on a mapped state, where " + name + " has no rayleighMass",
                            "rayleighMass of the integrator");
+    const auto shares = [mass](const Mass* other) { return other != mass && &other->state() == &mass->state(); };
+    if (mass->rayleigh_mass != 0 && std::any_of(system.masses().begin(), system.masses().end(), shares))
+      throw ComponentError(mass->path() + " damps the motion of nodes that have another mass too", "rayleighMass of the integrator");
     for (Index i = first; i < std::min(first + mass->state().size(), system.independentRows()); ++i)
       damping_[i] += mass->rayleigh_mass;
   }

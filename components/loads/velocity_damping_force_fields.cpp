@@ -5,7 +5,7 @@
 //   DiagonalVelocityDampingForceField:  f_i = -diag(c_i) v_i,      C = -diag(c_i)
 //
 // dampingCoefficient is c, or three coefficients (x, y, z) for each node or for all; of frames six, the last three of the torque
-// about the fixed axes over the angular velocity [N m s]. Without `indices` every node is
+// about the fixed axes over the angular velocity [N m s]; of numbers as many as a node has. Without `indices` every node is
 // damped. There is no energy and no stiffness; implicit integrators take C into their matrix, so any c is stable there,
 // and an explicit step is stable while dt c is below twice the mass of a node.
 //
@@ -90,24 +90,23 @@ class DiagonalVelocityDampingForceField final : public VelocityDamping {
  public:
   void declare(DataTable& table) override {
     VelocityDamping::declare(table);
-    table.add("dampingCoefficient", coefficients_)
+    table.add("dampingCoefficient", given_)
         .recompiled()
-        .help("force over velocity along x, y and z, for each node or for all; of a frame three more, of the torque")
+        .help("force over velocity along x, y and z, for each node or for all; of a frame three more, of the torque; or of each number")
         .unit("N s/m")
         .min(0)
         .required();
   }
   void init() override {
     VelocityDamping::init();
-    const bool has_frames = state().hasFrames();
-    if (!state().hasPointsOnly() && !has_frames)
-      throw ComponentError(fmt::format("{} has neither points nor frames", state().path()), "a state of template Vec3 or Rigid3");
-    if (has_frames && coefficients_.size() == 2)  // of all frames
-      for (std::size_t row = 2; row < rowCount(); ++row) coefficients_.push_back(Vec3(coefficients_[row - 2]));
-    if (has_frames && coefficients_.size() != rowCount())
-      throw ComponentError(fmt::format("dampingCoefficient has {} numbers for {} frames", 3 * coefficients_.size(), rowCount() / 2),
-                           "six numbers, or six of each frame");
-    spread(coefficients_, rowCount(), "dampingCoefficient", "nodes (three numbers each)");
+    const std::size_t each = state().kindOf(0) == RowKind::value ? 1 : 3, width = each * std::size_t(state().rows_per_node);
+    const std::size_t nodes = rowCount() / std::size_t(state().rows_per_node);
+    if (given_.size() != width && given_.size() != width * nodes)
+      throw ComponentError(fmt::format("dampingCoefficient has {} numbers for {} nodes", given_.size(), nodes),
+                           fmt::format("{} for all, or {} of each", width, width));
+    coefficients_.assign(rowCount(), Vec3::Zero());
+    for (std::size_t row = 0; row < rowCount(); ++row)
+      for (std::size_t i = 0; i < each; ++i) coefficients_[row][Index(i)] = given_[(row * each + i) % given_.size()];
   }
 
  protected:
@@ -115,7 +114,8 @@ class DiagonalVelocityDampingForceField final : public VelocityDamping {
   bool takesAllRows() const override { return true; }  // of frames the turning, too
 
  private:
-  std::vector<Vec3> coefficients_;
+  std::vector<double> given_;
+  std::vector<Vec3> coefficients_;  ///< of each row
 };
 
 }  // namespace

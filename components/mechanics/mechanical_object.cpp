@@ -94,6 +94,11 @@ class MechanicalObject final : public State {
     if (velocity.size() == 1) velocity.resize(position.size(), Vec3(velocity[0]));
     while (repeats_velocity_ && velocity.size() < position.size())
       velocity.push_back(velocity[velocity.size() - std::size_t(rows_per_node)]);
+    if (repeats_velocity_ && velocity.size() > position.size()) {
+      warn(fmt::format("velocity has {} nodes and the mesh {}: the others do not count, as in SOFA",
+                       velocity.size() / std::size_t(rows_per_node), nodes()));
+      velocity.resize(position.size());
+    }
     checkSizes();
     if (kinds_.empty()) {
       reset_position_ = position;
@@ -219,7 +224,8 @@ class MechanicalObject final : public State {
     table.add("useTopology", use_topology_).help("take positions from the mesh of this node when none are given");
     table.add("valuesFromMesh", values_from_mesh_)
         .help("numbers that are not given are the coordinates of the mesh of this node, of a Vec1 the first, as in SOFA");
-    table.add("repeatVelocity", repeats_velocity_).help("nodes for which velocity has none have the last of its list, as in SOFA");
+    table.add("repeatVelocity", repeats_velocity_)
+        .help("nodes for which velocity has none have the last of its list, and what it has more does not count, as in SOFA");
     table.addLink("topology", topology_).help("mesh that gives the positions; the one of this node when not given");
     table.add("restScale", rest_scale_)
         .help("scale of the rest positions only: the body starts stressed")

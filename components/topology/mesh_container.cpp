@@ -7,6 +7,7 @@
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/mesh/cell_attributes.h"
+#include "framework/mesh/cell_faces.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/mesh/mesh_loader.h"
 
@@ -22,6 +23,9 @@ void MeshContainer::declare(DataTable& table) {
             .help(fmt::format("{}, {} node numbers each, in VTK's order", kind.plural, kind.nodes));
       },
       mesh_);
+  table.add("createTriangleArray", create_triangles_).help("add the faces of the tetrahedra when no triangle is given");
+  table.add("createQuadArray", create_quads_).help("add the faces of the hexahedra when no quad is given");
+  table.add("createEdgeArray", create_edges_).help("add the edges of all cells when no edge is given");
   for (const char* name : {"drawEdges", "drawTriangles", "drawQuads", "drawTetrahedra", "drawHexahedra", "drawPoints",
                            "uv", "texcoords", "computeAllBuffers", "checkTopology", "checkConnexity"})
     table.addVisualOnly(name);
@@ -75,6 +79,12 @@ void MeshContainer::finish() {
       },
       mesh_);
   if (volume_written && !volume_linked) complainOfCells();
+}
+
+void MeshContainer::addParts() {
+  if (create_triangles_ && mesh_.triangles.empty()) mesh_.triangles = uniqueTriangles(mesh_, false);
+  if (create_quads_ && mesh_.quads.empty()) mesh_.quads = uniqueQuads(mesh_, false);
+  if (create_edges_ && mesh_.edges.empty()) mesh_.edges = Mesh(mesh_).allEdges();
 }
 
 void MeshContainer::complainOfCells() const {

@@ -20,6 +20,9 @@ class MeshContainer : public Topology {
   /// that were written in the scene.
   void finish();
 
+  /// Adds the edges and faces that createEdgeArray, createTriangleArray and createQuadArray ask for.
+  void addParts();
+
   /// Raises a warning with the mesh report for cells that no loader has checked.
   void complainOfCells() const;
 
@@ -30,7 +33,7 @@ class MeshContainer : public Topology {
   void takePositionsFromState();
   void makeReady(Component& state);
   void takeNodesOf(Component& state, bool is_given);
-  bool asks_state_ = false;
+  bool asks_state_ = false, create_triangles_ = false, create_quads_ = false, create_edges_ = false;
 };
 
 }  // namespace stroma

@@ -2,7 +2,8 @@
 // A mesh given in the scene, taken from a loader (src="@loader") or read directly from a Gmsh file (filename).
 //
 // Cells keep the order in which they are given; edges and faces of volume cells are derived when something asks for
-// them, not before. A node without positions takes those of the state beside it.
+// them, not before; createEdgeArray, createTriangleArray and createQuadArray make them a part of the mesh. A node without
+// positions takes those of the state beside it.
 //
 // Source: the attributes are those of SOFA's MeshTopology.
 //
@@ -35,6 +36,7 @@ class MeshTopology : public MeshContainer {
     if (filename_.empty() && !unit_.empty())
       throw ComponentError("unit is that of a file, and there is none", "position with a unit, as \"0 0 0 10 0 0 mm\"");
     finish();
+    addParts();
     if (!filename_.empty()) complainOfCells();
   }
 

@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 
 #include "components/topology/mesh_container.h"
-#include "framework/mesh/cell_faces.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/factory.h"
 
@@ -25,23 +24,13 @@ namespace {
 
 class SetTopologyContainer : public MeshContainer {
  public:
-  void declare(DataTable& table) override {
-    MeshContainer::declare(table);
-    table.add("createTriangleArray", create_triangles_)
-        .help("add the faces of the tetrahedra when no triangle is given");
-    table.add("createQuadArray", create_quads_).help("add the faces of the hexahedra when no quad is given");
-    table.add("createEdgeArray", create_edges_).help("add the edges of all cells when no edge is given");
-  }
-
   void init() override {
     takeFromMapping();
     finish();
     if (countOfMainCells() == 0 && !allow_empty_)
       throw ComponentError(fmt::format("there are no {}", kind->plural),
                            fmt::format("{}=\"...\", or src=\"@loader\"", kind->plural));
-    if (create_triangles_ && mesh_.triangles.empty()) mesh_.triangles = uniqueTriangles(mesh_, false);
-    if (create_quads_ && mesh_.quads.empty()) mesh_.quads = uniqueQuads(mesh_, false);
-    if (create_edges_ && mesh_.edges.empty()) mesh_.edges = Mesh(mesh_).allEdges();
+    addParts();
   }
 
   std::string mainCells() const override { return std::string(kind->plural); }
@@ -51,8 +40,6 @@ class SetTopologyContainer : public MeshContainer {
 
  private:
   std::size_t countOfMainCells() const;
-
-  bool create_triangles_ = false, create_quads_ = false, create_edges_ = false;
 };
 
 std::size_t SetTopologyContainer::countOfMainCells() const {

@@ -4,11 +4,12 @@
 
   quirk_pictures.py --stroma build/release/bin/stroma --out docs/tutorials/quirks
 
-The scenes are those of tests/sofa/test_dialect.py, where each way has one in which it matters. Of the number that moves most the
+The scenes are those of tests/sofa/test_dialect_*.py, where each way has one in which it matters. Of the number that moves most the
 movement is drawn, with the way and without it; where nobody could tell them apart, their difference. Needs numpy and matplotlib,
 and two minutes.
 """
 import argparse
+import glob
 import gzip
 import json
 import os
@@ -41,11 +42,11 @@ def pictures_of(ways):
 
 def kept_scenes(stroma, folder):
     """Way -> scenes of the test that were run without it."""
-    test = os.path.join(ROOT, "tests", "sofa", "test_dialect.py")
-    done = subprocess.run([sys.executable, test, stroma], capture_output=True, text=True, env={**os.environ, "STROMA_TEST_SCENES": folder})
-    failed = re.findall(r"(?m)^FAILED (\w+)", done.stdout)
-    if done.returncode != 0 and failed != ["the_page_has_a_picture_of_each_quirk"]:  # which waits for what is drawn here
-        sys.exit(done.stdout[-2000:] + done.stderr)
+    for test in sorted(glob.glob(os.path.join(ROOT, "tests", "sofa", "test_dialect_*.py"))):
+        done = subprocess.run([sys.executable, test, stroma], capture_output=True, text=True, env={**os.environ, "STROMA_TEST_SCENES": folder})
+        failed = re.findall(r"(?m)^FAILED (\w+)", done.stdout)
+        if done.returncode != 0 and failed != ["the_page_has_a_picture_of_each_quirk"]:  # which waits for what is drawn here
+            sys.exit(done.stdout[-2000:] + done.stderr)
     found = {}
     for file in sorted(os.listdir(folder)):
         with open(os.path.join(folder, file), encoding="utf-8") as text:
@@ -147,7 +148,7 @@ def main():
         scenes = kept_scenes(stroma, folder)
     missing = [way for way in ways if way not in scenes]
     if missing:
-        sys.exit("no scene in tests/sofa/test_dialect.py leaves out " + ", ".join(missing))
+        sys.exit("no scene in tests/sofa/test_dialect_*.py leaves out " + ", ".join(missing))
     for number, some in enumerate(pictures_of(ways), 1):
         panels = [(way, chosen(stroma, scenes[way], way)) for way in some]
         for way, (_, _, other, share) in panels:

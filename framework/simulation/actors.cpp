@@ -19,13 +19,12 @@ bool contains(const std::vector<State*>& states, const State* state) {
   return std::find(states.begin(), states.end(), state) != states.end();
 }
 
-void requireOneMassPerState(const std::vector<Mass*>& masses) {
+void tellSecondMasses(const std::vector<Mass*>& masses) {
   for (std::size_t i = 0; i < masses.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (&masses[i]->state() == &masses[j]->state())
-        throw ComponentError(
-            fmt::format("{} has two masses: {} and {}", masses[i]->state().path(), masses[j]->path(), masses[i]->path()),
-            "one mass per state", "remove one of them");
+        masses[i]->warn(fmt::format("{} has the mass of {} too: they add up", masses[i]->state().path(), masses[j]->path()),
+                        "one of them, where the other was meant to be in its place");
 }
 
 void checkMapping(const Actors& actors, std::size_t index) {
@@ -129,7 +128,7 @@ Actors collectActors(const SystemMembers& members) {
     throw ComponentError(
         fmt::format("there is no mechanical state in {} or below, so there is nothing to move", members.integrator->node().path()),
         "a " + usualComponent(Part::state) + " in the integrator's node or below");
-  requireOneMassPerState(actors.masses);
+  tellSecondMasses(actors.masses);
   for (std::size_t i = 0; i < actors.mappings.size(); ++i) checkMapping(actors, i);
   orderMappings(actors.mappings);
   findPassiveMappings(actors);

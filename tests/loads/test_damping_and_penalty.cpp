@@ -53,7 +53,7 @@ TEST(VelocityDamping, DiagonalDampsEachAxis) {
   EXPECT_LT((system.v[1] - Vec3(1, left(3), 1)).norm(), 1e-12);
   expectContains(problemsOf(scene("<DiagonalVelocityDampingForceField dampingCoefficient='1 0 4  0 3 0'/>",
                                   "<EulerImplicitSolver/>", 0.5, "0 0 0", "0 0 0 1 0 0 2 0 0")),
-                 "2 values for 3 nodes");
+                 "6 numbers for 3 nodes (expected 3 for all, or 3 of each)");
   expectContains(problemsOf(scene("<DiagonalVelocityDampingForceField/>", "<EulerImplicitSolver/>", 1)),
                  "dampingCoefficient");
 }

@@ -11,6 +11,7 @@ import tempfile
 import numpy as np
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from reference import turn_of
 from started import Started
 
 STROMA = Started(sys.argv[1])
@@ -123,6 +124,97 @@ def falls(run, name="dofs", steps=10, h=0.01, g=10.0, start=0):
 
 def root(content, attributes=FALL):
     return f'<Node name="root" dt="0.01" {attributes}>{content}</Node>'
+
+
+X4 = np.array([[0, 0, 0], [2, 0, 0], [0, 3, 0], [0, 0, 1.5]])
+X4_TEXT = "0 0 0  2 0 0  0 3 0  0 0 1.5"
+CUBE = np.array([[i, j, k] for k in range(2) for j in range(2) for i in range(2)], float)
+CORNERS = [0, 1, 3, 2, 4, 5, 7, 6]
+WATCH = ('<CollisionPipeline/><BruteForceBroadPhase/><BVHNarrowPhase/><CollisionResponse response="PenalityContactForceField"/>'
+         '<MinProximityIntersection alarmDistance="0.5" contactDistance="0.2"/>')
+PLACES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+
+
+def shapes_at(xi):
+    """N and its slopes in a cell of the unit size, corners in the order of cells."""
+    factors = np.where(PLACES == 1, xi, 1 - np.asarray(xi))
+    slopes = np.array([[(1 if place[axis] else -1) * np.prod(np.delete(row, axis)) for axis in range(3)]
+                       for place, row in zip(PLACES, factors)])
+    return factors.prod(axis=1), slopes
+
+
+def placed(content, link, files=None):
+    body = f'<Node name="a"><MechanicalObject name="dofs" position="@../{link}"/><UniformMass totalMass="1"/></Node>'
+    run = Run(node(content + EXACT + body), 1, files)
+    return run.x("a.dofs")
+
+
+def voxels(container, content):
+    loader = '<VoxelGridLoader name="loader" filename="a.raw" resolution="2 1 1"/>'
+    return Run(root(EXACT + loader + f'<{container} src="@loader"/><MechanicalObject name="dofs"/>' + content), 10, {"a.raw": b"12"})
+
+
+TWO = ('<Node name="{0}">{1}<MechanicalObject name="dofs" position="{2}" velocity="{3}"/><UniformMass totalMass="{4}"/></Node>')
+CUBE_PLACES = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+CHAIN = np.array([[0, 0, 0], [1, 0, 0], [2, 0.3, 0], [2.5, 1, 0.2]])
+CHAIN_NODES = '<MechanicalObject name="dofs" position="' + " ".join(str(c) for p in CHAIN for c in p) + '"/><UniformMass totalMass="4"/>'
+LINKS = [(0, 1), (1, 2), (2, 3)]
+
+
+def numbers_of(values):
+    return " ".join(repr(float(value)) for value in np.ravel(values))
+
+
+def oriented(axis, angle):
+    return turn_of(np.array(axis) / np.linalg.norm(axis) * angle)
+
+
+SWINGING = [np.array([[0, 0, 0], [1, 0.1, 0.2], [2, -0.1, 0.1], [2.9, 0.3, -0.2]]),
+            np.array([[0.1, 0.2, -0.3], [0.5, 0, 1], [0, -1, 0.3], [-0.4, 0.6, 0.2]])]
+HANGING = [np.array([[2.9, 0.3, -0.2], [3.8, 0.2, 0.3], [4.5, -0.4, 0.1]]), np.array([[0.3, -0.2, 0.5], [0, 1, -1], [0.4, 0.4, 0.2]])]
+SWINGING_SPRINGS = [(0, 1, 80, 2, 1.1), (1, 2, 60, 1, 0.9), (2, 3, 70, 1.5, 1.2)]
+HANGING_SPRINGS = [(0, 1, 90, 1, 1.0), (1, 2, 50, 2, 0.8)]
+DAMPED = '<EulerImplicitSolver rayleighStiffness="0.02" rayleighMass="0.1"/>'
+DAMPED_SOLVERS = (DAMPED + '<CGLinearSolver iterations="400" tolerance="1e-14" threshold="1e-30"/>', DAMPED + '<SparseLDLSolver/>')
+
+
+def damped_system(x, v, mass, lists, h=0.01, rm=0.1, rk=0.02, g=10.0):
+    """A and b of an implicit step of nodes on springs (a, b, k, d, L), whose damping is not in the matrix."""
+    f, K = np.outer(mass, [0, -g, 0]), np.zeros((x.size, x.size))
+    for a, b, k, d, L in lists:
+        e = x[b] - x[a]
+        now = np.linalg.norm(e)
+        n = e / now
+        t = (k * (now - L) + d * (v[b] - v[a]) @ n) / now
+        f[a] += t * e
+        f[b] -= t * e
+        block = (k - t) * np.outer(n, n) + t * np.eye(3)
+        for i, j, sign in ((a, a, -1), (b, b, -1), (a, b, 1), (b, a, 1)):
+            K[3 * i:3 * i + 3, 3 * j:3 * j + 3] += sign * block
+    M, flat = np.diag(np.repeat(mass, 3)), v.ravel()
+    return (1 + h * rm) * M - h * (h + rk) * K, h * (f.ravel() + (h + rk) * K @ flat - rm * M @ flat)
+
+
+FREE_LOOP = '<FreeMotionAnimationLoop/><GenericConstraintSolver maxIterations="1000" tolerance="1e-14"/>'
+
+
+def springs_of(lists):
+    return '<SpringForceField spring="' + "  ".join(numbers_of(spring) for spring in lists) + '"/>'
+
+
+def two_bodies(between, solver, apart=0, loop=""):
+    bodies = ""
+    for name, (x, v), mass, lists, more in (("one", SWINGING, 0.5, SWINGING_SPRINGS, '<FixedProjectiveConstraint indices="0"/>'),
+                                            ("two", HANGING, 0.3, HANGING_SPRINGS, "")):
+        x = x + apart if name == "two" else x
+        bodies += (f'<Node name="{name}"><MechanicalObject name="dofs" position="{numbers_of(x)}" velocity="{numbers_of(v)}"/>'
+                   f'<UniformMass vertexMass="{mass}"/>{springs_of(lists)}{more}</Node>')
+    return root(loop + f'<Node name="bodies">{solver}{bodies}{between}</Node>')
+
+
+def both_bodies(apart=0):
+    lists = SWINGING_SPRINGS + [(a + 4, b + 4, *rest) for a, b, *rest in HANGING_SPRINGS]
+    return np.vstack([SWINGING[0], HANGING[0] + apart]), np.vstack([SWINGING[1], HANGING[1]]), [0.5] * 4 + [0.3] * 3, lists
 
 
 def migrated_scenes_give_the_same_numbers():

@@ -71,6 +71,8 @@ class Rewriting {
   std::string dataLink(Element& element, const AttributeDescription& attribute);
   void warnOfMoving(const Element& element, const AttributeDescription& attribute, const Element& source, const std::string& data);
   Element* meant(const Element& asker, const LinkTarget& target, const LinkBase& wanted) const;
+  void listParts(Element& mesh, const std::string& list);
+  void listPartsOfRegion(const Element& region, const std::string& data);
   void renumberPart(Element& region);
 
   // ---- rewritten_attributes.cpp ----

@@ -278,6 +278,10 @@ void Rewriting::rewriteTemplate(Element& element) {
   if (found->value.find("Cuda") != std::string::npos) noEffect("Cuda in the template of " + element.written->type);
   std::string text = presentTemplate(found->value);
   checkTemplate(element, text);
+  if (element.role() == "mechanical state" && (text.starts_with("vec") || text.starts_with("Vec3,"))) {
+    warn(found->where, element, "template", inQuotes(text) + " is no template: SOFA takes Vec3, and so does this scene", "Vec3");
+    text.clear();
+  }
   const bool solves = element.role() == "linear solver" || element.role() == "preconditioner";
   const bool is_form = text == "GraphScattered" || text.starts_with("CompressedRowSparseMatrix");
   if (solves && is_form && text.ends_with("f")) text.pop_back();  // of single precision

@@ -107,14 +107,26 @@ std::string Rewriting::componentLink(Element& element, const Data& data, const s
   return SceneTree::linkTo(*found);
 }
 
-/// Edges and sides of its cells, which SOFA's containers list from the start: here where somebody reads them.
-static void listParts(Element& container, const std::string& list) {
-  const bool has_cells = container.find("tetrahedra") || container.find("hexahedra") || container.find("triangles") ||
-                         container.find("quads") || container.find("src");
-  if (!container.written->type.ends_with("SetTopologyContainer") || !has_cells || container.find(list)) return;
-  if (list == "edges") container.set("createEdgeArray", "true");
-  if (list == "triangles") container.set("createTriangleArray", "true");
-  if (list == "quads") container.set("createQuadArray", "true");
+/// Edges and sides of its cells, which SOFA's topologies list from the start: here where somebody reads them.
+void Rewriting::listParts(Element& mesh, const std::string& list) {
+  const bool is_grid = mesh.is("RegularGridTopology");
+  const bool has_cells = is_grid || mesh.find("tetrahedra") || mesh.find("hexahedra") || mesh.find("triangles") || mesh.find("quads") ||
+                         mesh.find("src") || mesh.find("filename");
+  if (!(is_grid || mesh.is("MeshTopology") || mesh.written->type.ends_with("SetTopologyContainer")) || !has_cells || mesh.find(list))
+    return;
+  if (is_grid && isAnyOf(list, {"edges", "triangles", "quads"}))  // edges are those of the triangles too
+    for (const char* flag : {"computeEdgeList", "computeTriangleList", "computeQuadList"}) setDefault(mesh, flag, "true");
+  if (is_grid) return;
+  if (list == "edges") setDefault(mesh, "createEdgeArray", "true");
+  if (list == "triangles") setDefault(mesh, "createTriangleArray", "true");
+  if (list == "quads") setDefault(mesh, "createQuadArray", "true");
+}
+
+/// The same for what a region chooses of them: `data` as triangleIndices, trianglesInROI or trianglesOutROI.
+void Rewriting::listPartsOfRegion(const Element& region, const std::string& data) {
+  for (const std::string one : {"edge", "triangle", "quad"})
+    if (data.starts_with(one) && !region.find(one + "s"))
+      if (Element* mesh = meshOf(region)) listParts(*mesh, one + "s");
 }
 
 std::string Rewriting::dataLink(Element& element, const AttributeDescription& attribute) {
@@ -131,6 +143,7 @@ std::string Rewriting::dataLink(Element& element, const AttributeDescription& at
   if (element.role() == "mechanical state" && target.element->role() == "mapping" && target.element->place == element.place)
     if (const std::string given = target.element->text(data); !given.empty() && !given.starts_with("@")) return given;
   warnOfMoving(element, attribute, *target.element, data), listParts(*target.element, data);
+  if (target.element->role() == "selection") listPartsOfRegion(*target.element, data);
   const bool is_surface = target.element->is("GenerateCylinder") && data == "triangles";  // of nodes of its own
   return SceneTree::linkTo(*target.element) + "." + (is_surface ? "surfaceTriangles" : data);
 }

@@ -10,7 +10,6 @@ HERE = pathlib.Path(__file__).parent
 SCENES = HERE / "scenes"
 PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 600))  # seconds: only what hangs takes so long, whatever else a machine does
 COMMAND = os.environ.get("STROMA_COMMAND", "stroma")
-sys.path.insert(0, str(HERE / "library"))  # libraries that scenes import
 sys.path.append(str(HERE.parent.parent / "support"))
 from started import Started  # noqa: E402
 
@@ -39,8 +38,7 @@ def animate(root, steps):
 
 def surroundings(**environment):
     """Of the command in a test."""
-    path = os.pathsep.join([str(HERE / "library"), os.environ.get("PYTHONPATH", "")])
-    return {**os.environ, "PYTHONPATH": path, **environment}
+    return {**os.environ, **environment}
 
 
 def run(*words, folder=None, **environment):

@@ -292,3 +292,42 @@ def test_a_section_tells_its_beams():
     root.add("WireRestShape", name="shape", wireMaterials="@plain @counted")
     simulation = stroma.load(root, quiet=True)
     assert simulation["/plain"].nbBeams == 3 and simulation["/counted"].nbBeams == 8
+
+
+def _region(kind, initialised, **given):
+    root = Sofa.Core.Node("root")
+    body = root.addChild("body")
+    body.addObject("EulerImplicitSolver")
+    body.addObject("SparseLDLSolver")
+    word, written = {"grid": ("RegularGridTopology", dict(n=[3, 3, 3], min=[0, 0, 0], max=[1, 1, 1])),
+                     "tets": ("TetrahedronSetTopologyContainer", dict(position=[*TETRAHEDRON, [1, 1, 1]], tetrahedra=[[0, 1, 2, 3], [1, 2, 3, 4]])),
+                     "hexas": ("MeshTopology", dict(position=CUBE, hexahedra=[list(range(8))]))}[kind]
+    mesh = body.addObject(word, name="mesh", **written)
+    body.addObject("MechanicalObject", name="dofs")
+    body.addObject("UniformMass", totalMass=1)
+    region = body.addObject("BoxROI", name="roi", **given)
+    if initialised:
+        Sofa.Simulation.init(root)
+    return mesh, region
+
+
+@pytest.mark.parametrize("strict", (True, False))
+@pytest.mark.parametrize("initialised", (False, True))
+@pytest.mark.parametrize("kind", ("grid", "tets", "hexas"))
+def test_regions_choose_of_all_that_a_topology_lists(kind, initialised, strict):
+    """Also where nothing links to what they choose; whole cells, or those with the middle inside."""
+    mesh, region = _region(kind, initialised, box=[-1, -1, -1, 2, 2, 0.6], strict=strict)
+    places = np.array(mesh.position.value)
+    for name, one in (("edges", "edge"), ("triangles", "triangle"), ("quads", "quad")):
+        rows = np.array(mesh.findData(name).value)
+        z = places[rows][..., 2] if len(rows) else np.zeros((0, 3))
+        inside = np.flatnonzero((z.max(axis=1) if strict else z.mean(axis=1)) <= 0.6)
+        assert list(region.findData(one + "Indices").value) == list(inside)
+        assert np.array_equal(np.array(region.findData(name + "InROI").value).reshape(-1, LISTS[name]), rows[inside].reshape(-1, LISTS[name]))
+    assert len(region.edgeIndices.value) > 2
+
+
+def test_lists_that_a_region_is_given_count():
+    _, region = _region("hexas", True, box=[-1, -1, -1, 2, 2, 2], edges=[[0, 1]], quads=[[0, 1, 2, 3]])
+    assert region.edgesInROI.value.tolist() == [[0, 1]] and region.quadIndices.value.tolist() == [0]
+    assert len(region.trianglesInROI.value) == 0

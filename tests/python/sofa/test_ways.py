@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """createScene() files of many years and hands: ways to say what others say otherwise. Many check themselves against closed forms in
 their controllers, where what they assert ends the run; test_numbers.py has numbers of the others."""
+import os
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 import Sofa
-from playing import SCENES, animate, run, run_many, runs_ten_steps, started, tells_all_that_is_missing
+from playing import PATIENCE, SCENES, animate, run, run_many, runs_ten_steps, started, tells_all_that_is_missing
 
 RUNS = ["tutorial_floor", "contact_forces", "liver_keys", "cube_prefab", "cosserat_beam", "cosserat_controller", "tripod", "gym_cartpole",
         "gym_loop", "topology_read", "hand_loop", "finger_steps", "tentacle", "pneumatic_pid", "gripper_cube", "motors_keytimes",
@@ -365,3 +368,26 @@ def test_templates_have_the_names_that_sofa_tells(given, told):
     assert node.addObject("RestShapeSpringsForceField").getTemplateName() == told
     assert node.addObject("RigidMapping", template="Rigid3,Vec3").getTemplateName() == "Rigid3d,Vec3d"
     assert node.addObject(Sofa.Core.Controller(name="keys")).getTemplateName() == ""
+
+
+def test_a_program_reads_files_of_the_current_folder(tmp_path):
+    """It may lie elsewhere: SOFA looks where the program was started, and so does a program that changes its folder."""
+    (tmp_path / "programs").mkdir()
+    (tmp_path / "data" / "mesh").mkdir(parents=True)
+    (tmp_path / "data" / "mesh" / "one.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 3 0\nf 1 2 3\n")
+    for first in ("", f"import os; os.chdir({str(tmp_path / 'data')!r})\n"):
+        program = tmp_path / "programs" / "run.py"
+        program.write_text(f"""{first}import Sofa
+root = Sofa.Core.Node("root")
+loader = root.addObject("MeshOBJLoader", name="l", filename="mesh/one.obj")
+print(len(loader.position.value))
+root.addObject("EulerImplicitSolver")
+root.addObject("CGLinearSolver", iterations=5, tolerance=1e-9, threshold=1e-9)
+dofs = root.addObject("MechanicalObject", position="@l.position")
+root.addObject("UniformMass", totalMass=1)
+Sofa.Simulation.init(root)
+print(len(dofs.position.value))
+""")
+        done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, cwd=tmp_path if first else tmp_path / "data",
+                              env=dict(os.environ), timeout=PATIENCE)
+        assert done.stdout.split() == ["3", "3"], done.stderr

@@ -9,7 +9,7 @@ from stlib3.scene import ContactHeader, MainHeader
 
 def inflate(target, factor):
     with target.value.writeable() as value:
-        value[0] = 100.0 * factor
+        value[0] = 80.0 * factor
 
 
 def createScene(rootNode):

@@ -52,7 +52,8 @@ def createScene(rootNode):
     first = Finger(rootNode, "Finger1")
     second = Finger(rootNode, "Finger2", translation=[0.0, 0.0, 60.0], fixingBox=[-1, -1, 59, 1, 21, 81],
                     pullPointLocation=[0.0, 18.0, 70.0])
-    Floor(rootNode, name="Floor", color=[1.0, 0.0, 0.0, 1.0], translation=[0.0, -160.0, 0.0], uniformScale=60.0, isAStaticObject=True)
+    Floor(rootNode, name="Floor", color=[1.0, 0.0, 0.0, 1.0], translation=[0.0, -160.0, 0.0], uniformScale=60.0, isAStaticObject=True,
+          surfaceMeshFileName="mesh/cube.obj")
     Cube(rootNode, name="Cube", uniformScale=20.0, color=[1.0, 1.0, 0.0, 1.0], totalMass=0.03, volume=20, translation=[0.0, -78.0, 0.0],
          inertiaMatrix=[1000.0, 0.0, 0.0, 0.0, 1000.0, 0.0, 0.0, 0.0, 1000.0])
     rootNode.addObject(GripperController(cables=[each.ElasticMaterialObject.PullingCable for each in (first, second)]))

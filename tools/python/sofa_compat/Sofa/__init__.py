@@ -2,7 +2,7 @@
 """SOFA's Python scenes on Stroma. `createScene(root)` of a file builds a tree of nodes; `stroma run scene.py` runs it, and so does a
 program of its own by Sofa.Simulation. It is found beside `stroma` only where a path says so, and hides no SOFA that is there."""
 from . import Core, Helper, Simulation, Types, constants  # noqa: F401
-from . import Components, Gui  # noqa: F401
+from . import Components, Gui, _libraries  # noqa: F401
 from ._errors import (  # noqa: F401
     getPythonCallingPoint, getPythonCallingPointAsString, getSofaFormattedStringFromException, getStackForSofa, formatStackForSofa,
     sendMessageFromException)
@@ -13,6 +13,7 @@ from ._prefab import PrefabBuilder  # noqa: F401
 from .Core import Controller, ForceField, Node, Object, Prefab, RawPrefab  # noqa: F401
 from .Helper import msg_deprecated, msg_error, msg_fatal, msg_info, msg_warning  # noqa: F401
 
+_libraries.install()
 __version__ = "24.12.0"
 version = __version__
 

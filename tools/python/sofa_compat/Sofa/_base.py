@@ -158,6 +158,11 @@ class Base:
     def __data__(self):
         return DataDict((name, self.findData(name)) for name in self._s_data_names())
 
+    @property
+    def __links__(self):
+        """Data that lead to an object or a node."""
+        return DataDict((name, data) for name, data in self.__data__.items() if data.isSet() and data.getLinkedBase() is not None)
+
     def getLinks(self):
         return []
 
@@ -235,8 +240,9 @@ class Base:
             return None
         path, data = links[0][1:], None
         tail = path.rsplit("/", 1)[-1]
-        if "." in tail and tail not in (".", "..") and not tail.startswith("["):
-            path, data = path[: len(path) - len(tail) + tail.index(".")], tail[tail.index(".") + 1:]
+        dot = tail.find(".", tail.find("]") + 1)  # of [-1].position after the number
+        if dot >= 0 and tail not in (".", ".."):
+            path, data = path[: len(path) - len(tail) + dot], tail[dot + 1:]
         found = None if data and " " in data else self._s_follow(path)
         return found.findData(data) if found is not None and data else found
 

@@ -182,6 +182,12 @@ class Data:
         target = self._s_owner._s_linked(raw, self._s_name) if _values.is_link_text(raw) else raw
         return target.getOwner() if isinstance(target, Data) else target if hasattr(target, "getLinkPath") else None
 
+    def setLinkedBase(self, target, *_):
+        self.value = target
+
+    def getOwnerBase(self):
+        return self._s_owner
+
     def getParent(self):
         raw = self._s_raw
         if isinstance(raw, Data):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The tree of a scene as the engine takes it: every component with its attributes, the line of the scene it comes from, and
 links as absolute paths. Data of Python have no place there: their values are written, and handed on when they change."""
+import os
+
 import numpy as np
 import stroma
 
@@ -17,12 +19,20 @@ def _clean(name):
     return "".join("_" if each in " /.@[]\"'<>" else each for each in name) or "unnamed"
 
 
+def _search_here():
+    """Relative names of files start in the current folder too, after all others: a program need not lie beside its meshes."""
+    folders = [each for each in os.environ.get("STROMA_DATA_PATH", "").split(os.pathsep) if each]
+    if os.getcwd() not in folders:
+        os.environ["STROMA_DATA_PATH"] = os.pathsep.join([*folders, os.getcwd()])
+
+
 class Mirror:
     """`root`: the engine's tree. `paths`: of each object and node, by id. `dependents`: (data of a component, data of Python that
     gives its value). `written_as`: (type, names of attributes) of what is written as another component, None of all else;
     where it is given, nodes that are switched off are there too. `part`: (objects, nodes) by id, of what alone is there."""
 
     def __init__(self, root, wanted=lambda thing: True, keep_loaders=False, written_as=None, part=None):
+        _search_here()
         self.paths, self.dependents, self.things = {}, [], {}
         self._wanted, self._loaders, self._played = wanted, [], []
         self._keep_loaders, self._written_as = keep_loaders, written_as

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from . import _boxes, _catalogue, _cells, _grids, _messages, _values
+from . import _boxes, _catalogue, _cells, _grids, _messages, _regions, _values
 from ._base import Base
 from ._data import Data
 
@@ -103,6 +103,10 @@ class Object(Base):
     # ---- values ----
     def _s_read(self, data):
         facts = self._s_facts
+        if facts is not None and facts.role == "selection" and _regions.lists(data._s_name):
+            given = self._s_given(data)
+            found = None if given is not None and len(given) else _regions.chosen(self, data._s_name)
+            return given if found is None else self._s_formed(data, found)
         if not _cells.are_made(data._s_name) or facts is None or facts.role != "topology":
             return self._s_given(data)
         if facts.info.type == "RegularGridTopology" and data._s_raw is None:
