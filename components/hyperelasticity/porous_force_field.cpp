@@ -284,9 +284,9 @@ std::string PorousForceField::doubtOfJumps() const {
   const porous::PressureJump jump = porous::pressureJump(*cells_, pressure_, drained);
   if (jump.node < 0) return {};
   return fmt::format("the fluid's pressure goes up and down from node to node below the drained nodes of {}: {:.3g} Pa at node {}, "
-                     "{:.3g} Pa at the next. The fluid has not come out of the first cells yet, and pressures of nodes are no result; shapes and "
-                     "means of cells are. Thinner cells at the drained surface or a larger dt help: h^2/(4 permeability E) for cells h "
-                     "thick and a tissue of modulus E",
+                     "{:.3g} Pa at the next. The fluid has not come out of the first cells yet, and pressures of nodes are no result; "
+                     "shapes and means of cells are. Thinner cells at the drained surface or a larger dt help: "
+                     "h^2/(4 permeability E) for cells h thick and a tissue of modulus E",
                      path(), jump.here, jump.node, jump.beneath);
 }
 
