@@ -96,7 +96,8 @@ double leftOver(const StoredMatrix& matrix, ConstRows b, ConstRows x) {
   return std::sqrt(left / all);
 }
 
-/// 4,913 nodes are solved by products with a multigrid, by conjugate gradients or GMRES.
+/// 4,913 nodes are solved by products with a multigrid, by conjugate gradients or GMRES. In large units and under loads on these rows
+/// alone all other residuals are large numbers beside those that count, which must not keep a solve from its end.
 TEST(FramesInAnyUnit, RowsOfAnotherUnitAreSolvedAsWell) {
   struct Case {
     std::string solver;
@@ -105,11 +106,14 @@ TEST(FramesInAnyUnit, RowsOfAnotherUnitAreSolvedAsWell) {
   };
   for (const Case& each : {Case{"<MinResLinearSolver/>", 6, true}, Case{"<AutomaticLinearSolver/>", 16, true},
                            Case{"<AutomaticLinearSolver/>", 16, false}})
-    for (const double unit : {1e-6, 1e6}) {
+    for (const double unit : {1e-9, 1e-6, 1e6}) {
+      const bool has_loads_there_alone = unit == 1e-9;
       const ElasticBlock block = box(each.cells, each.cells, each.cells);
       StoredMatrix plain = matrixOf(block), matrix = matrixOf(block);
       plain.is_symmetric = matrix.is_symmetric = each.is_symmetric;
       Vector b = weight(block), expected, x;
+      for (Index row = 0; row < b.count() && has_loads_there_alone; ++row)
+        if (row % 50 != 49) b[row] = Vec3::Zero();
       SolverInScene first(each.solver), second(each.solver);
       const SolveReport before = first.solve(plain, b, expected);
       ASSERT_EQ(before.stop, SolveStop::converged) << each.solver;
@@ -119,6 +123,8 @@ TEST(FramesInAnyUnit, RowsOfAnotherUnitAreSolvedAsWell) {
       const double left = leftOver(matrix, b, x);
       std::printf("%s%s unit %g: %d iterations, %d without it, left %.2g by the diagonal\n", each.solver.c_str(),
                   each.is_symmetric ? "" : ", unsymmetric", unit, report.iterations, before.iterations, left);
+      const Data* const choice = second.solver->data().find("choice");
+      EXPECT_TRUE(!choice || unit > 1 || choice->print().find("with multigrid: ") != std::string::npos) << choice->print();
       const bool is_by_multigrid = each.cells > 10 && each.is_symmetric;  // which measures otherwise
       EXPECT_LT(left, is_by_multigrid ? 1e-7 : 1.2e-8) << each.solver << unit;
       double off = 0;
