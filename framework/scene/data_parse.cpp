@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Text to values. Numbers are read by std::from_chars: the locale of the process plays no part, and a value that is not
 // read to its last character is an error.
-#include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -225,8 +223,7 @@ bool readWithUnits(std::string_view text, std::string& unit, T& out, Failure& wh
       if (!plain) return false;
       if (std::is_same_v<T, double> && plain->find(' ') != plain->npos)
         return why.message = inQuotes(trimmed(text)) + " is more than one number", false;
-      const auto isLetter = [](char c) { return c != 'e' && c != 'E' && std::isalpha(static_cast<unsigned char>(c)); };
-      if (unit.ends_with(" or -") && std::any_of(text.begin(), text.end(), isLetter)) unit.resize(unit.size() - 5);
+      if (unit.ends_with(" or -") && text.find_first_not_of("0123456789+-.eE%/ \t\n,") != text.npos) unit.resize(unit.size() - 5);
       out = T{};
       return readValue(*plain, out, why = {});
     } catch (const ComponentError& error) {

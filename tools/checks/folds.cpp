@@ -71,7 +71,10 @@ std::string insideOut(const CellKind& kind, const std::vector<Cell>& cells, cons
     if (isInsideOut(kind, cells[c], rest, now) && count++ == 0) first = c;
   if (count == 0) return {};
   return fmt::format("{} of {} {} are inside out{}; the first is {} {} (nodes {})", count, cells.size(), kind.plural,
-                     kind.affine ? "" : kind.order == 2 ? " at a node or the centre" : " at a corner", kind.singular, first, fmt::join(cells[first], " "));
+                     kind.affine       ? ""
+                     : kind.order == 2 ? " at a node or the centre"
+                                       : " at a corner",
+                     kind.singular, first, fmt::join(cells[first], " "));
 }
 
 /// Faces that have been crushed to a line or a point: no fold of cloth does that to them.
