@@ -106,7 +106,7 @@ void HyperelasticForceField::declareParameters(DataTable& table) {
     for (const auto& [meaning, laws] : laws_of[name])
       meanings.push_back(fmt::format("{} ({})", meaning, fmt::join(laws, ", ")));
     table.add(name, named_[name])
-        .unit(units[name].size() > 1 ? "" : *units[name].begin())
+        .unit(units[name].size() > 1 ? "Pa or -" : *units[name].begin())
         .ofCells()
         .help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
   }

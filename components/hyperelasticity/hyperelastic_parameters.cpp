@@ -44,6 +44,19 @@ std::vector<Doubt> doubtsAbout(const HyperelasticLaw& law, const std::vector<dou
   return doubts;
 }
 
+/// The law decides between units: numbers may have been written in one that is not its own.
+void settleUnits(const HyperelasticLaw& law, DataTable& data) {
+  for (const hyperelastic::ParameterInfo& parameter : law.parameters) {
+    Data* const attribute = data.find(parameter.name);
+    if (!attribute || attribute->unitText() == parameter.unit) continue;
+    if (!attribute->unitText().ends_with(" or -"))
+      throw ComponentError(fmt::format("{} of {} is {}", parameter.name, law.name,
+                                       parameter.unit == "-" ? "a pure number" : "in " + parameter.unit),
+                           parameter.unit == "-" ? "numbers without unit" : "numbers in Pa");
+    attribute->unit(parameter.unit);
+  }
+}
+
 double at(const std::vector<double>& values, std::size_t cell) { return values.size() == 1 ? values[0] : values[cell]; }
 
 }  // namespace
@@ -150,6 +163,7 @@ void HyperelasticForceField::checkModuli(const Lame& lame, hyperelastic::Values 
 
 void HyperelasticForceField::readParameters() {
   const std::size_t count = law_.parameters.size();
+  settleUnits(law_, data());
   std::size_t sets = 1;
   const auto check = [&](const std::string& name, const std::vector<double>& values) {
     if (values.size() <= 1) return;

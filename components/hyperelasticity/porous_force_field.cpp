@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/hyperelasticity/pressure_jumps.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/archive.h"
@@ -268,10 +269,25 @@ std::string PorousForceField::fault() const {
 
 /// In time bodies may swing and settle: what has swung is no motion of the tissue, and the run goes on.
 std::string PorousForceField::doubt(ConstRows) const {
-  if (coupling_ == Coupling::implicit || swings_.longest() < porous::PressureSwings::enough) return {};
+  if (!porous_) return {};
+  if (coupling_ == Coupling::implicit || swings_.longest() < porous::PressureSwings::enough) return doubtOfJumps();
   return fmt::format("the fluid's pressure has swung from step to step for {} steps in a row, by {:.3g} Pa in the mean, which is no motion "
                      "of the tissue: {}",
                      swings_.longest(), swings_.largest(), whySwings());
+}
+
+/// With permeability 0 nothing ever leaves.
+std::string PorousForceField::doubtOfJumps() const {
+  if (permeability_ == 0) return {};
+  std::vector<char> drained(pressure_.size());
+  for (std::size_t i = 0; i < drained.size(); ++i) drained[i] = flow_.isDrained(Index(i));
+  const porous::PressureJump jump = porous::pressureJump(*cells_, pressure_, drained);
+  if (jump.node < 0) return {};
+  return fmt::format("the fluid's pressure goes up and down from node to node below the drained nodes of {}: {:.3g} Pa at node {}, "
+                     "{:.3g} Pa at the next. The fluid has not come out of the first cells yet, and pressures of nodes are no result; "
+                     "shapes and means of cells are. Thinner cells at the drained surface or a larger dt help: "
+                     "h^2/(4 permeability E) for cells h thick and a tissue of modulus E",
+                     path(), jump.here, jump.node, jump.beneath);
 }
 
 std::string PorousForceField::whySwings() const {

@@ -57,6 +57,7 @@ class PorousForceField : public ForceField, public History {
   void checkCells() const;
   void warnOfNoElasticity() const;
   std::string whySwings() const;
+  std::string doubtOfJumps() const;
   void start(const std::vector<double>& values);
   /// out = P at the end of a step with volumes theta of nodes in `out`.
   void follow(Rows out) const;

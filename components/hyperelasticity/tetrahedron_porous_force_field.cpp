@@ -39,6 +39,10 @@
 // sentence and no result. In time light tissues do the same, and the run's result is in doubt; where nothing flows,
 // mass holds them as long as (h k)^2 (alpha^2 M - K - 4G/3) is below 4 rho for the waves k of the mesh.
 //
+// With either coupling cells feel the mean pressure of their nodes. Until the fluid has come out of the first cells below a drained
+// surface, for a time of about d^2/(4 kappa (K + 4G/3)) with cells d thick, pressures of single nodes go up and down there, and the
+// run is in doubt: shapes and means of cells are right. A first step as long as that has no such pressures.
+//
 // implicit: forces see the pressure that belongs to their shape at the end of the step, whatever the step.
 //
 // tangent (of implicit coupling) = coupled eliminates the pressure, by the Schur complement of Darcy's matrix:

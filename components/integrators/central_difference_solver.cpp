@@ -22,6 +22,7 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
+#include "components/integrators/energy_watch.h"
 #include "components/integrators/explicit_parts.h"
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/sleep.h"
@@ -40,21 +41,22 @@ class CentralDifferenceSolver final : public Integrator, public HeedsStepLimits 
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext& context) override {
-    parts_.stepTaken();
+    energy_.stepTaken(), parts_.stepTaken();
     last_step_ = sleep_.stepTaken(context.dt) || !parts_.areNeeded() ? context.dt : parts_.before(context.dt);
   }
-  void sceneChanged() override { sleep_.wake(); }
+  void sceneChanged() override { sleep_.wake(), energy_.forget(); }
+  std::string doubt() const override { return energy_.doubtOfSteps(path()); }
   std::string describe() const override {
     return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe() +
            parts_.describe() + sleep_.describe();
   }
   void reset() override {
     last_step_ = 0;
-    sleep_.reset(), parts_.reset();
+    sleep_.reset(), parts_.reset(), energy_.forget();
   }
   void serialize(Archive& archive) override {
     archive.value("last_step", last_step_), parts_.serialize(archive);
-    sleep_.serialize(archive);
+    sleep_.serialize(archive), energy_.serialize(archive);
   }
 
  private:
@@ -68,6 +70,7 @@ class CentralDifferenceSolver final : public Integrator, public HeedsStepLimits 
   ExplicitParts parts_;
   VelocityDamping velocity_damping_;
   Sleep sleep_;
+  EnergyWatch energy_;
   Vector middle_;  ///< x, with the bodies as they are at the middle of a step
   Vector a_;
   std::vector<double> damping_;  ///< rM of each row [1/s], shape (independentRows())
@@ -96,6 +99,7 @@ void CentralDifferenceSolver::compile(System& system) {
   }
   acceleration_.compile(system, name);
   sleep_.compile(system);
+  energy_.compile(system, true);
   a_.resize(system.independentRows());
   middle_.resize(acceleration_.bodies().empty() ? 0 : system.allRows());
   damping_.assign(system.independentRows(), rayleigh_mass_);
@@ -130,6 +134,7 @@ void CentralDifferenceSolver::turnBodies(System& system, double h, double before
 }
 
 StepReport CentralDifferenceSolver::step(System& system, const StepContext& context) {
+  energy_.stepBegins();
   if (sleep_.passesOver(context)) return {};
   StepReport report = parts_.areNeeded() ? parts_.run(context, [&](const StepContext& part) { return makePart(system, part); })
                                          : makePart(system, context);

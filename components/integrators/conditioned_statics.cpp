@@ -13,7 +13,7 @@ void ConditionedStatics::compile(System& system) {
   system_ = &system;
   multipliers_.compile(system);
   if (empty()) return;
-  whole_.compile(system);
+  whole_.compile(system), measure_.compile(system.motion());
   StepLimits limits;
   limits.compile(system);
   if (!limits.empty())

@@ -71,9 +71,14 @@ class ConditionedStatics final : public NonlinearProblem {
   void unknownsChanged() override;
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return x(); }
-  double travelled() const override { return norm(way_); }
-  double loadScale() const override { return norm(system_->f); }
-  double loads() override { return loadsOn(*system_, loads_); }
+  void takeMeasure() override {
+    if (system_->motion().turns()) measure_.take(tangent());
+  }
+  double sizeOf(ConstRows residual) const override { return measure_.force(residual); }
+  double lengthOf(ConstRows d) const override { return measure_.way(d); }
+  double travelled() const override { return measure_.way(way_); }
+  double loadScale() const override { return measure_.force(system_->f); }
+  double loads() override { return loadsOn(*system_, measure_, loads_); }
   RoundOff roundOff() override { return {}; }
 
  private:
@@ -82,6 +87,7 @@ class ConditionedStatics final : public NonlinearProblem {
   static constexpr Multipliers::Rule rule{.displacement = 1, .weight = 1, .has_velocities = false};
   System* system_ = nullptr;
   WholeIfNeeded whole_;
+  ForceMeasure measure_;
   Multipliers multipliers_;
   ConditionsNewton conditions_;
   Vector start_, way_;  ///< x0 and u

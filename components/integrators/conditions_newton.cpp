@@ -20,7 +20,7 @@ void ConditionsNewton::compile(System& system, NonlinearProblem& problem, Multip
 
 double ConditionsNewton::residual() {
   problem_->residual(residual_);
-  return norm(residual_);
+  return problem_->sizeOf(residual_);
 }
 
 StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopToken stop, StepReport report) {
@@ -34,9 +34,11 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
   std::vector<double>& history = newton.history();
   history.clear();
   const int first = report.newton_iterations, most = settings.iterations;
-  for (double now = residual();;) {
+  problem_->residual(residual_);
+  problem_->takeMeasure();
+  for (double now = problem_->sizeOf(residual_);;) {
     if (history.empty()) scale_ = std::max(now, problem_->loadScale());
-    scale_ = std::max(scale_, multipliers_->carriedSize());
+    scale_ = std::max(scale_, problem_->sizeOf(multipliers_->carried()));
     history.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
     tellNewtonIterate(report.newton_iterations, report.newton_residual, settings.relative_residual);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/integrators/energy_watch.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -51,11 +53,23 @@ void EnergyWatch::stepTaken() {
   if (++taken_ % look_every == 0) most_kinetic_ = std::max(most_kinetic_, system_->kineticEnergy());
 }
 
-double EnergyWatch::gained() const {
+double EnergyWatch::gained(double usual) const {
   if (!system_ || taken_ < 2 * look_every) return 0;
-  constexpr double usual = 0.05, round_off = 1e-9;
-  const double gained = energy() - start_, potential = std::abs(system_->potentialEnergy(system_->x));
+  constexpr double round_off = 1e-9;
+  const double gained = energy() - start_;
+  if (!std::isfinite(gained) || !std::isfinite(most_kinetic_)) return std::numeric_limits<double>::infinity();
+  const double potential = std::abs(system_->potentialEnergy(system_->x));
   return gained > usual * most_kinetic_ && gained > round_off * potential && gained > noise() ? gained : 0;
+}
+
+/// Energies with velocities of the middle of steps swing by h w/2 of those of fast motions, and these have a part of all.
+std::string EnergyWatch::doubtOfSteps(const std::string& path) const {
+  constexpr double usual = 0.5;
+  const double energy = gained(usual);
+  if (energy == 0) return {};
+  return fmt::format("{} has gained {:.3g} J with no work done on it: its steps are too long for the fastest motion, or its rule gains "
+                     "energy at any step. A smaller dt, or an implicit integrator",
+                     path, energy);
 }
 
 }  // namespace stroma

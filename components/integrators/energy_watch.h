@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a rule of second order gains where one linear solve with a stiffness that is an approximation is all that a scene allows
-// a step: energy that comes from nowhere, step by step, and is not seen in any single state.
+// a step, and explicit rules in steps that are too long: energy that comes from nowhere, step by step, and is not seen in any
+// single state.
 #pragma once
 #include <string>
 
@@ -18,8 +19,11 @@ class EnergyWatch {
   void stepTaken();
   /// The scene has changed: what it is now is the start.
   void forget() { taken_ = 0, most_kinetic_ = 0; }
-  /// Energy [J] that came from nowhere up to the present state, or 0 where it is no more than a rule's usual error.
-  double gained() const;
+  /// Energy [J] that came from nowhere up to the present state, or 0 where it is no more than a rule's usual error, as a share of the
+  /// most that has been in motion.
+  double gained(double usual = 0.05) const;
+  /// What an explicit integrator says of it, or empty.
+  std::string doubtOfSteps(const std::string& path) const;
   void serialize(Archive& archive) {
     archive.value("watched_steps", taken_);
     archive.value("start_energy", start_);

@@ -32,7 +32,7 @@ class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
-    limits_.compile(system), whole_.compile(system);
+    limits_.compile(system), whole_.compile(system), measure_.compile(system.motion());
     lends_energy_ = !system.isConservative();
     start_.resize(system.independentRows());
     loads_.resize(system.allRows());
@@ -67,7 +67,12 @@ class Equilibrium final : public NonlinearProblem {
     system_->motion().difference(rows(), product_);
     return sum + (1 - share_) * dot(start_force_, product_);
   }
-  double loadScale() const override { return norm(system_->f); }
+  void takeMeasure() override {
+    if (system_->motion().turns()) measure_.take(tangent());
+  }
+  double sizeOf(ConstRows residual) const override { return measure_.force(residual); }
+  double lengthOf(ConstRows d) const override { return measure_.way(d); }
+  double loadScale() const override { return measure_.force(system_->f); }
   Rows unknowns() override { return rows(); }
   double longestStep(ConstRows d) override { return limits_.longest(d); }
   bool meetsBarriers() const override { return !limits_.empty(); }
@@ -107,12 +112,18 @@ class Equilibrium final : public NonlinearProblem {
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return rows(); }
   const Motion* motionOfFrames() const override { return system_->motion().turns() ? &system_->motion() : nullptr; }
-  double travelled() const override { return distance(rows(), start_); }
+  double travelled() const override {
+    if (!system_->motion().turns()) return distance(rows(), start_);
+    Vector way(start_.count());
+    copy(start_, way);
+    system_->motion().difference(rows(), way);
+    return measure_.way(way);
+  }
   bool restsWithoutForces() const override { return true; }
-  double loads() override { return loadsOn(*system_, loads_); }
+  double loads() override { return loadsOn(*system_, measure_, loads_); }
   RoundOff roundOff() override {
     const Index rows = start_.count();
-    return positionRoundOff(*system_, provided(error_, rows), provided(product_, rows));
+    return positionRoundOff(*system_, measure_, provided(error_, rows), provided(product_, rows));
   }
 
  private:
@@ -120,6 +131,7 @@ class Equilibrium final : public NonlinearProblem {
   System* system_ = nullptr;
   StepLimits limits_;
   WholeIfNeeded whole_;
+  ForceMeasure measure_;
   bool lends_energy_ = false;  ///< some forces have a potential within a solve only
   Vector start_, loads_;
   Vector start_force_, error_, product_;  ///< see provided()

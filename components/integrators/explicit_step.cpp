@@ -271,6 +271,7 @@ void ExplicitIntegrator::declare(DataTable& table) {
 }
 
 StepReport ExplicitIntegrator::step(System& system, const StepContext& context) {
+  energy_.stepBegins();
   if (sleep_.passesOver(context)) return {};
   StepReport report = explicit_.step(system, context);
   velocity_damping_.apply(system, context.dt);
@@ -281,6 +282,7 @@ void ExplicitIntegrator::compile(System& system) {
   explicit_.scheme = scheme();
   explicit_.compile(*this, system);
   sleep_.compile(system);
+  energy_.compile(system, true);
 }
 
 }  // namespace stroma

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "components/integrators/energy_watch.h"
 #include "components/integrators/orientations.h"
 #include "components/integrators/sleep.h"
 #include "components/integrators/turning_bodies.h"
@@ -113,11 +114,13 @@ class ExplicitIntegrator : public Integrator, public HeedsStepLimits {
   void compile(System& system) final;
   StepReport step(System& system, const StepContext& context) final;
   void stepTaken(const StepContext& context) final {
+    energy_.stepTaken();
     if (!sleep_.stepTaken(context.dt)) explicit_.stepTaken();
   }
-  void sceneChanged() final { sleep_.wake(); }
-  void reset() final { sleep_.reset(), explicit_.reset(); }
-  void serialize(Archive& archive) final { sleep_.serialize(archive), explicit_.serialize(archive); }
+  void sceneChanged() final { sleep_.wake(), energy_.forget(); }
+  void reset() final { sleep_.reset(), explicit_.reset(), energy_.forget(); }
+  void serialize(Archive& archive) final { sleep_.serialize(archive), explicit_.serialize(archive), energy_.serialize(archive); }
+  std::string doubt() const final { return energy_.doubtOfSteps(path()); }
   std::string describe() const final { return explicit_.describe() + sleep_.describe(); }
 
  protected:
@@ -128,6 +131,7 @@ class ExplicitIntegrator : public Integrator, public HeedsStepLimits {
   ExplicitStep explicit_;
   VelocityDamping velocity_damping_;
   Sleep sleep_;
+  EnergyWatch energy_;
 };
 
 }  // namespace stroma

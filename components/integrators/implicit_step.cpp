@@ -322,15 +322,21 @@ double ImplicitStep::energy() {
   return sum + dot(work_, momentum);
 }
 
-double ImplicitStep::loadScale() const { return scheme_.weight * norm(system_->f); }
+double ImplicitStep::loadScale() const { return scheme_.weight * measure_.force(system_->f); }
 
 /// Energies are those of the incremental potential: forces are weighed with the step.
 RoundOff ImplicitStep::roundOff() {
-  const RoundOff of_forces = positionRoundOff(*system_, work_, change_);
+  const RoundOff of_forces = positionRoundOff(*system_, measure_, work_, change_);
   return {scheme_.weight * of_forces.residual, scheme_.weight / scheme_.displacement * of_forces.energy};
 }
 
-double ImplicitStep::travelled() const { return distance(x(), x0_); }
+double ImplicitStep::travelled() const {
+  if (!system_->motion().turns()) return distance(x(), x0_);
+  Vector way(x0_.count());
+  copy(x0_, way);
+  system_->motion().difference(x(), way);
+  return measure_.way(way);
+}
 
 std::string ImplicitStep::describe() const {
   if (solvesOnce()) return ", linearised once: 1 force evaluation with its product, 1 linear solve";

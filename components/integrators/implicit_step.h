@@ -124,9 +124,14 @@ class ImplicitStep final : public NonlinearProblem {
   double displacementPerUnknown() const override { return scheme_.displacement; }
   ConstRows positions() const override { return x(); }
   const Motion* motionOfFrames() const override { return system_->motion().turns() ? &system_->motion() : nullptr; }
+  void takeMeasure() override {
+    if (system_->motion().turns()) measure_.take(tangent());
+  }
+  double sizeOf(ConstRows residual) const override { return measure_.force(residual); }
+  double lengthOf(ConstRows d) const override { return measure_.way(d); }
   double travelled() const override;
   double loadScale() const override;
-  double loads() override { return scheme_.weight * loadsOn(*system_, right_side_); }
+  double loads() override { return scheme_.weight * loadsOn(*system_, measure_, right_side_); }
   RoundOff roundOff() override;
 
  private:
@@ -180,6 +185,7 @@ class ImplicitStep final : public NonlinearProblem {
   int enough_solves_ = 2;      ///< where it is
   StepLimits limits_;
   WholeIfNeeded whole_;
+  ForceMeasure measure_;
   Multipliers multipliers_;
   Multipliers::Rule rule_;  ///< of the step
   ConditionsNewton conditions_;  ///< with Newton's method and forces of constraint

@@ -65,7 +65,6 @@ class Multipliers {
   void addCarried(Rows out) const;
   /// The last correct() has left conditions to the next one, with other directions.
   bool wasLeft() const { return is_left_; }
-  double carriedSize() const { return norm(carried_); }
   ConstRows carried() const { return carried_; }
   /// What carried() was before.
   void carryAgain(ConstRows carried) { copy(carried, carried_); }

@@ -142,12 +142,12 @@ double Newton::goal() const {
 /// the line search shortened it, far from a solution.
 bool Newton::isCorrectionSmall(const NonlinearProblem& problem) const {
   if (settings.absolute_correction <= 0 && settings.relative_correction <= 0) return false;
-  const double length = problem.displacementPerUnknown() * norm(direction_);
+  const double length = problem.displacementPerUnknown() * problem.lengthOf(direction_);
   return length <= settings.absolute_correction || length <= settings.relative_correction * problem.travelled();
 }
 
-/// True when it is too small to change positions in double precision.
-bool Newton::isCorrectionRoundOff(const NonlinearProblem& problem) const {
+/// True when it moves nothing by more than `part` of the largest position, and no frame by that as an angle.
+bool Newton::isCorrectionWithin(double part, const NonlinearProblem& problem) const {
   if (const Motion* motion = problem.motionOfFrames()) {  // places have a unit, turns have none
     double size[2] = {0, 1}, way[2] = {0, 0};
     for (Index row = 0; row < direction_.count(); ++row) {
@@ -155,11 +155,9 @@ bool Newton::isCorrectionRoundOff(const NonlinearProblem& problem) const {
       way[turns] = std::max(way[turns], problem.displacementPerUnknown() * direction_[row].lpNorm<Eigen::Infinity>());
       if (!turns) size[0] = std::max(size[0], problem.positions()[row].lpNorm<Eigen::Infinity>());
     }
-    const double each = 2 * std::numeric_limits<double>::epsilon();
-    return way[0] <= each * size[0] && way[1] <= each * size[1];
+    return way[0] <= part * size[0] && way[1] <= part * size[1];
   }
-  return problem.displacementPerUnknown() * largest(direction_) <=
-         2 * std::numeric_limits<double>::epsilon() * largest(problem.positions());
+  return problem.displacementPerUnknown() * largest(direction_) <= part * largest(problem.positions());
 }
 
 /// True when |R| gets on too slowly for a solve that a caller can make in smaller parts.
@@ -202,7 +200,7 @@ bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& rep
 bool Newton::isAtRest(NonlinearProblem& problem) {
   constexpr double nearly_none = 1e-9;
   if (!problem.restsWithoutForces() || history_.size() > 1) return false;
-  if (problem.displacementPerUnknown() * largest(direction_) > nearly_none * largest(problem.positions())) return false;
+  if (!isCorrectionWithin(nearly_none, problem)) return false;
   return scale_ <= 3 * problem.roundOff().residual && problem.loads() == 0;
 }
 
@@ -228,7 +226,7 @@ void Newton::goToGuess(NonlinearProblem& problem, double& now) {
   if (problem.longestStep(direction_) < 1) return;
   move(problem, 1);
   problem.residual(trial_);
-  if (const double there = norm(trial_); there < now) return std::swap(residual_, trial_), void(now = there);
+  if (const double there = problem.sizeOf(trial_); there < now) return std::swap(residual_, trial_), void(now = there);
   move(problem, 0);
   problem.residual(residual_);
 }
@@ -278,7 +276,7 @@ void Newton::goAlong(NonlinearProblem& problem, LinearSolver& solver, StepReport
   constexpr double tolerance = 1e-3;
   problem.residual(residual_);
   StepReport found;
-  const bool pushes = std::isfinite(norm(residual_)) && problem.addPush(residual_);
+  const bool pushes = std::isfinite(problem.sizeOf(residual_)) && problem.addPush(residual_);
   if (!pushes || !findDirection(problem, solver, tolerance, found)) clear(direction_);
   found.newton_iterations = pushes;
   addCounts(found, report);
@@ -291,7 +289,8 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   StepReport report;
   constexpr double little = 0.1;
   problem.residual(residual_);
-  double now = norm(residual_);
+  if (!was_slow_ && !keeps_scale_) problem.takeMeasure();
+  double now = problem.sizeOf(residual_);
   enough_ = problem.isOnTheWay() ? little * now : 0;
   went_on_ = std::exchange(was_slow_, false);
   if (went_on_) {  // from there
@@ -380,7 +379,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
                                 report.newton_iterations);
     return false;
   }
-  const bool is_round_off = isCorrectionRoundOff(problem);
+  const bool is_round_off = isCorrectionWithin(2 * std::numeric_limits<double>::epsilon(), problem);
   if (shifted || !(is_round_off || isCorrectionSmall(problem))) return true;
   history_.push_back(now);
   report.newton_residual = now / scale_;

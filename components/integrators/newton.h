@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "components/integrators/force_measure.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/simulation/step.h"
 #include "framework/simulation/system.h"
@@ -60,6 +61,9 @@ class NonlinearProblem {
   virtual void unknownsChanged() = 0;                 ///< called after u was written
   virtual double displacementPerUnknown() const = 0;  ///< dx/du: 1, or seconds when u is a velocity
   virtual ConstRows positions() const = 0;            ///< x(u) [m]
+  virtual void takeMeasure() {}  ///< where frames turn, sizes are those of the present tangent from now on
+  virtual double sizeOf(ConstRows residual) const { return norm(residual); }  ///< |R|
+  virtual double lengthOf(ConstRows d) const { return norm(d); }              ///< |d|
   virtual const Motion* motionOfFrames() const { return nullptr; }  ///< where some rows turn
   virtual double travelled() const = 0;               ///< |x(u) - x at the start| [m]
   /// The size of what R balances at the u of the last residual(), in R's unit: forces with the reactions of held nodes.
@@ -74,10 +78,10 @@ class NonlinearProblem {
 
 /// That of a system at its x, where positions cannot be told apart: |K p|, and p K p / 2 with that times the size of a cell, for a p of
 /// one rounding error of each coordinate, with signs that follow no pattern of the mesh. `work`, `product`: shape (independentRows()).
-RoundOff positionRoundOff(const System& system, Rows work, Rows product);
+RoundOff positionRoundOff(const System& system, const ForceMeasure& measure, Rows work, Rows product);
 
-/// The norm of the forces of gravity and of fields without stiffness at x. `work`: shape (allRows()).
-double loadsOn(System& system, Rows work);
+/// The size of the forces of gravity and of fields without stiffness at x. `work`: shape (allRows()).
+double loadsOn(System& system, const ForceMeasure& measure, Rows work);
 
 struct NewtonSettings {
   int iterations = 25;
@@ -145,7 +149,7 @@ class Newton {
   double goal() const;
   double forcingTerm(double norm) const;
   bool isCorrectionSmall(const NonlinearProblem& problem) const;
-  bool isCorrectionRoundOff(const NonlinearProblem& problem) const;
+  bool isCorrectionWithin(double part, const NonlinearProblem& problem) const;
   bool isPointless() const;
   bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report);
   bool isAtRest(NonlinearProblem& problem);

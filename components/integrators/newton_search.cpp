@@ -27,7 +27,7 @@ double Newton::search(NonlinearProblem& problem, double& now) {
   } else {
     move(problem, step);
     problem.residual(trial_);
-    const double candidate = norm(trial_);
+    const double candidate = problem.sizeOf(trial_);
     if (std::isfinite(candidate))
       now = candidate;
     else
@@ -55,7 +55,7 @@ double Newton::searchEnergy(NonlinearProblem& problem, double longest, double sl
     const bool drowned = step * slope <= noise;
     if (enough || drowned) {
       problem.residual(trial_);
-      const double candidate = norm(trial_);
+      const double candidate = problem.sizeOf(trial_);
       if (std::isfinite(candidate) && (candidate < now || (enough && !drowned))) {
         now = candidate;
         return refused == 0 || drowned || !problem.meetsBarriers() ? step : lengthen(problem, step, refused, before, slope, now);
@@ -86,14 +86,14 @@ double Newton::lengthen(NonlinearProblem& problem, double step, double refused, 
       continue;
     }
     problem.residual(trial_);
-    is_there = std::isfinite(norm(trial_));
+    is_there = std::isfinite(problem.sizeOf(trial_));
     if (!is_there) break;
-    step = between, now = norm(trial_);
+    step = between, now = problem.sizeOf(trial_);
   }
   if (is_there) return step;
   move(problem, step);
   problem.residual(trial_);
-  now = norm(trial_);
+  now = problem.sizeOf(trial_);
   return step;
 }
 
@@ -142,7 +142,7 @@ double Newton::searchWork(NonlinearProblem& problem, double longest, double& now
   for (int trial = 0; trial < trials && !stop_.isStopAsked(); ++trial) {
     move(problem, step);
     problem.residual(trial_);
-    const double candidate = norm(trial_), left = dot(trial_, direction_);
+    const double candidate = problem.sizeOf(trial_), left = dot(trial_, direction_);
     const bool is_enough = candidate <= (1 - 1e-4 * step) * now ||
                            std::abs(left) <= (longest < 1 ? 1 - 0.1 * step : 0.9) * std::abs(slope);
     if (std::isfinite(candidate) && is_enough) {

@@ -44,6 +44,7 @@
 #include "components/iterative_solvers/krylov_solver.h"
 #include "components/iterative_solvers/multigrid.h"
 #include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
+#include "components/iterative_solvers/row_scales.h"
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/warped_factor.h"
 #include "framework/algebra/solver_choice.h"
@@ -108,6 +109,8 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
     cg::Directions work;
     cg::FormerSolutions former;
     gmres::Space space;  ///< of matrices that are not symmetric
+    RowScales scales;
+    Vector unscaled, right_side;  ///< where there are scales
   };
   Kept& keptFor(SystemMatrix& matrix);
   bool hasFactorsInScene() const;
@@ -127,6 +130,8 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
     return hierarchy && hierarchy->hasPatches() ? kept.now.patience / 2 : kept.now.patience;
   }
   SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
+  SolveReport conjugateGradients(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept, double& began);
+  SolveReport minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept);
 
   Link<DirectSolver> factors_{"direct solver"};
   DirectSolver* direct_ = nullptr;          ///< null: none in the scene, and not needed so far
@@ -215,22 +220,63 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
     prepared.relative_residual = 1;
     return prepared;
   }
+  const int most = std::min(iterations_, patienceOf(kept));
+  double began = 1;
+  report = kept.symmetric ? conjugateGradients(matrix, b, x, most, kept, began) : minimalResiduals(matrix, b, x, most, kept);
+  if (report.stop != SolveStop::stopped) kept.inverse.solved(report, began);
+  return report;
+}
+
+/// `began` becomes the |r| / |b| of where it begins. Where rows turn, r.B r measures what is left, B the multigrid.
+SolveReport AutomaticLinearSolver::conjugateGradients(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept,
+                                                      double& began) {
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   const auto precondition = [&](ConstRows r, Rows z) { kept.inverse.apply(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
-  const cg::Limits limits{std::min(iterations_, patienceOf(kept)), target(), terms.stop};
-  double began = 1;
-  if (kept.symmetric) {
-    kept.work.resize(b.count);
-    began = kept.former.begin(multiply, b, norm_b_, kept.work, x);
-    report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x, began < 1);
-    if (report.stop == SolveStop::converged) kept.former.solved(x);
-  } else {
-    kept.space.resize(b.count);
-    report = gmres::solve(multiply, precondition, note, limits, b, kept.space, x);
+  kept.work.resize(b.count);
+  began = kept.former.begin(multiply, b, norm_b_, kept.work, x);
+  bool by_inverse = matrix.hasTurns();
+  if (by_inverse) {
+    precondition(b, kept.work.z.rows());
+    const double square = cg::inner(b, kept.work.z);
+    by_inverse = square > 0 && std::isfinite(square);
+    if (by_inverse) norm_b_ = std::sqrt(square);
   }
+  const cg::Limits limits{most, target(), terms_.stop, by_inverse};
+  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x, began < 1);
+  if (report.stop == SolveStop::converged) kept.former.solved(x);
   report.relative_residual /= norm_b_;
-  if (report.stop != SolveStop::stopped) kept.inverse.solved(report, began);
+  return report;
+}
+
+/// Where rows turn, of S A x = S b with the scales S of the rows.
+SolveReport AutomaticLinearSolver::minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept) {
+  kept.scales.take(matrix);
+  const bool is_scaled = !kept.scales.empty();
+  if (is_scaled)
+    for (Vector* vector : {&kept.unscaled, &kept.right_side})
+      if (vector->count() != b.count) vector->resize(b.count);
+  const auto multiply = [&](ConstRows p, Rows out) {
+    product(matrix, p, out);
+    kept.scales.multiply(out);
+  };
+  const auto precondition = [&](ConstRows r, Rows z) {
+    if (!is_scaled) return kept.inverse.apply(r, z);
+    copy(r, kept.unscaled);
+    kept.scales.divide(kept.unscaled);
+    kept.inverse.apply(kept.unscaled, z);
+  };
+  ConstRows right_side = b;
+  if (is_scaled) {
+    copy(b, kept.right_side);
+    kept.scales.multiply(kept.right_side);
+    right_side = kept.right_side;
+    norm_b_ = norm(right_side);
+  }
+  const auto note = [&](double residual) { record(residual / norm_b_); };
+  kept.space.resize(b.count);
+  SolveReport report = gmres::solve(multiply, precondition, note, {most, target(), terms_.stop}, right_side, kept.space, x);
+  report.relative_residual /= norm_b_;
   return report;
 }
 

@@ -14,7 +14,9 @@
 // It stops when |r| <= tolerance |b|; after `iterations` products; when b = 0; when a number is not finite; when the
 // matrix is singular and b has a part outside its range: |A r| <= 1e-9 |A| |r| while |r| is not small, or rising again
 // from below 1e-8, the report says breakdown and x is the least-squares solution; and as stagnated when b - A x,
-// computed once at the end, is larger than what the recurrence says and than the tolerance.
+// computed once at the end, is larger than what the recurrence says and than the tolerance. Where some rows are turns, of rigid
+// frames, it solves S A S y = S b, x = S y, with S of row_scales.h: |r| and |b| are then |S r| and |S b|, on which the unit of
+// length has no influence.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -30,6 +32,7 @@
 #include <utility>
 
 #include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/row_scales.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -44,12 +47,17 @@ class MinResLinearSolver final : public KrylovSolver {
   struct Lanczos {
     Vector v, v_before, product;  ///< v_k, v_{k-1}; A v_k, later beta_{k+1} v_{k+1}
     Vector w, w_before, w_next;   ///< w_{k-1}, w_{k-2}, w_k
+    RowScales scales;
+    Vector unscaled, right_side;  ///< S p and S b, where there are scales
     void resize(Index rows) {
       if (v.count() == rows) return;
       for (Vector* vector : {&v, &v_before, &product, &w, &w_before, &w_next}) vector->resize(rows);
     }
   };
   SolveStop iterate(const SystemMatrix& matrix, Lanczos& work, Rows x, double residual, SolveReport& report);
+  SolveReport solveFrom(const SystemMatrix& matrix, Lanczos& work, ConstRows b, Rows x);
+  void scaledProduct(const SystemMatrix& matrix, Lanczos& work, ConstRows p, Rows out) const;
+  double scaledResidual(const SystemMatrix& matrix, Lanczos& work, ConstRows b, ConstRows x) const;
 
   PerMatrix<Lanczos> work_;
 };
@@ -71,13 +79,14 @@ void advance(ConstRows v, double delta, ConstRows w, double epsilon, ConstRows w
 /// From v = r, unscaled, |r| = residual.
 SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work, Rows x, double residual,
                                       SolveReport& report) {
-  auto& [v, v_before, av, w, w_before, w_next] = work;
+  Vector &v = work.v, &v_before = work.v_before, &av = work.product;
+  Vector &w = work.w, &w_before = work.w_before, &w_next = work.w_next;
   clear(v_before), clear(w), clear(w_before);
   scale(1 / residual, v);
   double beta = 0, cosine = -1, sine = 0, delta_bar = 0, epsilon = 0, phi = residual, size = 0;
   double lowest = std::numeric_limits<double>::infinity();  // of |A r| / (|A| |r|)
   for (;;) {
-    product(matrix, v, av);
+    scaledProduct(matrix, work, v, av);
     ++report.iterations;
     axpy(-beta, v_before, av);
     const double alpha = dot(v, av);
@@ -112,12 +121,45 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work,
   }
 }
 
+/// out = S A S p, or A p without scales.
+void MinResLinearSolver::scaledProduct(const SystemMatrix& matrix, Lanczos& work, ConstRows p, Rows out) const {
+  if (work.scales.empty()) return product(matrix, p, out);
+  copy(p, work.unscaled);
+  work.scales.multiply(work.unscaled);
+  product(matrix, work.unscaled, out);
+  work.scales.multiply(out);
+}
+
+/// work.v = b - S A S x; returns its size.
+double MinResLinearSolver::scaledResidual(const SystemMatrix& matrix, Lanczos& work, ConstRows b, ConstRows x) const {
+  copy(b, work.v);
+  if (dot(x, x) != 0) {
+    scaledProduct(matrix, work, x, work.product);
+    axpy(-1, work.product, work.v);
+  }
+  return norm(work.v);
+}
+
 SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
   if (!begin(matrix, b, x, terms, report)) return report;
   Lanczos& work = work_.of(matrix);
   work.resize(b.count);
-  double now = std::sqrt(residual(matrix, b, x, work.v, work.product));
+  work.scales.take(matrix);
+  if (work.scales.empty()) return solveFrom(matrix, work, b, x);
+  for (Vector* vector : {&work.unscaled, &work.right_side})
+    if (vector->count() != b.count) vector->resize(b.count);
+  copy(b, work.right_side);
+  work.scales.multiply(work.right_side), work.scales.divide(x);
+  norm_b_ = norm(work.right_side);
+  report = solveFrom(matrix, work, work.right_side, x);
+  work.scales.multiply(x);
+  return report;
+}
+
+SolveReport MinResLinearSolver::solveFrom(const SystemMatrix& matrix, Lanczos& work, ConstRows b, Rows x) {
+  SolveReport report;
+  double now = scaledResidual(matrix, work, b, x);
   report.relative_residual = now / norm_b_;
   if (!(now > target())) return report;
   for (;;) {
@@ -125,7 +167,7 @@ SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x,
     report.stop = iterate(matrix, work, x, now, report);
     if (report.stop == SolveStop::not_finite || report.stop == SolveStop::stopped) return report;
     // what the recurrence says differs from b - A x by round-off: the report gives the latter
-    now = std::sqrt(residual(matrix, b, x, work.v, work.product));
+    now = scaledResidual(matrix, work, b, x);
     report.relative_residual = now / norm_b_;
     if (report.stop != SolveStop::converged || now <= 1.1 * target()) return report;
     report.stop = report.iterations == iterations_ ? SolveStop::iteration_limit : SolveStop::stagnated;

@@ -20,6 +20,18 @@ std::vector<Vec3> moved(std::vector<Vec3> p, const Mat3& by) {
   return p;
 }
 
+/// At rest, and with the middles of edges mirrored at the centre: det dx/dxi is 27 times itself at corners and -1 times at the centre.
+std::pair<std::vector<Vec3>, std::vector<Vec3>> twistedQuadraticCell() {
+  const std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  std::vector<Vec3> straight = corners;
+  for (const auto& [a, b] : std::vector<std::pair<int, int>>{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}})
+    straight.push_back((corners[std::size_t(a)] + corners[std::size_t(b)]) / 2);
+  const Vec3 centre(0.25, 0.25, 0.25);
+  std::vector<Vec3> twisted = straight;
+  for (std::size_t i = 4; i < twisted.size(); ++i) twisted[i] = 2 * centre - straight[i];
+  return {straight, twisted};
+}
+
 TEST(Folds, TurnedAndStretchedMeshesHaveNone) {
   const Mat3 turn = Eigen::AngleAxisd(2.9, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   const Mat3 map = turn * Vec3(3, 0.2, 1).asDiagonal();
@@ -45,6 +57,19 @@ TEST(Folds, CellsInsideOutAreCounted) {
     const std::string mirrored = foldsOf(mesh, mesh.position, moved(mesh.position, Vec3(-1, 1, 1).asDiagonal()));
     EXPECT_TRUE(says(mirrored, cut ? "162 of 162" : "27 of 27")) << mirrored;
   }
+}
+
+/// Four corners of a quadratic tetrahedron and the places between them are upright, and its centre is inside out.
+TEST(Folds, QuadraticCellsAreLookedAtBetweenTheirCorners) {
+  const auto [straight, twisted] = twistedQuadraticCell();
+  Mesh mesh;
+  mesh.position = straight;
+  mesh.quadratic_tetrahedra = {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}};
+  const Mat3 turn = Eigen::AngleAxisd(2.9, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  EXPECT_EQ(foldsOf(mesh, straight, moved(straight, turn * Vec3(3, 0.2, 1).asDiagonal())), "");
+  EXPECT_TRUE(says(foldsOf(mesh, straight, twisted), "1 of 1 quadraticTetrahedra are inside out at a node or the centre"))
+      << foldsOf(mesh, straight, twisted);
+  EXPECT_EQ(insideOutCells(mesh, straight, twisted).first, 1u);
 }
 
 /// Of a surface: a triangle that lies folded on its neighbour is cloth, one without a height is none.

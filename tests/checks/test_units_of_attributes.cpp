@@ -46,7 +46,7 @@ TEST(UnitsOfAttributes, EachDeclaredTextIsAUnit) {
 }
 
 /// Numbers of several kinds in one list, or of a kind that another attribute decides.
-const std::set<std::string> of_no_one_unit = {"ParameterSet", "c2",     "c4",           "oscillators",   "spring",
+const std::set<std::string> of_no_one_unit = {"ParameterSet", "oscillators",   "spring",
                                               "PolynomialRestShapeSpringsForceField.smoothShift",
                                               "PolynomialRestShapeSpringsForceField.smoothScale",
                                               "table",        "values", "defaultValue", "transformation", "planes", "proj_mat",

@@ -88,6 +88,22 @@ TEST(HyperelasticAttributes, ParametersWithoutMeaningTogetherAreRefused) {
 }
 
 /// A name that several laws have, with another meaning and unit in each.
+/// c2 is a pressure or a pure number, as the law has it.
+TEST(HyperelasticAttributes, ALawDecidesTheUnitOfAParameter) {
+  const auto energyWith = [](const std::string& parameters) {
+    Simulation s = simulationFromText(oneCell(parameters));
+    s.systems()[0]->x[1] = Vec3(1.3, 0.1, 0);
+    return s.systems()[0]->potentialEnergy(s.systems()[0]->x);
+  };
+  const std::string moduli = " c1=\"3 kPa\" k0=\"1 MPa\" c2=", mooney = "materialName=\"MooneyRivlin\"" + moduli;
+  const std::string veronda = "materialName=\"VerondaWestman\"" + moduli;
+  EXPECT_EQ(energyWith(mooney + "\"2 kPa\""), energyWith(mooney + "\"2000\""));
+  EXPECT_EQ(energyWith(mooney + "\"1/2 kPa\""), energyWith(mooney + "\"500\""));
+  EXPECT_EQ(energyWith(veronda + "\"1/2\""), energyWith(veronda + "\"0.5\""));
+  expectRefused(veronda + "\"2 kPa\"", {"c2 of VerondaWestman is a pure number", "numbers without unit"});
+  expectRefused(mooney + "\"2 mm\"", {"'mm' is the unit of a length", "a pressure"});
+}
+
 TEST(HyperelasticAttributes, AParameterSaysWhatItMeansToEachLaw) {
   FieldUnderTest t(oneCell("materialName=\"NeoHookean\" ParameterSet=\"1000 4000\""), tetrahedral);
   const std::string help = t.field().data().find("c4")->helpText();
@@ -95,7 +111,7 @@ TEST(HyperelasticAttributes, AParameterSaysWhatItMeansToEachLaw) {
   EXPECT_NE(help.find("exponent of fibres that straighten [-] (TransverselyIsotropicMooneyRivlin)"), std::string::npos)
       << help;
   EXPECT_EQ(t.field().data().find("c3")->unitText(), "Pa");
-  EXPECT_EQ(t.field().data().find("c4")->unitText(), "");
+  EXPECT_EQ(t.field().data().find("c4")->unitText(), "Pa or -");
 }
 
 TEST(HyperelasticAttributes, RegularisationNeedsALawWithJ) {

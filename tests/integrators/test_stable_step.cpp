@@ -54,6 +54,24 @@ TEST(StableStep, OfAnOscillatorIsItsClosedForm) {
   }
 }
 
+/// What steps that are too long have made of a run is a doubt at its end, of springs too, whose bodies have no shape that bursts. Up to a
+/// third of the limit nothing is said.
+TEST(StableStep, ARunThatGainedEnergySaysSo) {
+  const std::string spring = R"(<MechanicalObject position="0 0 0 1.1 0 0"/><UniformMass vertexMass="2"/>
+    <SpringForceField springsIndices1="0" springsIndices2="1" stiffness="800" lengths="1" damping="0"/>)";
+  for (const std::string integrator : {"EulerExplicitSolver", "CentralDifferenceSolver", "RungeKutta4Solver", "NewtonCotesSolver"})
+    for (const double angle : {0.6, 4.}) {  // h w
+      Simulation simulation = simulationFromText(
+          fmt::format(R"(<Node name="root" dt="{}" gravity="0 -9.81 0"><{}/>{}<FixedProjectiveConstraint indices="0"/></Node>)",
+                      angle / 20, integrator, spring));
+      for (int n = 0; n < 60; ++n) ASSERT_FALSE(simulation.step().failed()) << integrator << angle;
+      const std::string doubt = simulation.systems()[0]->integrator().doubt();
+      EXPECT_EQ(doubt.find("has gained") != std::string::npos, angle > 1) << integrator << " " << angle << ": " << doubt;
+      simulation.reset();
+      EXPECT_EQ(simulation.systems()[0]->integrator().doubt(), "");
+    }
+}
+
 /// Newmark's method is stable with steps of any length when 2 beta >= gamma >= 1/2.
 TEST(StableStep, NewmarksParametersThatLoseItAreNamed) {
   const auto warning = [](double beta, double gamma) {

@@ -16,7 +16,7 @@ class StoredMatrix final : public SystemMatrix {
   explicit StoredMatrix(BlockMatrix matrix) : values(std::move(matrix)) {}
   BlockMatrix values;
   long revision_number = 1, pattern_number = 1;
-  bool is_symmetric = true, prefers_assembled = false;
+  bool is_symmetric = true, prefers_assembled = false, has_turns = false;
   int assembled_from = std::numeric_limits<int>::max();  ///< products, and else where it prefers that
   double product_nanoseconds = 0;  ///< 0: not known
   mutable int products = 0, assemblies = 0;
@@ -38,6 +38,7 @@ class StoredMatrix final : public SystemMatrix {
   }
   MatrixKey key() const override { return {identity().get(), pattern_number, revision_number}; }
   bool symmetric() const override { return is_symmetric; }
+  bool hasTurns() const override { return has_turns; }
   bool prefersAssembled(int count) const override { return prefers_assembled || count >= assembled_from; }
   double productCost() const override { return product_nanoseconds; }
   std::vector<Vec3> nodes;  ///< where the rows are, or empty

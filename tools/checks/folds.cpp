@@ -5,6 +5,9 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -31,12 +34,33 @@ double solidAngle(std::array<Vec3, 3> edge) {
   return 2 * std::atan2(orientation(edge), 1 + edge[0].dot(edge[1]) + edge[1].dot(edge[2]) + edge[2].dot(edge[0]));
 }
 
+/// det dx/dxi of a cell.
+template <class Cell>
+double determinantAt(const CellKind& kind, const Cell& cell, const LocalPoint& xi, const Positions& p) {
+  std::array<LocalPoint, std::tuple_size_v<Cell>> slopes;
+  kind.gradients(xi, slopes.data());
+  Mat3 map = Mat3::Zero();
+  for (std::size_t a = 0; a < cell.size(); ++a)
+    for (int k = 0; k < 3; ++k) map.col(k) += slopes[a][std::size_t(k)] * p[cell[a]];
+  return map.determinant();
+}
+
+/// Quadratic cells can be turned inside out between corners that are upright, by points of theirs that turn apart.
+template <class Cell>
+bool isInsideOutInside(const CellKind& kind, const Cell& cell, const Positions& rest, const Positions& now) {
+  const auto isTurned = [&](const LocalPoint& xi) {
+    return determinantAt(kind, cell, xi, rest) > 0 && !(determinantAt(kind, cell, xi, now) > 0);
+  };
+  const auto corners = std::ptrdiff_t(kind.corner_edges.size());
+  return isTurned(LocalPoint{0.25, 0.25, 0.25}) || std::any_of(kind.reference.begin() + corners, kind.reference.end(), isTurned);
+}
+
 template <class Cell>
 bool isInsideOut(const CellKind& kind, const Cell& cell, const Positions& rest, const Positions& now) {
   for (std::size_t corner = 0; corner < kind.corner_edges.size(); ++corner)
     if (orientation(edgesAt(kind, cell, corner, rest)) > 0 && !(orientation(edgesAt(kind, cell, corner, now)) > 0))
       return true;
-  return false;
+  return kind.type == CellType::quadratic_tetrahedron && isInsideOutInside(kind, cell, rest, now);
 }
 
 template <class Cell>
@@ -47,7 +71,10 @@ std::string insideOut(const CellKind& kind, const std::vector<Cell>& cells, cons
     if (isInsideOut(kind, cells[c], rest, now) && count++ == 0) first = c;
   if (count == 0) return {};
   return fmt::format("{} of {} {} are inside out{}; the first is {} {} (nodes {})", count, cells.size(), kind.plural,
-                     kind.affine ? "" : " at a corner", kind.singular, first, fmt::join(cells[first], " "));
+                     kind.affine       ? ""
+                     : kind.order == 2 ? " at a node or the centre"
+                                       : " at a corner",
+                     kind.singular, first, fmt::join(cells[first], " "));
 }
 
 /// Faces that have been crushed to a line or a point: no fold of cloth does that to them.
