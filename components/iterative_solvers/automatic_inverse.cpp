@@ -17,7 +17,7 @@ bool AutomaticInverse::isSlow(int iterations, double residual) {
   if (known > 0 && iterations < as_expected * known * all) return false;
   if (now_.way == Way::factors && iterations < most_by_factors) return false;
   if (now_.way == Way::multigrid && !multigrid_.isFresh())  // the next matrix would get a new hierarchy in any case
-    return leaves_ = renews_ = iterations - known * all > Multigrid::iterations_worth;
+    return leaves_ = renews_ = iterations - known * all > multigrid_.iterationsWorth();
   const double gained = std::max(0.25, std::log10(start_ / residual));
   const double rate = iterations / gained * (0.6 + 0.4 * std::min(1.0, gained / all));
   if (!findCheaper(rate, std::max(0.0, all - gained))) return false;

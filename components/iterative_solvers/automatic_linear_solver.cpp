@@ -12,11 +12,13 @@
 // as much. A hierarchy and its iterations take a time in proportion to the blocks and rows of the matrix. l, w and h come from
 // the second moments of the nodes. Both times are estimated from counts, for a core of 115 Gflop/s in single precision: no clock
 // is read, and each run chooses the same on every machine and with every number of threads. Where forces are not linear, both
-// are those of six solves, which multigrid makes loosely.
-// Bodies of less than 500 nodes are always factored.
+// are those of six solves, which multigrid makes loosely. Factors then serve later matrices too, turned with the body
+// (WarpPreconditioner), where iterations with them are estimated to cost less than factors of each.
+// Bodies of less than 500 nodes are always factored, each matrix of theirs.
 //
 // A solve by multigrid that goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that
-// lock, badly shaped cells) is ended, and the matrix is factored from then on, if factors fit into half of the memory.
+// lock, badly shaped cells) is ended, and the matrix is factored from then on, if factors fit into half of the memory. So it is
+// where solves of Newton's method have taken so many iterations that factors would have paid.
 // With multigrid a symmetric solve begins at the combination of the last four solutions that is nearest in energy
 // (former_solutions.h), where that leaves less than half of the residual: steps of a body that swings take half of the iterations.
 // `choice` says what was chosen and why. See SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for what the methods
@@ -39,6 +41,7 @@
 #include <limits>
 #include <utility>
 
+#include "components/iterative_solvers/equilibrium_choice.h"
 #include "components/iterative_solvers/former_solutions.h"
 #include "components/iterative_solvers/gmres.h"
 #include "components/iterative_solvers/krylov_solver.h"
@@ -53,15 +56,6 @@
 
 namespace stroma {
 namespace {
-
-constexpr Index always_factored = 500;  // nodes
-constexpr int usual_solves = 6;          // by Newton's method
-
-/// Whether the laws of factors might choose wrongly.
-bool isClose(const SolverCosts& by_law) {
-  constexpr double too_high = 5, too_low = 2;
-  return by_law.multigrid < too_low * by_law.direct && by_law.direct < too_high * by_law.multigrid;
-}
 
 /// The |b - A x| / |b| that round-off leaves, whatever solves: that of D x, D the diagonal blocks.
 double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x) {
@@ -78,7 +72,10 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   void declare(DataTable& table) override;
   void init() override;
   void reset() override {
-    kept_.forEach([](Kept& kept) { kept.inverse.reset(), kept.former.reset(), kept.now = {}; });
+    kept_.forEach([](Kept& kept) {
+      kept.inverse.reset(), kept.former.reset(), kept.now = {};
+      if (kept.turned) kept.turned->reset();
+    });
     if (own_factors_) own_factors_->reset();
   }
   bool usesFactorOf(const Component& solver) const override { return direct_ == &solver; }
@@ -91,21 +88,15 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   std::string choice() const override { return choice_; }
 
  private:
-  enum class Way : int { open, factors, multigrid };
-  struct Memory {
-    Way way = Way::open;
-    int patience = 0;
-    bool is_close = false;    ///< factors cost less where diagonal blocks hardly smooth, which the first solve finds out
-    bool is_rough = false;    ///< they do
-    int lost_iterations = 0;  ///< by multigrid, when it was given up
-    double left = 0;          ///< the relative residual then
-  };
+  using Way = EquilibriumChoice::Way;
   /// For each matrix.
   struct Kept {
-    Memory now, before_step;
+    EquilibriumChoice now, before_step;
     std::string reason;      ///< of the first choice, in words
     bool symmetric = true;   ///< the matrix solved last
+    SolverCosts costs;       ///< by which it was chosen
     Multigrid inverse;
+    std::unique_ptr<WarpedFactor> turned;  ///< null: not needed so far
     cg::Directions work;
     cg::FormerSolutions former;
     gmres::Space space;  ///< of matrices that are not symmetric
@@ -132,6 +123,13 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
   SolveReport conjugateGradients(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept, double& began);
   SolveReport minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept);
+  SolveReport iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
+  SolveReport solveByFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
+  WarpedFactor& turned(Kept& kept) {
+    if (!kept.turned) kept.turned = std::make_unique<WarpedFactor>(factors());
+    return *kept.turned;
+  }
+  void changeToFactors(Kept& kept);
 
   Link<DirectSolver> factors_{"direct solver"};
   DirectSolver* direct_ = nullptr;          ///< null: none in the scene, and not needed so far
@@ -171,27 +169,9 @@ AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix
 }
 
 void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
-  const Index rows = matrix.rows();
-  kept.now = {.way = Way::factors};
   kept.symmetric = matrix.symmetric();
-  kept.reason = fmt::format("{} nodes are few", rows);
-  if (rows >= always_factored && (!direct_ || rows <= direct_->mostRows())) {
-    const Extents extents = extentsOf(rows, matrix.positions());
-    const int solves = matrixDependsOnState(node().root()) ? usual_solves : 1;
-    const auto costsOf = [&](const FactorCounts& counts) {
-      return solverCosts(matrix.pattern(), counts, matrix.productCost(), solves);
-    };
-    SolverCosts costs = costsOf(factorCountsOf(extents));
-    if (isClose(costs)) costs = costsOf(fewer(countFactors(matrix.pattern()), factorCountsOf(extents)));
-    kept.reason =
-        fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
-                    rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
-                    costs.multigrid);
-    if (costs.multigrid < costs.direct)
-      kept.now = {.way = Way::multigrid,
-                  .patience = costs.patience(),
-                  .is_close = costs.direct < IterationCosts::with_patches * costs.multigrid};
-  }
+  const Index most = direct_ ? direct_->mostRows() : std::numeric_limits<Index>::max();
+  kept.now = chooseFirst(matrix, most, matrixDependsOnState(node().root()), kept.costs, kept.reason);
   if (kept.now.way == Way::factors) factors();
   tellChoice(kept);
 }
@@ -201,20 +181,24 @@ void AutomaticLinearSolver::tellChoice(const Kept& kept) {
     choice_ = fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", direct_->type(),
                           kept.now.lost_iterations, kept.now.left);
   else if (kept.now.way == Way::factors)
-    choice_ = fmt::format("{} factors: {}{}", direct_->type(), kept.reason,
-                          kept.now.is_rough ? ", but diagonal blocks hardly smooth" : "");
+    choice_ = fmt::format("{} factors: {}{}{}{}", direct_->type(), kept.reason,
+                          kept.now.is_rough ? ", but diagonal blocks hardly smooth" : "",
+                          kept.now.solves > 0 ? fmt::format(", but {} solves by it took more", kept.now.solves) : "",
+                          kept.now.keeps_factors ? "; they serve later matrices too" : "");
   else
     choice_ = fmt::format("{} with multigrid: {}", kept.symmetric ? "conjugate gradients" : "GMRES", kept.reason);
   changes_ = 0;
-  kept_.forEach([this](const Kept& each) { changes_ += each.now.lost_iterations > 0; });
+  kept_.forEach([this](const Kept& each) { changes_ += each.now.isChanged(); });
 }
 
 SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
                                            Kept& kept) {
   constexpr int few_iterations = 8;  // of a loose solve
   expected_iterations_ = terms.relative_residual > tolerance() ? std::min(few_iterations, most_expected_) : most_expected_;
+  SolveTerms own = terms;
+  if (kept.now.is_strict) own.relative_residual = std::min(terms.relative_residual, EquilibriumChoice::strict);
   SolveReport report;
-  if (!begin(matrix, b, x, terms, report)) return report;
+  if (!begin(matrix, b, x, own, report)) return report;
   SolveReport prepared;
   if (!kept.inverse.follow(matrix, prepared, terms.stop)) {
     prepared.relative_residual = 1;
@@ -224,6 +208,7 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
   double began = 1;
   report = kept.symmetric ? conjugateGradients(matrix, b, x, most, kept, began) : minimalResiduals(matrix, b, x, most, kept);
   if (report.stop != SolveStop::stopped) kept.inverse.solved(report, began);
+  kept.now.noteDefinite(report);
   return report;
 }
 
@@ -280,14 +265,73 @@ SolveReport AutomaticLinearSolver::minimalResiduals(const SystemMatrix& matrix, 
   return report;
 }
 
+/// By conjugate gradients with factors of a former matrix, or of this one where iterations would take longer. A decade of the
+/// residual costs less by them than an iteration of Newton's method does: solves are not as loose as by multigrid.
+SolveReport AutomaticLinearSolver::iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                                                      Kept& kept) {
+  constexpr int most_renewals = 8, few_iterations = 8;
+  SolveTerms own = terms;
+  own.relative_residual = std::min(terms.relative_residual, EquilibriumChoice::strict);
+  expected_iterations_ = few_iterations;
+  SolveReport report;
+  if (!begin(matrix, b, x, own, report)) return report;
+  WarpedFactor& inverse = turned(kept);
+  const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
+  const auto precondition = [&](ConstRows r, Rows z) { inverse.apply(r, z); };
+  const auto note = [&](double residual) { record(residual / norm_b_); };
+  kept.work.resize(b.count);
+  bool factored = false;
+  for (int k = 0; k <= most_renewals; ++k) {
+    const int before = report.iterations;
+    SolveReport prepared;
+    const bool is_ready = inverse.follow(matrix, prepared, terms.stop);
+    factored = factored || prepared.factored;
+    if (is_ready) {
+      const cg::Limits limits{std::min(iterations_, inverse.patience()), target(), terms.stop};
+      report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x);
+      report.relative_residual /= norm_b_;
+      if (report.stop != SolveStop::stopped) inverse.solved(report);
+    } else {
+      report = prepared, report.relative_residual = 1, report.iterations = 0;
+    }
+    report.iterations += before;
+    if (!is_ready || report.stop != SolveStop::iteration_limit || !inverse.giveUp()) break;
+  }
+  report.factored = factored;
+  return report;
+}
+
+/// What iterations get nowhere with, a matrix that is not definite among it, is left to factors of that very matrix.
+SolveReport AutomaticLinearSolver::solveByFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept) {
+  SolveReport report;
+  if (kept.now.triesFormer() && matrix.symmetric()) {
+    report = iterateWithFactors(matrix, b, x, terms, kept);
+    const bool is_over = report.stop == SolveStop::converged || report.stop == SolveStop::zero_right_side ||
+                         report.stop == SolveStop::stopped || report.stop == SolveStop::not_finite;
+    if (is_over) return report;
+    ++kept.now.refusals;
+    clear(x);
+  }
+  SolveReport again = factors().solve(matrix, b, x, terms);
+  again.iterations += report.iterations;
+  again.factored = again.factored || report.factored;
+  return again;
+}
+
+void AutomaticLinearSolver::changeToFactors(Kept& kept) {
+  kept.now.way = Way::factors;
+  kept.inverse.reset(), kept.former.reset();
+  factors();
+  tellChoice(kept);
+}
+
 SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   Kept& kept = keptFor(matrix);
   if (std::exchange(kept.now.is_close, false) && amg::hardlySmooths(matrix.assemble())) {
-    kept.now = {.way = Way::factors, .is_rough = true};
-    factors();
-    tellChoice(kept);
+    kept.now.is_rough = true;
+    changeToFactors(kept);
   }
-  if (kept.now.way == Way::factors) return factors().solve(matrix, b, x, terms);
+  if (kept.now.way == Way::factors) return solveByFactors(matrix, b, x, terms, kept);
   if (const bool now = matrix.symmetric(); now != kept.symmetric) {
     kept.symmetric = now;
     tellChoice(kept);
@@ -298,6 +342,7 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
     // factors would leave as much, or half of it
     return solve.stop == SolveStop::stagnated && solve.relative_residual > std::max(little, 2 * roundOff(matrix, b, x));
   };
+  const int made = kept.inverse.made();
   SolveReport report = iterate(matrix, b, x, terms, kept);
   bool is_hopeless = isHopeless(report);
   if (is_hopeless && kept.inverse.giveUp()) {  // the hierarchy was that of another matrix
@@ -306,28 +351,31 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
     is_hopeless = isHopeless(report);
     report.iterations += before;
   }
-  if (!is_hopeless) return report;
-  kept.now = {.way = Way::factors, .lost_iterations = report.iterations, .left = report.relative_residual};
-  kept.inverse.reset(), kept.former.reset();
-  factors();
-  tellChoice(kept);
+  if (!is_hopeless) {
+    const amg::Hierarchy* hierarchy = kept.inverse.hierarchy();
+    const bool has_patches = hierarchy && hierarchy->hasPatches();
+    if (kept.now.isDear(kept.costs, report.iterations, has_patches, kept.inverse.made() > made)) changeToFactors(kept);
+    return report;
+  }
+  kept.now.lost_iterations = report.iterations, kept.now.left = report.relative_residual;
+  changeToFactors(kept);
   clear(x);
-  SolveReport again = direct_->solve(matrix, b, x, terms);
+  SolveReport again = solveByFactors(matrix, b, x, terms, kept);
   again.iterations += report.iterations;
   return again;
 }
 
 void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive) {
   Kept& kept = keptFor(matrix);
-  archive.value("way", kept.now.way);
-  archive.value("patience", kept.now.patience);
-  archive.value("is_close", kept.now.is_close);
-  archive.value("is_rough", kept.now.is_rough);
-  archive.value("lost_iterations", kept.now.lost_iterations);
-  archive.value("left", kept.now.left);
-  kept.inverse.serialize(matrix, archive, !archive.isReading() && !matrixDependsOnState(node().root()));
+  kept.now.serialize(archive);
+  bool is_turned = kept.now.way == Way::factors && kept.turned;
+  archive.value("has_turned", is_turned);
+  if (kept.now.way == Way::factors)
+    factors().serializeFor(matrix, archive);
+  else
+    kept.inverse.serialize(matrix, archive, !archive.isReading() && !matrixDependsOnState(node().root()));
+  if (is_turned) turned(kept).serialize(matrix, archive);
   kept.former.serialize(archive);
-  if (kept.now.way == Way::factors) factors().serializeFor(matrix, archive);
   if (archive.isReading()) tellChoice(kept);
 }
 
@@ -335,6 +383,7 @@ void AutomaticLinearSolver::keepFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
   kept.before_step = kept.now;
   kept.inverse.keep(matrix), kept.former.keep();
+  if (kept.turned) kept.turned->keep(matrix);
   if (direct_) direct_->keepFor(matrix);
 }
 
@@ -342,6 +391,7 @@ void AutomaticLinearSolver::takeBackFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
   kept.now = kept.before_step;
   kept.inverse.takeBack(matrix), kept.former.takeBack();
+  if (kept.turned) kept.turned->takeBack(matrix);
   if (direct_) direct_->takeBackFor(matrix);
   tellChoice(kept);
 }

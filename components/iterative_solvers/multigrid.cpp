@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "components/iterative_solvers/node_rotation.h"
+#include "components/iterative_solvers/solver_costs.h"
 
 namespace stroma {
 namespace {
@@ -45,14 +46,26 @@ bool Multigrid::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop
   taken_back_ = {};
   if (!fits(matrix) || (now_.renew && !same)) return make(matrix, report, stop) && followByProducts(matrix, report);
   now_.fresh = now_.fresh && same;
+  now_.other_pattern = now_.other_pattern || now_.key.pattern != matrix.key().pattern;
   if (!same) turn(matrix);
   now_.key = matrix.key();
   return followByProducts(matrix, report);
 }
 
+/// From counts. Pairs in contact that have come or gone since make the pattern of the matrix anew too.
+void Multigrid::price(const SystemMatrix& matrix) {
+  const double rows = matrix.rows(), blocks = now_.hierarchy->fine.a.blocks(), by_fields = matrix.productCost();
+  const double product = by_fields > 0 ? by_fields : assembledProductCost(blocks);
+  const double cycle = by_products_ ? IterationCosts::cycleByProducts(rows, product, isTurned()) : IterationCosts::cycle(rows, blocks);
+  const double made = IterationCosts::hierarchy(rows, blocks) + IterationCosts::assembly(rows) +
+                      (now_.other_pattern ? IterationCosts::pattern(rows, blocks) : 0);
+  iterations_worth_ = made / (cycle + product + IterationCosts::vectors * rows);
+}
+
 /// Chooses the finest level. True also where blocks are it.
 bool Multigrid::followByProducts(const SystemMatrix& matrix, SolveReport& report) {
   by_products_ = amg::ProductLevel::isWorth(matrix, *now_.hierarchy);
+  price(matrix);
   if (!by_products_) return true;
   now_.hierarchy->dropFineBlocks();
   Index row = -1;
@@ -111,7 +124,7 @@ void Multigrid::solved(const SolveReport& report, double began) {
   const double rate = report.iterations / decades;
   if (now_.rate == 0 && report.iterations > 0) now_.rate = std::max(rate, 1.0);
   now_.lost += std::max(0.0, report.iterations - now_.rate * decades);
-  now_.renew = !now_.fresh && now_.lost > iterations_worth;
+  now_.renew = !now_.fresh && now_.lost > iterations_worth_;
 }
 
 void Multigrid::takeBack(const SystemMatrix& matrix) {
@@ -129,6 +142,9 @@ void Multigrid::serialize(SystemMatrix& matrix, Archive& archive, bool never_cha
   archive.value("rate", now_.rate);
   archive.value("lost", now_.lost);
   archive.value("stiffest", now_.stiffest);
+  bool other_pattern = now_.other_pattern || (exists && now_.key.pattern != matrix.key().pattern);
+  archive.value("other_pattern", other_pattern);
+  if (archive.isReading()) now_.other_pattern = other_pattern;
   taken_back_ = archive.isReading() ? MatrixKey{} : taken_back_;
   bool is_remade = never_changes && is_current && now_.hierarchy->made_of == now_.key;
   archive.value("remade", is_remade);

@@ -31,8 +31,9 @@ class Multigrid final : public ApproximateInverse {
   /// `never_changes`: nothing in the matrix depends on the state. A hierarchy of it is made again where it is read.
   void serialize(SystemMatrix& matrix, Archive& archive, bool never_changes);
 
-  /// What an assembly and a hierarchy cost, in iterations with it (measured from 40,000 to 320,000 tetrahedra).
-  static constexpr double iterations_worth = 20;
+  /// What an assembly and a hierarchy cost, in iterations with it: some 20, and some 50 where the matrix has another pattern by now.
+  /// Of the matrix followed last.
+  double iterationsWorth() const { return iterations_worth_; }
 
   const amg::Hierarchy* hierarchy() const { return now_.hierarchy.get(); }
   /// Whether it is of the matrix followed last.
@@ -51,6 +52,7 @@ class Multigrid final : public ApproximateInverse {
     bool renew = false;                         ///< the next one that sees other values does
     double rate = 0;                            ///< iterations for a decade with the fresh one; 0: not known yet
     double lost = 0;                            ///< iterations more than with a fresh one, since it was made
+    bool other_pattern = false;                 ///< than when the hierarchy was made, at some time since
     double stiffest = 0;                        ///< see amg::ProductLevel::follow()
     std::shared_ptr<Vector> turns;              ///< of nodes since it was made, see amg::Hierarchy::apply(); null: none
   };
@@ -61,6 +63,7 @@ class Multigrid final : public ApproximateInverse {
   bool isCurrent(const SystemMatrix& matrix) const { return now_.key == matrix.key() || taken_back_ == matrix.key(); }
   bool make(SystemMatrix& matrix, SolveReport& report, StopToken stop);
   bool followByProducts(const SystemMatrix& matrix, SolveReport& report);
+  void price(const SystemMatrix& matrix);
   void turn(const SystemMatrix& matrix);
   void readHierarchy(SystemMatrix& matrix, Archive& archive, bool is_remade, bool is_current);
 
@@ -69,6 +72,7 @@ class Multigrid final : public ApproximateInverse {
   MatrixKey taken_back_;  ///< what a step that was taken back left of the matrix of now_
   std::shared_ptr<Vector> spare_turns_;  ///< for the next ones: a step allocates none
   int made_ = 0;
+  double iterations_worth_ = 0;
   amg::ProductLevel products_;  ///< of the matrix followed last
   bool by_products_ = false;    ///< it is the finest level
 };

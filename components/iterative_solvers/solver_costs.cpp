@@ -87,8 +87,16 @@ SolverCosts solverCosts(const BlockMatrix& pattern, const FactorCounts& counts, 
   const double matrix_product = assembledProductCost(blocks);
   if (product <= 0 || product > matrix_product) product = matrix_product;
   SolverCosts costs;
+  // iterations by former factors to two decades, and matrices that factors serve
+  constexpr double by_former = 5, served = 3;
   costs.factor_entries = factors.entries;
-  costs.direct = nanosecond * (factors.order + solves * (factors.factor + each * (factors.application + matrix_product)));
+  const double own = factors.factor + each * (factors.application + matrix_product);
+  const double former = by_former * (factors.application + product + IterationCosts::vectors * rows) +
+                        IterationCosts::turns(rows, blocks) + factors.factor / served;
+  costs.keeps_factors = solves > 1 && former < own;
+  costs.with_factors = nanosecond * (costs.keeps_factors ? former : own);
+  costs.first = nanosecond * (factors.order + factors.factor);
+  costs.direct = nanosecond * (factors.order + own) + (solves - 1) * costs.with_factors;
   costs.setup = nanosecond * IterationCosts::hierarchy(rows, blocks);
   costs.iteration = nanosecond * (IterationCosts::cycle(rows, blocks) + IterationCosts::vectors * rows + product);
   costs.multigrid = costs.setup + solves * usual * costs.iteration;

@@ -9,7 +9,10 @@ namespace stroma {
 /// What ways of solving A x = b cost, from the size and the shape of a body alone: no clock decides, so that each run
 /// does the same. Seconds are those of one core of 115 Gflop/s in single precision that reads 25 GB/s; what counts is their ratios.
 struct SolverCosts {
-  double direct = 0;          ///< to order, factor and solve once
+  double direct = 0;          ///< to order, and to factor and solve as often as is expected
+  double first = 0;           ///< to order and factor once
+  double with_factors = 0;    ///< a solve of a later matrix by factors, with its share of factorisations
+  bool keeps_factors = false;  ///< these are of former matrices: fresh ones cost more
   double factor_entries = 0;  ///< numbers in the factors
   double setup = 0;           ///< of a multigrid hierarchy
   double iteration = 0;       ///< of conjugate gradients with it

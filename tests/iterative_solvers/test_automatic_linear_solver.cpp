@@ -3,6 +3,7 @@
 // checkpoint has of it.
 #include <gtest/gtest.h>
 
+#include "components/iterative_solvers/equilibrium_choice.h"
 #include "components/iterative_solvers/solver_costs.h"
 #include "tests/iterative_solvers/block_problem.h"
 
@@ -291,6 +292,97 @@ TEST(AutomaticLinearSolver, TellsAChoiceOfTheRunBefore) {
   first.solver->takeBackFor(matrix);
   EXPECT_EQ(told(first, "choice"), before);
   EXPECT_EQ(told(first, "changes"), "0");
+}
+
+/// With a force that depends on the state, so that solves are those of Newton's method.
+const std::string solver_of_many = R"(<AutomaticLinearSolver/><MechanicalObject position="0 0 0  1 0 0  0 1 0  0 0 1"/>
+    <MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>
+    <TetrahedronFEMForceField youngModulus="5000" poissonRatio="0.3" method="svd"/>)";
+
+/// A thin plate that hardly changes its volume, which is factored.
+StoredMatrix thinPlate() {
+  ElasticBlock plate = box(30, 24, 5);
+  plate.poisson = 0.4995, plate.mean = true;
+  return matrixOf(plate);
+}
+
+/// Later matrices of Newton's method are near the first one: its factors serve them, and a run that is taken up again has them.
+TEST(AutomaticLinearSolver, FactorsServeLaterMatrices) {
+  StoredMatrix matrix = thinPlate();
+  const Vector b = weight(box(30, 24, 5));
+  SolverInScene first(solver_of_many), second(solver_of_many);
+  Vector x, y, r(b.count());
+  EXPECT_TRUE(first.solve(matrix, b, x).factored);
+  EXPECT_NE(first.solver->data().find("choice")->print().find("they serve later matrices too"), std::string::npos);
+  for (int step = 1; step <= 3; ++step) {
+    for (Index row = 0; row < matrix.rows(); row += 7) matrix.values.add(matrix.values.diagonal()[row], 0.01 * Mat3::Identity());
+    ++matrix.revision_number;
+    if (step == 3) handOver(first, second, matrix);
+    x = Vector(b.count());
+    const SolveReport report = first.solve(matrix, b, x);
+    EXPECT_FALSE(report.factored) << step;
+    EXPECT_EQ(report.stop, SolveStop::converged);
+    EXPECT_GT(report.iterations, 1);
+    matrix.values.multiply(x, r);
+    EXPECT_LE(distance(r, b), 1.2e-8 * norm(b));
+  }
+  second.solve(matrix, b, y);
+  EXPECT_EQ(std::memcmp(x.rows().data, y.rows().data, x.rows().doubles() * sizeof(double)), 0);
+}
+
+/// That a matrix is not definite is for its own factors to say, and where: former ones are not tried for ever then.
+TEST(AutomaticLinearSolver, MatricesThatAreNotDefiniteAreFactored) {
+  StoredMatrix matrix = thinPlate();
+  const Vector b = weight(box(30, 24, 5));
+  SolverInScene solver(solver_of_many);
+  Vector x;
+  solver.solve(matrix, b, x);
+  const std::vector<double> definite = matrix.values.values();
+  for (int turn = 0; turn < 3; ++turn) {
+    for (Index row = 2000; row < 2010; ++row) matrix.values.add(matrix.values.diagonal()[row], -1e3 * Mat3::Identity());
+    ++matrix.revision_number, x = Vector(b.count());
+    const SolveReport refused = solver.solve(matrix, b, x);
+    EXPECT_EQ(refused.stop, SolveStop::not_definite);
+    EXPECT_GE(refused.row, 0);
+    matrix.values.values() = definite;
+    ++matrix.revision_number, x = Vector(b.count());
+    EXPECT_EQ(solver.solve(matrix, b, x).stop, SolveStop::converged);
+  }
+  ++matrix.revision_number, x = Vector(b.count());
+  EXPECT_TRUE(solver.solve(matrix, b, x).factored) << "former factors are no longer tried";
+}
+
+/// Multigrid is left when its solves have cost as much as factors would have, with those of the first matrix.
+TEST(EquilibriumChoice, DearSolvesByMultigridPayForFactors) {
+  SolverCosts costs;
+  costs.iteration = 1e-3, costs.setup = 0.01, costs.first = 0.07, costs.with_factors = 0.01;
+  const auto solvesUntilDear = [&](int iterations, bool has_patches) {
+    EquilibriumChoice choice;
+    choice.keeps_factors = true;
+    int solves = 1;
+    while (solves < 1000 && !choice.isDear(costs, iterations, has_patches, false)) ++solves;
+    return solves;
+  };
+  EXPECT_EQ(solvesUntilDear(10, false), 1000);
+  EXPECT_NEAR(solvesUntilDear(30, false), 0.0805 / (0.030 - 0.0115), 1);
+  EXPECT_EQ(solvesUntilDear(15, true), solvesUntilDear(30, false));
+  EquilibriumChoice exact;
+  EXPECT_FALSE(exact.isDear(costs, 100000, false, false)) << "factors of each matrix have no such price";
+}
+
+/// Loose solves that lead to matrices that are not definite are made strict; strict ones that do so too are given up.
+TEST(EquilibriumChoice, SolvesAreStrictWhereLooseOnesLeadAstray) {
+  SolveReport good, bad;
+  bad.stop = SolveStop::not_definite;
+  EquilibriumChoice choice;
+  choice.noteDefinite(bad);
+  EXPECT_FALSE(choice.is_strict) << "no solve has led there";
+  choice.noteDefinite(good), choice.noteDefinite(bad);
+  EXPECT_TRUE(choice.is_strict);
+  for (int k = 0; k < 9; ++k) choice.noteDefinite(bad);
+  EXPECT_TRUE(choice.is_strict) << "all of one way astray";
+  for (int k = 0; k < 3; ++k) choice.noteDefinite(good), choice.noteDefinite(bad);
+  EXPECT_FALSE(choice.is_strict);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "components/iterative_solvers/multigrid_aggregates.h"
+#include "components/iterative_solvers/solver_costs.h"
 #include "framework/algebra/parallel.h"
 #include "tests/iterative_solvers/block_problem.h"
 
@@ -358,6 +359,38 @@ TEST(Multigrid, GroupsAreMadeAroundNodesWithManyNeighbours) {
         cube.start.push_back(Index(cube.neighbours.size()));
       }
   EXPECT_LE(amg::aggregate(cube).count(), cube.nodes() / 26);
+}
+
+/// A hierarchy that has aged is made anew when it has cost as much as a new one. That is more where the pattern of the matrix has to be
+/// made with it, and more iterations where each of these costs less.
+TEST(Multigrid, AHierarchyIsMadeAnewForItsPrice) {
+  ElasticBlock block = box(8, 8, 8), other = block;
+  other.stiffer = [](Vec3 at) { return at.z() > 4 ? 20. : 1.; };
+  const Vector b = weight(block);
+  const double rows = block.count(), blocks = matrixOf(block).values.blocks();
+  for (const double product : {400 * rows, 1.5 * blocks})
+    for (const bool has_other_pattern : {false, true}) {
+      StoredMatrix matrix = matrixOf(block);
+      matrix.product_nanoseconds = product;
+      SolverInScene solver(multigrid);
+      Vector x;
+      const auto rate = [](const SolveReport& solve) { return solve.iterations / -std::log10(solve.relative_residual); };
+      const double fresh = rate(solver.solve(matrix, b, x));
+      matrix.values = matrixOf(other).values;
+      matrix.pattern_number += has_other_pattern;
+      double lost = 0, before = 0;
+      for (int k = 0; k < 100 && matrix.assemblies < 2; ++k) {
+        ++matrix.revision_number, x = Vector(b.count());
+        const SolveReport solve = solver.solve(matrix, b, x);
+        if (matrix.assemblies == 1) before = lost, lost += solve.iterations * (1 - fresh / rate(solve));
+      }
+      const double made = IterationCosts::hierarchy(rows, blocks) + IterationCosts::assembly(rows) +
+                          (has_other_pattern ? IterationCosts::pattern(rows, blocks) : 0);
+      const double price = made / (IterationCosts::cycle(rows, blocks) + product + IterationCosts::vectors * rows);
+      EXPECT_EQ(matrix.assemblies, 2);
+      EXPECT_GT(lost, price) << product << has_other_pattern;
+      EXPECT_LE(before, price) << product << has_other_pattern;
+    }
 }
 
 }  // namespace

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/iterative_solvers/equilibrium_choice.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace stroma {
+namespace {
+
+constexpr Index always_factored = 500;  // nodes
+constexpr int usual_solves = 6;         // by Newton's method
+
+/// Whether the laws of factors might choose wrongly.
+bool isClose(const SolverCosts& by_law) {
+  constexpr double too_high = 5, too_low = 2;
+  return by_law.multigrid < too_low * by_law.direct && by_law.direct < too_high * by_law.multigrid;
+}
+
+}  // namespace
+
+EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs,
+                              std::string& reason) {
+  EquilibriumChoice choice{.way = EquilibriumChoice::Way::factors};
+  const Index rows = matrix.rows();
+  reason = fmt::format("{} nodes are few", rows);
+  if (rows < always_factored || rows > most_factored) return choice;
+  const Extents extents = extentsOf(rows, matrix.positions());
+  const auto costsOf = [&](const FactorCounts& counts) {
+    return solverCosts(matrix.pattern(), counts, matrix.productCost(), depends_on_state ? usual_solves : 1);
+  };
+  costs = costsOf(factorCountsOf(extents));
+  if (isClose(costs)) costs = costsOf(fewer(countFactors(matrix.pattern()), factorCountsOf(extents)));
+  choice.keeps_factors = costs.keeps_factors && depends_on_state && matrix.symmetric() && matrix.isOfLooseNodes();
+  reason = fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
+                       rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
+                       costs.multigrid);
+  if (costs.multigrid >= costs.direct) return choice;
+  choice.way = EquilibriumChoice::Way::multigrid;
+  choice.patience = costs.patience();
+  choice.is_close = costs.direct < IterationCosts::with_patches * costs.multigrid;
+  return choice;
+}
+
+void EquilibriumChoice::noteDefinite(const SolveReport& report) {
+  constexpr int most_failures = 3;
+  const bool led_here = std::exchange(was_definite, report.stop == SolveStop::converged);
+  if (!led_here || report.stop != SolveStop::not_definite) return;
+  strict_failures += is_strict;
+  is_strict = strict_failures < most_failures;
+}
+
+bool EquilibriumChoice::isDear(const SolverCosts& costs, int iterations, bool has_patches, bool made) {
+  constexpr double worth_changing = 1.15, of_patches = 2;
+  if (!keeps_factors) return false;
+  spent += iterations * (has_patches ? of_patches : 1) * costs.iteration + (made && solves > 0 ? costs.setup : 0);
+  ++solves;
+  return spent > worth_changing * (costs.first + solves * costs.with_factors);
+}
+
+void EquilibriumChoice::serialize(Archive& archive) {
+  archive.value("way", way);
+  archive.value("patience", patience);
+  archive.value("is_close", is_close);
+  archive.value("is_rough", is_rough);
+  archive.value("lost_iterations", lost_iterations);
+  archive.value("left", left);
+  archive.value("keeps_factors", keeps_factors);
+  archive.value("refusals", refusals);
+  archive.value("solves_by_multigrid", solves);
+  archive.value("spent_by_multigrid", spent);
+  archive.value("strict", is_strict);
+  archive.value("strict_failures", strict_failures);
+  archive.value("was_definite", was_definite);
+}
+
+}  // namespace stroma

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+#include "components/iterative_solvers/solver_costs.h"
+#include "framework/algebra/linear_solver.h"
+#include "framework/scene/archive.h"
+
+namespace stroma {
+
+/// What AutomaticLinearSolver has chosen for a matrix, and remembers of the solves since.
+struct EquilibriumChoice {
+  enum class Way : int { open, factors, multigrid };
+
+  Way way = Way::open;
+  int patience = 0;            ///< iterations of a solve by multigrid
+  bool is_close = false;       ///< factors cost less where diagonal blocks hardly smooth, which the first solve finds out
+  bool is_rough = false;       ///< they do
+  int lost_iterations = 0;     ///< by multigrid, when it was given up in a solve
+  double left = 0;             ///< the relative residual then
+  bool keeps_factors = false;  ///< for later matrices
+  int refusals = 0;            ///< of matrices, by conjugate gradients with former factors
+  int solves = 0;              ///< by multigrid
+  double spent = 0;            ///< on these [s]
+  bool is_strict = false;      ///< loose solves have led to where the matrix is not definite
+  int strict_failures = 0;     ///< strict ones have done so too
+  bool was_definite = false;   ///< the matrix solved before
+
+  /// The most that a strict solve leaves of |b|.
+  static constexpr double strict = 0.01;
+  /// What is solved loosely can move a body to where its matrix is not definite, which a better solve would not have done. Solves are
+  /// strict once that has happened. Where strict ones have led there too, they are of no use.
+  void noteDefinite(const SolveReport& report);
+  /// After a solve by multigrid of Newton's method: true when so many would have paid for factors. `made`: with a new hierarchy.
+  bool isDear(const SolverCosts& costs, int iterations, bool has_patches, bool made);
+  /// Whether multigrid proved the wrong choice.
+  bool isChanged() const { return way == Way::factors && (lost_iterations > 0 || solves > 0); }
+  /// Whether conjugate gradients may try former factors.
+  bool triesFormer() const { return keeps_factors && refusals < most_refusals; }
+  void serialize(Archive& archive);
+
+ private:
+  static constexpr int most_refusals = 3;
+};
+
+/// The first choice for a matrix, by estimates from its counts; `costs` are theirs, `reason` says them in words. Factors are for
+/// `most_factored` rows at most, and serve later matrices only where these change with the state.
+EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs, std::string& reason);
+
+}  // namespace stroma
