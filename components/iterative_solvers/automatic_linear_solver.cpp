@@ -57,16 +57,6 @@
 namespace stroma {
 namespace {
 
-/// The |b - A x| / |b| that round-off leaves, whatever solves: that of D x, D the diagonal blocks.
-double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x) {
-  std::vector<double> blocks;
-  matrix.diagonalBlocks(blocks);
-  double sum = 0;
-  for (Index row = 0; row < x.count; ++row)
-    sum += (Eigen::Map<const Mat3>(blocks.data() + 9 * std::size_t(row)).transpose() * x[row]).squaredNorm();
-  return std::numeric_limits<double>::epsilon() * std::sqrt(sum) / norm(b);
-}
-
 class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, public SolverChoice {
  public:
   void declare(DataTable& table) override;

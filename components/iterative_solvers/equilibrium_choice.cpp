@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
 #include <utility>
+#include <vector>
 
 namespace stroma {
 namespace {
@@ -24,7 +27,7 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
   EquilibriumChoice choice{.way = EquilibriumChoice::Way::factors};
   const Index rows = matrix.rows();
   reason = fmt::format("{} nodes are few", rows);
-  if (rows < always_factored || rows > most_factored) return choice;
+  if (rows < always_factored) return choice;
   const Extents extents = extentsOf(rows, matrix.positions());
   const auto costsOf = [&](const FactorCounts& counts) {
     return solverCosts(matrix.pattern(), counts, matrix.productCost(), depends_on_state ? usual_solves : 1);
@@ -35,11 +38,20 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
   reason = fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
                        rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
                        costs.multigrid);
-  if (costs.multigrid >= costs.direct) return choice;
+  if (costs.multigrid >= costs.direct && rows <= most_factored) return choice;
   choice.way = EquilibriumChoice::Way::multigrid;
   choice.patience = costs.patience();
   choice.is_close = costs.direct < IterationCosts::with_patches * costs.multigrid;
   return choice;
+}
+
+double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x) {
+  std::vector<double> blocks;
+  matrix.diagonalBlocks(blocks);
+  double sum = 0;
+  for (Index row = 0; row < x.count; ++row)
+    sum += (Eigen::Map<const Mat3>(blocks.data() + 9 * std::size_t(row)).transpose() * x[row]).squaredNorm();
+  return std::numeric_limits<double>::epsilon() * std::sqrt(sum) / norm(b);
 }
 
 void EquilibriumChoice::noteDefinite(const SolveReport& report) {

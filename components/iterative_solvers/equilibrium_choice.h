@@ -47,4 +47,7 @@ struct EquilibriumChoice {
 /// `most_factored` rows at most, and serve later matrices only where these change with the state.
 EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool depends_on_state, SolverCosts& costs, std::string& reason);
 
+/// The |b - A x| / |b| that round-off leaves, whatever solves: that of D x, D the diagonal blocks.
+double roundOff(const SystemMatrix& matrix, ConstRows b, ConstRows x);
+
 }  // namespace stroma
