@@ -32,22 +32,18 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "framework/mechanics/node_group_field.h"
-#include "framework/mechanics/state_topology.h"
+#include "components/elasticity/flat_cells.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class QuadBending final : public NodeGroupField<4> {
+class QuadBending final : public FlatCells<4> {
  public:
+  QuadBending() { poisson_ = 0.45; }
   void declare(DataTable& table) override {
-    ForceField::declare(table);
-    topology_.declare(table, "surface");
-    table.add("youngModulus", young_).recompiled().help("Young's modulus").unit("Pa").min(0).physical();
-    table.add("poissonRatio", poisson_).recompiled().help("Poisson's ratio").unit("-").min(-1, false).max(0.5).physical();
-    table.add("thickness", thickness_).recompiled().help("thickness of the plate").unit("m").min(0, false).physical();
+    declareSheet(table, "plate");
     table.addChoice("axes", axes_, {"cell", "world"}).help("of displacements: those of each cell at rest, or x, y and z");
     table.addChoice("strain", strain_, {"rest", "current"}).help("by the sides at rest, or by those of the moment");
     for (const char* internal : {"quadInfo", "vertexInfo", "edgeInfo", "method"}) table.addVisualOnly(internal);
@@ -55,9 +51,9 @@ class QuadBending final : public NodeGroupField<4> {
 
   void init() override {
     ForceField::init();
-    quads_ = topology_.meshWith(cell_kinds::quad, *this, state()).quads;
+    cells_ = topology_.meshWith(cell_kinds::quad, *this, state()).quads;
     frames_.clear();
-    for (std::size_t e = 0; e < quads_.size(); ++e) frames_.push_back(frameOf(e));
+    for (std::size_t e = 0; e < cells_.size(); ++e) frames_.push_back(frameOf(e));
   }
 
   ForceTraits traits() const override {
@@ -69,42 +65,24 @@ class QuadBending final : public NodeGroupField<4> {
   }
 
   void compile() override {
-    std::vector<Group> rows;
-    for (const Quad& quad : quads_) {
-      rows.push_back({quad[0], quad[1], quad[2], quad[3]});
-      for (Index& row : rows.back()) row += state().firstRow();
-    }
-    setGroups(std::move(rows), false);
-    for (std::size_t e = 0; e < quads_.size(); ++e)
+    setCellGroups();
+    for (std::size_t e = 0; e < cells_.size(); ++e)
       assemble(e, (restOf(e, 1) - restOf(e, 0)).norm() / 2, (restOf(e, 3) - restOf(e, 0)).norm() / 2);
   }
 
-  double energy(ConstRows x) const override {
-    double sum = 0;
-    for (std::size_t e = 0; e < quads_.size(); ++e)
-      for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) sum -= moved(e, i, x).dot(stiffness_[e].block(i, j) * moved(e, j, x)) / 2;
-    return sum;
-  }
   void addForce(ConstRows x, ConstRows, Rows f) override {
-    for (std::size_t e = 0; e < quads_.size(); ++e) {
+    for (std::size_t e = 0; e < cells_.size(); ++e) {
       if (strain_ == Strain::current) {
         const Vec3 corner = x[rows_[e][0]];
         assemble(e, (Vec3(x[rows_[e][1]]) - corner).norm() / 2, (Vec3(x[rows_[e][3]]) - corner).norm() / 2);
       }
-      for (int j = 0; j < 4; ++j) {
-        const Vec3 u = moved(e, j, x);
-        for (int i = 0; i < 4; ++i) f[rows_[e][std::size_t(i)]] += stiffness_[e].block(i, j) * u;
-      }
+      addForceOf(e, x, f);
     }
   }
 
  private:
   enum class Axes { cell, world };
   enum class Strain { rest, current };
-
-  Vec3 restOf(std::size_t e, int corner) const { return state().rest_position[std::size_t(quads_[e][std::size_t(corner)])]; }
-  Vec3 moved(std::size_t e, int corner, ConstRows x) const { return Vec3(x[rows_[e][std::size_t(corner)]]) - restOf(e, corner); }
 
   /// Columns: along both sides and across them.
   Mat3 frameOf(std::size_t e) const {
@@ -124,14 +102,18 @@ class QuadBending final : public NodeGroupField<4> {
   /// K of a rectangle of 2 a x 2 b.
   void assemble(std::size_t e, double a, double b) {
     static constexpr double xs[4] = {-1, 1, 1, -1}, ys[4] = {-1, -1, 1, 1};
-    const double plane = young_ * thickness_ / (1 - poisson_ * poisson_), slide = plane * (1 - poisson_) / 2,
-                 across = 5. / 6 * young_ * thickness_ / (2 * (1 + poisson_)), point = std::sqrt(3.) / 3;
+    const double plane = young_ * thickness_ / (1 - poisson_ * poisson_);
+    const double slide = plane * (1 - poisson_) / 2;
+    const double across = 5. / 6 * young_ * thickness_ / (2 * (1 + poisson_));
+    const double point = std::sqrt(3.) / 3;
     std::array<Mat3, 16> blocks;
     blocks.fill(Mat3::Zero());
     for (int q = 0; q < 4; ++q) {
       double gx[4], gy[4];
-      for (int i = 0; i < 4; ++i)
-        gx[i] = xs[i] * (1 + ys[i] * ys[q] * point) / (4 * a), gy[i] = ys[i] * (1 + xs[i] * xs[q] * point) / (4 * b);
+      for (int i = 0; i < 4; ++i) {
+        gx[i] = xs[i] * (1 + ys[i] * ys[q] * point) / (4 * a);
+        gy[i] = ys[i] * (1 + xs[i] * xs[q] * point) / (4 * b);
+      }
       for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) {
           Mat3& k = blocks[std::size_t(4 * i + j)];
@@ -149,11 +131,8 @@ class QuadBending final : public NodeGroupField<4> {
       }
   }
 
-  TopologyLink topology_;
-  double young_ = 1000, poisson_ = 0.45, thickness_ = 1;
   Axes axes_ = Axes::cell;
   Strain strain_ = Strain::rest;
-  std::vector<Quad> quads_;
   std::vector<Mat3> frames_;
 };
 

@@ -25,28 +25,21 @@
 
 #include <Eigen/Geometry>
 
-#include "framework/mechanics/node_group_field.h"
-#include "framework/mechanics/state_topology.h"
+#include "components/elasticity/flat_cells.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class TriangularTensorMass final : public NodeGroupField<3> {
+class TriangularTensorMass final : public FlatCells<3> {
  public:
-  void declare(DataTable& table) override {
-    ForceField::declare(table);
-    topology_.declare(table, "surface");
-    table.add("youngModulus", young_).recompiled().help("Young's modulus").unit("Pa").min(0).physical();
-    table.add("poissonRatio", poisson_).recompiled().help("Poisson's ratio").unit("-").min(-1, false).max(0.5).physical();
-    table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false).physical();
-  }
+  void declare(DataTable& table) override { declareSheet(table, "membrane"); }
 
   void init() override {
     ForceField::init();
-    triangles_ = topology_.meshWith(cell_kinds::triangle, *this, state()).triangles;
-    for (std::size_t e = 0; e < triangles_.size(); ++e)
+    cells_ = topology_.meshWith(cell_kinds::triangle, *this, state()).triangles;
+    for (std::size_t e = 0; e < cells_.size(); ++e)
       if (!(normalOf(e).norm() > 0))
         throw ComponentError(fmt::format("triangle {} has no area at rest", e), "triangles with three corners apart");
   }
@@ -59,39 +52,15 @@ class TriangularTensorMass final : public NodeGroupField<3> {
   }
 
   void compile() override {
-    std::vector<Group> rows;
-    for (const Triangle& triangle : triangles_) {
-      rows.push_back({triangle[0], triangle[1], triangle[2]});
-      for (Index& row : rows.back()) row += state().firstRow();
-    }
-    setGroups(std::move(rows), false);
-    for (std::size_t e = 0; e < triangles_.size(); ++e) assemble(e);
-  }
-
-  double energy(ConstRows x) const override {
-    double sum = 0;
-    for (std::size_t e = 0; e < triangles_.size(); ++e)
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) sum -= moved(e, a, x).dot(stiffness_[e].block(a, b) * moved(e, b, x)) / 2;
-    return sum;
-  }
-  void addForce(ConstRows x, ConstRows, Rows f) override {
-    for (std::size_t e = 0; e < triangles_.size(); ++e)
-      for (int b = 0; b < 3; ++b) {
-        const Vec3 u = moved(e, b, x);
-        for (int a = 0; a < 3; ++a) f[rows_[e][std::size_t(a)]] += stiffness_[e].block(a, b) * u;
-      }
+    setCellGroups();
+    for (std::size_t e = 0; e < cells_.size(); ++e) assemble(e);
   }
 
  private:
-  const Vec3& restOf(std::size_t e, int corner) const {
-    return state().rest_position[std::size_t(triangles_[e][std::size_t(corner % 3)])];
-  }
   Vec3 normalOf(std::size_t e) const { return (restOf(e, 1) - restOf(e, 0)).cross(restOf(e, 2) - restOf(e, 0)); }
-  Vec3 moved(std::size_t e, int corner, ConstRows x) const { return Vec3(x[rows_[e][std::size_t(corner)]]) - restOf(e, corner); }
   void assemble(std::size_t e) {
-    const double lambda = young_ * thickness_ * poisson_ / (1 - poisson_ * poisson_),
-                 mu = young_ * thickness_ / (2 * (1 + poisson_));
+    const double lambda = young_ * thickness_ * poisson_ / (1 - poisson_ * poisson_);
+    const double mu = young_ * thickness_ / (2 * (1 + poisson_));
     const Vec3 normal = normalOf(e);
     const double area = normal.norm() / 2;
     const Vec3 n = normal / (2 * area);
@@ -105,10 +74,6 @@ class TriangularTensorMass final : public NodeGroupField<3> {
                                              ga.dot(gb) * (mu * plane + (lambda + 2 * mu) * across));
       }
   }
-
-  TopologyLink topology_;
-  double young_ = 1000, poisson_ = 0.3, thickness_ = 1;
-  std::vector<Triangle> triangles_;
 };
 
 }  // namespace

@@ -22,14 +22,14 @@
 #include <numeric>
 #include <utility>
 
-#include "framework/mechanics/force_field.h"
+#include "components/loads/dead_load.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class ConstantForceField final : public ForceField {
+class ConstantForceField final : public DeadLoad {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
@@ -63,11 +63,9 @@ class ConstantForceField final : public ForceField {
   }
 
   ForceTraits traits() const override {
-    ForceTraits traits;
-    traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    ForceTraits traits = DeadLoad::traits();
     for (const auto& [row, force] : loads_)
       if (state().kindOf(row) == RowKind::turn && !force.isZero(0)) traits.conservative = false;
-    traits.has_stiffness = false;
     return traits;
   }
 
@@ -80,11 +78,6 @@ class ConstantForceField final : public ForceField {
   void addForce(ConstRows, ConstRows, Rows f) override {
     for (const auto& [row, force] : loads_) f[state().firstRow() + row] += force;
   }
-  // K = 0
-  void addStiffnessProduct(ConstRows, double, Rows) const override {}
-  void addPattern(BlockPattern&) const override {}
-  void addStiffness(double, BlockMatrix&) const override {}
-  void addStiffnessDiagonal(double, std::vector<double>&) const override {}
 
  protected:
   bool takesAllRows() const override { return true; }

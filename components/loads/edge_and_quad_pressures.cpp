@@ -32,7 +32,7 @@
 #include <algorithm>
 #include <map>
 
-#include "framework/mechanics/force_field.h"
+#include "components/loads/dead_load.h"
 #include "framework/mechanics/local_load.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/archive.h"
@@ -41,7 +41,7 @@
 namespace stroma {
 namespace {
 
-class DeadPressure : public ForceField, public LocalLoad {
+class DeadPressure : public DeadLoad, public LocalLoad {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
@@ -56,12 +56,6 @@ class DeadPressure : public ForceField, public LocalLoad {
     ForceField::init();
     loads_.clear();
   }
-  ForceTraits traits() const override {
-    ForceTraits traits;
-    traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
-    traits.has_stiffness = false;
-    return traits;
-  }
   double energy(ConstRows x) const override {
     double sum = 0;
     for (const auto& [node, force] : loads_) sum -= force.dot(x[state().firstRow() + node]);
@@ -73,11 +67,6 @@ class DeadPressure : public ForceField, public LocalLoad {
   void addLoadedRows(std::vector<Index>& rows) const override {
     for (const auto& [node, force] : loads_) rows.push_back(state().firstRow() + node);
   }
-  // K = 0
-  void addStiffnessProduct(ConstRows, double, Rows) const override {}
-  void addPattern(BlockPattern&) const override {}
-  void addStiffness(double, BlockMatrix&) const override {}
-  void addStiffnessDiagonal(double, std::vector<double>&) const override {}
 
  protected:
   const Mesh& mesh() const {

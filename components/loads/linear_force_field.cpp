@@ -19,7 +19,7 @@
 
 #include <algorithm>
 
-#include "framework/mechanics/force_field.h"
+#include "components/loads/dead_load.h"
 #include "framework/mechanics/key_times.h"
 #include "framework/mechanics/local_load.h"
 #include "framework/mechanics/node_indices.h"
@@ -28,7 +28,7 @@
 namespace stroma {
 namespace {
 
-class LinearForceField final : public ForceField, public LocalLoad {
+class LinearForceField final : public DeadLoad, public LocalLoad {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
@@ -46,9 +46,7 @@ class LinearForceField final : public ForceField, public LocalLoad {
   }
 
   ForceTraits traits() const override {
-    ForceTraits traits;
-    traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
-    traits.has_stiffness = false;
+    ForceTraits traits = DeadLoad::traits();
     traits.time_dependent = true;
     if (state().hasFrames()) traits.conservative = false;
     return traits;
@@ -69,11 +67,6 @@ class LinearForceField final : public ForceField, public LocalLoad {
   void addLoadedRows(std::vector<Index>& rows) const override {
     forEachRow([&](Index row, std::size_t) { rows.push_back(row); });
   }
-  // K = 0
-  void addStiffnessProduct(ConstRows, double, Rows) const override {}
-  void addPattern(BlockPattern&) const override {}
-  void addStiffness(double, BlockMatrix&) const override {}
-  void addStiffnessDiagonal(double, std::vector<double>&) const override {}
 
  protected:
   bool takesAllRows() const override { return true; }

@@ -60,7 +60,8 @@ class Run {
       const bool enough = nears && outcome_.steps + limit() > most_steps_;
       if (enough && (outcome_.ending == Ending::moving || outcome_.ending == Ending::elsewhere))
         outcome_.ending = Ending::under_way;
-      if (enough || outcome_.ending == Ending::under_way || (!nears && more >= 3)) return outcome_;
+      const int patient = most_steps_ > 10'000 ? 3 : 1;  // of a sample of cells less is asked
+      if (enough || outcome_.ending == Ending::under_way || (!nears && more >= patient)) return outcome_;
     }
   }
 
@@ -192,7 +193,7 @@ class Run {
   int limit() const {
     if (integrator_.is_static && relaxation_ == 0) return 100;
     const double needed = 20 * std::max(1 / slowest_, relaxation_) / condition_.dt;
-    return needed > most_steps_ ? 300 : std::max(200, int(needed));
+    return needed > most_steps_ ? std::min(300, most_steps_ / 16) : std::max(200, int(needed));
   }
   // Loops over numbers: called after each step, and compiled without optimisation.
   bool finite() const {

@@ -44,13 +44,22 @@ def _names(items: List[Any], type_of) -> List[str]:
 
 
 class _Written:
-    """What a scene writes: attributes, with the place of each."""
+    """What a scene writes: attributes, with the place of each. They are attributes of the object too: what is not
+    `_fixed` is written by set() of the kind."""
+
+    _fixed: frozenset
 
     def __init__(self, where: Optional[Where]):
         self.where: Where = where or caller()
         self.attributes: Dict[str, Any] = {}
         self._places: Dict[str, Where] = {}
         self.parent: Optional["Node"] = None
+
+    def __setattr__(self, attribute: str, value: Any) -> None:
+        if attribute in self._fixed or isinstance(getattr(type(self), attribute, None), property):
+            object.__setattr__(self, attribute, value)
+        else:
+            self.set(attribute, value)
 
     @property
     def own_name(self) -> str:
@@ -190,12 +199,6 @@ class Component(_Written):
         except SceneError as error:
             raise _missing(error, attribute) from None
 
-    def __setattr__(self, attribute: str, value: Any) -> None:
-        if attribute in self._fixed or isinstance(getattr(type(self), attribute, None), property):
-            object.__setattr__(self, attribute, value)
-        else:
-            self.set(attribute, value)
-
     def __dir__(self) -> List[str]:
         info = self.info
         return sorted(set(super().__dir__()) | {attribute.name for attribute in (info.attributes if info else [])})
@@ -308,12 +311,6 @@ class Node(_Written):
             raise refusal(f"a Node has no attribute '{attribute}'", "gravity, dt, time, name or activated",
                           nearest(attribute, _stroma.node_attributes()), where or caller(), self.path)
         self._put(attribute, value, where)
-
-    def __setattr__(self, attribute: str, value: Any) -> None:
-        if attribute in self._fixed or isinstance(getattr(type(self), attribute, None), property):
-            object.__setattr__(self, attribute, value)
-        else:
-            self.set(attribute, value)
 
     def __getattr__(self, attribute: str) -> Any:
         attributes = self.__dict__.get("attributes", {})
