@@ -190,6 +190,10 @@ bool Candidates::takeFound() {
   const auto isSearched = [&](const Candidate& pair) { return bool(searched_[std::size_t(pair.meeting)]); };
   if (found_.empty() && std::none_of(pairs_.begin(), pairs_.end(), isSearched)) return false;
   std::sort(found_.begin(), found_.end());
+  if (pairs_.empty()) {  // of a first search there are too many to have them twice
+    std::swap(pairs_, found_), ++revision_;
+    return needsPattern();
+  }
   std::swap(pairs_, old_pairs_);
   pairs_.clear();
   auto next = found_.begin();

@@ -148,6 +148,8 @@ double FlushFaces::openingOf(int a, int b, const Vec3& way, const std::vector<Ve
 
 /// The number of that of two faces. -1: they are not flat on each other.
 int FlushFaces::meetingOf(int a, int b, double range, const std::vector<Vec3>& x) {
+  // most look elsewhere: |m + o|^2 = 2 + 2 m.o
+  if (outwardAtStart(a, x).dot(outwardAtStart(b, x)) > -1 + steepest * steepest) return -1;
   Known& known = knownOf(a, b);
   if (std::exchange(known.step, step_) == step_) return known.number;
   const Vec3 &m = outwardAtStart(a, x), &o = outwardAtStart(b, x), way = m + o;
@@ -244,7 +246,7 @@ void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, do
     places_.push_back({flattest, crosses, middle, apart, i});
   }
   for (KeptGap& gap : gaps)
-    for (const int number : numbersOf(gap))
+    for (const int number : gap.is_bound ? std::span<const int>() : numbersOf(gap))
       if (gap.flush == KeptGap::Flush::no && meetings_[std::size_t(number)].overlaps && isOnBoth(gap, meetings_[std::size_t(number)]))
         gap.flush = KeptGap::Flush::beside;
   joinNear(gaps, together);

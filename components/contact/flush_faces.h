@@ -13,6 +13,14 @@
 // on each other where a step starts with planes whose distance changes by less than contactDistance over what they have in common,
 // and where the closest points of the nearest pair that is on both are on the outer side of each. Along m a tilted box is not
 // pushed aside, and vertices of a ball of triangles are pushed along the face that they are on, whichever triangles they are of.
+//
+// A direction that is off by an angle pushes aside by that part of the force. Of two faces with L in common it is at most
+// contactDistance / L, and n is off by half of it from each. Other limits are of cases that this leaves out: 0.1 rad for faces
+// that are smaller than ten times the gap, 0.1 rad between rims whose common normal is not to be trusted, 0.01 contactDistance for
+// corners that are one. With a third and three times of these, boxes that land tipped, slide over each other, and are aside by as
+// much as such corners, an arch and a ball of small triangles have the same heights and tilts to 1e-11. How far friction turns
+// a box about the normal depends on which of such places carry: by up to 15 % of the turn and 1 % of the slide where corners are one
+// or not, and by a fifth of the 2e-3 rad of a landing where rims at 0.3 rad are taken for nearly parallel ones.
 #pragma once
 #include <limits>
 #include <span>

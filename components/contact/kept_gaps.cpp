@@ -163,7 +163,7 @@ KeptGap::Turns KeptGap::turns(const BarrierLaw& law, const std::vector<Vec3>& x)
 
 void KeptGaps::compile(const BarrierLaw& law, double tolerated, const std::vector<char>& rigid) {
   tolerated_ = tolerated;
-  flush_.compile(law.surfaces, rigid);
+  flush_.compile(law.surfaces, rigid), rigid_ = rigid;
   bodies_.clear();
   for (const Surfaces::Body& body : law.surfaces.bodies()) {
     bodies_.emplace_back();
@@ -203,6 +203,7 @@ void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways)
     const FourPoints points = law.candidates.pointsOf(*gap.pair, start_);
     gap.is_parallel = isOfParallelEdges(*gap.pair, points);
     gap.is_aligned = gap.is_parallel && leastOfParallel(points) >= 0;
+    gap.is_rigid = rigid_[std::size_t(law.surfaces.bodyOf(gap.v[0]))] && rigid_[std::size_t(law.surfaces.bodyOf(gap.v[3]))];
   }
   gap.place(law, start_);
   gap.acts = gap.gap < rounding * law.range;

@@ -32,6 +32,7 @@ struct KeptGap {
   bool is_parallel = false;                 ///< of edges that have a condition only at a corner of such faces
   bool is_aligned = false;  ///< so much that their closest points cost 113 bits: `start` is a lower bound, and n is near enough
   bool has_way_across = true;  ///< else `across` is still to be found
+  bool is_rigid = false;       ///< of rigid bodies or obstacles
   // where conditions were last looked at
   std::array<double, 4> c{};
   Vec3 n = Vec3::Zero(), tangent = Vec3::Zero();
@@ -124,6 +125,7 @@ class KeptGaps {
   std::vector<double> first_;  ///< of each vertex, the part of its way to its first touch; above 1: none
   std::vector<Key> keys_;
   FlushFaces flush_;
+  std::vector<char> rigid_;  ///< of each body
   double way_ = 0, unproved_ = 0, tolerated_ = 0;
   const Candidate* not_free_ = nullptr;
 };

@@ -16,7 +16,7 @@ void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3
   for (const KeptGap& gap : gaps.all()) {
     const auto kindOf = [&gap](LagrangianRows::Kind kind) { return gap.counts ? kind : LagrangianRows::Kind::given; };
     rows.begin(kindOf(LagrangianRows::Kind::push), gap.gap);
-    add(gap, gap.n);
+    if (!gap.is_bound || !gap.is_rigid) add(gap, gap.n);  // rigid bodies are in no condensed one
     const bool turns_alone = gap.counts && gap.flush == KeptGap::Flush::no;  // faces that lie flat turn with their bodies
     const KeptGap::Turns turns = turns_alone ? gap.turns(law, x) : KeptGap::Turns();
     for (std::size_t t = 0; t < std::size_t(turns.count); ++t) {
