@@ -97,8 +97,8 @@ TEST(ClosedForms, FlatPunch) {
   EXPECT_LT(std::abs((h * fine - smaller * coarse) / (h - smaller)), 0.015) << "what is left for cells without size";
 }
 
-/// The force on a punch of radius 1 whose rim lies on nodes, over that of a half-space, 2 E* a D. The body is a sector of 5 degrees with one
-/// cell around, free to slide on its two sides; cells are as small as h at the rim and grow by a fifth each. SI units.
+/// The force on a punch of radius 1 whose rim lies on nodes, over that of a half-space, 2 E* a D. The body is a sector of 5 degrees with
+/// one cell around, free to slide on its two sides; cells are as small as h at the rim and grow by a fifth each. SI units.
 double sectorPunch(double h) {
   constexpr double angle = 5 * M_PI / 180, growth = 1.2, far = 60, axis = 1e-3, depth = 0.01, range = depth / 4, young = 1e4, nu = 0.3;
   std::vector<double> r;
