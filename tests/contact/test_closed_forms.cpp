@@ -97,6 +97,61 @@ TEST(ClosedForms, FlatPunch) {
   EXPECT_LT(std::abs((h * fine - smaller * coarse) / (h - smaller)), 0.015) << "what is left for cells without size";
 }
 
+/// The force on a punch of radius 1 whose rim lies on nodes, over that of a half-space, 2 E* a D. The body is a sector of 5 degrees with
+/// one cell around, free to slide on its two sides; cells are as small as h at the rim and grow by a fifth each. SI units.
+double sectorPunch(double h) {
+  constexpr double angle = 5 * M_PI / 180, growth = 1.2, far = 60, axis = 1e-3, depth = 0.01, range = depth / 4, young = 1e4, nu = 0.3;
+  std::vector<double> r;
+  const auto grow = [&](double total) {
+    std::vector<double> all{0};
+    for (double step = h; all.back() < total; step *= growth) all.push_back(all.back() + step);
+    const double end = all.back();
+    for (double& each : all) each *= total / end;
+    return all;
+  };
+  const std::vector<double> inwards = grow(1 - axis), z = grow(far);
+  for (std::size_t i = inwards.size(); i-- > 0;) r.push_back(1 - inwards[i]);
+  for (std::size_t i = 1; i < z.size(); ++i) r.push_back(1 + z[i]);
+  const int n = int(r.size()), m = int(z.size());
+  std::string positions, cells, right, left, bottom;
+  const auto node = [&](int i, int side, int k) { return side + 2 * (i + n * k); };
+  for (int k = 0; k < m; ++k)
+    for (int i = 0; i < n; ++i)
+      for (int side = 0; side < 2; ++side) {
+        const double y = (side == 0 ? -1 : 1) * r[std::size_t(i)] * std::sin(angle / 2);
+        positions += fmt::format("{} {} {}  ", r[std::size_t(i)] * std::cos(angle / 2), y, -z[std::size_t(m - 1 - k)]);
+        (k == 0 ? bottom : side == 0 ? right : left) += fmt::format("{} ", node(i, side, k));
+        if (side == 0 && i + 1 < n && k + 1 < m)
+          cells += fmt::format("{} {} {} {} {} {} {} {}  ", node(i, 0, k), node(i + 1, 0, k), node(i + 1, 1, k), node(i, 1, k),
+                               node(i, 0, k + 1), node(i + 1, 0, k + 1), node(i + 1, 1, k + 1), node(i, 1, k + 1));
+      }
+  const double s = std::sin(angle / 2), c = std::cos(angle / 2);
+  Simulation simulation = simulationFromText(contactScene(
+      fmt::format("<MeshTopology name=\"mesh\" position=\"{}\" hexahedra=\"{}\"/><MechanicalObject name=\"dofs\"/>"
+                  "<UniformMass totalMass=\"1\"/><HexahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"{}\"/>"
+                  "<FixedPlaneProjectiveConstraint indices=\"{}\" direction=\"{} {} 0\"/>"
+                  "<FixedPlaneProjectiveConstraint indices=\"{}\" direction=\"{} {} 0\"/>"
+                  "<FixedProjectiveConstraint indices=\"{}\"/>"
+                  "<BarrierContact contactDistance=\"{}\" stiffness=\"{}\" selfContact=\"0\" boxes=\"-1 -9 {} {} 9 3\" "
+                  "keyTimes=\"0 1\" movements=\"0 0 0  0 0 {}\"/>",
+                  positions, cells, young, nu, right, -s, -c, left, -s, c, bottom, range, 1e3 * young, 1.01 * range,
+                  c * (1 + 1e-9), -(depth + 0.014 * range)),
+      1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-6\"/>"));
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.newton_converged) << report.reason;
+  const double force = -2 * M_PI / angle * numbersOf(simulation, "wrenches")[2];
+  return force / (2 * young / (1 - nu * nu) * depth) * (1 - 2 * std::abs(layerFactor(nu)) / (M_PI * far));
+}
+
+/// The pressure at the rim is infinite, so that the error falls with the cells there alone.
+TEST(ClosedForms, APunchConvergesWithTheCellsAtItsRim) {
+  const double coarse = sectorPunch(1. / 16) - 1, fine = sectorPunch(1. / 32) - 1, finest = sectorPunch(1. / 64) - 1;
+  RecordProperty("error of the force, 1/16, 1/32 and 1/64 of the radius", fmt::format("{:.4f} {:.4f} {:.4f}", coarse, fine, finest));
+  EXPECT_LT(std::abs(coarse), 0.02);
+  EXPECT_LT(std::abs(fine), 0.6 * std::abs(coarse));
+  EXPECT_LT(std::abs(finest), 0.6 * std::abs(fine));
+}
+
 /// A cone of half angle q, F = (2/pi) E* tan q D^2 with a = (2/pi) D tan q on a half-space (Love 1939, Sneddon 1965). The layer shows a
 /// half-space pressed by |alpha_0| F/(pi E* H) more than D. It is blunt: the closed form leaves out how places below it move inwards.
 TEST(ClosedForms, Cone) {
