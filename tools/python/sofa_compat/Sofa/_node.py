@@ -527,6 +527,8 @@ class Node(Base):
 
 def _followed(thing, data, value):
     """Links as text: what they lead to now, wherever the tree is put later. What they do not reach yet stays text."""
+    if isinstance(value, (list, tuple)) and any(_values.is_link_text(each) for each in value):
+        return [_followed(thing, data, each) for each in value]
     if not isinstance(value, str) or not value.lstrip().startswith("@"):
         return value
     found = []
