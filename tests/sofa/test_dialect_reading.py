@@ -610,6 +610,17 @@ def templates_that_do_not_fit_are_told():
 
 
 @case
+def typos_of_what_becomes_another_part():
+    """Gravity, a damper after a solver and a loop of several steps are no components here."""
+    run = Run(root('<MultiStepAnimationLoop integrationStep="4"/><Gravity gravty="0 -10 0" printLog="1"/><EulerImplicitSolver/>'
+                   '<DampVelocitySolver rat="3"/><SparseLDLSolver/>' + BODY), 1)
+    run.says("/Gravity1.gravty: Gravity has no attribute 'gravty'", "did you mean 'gravity'?", "no attribute 'rat'", "did you mean 'rate'?",
+             "no attribute 'integrationStep'", "did you mean 'integrationSteps'?")
+    assert "printLog: Gravity" not in run.text
+    agree(run.x()[:, 1], [0, 0])
+
+
+@case
 def a_state_of_no_template_has_points():
     """Another one is taken where the one of the scene does not exist; those of a plug-in's own nodes are refused."""
     for word in ("vec3d", "Vec3d,Vec3d"):

@@ -174,10 +174,10 @@ void Rewriting::rewriteNode(Place& place) {
     return drops;
   });
   for (const auto& element : place.elements) {
+    tellUnread(*element);
     if (!element->is("Gravity")) continue;
     std::erase_if(attributes, [](const AttributeDescription& attribute) { return attribute.name == "gravity"; });
-    const std::string value = element->find("gravity") ? element->text("gravity") : "0 0 0";
-    attributes.push_back({"gravity", value, element->written->where});
+    attributes.push_back({"gravity", element->find("gravity") ? element->text("gravity") : "0 0 0", element->written->where});
     element->dropped = true;
   }
   if (const AttributeDescription* activated = place.node->find("activated"); activated && saysNo(activated->value))

@@ -80,6 +80,7 @@ class Rewriting {
   bool keepsAttribute(Element& element, AttributeDescription& attribute);
   bool keepsValue(Element& element, Data& data, AttributeDescription& attribute);
   bool keepsUnknown(Element& element, const AttributeDescription& attribute);
+  void tellUnread(const Element& element);
   void rewriteTemplate(Element& element);
   void checkTemplate(const Element& element, const std::string& text);
 

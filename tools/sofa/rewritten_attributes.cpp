@@ -231,6 +231,21 @@ bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attri
   return false;
 }
 
+/// Of what becomes another part here: attributes that SOFA's component has not either.
+void Rewriting::tellUnread(const Element& element) {
+  static const std::map<std::string, std::vector<std::string>> read = {
+      {"Gravity", {"gravity"}},
+      {"DampVelocitySolver", {"rate", "threshold", "threadSafeVisitor"}},
+      {"MultiStepAnimationLoop", {"collisionSteps", "integrationSteps", "computeBoundingBox", "parallelODESolving"}}};
+  const auto names = read.find(element.written->type);
+  if (names == read.end()) return;
+  for (const AttributeDescription& attribute : element.written->attributes)
+    if (const std::string& name = attribute.name;
+        !contains(names->second, name) && !contains(commonAttributes(), name) && !isDrawing(name) && name != "template" && name != "name")
+      warn(attribute.where, element, name, element.written->type + " has no attribute " + inQuotes(name) + ": the scene runs without it",
+           nearest(name, names->second));
+}
+
 /// In the words of today: Rigid3 for Rigid, Rigid3d, CudaRigid3f and others.
 static std::string presentTemplate(std::string_view written) {
   std::string text(trimmed(written));

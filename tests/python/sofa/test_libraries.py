@@ -212,3 +212,36 @@ def test_what_a_stand_in_has_not_is_told(tmp_path):
                    f"    _scene_file.load({str(scene)!r})\nexcept Exception as e:\n    print(e)")
     for line, module, plugin in ((1, "softrobots.inverse.actuators", "SoftRobots"), (2, "stlib3.nothing", "STLIB")):
         assert f"scene.py:{line}: error: the module '{module}' is not found, the library of SOFA's plugin {plugin}" in done.stdout
+
+
+def test_a_prefab_makes_parts_of_its_body_rigid_before_it_has_a_parent(tmp_path):
+    """Links that it writes as a list of paths lead to what they named then, wherever it is put."""
+    import Sofa
+    from stlib3.physics.deformable import ElasticMaterialObject
+    from stlib3.physics.mixedmaterial import Rigidify
+
+    class Arm(Sofa.Prefab):
+        def init(self):
+            body = ElasticMaterialObject(volumeMeshFileName=bar(tmp_path / "bar.msh"), name="bar", totalMass=2.0)
+            self.addChild("elastic").addChild(body)
+            ends = [[i for i, place in enumerate(body.dofs.rest_position.value) if abs(place[0] - x) < 0.1] for x in (-1, 2)]
+            self.whole = Rigidify(self, body, name="whole", groupIndices=ends, frames=[[0, 0, 0], [0, 0, 0, 0, 0, 90]])
+            self.whole.RigidParts.addObject("FixedProjectiveConstraint", indices=0)
+
+    root = Sofa.Core.Node("root")
+    root.gravity = [0, -10, 0]
+    arm = root.addChild("modelling").addChild(Arm(name="arm"))
+    simulation = root.addChild("simulation")
+    simulation.addObject("EulerImplicitSolver")
+    simulation.addObject("SparseLDLSolver", template="CompressedRowSparseMatrixd")
+    simulation.addChild(arm.whole)
+    Sofa.Simulation.init(root)
+    frames = np.array(arm.whole.RigidParts.dofs.position.value)
+    np.testing.assert_allclose(frames, [[-1, 0.5, 0.5, 0, 0, 0, 1], [0, 0, 0, 0, 0, *np.sqrt([0.5, 0.5])]], atol=1e-12)
+    body = arm.whole.RigidParts.RigidifiedParticules.bar
+    start = np.array(body.dofs.position.value)
+    animate(root, 5)
+    moved = np.array(body.dofs.position.value) - start
+    assert np.abs(moved[start[:, 0] < -0.9]).max() < 1e-9 and moved[start[:, 0] > 1.9][:, 1].max() < -1e-5
+    ends = np.array(body.dofs.position.value)[start[:, 0] > 1.9]
+    np.testing.assert_allclose(np.linalg.norm(ends[0] - ends[-1]), np.sqrt(2), rtol=1e-12)

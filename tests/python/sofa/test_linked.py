@@ -3,6 +3,7 @@
 import math
 import re
 
+import numpy as np
 import pytest
 import Sofa
 from playing import SCENES, animate, run, started
@@ -88,3 +89,50 @@ def test_data_of_another_component_that_are_added_whole_are_the_programs_own(cap
     animate(root, 1)
     assert state.velocity.value[0] == pytest.approx([0.01, 0, 0], abs=1e-15)
     assert "pull" not in capfd.readouterr().err
+
+
+WAYS = ["objects", "paths", "tuple", "text", "relative", "assigned paths", "assigned values", "assigned text", "assigned objects", "set"]
+
+
+@pytest.mark.parametrize("place", ("below", "deep", "second parent"))
+@pytest.mark.parametrize("way", WAYS)
+def test_links_made_before_a_node_has_a_parent(way, place):
+    """Two bodies and points that follow both, in a part that is put into the tree, or of which a node alone is, when all is there."""
+    root, part = Sofa.Core.Node("root"), Sofa.Core.Node("part")
+    root.gravity, root.dt = [0, 0, -5], 0.01
+    sim = part.addChild("sim")
+    sim.addObject("EulerImplicitSolver")
+    sim.addObject("SparseLDLSolver")
+    a, b = (sim.addChild(name) for name in "ab")
+    first = a.addObject("MechanicalObject", name="dofs", position=[[0, 0, 0], [1, 0, 0]])
+    second = b.addObject("MechanicalObject", name="dofs", position=[[2, 0, 0]])
+    for node in (a, b):
+        node.addObject("UniformMass", totalMass=1)
+    both = a.addChild("both")
+    b.addChild(both)
+    dofs = both.addObject("MechanicalObject", name="dofs", position=[[0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    paths, own = [first.getLinkPath(), second.getLinkPath()], dofs.getLinkPath()
+    given = {"objects": dict(input=[first, second], output=dofs), "paths": dict(input=paths, output=own),
+             "tuple": dict(input=tuple(paths), output=[own]), "text": dict(input=" ".join(paths), output="@./dofs"),
+             "relative": dict(input=["@../../a/dofs", "@../../b/dofs"], output="@dofs")}.get(way, {})
+    mapping = both.addObject("SubsetMultiMapping", template="Vec3,Vec3", indexPairs=[0, 0, 0, 1, 1, 0], **given)
+    if way == "assigned paths":
+        mapping.input, mapping.output = paths, own
+    elif way == "assigned values":
+        mapping.input.value, mapping.output.value = paths, own
+    elif way == "assigned text":
+        mapping.input, mapping.output = " ".join(paths), own
+    elif way == "assigned objects":
+        mapping.input, mapping.output = [first, second], dofs
+    elif way == "set":
+        mapping.setDataValues(input=paths, output=own)
+    both.addObject("ConstantForceField", indices=[2], totalForce=[0, 0, 8])
+    {"below": root, "deep": root.addChild("x").addChild("y"), "second parent": root.addChild("z")}[place].addChild(
+        sim if place == "second parent" else part)
+    Sofa.Simulation.init(root)
+    for _ in range(3):
+        Sofa.Simulation.animate(root, root.dt.value)
+    fallen = 0.01**2 * 6
+    assert np.array(first.position.value)[:, 2] == pytest.approx([-5 * fallen] * 2)
+    assert np.array(second.position.value)[0, 2] == pytest.approx(3 * fallen)
+    assert np.array(dofs.position.value)[:, 2] == pytest.approx([-5 * fallen, -5 * fallen, 3 * fallen])

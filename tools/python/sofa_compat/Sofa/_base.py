@@ -228,7 +228,9 @@ class Base:
     def _s_write(self, data, value):
         if data._s_name == "name":
             return self.setName(value)
-        data._s_raw = value
+        from ._node import followed_paths
+
+        data._s_raw = followed_paths(self, data, value) if isinstance(value, (str, list, tuple)) and len(value) else value
         self._s_changed()
         return None
 

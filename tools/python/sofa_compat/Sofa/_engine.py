@@ -484,6 +484,7 @@ def load(root, mirror, time=None):
 
 def begin(root):
     """What comes before the engine: Python's objects are initialised, and may still change the scene."""
+    root._s_prefer_parents_here()
     _events.of_scene(root, "SimulationInitStartEvent")
     _events.call(root, "init")
     for each in _events.listeners(root):

@@ -515,6 +515,13 @@ class Node(Base):
         for child in list(self._s_children):
             yield from child._s_all_objects(seen)
 
+    def _s_prefer_parents_here(self):
+        """Of several parents those in this tree come first: paths and values are asked of the first, which may hang nowhere."""
+        nodes = list(self._s_all_nodes())
+        here = {id(node) for node in nodes}
+        for node in nodes:
+            node._s_parents.sort(key=lambda parent: id(parent) not in here)
+
     def _s_all_nodes(self, seen=None):
         seen = set() if seen is None else seen
         if id(self) in seen:
@@ -525,8 +532,16 @@ class Node(Base):
             yield from child._s_all_nodes(seen)
 
 
+def followed_paths(thing, data, value):
+    """The same of what is set later, for whole paths: others stay right where the tree is put somewhere."""
+    words = value if isinstance(value, (list, tuple)) else [value]
+    return _followed(thing, data, value) if all(isinstance(each, str) and each.lstrip().startswith("@/") for each in words) else value
+
+
 def _followed(thing, data, value):
     """Links as text: what they lead to now, wherever the tree is put later. What they do not reach yet stays text."""
+    if isinstance(value, (list, tuple)) and any(_values.is_link_text(each) for each in value):
+        return [_followed(thing, data, each) for each in value]
     if not isinstance(value, str) or not value.lstrip().startswith("@"):
         return value
     found = []
