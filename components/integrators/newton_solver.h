@@ -54,20 +54,27 @@ inline void declareForcing(DataTable& table, const char* name, NewtonSettings& s
       .max(1, false);
 }
 
-/// Steps that ended where they began with forces out of balance: an absolute threshold above the forces is met there.
-class UnmovedSteps {
+/// Steps that ended where they began with forces out of balance: an absolute threshold above the forces is met there. And an
+/// equilibrium near which the linear solver has found a direction without resistance: only factors of symmetric matrices look for one.
+class StaticDoubts {
  public:
   /// Forces that are round-off, as `hasForces` tells, need no balance.
   template <class HasForces>
   void note(const StepReport& report, const NewtonSettings& settings, const HasForces& hasForces) {
     const bool is_unmoved = !report.failed() && report.newton_iterations == 0;
+    if (report.newton_iterations > 0) is_unstable_ = report.newton_converged && report.linear_stop == SolveStop::not_definite;
     if (is_unmoved && settings.absolute_residual + settings.absolute_correction > 0 && hasForces())
       largest_ = std::max(largest_, report.newton_residual);
   }
-  void serialize(Archive& archive) { archive.value("unmoved", largest_); }
+  void serialize(Archive& archive) { archive.value("unmoved", largest_), archive.value("unstable", is_unstable_); }
   /// A sentence, or empty.
   std::string doubt(const std::string& path) const {
     constexpr double much = 0.03;
+    if (!(largest_ > much) && is_unstable_)
+      return fmt::format(
+          "{}: the equilibrium may be unstable, as a straight column beyond its buckling load: the stiffness of the last iteration has a "
+          "direction in which the body is pushed on. A small load from the side, or steps in time, show where it goes",
+          path);
     if (!(largest_ > much)) return {};
     return fmt::format(
         "{}: a step counts as solved where it began, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
@@ -76,7 +83,8 @@ class UnmovedSteps {
   }
 
  private:
-  double largest_ = 0;  ///< relative residual
+  double largest_ = 0;        ///< relative residual
+  bool is_unstable_ = false;  ///< of the last step that was solved
 };
 
 /// The role of a component that holds the settings of Newton's method for an integrator, and shows how it ended.

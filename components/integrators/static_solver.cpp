@@ -84,17 +84,17 @@ class StaticSolver final : public Integrator, public HeedsStepLimits, public Fin
   StepReport step(System& system, const StepContext& context) override;
   std::string describe() const override;
   bool movesInTime() const override { return false; }
-  std::string doubt() const override { return unmoved_.doubt(path()); }
+  std::string doubt() const override { return doubts_.doubt(path()); }
   void sceneChanged() override { is_checked_ = false, sleep_.wake(); }
   void stepTaken(const StepContext& context) override {
     if (!sleep_.stepTaken(context.dt)) exact_.stepTaken();
     conditioned_.stepTaken();
   }
   void reset() override {
-    exact_.reset(), sleep_.reset(), conditioned_.reset(), unmoved_ = {}, is_checked_ = false, exact_tangent_steps_ = 0;
+    exact_.reset(), sleep_.reset(), conditioned_.reset(), doubts_ = {}, is_checked_ = false, exact_tangent_steps_ = 0;
   }
   void serialize(Archive& archive) override {
-    exact_.serialize(archive), unmoved_.serialize(archive), sleep_.serialize(archive), conditioned_.serialize(archive);
+    exact_.serialize(archive), doubts_.serialize(archive), sleep_.serialize(archive), conditioned_.serialize(archive);
     archive.value("is_checked", is_checked_);
     archive.value("held", held_);
   }
@@ -127,7 +127,7 @@ class StaticSolver final : public Integrator, public HeedsStepLimits, public Fin
   bool is_checked_ = false;                ///< no body was free when something last changed
   long checked_revision_ = -1;             ///< of what held bodies then
   long held_ = 0;                          ///< directions of nodes, in the last step
-  UnmovedSteps unmoved_;
+  StaticDoubts doubts_;
   Sleep sleep_;
 };
 
@@ -236,7 +236,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.residual(force_);
   }
   report.unsolved = !report.newton_converged;
-  unmoved_.note(report, settings_, [&] { return norm(system.independent(system.f)) > 3 * problem_.roundOff().residual; });
+  doubts_.note(report, settings_, [&] { return norm(system.independent(system.f)) > 3 * problem_.roundOff().residual; });
   if (report.unsolved && !report.diverged)
     report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system, report);
   graph_.assign(newton_.history().begin(), newton_.history().end());

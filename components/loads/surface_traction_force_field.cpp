@@ -14,8 +14,8 @@
 // symmetric takes the symmetric part, which is approximate: Newton's method needs more iterations and finds the same
 // equilibrium.
 //
-// The traction is constant, or keyTractions at keyTimes and linear between them. Which faces: as in
-// SurfacePressureForceField.
+// The traction is constant, or keyTractions at keyTimes and linear between them. Loaded are the listed faces; without lists
+// those of the surface in the box from min to max at rest, as in SurfacePressureForceField.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">

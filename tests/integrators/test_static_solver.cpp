@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/support/ground_spring.h"
 #include "tests/support/scene_fixture.h"
@@ -310,6 +311,26 @@ TEST(StaticSolver, LooseSolvesWithAFormerFactorFindTheEquilibriumOfPlainNewton) 
   for (Index i = 0; i < a.count(); ++i) apart = std::max(apart, (Vec3(a[i]) - Vec3(b[i])).norm());
   EXPECT_LT(apart, 1e-6 * 0.0146);
   EXPECT_GT(apart, 0) << "the same arithmetic twice compares nothing";
+}
+
+/// A straight column, clamped at its foot, bears E I pi^2 / (2 l)^2; beyond that it stands, but would not stay.
+TEST(StaticSolver, AColumnBeyondItsBucklingLoadIsDoubted) {
+  constexpr double young = 1e5, width = 0.01, height = 0.2;
+  const double buckling = young * std::pow(width, 4) / 12 * std::pow(std::numbers::pi / (2 * height), 2);
+  for (const double part : {0.5, 2.}) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/><RegularGridTopology n="3 3 21" min="0 0 0"
+             max="0.01 0.01 0.2"/><MechanicalObject/><UniformMass totalMass="0.01"/><HexahedronHyperelasticityFEMForceField
+             materialName="NeoHookean" youngModulus="{}" poissonRatio="0"/><BoxROI name="foot" box="-1 -1 -1 1 1 1e-6"/>
+             <BoxROI name="top" box="-1 -1 0.1999 1 1 1"/><FixedProjectiveConstraint indices="@foot.indices"/>
+             <ConstantForceField indices="@top.indices" totalForce="0 0 {:.17g}"/></Node>)",
+        young, -part * buckling));
+    for (int step = 0; step < 2; ++step) {  // the second one has nothing to do, and changes nothing of that
+      EXPECT_TRUE(simulation.step().newton_converged);
+      const std::string doubt = simulation.systems()[0]->integrator().doubt();
+      EXPECT_EQ(doubt.find("may be unstable") != std::string::npos, part > 1) << part << " " << step << " " << doubt;
+    }
+  }
 }
 
 /// A tetrahedron of which one or two nodes are held: the axis goes through what is held, and has no round-off in it.
