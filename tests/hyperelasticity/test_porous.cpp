@@ -163,6 +163,23 @@ TEST(Porous, TangentHasThePressureThatFollows) {
   }
 }
 
+/// A product with the pressure that follows solves for the flow, and says that it costs as much more.
+TEST(Porous, ProductsCostTheFlowThatTheySolve) {
+  for (const PorousKind& kind : porousKinds())
+    for (const std::string& coupling : couplings) {
+      FieldUnderTest t(kind.body("permeability=\"1e-7\" coupling=\"" + coupling + "\""), kind.field);
+      t.rest();
+      const double before = t.field().cost().product;
+      t.field().setTime(0.02);
+      t.force();
+      const double flow = t.field().cost().product - before;
+      if (coupling == "implicit")
+        EXPECT_GE(flow, double(t.x.count())) << kind.name << ": numbers in the factor";
+      else
+        EXPECT_EQ(flow, 0) << kind.name;
+    }
+}
+
 /// Of a pressure that is there and does not change.
 TEST(Porous, ForceIsTheSlopeOfTheEnergy) {
   for (const PorousKind& kind : porousKinds()) {
