@@ -158,7 +158,7 @@ ForceField::Cost PorousForceField::cost() const {
   const porous::PorousElements::Cost one = elements_->cost();
   if (!isCoupled()) return {one.product * cells, one.assembly * cells};
   // without a dense matrix only products have the whole coupling
-  return {one.product * cells + 60 * nodes, dense_ ? one.assembly * cells + nodes * nodes * nodes : 1e30};
+  return {one.product * cells + 60 * nodes + flow_.solveCost(), dense_ ? one.assembly * cells + nodes * nodes * nodes : 1e30};
 }
 
 ForceTraits PorousForceField::traits() const {

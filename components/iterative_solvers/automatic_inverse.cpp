@@ -2,6 +2,7 @@
 #include "components/iterative_solvers/automatic_inverse.h"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -150,7 +151,10 @@ void AutomaticInverse::followDrifts(SystemMatrix& matrix) {
 int AutomaticInverse::patience() const {
   constexpr int usual = 100, most_times = 3;
   if (by_blocks_) return int(most_times * std::max<double>(usual, now_.rates[at(Way::block_jacobi)] * decades()));
-  return now_.way == Way::factors ? factors_->patience() : ApproximateInverse::patience();
+  if (now_.way != Way::factors) return ApproximateInverse::patience();
+  // what new factors would take is no reason to make them
+  const double fresh = now_.fresh_rate * std::log10(std::max(1.0, start_ / target_));
+  return int(std::min(factors_->patience() + fresh, double(std::numeric_limits<int>::max())));
 }
 
 bool AutomaticInverse::giveUp() {

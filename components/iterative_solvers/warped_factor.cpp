@@ -2,6 +2,7 @@
 #include "components/iterative_solvers/warped_factor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -98,7 +99,7 @@ bool WarpedFactor::renew(SystemMatrix& matrix, SolveReport& report, StopToken st
   now_.factor_seconds = factors_->cost().factor;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
   now_.spent = renewal_ == Renewal::clock ? took.count() : now_.factor_seconds;
-  now_.solves = now_.served = 0;
+  now_.gained = 0, now_.served = 0;
   start_ = std::chrono::steady_clock::now();
   return true;
 }
@@ -160,7 +161,8 @@ void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   archive.value("iteration_seconds", now_.iteration_seconds);
   archive.value("factor_seconds", now_.factor_seconds);
   archive.value("spent", now_.spent);
-  archive.value("solves", now_.solves);
+  archive.value("rough_rate", now_.rough_rate);
+  archive.value("gained", now_.gained);
   archive.value("served", now_.served);
   archive.value("at_once", now_.at_once);
   archive.value("failures", now_.failures);
@@ -192,13 +194,23 @@ void WarpedFactor::solved(const SolveReport& report) {
   const int iterations = report.iterations;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
   const double cost = renewal_ == Renewal::clock ? took.count() : iterations * now_.iteration_seconds;
+  const double decades = std::clamp(-std::log10(std::max(report.relative_residual, 1e-16)), 0.0, 16.0), gained = 1 + decades;
   now_.spent += cost;
-  ++now_.solves;
-  // a factor of the very matrix that needs this many is ill-conditioned beyond single precision
-  constexpr int most_of_a_fresh_factor = 20;
-  if (now_.fresh && iterations > most_of_a_fresh_factor) now_.rough = false;
+  now_.gained += gained;
+  if (now_.fresh) judgePrecision(iterations, iterations / std::max(1.0, decades));
   if (!now_.fresh && report.stop != SolveStop::iteration_limit) now_.failures = 0;
-  now_.renew = renewal_ != Renewal::never && !now_.fresh && cost > now_.spent / now_.solves;
+  now_.renew = renewal_ != Renewal::never && !now_.fresh && cost / gained > now_.spent / now_.gained;
+}
+
+/// Factors of the very matrix that need many iterations may be those of a matrix that is ill-conditioned beyond single precision, or
+/// products have terms that are not in it. Then double precision helps as little, and costs more.
+void WarpedFactor::judgePrecision(int iterations, double rate) {
+  constexpr int most_of_a_fresh_factor = 20;
+  constexpr double helps = 0.7;
+  if (now_.rough && now_.rough_rate == 0 && iterations > most_of_a_fresh_factor)
+    now_.rough = false, now_.rough_rate = rate;
+  else if (!now_.rough && rate > helps * now_.rough_rate)
+    now_.rough = true;
 }
 
 DirectSolver& factorSource(const Component& user, const Link<DirectSolver>& link) {

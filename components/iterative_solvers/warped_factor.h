@@ -16,8 +16,9 @@ namespace stroma {
 /// R_i is the rotation nearest to sum_j (x_j - x_i)(X_j - X_i)^T over the neighbours j of node i in the graph of A_0,
 /// X the positions when A_0 was factored. Without positions R = I.
 ///
-/// The factors are renewed when a solve cost more than the solves since the last factorisation on average, the
-/// factorisation included: to go on would raise that average. A solve that takes longer than a factorisation is given up for
+/// The factors are renewed when a solve cost more than the solves since the last factorisation on average, the factorisation
+/// included: to go on would raise that average. It is one for a decade of the residual and for what comes before the first, as loose
+/// solves and others may take turns. A solve that takes longer than a factorisation is given up for
 /// one. Where that happens to the first matrix after a factorisation, the next ones are factored at once: two, and up to sixteen
 /// where it happens again. Blocks that come and go in the pattern, as pairs in contact do, count as other values.
 class WarpedFactor final : public ApproximateInverse {
@@ -65,6 +66,7 @@ class WarpedFactor final : public ApproximateInverse {
   bool renew(SystemMatrix& matrix, SolveReport& report, StopToken stop);
   bool makeAgain(SolveReport& report, StopToken stop);
   void noteRotations();
+  void judgePrecision(int iterations, double rate);
 
   /// Where the factors were made.
   struct Origin {
@@ -81,10 +83,11 @@ class WarpedFactor final : public ApproximateInverse {
     bool fresh = false;  ///< the last follow() factored
     bool turned = false;
     bool rough = true;             ///< factors are applied in single precision
+    double rough_rate = 0;         ///< iterations for a decade when that was given up; 0: it was not
     double iteration_seconds = 0;  ///< estimate of one product and one application
     double factor_seconds = 0;     ///< of a factorisation
     double spent = 0;              ///< seconds since the last factorisation, with it
-    int solves = 0;                ///< since then
+    double gained = 0;             ///< since then: decades, and one for each solve
     int served = 0;                ///< matrices since then
     int at_once = 0;               ///< matrices that are to be factored without a trial
     int failures = 0;              ///< of factors with the first matrix after their own, in a row

@@ -163,6 +163,20 @@ TEST(Porous, TangentHasThePressureThatFollows) {
   }
 }
 
+/// A product with the pressure that follows solves for the flow, and says that it costs as much more.
+TEST(Porous, ProductsCostTheFlowThatTheySolve) {
+  constexpr double each_node = 60, least_each_node = 1.45;  // of a factor with its diagonal alone
+  for (const PorousKind& kind : porousKinds()) {
+    const auto cost = [&](const std::string& coupling) {
+      FieldUnderTest t(kind.body("permeability=\"1e-7\" coupling=\"" + coupling + "\""), kind.field);
+      t.rest();
+      t.field().setTime(0.02);
+      return t.field().cost().product / double(t.x.count());
+    };
+    EXPECT_GT(cost("implicit") - cost("semi_implicit"), each_node + least_each_node) << kind.name;
+  }
+}
+
 /// Of a pressure that is there and does not change.
 TEST(Porous, ForceIsTheSlopeOfTheEnergy) {
   for (const PorousKind& kind : porousKinds()) {
