@@ -9,6 +9,8 @@ import subprocess
 import sys
 import tempfile
 
+# The liver's fluid has not left its first cells before, which is told.
+STEPS = {"liver.xml": "5"}
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
 
 
@@ -27,7 +29,7 @@ def main():
         if name not in listed:
             problems.append(f"{name}: is not in scenes/regression/list")
         with tempfile.TemporaryDirectory() as folder:
-            for arguments in (["check", scene], ["run", scene, "-n", "2", "--quiet"]):
+            for arguments in (["check", scene], ["run", scene, "-n", STEPS.get(name, "2"), "--quiet"]):
                 result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=folder, timeout=600)
                 if result.returncode != 0 or "warning" in result.stderr + result.stdout:
                     problems.append(f"{name}: stroma {arguments[0]} ended with {result.returncode}\n"
