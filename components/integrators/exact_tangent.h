@@ -111,6 +111,15 @@ class ExactTangent {
   double most_iterations_ = 0, kept_most_ = 0;  ///< see limitIterations(); 0: it is on because the other one failed
 };
 
+/// Whether the matrix of a system is the derivative of its forces, and symmetric.
+inline bool hasExactTangents(const System& system) {
+  const auto& fields = system.forceFields();
+  return std::all_of(fields.begin(), fields.end(), [](const ForceField* field) {
+    const auto traits = field->traits();
+    return traits.exact_tangent && traits.symmetric;
+  });
+}
+
 /// What an iteration of Newton's method costs with the present tangents, in nanoseconds for each iteration of a linear solve;
 /// products are of the elements or of an assembled matrix, whichever cost less. For ratios.
 inline double costOfIteration(const System& system) {

@@ -54,37 +54,51 @@ inline void declareForcing(DataTable& table, const char* name, NewtonSettings& s
       .max(1, false);
 }
 
-/// Steps that ended where they began with forces out of balance: an absolute threshold above the forces is met there. And an
-/// equilibrium near which the linear solver has found a direction without resistance: only factors of symmetric matrices look for one.
+/// What is told of static steps that count as solved: those that ended where they began with forces out of balance, because an
+/// absolute threshold lies above the forces; and equilibria where the stiffness has a direction in which the body is pushed on.
 class StaticDoubts {
  public:
   /// Forces that are round-off, as `hasForces` tells, need no balance.
   template <class HasForces>
-  void note(const StepReport& report, const NewtonSettings& settings, const HasForces& hasForces) {
+  void noteUnmoved(const StepReport& report, const NewtonSettings& settings, const HasForces& hasForces) {
     const bool is_unmoved = !report.failed() && report.newton_iterations == 0;
-    if (report.newton_iterations > 0) is_unstable_ = report.newton_converged && report.linear_stop == SolveStop::not_definite;
     if (is_unmoved && settings.absolute_residual + settings.absolute_correction > 0 && hasForces())
       largest_ = std::max(largest_, report.newton_residual);
   }
-  void serialize(Archive& archive) { archive.value("unmoved", largest_), archive.value("unstable", is_unstable_); }
-  /// A sentence, or empty.
+  /// Factors of symmetric matrices find such a direction. It means something close to the equilibrium, and where the stiffness is
+  /// the derivative of the forces. `residuals` [N]: of each iteration of the step that ends at t.
+  void noteStability(const StepReport& report, bool is_derivative, const std::vector<double>& residuals, double t) {
+    constexpr double close = 0.01;
+    if (!report.newton_converged || report.linear_stop != SolveStop::not_definite || !is_derivative) return;
+    const bool is_close = residuals.size() > 1 && residuals[residuals.size() - 2] < close * residuals.front();
+    if (is_close && unstable_++ == 0) first_unstable_ = t;
+  }
+  void serialize(Archive& archive) {
+    archive.value("unmoved", largest_);
+    archive.value("unstable", unstable_);
+    archive.value("first_unstable", first_unstable_);
+  }
+  /// A sentence for each, or empty.
   std::string doubt(const std::string& path) const {
     constexpr double much = 0.03;
-    if (!(largest_ > much) && is_unstable_)
-      return fmt::format(
-          "{}: the equilibrium may be unstable, as a straight column beyond its buckling load: the stiffness of the last iteration has a "
-          "direction in which the body is pushed on. A small load from the side, or steps in time, show where it goes",
-          path);
-    if (!(largest_ > much)) return {};
-    return fmt::format(
-        "{}: a step counts as solved where it began, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
-        "method is above them",
-        path, 100 * largest_);
+    std::string unmoved, unstable;
+    if (largest_ > much)
+      unmoved = fmt::format(
+          "{}: a step counts as solved where it began, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
+          "method is above them",
+          path, 100 * largest_);
+    if (unstable_ > 0)
+      unstable = fmt::format(
+          "{}: the equilibrium of {}, at t = {:g} s first, may be unstable, as a straight column beyond its buckling load: the stiffness "
+          "has a direction in which the body is pushed on. A small load from the side, or steps in time, show where it goes",
+          path, unstable_ == 1 ? "a step" : fmt::format("{} steps", unstable_), first_unstable_);
+    return unmoved + (unmoved.empty() || unstable.empty() ? "" : ". ") + unstable;
   }
 
  private:
-  double largest_ = 0;        ///< relative residual
-  bool is_unstable_ = false;  ///< of the last step that was solved
+  double largest_ = 0;         ///< relative residual of what did not move
+  int unstable_ = 0;           ///< steps
+  double first_unstable_ = 0;  ///< [s]
 };
 
 /// The role of a component that holds the settings of Newton's method for an integrator, and shows how it ended.

@@ -236,7 +236,8 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.residual(force_);
   }
   report.unsolved = !report.newton_converged;
-  doubts_.note(report, settings_, [&] { return norm(system.independent(system.f)) > 3 * problem_.roundOff().residual; });
+  doubts_.noteStability(report, hasExactTangents(system), newton_.history(), context.t + context.dt);
+  doubts_.noteUnmoved(report, settings_, [&] { return norm(system.independent(system.f)) > 3 * problem_.roundOff().residual; });
   if (report.unsolved && !report.diverged)
     report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system, report);
   graph_.assign(newton_.history().begin(), newton_.history().end());

@@ -42,7 +42,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "components/integrators/energy_watch.h"
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/sleep.h"
@@ -60,15 +59,13 @@ class VariationalSymplecticSolver final : public Integrator {
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext& context) override {
-    energy_.stepTaken();
     if (sleep_.stepTaken(context.dt)) return;
     potential_ = new_potential_;
     started_ = true;
     if (goes_by_positions_) copy(new_momentum_, momentum_), copy(new_velocity_, left_velocity_), has_momentum_ = true;
     implicit_.stepTaken();
   }
-  void sceneChanged() override { sleep_.wake(), energy_.forget(); }
-  std::string doubt() const override { return energy_.doubtOfSteps(path()); }
+  void sceneChanged() override { sleep_.wake(); }
   bool keepsEnergy() const override { return !goes_by_positions_ || is_explicit_; }
   std::string describe() const override {
     if (goes_by_positions_ && !is_explicit_)
@@ -78,11 +75,10 @@ class VariationalSymplecticSolver final : public Integrator {
   }
   void reset() override {
     started_ = has_momentum_ = false;
-    implicit_.reset(), sleep_.reset(), energy_.forget();
+    implicit_.reset(), sleep_.reset();
   }
   void serialize(Archive& archive) override {
-    is_explicit_ ? energy_.serialize(archive) : implicit_.serialize(archive);
-    sleep_.serialize(archive);
+    implicit_.serialize(archive), sleep_.serialize(archive);
     archive.value("started", started_);
     archive.value("potential", potential_);
     if (!goes_by_positions_) return;
@@ -103,7 +99,6 @@ class VariationalSymplecticSolver final : public Integrator {
   ImplicitStep implicit_;
   ExplicitStep explicit_;
   Sleep sleep_;
-  EnergyWatch energy_;
   bool by_positions_ = false, goes_by_positions_ = false;  ///< as it is asked for, and as it is
   Vector momentum_, new_momentum_;  ///< p and p1 [kg m/s], shape (independentRows()); only goes_by_positions_
   Vector left_velocity_, new_velocity_;  ///< v that the last step, and this one, ended with
@@ -151,7 +146,7 @@ void VariationalSymplecticSolver::init() {
 
 void VariationalSymplecticSolver::compile(System& system) {
   start_.resize(system.independentRows());
-  sleep_.compile(system), energy_.compile(system, is_explicit_);
+  sleep_.compile(system);
   if (computes_hamiltonian_ && incremental_) system.requestForce();
   if (!is_explicit_) {
     implicit_.compile(*this, system);
@@ -181,7 +176,6 @@ void VariationalSymplecticSolver::compile(System& system) {
 }
 
 StepReport VariationalSymplecticSolver::step(System& system, const StepContext& context) {
-  energy_.stepBegins();
   if (sleep_.passesOver(context)) {
     if (computes_hamiltonian_) hamiltonian_ = potential_;
     return {};

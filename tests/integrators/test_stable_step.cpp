@@ -59,8 +59,7 @@ TEST(StableStep, OfAnOscillatorIsItsClosedForm) {
 TEST(StableStep, ARunThatGainedEnergySaysSo) {
   const std::string spring = R"(<MechanicalObject position="0 0 0 1.1 0 0"/><UniformMass vertexMass="2"/>
     <SpringForceField springsIndices1="0" springsIndices2="1" stiffness="800" lengths="1" damping="0"/>)";
-  for (const std::string integrator : {"EulerExplicitSolver", "CentralDifferenceSolver", "RungeKutta4Solver", "NewtonCotesSolver",
-                                       "VariationalSymplecticSolver explicitIntegration=\"true\""})
+  for (const std::string integrator : {"EulerExplicitSolver", "CentralDifferenceSolver", "RungeKutta4Solver", "NewtonCotesSolver"})
     for (const double angle : {0.6, 4.}) {  // h w
       Simulation simulation = simulationFromText(
           fmt::format(R"(<Node name="root" dt="{}" gravity="0 -9.81 0"><{}/>{}<FixedProjectiveConstraint indices="0"/></Node>)",

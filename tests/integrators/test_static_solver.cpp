@@ -333,6 +333,28 @@ TEST(StaticSolver, AColumnBeyondItsBucklingLoadIsDoubted) {
   }
 }
 
+/// The stiffness of a pressure that turns with its face is kept symmetric: it is not the derivative of the forces, and has
+/// unstable directions where a bar is pulled. What was unstable is told though the last step is not.
+TEST(StaticSolver, OnlyEquilibriaThatAreUnstableAreDoubted) {
+  const auto doubtOf = [](const std::string& load, int steps) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/><RegularGridTopology name="grid" n="3 3 21"
+             min="0 0 0" max="0.01 0.01 0.2"/><MechanicalObject/><UniformMass totalMass="0.01"/>
+             <HexahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="1e5" poissonRatio="0"/>
+             <BoxROI name="foot" box="-1 -1 -1 1 1 1e-6"/><BoxROI name="top" box="-1 -1 0.1999 1 1 1"/>
+             <FixedProjectiveConstraint indices="@foot.indices"/>{}</Node>)",
+        load));
+    for (int step = 0; step < steps; ++step) EXPECT_TRUE(simulation.step().newton_converged);
+    return simulation.systems()[0]->integrator().doubt();
+  };
+  EXPECT_EQ(doubtOf(R"(<SurfacePressureForceField min="-1 -1 0.1999" max="1 1 1" pressure="1000"/>)", 1), "");
+  EXPECT_EQ(doubtOf(R"(<SurfacePressureForceField min="-1 -1 0.1999" max="1 1 1" pressure="200"/>)", 1), "");
+  const std::string unloaded = R"(<LinearForceField indices="@top.indices" times="0 1 2 3 4 5"
+                                    forces="0 0 0 0 0 -1.1e-3 0 0 -1.1e-3 0 0 -1.1e-3 0 0 -1.1e-3 0 0 -1e-4"/>)";
+  const std::string doubt = doubtOf(unloaded, 5);
+  EXPECT_NE(doubt.find("the equilibrium of a step, at t = 1 s first, may be unstable"), std::string::npos) << doubt;
+}
+
 /// A tetrahedron of which one or two nodes are held: the axis goes through what is held, and has no round-off in it.
 TEST(StaticSolver, ABodyHeldAtANodeOrALineTurnsAboutIt) {
   const auto reason = [](const std::string& held) {
