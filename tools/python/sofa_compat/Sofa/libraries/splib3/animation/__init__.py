@@ -56,22 +56,23 @@ class AnimationManagerController(Sofa.Core.Controller):
         self.animations.append(animation)
 
     def removeAnimation(self, animation):
-        self.animations.remove(animation)
+        """Also from a callback: one that has ended, or is taken out twice, is gone all the same."""
+        if animation in self.animations:
+            self.animations.remove(animation)
 
     def clearAnimations(self):
         self.animations = []
 
     def onAnimateBeginEvent(self, event):
         self.totalTime += self.node.getRoot().dt.value
-        began, self.animations = self.animations, []  # those that a callback starts come after
-        going = []
-        for each in began:
+        tried = {}  # what a callback starts has its first factor in the same step; none has two of them
+        while (each := next((one for one in self.animations if id(one) not in tried), None)) is not None:
+            tried[id(each)] = each
             each.update(self.totalTime)
-            if each.goesOn():
-                going.append(each)
-            elif each.onDone is not None:
-                each.doOnDone(self.totalTime)
-        self.animations = going + self.animations
+            if each in self.animations and not each.goesOn():
+                self.animations.remove(each)
+                if each.onDone is not None:
+                    each.doOnDone(self.totalTime)
 
 
 def AnimationManager(node):
