@@ -220,6 +220,10 @@ def program(text, **environment):
 def test_old_names_are_the_same_modules():
     done = program(PROGRAM)
     assert done.returncode == 0, done.stderr
+    never = "in SOFA's Python 3 they never would"
+    assert done.stderr.count(never) == 1, "nothing adds the manager"
+    added = program(PROGRAM.replace("Sofa.Simulation.init(root)", "root.addObject(splib3.animation.manager)\nSofa.Simulation.init(root)"))
+    assert added.returncode == 0 and never not in added.stderr, added.stderr
     assert "the library stlib3 of SOFA's plugin STLIB is not on PYTHONPATH: functions of its names come with Stroma" in done.stderr
 
 

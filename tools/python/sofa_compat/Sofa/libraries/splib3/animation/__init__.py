@@ -2,7 +2,7 @@
 """Functions of a factor from 0 to 1 over a time: animate(onUpdate, params, duration, mode, onDone)."""
 import Sofa
 import Sofa.Core
-from Sofa import _libraries
+from Sofa import _libraries, _messages
 
 _libraries.same_module(__name__, "animate")
 manager = None
@@ -51,6 +51,7 @@ class AnimationManagerController(Sofa.Core.Controller):
         self.name = "AnimationManager"
         self.node = args[0]
         self.totalTime, self.animations = 0.0, []
+        self.placed_here = None  # until an animation runs, when it was put in the node by AnimationManager()
 
     def addAnimation(self, animation):
         self.animations.append(animation)
@@ -65,6 +66,11 @@ class AnimationManagerController(Sofa.Core.Controller):
 
     def onAnimateBeginEvent(self, event):
         self.totalTime += self.node.getRoot().dt.value
+        if self.animations and self.placed_here is not None:
+            if self.placed_here == self._s_order:  # the scene has not added it again
+                _messages.note("animations run, though the scene adds their manager to no node: in SOFA's Python 3 they never would, "
+                               "without addObject(AnimationManager(root))")
+            self.placed_here = None
         tried = {}  # what a callback starts has its first factor in the same step; none has two of them
         while (each := next((one for one in self.animations if id(one) not in tried), None)) is not None:
             tried[id(each)] = each
@@ -84,6 +90,7 @@ def AnimationManager(node):
         return manager
     manager = AnimationManagerController(node)
     node.addObject(manager)
+    manager.placed_here = manager._s_order
     return manager
 
 
