@@ -308,10 +308,15 @@ std::vector<double> CondensedBody::masses() const {
   return result;
 }
 
+/// Of several masses of a node the mean of their rates, by mass.
 std::vector<double> CondensedBody::massDamping() const {
-  std::vector<double> all(std::size_t(system_->allRows()), 0.0), result;
+  std::vector<double> all(std::size_t(system_->allRows()), 0.0), weights = all, result;
   for (const Mass* mass : system_->masses())
-    for (std::size_t i = 0; i < mass->lumped().size(); ++i) all[(mass->state().firstRow()) + i] = mass->rayleigh_mass;
+    for (std::size_t i = 0; i < mass->lumped().size(); ++i) {
+      const std::size_t row = std::size_t(mass->state().firstRow()) + i;
+      weights[row] += mass->lumped()[i];
+      if (mass->lumped()[i] > 0) all[row] += (mass->rayleigh_mass - all[row]) * (mass->lumped()[i] / weights[row]);
+    }
   for (const Index row : rows_) result.push_back(all[row]);
   return result;
 }

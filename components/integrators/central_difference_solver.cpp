@@ -103,17 +103,27 @@ void CentralDifferenceSolver::compile(System& system) {
   a_.resize(system.independentRows());
   middle_.resize(acceleration_.bodies().empty() ? 0 : system.allRows());
   damping_.assign(system.independentRows(), rayleigh_mass_);
+  std::vector<double> rates(system.independentRows(), 0.0), weights = rates;
   for (const Mass* mass : system.masses()) {
     const Index first = mass->state().firstRow();
     if (first >= system.independentRows() && mass->rayleigh_mass != 0)
       throw ComponentError(mass->path() + " acts on a mapped state, where " + name + " has no rayleighMass",
                            "rayleighMass of the integrator");
-    const auto shares = [mass](const Mass* other) { return other != mass && &other->state() == &mass->state(); };
-    if (mass->rayleigh_mass != 0 && std::any_of(system.masses().begin(), system.masses().end(), shares))
-      throw ComponentError(mass->path() + " damps the motion of nodes that have another mass too", "rayleighMass of the integrator");
-    for (Index i = first; i < std::min(first + mass->state().size(), system.independentRows()); ++i)
-      damping_[i] += mass->rayleigh_mass;
+    const auto differs = [mass](const Mass* other) {
+      return &other->state() == &mass->state() && other->rayleigh_mass != mass->rayleigh_mass &&
+             (mass->turns() || other->turns() || !mass->isDiagonal() || !other->isDiagonal());
+    };
+    if (std::any_of(system.masses().begin(), system.masses().end(), differs))
+      throw ComponentError(mass->path() + " damps nodes that another mass, which turns or couples them, damps at another rate",
+                           "rayleighMass of the integrator");
+    // of several masses of a node the mean of their rates, by mass
+    for (Index i = first; i < std::min(first + mass->state().size(), system.independentRows()); ++i) {
+      const double own = mass->lumped()[std::size_t(i - first)];
+      weights[i] += own;
+      if (own > 0) rates[i] += (mass->rayleigh_mass - rates[i]) * (own / weights[i]);
+    }
   }
+  for (Index i = 0; i < system.independentRows(); ++i) damping_[i] += rates[i];
   parts_.compile(system, acceleration_, name, 2);
   warnAboveStableStep(*this, system, acceleration_, name, {.largest_angle = 2, .grows = false});
 }

@@ -19,12 +19,16 @@ bool contains(const std::vector<State*>& states, const State* state) {
   return std::find(states.begin(), states.end(), state) != states.end();
 }
 
-void tellSecondMasses(const std::vector<Mass*>& masses) {
+void checkSecondMasses(const std::vector<Mass*>& masses) {
+  const auto isNamed = [](const Mass* mass) { return mass->data().find("mstate")->isSet(); };  // not one that is there by oversight
   for (std::size_t i = 0; i < masses.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (&masses[i]->state() == &masses[j]->state())
-        masses[i]->warn(fmt::format("{} has the mass of {} too: they add up", masses[i]->state().path(), masses[j]->path()),
-                        "one of them, where the other was meant to be in its place");
+    for (std::size_t j = 0; j < i; ++j) {
+      if (&masses[i]->state() != &masses[j]->state()) continue;
+      if (!isNamed(masses[i]) && !isNamed(masses[j]))
+        throw ComponentError(fmt::format("{} has two masses: {} and {}", masses[i]->state().path(), masses[j]->path(), masses[i]->path()),
+                             "one of them, or mstate=\"@" + masses[i]->state().path() + "\" of the second where they add up");
+      masses[i]->warn(fmt::format("{} has the mass of {} too: they add up", masses[i]->state().path(), masses[j]->path()));
+    }
 }
 
 void checkMapping(const Actors& actors, std::size_t index) {
@@ -128,7 +132,7 @@ Actors collectActors(const SystemMembers& members) {
     throw ComponentError(
         fmt::format("there is no mechanical state in {} or below, so there is nothing to move", members.integrator->node().path()),
         "a " + usualComponent(Part::state) + " in the integrator's node or below");
-  tellSecondMasses(actors.masses);
+  checkSecondMasses(actors.masses);
   for (std::size_t i = 0; i < actors.mappings.size(); ++i) checkMapping(actors, i);
   orderMappings(actors.mappings);
   findPassiveMappings(actors);

@@ -90,6 +90,7 @@ TEST_F(MeshCommand, SmallPartsKeepTheVolumeOfTheirVoxelsWithCellsSmallerThanVoxe
     const double volume = json["regions"][1]["volume"], voxels = thick * thick * thick;
     EXPECT_NEAR(volume, voxels, (thick == 1 ? 0.08 : 0.04) * voxels) << thick;
     write("sheet.mha", Blocks(12).put({3, 3, 3}, {6, 6, thick}, 1).text());
+    // not 0.5: there CGAL's perturbation of the sheet takes very long, which is a defect that no test shows
     const auto sheet = report("sheet.mha -o p.msh --cell-size 0.45 --distance 0.05");
     ASSERT_FALSE(sheet.is_null());
     EXPECT_NEAR(sheet["regions"][0]["volume"].get<double>(), 36. * thick, 0.02 * 36 * thick) << thick;

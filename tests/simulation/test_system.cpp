@@ -177,6 +177,9 @@ TEST(SystemErrors, NameWhatIsWrong) {
   };
   expectContains(problemsOf(inRoot("")), "no mechanical state in / or below");
   const std::string state = "<MechanicalObject name='dofs' position='0 0 0 1 0 0'/>";
+  expectContains(
+      problemsOf(inRoot(state + "<UniformMass name='m' totalMass='1'/><UniformMass name='n' totalMass='1'/>")),
+      "/dofs has two masses: /m and /n");
   expectContains(problemsOf(inRoot(state + "<TestUnsymmetric name='curl'/><TestSolver name='solver'/>")),
                  "/solver solves symmetric systems only, and the derivative of /curl is not symmetric");
   expectContains(problemsOf(inRoot(state + "<TestSolver name='one'/><TestSolver name='two'/>")), "two");

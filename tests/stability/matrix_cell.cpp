@@ -55,7 +55,8 @@ class Run {
       const bool moves = outcome_.ending == Ending::moving || outcome_.ending == Ending::astray;
       const bool comes = outcome_.ending == Ending::elsewhere || outcome_.ending == Ending::rings;
       if (!moves && !(comes && nears)) return outcome_;
-      // slow decay of an amplitude that is told: not followed to its end, and by a sample of cells not beyond its first 200 steps
+      // slow decay of an amplitude that is told: not followed to its end. A sample of cells stops after 200 steps to save time, which
+      // follows from nothing: what rings and grows later is seen by the whole matrix alone
       if (outcome_.ending == Ending::rings && outcome_.steps > std::min(2500, most_steps_ / 13)) return outcome_;
       const bool enough = nears && outcome_.steps + limit() > most_steps_;
       if (enough && (outcome_.ending == Ending::moving || outcome_.ending == Ending::elsewhere))

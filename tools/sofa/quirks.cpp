@@ -29,6 +29,7 @@ const std::vector<Quirk>& allQuirks() {
       {"moved-inertia", "the inertia of nodes that are moved does not reach their neighbours; attached ends share velocities"},
       {"unheld-matrix", "assembled matrices leave nodes on lines, planes and given ways, and ends attached both ways, free within a step"},
       {"total-mass", "of totalMass and vertexMass the total wins"},
+      {"added-masses", "several masses of one state add up"},
       {"fixed-inertia", "the inertia of rigid frames stays in fixed axes, without gyroscopic forces; nor have beams that are a mass any"},
       {"late-times", "movements and forces given at times are those of the start of a step"},
       {"impulse-values", "forces and pressures that cables and cavities are given, and tell, are those of a whole step, times dt"},

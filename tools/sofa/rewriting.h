@@ -154,6 +154,7 @@ class Rewriting {
 
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
+  void addToOthers(Element& mass);
   void warnOfWeight(const Element& mass, const Element& state);
   void shareMass(Element& mass, const Element& state);
   void holdMassless(Place& place, bool is_moved);

@@ -9,6 +9,7 @@
 namespace stroma::sofa {
 
 void Rewriting::meanMass(Element& element) {
+  addToOthers(element);
   const std::string& type = element.written->type;
   if (element.text("filename") == "unused") element.remove("filename");
   const bool total = element.find("totalMass"), vertex = element.find("vertexMass");
@@ -33,6 +34,22 @@ void Rewriting::meanMass(Element& element) {
       (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
   if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
+}
+
+/// A second mass of a state has to name it here.
+void Rewriting::addToOthers(Element& mass) {
+  Element* state = mass.place->nearest("mechanical state");
+  if (!state || mass.find("mstate")) return;
+  const auto acts = [&](const Element& other) {
+    return other.role() == "mass" && !other.without_effect && !other.find("mstate") && other.place->nearest("mechanical state") == state;
+  };
+  const Element* first = nullptr;
+  tree_->forEach([&](Element& other) {
+    if (!first && acts(other)) first = &other;
+  });
+  const std::vector<ComponentDescription>& added = state->place->added_components;  // of fields that are a mass too
+  const bool is_split = std::any_of(added.begin(), added.end(), [](const auto& each) { return each.type.ends_with("Mass"); });
+  if (first != &mass || is_split) setQuirk(mass, "added-masses", "mstate", SceneTree::linkTo(*state));
 }
 
 /// Numbers have a mass in SOFA that the first components of gravity pull.

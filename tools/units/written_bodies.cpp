@@ -167,8 +167,8 @@ double writtenGravity(const Node& at) {
   return 0;
 }
 
-/// A body of a state without fields yet.
-WrittenBody bodyOf(const State& state, const Mass* mass) {
+/// A body of a state without fields yet. `total` [kg]: of all its masses, of which `mass` is the first.
+WrittenBody bodyOf(const State& state, const Mass* mass, double total) {
   WrittenBody body{&state, {}, nullptr, nullptr, {restSize(state), 0, 0, 0}, std::numeric_limits<double>::infinity()};
   const Topology* topology = topologyOf(state);
   const double volume = topology ? volumeOf(topology->mesh()) : 0;
@@ -178,7 +178,7 @@ WrittenBody bodyOf(const State& state, const Mass* mass) {
   body.value[body_gravity] = writtenGravity(state.node());
   if (data && volume > 0) {
     body.mass = mass, body.mass_data = data;
-    body.value[body_density] = mass->totalMass() / volume, body.value[body_gravity] = mass->node().gravity().norm();
+    body.value[body_density] = total / volume, body.value[body_gravity] = mass->node().gravity().norm();
   }
   return body;
 }
@@ -192,14 +192,18 @@ std::vector<WrittenBody> writtenBodies(const Scene& scene) {
   scene.root->collect(fields);
   scene.root->collect(masses);
   std::unordered_map<const State*, const Mass*> mass_of;
-  for (const Mass* mass : masses) mass_of.emplace(&mass->state(), mass);
+  std::unordered_map<const State*, double> total_of;
+  for (const Mass* mass : masses) {
+    mass_of.emplace(&mass->state(), mass);
+    total_of[&mass->state()] += mass->totalMass();
+  }
   std::unordered_map<const State*, std::size_t> body_of;
   for (const ForceField* field : fields) {
     if (!field->traits().forces_balance) continue;
     const State& state = field->state();
     const auto [at, is_new] = body_of.emplace(&state, bodies.size());
     const auto mass = mass_of.find(&state);
-    if (is_new) bodies.push_back(bodyOf(state, mass == mass_of.end() ? nullptr : mass->second));
+    if (is_new) bodies.push_back(bodyOf(state, mass == mass_of.end() ? nullptr : mass->second, total_of[&state]));
     addModuli(*field, bodies[at->second]);
   }
   std::erase_if(bodies, [](const WrittenBody& body) { return body.moduli.empty() || !(body.value[body_size] > 0); });

@@ -116,6 +116,33 @@ def test_animations_go_forth_back_and_anew():
     assert seen["pingpong"] == [0, 0.5, 1, 1, 0.5, 0, 0]
 
 
+def test_animations_that_follow_one_another():
+    """What the end of one starts has the factor 0 in the same step; what a callback takes out is not called again."""
+    import Sofa
+    from splib3 import animation
+
+    root, seen = root_node(), []
+    root.dt = 0.25
+    root.addObject(animation.AnimationManager(root))
+
+    def link(name, follower=None):
+        animation.animate(lambda factor: seen.append((step, name, factor)), {}, 0.5,
+                          onDone=lambda factor: follower and link(*follower))
+
+    link("a", ("b", ("c",)))
+    once = animation.Animation(5, "loop", lambda factor: (seen.append((step, "once", factor)), animation.removeAnimation(once)))
+    animation.manager.addAnimation(once)
+    ends = animation.Animation(0.25, "once", lambda factor: None, onDone=lambda factor: animation.removeAnimation(ends))
+    animation.manager.addAnimation(ends)
+    Sofa.Simulation.init(root)
+    for step in range(1, 8):
+        animate(root, 1)
+    assert [each[:2] for each in seen if each[1] == "once"] == [(1, "once")]
+    assert [each for each in seen if each[1] != "once"] == [
+        (1, "a", 0), (2, "a", 0.5), (3, "a", 1), (3, "b", 0), (4, "b", 0.5), (5, "b", 1), (5, "c", 0), (6, "c", 0.5), (7, "c", 1)]
+    assert animation.manager.animations == []
+
+
 def test_a_body_with_all_that_holds_and_touches_it(tmp_path):
     import Sofa
     from splib3.objectmodel import setData, setTreeData
@@ -193,6 +220,10 @@ def program(text, **environment):
 def test_old_names_are_the_same_modules():
     done = program(PROGRAM)
     assert done.returncode == 0, done.stderr
+    never = "in SOFA's Python 3 they never would"
+    assert done.stderr.count(never) == 1, "nothing adds the manager"
+    added = program(PROGRAM.replace("Sofa.Simulation.init(root)", "root.addObject(splib3.animation.manager)\nSofa.Simulation.init(root)"))
+    assert added.returncode == 0 and never not in added.stderr, added.stderr
     assert "the library stlib3 of SOFA's plugin STLIB is not on PYTHONPATH: functions of its names come with Stroma" in done.stderr
 
 

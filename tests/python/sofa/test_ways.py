@@ -391,3 +391,37 @@ print(len(dofs.position.value))
         done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, cwd=tmp_path if first else tmp_path / "data",
                               env=dict(os.environ), timeout=PATIENCE)
         assert done.stdout.split() == ["3", "3"], done.stderr
+
+
+def test_a_program_that_changes_its_folder_reads_there(tmp_path):
+    """Files of one name in two folders: each load has that of the folder the program is in, and none leaves a folder behind."""
+    for folder, last in (("a", ""), ("b", "v 2 3 0\n")):
+        (tmp_path / folder / "mesh").mkdir(parents=True)
+        (tmp_path / folder / "mesh" / "one.obj").write_text(f"v 0 0 0\nv 2 0 0\nv 0 3 0\n{last}f 1 2 3\n")
+    (tmp_path / "run.py").write_text("""
+import os, sys, Sofa, SofaRuntime
+
+def load():
+    root = Sofa.Core.Node("root")
+    loader = root.addObject("MeshOBJLoader", name="l", filename="mesh/one.obj")
+    root.addObject("EulerImplicitSolver")
+    root.addObject("CGLinearSolver", iterations=5, tolerance=1e-9, threshold=1e-9)
+    dofs = root.addObject("MechanicalObject", position="@l.position")
+    root.addObject("UniformMass", totalMass=1)
+    Sofa.Simulation.init(root)
+    return len(loader.position.value), len(dofs.position.value)
+
+for folder in "aba":
+    os.chdir(os.path.join(sys.argv[1], folder))
+    print(*load())
+print(os.environ["STROMA_DATA_PATH"].count(sys.argv[1]))
+SofaRuntime.DataRepository.addFirstPath(os.path.join(sys.argv[1], "b"))  # of the user: it stays, and comes first
+print(*load())
+os.chdir(os.path.join(sys.argv[1], "b"))
+print(*load())
+os.chdir(sys.argv[1])
+print(*load())
+""")
+    done = subprocess.run([sys.executable, str(tmp_path / "run.py"), str(tmp_path)], capture_output=True, text=True, cwd=tmp_path,
+                          env=dict(os.environ), timeout=PATIENCE)
+    assert done.stdout.split("\n")[:-1] == ["3 3", "4 4", "3 3", "1", "4 4", "4 4", "4 4"], done.stdout + done.stderr

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A cavity by the function of a library, whose volume an animation lets grow."""
+"""A cavity by the function of a library, whose volume an animation lets grow. By 80: where it is to grow by 100 the eleventh step ends
+unconverged. Its walls bulge, and rounds of forces of constraint creep along that direction: each takes 0.3 % of what is left."""
 from softrobots.actuators import PneumaticCavity
 from splib3.animation import animate
 from stlib3.physics.constraints import FixedBox

@@ -19,11 +19,18 @@ def _clean(name):
     return "".join("_" if each in " /.@[]\"'<>" else each for each in name) or "unnamed"
 
 
+_here = None  # the folder that stands on the path for being the current one
+
+
 def _search_here():
-    """Relative names of files start in the current folder too, after all others: a program need not lie beside its meshes."""
+    """Relative names of files start in the current folder too, after all others: a program need not lie beside its meshes. A
+    folder that it has left is searched no more."""
+    global _here
     folders = [each for each in os.environ.get("STROMA_DATA_PATH", "").split(os.pathsep) if each]
-    if os.getcwd() not in folders:
-        os.environ["STROMA_DATA_PATH"] = os.pathsep.join([*folders, os.getcwd()])
+    if _here in folders:
+        folders.pop(len(folders) - 1 - folders[::-1].index(_here))
+    _here = os.getcwd() if os.getcwd() not in folders else None
+    os.environ["STROMA_DATA_PATH"] = os.pathsep.join([*folders, _here] if _here else folders)
 
 
 class Mirror:

@@ -2,7 +2,7 @@
 """Functions of a factor from 0 to 1 over a time: animate(onUpdate, params, duration, mode, onDone)."""
 import Sofa
 import Sofa.Core
-from Sofa import _libraries
+from Sofa import _libraries, _messages
 
 _libraries.same_module(__name__, "animate")
 manager = None
@@ -51,27 +51,34 @@ class AnimationManagerController(Sofa.Core.Controller):
         self.name = "AnimationManager"
         self.node = args[0]
         self.totalTime, self.animations = 0.0, []
+        self.placed_here = None  # until an animation runs, when it was put in the node by AnimationManager()
 
     def addAnimation(self, animation):
         self.animations.append(animation)
 
     def removeAnimation(self, animation):
-        self.animations.remove(animation)
+        """Also from a callback: one that has ended, or is taken out twice, is gone all the same."""
+        if animation in self.animations:
+            self.animations.remove(animation)
 
     def clearAnimations(self):
         self.animations = []
 
     def onAnimateBeginEvent(self, event):
         self.totalTime += self.node.getRoot().dt.value
-        began, self.animations = self.animations, []  # those that a callback starts come after
-        going = []
-        for each in began:
+        if self.animations and self.placed_here is not None:
+            if self.placed_here == self._s_order:  # the scene has not added it again
+                _messages.note("animations run, though the scene adds their manager to no node: in SOFA's Python 3 they never would, "
+                               "without addObject(AnimationManager(root))")
+            self.placed_here = None
+        tried = {}  # what a callback starts has its first factor in the same step; none has two of them
+        while (each := next((one for one in self.animations if id(one) not in tried), None)) is not None:
+            tried[id(each)] = each
             each.update(self.totalTime)
-            if each.goesOn():
-                going.append(each)
-            elif each.onDone is not None:
-                each.doOnDone(self.totalTime)
-        self.animations = going + self.animations
+            if each in self.animations and not each.goesOn():
+                self.animations.remove(each)
+                if each.onDone is not None:
+                    each.doOnDone(self.totalTime)
 
 
 def AnimationManager(node):
@@ -83,6 +90,7 @@ def AnimationManager(node):
         return manager
     manager = AnimationManagerController(node)
     node.addObject(manager)
+    manager.placed_here = manager._s_order
     return manager
 
 
