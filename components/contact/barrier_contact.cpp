@@ -203,7 +203,7 @@ double BarrierContact::energy(ConstRows x) const {
   gather(x, law_.moved);
   if (!is_in_step_ && !law_.candidates.covers(x_)) return lawAt(x_).energy(x_);
   lookAgain(x_);
-  return step_energy_.isBackward() ? step_energy_.replaced(law_.energy(x_), law_.surfaces, x_) : law_.energy(x_);
+  return step_energy_.isBackward() ? step_energy_.replaced(law_, x_) : law_.energy(x_);
 }
 
 std::string BarrierContact::worstElement(ConstRows x) const {
@@ -219,7 +219,7 @@ void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
   if (const auto* place = are_free ? shares_.placeFor(x_) : is_explicit_ || begins ? &x_ : nullptr) law_.weigh(*place);
   terms_.clear();
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, is_explicit_ ? Tangent::normal : tangent_));
-  if (step_energy_.isBackward()) step_energy_.replace(terms_, law_.surfaces, f);
+  if (step_energy_.isBackward()) step_energy_.replace(terms_, law_, x_, f);
   terms_.addForce(f);
   if (is_in_step_ && !is_explicit_ && holds_nothing_) step_energy_.startsAt(law_, x_);
   if (friction_.acts() && start_.size() == x_.size()) rub(v, f);
@@ -358,7 +358,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   const auto crossings = law_.candidates.crossings(x_);
   const bool has_balance = std::exchange(has_solved_, false) && law_.putBack(solved_shares_);
   lookAgain(x_), has_balance ? void(friction_.slides = solved_slides_) : law_.weigh(x_);
-  friction_.release(), lookAtEnergy(), step_energy_.stepTaken();
+  friction_.release(), lookAtEnergy(), step_energy_.stepTaken(law_, x_);
   slideTo(x_);
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);
   is_in_step_ = false;

@@ -5,6 +5,10 @@
 // what there was is then solved again with f1 alone, which for a convex U never gives more: f1.dx <= U0 - U1. Everything else
 // keeps the rule of the integrator.
 //
+// Each pair of bodies has its own account, and so has each body with each plane. It begins where they come to touch and ends where they
+// have parted: what one bounce has lost is not there for the next one, or for others. Within a bounce it is: to come in by the mean of the
+// forces loses what to go out by it gives.
+//
 // Source: Kane, Repetto, Ortiz and Marsden 1999 (contact forces of the end of a step in Newmark's method); the account of the energy
 // that decides where is our own.
 #pragma once
@@ -15,30 +19,47 @@ namespace stroma::contact {
 
 class StepEnergy {
  public:
-  void stepBegins() { has_start_ = is_backward_ = false; }
+  void stepBegins();
   /// The forces at x, where the step starts, stay in its equations.
   void startsAt(const BarrierLaw& law, const std::vector<Vec3>& x);
   /// What the step has given until its end x, if its equations are those of before; obstacles without vertices have gone on by `way`.
   void look(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way);
-  /// More than there was: the step is to be solved with the forces of its end.
+  /// Some have more than there was: the step is to be solved with the forces of its end between them.
   bool goesBackward();
   /// It is: forces and energies are asked for that lead to (2 f1 - f0 + f0) / 2.
-  bool isBackward() const { return is_backward_; }
-  /// Terms of f1 become those of 2 f1; f -= f0.
-  void replace(Terms& terms, const Surfaces& surfaces, Rows f) const;
-  /// Of the potential U at x, that of these forces.
-  double replaced(double energy, const Surfaces& surfaces, const std::vector<Vec3>& x) const;
+  bool isBackward() const { return rounds_ > 0; }
+  /// Terms of f1, of all touches at x, become those of 2 f1 where it is; f -= f0.
+  void replace(Terms& terms, const BarrierLaw& law, const std::vector<Vec3>& x, Rows f) const;
+  /// The potential at x of these forces.
+  double replaced(const BarrierLaw& law, const std::vector<Vec3>& x) const;
   /// The step has ended where look() was.
-  void stepTaken();
+  void stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x);
   void forget() { *this = {}; }
   void serialize(Archive& archive);
 
  private:
-  bool has_start_ = false, is_backward_ = false, is_known_ = false;
-  std::vector<Vec3> start_forces_, end_forces_;  ///< on each vertex [N]
-  double before_ = 0, after_ = 0;  ///< U where the step starts and ends [J]
-  double gained_ = 0, gains_ = 0;  ///< in all steps, and in the one that was looked at [J]
-  double most_ = 0;                ///< the largest U of an end [J]
+  using Pair = std::array<int, 2>;  ///< two pieces; or -1 - the number of a plane, and a piece
+  struct Account {
+    Pair pair;
+    double before = 0, after = 0;  ///< U where the step starts and ends [J]
+    double given = 0;              ///< in the step that was looked at [J]
+    double gained = 0;             ///< since they touch [J]
+    double most = 0;               ///< the largest U of an end since then [J]
+    bool touches = false, is_backward = false;
+    double gains() const { return given + after - before; }
+  };
+  static Pair pairOf(const BarrierLaw& law, const Touch& touch);
+  Account& accountOf(const Pair& pair);
+  bool isBackward(const Pair& pair) const;
+  bool isAsLeft(const BarrierLaw& law, const std::vector<Vec3>& x) const;
+
+  bool has_start_ = false;
+  int rounds_ = 0;                  ///< in which accounts of the step have gone backward
+  std::vector<Account> accounts_;   ///< by pairs
+  std::vector<Touch> start_;        ///< touches where the step starts
+  std::vector<Vec3> end_;           ///< all vertices where the last step ended
+  Vec3 moved_ = Vec3::Zero();       ///< obstacles there
+  std::array<double, 6> law_{};     ///< what U depended on there
 };
 
 }  // namespace stroma::contact

@@ -45,7 +45,7 @@ class CentralDifferenceSolver final : public Integrator, public HeedsStepLimits 
     last_step_ = sleep_.stepTaken(context.dt) || !parts_.areNeeded() ? context.dt : parts_.before(context.dt);
   }
   void sceneChanged() override { sleep_.wake(), energy_.forget(); }
-  std::string doubt() const override { return energy_.doubtOfSteps(path()); }
+  std::string doubt() const override { return energy_.doubtOfSteps(path(), true); }
   std::string describe() const override {
     return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe() +
            parts_.describe() + sleep_.describe();

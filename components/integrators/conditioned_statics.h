@@ -60,7 +60,7 @@ class ConditionedStatics final : public NonlinearProblem {
   void addCarried(Rows out) const { multipliers_.addCarried(out); }
   void stepTaken() { multipliers_.stepTaken(); }
   void reset() { multipliers_.reset(); }
-  void serialize(Archive& archive) { multipliers_.serialize(archive); }
+  void serialize(Archive& archive) { multipliers_.serialize(archive), measure_.serialize(archive, "length_with_conditions"); }
 
   // ---- as equations for Newton's method ----
   void residual(Rows out) override;

@@ -42,6 +42,7 @@ class Equilibrium final : public NonlinearProblem {
     share_ = 1;
   }
   void giveUp() { copy(start_, rows()); }
+  void serialize(Archive& archive) { measure_.serialize(archive, "force_length"); }
   /// From now on R is that of a part of the step which began at begin().
   void setShare(double share) { share_ = share; }
   /// The present R is what a part of the step leaves out of balance.

@@ -120,7 +120,7 @@ class ExplicitIntegrator : public Integrator, public HeedsStepLimits {
   void sceneChanged() final { sleep_.wake(), energy_.forget(); }
   void reset() final { sleep_.reset(), explicit_.reset(), energy_.forget(); }
   void serialize(Archive& archive) final { sleep_.serialize(archive), explicit_.serialize(archive), energy_.serialize(archive); }
-  std::string doubt() const final { return energy_.doubtOfSteps(path()); }
+  std::string doubt() const final { return energy_.doubtOfSteps(path(), explicit_.scheme.stages.size() == 1); }
   std::string describe() const final { return explicit_.describe() + sleep_.describe(); }
 
  protected:

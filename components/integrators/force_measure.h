@@ -2,6 +2,7 @@
 #pragma once
 #include "framework/algebra/linear_solver.h"
 #include "framework/mechanics/motion.h"
+#include "framework/scene/archive.h"
 
 namespace stroma {
 
@@ -17,6 +18,10 @@ class ForceMeasure {
   void take(const SystemMatrix& matrix);
   double force(ConstRows f) const { return motion_ ? sum(f, 1 / length_) : norm(f); }
   double way(ConstRows d) const { return motion_ ? sum(d, length_) : norm(d); }
+  /// l is that of the last matrix with frames that are stiff both ways.
+  void serialize(Archive& archive, std::string_view name) {
+    if (motion_) archive.value(name, length_);
+  }
 
  private:
   double sum(ConstRows rows, double turns) const;

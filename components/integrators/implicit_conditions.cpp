@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Of an implicit step: Newton's method with forces of Lagrangian constraints (conditions_newton.h).
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/while_on.h"
 
 namespace stroma {
 
-/// Where no force of constraint acts, the step is first made as if there were no conditions, in parts too. It stands where they hold: with
-/// barriers the solve with forces goes on from there otherwise, else from where the step starts.
+/// Where no force of constraint acts, the step is first made as if there were no conditions, in parts too. It stands where it is solved
+/// and they hold: with barriers the solve with forces goes on from there otherwise, else from where the step starts. A body may have no
+/// balance on its way to the places that would stop it.
 StepReport ImplicitStep::solveConditions(StopToken stop) {
   StepReport report;
   const bool may_be_free = multipliers_.areFree();
   if (may_be_free || !limits_.empty()) {
-    is_free_ = may_be_free;
-    report = iterates() ? solveIterating(stop) : solveAsNeeded(stop);
-    is_free_ = false;
+    const auto solveOnce = [&] { return iterates() ? solveIterating(stop) : solveAsNeeded(stop); };
+    report = may_be_free ? whileOn(is_free_, solveOnce) : solveOnce();
     if (report.stopped || (report.failed() && !limits_.empty())) return report;
-    if (may_be_free && !report.failed() && multipliers_.areFree()) {  // not converged too: forces of constraint would not help
+    const bool is_solved = !report.failed() && (report.newton_converged || !iterates());
+    if (may_be_free && is_solved && multipliers_.areFree()) {
       multipliers_.giveNone();
       return report;
     }

@@ -69,8 +69,9 @@ class ImplicitStep final : public NonlinearProblem {
   StepReport solve(const ImplicitScheme& scheme, StopToken stop);
   /// u - v0 of the last solve() [m/s].
   ConstRows change() const { return change_; }
-  /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()).
-  void wholeForce(double time, Rows out);
+  /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()). `starts`: it stays in the
+  /// equations of the step, which goes by its mean with that of the end.
+  void wholeForce(double time, Rows out, bool starts = true);
   LinearSolver& linearSolver() const { return *solver_; }
   SystemMatrix& whole(SystemMatrix& matrix) { return whole_.of(matrix); }  ///< to solve with all of its stiffness
   // ---- for a rule that makes its own linear solve: forces of Lagrangian constraints, as in solve() ----
@@ -96,7 +97,10 @@ class ImplicitStep final : public NonlinearProblem {
     exact_.reset(), multipliers_.reset(), energy_.forget();
     exact_tangent_steps_ = 0;
   }
-  void serialize(Archive& archive) { exact_.serialize(archive), multipliers_.serialize(archive), energy_.serialize(archive); }
+  void serialize(Archive& archive) {
+    exact_.serialize(archive), multipliers_.serialize(archive), energy_.serialize(archive);
+    measure_.serialize(archive, "force_length");
+  }
 
   // ---- as equations for Newton's method ----
   void residual(Rows out) override;

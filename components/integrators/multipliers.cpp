@@ -21,6 +21,10 @@ void Multipliers::declare(DataTable& table) {
             "without forces")
       .unit("-")
       .output();
+  table.add("conditionBudget", budget_)
+      .help("most that this search may cost in a step, as eliminations of a thousand rows; beyond it the step has failed")
+      .unit("-")
+      .min(0, false);
 }
 
 void Multipliers::compile(System& system) {
@@ -196,7 +200,9 @@ void Multipliers::expectForces() {
 }
 
 void Multipliers::findForces(StopToken stop) {
+  constexpr double of_thousand_rows = 1e9;
   solve_.enough = 0;
+  const double budget = budget_ * of_thousand_rows;
   constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
   const bool goes_on = solve_.searches > searches_before_;
   const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w,
@@ -207,9 +213,14 @@ void Multipliers::findForces(StopToken stop) {
       solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
     spent_ += redundant_.spent;
   }
-  const long before = solve_.steps + solve_.rounds;
+  const long steps = solve_.steps, rounds = solve_.rounds;
+  // Newton's method eliminates what has a force, the interior-point method all rows
+  const auto countForces = [&] { return double((solve_.l.array() != 0).count()); };
+  double active = countForces();
   if (spent_ <= budget) solve_.solve(rows_.rows(), stop, allowed_);
-  spent_ += double(solve_.steps + solve_.rounds - before) * std::pow(double(live_.size()), 3);
+  active = std::max(active, countForces());
+  spent_ += double(solve_.steps - steps) * std::pow(active, 3) + double(solve_.rounds - rounds) * std::pow(double(live_.size()), 3);
+  is_spent_ = spent_ > budget;
 }
 
 void Multipliers::give() {

@@ -124,7 +124,6 @@ class Multipliers {
   std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
   bool partRightSide();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
-  static constexpr double budget = 1e11;       ///< of spent_: some ten seconds of a processor
   bool isSpent(StepReport& report);
   std::string nameOf(std::size_t row) const;
   std::string nodesOf(std::size_t row) const;
@@ -176,7 +175,9 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
-  double spent_ = 0;    ///< in the step on searches: the cube of the rows of each elimination
+  double budget_ = 100;     ///< of spent_ [a thousand rows' cube]
+  double spent_ = 0;        ///< in the step on searches: the cube of the rows of each elimination
+  bool is_spent_ = false;
   int times_left_ = 0;  ///< in the step, where directions turned far
   double share_ = 1;
   Mixing mixing_;

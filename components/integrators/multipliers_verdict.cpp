@@ -35,13 +35,14 @@ double Multipliers::leastTolerance(bool kept) {
 
 /// True, and the step has failed: its budget is spent.
 bool Multipliers::isSpent(StepReport& report) {
-  if (!(spent_ > budget)) return false;
+  if (!is_spent_) return false;
   const auto worst = solve_.worst(rows_.rows(), allowed_);
   report.diverged = true;
   report.reason = fmt::format("{} finds no forces of Lagrangian constraints within the budget of a step, {} iterations on {} rows: {} "
-                              "does not hold, a condition is off by {:.3g}{}. A smaller dt helps, or fewer places that meet at once",
+                              "does not hold, a condition is off by {:.3g}{}. A smaller dt helps, or fewer places that meet at once; "
+                              "conditionBudget, now {:g}, lets it search longer",
                               system_->integrator().path(), iterationsOfAll() - made_before_, live_.size(), nameOf(worst.row), worst.off,
-                              nodesOf(worst.row));
+                              nodesOf(worst.row), budget_);
   return true;
 }
 

@@ -68,6 +68,7 @@
 #include "components/integrators/sleep.h"
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/usual_forcing.h"
+#include "components/integrators/while_on.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/integrator.h"
@@ -95,7 +96,7 @@ class StaticSolver final : public Integrator, public HeedsStepLimits, public Fin
   }
   void serialize(Archive& archive) override {
     exact_.serialize(archive), doubts_.serialize(archive), sleep_.serialize(archive), conditioned_.serialize(archive);
-    archive.value("is_checked", is_checked_);
+    problem_.serialize(archive), archive.value("is_checked", is_checked_);
     archive.value("held", held_);
   }
 
@@ -327,12 +328,12 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
   return report;
 }
 
-/// What no force of constraint acts on goes its way as if there were none, and stands where the conditions hold.
+/// What no force of constraint acts on goes its way as if there were none, and stands where it is in balance and the conditions hold.
 StepReport StaticSolver::solveConditions(System& system, const StepContext& context) {
   StepReport tried;
   if (conditioned_.areFree()) {
-    is_free_ = true, tried = solveInParts(system, context), is_free_ = false;
-    if (tried.stopped || (!tried.diverged && conditioned_.stayFree())) return tried;
+    tried = whileOn(is_free_, [&] { return solveInParts(system, context); });
+    if (tried.stopped || (tried.newton_converged && !tried.diverged && conditioned_.stayFree())) return tried;
     exact_.end(), problem_.giveUp(), problem_.setShare(1);
   }
   StepReport report = conditioned_.solveInParts(

@@ -242,6 +242,19 @@ TEST(RigidFaces, SearchesForForcesAreCounted) {
   EXPECT_EQ(outputOf(falls, "conditionResidual"), 0);
 }
 
+/// A search that costs more than it may ends the step with a sentence that names what would let it go on.
+TEST(RigidFaces, ASearchBeyondItsBudgetSaysSo) {
+  std::string text = boxes(2, 0.01, 1e-3);
+  const std::string rule = "<EulerImplicitSolver";
+  text.insert(text.find(rule) + rule.size(), " conditionBudget=\"1e-9\" ");
+  Simulation simulation = simulationFromText(text);
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.diverged);
+  EXPECT_NE(report.reason.find("finds no forces of Lagrangian constraints within the budget of a step"), std::string::npos)
+      << report.reason;
+  EXPECT_NE(report.reason.find("conditionBudget, now 1e-09, lets it search longer"), std::string::npos) << report.reason;
+}
+
 /// Forces of the step before are in a checkpoint: what goes on from it is the same to the bit.
 TEST(RigidFaces, GoOnFromACheckpoint) {
   const std::string text = boxes(5, 0.01, 1e-3);

@@ -13,7 +13,7 @@
 
 namespace stroma::test {
 
-class GroundSpring final : public ForceField {
+class GroundSpring : public ForceField {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Bounces by rules that damp nothing: none gives a body more than it came with, whatever others or earlier bounces have lost.
+#include "tests/contact/contact_scenes.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+/// A rigid box of 0.2 m and 1 kg that only goes up and down, `height` above z = 0.
+std::string boxNode(const std::string& name, double x, double height) {
+  return fmt::format(
+      "<Node name=\"{}\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"{} 0 {} 0 0 0 1\"/><UniformMass "
+      "totalMass=\"1\" inertia=\"0.01 0.01 0.01\"/><PartialFixedProjectiveConstraint indices=\"0\" fixedDirections=\"1 1 0 1 1 1\"/>"
+      "<Node name=\"skin\"><MeshTopology position=\"-0.1 -0.1 -0.1  0.1 -0.1 -0.1  0.1 0.1 -0.1  -0.1 0.1 -0.1  -0.1 -0.1 0.1  0.1 -0.1 "
+      "0.1  0.1 0.1 0.1  -0.1 0.1 0.1\" quads=\"0 3 2 1  4 5 6 7  0 1 5 4  1 2 6 5  2 3 7 6  3 0 4 7\"/><MechanicalObject "
+      "name=\"dofs\"/><RigidMapping/></Node></Node>",
+      name, x, height + 0.1);
+}
+
+struct Flight {
+  std::vector<double> energies;  ///< after each bounce, the first before any [J]
+  bool flies = false;
+};
+
+std::string fall(const std::string& rule, double dt, const std::vector<double>& heights) {
+  constexpr double g = 9.81;
+  std::string boxes;
+  for (std::size_t i = 0; i < heights.size(); ++i) boxes += boxNode(fmt::format("box{}", i), double(i), heights[i]);
+  const std::string other = heights.size() > 1 ? "other=\"@box1/skin/dofs\"" : "";
+  return contactScene(
+      boxes + fmt::format("<BarrierContact mstate=\"@box0/skin/dofs\" {} planes=\"0 0 1 0\" contactDistance=\"1e-3\" stiffness=\"1e7\" "
+                          "selfContact=\"0\"/>",
+                          other),
+      dt, Vec3(0, 0, -g), rule);
+}
+
+/// The boxes fall on the plane z = 0 for 4 s; flights of each.
+std::vector<Flight> flights(const std::string& rule, double dt, const std::vector<double>& heights) {
+  constexpr double g = 9.81, range = 1e-3;
+  Simulation simulation = simulationFromText(fall(rule, dt, heights));
+  std::vector<const State*> frames;
+  for (const State* state : simulation.states())
+    if (state->name() == "frame") frames.push_back(state);
+  std::vector<Flight> all(frames.size());
+  for (int i = 1; i * dt <= 4; ++i) {
+    expectCleanStep(simulation, i);
+    if (::testing::Test::HasFatalFailure()) return all;
+    for (std::size_t b = 0; b < frames.size(); ++b) {
+      const double height = frames[b]->x()[0].z() - 0.1, speed = frames[b]->v()[0].z();
+      const bool flew = std::exchange(all[b].flies, height > range);
+      if (all[b].flies && !flew) all[b].energies.push_back(g * height + 0.5 * speed * speed);
+    }
+  }
+  return all;
+}
+
+void expectNoneGains(const Flight& flight) {
+  const std::vector<double>& energies = flight.energies;
+  ASSERT_GE(energies.size(), 2u) << "it bounces";
+  for (std::size_t i = 1; i < energies.size(); ++i) EXPECT_LE(energies[i], 1.001 * energies[i - 1] + 1e-6) << "bounce " << i;
+}
+
+TEST(Bounces, NoneGivesMoreThanItTook) {
+  for (const std::string rule : {"TrapezoidalRuleSolver", "NewmarkImplicitSolver"})
+    for (const double dt : {1e-4, 5e-4, 1e-3, 2e-3}) {
+      SCOPED_TRACE(fmt::format("{}, {} s", rule, dt));
+      const auto all = flights(fmt::format("<{} newtonIterations=\"60\" newtonTolerance=\"1e-9\"/>", rule), dt, {0.2});
+      ASSERT_EQ(all.size(), 1u);
+      expectNoneGains(all[0]);
+    }
+}
+
+TEST(Bounces, WhatOneBodyLosesNoOtherGets) {
+  for (const double dt : {5e-4, 1e-3}) {
+    SCOPED_TRACE(fmt::format("{} s", dt));
+    const auto all = flights("<TrapezoidalRuleSolver newtonIterations=\"60\" newtonTolerance=\"1e-9\"/>", dt, {0.2, 0.25});
+    ASSERT_EQ(all.size(), 2u);
+    for (const Flight& flight : all) expectNoneGains(flight);
+  }
+}
+
+/// Accounts of bounces that are under way are in a checkpoint.
+TEST(Bounces, GoOnFromACheckpoint) {
+  const std::string text =
+      fall("<TrapezoidalRuleSolver newtonIterations=\"60\" newtonTolerance=\"1e-9\"/>", 1e-4, {0.01, 0.012});
+  Simulation whole = simulationFromText(text);
+  const auto placesOf = [](const Simulation& simulation) {
+    std::vector<Vec3> all;
+    for (const State* state : simulation.states()) all.push_back(state->x()[0]), all.push_back(state->v()[0]);
+    return all;
+  };
+  int step = 0;
+  for (const int until : {440, 455, 470, 485, 500, 515, 800}) {  // they come down at step 430 and 460
+    for (; step < until; ++step) expectCleanStep(whole, step);
+    Simulation rest = simulationFromText(text);
+    rest.restore(whole.checkpoint());
+    for (; step < until + 15; ++step) expectCleanStep(whole, step), expectCleanStep(rest, step);
+    EXPECT_EQ(placesOf(rest), placesOf(whole)) << "step " << until;
+  }
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
