@@ -16,13 +16,11 @@
 // (WarpPreconditioner), where iterations with them are estimated to cost less than factors of each.
 // Bodies of less than 500 nodes are always factored, each matrix of theirs.
 //
-// A solve by multigrid that goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that
-// lock, badly shaped cells) is ended, and the matrix is factored from then on, if factors fit into half of the memory. So it is
-// where solves of Newton's method have taken so many iterations that factors would have paid.
-// With multigrid a symmetric solve begins at the combination of the last four solutions that is nearest in energy
-// (former_solutions.h), where that leaves less than half of the residual: steps of a body that swings take half of the iterations.
-// `choice` says what was chosen and why. See SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for what the methods
-// do.
+// A solve by multigrid that goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that lock, badly shaped
+// cells) is ended, and the matrix is factored from then on, if factors fit into half of the memory. So it is where solves of Newton's
+// method have taken so many iterations that factors would have paid. With multigrid a symmetric solve begins at the combination of the
+// last four solutions that is nearest in energy (former_solutions.h), where that leaves less than half of the residual.
+// `choice` says what was chosen and why. See SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for the methods.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -94,7 +92,6 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
     Vector unscaled, right_side;  ///< where there are scales
   };
   Kept& keptFor(SystemMatrix& matrix);
-  bool hasFactorsInScene() const;
   /// That of the scene; else one that is made when it is first wanted: its module is not opened for multigrid.
   DirectSolver& factors() {
     if (!direct_) {
@@ -113,7 +110,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
   SolveReport conjugateGradients(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept, double& began);
   SolveReport minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept);
-  SolveReport iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
+  bool iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept, SolveReport& report);
   SolveReport solveByFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
   WarpedFactor& turned(Kept& kept) {
     if (!kept.turned) kept.turned = std::make_unique<WarpedFactor>(factors());
@@ -142,14 +139,9 @@ void AutomaticLinearSolver::init() {
   expected_iterations_ = 15;
   KrylovSolver::init();
   most_expected_ = expected_iterations_;
-  if (hasFactorsInScene()) direct_ = &factorSource(*this, factors_);
-}
-
-bool AutomaticLinearSolver::hasFactorsInScene() const {
-  const auto& components = node().components();
-  return !factors_.path.empty() || std::any_of(components.begin(), components.end(), [](const auto& component) {
-    return dynamic_cast<const DirectSolver*>(component.get()) != nullptr;
-  });
+  const bool has_factors = std::ranges::any_of(
+      node().components(), [](const auto& component) { return dynamic_cast<const DirectSolver*>(component.get()) != nullptr; });
+  if (has_factors || !factors_.path.empty()) direct_ = &factorSource(*this, factors_);
 }
 
 AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix) {
@@ -167,14 +159,8 @@ void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
 }
 
 void AutomaticLinearSolver::tellChoice(const Kept& kept) {
-  if (kept.now.lost_iterations > 0)
-    choice_ = fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", direct_->type(),
-                          kept.now.lost_iterations, kept.now.left);
-  else if (kept.now.way == Way::factors)
-    choice_ = fmt::format("{} factors: {}{}{}{}", direct_->type(), kept.reason,
-                          kept.now.is_rough ? ", but diagonal blocks hardly smooth" : "",
-                          kept.now.solves > 0 ? fmt::format(", but {} solves by it took more", kept.now.solves) : "",
-                          kept.now.keeps_factors ? "; they serve later matrices too" : "");
+  if (kept.now.way == Way::factors)
+    choice_ = kept.now.ofFactors(direct_->type(), kept.reason);
   else
     choice_ = fmt::format("{} with multigrid: {}", kept.symmetric ? "conjugate gradients" : "GMRES", kept.reason);
   changes_ = 0;
@@ -202,7 +188,7 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
   return report;
 }
 
-/// `began` becomes the |r| / |b| of where it begins. Where rows turn, r.B r measures what is left, B the multigrid.
+/// `began` becomes what is left where it begins. Where rows turn, r.B r measures that, B the multigrid.
 SolveReport AutomaticLinearSolver::conjugateGradients(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept,
                                                       double& began) {
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
@@ -210,15 +196,20 @@ SolveReport AutomaticLinearSolver::conjugateGradients(const SystemMatrix& matrix
   const auto note = [&](double residual) { record(residual / norm_b_); };
   kept.work.resize(b.count);
   began = kept.former.begin(multiply, b, norm_b_, kept.work, x);
+  const bool has_begun = began < 1;  // kept.work.r is what is left
   bool by_inverse = matrix.hasTurns();
   if (by_inverse) {
     precondition(b, kept.work.z.rows());
     const double square = cg::inner(b, kept.work.z);
     by_inverse = square > 0 && std::isfinite(square);
     if (by_inverse) norm_b_ = std::sqrt(square);
+    if (by_inverse && has_begun) {
+      precondition(kept.work.r, kept.work.z.rows());
+      began = std::sqrt(std::abs(cg::inner(kept.work.r, kept.work.z))) / norm_b_;
+    }
   }
   const cg::Limits limits{most, target(), terms_.stop, by_inverse};
-  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x, began < 1);
+  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x, has_begun);
   if (report.stop == SolveStop::converged) kept.former.solved(x);
   report.relative_residual /= norm_b_;
   return report;
@@ -255,50 +246,59 @@ SolveReport AutomaticLinearSolver::minimalResiduals(const SystemMatrix& matrix, 
   return report;
 }
 
-/// By conjugate gradients with factors of a former matrix, or of this one where iterations would take longer. A decade of the
-/// residual costs less by them than an iteration of Newton's method does: solves are not as loose as by multigrid.
-SolveReport AutomaticLinearSolver::iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                                                      Kept& kept) {
-  constexpr int most_renewals = 8, few_iterations = 8;
-  SolveTerms own = terms;
-  own.relative_residual = std::min(terms.relative_residual, EquilibriumChoice::strict);
+/// By conjugate gradients with factors of a former matrix, for as many iterations as they have saved so far; else, and where these get
+/// nowhere, with factors of this very matrix and to their accuracy. A decade of the residual costs less by former factors than an
+/// iteration of Newton's method does: solves are not as loose as by multigrid. False: factors of each matrix are to do it.
+bool AutomaticLinearSolver::iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept,
+                                               SolveReport& report) {
+  constexpr int few_iterations = 8, least_trial = 3;
   expected_iterations_ = few_iterations;
-  SolveReport report;
-  if (!begin(matrix, b, x, own, report)) return report;
+  SolveTerms own = terms;
+  own.relative_residual = std::min(terms.relative_residual, EquilibriumChoice::by_former);
+  if (!begin(matrix, b, x, own, report)) return true;
   WarpedFactor& inverse = turned(kept);
+  FormerFactorAccount& account = kept.now.account;
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   const auto precondition = [&](ConstRows r, Rows z) { inverse.apply(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
   kept.work.resize(b.count);
+  const bool is_another = !inverse.isOf(matrix);
+  const int most = is_another ? account.mostIterations(inverse.prices()) : iterations_;
+  if (most < least_trial) inverse.factorNext();
   bool factored = false;
-  for (int k = 0; k <= most_renewals; ++k) {
+  for (;;) {
     const int before = report.iterations;
     SolveReport prepared;
-    const bool is_ready = inverse.follow(matrix, prepared, terms.stop);
+    const bool is_ready = inverse.follow(matrix, prepared, terms.stop), is_fresh = inverse.isFresh();
     factored = factored || prepared.factored;
-    if (is_ready) {
-      const cg::Limits limits{std::min(iterations_, inverse.patience()), target(), terms.stop};
+    if (is_ready && is_fresh) {
+      report = inverse.solveFresh(b, x, terms, own.relative_residual);
+    } else if (is_ready) {
+      const cg::Limits limits{std::min({iterations_, most, inverse.patience()}), target(), terms.stop};
       report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x);
       report.relative_residual /= norm_b_;
       if (report.stop != SolveStop::stopped) inverse.solved(report);
     } else {
       report = prepared, report.relative_residual = 1, report.iterations = 0;
     }
-    report.iterations += before;
-    if (!is_ready || report.stop != SolveStop::iteration_limit || !inverse.giveUp()) break;
+    is_fresh ? account.addFactors(prepared.factored, inverse.prices()) : account.addFormer(report.iterations, inverse.prices());
+    report.iterations += before, report.factored = factored;
+    const bool is_over = isOver(report.stop);
+    if (is_over || is_fresh || !inverse.giveUp()) {
+      if (is_another) account.endMatrix(inverse.prices());
+      kept.now.is_indefinite = !is_ready && is_fresh && report.stop == SolveStop::not_definite;
+      if (kept.now.is_indefinite) tellChoice(kept);
+      return is_over || kept.now.is_indefinite;
+    }
+    clear(x);
   }
-  report.factored = factored;
-  return report;
 }
 
-/// What iterations get nowhere with, a matrix that is not definite among it, is left to factors of that very matrix.
+/// What iterations get nowhere with is left to factors of that very matrix, and so are all after one that is not definite.
 SolveReport AutomaticLinearSolver::solveByFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept) {
   SolveReport report;
   if (kept.now.triesFormer() && matrix.symmetric()) {
-    report = iterateWithFactors(matrix, b, x, terms, kept);
-    const bool is_over = report.stop == SolveStop::converged || report.stop == SolveStop::zero_right_side ||
-                         report.stop == SolveStop::stopped || report.stop == SolveStop::not_finite;
-    if (is_over) return report;
+    if (iterateWithFactors(matrix, b, x, terms, kept, report)) return report;
     ++kept.now.refusals;
     clear(x);
   }
@@ -329,8 +329,11 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
   constexpr double little = 1e-6;
   const auto isHopeless = [&](const SolveReport& solve) {
     if (solve.stop == SolveStop::iteration_limit) return solve.iterations == patienceOf(kept);
-    // factors would leave as much, or half of it
-    return solve.stop == SolveStop::stagnated && solve.relative_residual > std::max(little, 2 * roundOff(matrix, b, x));
+    if (solve.stop != SolveStop::stagnated) return false;
+    kept.work.resize(b.count);
+    // factors would leave as much, or half of it; where rows turn, the solve has measured in other terms
+    const double left = std::sqrt(residual(matrix, b, x, kept.work.r, kept.work.q)) / norm(b);
+    return left > std::max(little, 2 * roundOff(matrix, b, x));
   };
   const int made = kept.inverse.made();
   SolveReport report = iterate(matrix, b, x, terms, kept);
@@ -358,6 +361,8 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
 void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive) {
   Kept& kept = keptFor(matrix);
   kept.now.serialize(archive);
+  kept.costs.serialize(archive);
+  archive.value("reason_of_choice", kept.reason);
   bool is_turned = kept.now.way == Way::factors && kept.turned;
   archive.value("has_turned", is_turned);
   if (kept.now.way == Way::factors)

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -67,10 +68,32 @@ bool EquilibriumChoice::isDear(const SolverCosts& costs, int iterations, bool ha
   if (!keeps_factors) return false;
   spent += iterations * (has_patches ? of_patches : 1) * costs.iteration + (made && solves > 0 ? costs.setup : 0);
   ++solves;
-  return spent > worth_changing * (costs.first + solves * costs.with_factors);
+  return factorsFit(costs.factor_entries) && spent > worth_changing * (costs.first + solves * costs.with_factors);
+}
+
+int FormerFactorAccount::mostIterations(const WarpedFactor::Prices& prices) const {
+  if (!(prices.iteration > 0)) return 0;
+  const double one = ofOne(prices);
+  return int(std::clamp((worth * (of_each + one) - spent - one) / prices.iteration, 0.0, 1e6));
+}
+
+void FormerFactorAccount::serialize(Archive& archive) {
+  archive.value("by_former_factors", spent);
+  archive.value("by_factors_of_each", of_each);
+}
+
+std::string EquilibriumChoice::ofFactors(const std::string& type, const std::string& reason) const {
+  if (lost_iterations > 0)
+    return fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", type, lost_iterations, left);
+  const char* const later = !keeps_factors  ? ""
+                            : triesFormer() ? "; they serve later matrices too"
+                                            : "; each matrix gets its own, as a former one's did not serve";
+  return fmt::format("{} factors: {}{}{}{}", type, reason, is_rough ? ", but diagonal blocks hardly smooth" : "",
+                     solves > 0 ? fmt::format(", but {} solves by it took more", solves) : "", later);
 }
 
 void EquilibriumChoice::serialize(Archive& archive) {
+  account.serialize(archive);
   archive.value("way", way);
   archive.value("patience", patience);
   archive.value("is_close", is_close);
@@ -79,6 +102,7 @@ void EquilibriumChoice::serialize(Archive& archive) {
   archive.value("left", left);
   archive.value("keeps_factors", keeps_factors);
   archive.value("refusals", refusals);
+  archive.value("is_indefinite", is_indefinite);
   archive.value("solves_by_multigrid", solves);
   archive.value("spent_by_multigrid", spent);
   archive.value("strict", is_strict);

@@ -3,10 +3,34 @@
 #include <string>
 
 #include "components/iterative_solvers/solver_costs.h"
+#include "components/iterative_solvers/warped_factor.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/scene/archive.h"
 
 namespace stroma {
+
+/// What factors that serve later matrices have cost, and what factors of each matrix would have [s]. Iterations are tried for as long
+/// as all matrices together, this one factored after them, cost no more than `worth` times as much as factors of each: so a body whose
+/// matrices former factors do not serve loses little.
+struct FormerFactorAccount {
+  double spent = 0, of_each = 0;
+
+  static constexpr double worth = 1.15, refinements = 3;
+  static double ofOne(const WarpedFactor::Prices& prices) { return prices.factor + refinements * prices.iteration; }
+  /// That the next matrix may take by former factors.
+  int mostIterations(const WarpedFactor::Prices& prices) const;
+  void addFormer(int iterations, const WarpedFactor::Prices& prices) { spent += iterations * prices.iteration; }
+  /// A solve by factors of the very matrix, `made` for it.
+  void addFactors(bool made, const WarpedFactor::Prices& prices) { spent += made ? ofOne(prices) : 0; }
+  /// Of a matrix that factors of each would have factored.
+  void endMatrix(const WarpedFactor::Prices& prices) { of_each += ofOne(prices); }
+  void serialize(Archive& archive);
+};
+
+/// Whether a solve needs no other one after it.
+inline bool isOver(SolveStop stop) {
+  return stop == SolveStop::converged || stop == SolveStop::stopped || stop == SolveStop::not_finite;
+}
 
 /// What AutomaticLinearSolver has chosen for a matrix, and remembers of the solves since.
 struct EquilibriumChoice {
@@ -19,7 +43,9 @@ struct EquilibriumChoice {
   int lost_iterations = 0;     ///< by multigrid, when it was given up in a solve
   double left = 0;             ///< the relative residual then
   bool keeps_factors = false;  ///< for later matrices
-  int refusals = 0;            ///< of matrices, by conjugate gradients with former factors
+  int refusals = 0;            ///< of matrices, by conjugate gradients with their own factors
+  bool is_indefinite = false;  ///< a matrix was so: there the round-off of a solve decides which way a body goes
+  FormerFactorAccount account = {};
   int solves = 0;              ///< by multigrid
   double spent = 0;            ///< on these [s]
   bool is_strict = false;      ///< loose solves have led to where the matrix is not definite
@@ -28,15 +54,20 @@ struct EquilibriumChoice {
 
   /// The most that a strict solve leaves of |b|.
   static constexpr double strict = 0.01;
+  /// And one by former factors: Newton's method then takes about as many iterations as with factors of each matrix.
+  static constexpr double by_former = 1e-4;
   /// What is solved loosely can move a body to where its matrix is not definite, which a better solve would not have done. Solves are
   /// strict once that has happened. Where strict ones have led there too, they are of no use.
   void noteDefinite(const SolveReport& report);
-  /// After a solve by multigrid of Newton's method: true when so many would have paid for factors. `made`: with a new hierarchy.
+  /// After a solve by multigrid of Newton's method: true when so many would have paid for factors, and these fit into half of the memory.
+  /// `made`: with a new hierarchy.
   bool isDear(const SolverCosts& costs, int iterations, bool has_patches, bool made);
   /// Whether multigrid proved the wrong choice.
   bool isChanged() const { return way == Way::factors && (lost_iterations > 0 || solves > 0); }
   /// Whether conjugate gradients may try former factors.
-  bool triesFormer() const { return keeps_factors && refusals < most_refusals; }
+  bool triesFormer() const { return keeps_factors && !is_indefinite && refusals < most_refusals; }
+  /// In words, for factors by `type`.
+  std::string ofFactors(const std::string& type, const std::string& reason) const;
   void serialize(Archive& archive);
 
  private:

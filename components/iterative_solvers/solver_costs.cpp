@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/scene/archive.h"
+
 namespace stroma {
 namespace {
 
@@ -35,6 +37,14 @@ int SolverCosts::patience() const {
   constexpr int least = 60;
   if (factor_entries > mostEntries()) return std::numeric_limits<int>::max();
   return int(std::clamp(direct / iteration, double(least), 1e6));
+}
+
+void SolverCosts::serialize(Archive& archive) {
+  archive.value("cost_first", first);
+  archive.value("cost_with_factors", with_factors);
+  archive.value("cost_entries", factor_entries);
+  archive.value("cost_setup", setup);
+  archive.value("cost_iteration", iteration);
 }
 
 Extents extentsOf(Index nodes, ConstRows positions) {

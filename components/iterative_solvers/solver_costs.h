@@ -6,6 +6,7 @@
 
 namespace stroma {
 
+class Archive;
 /// What ways of solving A x = b cost, from the size and the shape of a body alone: no clock decides, so that each run
 /// does the same. Seconds are those of one core of 115 Gflop/s in single precision that reads 25 GB/s; what counts is their ratios.
 struct SolverCosts {
@@ -20,6 +21,7 @@ struct SolverCosts {
   /// Iterations of one solve after which factors would have been the better choice. Largest int: never, they would not
   /// fit.
   int patience() const;
+  void serialize(Archive& archive);
 };
 
 /// Extents of a body in nodes, the longest first: those of a box with the same second moments and as many nodes.

@@ -190,6 +190,15 @@ void WarpedFactor::apply(ConstRows r, Rows z) {
   for (Index i = 0; i < r.count; ++i) z[i] = (matrices_[i] * z[i]).eval();
 }
 
+SolveReport WarpedFactor::solveFresh(ConstRows b, Rows x, const SolveTerms& terms, double enough) {
+  constexpr int applications = 3;
+  const SolveReport report = solver_.solve(former_, b, x, terms);
+  SolveReport worth = report;
+  worth.iterations = applications, worth.relative_residual = std::max(report.relative_residual, enough);
+  if (report.stop != SolveStop::stopped) solved(worth);
+  return report;
+}
+
 void WarpedFactor::solved(const SolveReport& report) {
   const int iterations = report.iterations;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;

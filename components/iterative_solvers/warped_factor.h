@@ -47,6 +47,17 @@ class WarpedFactor final : public ApproximateInverse {
   void serialize(SystemMatrix& matrix, Archive& archive) override;
   /// The next follow() factors where the matrix is another one.
   void factorNext() { now_.at_once = std::max(now_.at_once, 1); }
+  /// The last follow() was with this matrix.
+  bool isOf(const SystemMatrix& matrix) const { return fits(matrix) && isCurrent(matrix); }
+  /// It factored.
+  bool isFresh() const { return now_.fresh; }
+  /// Right after that: the solve that the direct solver makes of the very matrix. It is worth as much as one that leaves `enough` of |b|.
+  SolveReport solveFresh(ConstRows b, Rows x, const SolveTerms& terms, double enough);
+  /// Estimated seconds of what was factored last; 0: nothing was.
+  struct Prices {
+    double factor = 0, iteration = 0;
+  };
+  Prices prices() const { return {now_.factor_seconds, now_.iteration_seconds}; }
   /// Of the factors that follow() has left.
   Factorisation::Cost cost() const { return factors_->cost(); }
   void reset() override {

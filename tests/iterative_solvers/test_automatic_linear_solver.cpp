@@ -306,27 +306,28 @@ StoredMatrix thinPlate() {
   return matrixOf(plate);
 }
 
-/// Later matrices of Newton's method are near the first one: its factors serve them, and a run that is taken up again has them.
+/// Later matrices of Newton's method are near former ones: factors serve them once a trial is a small share of what all cost, and a run that is taken up again has them.
 TEST(AutomaticLinearSolver, FactorsServeLaterMatrices) {
   StoredMatrix matrix = thinPlate();
   const Vector b = weight(box(30, 24, 5));
   SolverInScene first(solver_of_many), second(solver_of_many);
-  Vector x, y, r(b.count());
+  Vector x, y(b.count()), r(b.count());
+  const SolveTerms loose{.relative_residual = 0.1};
   EXPECT_TRUE(first.solve(matrix, b, x).factored);
   EXPECT_NE(first.solver->data().find("choice")->print().find("they serve later matrices too"), std::string::npos);
-  for (int step = 1; step <= 3; ++step) {
-    for (Index row = 0; row < matrix.rows(); row += 7) matrix.values.add(matrix.values.diagonal()[row], 0.01 * Mat3::Identity());
+  for (int step = 1; step <= 6; ++step) {
+    for (Index row = 0; row < matrix.rows(); row += 7) matrix.values.add(matrix.values.diagonal()[row], 0.001 * Mat3::Identity());
     ++matrix.revision_number;
-    if (step == 3) handOver(first, second, matrix);
+    if (step == 6) handOver(first, second, matrix);
     x = Vector(b.count());
-    const SolveReport report = first.solve(matrix, b, x);
-    EXPECT_FALSE(report.factored) << step;
+    const SolveReport report = first.solver->solve(matrix, b, x, loose);
+    EXPECT_TRUE(step < 4 || !report.factored) << step;
     EXPECT_EQ(report.stop, SolveStop::converged);
-    EXPECT_GT(report.iterations, 1);
+    EXPECT_TRUE(step < 4 || report.iterations > 1) << step;
     matrix.values.multiply(x, r);
-    EXPECT_LE(distance(r, b), 1.2e-8 * norm(b));
+    EXPECT_LE(distance(r, b), 1.2 * EquilibriumChoice::by_former * norm(b));
   }
-  second.solve(matrix, b, y);
+  second.solver->solve(matrix, b, y, loose);
   EXPECT_EQ(std::memcmp(x.rows().data, y.rows().data, x.rows().doubles() * sizeof(double)), 0);
 }
 
@@ -368,6 +369,54 @@ TEST(EquilibriumChoice, DearSolvesByMultigridPayForFactors) {
   EXPECT_EQ(solvesUntilDear(15, true), solvesUntilDear(30, false));
   EquilibriumChoice exact;
   EXPECT_FALSE(exact.isDear(costs, 100000, false, false)) << "factors of each matrix have no such price";
+  EXPECT_LT(solvesUntilDear(1000, false), 1000);
+  costs.factor_entries = 1e15;
+  EXPECT_EQ(solvesUntilDear(1000, false), 1000) << "factors that do not fit into the memory";
+}
+
+/// Iterations with former factors are what these have saved, and a share of what factors of each matrix take. A body that they do not
+/// serve pays that share at most.
+TEST(FormerFactorAccount, FactorsThatDoNotServeCostLittle) {
+  const WarpedFactor::Prices prices{1, 0.05};
+  const double one = FormerFactorAccount::ofOne(prices);
+  FormerFactorAccount account;
+  EXPECT_EQ(account.mostIterations({}), 0) << "nothing is factored so far";
+  int tried = 0;
+  for (int matrix = 0; matrix < 100; ++matrix) {
+    const int most = matrix == 0 ? 0 : account.mostIterations(prices);
+    tried += most;
+    account.addFormer(most, prices), account.addFactors(true, prices), account.endMatrix(prices);
+    EXPECT_LE(account.spent, FormerFactorAccount::worth * (matrix + 1) * one + 1e-9);
+  }
+  EXPECT_GT(tried, 50);
+  FormerFactorAccount served;
+  served.addFactors(true, prices), served.endMatrix(prices);
+  int before = served.mostIterations(prices);
+  for (int matrix = 0; matrix < 5; ++matrix) {
+    served.addFormer(4, prices), served.endMatrix(prices);
+    EXPECT_GT(served.mostIterations(prices), before) << "what was saved may be spent";
+    before = served.mostIterations(prices);
+  }
+}
+
+/// A run that is taken up again knows by which costs was chosen, wherever its nodes are by then.
+TEST(AutomaticLinearSolver, CostsOfTheChoiceStay) {
+  StoredMatrix matrix = matrixOf(box(16, 16, 16));
+  SolverInScene first("<AutomaticLinearSolver/>"), second("<AutomaticLinearSolver/>");
+  Vector x;
+  first.solve(matrix, weight(box(16, 16, 16)), x);
+  for (Vec3& node : matrix.nodes) node.x() *= 1.3;
+  handOver(first, second, matrix);
+  EXPECT_EQ(second.solver->data().find("choice")->print(), first.solver->data().find("choice")->print());
+  SolverCosts costs, again;
+  costs.first = 1, costs.with_factors = 2, costs.factor_entries = 3, costs.setup = 4, costs.iteration = 5;
+  Archive written;
+  written.enter("solver"), costs.serialize(written);
+  Archive reading = written.readable();
+  reading.enter("solver"), again.serialize(reading);
+  for (double SolverCosts::*each : {&SolverCosts::first, &SolverCosts::with_factors, &SolverCosts::factor_entries, &SolverCosts::setup,
+                                    &SolverCosts::iteration})
+    EXPECT_EQ(again.*each, costs.*each);
 }
 
 /// Loose solves that lead to matrices that are not definite are made strict; strict ones that do so too are given up.
