@@ -31,16 +31,15 @@
 // (conditions_newton.h), in one go: take smaller steps where that fails. What fails with the approximate tangent is tried once with
 // the exact one, from where the step began. Slides and ways are those of the step.
 //
-// A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held nodes
-// included), or when these forces are round-off of those within a body on which nothing acts, or when one of the other
-// thresholds (off by default) is met, or when dx no longer changes x. After newton_iterations without that, it has not converged,
-// says so, and leaves the best iterate (with Lagrangian constraints the last one); a run that ends so has no result (exit code 3).
-// SOFA: 1 iteration, four times 1e-5. A NewtonRaphsonSolver of the node, or linked, has the settings.
+// A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held nodes included), when
+// these forces are round-off of those within a body on which nothing acts, when another threshold (off by default) is met, or when dx no
+// longer changes x. After newton_iterations without that it has not converged, and leaves the best iterate (with Lagrangian constraints the
+// last one); a run that ends so has no result (exit code 3). SOFA: 1 iteration, four times 1e-5. A NewtonRaphsonSolver has the settings.
 //
-// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with a
-// sentence naming the body and the direction or axis. So does one that Lagrangian constraints alone hold: these have forces
-// only where the matrix of the others has an inverse. A body is what forces tie together: a state can hold several. With
-// sleepDistance one that keeps its place is not computed, exactly until something changes; sleep.h has the rule.
+// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with a sentence naming
+// the body and the direction or axis. So does one that Lagrangian constraints alone hold: these have forces only where the matrix of the
+// others has an inverse. A body is what forces tie together: a state can hold several. With sleepDistance one that keeps its place is not
+// computed until something changes (sleep.h).
 //
 // Example:
 // <Node name="root" dt="1" gravity="0 -9.81 0">
