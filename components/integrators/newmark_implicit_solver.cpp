@@ -12,9 +12,9 @@
 //
 // The first a0 is M^-1 F(x0, v0); later ones are the a1 of the step before, so that accelerations are continuous. Where
 // positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
-// Beside a contact that bounds how far bodies may go (BarrierContact), each a0 is M^-1 F(x0, v0) anew with the defaults of gamma
-// and beta, one more solve with the mass per step: the contact counts what it gives, and may leave the rule for it. With others
-// nothing is counted, and accelerations go on.
+// Beside a contact that bounds how far bodies may go (BarrierContact), each a0 is M^-1 F(x0, v0) anew, one more solve with the
+// mass per step: the contact counts what it gives, and may leave the rule for it. It counts by the weights of the defaults of gamma
+// and beta. With others its account is off.
 // vdamping multiplies v by exp(-h vdamping) after the step, and velocityThreshold stops slow nodes. Where gamma = 1/2
 // and a force field's K changes or is not the exact derivative of its force, a step makes two linear solves: see
 // TrapezoidalRuleSolver.
@@ -134,10 +134,9 @@ void NewmarkImplicitSolver::takeRates(const System& system) {
 
 StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
   if (sleep_.passesOver(context)) return {};
-  const bool is_mean = gamma_ == 0.5 && beta_ == 0.25;
-  if (!started_ || (is_mean && implicit_.isLimited())) {
+  if (!started_ || implicit_.isLimited()) {
     StepReport first;
-    implicit_.wholeForce(context.t, force_, is_mean);
+    implicit_.wholeForce(context.t, force_);
     for (std::size_t b = 0; b < implicit_.bodies().count(); ++b) rates_[b] = implicit_.bodies().sum(b, force_);
     if (!acceleration_.solve(system.x, system.v, force_, a_, context.stop, first)) return first;
     if (system.hasCurvedInertia()) takeRates(system);
