@@ -306,8 +306,8 @@ StoredMatrix thinPlate() {
   return matrixOf(plate);
 }
 
-/// Later matrices of Newton's method are near former ones: factors serve them once a trial is a small share of what all cost, and a
-/// run that is taken up again has them.
+/// Later matrices of Newton's method are near former ones: factors serve them once a trial is a small share of what all cost, and a run
+/// that is taken up again has them.
 TEST(AutomaticLinearSolver, FactorsServeLaterMatrices) {
   StoredMatrix matrix = thinPlate();
   const Vector b = weight(box(30, 24, 5));
