@@ -26,7 +26,7 @@ import numpy as np  # noqa: E402
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 PAGE = os.path.join(ROOT, "docs", "tutorials", "sofa.md")
-COLUMNS, ROWS = 4, 3  # of a picture
+COLUMNS, ROWS = 5, 3  # of a picture at most
 CLEAR = 0.01          # of the movement: a difference that one sees
 
 
@@ -36,8 +36,9 @@ def ways_of(page):
 
 
 def pictures_of(ways):
-    """The ways of each picture."""
-    return [ways[k:k + COLUMNS * ROWS] for k in range(0, len(ways), COLUMNS * ROWS)]
+    """The ways of each picture, about as many in each."""
+    each = -(-len(ways) // -(-len(ways) // (COLUMNS * ROWS)))
+    return [ways[k:k + each] for k in range(0, len(ways), each)]
 
 
 def kept_scenes(stroma, folder):
@@ -111,7 +112,7 @@ def chosen(stroma, scenes, way):
 
 
 def draw(panels, file):
-    figure, axes = plt.subplots(ROWS, COLUMNS, figsize=(10, 6.6), dpi=110)
+    figure, axes = plt.subplots(ROWS, COLUMNS, figsize=(12, 6.6), dpi=110)
     for axis in axes.flat[len(panels):]:
         axis.set_axis_off()
     for axis, (way, (times, own, other, share)) in zip(axes.flat, panels):
