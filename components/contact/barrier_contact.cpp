@@ -20,12 +20,14 @@
 //   adhesion d/adhesionPeak below adhesionPeak,   adhesion (adhesionDistance - d)/(adhesionDistance - adhesionPeak) beyond
 //
 // l is then what pushes. adhesionFriction times the tension holds besides what sticks, and lets it go when it slides.
+//
 // Shares of the surface that vertices stand for follow the first six forces of a solve and then stay (line_shares.h); with friction,
 // whose solves compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
 // Every iterate is shortened where something would pass through something, and round-off is taken into account. After each step an
 // exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps. A start with
 // surfaces in one another is refused, or pushed apart by resolveStart (contact_start.h). Integrators with one linear solve are refused:
 // newtonIterations it is. Explicit ones divide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
+//
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count
 // as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A
 // state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz
@@ -55,6 +57,7 @@
 #include "components/contact/contact_field.h"
 #include "components/contact/contact_inside.h"
 #include "components/contact/contact_start.h"
+#include "components/contact/friction_rounds.h"
 #include "components/contact/line_shares.h"
 #include "components/contact/step_energy.h"
 #include "framework/mechanics/step_limiter.h"
@@ -88,7 +91,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void checkStart(ConstRows x) override;
   double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
-  bool isOnTheWay() const override { return !is_explicit_ && ((gets_on_ && obstaclesGoOn()) || frictionGoesOn()); }
+  bool isOnTheWay() const override { return !is_explicit_ && ((gets_on_ && obstaclesGoOn()) || friction_rounds_.goOn(friction_)); }
   bool hasWay() const override { return waits_; }
   void addPush(Rows f) const override { terms_.addPush(goal_ - law_.moved, f), friction_.terms().addPush(goal_ - law_.moved, f); }
   void goAlong(double s) override;
@@ -129,17 +132,12 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
     is_explicit_ ? friction_.stretch(law_, law_.touches(x), x, start_, way) : friction_.compute(law_.surfaces, x, start_, way);
   }
   bool frictionChanges(bool was_held);
-  /// The present solve is but a place to go on from: friction is expected to change after it by so much that another one follows.
-  bool frictionGoesOn() const {
-    return friction_rounds_ + 2 < friction_iterations_ && is_to_change_ && !friction_.isHolding() && !friction_.isEased();
-  }
   bool sharesChange();
-  void lookAtEnergy() { step_energy_.look(law_, x_, start_, law_.moved - moved_at_start_); }
   auto names() const { return [this](int vertex) { return nameOfVertex(law_.surfaces, states(), vertex); }; }
 
   static constexpr double ease = 1e-3;  ///< of contactDistance, may creep what sticks where a step is solved again, or creep is to be tiny
   // ---- attributes ----
-  int friction_iterations_ = 10;
+  FrictionRounds friction_rounds_;
   bool resolve_start_ = false;
 
   mutable bool has_new_pairs_ = false;  ///< others push since the pattern was last said to be another
@@ -152,10 +150,10 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   double from_ = 0, to_ = 0, duration_ = 0;  ///< times of the step; its length, or that of a part of an explicit one [s]
   bool is_carried_ = false;  ///< what is moved has gone on since the last force
   bool left_start_ = false, holds_nothing_ = false, has_solved_ = false;  ///< bodies were elsewhere; wantStartForces(); solved_shares_
-  int obstacle_rounds_ = 0, friction_rounds_ = 0;
+  int obstacle_rounds_ = 0;
   bool gets_on_ = false;  ///< obstacles have gone far beside contactDistance; little says that a contact has not opened again
   bool is_behind_ = false;  ///< obstacles begin the step elsewhere than where path and hand had them then
-  bool waits_ = false, is_to_change_ = false;  ///< see hasWay(); frictionGoesOn()
+  bool waits_ = false;  ///< see hasWay()
   LineShares shares_;
   ShareRounds share_rounds_;
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
@@ -166,7 +164,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
 
 void BarrierContact::declare(DataTable& table) {
   ContactField::declare(table);
-  table.add("frictionIterations", friction_iterations_).help("most solves of a step for directions of friction").unit("-").min(1);
+  table.add("frictionIterations", friction_rounds_.most).help("most solves of a step for directions of friction").unit("-").min(1);
   declareAdhesion(table, law_.adhesion, friction_);
   table.add("resolveStart", resolve_start_).help("bodies that start in one another are pushed apart");
   outputs_.declare(table);
@@ -226,8 +224,7 @@ void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
 }
 
 void BarrierContact::rub(ConstRows v, Rows f) {
-  if (!is_explicit_ && !holds_nothing_ && friction_rounds_ + 1 < friction_iterations_)
-    friction_.hold(x_, start_, law_.moved - moved_at_start_);
+  if (!is_explicit_ && !holds_nothing_ && friction_rounds_.mayHold()) friction_.hold(x_, start_, law_.moved - moved_at_start_);
   if (!is_explicit_ && holds_nothing_ && !left_start_)  // where a step starts
     friction_.computeAtSpeed(law_.surfaces, v, duration_, start_, goal_ - moved_at_start_, way_);
   else
@@ -270,17 +267,19 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   copyPlaces(x_, start_);
   moved_at_start_ = moved_first_ = law_.moved;
   is_behind_ = (law_.moved - obstacles_.displacement(t)).norm() > 1e-9 * law_.range;
-  outputs_.friction_change = 0, step_energy_.stepBegins();
+  outputs_.friction_change = 0;
+  step_energy_.stepBegins();
   goal_ = obstacles_.displacement(t_end);
   friction_.ease(ease * law_.range, again);
   beginRounds();
 }
 
 void BarrierContact::beginRounds() {
-  obstacle_rounds_ = friction_rounds_ = 0, share_rounds_.stepBegins(), shares_.solveBegins();
+  obstacle_rounds_ = 0, share_rounds_.stepBegins(), shares_.solveBegins();
   left_start_ = is_carried_ = gets_on_ = false;
   friction_.beginAgain(), lookAgain(x_), law_.weigh(x_);
-  friction_.note(law_, law_.touches(x_)), is_to_change_ = friction_.hasSlid() && !friction_.slides.empty();
+  friction_.note(law_, law_.touches(x_));
+  friction_rounds_.begin(friction_);
   waits_ = !hasArrived() && law_.moved == moved_at_start_;
 }
 
@@ -309,9 +308,7 @@ double BarrierContact::longestStep(ConstRows x, const Way& way) {
   const Vec3 along = waits_ ? Vec3(way.along * (goal_ - from)) : Vec3(law_.moved - from);
   gather(x, from);
   law_.surfaces.gatherWay(way.dx, along, way_);
-  bend_.assign(way.bend ? way_.size() : 0, 0);
-  for (std::size_t v = 0; v < bend_.size(); ++v)
-    if (const Index row = law_.surfaces.rows[v]; row >= 0) bend_[v] = way.bend[row];
+  law_.surfaces.gatherBends(way.bend, bend_);
   return law_.longestStep(x_, way_, bend_, along);
 }
 
@@ -322,15 +319,18 @@ bool BarrierContact::movesOn(ConstRows x) {
     law_.weigh(x_), shares_.solveBegins(), friction_.note(law_, law_.touches(x_));
     return ++obstacle_rounds_, waits_ = true;
   }
-  law_.copyShares(solved_shares_), lookAtEnergy();
-  const bool others = sharesChange(), goes_on = frictionGoesOn(), held = friction_.release();
+  law_.copyShares(solved_shares_);
+  step_energy_.look(law_, x_, start_, law_.moved - moved_at_start_);
+  const bool others = sharesChange(), goes_on = friction_rounds_.goOn(friction_), held = friction_.release();
   solved_slides_ = friction_.slides;
   const bool rubs = (friction_.acts() && frictionChanges(held)) || goes_on;
-  const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
+  const bool again = (held || rubs) && friction_rounds_.takeAnother();
   const bool sharpens = !again && !others && friction_.isEased();
-  if (sharpens) friction_rounds_ = 0, friction_.sharpen(law_, x_, start_, law_.moved - moved_at_start_);
+  if (sharpens) friction_rounds_.sharpen(friction_, law_, x_, start_, law_.moved - moved_at_start_);
   has_solved_ = !again && !others && !sharpens && !step_energy_.goesBackward();
-  return has_solved_ ? (friction_.settle(), false) : (shares_.solveBegins(), true);
+  if (has_solved_) return friction_.settle(), false;
+  shares_.solveBegins();
+  return true;
 }
 
 void BarrierContact::goAlong(double s) {
@@ -345,20 +345,21 @@ bool BarrierContact::sharesChange() {
   return share_rounds_.goOn(law_.isOutOfReach(x_) ? 0 : law_.changeByWeighing(x_, friction_.acts(), forces_before_, forces_));
 }
 
-/// Friction with the forces and shares that have been found now, against that of the solve before. What was held says nothing of slip.
+/// Friction with the forces and shares that have been found now, against that of the solve before.
 bool BarrierContact::frictionChanges(bool was_held) {
-  constexpr double settled = 1e-3, usual_factor = 0.1, surely = 3;
   outputs_.friction_change = friction_.renew(law_, x_, start_, law_.moved - moved_at_start_, was_held, forces_before_, forces_);
-  is_to_change_ = !was_held && usual_factor * outputs_.friction_change > surely * settled;
-  return outputs_.friction_change > settled;
+  return friction_rounds_.changes(outputs_.friction_change, was_held);
 }
 
 std::string BarrierContact::overlap(ConstRows x) {
   follow(x);
   const auto crossings = law_.candidates.crossings(x_);
   const bool has_balance = std::exchange(has_solved_, false) && law_.putBack(solved_shares_);
-  lookAgain(x_), has_balance ? void(friction_.slides = solved_slides_) : law_.weigh(x_);
-  friction_.release(), lookAtEnergy(), step_energy_.stepTaken(law_, x_);
+  lookAgain(x_);
+  if (has_balance) friction_.slides = solved_slides_;
+  if (!has_balance) law_.weigh(x_);
+  friction_.release();
+  step_energy_.stepTaken(law_, x_, start_, law_.moved - moved_at_start_);
   slideTo(x_);
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);
   is_in_step_ = false;
@@ -380,12 +381,11 @@ void BarrierContact::startObstacles() {
 void BarrierContact::serialize(Archive& archive) {
   law_.candidates.serialize(archive);
   archive.list("start", start_);
-  for (int k = 0; k < 3; ++k) {
-    archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
-    archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
-    archive.value(std::string("arrived_") + char('x' + k), arrived_[k]);
-  }
-  friction_.serialize(archive), step_energy_.serialize(archive);
+  serializePlace(archive, "moved", law_.moved);
+  serializePlace(archive, "began", moved_at_start_);
+  serializePlace(archive, "arrived", arrived_);
+  friction_.serialize(archive);
+  step_energy_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
   goal_ = law_.moved, left_start_ = is_in_step_ = false, ++pattern_revision_;

@@ -358,10 +358,8 @@ void ConstraintContact::reset() {
 }
 
 void ConstraintContact::serialize(Archive& archive) {
-  for (int k = 0; k < 3; ++k) {
-    archive.value(std::string("moved_") + char('x' + k), moved_at_start_[k]);
-    archive.value(std::string("led_") + char('x' + k), led_[k]);
-  }
+  serializePlace(archive, "moved", moved_at_start_);
+  serializePlace(archive, "led", led_);
   archive.list("start", start_);
   archive.value("travel", travel_);
   archive.value("way", way_);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "framework/mechanics/mass.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/node.h"
 
 namespace stroma::contact {
@@ -129,6 +130,10 @@ void Obstacles::addTo(BarrierLaw& law) const {
     if (law.surfaces.faces.size() == before)
       throw ComponentError(fmt::format("{} has no triangle, quad or volume cell", mesh->path()), "a surface");
   }
+}
+
+void serializePlace(Archive& archive, const std::string& name, Vec3& place) {
+  for (int k = 0; k < 3; ++k) archive.value(name + '_' + char('x' + k), place[k]);
 }
 
 void addShapes(const BarrierLaw& law, std::vector<DrawnObstacles::Shape>& shapes) {

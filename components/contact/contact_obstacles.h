@@ -42,6 +42,9 @@ class Obstacles {
 /// The obstacles of a law where they are written, for who draws them.
 void addShapes(const BarrierLaw& law, std::vector<DrawnObstacles::Shape>& shapes);
 
+/// A place, as the values name_x, name_y and name_z.
+void serializePlace(Archive& archive, const std::string& name, Vec3& place);
+
 /// The fastest that obstacles may be led in explicit steps [m/s]: a barrier stops what is a few times faster. Between it and the speed of
 /// sound stands the density of the bodies, which is that of sheets as thick as contactDistance where they enclose less.
 double fastestLead(const BarrierLaw& law, const std::vector<State*>& bodies);

@@ -224,6 +224,12 @@ void Surfaces::gatherWay(ConstRows dx, const Vec3& along, std::vector<Vec3>& out
   }
 }
 
+void Surfaces::gatherBends(const double* bend, std::vector<double>& out) const {
+  out.assign(bend ? rows.size() : 0, 0);
+  for (std::size_t v = 0; v < out.size(); ++v)
+    if (rows[v] >= 0) out[v] = bend[rows[v]];
+}
+
 bool Surfaces::areBodiesAt(const std::vector<Vec3>& x, const std::vector<Vec3>& other) const {
   constexpr int at_once = 96;  // numbers: what has moved is mostly seen in the first of them
   if (x.size() != other.size()) return false;

@@ -36,6 +36,8 @@ class Surfaces {
   void gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const;
   /// Displacements of all of them: rows of dx, and `along` of obstacles.
   void gatherWay(ConstRows dx, const Vec3& along, std::vector<Vec3>& out) const;
+  /// What is given for rows, of each vertex; 0 of obstacles. None where nothing is given.
+  void gatherBends(const double* bend, std::vector<double>& out) const;
   /// Vertices that are no obstacles' are where they are in `other`; false for another number of them.
   bool areBodiesAt(const std::vector<Vec3>& x, const std::vector<Vec3>& other) const;
 

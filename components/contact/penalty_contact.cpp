@@ -352,12 +352,11 @@ void PenaltyContact::serializeFound(Archive& archive) {
 void PenaltyContact::serialize(Archive& archive) {
   archive.list("start", start_);
   if (friction_.acts()) serializeFound(archive);
-  for (int k = 0; k < 3; ++k) {
-    archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
-    archive.value(std::string("led_") + char('x' + k), led_next_[k]);
-    archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
-  }
-  friction_.serialize(archive), passages_.serialize(archive);
+  serializePlace(archive, "began", moved_at_start_);
+  serializePlace(archive, "led", led_next_);
+  serializePlace(archive, "moved", law_.moved);
+  friction_.serialize(archive);
+  passages_.serialize(archive);
   outputs_.serialize(archive);
   if (!archive.isReading()) return;
   is_found_ = false, led_ = led_next_, began_ = std::numeric_limits<double>::quiet_NaN();

@@ -117,7 +117,8 @@ double StepEnergy::replaced(const BarrierLaw& law, const std::vector<Vec3>& x) c
   return sum;
 }
 
-void StepEnergy::stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x) {
+void StepEnergy::stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way) {
+  look(law, x, start, way);
   if (std::exchange(has_start_, false)) {
     for (Account& account : accounts_) {
       account.gained += account.gains(), account.before = account.after, account.most = std::max(account.most, account.after);

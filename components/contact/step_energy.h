@@ -32,8 +32,8 @@ class StepEnergy {
   void replace(Terms& terms, const BarrierLaw& law, const std::vector<Vec3>& x, Rows f) const;
   /// The potential at x of these forces.
   double replaced(const BarrierLaw& law, const std::vector<Vec3>& x) const;
-  /// The step has ended where look() was.
-  void stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// The step has ended at x, as for look().
+  void stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way);
   void forget() { *this = {}; }
   void serialize(Archive& archive);
 

@@ -155,12 +155,12 @@ def test_a_body_with_all_that_holds_and_touches_it(tmp_path):
     from stlib3.scene.mainheader import MainHeader as same
 
     assert same is MainHeader
-    root = Sofa.Core.Node("root")
+    root = Sofa.Core.Node("scene")
     MainHeader(root, gravity=[0, 0, -9.81], plugins=["SoftRobots"])
     ContactHeader(root, alarmDistance=0.1, contactDistance=0.01, frictionCoef=0.5)
     body = ElasticMaterialObject(attachedTo=Node(root, "world"), volumeMeshFileName=bar(tmp_path / "bar.msh"), name="bar",
                                  totalMass=2.0)
-    assert body.node is body and root.world.bar is body and find(root, "/root/world/bar/dofs") is body.dofs
+    assert body.node is body and root.world.bar is body and find(root, "/scene/world/bar/dofs") is body.dofs
     FixedBox(applyTo=body, atPositions=[-1.1, -1, -1, -0.9, 2, 2])
     PartiallyFixedBox(attachedTo=body, box=[-2, -1, -1, 5, 2, 2], fixedAxis=[0, 1, 0])
     box = addOrientedBoxRoi(body, position=[list(each) for each in body.dofs.rest_position.value], translation=[0, -1, 0],

@@ -3,7 +3,7 @@
 
 
 def find(node, path):
-    """By a path from the root, as /root/body/dofs; None where it leads nowhere."""
+    """By a path that begins with the name of its node, as /scene/body/dofs; None where it leads nowhere."""
     first, *others = path.split("/")[1:]
     if first != str(node.name.value):
         return None
