@@ -10,8 +10,9 @@
 // strains (xx yy zz xy yz zx). The stiffness of eps_p is left out. initialStrain is eps_p at the start, one for all or one
 // for each cell: also a swelling or a growth.
 //
-// With scaledByVolume="true" the thresholds are compared with 6 V times the strain, as SOFA does: what yields depends on the mesh
-// then. A creep of 1 lets a cell yield at once; it is for a time step, not for a time.
+// With scaledByVolume="true" the thresholds are compared with 6 V times the strain in the axes of the cell at rest (of `method`), as SOFA
+// does: what yields depends on the mesh then, and on the order of the nodes of a cell. A creep of 1 lets a cell yield at once; it is for a
+// time step, not for a time.
 //
 // The stress of the elastic force field beside it is D eps. Cell fields for exporters: elasticStress, R sigma R^T [Pa], elasticVonMises
 // [Pa] and plasticStrain, eps_p (six numbers each but for the second, xx yy zz xy yz zx: the stress in the axes of the world, the
@@ -53,10 +54,11 @@ namespace {
 
 using Strain = Eigen::Matrix<double, 6, 1>;
 
-Mat3 polarFactor(const Mat3& m) {
+/// A rotation, or where it `may_mirror` the factor with the sign of det m.
+Mat3 polarFactor(const Mat3& m, bool may_mirror) {
   const Eigen::JacobiSVD<Mat3> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
+  if (!may_mirror && (u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
   return u * svd.matrixV().transpose();
 }
 
@@ -86,7 +88,7 @@ class PlasticStrainForceField final : public ForceField, public History {
     table.add("plasticCreep", creep_).help("share of the elastic strain that becomes plastic per step").unit("-").min(0).max(1);
     table.add("initialStrain", initial_).ofCells(6).unit("-").help(
         "xx yy zz xy yz zx (engineering) at the start, one for all or one per cell");
-    table.add("scaledByVolume", scaled_).help("thresholds are of 6 V times the strain, as SOFA's");
+    table.add("scaledByVolume", scaled_).help("thresholds are of 6 V times the strain in a cell's own axes, as SOFA's");
   }
 
   void init() override {
@@ -161,13 +163,10 @@ class PlasticStrainForceField final : public ForceField, public History {
     if (most_ == 0) return;
     const Span span("remember", this);
     for (std::size_t c = 0; c < cells_.size(); ++c) {
-      const double scale = scaled_ ? 6 * cells_[c].volume : 1;
-      const Mat3 now = strain(cells_[c], state().x(), 0);
-      Strain elastic, plastic = Eigen::Map<const Strain>(plastic_.data() + 6 * c);
-      elastic << now(0, 0), now(1, 1), now(2, 2), 2 * now(0, 1), 2 * now(1, 2), 2 * now(2, 0);
+      Strain elastic = engineering(strain(cells_[c], state().x(), 0)), plastic = Eigen::Map<const Strain>(plastic_.data() + 6 * c);
       elastic -= plastic;
-      if (scale * elastic.norm() > yield_) plastic += creep_ * elastic;
-      if (scale * plastic.norm() > most_) plastic *= most_ / (scale * plastic.norm());
+      if (size(elastic, cells_[c]) > yield_) plastic += creep_ * elastic;
+      if (const double now = size(plastic, cells_[c]); now > most_) plastic *= most_ / now;
       Eigen::Map<Strain>(plastic_.data() + 6 * c) = plastic;
     }
   }
@@ -199,7 +198,7 @@ class PlasticStrainForceField final : public ForceField, public History {
     const double nu = poisson_ratio_[c < poisson_ratio_.size() ? c : 0];
     cell.lambda = young * nu / ((1 + nu) * (1 - 2 * nu)), cell.mu = young / (2 * (1 + nu));
     cell.frame = frameOf(rest(0), rest(1), rest(2));
-    cell.polar = polarFactor(edges);
+    cell.polar = polarFactor(edges, true);
     cells_.push_back(cell);
   }
 
@@ -213,18 +212,31 @@ class PlasticStrainForceField final : public ForceField, public History {
     const auto at = [&](std::size_t a) { return Vec3(x[first + cell.nodes[a]]); };
     if (method_ == Method::small) return Mat3::Identity();
     if (method_ == Method::large) return frameOf(at(0), at(1), at(2)) * cell.frame.transpose();
-    if (polar_of_ == PolarOf::gradient) return polarFactor(gradient(cell, x, first));
+    if (polar_of_ == PolarOf::gradient) return polarFactor(gradient(cell, x, first), false);
     Mat3 edges;
     for (int k = 0; k < 3; ++k) edges.col(k) = at(std::size_t(k) + 1) - at(0);
-    return polarFactor(edges) * cell.polar.transpose();
+    return polarFactor(edges, true) * cell.polar.transpose();
   }
   Mat3 strain(const Cell& cell, ConstRows x, Index first) const {
     const Mat3 stretch = rotation(cell, x, first).transpose() * gradient(cell, x, first);
     return (stretch + stretch.transpose()) / 2 - Mat3::Identity();
   }
   Mat3 strain(const Cell& cell, ConstRows x) const { return strain(cell, x, state().firstRow()); }
-  Mat3 plasticStrain(std::size_t c) const {
-    const double* p = plastic_.data() + 6 * c;
+  Mat3 plasticStrain(std::size_t c) const { return tensor(plastic_.data() + 6 * c); }
+  static Strain engineering(const Mat3& m) {
+    Strain out;
+    out << m(0, 0), m(1, 1), m(2, 2), 2 * m(0, 1), 2 * m(1, 2), 2 * m(2, 0);
+    return out;
+  }
+  /// What the thresholds are compared with: the norm of engineering strains depends on the axes.
+  double size(const Strain& strain, const Cell& cell) const {
+    if (!scaled_) return strain.norm();
+    const Mat3 axes = method_ == Method::large                                  ? cell.frame
+                      : method_ != Method::small && polar_of_ == PolarOf::edges ? cell.polar
+                                                                                : Mat3(Mat3::Identity());
+    return 6 * cell.volume * engineering(axes.transpose() * tensor(strain.data()) * axes).norm();
+  }
+  static Mat3 tensor(const double* p) {
     Mat3 m;
     m << p[0], p[3] / 2, p[5] / 2, p[3] / 2, p[1], p[4] / 2, p[5] / 2, p[4] / 2, p[2];
     return m;

@@ -11,7 +11,8 @@
 // middle of an edge: positive, and of the right sum. The weight m g acts at the nodes as these masses do. On a mesh without volumes
 // rho is a mass per area (triangles and quads; of a sheet its density times its thickness) or per length (edges; of a beam its
 // density times its cross-section), and a unit that is written must be one of these. Where cells overlap, as when a body is cut into
-// tetrahedra twice, each counts for its part.
+// tetrahedra twice, each counts for its part. With shares="equal", as in SOFA, all nodes of a cell have the same share of it, also where
+// it is no box or parallelogram, and a quad has the area of the two triangles along the diagonal from corner 0.
 //
 // Of totalMass, massDensity and vertexMass the first that is given is used. Volumes are those of the rest shape unless
 // computeMassOnRest="false".

@@ -90,6 +90,8 @@ void MeshMass::declare(DataTable& table) {
       .help("take volumes from the rest positions, not from the initial ones");
   table.addChoice("cells", which_cells_, {"all", "first"})
       .help("which carry mass: all of the highest dimension, or the first kind of hexahedra, tetrahedra, quads, triangles, edges");
+  table.addChoice("shares", shares_, {"integrals", "equal"})
+      .help("of a cell's mass at its nodes: the integrals, or for DiagonalMass the same at all, where quads are two triangles");
   topology_.declare(table, "mesh of the cells");
   table.addLink("geometryState", geometry_state_)
       .help("state whose positions give the volumes; the mass's own when not given");
@@ -171,7 +173,7 @@ void MeshMass::findDensities(double overlap) {
                          fmt::format("1 value or {}", cells_.size()));
   CellMatrix matrix;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
-    cellMassMatrix(cells_[i], *geometry_, matrix);
+    massMatrixOf(i, matrix);
     double size = 0;
     for (int k = 0; k < cells_[i].kind->nodes * cells_[i].kind->nodes; ++k) size += matrix[k];
     if (!(size >= 0))
@@ -194,18 +196,34 @@ void MeshMass::findDensities(double overlap) {
   }
 }
 
+void MeshMass::massMatrixOf(std::size_t cell, CellMatrix& out) const {
+  cellMassMatrix(cells_[cell], *geometry_, out);
+  const auto [kind, nodes] = cells_[cell];
+  if (shares_ != Shares::equal || kind != &cell_kinds::quad) return;
+  const auto at = [&](int corner) -> const Vec3& { return (*geometry_)[std::size_t(nodes[corner])]; };
+  const Vec3 across = at(2) - at(0);
+  const double area = ((at(1) - at(0)).cross(across).norm() + across.cross(at(3) - at(0)).norm()) / 2;
+  double sum = 0;
+  for (std::size_t k = 0; k < 16; ++k) sum += out[k];
+  for (std::size_t k = 0; k < 16 && sum > 0; ++k) out[k] *= area / sum;
+}
+
 void MeshMass::addLumped(std::vector<double>& masses) const {
   CellMatrix matrix;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const auto [kind, nodes] = cells_[c];
     const std::size_t count = std::size_t(kind->nodes);
-    cellMassMatrix(cells_[c], geometry(), matrix);
+    massMatrixOf(c, matrix);
     double sum = 0, diagonal = 0;
     for (std::size_t k = 0; k < count * count; ++k) sum += matrix[k];
     for (std::size_t i = 0; i < count; ++i) diagonal += matrix[i * count + i];
     for (std::size_t i = 0; i < count; ++i) {
       if (kind->order > 1) {
         masses[nodes[i]] += density(c) * (diagonal > 0 ? sum / diagonal * matrix[i * count + i] : 0);
+        continue;
+      }
+      if (shares_ == Shares::equal) {
+        masses[nodes[i]] += density(c) * sum / double(count);
         continue;
       }
       for (std::size_t j = 0; j < count; ++j) masses[nodes[i]] += density(c) * matrix[i * count + j];

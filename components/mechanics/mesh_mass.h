@@ -33,8 +33,10 @@ class MeshMass : public Mass {
   const std::vector<double>& nodalMasses() const { return vertex_mass_; }  ///< [kg], shape (nodes)
   /// Cells of the highest dimension in the mesh: volumes, else faces, else edges.
   const std::vector<MassCell>& cells() const { return cells_; }
-  /// masses[node] += those of the cells on the diagonal: row sums; of quadratic cells, whose row sums are negative at
-  /// corners, the mass in proportion to the diagonal (Hinton, Rock and Zienkiewicz 1976).
+  /// cellMassMatrix() of a cell; with equal shares the area of a quad is that of two triangles.
+  void massMatrixOf(std::size_t cell, CellMatrix& out) const;
+  /// masses[node] += those of the cells on the diagonal: row sums or equal shares; of quadratic cells, whose row sums are negative
+  /// at corners, the mass in proportion to the diagonal (Hinton, Rock and Zienkiewicz 1976).
   void addLumped(std::vector<double>& masses) const;
   /// Mass of a cell over its size, [kg/m^d], the mesh's overlap taken into account.
   double density(std::size_t cell) const { return densities_.size() == 1 ? densities_[0] : densities_[cell]; }
@@ -51,6 +53,7 @@ class MeshMass : public Mass {
 
   bool compute_on_rest_ = true;
   enum class Cells : int { all, first } which_cells_ = Cells::all;
+  enum class Shares : int { integrals, equal } shares_ = Shares::integrals;
 
  private:
   enum class Source { total, density, nodes };

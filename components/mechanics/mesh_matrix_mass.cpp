@@ -134,7 +134,7 @@ class MeshMatrixMass final : public MeshMass {
     if (form_ == Form::pairs) return buildOfPairs();
     for (std::size_t c = 0; c < cells().size(); ++c) {
       const auto [kind, nodes] = cells()[c];
-      cellMassMatrix(cells()[c], geometry(), matrix);
+      massMatrixOf(c, matrix);
       for (int i = 0; i < kind->nodes; ++i)
         for (int j = 0; j < kind->nodes; ++j) {
           const double mass = densityOf(c) * matrix[std::size_t(i * kind->nodes + j)];
@@ -146,7 +146,7 @@ class MeshMatrixMass final : public MeshMass {
 
   double densityOf(std::size_t cell) const { return density(cell) * (cell_factors_.empty() ? 1 : scale_ * cell_factors_[cell]); }
   double massOf(std::size_t cell, CellMatrix& matrix) const {
-    cellMassMatrix(cells()[cell], geometry(), matrix);
+    massMatrixOf(cell, matrix);
     double mass = 0;
     const int count = cells()[cell].kind->nodes;
     for (int k = 0; k < count * count; ++k) mass += densityOf(cell) * matrix[std::size_t(k)];

@@ -132,8 +132,9 @@ std::vector<char> alternate(const std::vector<Hexahedron>& cells) {
   return choice;
 }
 
-/// SOFA mirrors in x the cells of even i, in y those of odd j, in z those of odd k.
-std::vector<Tetrahedron> cutSixMirrored(const std::vector<Hexahedron>& cells) {
+/// SOFA mirrors in x the cells of even i, in y those of odd j, in z those of odd k. The tetrahedra of a cell that is inside out
+/// then have their last two nodes exchanged where they are to be `upright`.
+std::vector<Tetrahedron> cutSixMirrored(const std::vector<Hexahedron>& cells, bool upright) {
   const auto places = gridPlaces(cells);
   if (!places)
     throw ComponentError("swapping needs hexahedra laid out like the cells of a grid",
@@ -151,7 +152,7 @@ std::vector<Tetrahedron> cutSixMirrored(const std::vector<Hexahedron>& cells) {
       for (const auto& [a, b] : pairs[axis]) std::swap(cell[a], cell[b]);
       odd = !odd;
     }
-    append(cell, odd ? six_corners_odd : six_corners, out);
+    append(cell, odd && upright ? six_corners_odd : six_corners, out);
   }
   return out;
 }
@@ -159,12 +160,13 @@ std::vector<Tetrahedron> cutSixMirrored(const std::vector<Hexahedron>& cells) {
 }  // namespace
 
 int tetrahedraPerHexahedron(HexahedronCut cut) {
-  if (cut == HexahedronCut::six) return 6;
+  if (cut == HexahedronCut::six || cut == HexahedronCut::mirrored) return 6;
   return cut == HexahedronCut::ten ? 10 : 5;
 }
 
 std::vector<Tetrahedron> cutHexahedra(const std::vector<Hexahedron>& hexahedra, HexahedronCut cut, bool mirrored) {
-  if (mirrored && cut == HexahedronCut::six) return cutSixMirrored(hexahedra);
+  if (cut == HexahedronCut::mirrored) return cutSixMirrored(hexahedra, false);
+  if (mirrored && cut == HexahedronCut::six) return cutSixMirrored(hexahedra, true);
   if (mirrored) throw ComponentError("swapping mirrors the cutting into six tetrahedra only", "cutting=\"six\"");
   std::vector<Tetrahedron> out;
   out.reserve(hexahedra.size() * std::size_t(tetrahedraPerHexahedron(cut)));

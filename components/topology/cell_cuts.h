@@ -14,14 +14,16 @@ namespace stroma {
 ///   neighbours do not match.
 /// - five: five1 and five2 in turn, chosen so that all faces match.
 /// - ten: five1 and five2 superposed; the cells cover the body twice (Mesh::overlap 2).
-enum class HexahedronCut : int { six, five, five1, five2, ten };
+/// - mirrored: six, each cell's the mirror images of its neighbours' corner by corner, so that every other cell has
+///   tetrahedra of negative volume; cells need the layout of a grid.
+enum class HexahedronCut : int { six, five, five1, five2, ten, mirrored };
 
 /// Tetrahedra that a hexahedron gives.
 int tetrahedraPerHexahedron(HexahedronCut cut);
 
-/// The tetrahedra of hexahedron h are [n h, n h + n), all of positive volume in a convex cell. With `mirrored` (six
-/// only) the cut of each cell is the mirror image of its neighbours', so that no diagonal is preferred: cells need the
-/// layout of a grid. Throws ComponentError when a cut cannot be made to match.
+/// The tetrahedra of hexahedron h are [n h, n h + n), all of positive volume in a convex cell but for the cut mirrored. With
+/// `mirrored` (six only) the cut of each cell is the mirror image of its neighbours', so that no diagonal is preferred: cells
+/// need the layout of a grid. Throws ComponentError when a cut cannot be made to match.
 std::vector<Tetrahedron> cutHexahedra(const std::vector<Hexahedron>& hexahedra, HexahedronCut cut,
                                       bool mirrored = false);
 

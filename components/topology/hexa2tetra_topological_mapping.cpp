@@ -12,6 +12,8 @@
 // - ten: both superposed, symmetric in every cell. The cells cover the body twice: elastic force fields and masses
 //   that read this topology count each of them half (stiffnessScale 0.5), so youngModulus and density keep their
 //   values.
+// - mirrored: six as with swapping, but corner by corner: the tetrahedra of every other cell have a negative volume. So
+//   TetrahedronFEMForceField cuts a grid in SOFA; the frame of its method large depends on the order of nodes.
 //
 // The tetrahedra go to the container named by `output`, else to a TetrahedronSetTopologyContainer beside the mapping;
 // without one the mapping itself is the topology of its node. Those of hexahedron h are [n h, n h + n) for a cut into
@@ -44,7 +46,7 @@ class Hexa2TetraTopologicalMapping : public TopologicalMapping {
   void declare(DataTable& table) override {
     table.addLink("input", input_).help("topology with hexahedra; without it, that of the nearest node above");
     table.addLink("output", output_).help("container to fill; without it, the one beside, else the mapping itself");
-    table.addChoice("cutting", cutting_, {"six", "five", "five1", "five2", "ten"}).help("how a hexahedron is cut");
+    table.addChoice("cutting", cutting_, {"six", "five", "five1", "five2", "ten", "mirrored"}).help("how a hexahedron is cut");
     table.add("swapping", swapping_).help("mirror the cut into six from cell to cell (grids)");
     table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
     addCellList(table, cell_kinds::tetrahedron, mesh_.tetrahedra).help("the tetrahedra").output();

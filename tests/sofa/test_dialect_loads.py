@@ -25,6 +25,10 @@ def a_pressure_on_a_surface_with_a_free_rim():
     expected = euler(X, np.eye(3), together(gravity(np.ones(3), [0, -10, 0]), pressed), 20, 0.01, cg=(25, 1e-9, 1e-30))
     agree(Run(scene.format(""), 20).x(), expected, 1e-9)
     differ(Run(scene.format('tangent="symmetric"'), 20).x(), expected, 1e-6)
+    whole = euler(X, np.eye(3), together(gravity(np.ones(3), [0, -10, 0]), pressed), 20, 0.01)  # and so have factors of any matrix
+    for solver in ("SparseLUSolver", "EigenSparseLU", "EigenSparseQR", 'SVDLinearSolver template="FullMatrix"'):
+        direct = scene.replace('CGLinearSolver iterations="25" tolerance="1e-9" threshold="1e-30"', solver)
+        agree(Run(direct.format(""), 20).x(), whole, 1e-9)
 
 
 @case

@@ -5,7 +5,8 @@ import itertools
 
 import numpy as np
 
-from dialect import CUBE, EXACT, PLACES, X4_TEXT, Run, agree, case, differ, fallen, falls, main, node, root, shapes_at, voxels
+from dialect import (CUBE, EXACT, PLACES, X4_TEXT, Run, agree, case, differ, fallen, falls, main, node, numbers_of, root, shapes_at,
+                     voxels)
 from reference import euler, gravity, load, stiffness, together
 
 
@@ -30,6 +31,36 @@ def quirk_edge_mass():
     expected = euler(x, 8 * mass, fields, 20, 0.01)
     agree(Run(scene, 20).x(), expected, 1e-8)
     differ(Run(scene, 20, args=["--without-quirk", "edge-mass"]).x(), expected, 1e-4)
+
+
+@case
+def shares_of_cells_that_are_no_boxes():
+    """V / 8 and A / 4 at each node, A of the two triangles along corners 0 and 2; with totalMass scaled to it."""
+    brick = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1.3, 1.2, 1.1], [0, 1, 1]])
+    sheet = np.array([[0, 0, 0], [1, 0, 0.3], [1, 1, 0], [0, 1, 0.1], [2.5, 0, 0], [2, 1, 0]])
+
+    def triangle(*nodes):
+        a, b, c = sheet[list(nodes)]
+        return np.linalg.norm(np.cross(b - a, c - a)) / 2
+
+    def volume(X):  # of six tetrahedra on each face's centre and the cell's
+        sides = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+        middle, total = X.mean(axis=0), 0
+        for side in sides:
+            p = X[list(side)]
+            total += sum(np.linalg.det([p[i] - middle, p[(i + 1) % 4] - middle, p.mean(axis=0) - middle]) for i in range(4)) / 6
+        return total
+    areas = np.array([triangle(0, 1, 2) + triangle(0, 2, 3), triangle(1, 4, 5) + triangle(1, 5, 2)])
+    on_sheet = np.array([areas[0], areas.sum(), areas.sum(), areas[0], areas[1], areas[1]]) / 4
+    for X, cells, parts in ((brick, 'hexahedra="0 1 2 3 4 5 6 7"', np.full(8, abs(volume(brick)) / 8)),
+                            (sheet, 'quads="0 1 2 3  1 4 5 2"', on_sheet)):
+        for mass, masses in (('DiagonalMass massDensity="3"', 3 * parts), ('DiagonalMass totalMass="5"', 5 * parts / parts.sum()),
+                             ('MeshMatrixMass massDensity="3" lumping="1"', 3 * parts)):
+            scene = node(EXACT + f'<MeshTopology position="{numbers_of(X)}" {cells}/><MechanicalObject name="dofs"/><{mass}/>'
+                         f'<ConstantForceField indices="0-{len(X) - 1}" forces="0 0 1"/>')
+            agree(1e-4 / (Run(scene, 1).x() - X)[:, 2], masses, 1e-9)
+            if mass.startswith("Diagonal"):
+                differ(1e-4 / (Run(scene, 1, args=["--without-quirk", "edge-mass"]).x() - X)[:, 2], masses, 1e-3)
 
 
 @case

@@ -14,7 +14,7 @@ const std::vector<Quirk>& allQuirks() {
       {"spring-length", "the constants of springs of a mesh are divided by their length"},
       {"meeting-ends", "springs do nothing where their ends meet, and have no stiffness there"},
       {"explicit-damping", "damping of springs and obstacles is explicit, and its tension stiffens the tangent"},
-      {"edge-mass", "the mass matrix of a mesh has entries at vertices and edges only"},
+      {"edge-mass", "the mass matrix of a mesh has entries at vertices and edges only, and lumped cells give each node the same share"},
       {"pair-mass", "hexahedra that are a mass too couple all pairs of their corners alike, with 19 times their mass"},
       {"edge-polar", "rotations of tetrahedra and hexahedra are polar factors of edges instead of deformation gradients"},
       {"prism-points", "prisms have two points instead of six: a twist of their ends has no stiffness"},

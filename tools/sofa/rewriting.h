@@ -137,6 +137,7 @@ class Rewriting {
   // ---- rewritten_components.cpp again ----
   Element* meshOf(const Element& element) const;
   void cutHexahedra(Element& field);
+  bool takesWholeTangent(const Element& solver) const;
   void completeGrid(Element& grid);
   void leaveOtherCells(Element& container);
   bool hasOwnNodes(const Element& mesh) const;

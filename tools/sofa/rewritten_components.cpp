@@ -208,7 +208,7 @@ void Rewriting::cutHexahedra(Element& field) {
   cells.components.push_back(component("Hexa2TetraTopologicalMapping", {{"name", "cut"},
                                                                         {"input", input},
                                                                         {"output", "@tetrahedra"},
-                                                                        {"swapping", "true"}}));
+                                                                        {"cutting", "mirrored"}}));
   field.place->added_children.push_back(std::move(cells));
   SceneTree::linkTo(field);  // nodes above it have names from now on
   field.set("topology", "@" + joinPath(field.place->path(), name) + "/tetrahedra");

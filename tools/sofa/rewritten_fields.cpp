@@ -244,6 +244,12 @@ static void meanBox(Element& pressure) {
     pressure.remove("min"), pressure.remove("max");
 }
 
+/// SOFA's solvers of matrices that are not symmetric; the others of SOFA read one triangle, in an order of their own.
+bool Rewriting::takesWholeTangent(const Element& solver) const {
+  if (isAnyOf(solver.written->type, {"SparseLUSolver", "EigenSparseLU", "EigenSparseQR", "SVDLinearSolver"})) return true;
+  return solver.is("CGLinearSolver") && quirks_.isOn("cg-threshold");
+}
+
 void Rewriting::meanLoads(Element& element) {
   const std::string& type = element.written->type;
   for (const char* name : {"activeDirections", "initialLength", "zeroLength"})
@@ -284,7 +290,7 @@ void Rewriting::meanLoads(Element& element) {
     if (mayLoadQuads(element)) setQuirk(element, "split-quads", "quads", "halves");
     Element* integrator = element.place->nearest("integrator");
     Element* solver = integrator ? integrator->place->firstOf("linear solver") : nullptr;
-    if (solver && solver->is("CGLinearSolver") && quirks_.isOn("cg-threshold")) setDefault(element, "tangent", "exact");
+    if (solver && takesWholeTangent(*solver)) setDefault(element, "tangent", "exact");
   }
   if (type == "SurfacePressureForceField" && element.find("min")) setQuirk(element, "exact-borders", "exactBorder", "true");
   if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");

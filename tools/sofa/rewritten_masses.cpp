@@ -34,6 +34,9 @@ void Rewriting::meanMass(Element& element) {
       (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
   if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
+  const Element* mesh = isAnyOf(type, {"DiagonalMass", "MeshMatrixMass"}) ? meshOf(element) : nullptr;
+  if (mesh && !isAnyOf(mesh->written->type, {"RegularGridTopology", "SparseGridTopology"}) && mayLoadQuads(element))
+    setQuirk(element, "edge-mass", "shares", "equal");
 }
 
 /// A second mass of a state has to name it here.

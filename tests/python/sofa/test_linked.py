@@ -136,3 +136,23 @@ def test_links_made_before_a_node_has_a_parent(way, place):
     assert np.array(first.position.value)[:, 2] == pytest.approx([-5 * fallen] * 2)
     assert np.array(second.position.value)[0, 2] == pytest.approx(3 * fallen)
     assert np.array(dofs.position.value)[:, 2] == pytest.approx([-5 * fallen, -5 * fallen, 3 * fallen])
+
+
+def test_paths_and_parents_stay_in_the_order_of_the_scene():
+    """A node below a part that is in no tree, and then below one that is: it runs there, and its first parent is still the first."""
+    root, part = Sofa.Core.Node("root"), Sofa.Core.Node("part")
+    root.gravity, root.dt = [0, 0, -5], 0.01
+    body = part.addChild("sim").addChild("body")
+    root.addChild("other").addChild(body)
+    body.addObject("EulerImplicitSolver")
+    body.addObject("SparseLDLSolver")
+    state = body.addObject("MechanicalObject", name="dofs", position=[[0, 0, 0]])
+    body.addObject("UniformMass", totalMass=1)
+
+    def told():
+        return body.getPathName(), state.getLinkPath(), [parent.name.value for parent in body.parents], body.getParents()[0].name.value
+    before = told()
+    assert before == ("/sim/body", "@/sim/body/dofs", ["sim", "other"], "sim")
+    animate(root, 2)
+    assert told() == before
+    assert state.position.value[0, 2] == pytest.approx(-5 * 0.01**2 * 3) and body.getRoot() is root

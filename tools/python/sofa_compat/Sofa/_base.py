@@ -49,6 +49,7 @@ class Base:
         put(self, "_s_data", {})
         put(self, "_s_name", "")
         put(self, "_s_parents", [])
+        put(self, "_s_lead", None)
         put(self, "_s_where", caller())
         put(self, "_s_version", next(_versions))
         put(self, "_s_revision", 0)
@@ -65,13 +66,19 @@ class Base:
     def getNameAsString(self):
         return self._s_name
 
-    def _s_node(self):
+    def _s_above(self):
+        """The parent of which values are asked: the first, unless that hangs nowhere and another does not."""
+        if self._s_lead is not None and self._s_lead in self._s_parents:
+            return self._s_lead
         return self._s_parents[0] if self._s_parents else None
+
+    def _s_node(self):
+        return self._s_above()
 
     def getRoot(self):
         found = self
         while found._s_parents:
-            found = found._s_parents[0]
+            found = found._s_above()
         return found
 
     def getContext(self):

@@ -50,7 +50,7 @@ class ContactListener(Object):
                 for each in node._s_objects:
                     if each._s_type and each._s_facts.role == "collision model":
                         return each
-                node = node._s_parents[0] if node._s_parents else None
+                node = node._s_above()
             raise RuntimeError(f"{self._s_place()}: has no {name}, and there is no collision model in this node or above")
         model = data.getLinkedBase()
         if not isinstance(model, Object) or not model._s_type or model._s_facts.role != "collision model":

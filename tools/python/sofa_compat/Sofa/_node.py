@@ -86,7 +86,7 @@ class Node(Base):
             if engine is not None and data._s_name in ("dt", "time", "gravity"):
                 return engine.context(data._s_name)
             if data._s_raw is None and self._s_parents:
-                return self._s_parents[0].findData(data._s_name).value
+                return self._s_above().findData(data._s_name).value
         is_box = data._s_name == "bbox" and (data._s_raw is None or self._s_engine() is not None)
         found = _boxes.around(each for each in self._s_all_objects() if each._s_is_state()) if is_box else None
         return super()._s_read(data) if found is None else found
@@ -340,7 +340,7 @@ class Node(Base):
     def getAncestors(self):
         found, ancestors = self, []
         while found._s_parents:
-            found = found._s_parents[0]
+            found = found._s_above()
             ancestors.append(found)
         return ancestors
 
@@ -516,11 +516,11 @@ class Node(Base):
             yield from child._s_all_objects(seen)
 
     def _s_prefer_parents_here(self):
-        """Of several parents those in this tree come first: paths and values are asked of the first, which may hang nowhere."""
+        """Of several parents values are asked of the first in this tree: the first of all may hang nowhere. The list stays as it is."""
         nodes = list(self._s_all_nodes())
         here = {id(node) for node in nodes}
         for node in nodes:
-            node._s_parents.sort(key=lambda parent: id(parent) not in here)
+            object.__setattr__(node, "_s_lead", next((parent for parent in node._s_parents if id(parent) in here), None))
 
     def _s_all_nodes(self, seen=None):
         seen = set() if seen is None else seen

@@ -50,7 +50,7 @@ def _nodes_above(region):
     node = region._s_node()
     while node is not None:
         yield node
-        node = node._s_parents[0] if node._s_parents else None
+        node = node._s_above()
 
 
 def _of_role(node, role):
