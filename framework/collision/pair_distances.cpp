@@ -16,9 +16,7 @@ struct Point {
   Point operator+(const Point& o) const { return {x + o.x, y + o.y, z + o.z}; }
   Point operator*(T s) const { return {x * s, y * s, z * s}; }
   friend T dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-  friend Point cross(const Point& a, const Point& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-  }
+  friend Point cross(const Point& a, const Point& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 };
 
 /// The nearest of what has been considered: every feature of a pair is.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/mechanics/condition_forces.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,11 +8,11 @@ namespace stroma {
 
 namespace {
 // where a step no longer helps, round-off of forces that are large for their conditions is left
-constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;
+constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6, held = 0.1;  // held: of what is tolerated
 constexpr double none = std::numeric_limits<double>::infinity();
 }  // namespace
 
-void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
+void ConditionForces::begin(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
   stop_ = stop, allowed_ = allowed, ++searches;
   live_.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -23,24 +22,36 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   size_ = 0;  // of those that forces have to mend; gaps far from contact have no say
   for (const Group& group : groups_)
     size_ = std::max(size_, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
-  unsettled_ = none, least_ = q_;
-  restart(q_), note();
-  if (unsettled_ > 1.5 * enough) newton(), note();
-  if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
-  const auto search = [&](auto way) {
-    const double before = std::exchange(unsettled_, none);
-    const Eigen::VectorXd q = least_;
-    way(), newton(), note(), settle();
-    if (!(unsettled_ < before)) unsettled_ = before, least_ = q;
-  };
-  if (unsettled_ > near && !isLittle()) search([this] { searchInside(); });
-  if (unsettled_ > coarse && !isLittle()) search([this] { searchWithSlides(); });
-  if (unsettled_ > near && unsettled_ < coarse && !isOver() && !isLittle()) contradiction = 2 * unsettled_ * size_;
+  unsettled_ = none, least_ = q_, restart(q_), note();
+}
+
+void ConditionForces::end(const std::vector<Row>& rows) {
   l.setZero();
   for (std::size_t k = 0; k < live_.size(); ++k)
     l[Eigen::Index(live_[k])] = std::isfinite(unsettled_) ? scale_[Eigen::Index(k)] * least_[Eigen::Index(k)] : unsettled_;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].kind == Kind::given) l[Eigen::Index(i)] = rows[i].factor;
+}
+
+void ConditionForces::sweep(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed, double part) {
+  begin(rows, stop, allowed), sweep(part), end(rows);
+}
+
+void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
+  begin(rows, stop, allowed);
+  if (unsettled_ > 1.5 * enough) newton(), note();
+  if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
+  const auto search = [&](auto way) {
+    const double before = std::exchange(unsettled_, none);
+    const Eigen::VectorXd q = least_;
+    way(), newton(), note();
+    if (!isLittle(held)) settle();
+    if (!(unsettled_ < before)) unsettled_ = before, least_ = q;
+  };
+  if (unsettled_ > near && !isLittle()) search([this] { sweep(held); });
+  if (unsettled_ > near && !isLittle(held)) search([this] { searchInside(); });
+  if (unsettled_ > near && unsettled_ < coarse && !isOver() && !isLittle()) contradiction = 2 * unsettled_ * size_;
+  end(rows);
 }
 
 /// Zero for rows that nothing moves; what rubs goes with what pushes. What is given goes to the offset.
@@ -53,10 +64,7 @@ void ConditionForces::scaleRows(const std::vector<Row>& rows) {
   for (Eigen::Index k = 0; k < count; ++k) {
     const std::size_t row = live_[std::size_t(k)];
     const double own = std::abs(w(k, k)), size = sizes[row];
-    if (rows[row].kind == Kind::rub && k > 0)
-      scale_[k] = scale_[k - 1];
-    else
-      scale_[k] = own > 1e-14 * most * size * size ? 1 / std::sqrt(own) : 0;
+    scale_[k] = rows[row].kind == Kind::rub && k > 0 ? scale_[k - 1] : own > 1e-14 * most * size * size ? 1 / std::sqrt(own) : 0;
     if (rows[row].kind == Kind::given)
       for (Eigen::Index j = 0; j < count; ++j) g[Eigen::Index(live_[std::size_t(j)])] += rows[row].factor * w(j, k);
     else if (scale_[k] > 0)
@@ -90,8 +98,7 @@ void ConditionForces::findGroups(const std::vector<Row>& rows) {
 
 void ConditionForces::restart(const Eigen::VectorXd& q) {
   if (&q != &q_) q_ = q;
-  r_ = offset_;
-  r_.noalias() += scaled_ * q_;
+  (r_ = offset_).noalias() += scaled_ * q_;
 }
 
 void ConditionForces::change(int row, double to) {
@@ -103,14 +110,12 @@ void ConditionForces::change(int row, double to) {
 void ConditionForces::findWanted(const Group& group) {
   const int first = group.first + 1, count = group.tangents();
   wanted_ = q_.segment(first, count) - r_.segment(first, count) / group.rate;
-  length_ = wanted_.norm(), bound_ = group.mu * std::max(q_[group.first], 0.0);
-  if (length_ > bound_) wanted_ *= bound_ / length_;
+  cutFriction(wanted_, group.mu, q_[group.first], length_, bound_);
 }
 
 /// The function of what is equal or pushes.
 double ConditionForces::offAt(const Group& group) const {
-  const double q = q_[group.first], r = r_[group.first];
-  return std::abs(group.pushes ? q - std::clamp(q - r, 0.0, group.most) : r);
+  return group.pushes ? offOfPush(q_[group.first], r_[group.first], group.most) : std::abs(r_[group.first]);
 }
 
 /// The largest function of what rubs.
@@ -128,13 +133,10 @@ double ConditionForces::residual() {
   return size_ > 0 ? worst / size_ : worst;
 }
 
-void ConditionForces::note() {
-  if (const double now = residual(); now < unsettled_) unsettled_ = now, least_ = q_;
-}
+void ConditionForces::note() { if (const double now = residual(); now < unsettled_) unsettled_ = now, least_ = q_; }
 
 /// Nothing better is found by a search.
-bool ConditionForces::isLittle() {
-  constexpr double part = 1e-3;
+bool ConditionForces::isLittle(double part) {
   if (unsettled_ * size_ < contradiction) return true;
   if (allowed_.empty() || !std::isfinite(unsettled_)) return false;
   restart(least_);
@@ -145,6 +147,25 @@ bool ConditionForces::isLittle() {
     const auto row = live_.begin() + group.first;
     return holds(group, *row, offAt(group)) && (group.tangents() == 0 || holds(group, row[1], offAlong(group)));
   });
+}
+
+/// From the best place, notes where it comes to.
+void ConditionForces::sweep(double part) {
+  constexpr int most = 500, look = 5;
+  restart(least_);
+  for (int k = 1; k <= most && unsettled_ > near && !isOver(); ++k) {
+    for (const Group& group : groups_) {
+      const int at = group.first;
+      const double to = q_[at] - r_[at] / scaled_(at, at);
+      change(at, group.pushes ? std::clamp(to, 0.0, group.most) : to);
+      if (group.tangents() == 0) continue;
+      findWanted(group);
+      for (int row = at + 1; row < group.end; ++row) change(row, wanted_[row - at - 1]);
+    }
+    const double before = unsettled_;
+    spent += double(q_.size()) * double(q_.size()), note();
+    if (k % look == 0 && unsettled_ < before && isLittle(part)) break;
+  }
 }
 
 /// Newton steps from q_ while they help, and back to the best of them.
@@ -268,7 +289,7 @@ bool ConditionForces::newtonStep() {
   findActive();
   const auto count = Eigen::Index(active_.size());
   if (count == 0) return false;
-  ++steps;
+  ++steps, spent += std::pow(double(count), 3);
   if (!eliminate(linearise())) {  // rows that say the same twice: the shortest solution
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> general;
     general.setThreshold(1e-12), general.compute(linearise());

@@ -10,10 +10,13 @@
 // c: at least the largest eigenvalue of the tangents' block of W. Newton's method solves for the zero, with the derivative of the
 // piece of the function where it is (Alart and Curnier 1991). Near the solution it takes as many iterations as contacts change
 // between open, sticking and slipping. Of rows that say nearly the same it finds no forces: these are then drawn to where they
-// were (settle()). Where that does not help it begins from the end of an interior-point method (interior_forces.cpp).
+// were (settle()). Where that does not help it begins from the end of sweeps, each condition in turn taking the force that its law
+// wants (Gauss and Seidel; Jourdan, Alart and Jean 1998), and then from that of an interior-point method (interior_forces.cpp).
 // Nothing is allocated while the number of rows stays whose force is not given as zero, where Newton's method alone does.
 #pragma once
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <vector>
@@ -22,6 +25,14 @@
 #include "framework/mechanics/lagrangian_constraint.h"
 
 namespace stroma {
+
+/// The function of a push with force q and condition r.
+inline double offOfPush(double q, double r, double most) { return std::abs(q - std::clamp(q - r, 0.0, most)); }
+/// Cuts the friction that would hold a slide, q - r/c, to what it can be, `bound` = mu q_n. `length`: before.
+inline void cutFriction(auto& wanted, double mu, double push, double& length, double& bound) {
+  length = wanted.norm(), bound = mu * std::max(push, 0.0);
+  if (length > bound) wanted *= bound / length;
+}
 
 class ConditionForces {
  public:
@@ -35,6 +46,8 @@ class ConditionForces {
   };
 
   long searches = 0, steps = 0, rounds = 0;  ///< of all solve(): calls, Newton steps, rounds of the interior-point method
+  /// On searches, the cube of the rows of each elimination; beyond the budget they end at the best place so far.
+  double spent = 0, budget = std::numeric_limits<double>::infinity();
   double enough = 0;          ///< of unsettled(): nothing better is searched for where l begins with no more
   double contradiction = 0;   ///< twice what a search has left; nothing is searched for below it. 0 where a step starts
   Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
@@ -45,6 +58,8 @@ class ConditionForces {
   /// A stop is heeded within it; forces are then those of the best place so far. `allowed`: by how much each row may be off [m];
   /// what is off by a thousandth of it is not searched for again. Empty: nothing is allowed.
   void solve(const std::vector<Row>& rows, StopToken stop = {}, const std::vector<double>& allowed = {});
+  /// The same by sweeps alone, which no rows that say the same stop, until all is off by `part` of what is allowed, or to a limit.
+  void sweep(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed, double part);
   /// By how much the functions above are off, of the largest condition that does not hold without forces.
   double unsettled() const { return unsettled_; }
   /// The functions above, where the rows of the last solve() have come to (Row::value). `allowed`: by how much each row may be
@@ -75,12 +90,14 @@ class ConditionForces {
   double offAlong(const Group& group);
   double residual();
   void note();
-  bool isOver() const { return stop_.isStopAsked(); }
-  bool isLittle();
+  bool isOver() const { return stop_.isStopAsked() || spent > budget; }
+  bool isLittle(double part = 1e-3);
   void newton();
   void settle();
-  void searchInside(const Eigen::VectorXd* slides = nullptr);
-  void searchWithSlides();
+  void begin(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed);
+  void end(const std::vector<Row>& rows);
+  void sweep(double part);
+  void searchInside();
   bool newtonStep();
   void findActive();
   Square linearise();

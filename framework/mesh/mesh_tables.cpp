@@ -61,18 +61,14 @@ const Table& made(std::optional<Table>& table, Make&& make) {
 
 }  // namespace
 
-const std::vector<Edge>& Mesh::allEdges() const {
-  return made(all_edges_, [&] { return uniqueEdges(*this); });
-}
+const std::vector<Edge>& Mesh::allEdges() const { return made(all_edges_, [&] { return uniqueEdges(*this); }); }
 const std::vector<Triangle>& Mesh::triangularFaces() const {
   return made(triangular_faces_, [&] { return uniqueTriangles(*this, false); });
 }
 const std::vector<Triangle>& Mesh::boundaryTriangles() const {
   return made(boundary_triangles_, [&] { return uniqueTriangles(*this, true); });
 }
-const std::vector<Quad>& Mesh::boundaryQuads() const {
-  return made(boundary_quads_, [&] { return uniqueQuads(*this, true); });
-}
+const std::vector<Quad>& Mesh::boundaryQuads() const { return made(boundary_quads_, [&] { return uniqueQuads(*this, true); }); }
 const std::vector<QuadraticTriangle>& Mesh::boundaryQuadraticTriangles() const {
   return made(boundary_quadratic_triangles_, [&] { return uniqueQuadraticTriangles(*this, true); });
 }

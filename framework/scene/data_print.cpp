@@ -19,9 +19,7 @@ void append(std::string& out, int value) { out += std::to_string(value); }
 void append(std::string& out, double value) { out += printReal(value); }
 void append(std::string& out, const std::string& value) { out += value; }
 void append(std::string& out, const FileName& value) { out += value.given; }
-void append(std::string& out, const Vec3& value) {
-  for (int i = 0; i < 3; ++i) out += (i ? " " : "") + printReal(value[i]);
-}
+void append(std::string& out, const Vec3& value) { for (int i = 0; i < 3; ++i) out += (i ? " " : "") + printReal(value[i]); }
 template <class T, std::size_t n>
 void append(std::string& out, const std::array<T, n>& value) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -57,9 +55,7 @@ struct TypeWords {
   std::string operator()(const std::vector<Vec3>*) const { return "list of 3 reals"; }
   std::string operator()(const std::vector<std::string>*) const { return "list of words"; }
   template <std::size_t n>
-  std::string operator()(const std::vector<std::array<Index, n>>*) const {
-    return "list of " + std::to_string(n) + " indices";
-  }
+  std::string operator()(const std::vector<std::array<Index, n>>*) const { return "list of " + std::to_string(n) + " indices"; }
   std::string operator()(const FileName*) const { return "file"; }
   std::string operator()(const ChoiceRef& choice) const {
     std::string out = "one of: ";

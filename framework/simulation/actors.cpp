@@ -171,9 +171,7 @@ long Actors::patternRevision() const {
   return sum;
 }
 
-bool Actors::massTurns() const {
-  return std::any_of(masses.begin(), masses.end(), [](const Mass* mass) { return mass->turns(); });
-}
+bool Actors::massTurns() const { return std::any_of(masses.begin(), masses.end(), [](const Mass* mass) { return mass->turns(); }); }
 
 bool Actors::massIsDiagonal() const {
   const auto on_mapped = [this](const Mass* mass) { return mass->state().firstRow() >= independent_rows; };

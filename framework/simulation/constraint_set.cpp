@@ -160,9 +160,7 @@ void ConstraintSet::componentsChanged(double t, Rows v) {
   ++revision_;
 }
 
-void ConstraintSet::resume(const StepContext& last) {
-  if (change_ && last.index > 0) gather(last.t, last.t_end);
-}
+void ConstraintSet::resume(const StepContext& last) { if (change_ && last.index > 0) gather(last.t, last.t_end); }
 
 void ConstraintSet::begin(const StepContext& context, ConstRows x, Rows v) {
   motion_.forgetMisplaced();

@@ -25,9 +25,7 @@ void Snapshots::compile(const Systems& systems) {
   }
 }
 
-void Snapshots::takeGood(const Systems& systems) {
-  for (std::size_t i = 0; i < systems.size(); ++i) good_[i].take(*systems[i]);
-}
+void Snapshots::takeGood(const Systems& systems) { for (std::size_t i = 0; i < systems.size(); ++i) good_[i].take(*systems[i]); }
 
 void Snapshots::putGoodBack(const Systems& systems, std::size_t count) const {
   for (std::size_t i = 0; i < count; ++i) good_[i].putBack(*systems[i]);

@@ -85,9 +85,7 @@ bool StepLimits::moveOn() {
   return goAlong(), again;
 }
 
-void StepLimits::goAlong() {
-  if (hasWay()) goAlong(longest(still_, 1, true, true));
-}
+void StepLimits::goAlong() { if (hasWay()) goAlong(longest(still_, 1, true, true)); }
 
 void StepLimits::push(Rows out) const {
   clear(out);

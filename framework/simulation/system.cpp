@@ -107,13 +107,9 @@ void System::endStep(const StepContext& context, ConstRows x_start, StepReport& 
   mappings_.place(x, v);
 }
 
-void System::keepSolver() {
-  if (LinearSolver* solver = linearSolver()) solver->keepFor(matrix_);
-}
+void System::keepSolver() { if (LinearSolver* solver = linearSolver()) solver->keepFor(matrix_); }
 
-void System::takeSolverBack() {
-  if (LinearSolver* solver = linearSolver()) solver->takeBackFor(matrix_);
-}
+void System::takeSolverBack() { if (LinearSolver* solver = linearSolver()) solver->takeBackFor(matrix_); }
 
 void System::applyMappings() {
   mappings_.place(x, v);

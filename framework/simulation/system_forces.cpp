@@ -9,9 +9,7 @@
 
 namespace stroma {
 
-void System::setTime(double t) {
-  for (ForceField* field : actors_.timed_fields) field->setTime(t);
-}
+void System::setTime(double t) { for (ForceField* field : actors_.timed_fields) field->setTime(t); }
 
 void System::computeGravity() {
   gravity_force_.resize(allRows());

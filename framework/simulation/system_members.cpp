@@ -69,9 +69,7 @@ std::string whyApart(const Integrator& a, const Integrator& b) {
 }
 
 /// "/lower/solver (scene.xml:5)"
-std::string placed(const Component& component) {
-  return fmt::format("{} ({})", component.path(), component.where().text());
-}
+std::string placed(const Component& component) { return fmt::format("{} ({})", component.path(), component.where().text()); }
 
 // ---- the systems of a scene ----
 
