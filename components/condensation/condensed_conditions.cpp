@@ -18,6 +18,7 @@
 #include <cstring>
 
 #include "components/condensation/condensed_integrator.h"
+#include "framework/mechanics/shares_forces.h"
 #include "framework/scene/archive.h"
 #include "framework/simulation/step_limits.h"
 
@@ -194,7 +195,12 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopT
     // the last round finds what the conditions have become
     const bool stays = round > 0 && c.rows.hasGradientsOf(c.rows_before);
     if (stays) step = 0;
-    if (round > 0 && (!(step > close * size) || round == most_rounds)) break;
+    if (round == most_rounds) break;
+    if (round > 0 && !(step > close * size)) {
+      if (!changeConditions(system)) break;
+      turns = true, c.mixing.restart();
+      if (report.reason = findConditions(system); !report.reason.empty()) break;
+    }
     if (round == most_turns) c.swings = turns && step > still * c.extent;
     turns = turns && (round < 2 || step > directed * c.extent) && round < most_turns;
     if (turns || c.first_pushing != c.first_entry)
@@ -227,6 +233,17 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopT
   judgeConditions(system, step, size, report);
   addForces(u);
   return true;
+}
+
+/// Which conditions there are may depend on the forces that have been found.
+bool CondensedIntegrator::changeConditions(const System& system) {
+  CondensedConditions& c = conditions_;
+  bool have_changed = false;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < c.constraints.size(); begin = c.ends[i++])
+    if (auto* each = dynamic_cast<ChangesConditions*>(c.constraints[i]))
+      have_changed = each->changeConditions(system.x, {c.solve.l.data() + begin, c.ends[i] - begin}) || have_changed;
+  return have_changed;
 }
 
 void CondensedConditions::mix() {

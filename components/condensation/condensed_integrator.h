@@ -111,6 +111,7 @@ class CondensedIntegrator : public Integrator, public StateOwner, public FindsMu
   /// u, the displacement that all else leads to, gets that of the forces of Lagrangian constraints. False: the step
   /// is to be given up, and x is what it was.
   bool holdConditions(System& system, Array<double>& u, StopToken stop, StepReport& report);
+  bool changeConditions(const System& system);
   bool hasContact() const { return !contact_.fields.empty(); }
   /// The same for the forces of barriers.
   bool holdContact(System& system, Array<double>& u, StopToken stop, StepReport& report);

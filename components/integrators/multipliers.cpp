@@ -232,6 +232,18 @@ void Multipliers::give() {
     constraints[i]->takeForces({solve_.l.data() + begin, ends_[i] - begin});
 }
 
+/// Which conditions there are may depend on the forces that have been found.
+bool Multipliers::changeConditions() {
+  const ConstRows x = system_->mappingChain().positions(system_->x);
+  const auto& constraints = system_->actors().lagrangian_constraints;
+  bool have_changed = false;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < ends_.size(); begin = ends_[i++])
+    if (auto* each = dynamic_cast<ChangesConditions*>(constraints[i]))
+      have_changed = each->changeConditions(x, {solve_.l.data() + begin, ends_[i] - begin}) || have_changed;
+  return have_changed;
+}
+
 /// As those of cables and cavities.
 bool Multipliers::areFewAndSmooth() const {
   constexpr std::size_t few = 8;
@@ -284,6 +296,17 @@ void Multipliers::leaveOutForces() {
       solve_.g[i] -= rule_.displacement * gradient.dot(along[row]);
 }
 
+/// Directions, what they move and W, as far as they are others than a round before. False: a solve gave nothing.
+bool Multipliers::prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  const bool follows_turns = !system_->mappingChain().isLinear();  // as mapped points do
+  if (!is_first && !follows_turns && rows_.hasGradientsOf(old_rows_)) return true;
+  if (!carries_) takeDirections();
+  if (is_first || !carries_) is_answered_.clear();
+  if (!respond(solver, matrix, stop, report)) return false;
+  couple();
+  return true;
+}
+
 void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
                           StepReport& report) {
   constexpr int most_rounds = 100, most_idle = 10, few_idle = 2, few_left = 3;
@@ -305,13 +328,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     findConditions();
     if (rows_.rows().empty() && !carries_) break;
     if (round == 0) expectForces();
-    // what mapped points follow turns
-    if (round == 0 || !s.mappingChain().isLinear() || !rows_.hasGradientsOf(old_rows_)) {
-      if (!carries_) takeDirections();
-      if (round == 0 || !carries_) is_answered_.clear();
-      if (!respond(solver, matrix, stop, report)) return;
-      couple();
-    }
+    if (!prepareRound(round == 0, solver, matrix, stop, report)) return;
     leaveOutForces();
     const double little = far_less * leastTolerance(false);
     last_forces_ = solve_.l;
@@ -337,7 +354,10 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);
     apply(change);
     size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
-    if (!goes_on || isOnce()) break;
+    if (goes_on && !isOnce()) continue;
+    if (is_left_ || !std::isfinite(step) || !changeConditions()) break;
+    mixing_.restart(), least = std::numeric_limits<double>::infinity(), is_left_ = carries_;
+    if (is_left_) break;
   }
   findConditions();
   solve_.l.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size())), own_.resize(rows_.rows().size(), 0);

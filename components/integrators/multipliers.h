@@ -96,6 +96,8 @@ class Multipliers {
   /// W is J^T of rows with their responses: the same, and cheap for rows of few bodies.
   bool couplesByDirections() const { return !yields_.empty() && (carries_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
+  bool changeConditions();
+  bool prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
   void takeDirections();

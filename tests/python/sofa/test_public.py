@@ -101,7 +101,13 @@ def test_a_volume_that_an_animation_lets_grow():
     root = started("cavity_of_library")
     animate(root, 4)
     cavity = root.bunny.PneumaticCavity.SurfacePressureConstraint
-    assert cavity.volumeGrowth.value == pytest.approx(24, rel=1e-3) and cavity.pressure.value > 0  # 3 steps of 10
+    assert cavity.volumeGrowth.value == pytest.approx(30, rel=1e-3) and cavity.pressure.value > 0  # 3 steps of 10
+
+
+def test_forces_of_constraint_along_walls_that_bulge_come_to_rest(folder):
+    """Where the cavity has grown by 100, each round of forces takes less than 1 % of what is left."""
+    done = run("run", SCENES / "cavity_of_library.py", "-n", 14, "--no-record", folder=folder)
+    assert done.returncode == 0 and "done after 14 steps" in done.stdout, done.stdout + done.stderr
 
 
 def test_ends_that_are_rigid():

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A cavity by the function of a library, whose volume an animation lets grow. By 80: where it is to grow by 100 the eleventh step ends
-unconverged. Its walls bulge, and rounds of forces of constraint creep along that direction: each takes 0.3 % of what is left."""
+"""A cavity by the function of a library, whose volume an animation lets grow until its walls bulge."""
 from softrobots.actuators import PneumaticCavity
 from splib3.animation import animate
 from stlib3.physics.constraints import FixedBox
@@ -10,7 +9,7 @@ from stlib3.scene import ContactHeader, MainHeader
 
 def inflate(target, factor):
     with target.value.writeable() as value:
-        value[0] = 80.0 * factor
+        value[0] = 100.0 * factor
 
 
 def createScene(rootNode):

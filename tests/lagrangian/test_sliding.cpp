@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A point on a curve: on it at the end of every step, whatever corners it passes and however the curve moves.
+#include <Eigen/Geometry>
+
+#include "tests/lagrangian/lagrangian_scenes.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+using namespace lagrangian;
+
+/// Of node `bead` to the curve of nodes [0, last].
+double distanceToCurve(const Simulation& simulation, Index bead, Index last) {
+  double least = 1e300;
+  const Vec3 p = at(simulation, bead);
+  for (Index i = 0; i < last; ++i) {
+    const Vec3 a = at(simulation, i), way = at(simulation, i + 1) - a;
+    least = std::min(least, (p - a - std::clamp((p - a).dot(way) / way.squaredNorm(), 0.0, 1.0) * way).norm());
+  }
+  return least;
+}
+
+std::string places(const std::vector<Vec3>& points) {
+  std::string text;
+  for (const Vec3& p : points) text += fmt::format("{:.17g} {:.17g} {:.17g}  ", p.x(), p.y(), p.z());
+  return text;
+}
+
+std::string curveOf(std::size_t nodes) {
+  std::string text;
+  for (std::size_t i = 0; i < nodes; ++i) text += fmt::format("{} ", i);
+  return text;
+}
+
+/// Fixed nodes and a bead.
+std::string beadOn(std::vector<Vec3> curve, const Vec3& bead, const std::string& more = "") {
+  const std::size_t n = curve.size();
+  curve.push_back(bead);
+  return fmt::format("<MechanicalObject name=\"dofs\" position=\"{}\"/><UniformMass vertexMass=\"1\"/>"
+                     "<FixedProjectiveConstraint indices=\"{}\"/>{}<SlidingLagrangianConstraint sliding_point=\"{}\" curve=\"{}\"/>",
+                     places(curve), curveOf(n), more, n, curveOf(n));
+}
+
+std::vector<Vec3> wave(int pieces) {
+  std::vector<Vec3> points;
+  for (int i = 0; i <= pieces; ++i) {
+    const double t = double(i) / pieces;
+    points.emplace_back(3 * t, -2 * t + 0.06 * std::sin(20 * t), 0.2 * std::cos(9 * t));
+  }
+  return points;
+}
+
+/// Down a wire whose corners bend towards the bead and away from it, some in a step. All rules.
+TEST(Sliding, ABeadIsOnItsCurveAfterEveryStep) {
+  for (const char* integrator :
+       {"<EulerImplicitSolver/>", "<EulerImplicitSolver newtonIterations=\"30\" newtonTolerance=\"1e-12\"/>", "<BDFOdeSolver order=\"2\"/>",
+        "<TrapezoidalRuleSolver/>"})
+    for (const double dt : {0.003, 0.02}) {
+      SCOPED_TRACE(fmt::format("{} {}", integrator, dt));
+      const std::vector<Vec3> wire = wave(60);
+      Simulation simulation = simulationFromText(
+          sceneOf(beadOn(wire, wire[1] + 0.3 * (wire[2] - wire[1])), dt, "0 -10 0", integrator));
+      double lowest = 0;
+      for (int i = 0; i < int(2.5 / dt); ++i) {
+        run(simulation, 1);
+        if (HasFatalFailure()) return;
+        ASSERT_LT(distanceToCurve(simulation, 61, 60), 1e-10) << "step " << i;
+        lowest = std::min(lowest, at(simulation, 61).y());
+      }
+      EXPECT_LT(lowest, -1.9) << "it came down";
+    }
+}
+
+/// Between two slopes it comes to rest at the corner, which bears its weight: a force that is no piece's own.
+TEST(Sliding, ABeadRestsInAValley) {
+  Simulation simulation = simulationFromText(sceneOf(
+      beadOn({{-2, 2, 0}, {-1, 0.8, 0.1}, {0, 0, 0}, {1, 0.5, 0}, {2, 2, 0}}, {-1.5, 1.4, 0.05}), 0.01, "0 -10 0",
+      "<EulerImplicitSolver rayleighMass=\"2\"/>"));
+  run(simulation, 400);
+  EXPECT_LT(at(simulation, 5).norm(), 1e-9);
+  const std::vector<double> forces = numbersOf(simulation, "SlidingLagrangianConstraint", "forces");
+  ASSERT_EQ(forces.size(), 4u);
+  EXPECT_NEAR(std::sqrt(forces[0] * forces[0] + forces[1] * forces[1] + std::pow(forces[2] - forces[3], 2)), g, 1e-6);
+}
+
+/// A spring draws it to a point beside the curve: it rests at the nearest place of the curve that is downhill, over several corners,
+/// on a piece or at a corner. In one step of statics, and of dynamics with large steps.
+TEST(Sliding, ASpringDrawsItToTheNearestPlace) {
+  const std::vector<Vec3> curve{{0, 0, 0}, {1, 0, 0}, {2, 0.2, 0}, {3, 0.6, 0}, {4, 0.3, 0}, {5, -0.5, 0}};
+  struct Case {
+    Vec3 to, rests;
+  };
+  const Vec3 u = (curve[4] - curve[3]).normalized();
+  const Vec3 beside = curve[3] + 0.5 * (curve[4] - curve[3]) + Vec3(0.3 * u.y(), -0.3 * u.x(), 0.2);
+  const Case cases[]{{{3, 1.4, 0.3}, curve[3]}, {beside, curve[3] + 0.5 * (curve[4] - curve[3])}, {{7, -1, 1}, curve[5]}};
+  for (const Case& wanted : cases)
+    for (const std::string integrator : {"<StaticSolver/>", "<EulerImplicitSolver rayleighMass=\"1\"/>"}) {
+      SCOPED_TRACE(integrator);
+      std::string text = beadOn(curve, {0.5, 0, 0}, "<RestShapeSpringsForceField points=\"6\" stiffness=\"50\"/>");
+      std::vector<Vec3> rest = curve;
+      rest.push_back(wanted.to);
+      text.insert(text.find("\"/>"), "\" rest_position=\"" + places(rest));
+      Simulation simulation = simulationFromText(sceneOf(text, 0.5, "0 0 0", integrator));
+      run(simulation, integrator[1] == 'S' ? 1 : 60);
+      if (HasFatalFailure()) return;
+      EXPECT_LT((at(simulation, 6) - wanted.rests).norm(), 1e-7) << at(simulation, 6).transpose();
+    }
+}
+
+/// A soft curve in flight, with two beads on it that pass its corners: the forces are those of the very point, so that they add
+/// neither momentum nor torque.
+TEST(Sliding, ACurveInFlightKeepsItsMomentum) {
+  std::vector<Vec3> points = wave(12);
+  std::string springs, velocity;
+  for (int i = 0; i < 12; ++i) springs += fmt::format("{} {} ", i, i + 1);
+  points.push_back(points[3] + 0.4 * (points[4] - points[3])), points.push_back(points[9] + 0.7 * (points[10] - points[9]));
+  for (int i = 0; i < 13; ++i) velocity += fmt::format("{} {} 0.2 ", 0.1 * i, 0.3 - 0.05 * i);
+  velocity += "6 -2 1  -5 4 2";
+  for (const char* integrator : {"<EulerImplicitSolver newtonIterations=\"50\" newtonTolerance=\"1e-13\"/>", "<EulerImplicitSolver/>"}) {
+    Simulation simulation = simulationFromText(sceneOf(
+        fmt::format("<MeshTopology position=\"{0}\" edges=\"{1}\"/><MechanicalObject name=\"dofs\" velocity=\"{2}\"/><UniformMass "
+                    "vertexMass=\"0.1\"/><MeshSpringForceField stiffness=\"300\"/>"
+                    "<SlidingLagrangianConstraint sliding_point=\"13\" curve=\"{3}\"/><SlidingLagrangianConstraint sliding_point=\"14\" "
+                    "curve=\"{3}\"/>",
+                    places(points), springs, velocity, curveOf(13)),
+        0.01, "0 0 0", integrator));
+    const bool is_exact = std::string(integrator).find("newton") != std::string::npos;
+    std::vector<Vec3> before(15);
+    Vec3 momentum = Vec3::Zero();
+    for (Index k = 0; k < 15; ++k) momentum += simulation.states()[0]->v()[k];
+    for (int i = 0; i < 60; ++i) {
+      for (Index k = 0; k < 15; ++k) before[std::size_t(k)] = simulation.states()[0]->v()[k];
+      run(simulation, 1);
+      if (HasFatalFailure()) return;
+      Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();
+      for (Index k = 0; k < 15; ++k) {
+        const Vec3 v = simulation.states()[0]->v()[k];
+        sum += v, torque += at(simulation, k).cross(v - before[std::size_t(k)]);
+      }
+      ASSERT_LT((sum - momentum).norm(), 1e-10) << "step " << i;
+      if (is_exact) ASSERT_LT(torque.norm(), 1e-8) << "step " << i;
+      for (const Index bead : {13, 14}) ASSERT_LT(distanceToCurve(simulation, bead, 12), 1e-10) << "step " << i;
+    }
+  }
+}
+
+/// A curve whose last point is its first has no end.
+TEST(Sliding, ABeadGoesRoundARing) {
+  constexpr int n = 24;
+  std::vector<Vec3> ring;
+  std::string curve;
+  for (int i = 0; i < n; ++i) ring.emplace_back(std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n), 0), curve += fmt::format("{} ", i);
+  std::string text = beadOn(ring, {1, 0.01, 0});
+  text.insert(text.rfind(curve) + curve.size(), "0");
+  text.insert(text.find("\"/>"), fmt::format("\" velocity=\"{}0 6 0", [] {
+                std::string zeros;
+                for (int i = 0; i < n; ++i) zeros += "0 0 0  ";
+                return zeros;
+              }()));
+  Simulation simulation = simulationFromText(sceneOf(text, 0.005, "0 0 0"));
+  double turned = 0;
+  for (int i = 0; i < 800; ++i) {
+    const Vec3 before = at(simulation, n);
+    run(simulation, 1);
+    if (HasFatalFailure()) return;
+    const Vec3 now = at(simulation, n);
+    turned += std::atan2(before.cross(now).z(), before.dot(now));
+    ASSERT_LT(std::abs(now.norm() - 1), 1 - std::cos(M_PI / n) + 1e-9);
+  }
+  EXPECT_GT(turned, 2 * M_PI) << "it has come round";
+}
+
+/// After fifty steps it stands where two pieces cross, and goes on along its own.
+TEST(Sliding, AtACrossingAPointStaysOnItsWay) {
+  const std::vector<Vec3> eight{{-1, 1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, -1, 0}};
+  Simulation simulation = simulationFromText(sceneOf(beadOn(eight, {0.1275, 0.1275, 0}), 0.01, "-1 -1 0"));
+  for (int i = 0; i < 120; ++i) {
+    run(simulation, 1);
+    if (HasFatalFailure()) return;
+    ASSERT_LT(std::abs(at(simulation, 4).x() - at(simulation, 4).y()), 1e-10) << "step " << i;
+  }
+  EXPECT_LT(at(simulation, 4).x(), -0.5);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
