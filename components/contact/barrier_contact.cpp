@@ -329,7 +329,7 @@ bool BarrierContact::movesOn(ConstRows x) {
   if (sharpens) friction_rounds_.sharpen(friction_, law_, x_, start_, law_.moved - moved_at_start_);
   has_solved_ = !again && !others && !sharpens && !step_energy_.goesBackward();
   if (has_solved_) return friction_.settle(), false;
-  shares_.solveBegins();
+  shares_.solveBegins(true);
   return true;
 }
 
@@ -342,7 +342,7 @@ void BarrierContact::goAlong(double s) {
 
 /// Shares that stayed in the solve, against those of where it has ended.
 bool BarrierContact::sharesChange() {
-  return share_rounds_.goOn(law_.isOutOfReach(x_) ? 0 : law_.changeByWeighing(x_, friction_.acts(), forces_before_, forces_));
+  return share_rounds_.goOn(law_.isOutOfReach(x_) ? 0 : law_.changeByWeighing(x_, forces_before_, forces_));
 }
 
 /// Friction with the forces and shares that have been found now, against that of the solve before.

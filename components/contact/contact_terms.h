@@ -10,7 +10,8 @@
 // edges and vertices take away is what neighbouring triangles with one closest point would count twice. Against
 // obstacles, which have no vertices of their own in this sum, A/2 is A. A is the part of the surface around a vertex
 // that faces the other surface, A = sum a max(0, -n.u), u towards the vertex, a of a triangle a third and of a quad
-// the integral of its bilinear function (Surfaces::corner_area). Two edges count where both are ridges
+// the integral of its bilinear function (Surfaces::corner_area); between two surfaces it is a mean (contact_shares.cpp). Two
+// edges count where both are ridges
 // towards each other, so that flat surfaces are pressed by their vertices alone. A, ridges and the factor m of parallel
 // edges are those of the last force. Every pair has a tenth of its share besides with a tenth of dh: nothing comes so
 // near unless it has no other share. In explicit steps it is the whole share with half of dh, as nothing else stops what is fast.
@@ -109,9 +110,8 @@ class BarrierLaw {
   void weigh(const std::vector<Vec3>& x) const;
   /// The same at the end x of a solve with the shares there were, for the next one.
   void weighAgain(const std::vector<Vec3>& x) const;
-  /// Weighs at x, or weighs again. Returns the change of the force on each vertex, see relativeChange(); `before` and `after` have
-  /// that many.
-  double changeByWeighing(const std::vector<Vec3>& x, bool again, std::vector<Vec3>& before, std::vector<Vec3>& after) const;
+  /// Weighs again. Returns the change of the force on each vertex, see relativeChange(); `before` and `after` have that many.
+  double changeByWeighing(const std::vector<Vec3>& x, std::vector<Vec3>& before, std::vector<Vec3>& after) const;
   /// What weigh() has found, of vertices at surfaces and planes and of pairs of edges.
   struct Shares {
     std::vector<double> vertices, planes, edges;
@@ -151,6 +151,7 @@ class BarrierLaw {
   }
 
  private:
+  static constexpr double not_weighed = std::numeric_limits<double>::quiet_NaN();
   struct Feature {
     std::int64_t key;
     int count;
@@ -164,6 +165,8 @@ class BarrierLaw {
   enum class Which { all, all_again, missing };  ///< of what is in reach
   void weigh(const std::vector<Vec3>& x, Which which) const;
   void weighPlanes(const std::vector<Vec3>& x) const;
+  double meanShare(std::size_t first, std::size_t end, const std::vector<Vec3>& x) const;
+  double pressureAt(double gap) const;
   double factorOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
   double ridge(int edge, const Vec3& towards, const std::vector<Vec3>& x) const;
   void addFeature(Feature feature) const;

@@ -13,11 +13,12 @@ namespace stroma::contact {
 /// force they go back to those of before the line, and stay. Were that from the second force on, a flat punch would end 4 % off.
 class LineShares {
  public:
-  void solveBegins() { weighings_ = forces_ = 0, is_on_line_ = is_ahead_ = false; }
+  /// `again`: the last solve has ended with shares that were others there, and this one has them.
+  void solveBegins(bool again = false) { weighings_ = again ? most_weighings : 0, forces_ = 0, is_on_line_ = is_ahead_ = false; }
   void lineBegins(bool is_carried) { is_on_line_ = !is_carried, is_ahead_ = false, forces_ = 0; }
   /// The place to weigh at for a force at x; null: shares stay.
   const std::vector<Vec3>* placeFor(const std::vector<Vec3>& x) {
-    constexpr int most_weighings = 6, most_forces = 8;
+    constexpr int most_forces = 8;
     forces_ += is_on_line_;
     if (forces_ == most_forces && std::exchange(is_ahead_, false)) return weighings_ = most_weighings, &(at_ = before_);
     if (weighings_ == most_weighings) return nullptr;
@@ -29,6 +30,7 @@ class LineShares {
   }
 
  private:
+  static constexpr int most_weighings = 6;
   int weighings_ = 0, forces_ = 0;  ///< of the solve; along the line
   bool is_on_line_ = false;         ///< a line has begun in the solve, and not of what is carried
   bool is_ahead_ = false;           ///< shares are those of a place on the line

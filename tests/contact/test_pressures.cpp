@@ -104,6 +104,22 @@ TEST(Pressures, SharesAreThoseOfWhereTheyWereWeighed) {
   expectShares(tilted, 0.6 * 0.5 / 3);
 }
 
+/// The edge of a tall box between a floor and a wall: its sides are three times as large as its bottom. Where the two change places as
+/// the nearest one, forces that took the share of one side for both would become three times as large at once.
+TEST(Pressures, SharesDoNotJumpBetweenAFloorAndAWall) {
+  const auto forces = [](double lift) {
+    const Body box = boxOf(Vec3(0.05, -0.05, 0.05 + lift), Vec3(0.15, 0.05, 0.35 + lift));
+    return FieldUnderTest(contactScene(bodyNode("a", box,
+                                                "<BarrierContact topology=\"@mesh\" contactDistance=\"0.2\" stiffness=\"1e4\" "
+                                                "boxes=\"-1 -1 -1 1 1 0  -1 -1 -1 0 1 1\"/>")),
+                          "BarrierContact")
+        .force();
+  };
+  const Vector below = forces(-1e-7), above = forces(1e-7);
+  EXPECT_GT(dot(below, below), 0);
+  EXPECT_LT(relativeDifference(below, above), 1e-4);
+}
+
 constexpr double young = 1e6, range = 1e-3, pressure = 1e4;
 
 /// 1 x 1 x 0.5 in n x n cells, nu = 0. The top of what begins above 0 goes down by `way`; the bottom of the other one is held.

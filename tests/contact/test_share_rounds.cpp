@@ -28,5 +28,17 @@ TEST(ShareRounds, ASwingEndsAndWhatGetsSmallerSlowlyGoesOn) {
   EXPECT_EQ(repeated([](int) { return 0.009; }), 0) << "settled";
 }
 
+/// Forces that follow shares where a solve is repeated only swing with them.
+TEST(ShareRounds, SharesFollowTheFirstSolveAndStayInThoseThatRepeatIt) {
+  contact::LineShares shares;
+  std::vector<Vec3> x{Vec3::Zero()};
+  shares.solveBegins();
+  EXPECT_EQ(shares.placeFor(x), &x);
+  shares.solveBegins(true);
+  EXPECT_EQ(shares.placeFor(x), nullptr);
+  shares.solveBegins();
+  EXPECT_EQ(shares.placeFor(x), &x);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
