@@ -56,15 +56,8 @@ struct OrthotropicStrain {
       of_strain = stiffness.times(e), of_half_unit = stiffness.times(unit<T>() * half);
       q = dot(of_strain, e), l = of_strain.xx + of_strain.yy + of_strain.zz;
     }
+    auto invariants() const { return std::tie(this->j, q, l); }
   };
-  template <class Law, class T, class Parameters>
-  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(variable<0>(p.j), variable<1>(p.q), variable<2>(p.l), parameters);
-  }
-  template <class Law, class T, class Parameters>
-  static T value(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(p.j, p.q, p.l, parameters);
-  }
   template <class T>
   static S3<T> secondStress(const Point<T>& p, const auto& w) {
     return p.of_strain * (2. * w.b) + p.of_half_unit * (2. * w.c);

@@ -7,10 +7,11 @@
 // visco-hyperelastic soft tissue model", MICCAI 2010, sections 2.1 and 2.2, written for F instead of for nodes. The
 // same sets give the textbook's S and 4 d2W/dC2, with C^-1, for comparison.
 //
-// A set has Point<T> (F and the values of its invariants), evaluate<Law>() and value<Law>() (jet and number of the
-// energy), stress() (P), differential() (dP), and for the textbook's form gradients(), dI_a/dC into matrices that come as
-// zero, and curvature(), which adds 4 sum psi_a d2I_a/dC2.
+// A set has Point<T> (F and the values of J and its invariants, as a tuple too), stress() (P), differential() (dP), and for
+// the textbook's form gradients(), dI_a/dC into matrices that come as zero, and curvature(), which adds 4 sum psi_a d2I_a/dC2.
 #pragma once
+#include <tuple>
+
 #include "components/hyperelasticity/hyperelastic_tensors.h"
 
 namespace stroma::hyperelastic {
@@ -24,6 +25,19 @@ struct VolumePoint {
       : f(deformation), cof(cofactor(deformation)), j(stroma::dot(deformation.c0, cof.c0)) {}
 };
 
+/// A law's energy at a point, with its derivatives by J and the invariants.
+template <class Law>
+auto jetOfEnergy(const auto& point, const auto& parameters) {
+  return [&]<int... k>(std::integer_sequence<int, k...>, const auto& invariants) {
+    return Law::energy(variable<k>(std::get<k>(invariants))..., parameters);
+  }(std::make_integer_sequence<int, std::tuple_size_v<decltype(point.invariants())>>(), point.invariants());
+}
+/// The same number alone.
+template <class Law>
+auto energyAt(const auto& point, const auto& parameters) {
+  return std::apply([&](const auto&... invariant) { return Law::energy(invariant..., parameters); }, point.invariants());
+}
+
 /// J and I1 = tr C.
 struct First {
   static constexpr bool anisotropic = false;
@@ -32,15 +46,8 @@ struct First {
     T i1;
     template <class Parameters>
     Point(const M3<T>& deformation, const Parameters&) : VolumePoint<T>(deformation), i1(squaredNorm(deformation)) {}
+    auto invariants() const { return std::tie(this->j, i1); }
   };
-  template <class Law, class T, class Parameters>
-  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(variable<0>(p.j), variable<1>(p.i1), parameters);
-  }
-  template <class Law, class T, class Parameters>
-  static T value(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(p.j, p.i1, parameters);
-  }
   template <class T>
   static M3<T> stress(const Point<T>& p, const auto& w) {
     return scaled(2. * w.b, p.f) + scaled(w.a, p.cof);
@@ -74,15 +81,8 @@ struct FirstAndSecond {
       const T minors = fma(c.xx, c.yy, fma(c.yy, c.zz, c.zz * c.xx)) - fma(c.xy, c.xy, fma(c.yz, c.yz, c.zx * c.zx));
       i2 = minors;
     }
+    auto invariants() const { return std::tie(this->j, i1, i2); }
   };
-  template <class Law, class T, class Parameters>
-  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(variable<0>(p.j), variable<1>(p.i1), variable<2>(p.i2), parameters);
-  }
-  template <class Law, class T, class Parameters>
-  static T value(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(p.j, p.i1, p.i2, parameters);
-  }
   /// a Id + b C
   template <class T>
   static S3<T> combination(const Point<T>& p, T a, T b) {
@@ -137,15 +137,8 @@ struct FirstAndFibre {
     template <class Parameters>
     Point(const M3<T>& deformation, const Parameters&)
         : VolumePoint<T>(deformation), i1(squaredNorm(deformation)), i4(stroma::dot(deformation.c0, deformation.c0)) {}
+    auto invariants() const { return std::tie(this->j, i1, i4); }
   };
-  template <class Law, class T, class Parameters>
-  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(variable<0>(p.j), variable<1>(p.i1), variable<2>(p.i4), parameters);
-  }
-  template <class Law, class T, class Parameters>
-  static T value(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(p.j, p.i1, p.i4, parameters);
-  }
   template <class T>
   static M3<T> stress(const Point<T>& p, const auto& w) {
     M3<T> stress = scaled(2. * w.b, p.f) + scaled(w.a, p.cof);
@@ -194,15 +187,8 @@ struct Quadratic {
       be = weighted(e, parameters);
       q = dot(be, e);
     }
+    auto invariants() const { return std::tie(this->j, q); }
   };
-  template <class Law, class T, class Parameters>
-  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(variable<0>(p.j), variable<1>(p.q), parameters);
-  }
-  template <class Law, class T, class Parameters>
-  static T value(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(p.j, p.q, parameters);
-  }
   template <class T>
   static M3<T> stress(const Point<T>& p, const auto& w) {
     return timesSymmetric(p.f, p.be * (2. * w.b)) + scaled(w.a, p.cof);

@@ -36,8 +36,8 @@ typename Law::template Parameters<double> parametersOf(Values values) {
 /// The derivatives of a law's energy at a point, as a jet.
 template <class Law, class T>
 using Derivatives =
-    decltype(Law::Set::template evaluate<Law>(std::declval<const typename Law::Set::template Point<T>&>(),
-                                              std::declval<const typename Law::template Parameters<T>&>()));
+    decltype(jetOfEnergy<Law>(std::declval<const typename Law::Set::template Point<T>&>(),
+                              std::declval<const typename Law::template Parameters<T>&>()));
 template <class Law>
 constexpr int derivative_count = derivativeCount(static_cast<const Derivatives<Law, double>*>(nullptr));
 
@@ -97,7 +97,7 @@ struct Mjed {
   template <class T>
   static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
     const Point<T> p(f, parameters);
-    keep(Set::template evaluate<Law>(p, parameters), weight, t);
+    keep(jetOfEnergy<Law>(p, parameters), weight, t);
     return Set::stress(p, kept(t));
   }
   template <class T>
@@ -108,13 +108,13 @@ struct Mjed {
   }
   template <class T>
   static T energy(const Parameters<T>& parameters, const M3<T>& f) {
-    return Set::template value<Law>(Point<T>(f, parameters), parameters);
+    return energyAt<Law>(Point<T>(f, parameters), parameters);
   }
   /// S and D; d comes as zero.
   template <class T>
   static void secondStress(const Parameters<T>& parameters, const M3<T>& f, S3<T>& s, Elasticity<T>& d) {
     const Point<T> p(f, parameters);
-    const auto w = Set::template evaluate<Law>(p, parameters);
+    const auto w = jetOfEnergy<Law>(p, parameters);
     S3<T> a[3];
     Set::gradients(p, a);
     Set::curvature(p, w, d);

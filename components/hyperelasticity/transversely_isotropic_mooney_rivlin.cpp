@@ -26,15 +26,8 @@ struct FirstSecondAndFibre {
     template <class Parameters>
     Point(const M3<T>& deformation, const Parameters& parameters)
         : FirstAndSecond::Point<T>(deformation, parameters), i4(stroma::dot(deformation.c0, deformation.c0)) {}
+    auto invariants() const { return std::tie(this->j, this->i1, this->i2, i4); }
   };
-  template <class Law, class T, class Parameters>
-  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(variable<0>(p.j), variable<1>(p.i1), variable<2>(p.i2), variable<3>(p.i4), parameters);
-  }
-  template <class Law, class T, class Parameters>
-  static T value(const Point<T>& p, const Parameters& parameters) {
-    return Law::energy(p.j, p.i1, p.i2, p.i4, parameters);
-  }
   template <class T>
   static M3<T> stress(const Point<T>& p, const auto& w) {
     M3<T> stress = FirstAndSecond::stress(p, w);

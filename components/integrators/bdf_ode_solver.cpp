@@ -32,34 +32,27 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "components/integrators/implicit_step.h"
-#include "components/integrators/sleep.h"
+#include "components/integrators/implicit_integrator.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class BDFOdeSolver final : public Integrator, public AsksRightSides, public HeedsStepLimits, public FindsMultipliers {
+class BDFOdeSolver final : public ImplicitIntegrator, public FindsMultipliers {
  public:
-  bool heedsStepLimits() const override { return implicit_.iterates(); }
-  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext& context) override;
-  void sceneChanged() override { sleep_.wake(), implicit_.sceneChanged(); }
-  std::string doubt() const override { return implicit_.doubt(path()); }
   bool toleratesLaggedForces() const override { return order_ == 1; }
-  std::string describe() const override {
-    return fmt::format("BDF step of order {}", order_) + implicit_.describe() + sleep_.describe();
-  }
+  std::string describe() const override { return described(fmt::format("BDF step of order {}", order_)); }
   void reset() override {
     last_step_ = 0;
-    implicit_.reset(), sleep_.reset();
+    ImplicitIntegrator::reset();
   }
   void serialize(Archive& archive) override {
-    implicit_.serialize(archive), sleep_.serialize(archive);
+    ImplicitIntegrator::serialize(archive);
     archive.value("last_step", last_step_);
     archive.rows("way", way_);
     archive.rows("change", change_);
@@ -77,8 +70,6 @@ class BDFOdeSolver final : public Integrator, public AsksRightSides, public Heed
   FirstStep first_step_ = FirstStep::trapezoidal;
   StartFrom start_from_ = StartFrom::state;
   double rest_below_ = 0;
-  ImplicitStep implicit_;
-  Sleep sleep_;
   Vector way_, change_;                 ///< x0 - x_-1 and v0 - v_-1, shape (independentRows())
   Vector new_way_;                      ///< x1 - x0 of the step just made
   Vector impulse_;                      ///< work space of rests()
@@ -98,17 +89,13 @@ void BDFOdeSolver::declare(DataTable& table) {
       .unit("N s")
       .min(0);
   implicit_.declareDamping(table);
-  implicit_.declareNewton(table);
-  declareLinearSolver(table);
-  implicit_.declareNewtonSolver(table);
+  declareSolvers(table);
   implicit_.declareConditions(table);
   sleep_.declare(table);
 }
 
 void BDFOdeSolver::compile(System& system) {
-  implicit_.second_order = order_ == 2;
-  implicit_.compile(*this, system);
-  sleep_.compile(system);
+  compileStep(system, order_ == 2);
   if (order_ == 2)
     for (Vector* vector : {&way_, &change_, &new_way_}) vector->resize(system.independentRows());
   impulse_.resize(system.independentRows());

@@ -45,31 +45,22 @@
 // </Node>
 #include <cmath>
 
-#include "components/integrators/implicit_step.h"
-#include "components/integrators/sleep.h"
+#include "components/integrators/implicit_integrator.h"
 #include "components/integrators/velocity_damping.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class EulerImplicitSolver final : public Integrator, public AsksRightSides, public HeedsStepLimits, public FindsMultipliers {
+class EulerImplicitSolver final : public ImplicitIntegrator, public FindsMultipliers {
  public:
   bool heedsStepLimits() const override { return implicit_.iterates() && !first_order_; }
-  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
   void declare(DataTable& table) override;
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   bool keepsEnergy() const override { return trapezoidal_ && !first_order_; }
   std::string describe() const override;
-  void stepTaken(const StepContext& context) override {
-    if (!sleep_.stepTaken(context.dt)) implicit_.stepTaken();
-  }
-  void sceneChanged() override { sleep_.wake(), implicit_.sceneChanged(); }
-  std::string doubt() const override { return implicit_.doubt(path()); }
-  void reset() override { implicit_.reset(), sleep_.reset(); }
-  void serialize(Archive& archive) override { implicit_.serialize(archive), sleep_.serialize(archive); }
 
  private:
   StepReport firstOrderStep(System& system, const StepContext& context);
@@ -77,8 +68,6 @@ class EulerImplicitSolver final : public Integrator, public AsksRightSides, publ
   VelocityDamping velocity_damping_;
   bool first_order_ = false, trapezoidal_ = false, by_new_velocity_ = false;
   double theta_ = 1;
-  ImplicitStep implicit_;
-  Sleep sleep_;
   Vector right_side_;
 };
 
@@ -95,9 +84,7 @@ void EulerImplicitSolver::declare(DataTable& table) {
   table.add("oneRound", implicit_.one_round)
       .help("forces of Lagrangian constraints have the directions of the motion without them, as in SOFA, and not those of the "
             "end of the step; with one linear solve per step");
-  implicit_.declareNewton(table);
-  declareLinearSolver(table);
-  implicit_.declareNewtonSolver(table);
+  declareSolvers(table);
   implicit_.declareConditions(table);
   sleep_.declare(table);
   for (const char* name : {"solveConstraint", "threadSafeVisitor", "computeResidual"}) table.addVisualOnly(name);
@@ -114,9 +101,7 @@ void EulerImplicitSolver::init() {
 }
 
 void EulerImplicitSolver::compile(System& system) {
-  implicit_.second_order = trapezoidal_ && !first_order_ && !by_new_velocity_;
-  implicit_.compile(*this, system);
-  sleep_.compile(system);
+  compileStep(system, trapezoidal_ && !first_order_ && !by_new_velocity_);
   const bool has_conditions = !system.actors().lagrangian_constraints.empty();
   if (has_conditions && implicit_.one_round && !implicit_.solvesOnce())
     warn("oneRound has no effect: with several linear solves in a step forces of constraint have the directions of its end",
@@ -169,9 +154,8 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext
 }
 
 std::string EulerImplicitSolver::describe() const {
-  const std::string sleep = sleep_.describe();
-  if (first_order_) return "first-order implicit step, linearised once: 1 force evaluation, 1 linear solve" + sleep;
-  return (trapezoidal_ ? "trapezoidal step" : "backward Euler step") + implicit_.describe() + sleep;
+  if (first_order_) return "first-order implicit step, linearised once: 1 force evaluation, 1 linear solve" + sleep_.describe();
+  return described(trapezoidal_ ? "trapezoidal step" : "backward Euler step");
 }
 
 }  // namespace

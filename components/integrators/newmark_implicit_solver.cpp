@@ -34,8 +34,7 @@
 #include <cmath>
 
 #include "components/integrators/explicit_step.h"
-#include "components/integrators/implicit_step.h"
-#include "components/integrators/sleep.h"
+#include "components/integrators/implicit_integrator.h"
 #include "components/integrators/velocity_damping.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -43,28 +42,23 @@
 namespace stroma {
 namespace {
 
-class NewmarkImplicitSolver final : public Integrator, public AsksRightSides, public HeedsStepLimits {
+class NewmarkImplicitSolver final : public ImplicitIntegrator {
  public:
-  bool heedsStepLimits() const override { return implicit_.iterates(); }
-  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
   void declare(DataTable& table) override;
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext& context) override;
-  void sceneChanged() override { sleep_.wake(), implicit_.sceneChanged(); }
-  std::string doubt() const override { return implicit_.doubt(path()); }
   bool keepsEnergy() const override { return gamma_ <= 0.5; }  // above it the rule damps
   std::string describe() const override {
-    return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe() +
-           sleep_.describe();
+    return described(fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_));
   }
   void reset() override {
     started_ = false;
-    implicit_.reset(), sleep_.reset();
+    ImplicitIntegrator::reset();
   }
   void serialize(Archive& archive) override {
-    implicit_.serialize(archive), sleep_.serialize(archive);
+    ImplicitIntegrator::serialize(archive);
     archive.value("started", started_);
     archive.rows("acceleration", a_);
     archive.list("momentum_rates", rates_);
@@ -75,9 +69,7 @@ class NewmarkImplicitSolver final : public Integrator, public AsksRightSides, pu
 
   double gamma_ = 0.5, beta_ = 0.25;
   VelocityDamping velocity_damping_;
-  ImplicitStep implicit_;
   Acceleration acceleration_;
-  Sleep sleep_;
   Vector force_;                         ///< [N], shape (independentRows())
   Vector a_, new_a_;                     ///< a0 and a1 [m/s^2], shape (independentRows())
   bool started_ = false;                 ///< a_ is that of the state
@@ -99,9 +91,7 @@ void NewmarkImplicitSolver::declare(DataTable& table) {
       .max(0.5);
   implicit_.declareDamping(table);
   velocity_damping_.declare(table);
-  implicit_.declareNewton(table);
-  declareLinearSolver(table);
-  implicit_.declareNewtonSolver(table);
+  declareSolvers(table);
   sleep_.declare(table);
 }
 
@@ -115,9 +105,7 @@ void NewmarkImplicitSolver::init() {
 }
 
 void NewmarkImplicitSolver::compile(System& system) {
-  implicit_.second_order = gamma_ == 0.5;
-  implicit_.compile(*this, system);
-  sleep_.compile(system);
+  compileStep(system, gamma_ == 0.5);
   acceleration_.compile(system, "the first step of Newmark's method");
   for (Vector* vector : {&force_, &a_, &new_a_}) vector->resize(system.independentRows());
   for (std::vector<Vec3>* list : {&rates_, &new_rates_}) list->assign(implicit_.bodies().count(), Vec3::Zero());

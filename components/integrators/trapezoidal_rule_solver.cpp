@@ -28,30 +28,21 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
-#include "components/integrators/implicit_step.h"
-#include "components/integrators/sleep.h"
+#include "components/integrators/implicit_integrator.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class TrapezoidalRuleSolver final : public Integrator, public AsksRightSides, public HeedsStepLimits, public FindsMultipliers {
+class TrapezoidalRuleSolver final : public ImplicitIntegrator, public FindsMultipliers {
  public:
-  bool heedsStepLimits() const override { return implicit_.iterates(); }
-  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
   void declare(DataTable& table) override {
     implicit_.declareDamping(table);
-    implicit_.declareNewton(table);
-    declareLinearSolver(table);
-    implicit_.declareNewtonSolver(table);
+    declareSolvers(table);
     implicit_.declareConditions(table);
     sleep_.declare(table);
   }
-  void compile(System& system) override {
-    implicit_.second_order = true;
-    implicit_.compile(*this, system);
-    sleep_.compile(system);
-  }
+  void compile(System& system) override { compileStep(system, true); }
   StepReport step(System&, const StepContext& context) override {
     if (sleep_.passesOver(context)) return {};
     ImplicitScheme scheme;
@@ -62,18 +53,7 @@ class TrapezoidalRuleSolver final : public Integrator, public AsksRightSides, pu
     return sleep_.judged(implicit_.solve(scheme, context.stop));
   }
   bool keepsEnergy() const override { return true; }
-  void stepTaken(const StepContext& context) override {
-    if (!sleep_.stepTaken(context.dt)) implicit_.stepTaken();
-  }
-  void sceneChanged() override { sleep_.wake(), implicit_.sceneChanged(); }
-  std::string doubt() const override { return implicit_.doubt(path()); }
-  void reset() override { implicit_.reset(), sleep_.reset(); }
-  void serialize(Archive& archive) override { implicit_.serialize(archive), sleep_.serialize(archive); }
-  std::string describe() const override { return "trapezoidal step" + implicit_.describe() + sleep_.describe(); }
-
- private:
-  ImplicitStep implicit_;
-  Sleep sleep_;
+  std::string describe() const override { return described("trapezoidal step"); }
 };
 
 }  // namespace

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <random>
 #include <set>
 
 #include "framework/algebra/parallel.h"
 #include "tests/support/folder_fixture.h"
 #include "tests/support/manual_examples.h"
+#include "tests/support/random_rows.h"
 #include "tests/support/scene_text.h"
 #include "tools/session/session.h"
 
@@ -155,14 +155,6 @@ System& systemWith(const Simulation& simulation, const std::string& type) {
   throw std::runtime_error("no system has a " + type);
 }
 
-Vector randomRows(const System& system, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  Vector rows(system.independentRows());
-  for (Index i = 0; i < rows.count(); ++i) rows[i] = Vec3(uniform(random), uniform(random), uniform(random));
-  return rows;
-}
-
 Vector projected(const System& system, const Vector& rows) {
   Vector out(rows.count());
   copy(rows, out);
@@ -170,15 +162,9 @@ Vector projected(const System& system, const Vector& rows) {
   return out;
 }
 
-double farthest(const Vector& a, const Vector& b) {
-  double largest = 0;
-  for (Index i = 0; i < a.count(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
-  return largest;
-}
-
 /// One symmetric projection, which is not the whole, and has in it what this constraint says.
 void expectProjection(const System& system, const ProjectiveConstraint& constraint, double t) {
-  const Vector q = randomRows(system, 3), other = randomRows(system, 4), p = projected(system, q);
+  const Vector q = randomRows(system.independentRows(), 3), other = randomRows(system.independentRows(), 4), p = projected(system, q);
   EXPECT_LT(farthest(p, projected(system, p)), 1e-14) << "what is free stays";
   const Data* in_matrix = constraint.data().find("inMatrix");
   if (in_matrix && in_matrix->print() == "false") {
@@ -210,7 +196,7 @@ void expectProjection(const System& system, const ProjectiveConstraint& constrai
 /// Free directions go to free ones, as the products do, and held ones to held ones.
 void expectRowsOfTheMatrix(System& system) {
   MechanicalMatrix& matrix = system.matrix().withFactors({.mass = 2, .stiffness = -0.01});
-  const Vector q = randomRows(system, 5), p = projected(system, q);
+  const Vector q = randomRows(system.independentRows(), 5), p = projected(system, q);
   Vector held(q.count()), by_product(q.count()), assembled(q.count()), of_held(q.count());
   copy(q, held);
   axpy(-1, p, held);

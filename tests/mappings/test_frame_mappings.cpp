@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <numbers>
-#include <random>
 
 #include "framework/mechanics/frames.h"
 #include "tests/support/manual_examples.h"
+#include "tests/support/random_rows.h"
 #include "tests/support/scene_fixture.h"
 #include "tests/support/scene_text.h"
 
@@ -244,17 +244,6 @@ struct UnderTest {
     return x;
   }
 };
-
-Vector randomRows(const System& system, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  Vector rows(system.allRows());
-  for (Index i = 0; i < rows.count(); ++i) {
-    rows[i] = Vec3(uniform(random), uniform(random), uniform(random));
-    if (system.motion().kindOf(i) == RowKind::value) rows[i][1] = rows[i][2] = 0;
-  }
-  return rows;
-}
 
 TEST_P(MappingContract, JacobianIsTheDerivative) {
   UnderTest t(GetParam());

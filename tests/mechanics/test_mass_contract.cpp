@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <cstring>
-#include <random>
 
 #include "framework/algebra/parallel.h"
 #include "tests/support/manual_examples.h"
 #include "tests/support/quadratic_block.h"
+#include "tests/support/random_rows.h"
 #include "tests/support/scene_text.h"
 #include "tools/session/session.h"
 
@@ -105,27 +105,10 @@ System& systemWith(const Simulation& simulation, const std::string& type) {
   throw std::runtime_error("no system has a " + type);
 }
 
-Vector randomRows(const System& system, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  Vector rows(system.allRows());
-  for (Index i = 0; i < rows.count(); ++i) {
-    rows[i] = Vec3(uniform(random), uniform(random), uniform(random));
-    if (system.motion().kindOf(i) == RowKind::value) rows[i][1] = rows[i][2] = 0;
-  }
-  return rows;
-}
-
 Vector product(const Mass& mass, const Vector& p, double factor = 1) {
   Vector out(p.count());
   mass.addProduct(p, factor, out);
   return out;
-}
-
-double farthest(const Vector& a, const Vector& b) {
-  double largest = 0;
-  for (Index i = 0; i < a.count(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
-  return largest;
 }
 
 /// The product, what is set at once, the assembled matrix and its diagonal.

@@ -80,27 +80,29 @@ class PageTest(unittest.TestCase):
 def what_is_drawn(viewed):
     """What the page has to draw of a server's scene, and how large and how fast it is, in powers of ten; asked without the browser."""
     packet = viewed.page().scene
-    bodies = set()
+    shown = {("bodies", min(len(packet["bodies"]), 3)), ("dt", round(numpy.log10(packet["dt"])))}
     for number, body in enumerate(packet["bodies"]):
         arrays = tuple(name for name in ("triangles", "edges", "points", "springs") if len(packet.arrays.get(f"{number}.{name}", ())))
-        cells = tuple(kind for kind, count in body["cells"].items() if count)
-        solids = tuple(kind for kind in ("beams", "balls", "frames") if body[kind])
-        bodies.add((arrays, cells, solids, body["interactive"], round(numpy.log10(body["size"]))))
-    return frozenset(bodies), min(len(packet["bodies"]), 3), round(numpy.log10(packet["dt"]))
+        shown.add(("arrays", arrays, body["interactive"]))
+        shown.add(("cells", *(kind for kind, count in body["cells"].items() if count)))
+        shown.add(("solids", *(kind for kind in ("beams", "balls", "frames") if body[kind])))
+        shown.add(("size", round(numpy.log10(body["size"]))))
+    return shown
 
 
 class EveryExample(PageTest):
-    """One server a scene. Of scenes that are the same to a page one is opened: test_protocol.py has the messages of all."""
+    """One server a scene. Those are opened that have what none before had: test_protocol.py has the messages of all."""
 
     def test_opens_draws_runs_pauses_and_resets(self):
-        opened = set()
+        seen, opened = set(), 0
         for scene in EXAMPLES:
             with self.subTest(os.path.basename(scene)), server.Server(STROMA, scene, "--paused") as viewed:
-                drawn = what_is_drawn(viewed)
-                if drawn not in opened:
-                    opened.add(drawn)
+                shown = what_is_drawn(viewed)
+                if shown - seen:
+                    seen |= shown
+                    opened += 1
                     self.use(viewed, os.path.basename(scene))
-        self.assertGreater(len(opened), 10)
+        self.assertGreater(opened, 8)
 
     def use(self, viewed, name):
         """What a person does who sees a scene for the first time."""

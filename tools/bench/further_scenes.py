@@ -4,7 +4,7 @@ been measured anew, without a look at what is chosen for them, and only measured
 import math
 
 from mixed_scenes import NOWHERE, unheld
-from solver_scenes import EULER, STATIC, bent, body, grid, held, hexas, law, newton, root, tets
+from solver_scenes import EULER, STATIC, bent, body, grid, hexas, law, moved_end, newton, quadratics, root, tets
 
 T = "tetrahedra"
 
@@ -27,20 +27,10 @@ def mat():
     return unheld(body(grid((35, 30, 6), (.2, .17, .03)), hexas(4e4, .45, "svd"), STATIC, wall=NOWHERE, more=bed + push))
 
 
-def quadratic_block():
-    return ('<RegularGridTopology name="grid" n="9 7 7" min="0 0 0" max="0.1 0.07 0.07"/><Node name="body">' + EULER
-            + '@SOLVER@<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
-            '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
-            '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
-            f'youngModulus="3e5" poissonRatio="0.4" method="small"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
-
-
 def drawn():
     field = ('<HexahedronHyperelasticityFEMForceField name="fem" materialName="NeoHookean" youngModulus="5e4" poissonRatio="0.49" '
              'dilatation="mean"/>')
-    hand = ('<BoxROI name="end" box="0.1199 -1 -1 1 1 1" position="@dofs.rest_position"/><LinearMovementProjectiveConstraint '
-            'name="hand" indices="@end.indices" keyTimes="0 5" movements="0 0 0  0.03 0.01 0"/>')
-    return body(grid((25, 12, 12), (.12, .05, .05)), field, STATIC, more=hand)
+    return body(grid((25, 12, 12), (.12, .05, .05)), field, STATIC, more=moved_end(0.1199, "0 5", "0 0 0  0.03 0.01 0"))
 
 
 def further():
@@ -52,5 +42,6 @@ def further():
     yield ("whip", "rod of tetrahedra, `polar`, trapezoidal rule, 80 short steps, 2,205 nodes", 80,
            root(body(grid((45, 7, 7), (.3, .02, .02)), tets(5e6, .35, "polar"),
                      '<EulerImplicitSolver name="solver" trapezoidalScheme="true"/>', T), .001))
-    yield "quadratic_linear", "quadratic tetrahedra, `small`, 40 steps", 40, root(quadratic_block(), .01)
+    block = quadratics("9 7 7", "0.1 0.07 0.07", EULER, "3e5", 0.4, "small")
+    yield "quadratic_linear", "quadratic tetrahedra, `small`, 40 steps", 40, root(block, .01)
     yield "drawn", "statics in five steps: neo-Hookean hexahedra, Poisson's ratio 0.49, 3,600 nodes", 5, root(drawn(), 1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Ten scenes of solver_choice.py, the set `mixed`: kinds that none of the other sets has. They were written after the rules for
 springs in hexahedra had been mended, without a look at the estimates, and only measured. SI units."""
-from solver_scenes import EULER, STATIC, bent, body, grid, held, hexas, inside, law, newton, root, sheet, tets
+from solver_scenes import EULER, STATIC, bent, body, grid, held, hexas, inside, law, moved_end, newton, quadratics, root, sheet, tets
 
 T, H = "tetrahedra", "hexahedra"
 NEWMARK = '<NewmarkImplicitSolver name="solver"/>'
@@ -52,14 +52,6 @@ def two_bodies():
     return EULER + "@SOLVER@" + soft + stiff
 
 
-def quadratic_arm():
-    return ('<RegularGridTopology name="grid" n="22 5 5" min="0 0 0" max="0.2 0.035 0.035"/><Node name="body">' + newton(1e-6)
-            + '@SOLVER@<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
-            '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
-            '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
-            f'youngModulus="9e4" poissonRatio="0.45" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
-
-
 def wobbly(u, v, w):
     return (.16 * u, .05 * v + .01 * u * u, .03 * w + .004 * v)
 
@@ -75,9 +67,9 @@ def mixed():
     yield ("slab_trapezoidal", "slab of tetrahedra, StVenant-Kirchhoff, trapezoidal rule, Newton's method, 3,456 nodes", 15,
            root(body(grid((24, 24, 6), (.15, .15, .025)), law("StVenantKirchhoff", 'youngModulus="8e4" poissonRatio="0.4"'),
                      newton(1e-6).replace("name=", 'trapezoidalScheme="true" name='), cells=T), .02))
-    yield "quadratic_arm", "slender quadratic tetrahedra, `svd`, Newton's method, 3,483 nodes", 12, root(quadratic_arm(), .015)
-    moved = ('<BoxROI name="end" box="0.1199 -1 -1 1 1 1" position="@dofs.rest_position"/><LinearMovementProjectiveConstraint name="hand" '
-             'indices="@end.indices" keyTimes="0 0.1 0.3" movements="0 0 0  0.01 0.03 0  -0.01 0.02 0.02"/>')
+    arm = quadratics("22 5 5", "0.2 0.035 0.035", newton(1e-6), "9e4", 0.45)
+    yield "quadratic_arm", "slender quadratic tetrahedra, `svd`, Newton's method, 3,483 nodes", 12, root(arm, .015)
+    moved = moved_end(0.1199, "0 0.1 0.3", "0 0 0  0.01 0.03 0  -0.01 0.02 0.02")
     yield ("shaken", "hexahedra whose end is moved, `polar`, Newmark's rule, 3,375 nodes", 30,
            root(body(grid((27, 13, 13), (.12, .06, .06)), hexas(6e4, .43, "polar"), NEWMARK, more=moved), .01))
     bone = inside("-1 0.02 0.012 0.13 0.034 0.024", T, 3e6, .3, "svd", T)

@@ -102,6 +102,36 @@ def cable(points, pull, how):
             '<BarycentricMapping input="@../dofs"/></Node>')
 
 
+def quadratics(n, size, integrator, young, poisson, method="svd"):
+    """A block of quadratic tetrahedra, held at x = 0."""
+    return (f'<RegularGridTopology name="grid" n="{n}" min="0 0 0" max="{size}"/><Node name="body">{integrator}@SOLVER@'
+            '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
+            '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
+            '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
+            f'youngModulus="{young}" poissonRatio="{poisson}" method="{method}"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+
+
+def membrane(n, size, mass, young, poisson, thickness):
+    """A sheet of triangles, held at x = 0."""
+    return (f'<Node name="body">{EULER}@SOLVER@<RegularGridTopology name="grid" n="{n} 1" min="0 0 0" max="{size} 0"/>'
+            '<TriangleSetTopologyContainer name="sheet"/><Quad2TriangleTopologicalMapping name="cut" input="@grid" '
+            f'output="@sheet"/><MechanicalObject name="dofs" position="@grid.position"/><UniformMass totalMass="{mass}"/>'
+            f'<TriangularFEMForceField name="fem" topology="@sheet" youngModulus="{young}" poissonRatio="{poisson}" '
+            f'thickness="{thickness}"/>' + held("-0.0001 -1 -1 0.0001 1 1") + "</Node>")
+
+
+def loaded(name):
+    """A mesh of tetrahedra."""
+    return (f'<MeshGmshLoader name="loader" filename="{MESHES}/{name}.msh"/>'
+            '<TetrahedronSetTopologyContainer name="grid" src="@loader"/>')
+
+
+def moved_end(x, times, movements):
+    """The nodes of a body's end, led."""
+    return (f'<BoxROI name="end" box="{x} -1 -1 1 1 1" position="@dofs.rest_position"/><LinearMovementProjectiveConstraint '
+            f'name="hand" indices="@end.indices" keyTimes="{times}" movements="{movements}"/>')
+
+
 def standing():
     t, h = "tetrahedra", "hexahedra"
     soft = tets(3e4, .45, "svd")
@@ -190,9 +220,8 @@ def between_frames():
 
 
 def leg():
-    labels = ('<MeshGmshLoader name="loader" filename="{}/leg.msh"/><TetrahedronSetTopologyContainer name="grid" src="@loader"/>'
-              '<ValuesFromLabels name="stiffness" labels="@loader.tetrahedraGroups" table="1 2e4 2 2e7 3 2e7"/>'
-              '<ValuesFromLabels name="compression" labels="@loader.tetrahedraGroups" table="1 0.45 2 0.3 3 0.3"/>').format(MESHES)
+    labels = (loaded("leg") + '<ValuesFromLabels name="stiffness" labels="@loader.tetrahedraGroups" table="1 2e4 2 2e7 3 2e7"/>'
+              '<ValuesFromLabels name="compression" labels="@loader.tetrahedraGroups" table="1 0.45 2 0.3 3 0.3"/>')
     push = ('<SphereROI name="calf" centers="0 -0.060 0.235" radii="0.020"/>'
             '<ConstantForceField name="push" indices="@calf.indices" totalForce="0 2 0"/>')
     return root(body(labels, tets("@stiffness.values", "@compression.values", "svd"), STATIC, density=1060,
@@ -200,20 +229,12 @@ def leg():
 
 
 def organ():
-    mesh = (f'<MeshGmshLoader name="loader" filename="{MESHES}/organ_5000.msh"/>'
-            '<TetrahedronSetTopologyContainer name="grid" src="@loader"/>')
-    return root(body(mesh, law("StableNeoHookean", 'youngModulus="8000" poissonRatio="0.46"'), newton(1e-5), density=1060,
+    return root(body(loaded("organ_5000"), law("StableNeoHookean", 'youngModulus="8000" poissonRatio="0.46"'), newton(1e-5), density=1060,
                      wall="-1 0.03 -1 1 1 1"), .02)
 
 
 def quadratic():
-    inner = ('<RegularGridTopology name="grid" n="14 7 6" min="0 0 0" max="0.2 0.08 0.06"/><Node name="body">'
-             + newton(1e-5) + "@SOLVER@"
-             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
-             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
-             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
-             f'youngModulus="9e4" poissonRatio="0.44" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
-    return root(inner, .02)
+    return root(quadratics("14 7 6", "0.2 0.08 0.06", newton(1e-5), "9e4", 0.44), .02)
 
 
 def fresh():
@@ -268,44 +289,30 @@ def late():
            root(body(grid((24, 11, 11), (.23, .1, .1)),
                      '<MeshSpringForceField name="net" hexasStiffness="60" hexasDamping="0.1"/>'), .01))
     yield ("sail", "membrane, 2,500 nodes", 25,
-           root(f'<Node name="body">{EULER}@SOLVER@<RegularGridTopology name="grid" n="50 50 1" min="0 0 0" max="0.4 0.4 0"/>'
-                '<TriangleSetTopologyContainer name="sheet"/><Quad2TriangleTopologicalMapping name="cut" input="@grid" '
-                'output="@sheet"/><MechanicalObject name="dofs" position="@grid.position"/><UniformMass totalMass="0.1"/>'
-                '<TriangularFEMForceField name="fem" topology="@sheet" youngModulus="2e5" poissonRatio="0.3" thickness="0.001"/>'
-                + held("-0.0001 -1 -1 0.0001 1 1") + "</Node>", .01))
+           root(membrane("50 50", "0.4 0.4", 0.1, "2e5", 0.3, 0.001), .01))
     yield ("pressed", "statics: slab under pressure, `large`, 4,800 nodes", 1,
            root(body(grid((30, 20, 8), (.3, .2, .06)), tets(9e4, .4, "large"), STATIC, cells=t, wall="-1 -1 -1 1 1 0.0001",
                      more='<SurfacePressureForceField name="load" topology="@tetrahedra" min="-1 -1 0.0599" max="0.15 1 1" '
                      'pressure="2000"/>'), 1))
     yield ("pulled", "bar that is pulled, neo-Hookean, Newton's method, 2,205 nodes", 12,
            root(body(grid((45, 7, 7), (.3, .04, .04)), law("NeoHookean", 'youngModulus="5e4" poissonRatio="0.4"'), newton(1e-6),
-                     cells=t, more='<BoxROI name="end" box="0.2999 -1 -1 1 1 1" position="@dofs.rest_position"/>'
-                     '<LinearMovementProjectiveConstraint name="hand" indices="@end.indices" keyTimes="0 0.24" '
-                     'movements="0 0 0  0.06 0.02 0"/>'), .02))
+                     cells=t, more=moved_end(0.2999, "0 0.24", "0 0 0  0.06 0.02 0")), .02))
     yield ("swing", "wedge, `svd`, `NewmarkImplicitSolver`, 3,510 nodes", 20,
            root(body(bent((27, 10, 13), wedge), tets(6e4, .35, "svd"),
                      '<NewmarkImplicitSolver name="solver" gamma="0.5" beta="0.25"/>', cells=t), .01))
-    mesh = (f'<MeshGmshLoader name="loader" filename="{MESHES}/organ_5000.msh"/>'
-            '<TetrahedronSetTopologyContainer name="grid" src="@loader"/>')
     yield ("organ_plain", "organ, `svd`, 1,400 nodes", 60,
-           root(body(mesh, tets(6e3, .47, "svd"), density=1060, wall="-1 0.03 -1 1 1 1"), .01))
+           root(body(loaded("organ_5000"), tets(6e3, .47, "svd"), density=1060, wall="-1 0.03 -1 1 1 1"), .01))
     yield ("linear_bdf", "hexahedra, `small`, `BDFOdeSolver`, 3,200 nodes", 60,
            root(body(grid((32, 10, 10), (.25, .08, .08)), hexas(8e4, .35, "small"),
                      '<BDFOdeSolver name="solver" order="2"/>'), .01))
     yield ("veronda", "Veronda-Westmann, Newton's method, 2,736 nodes", 8,
            root(body(grid((19, 12, 12), (.14, .08, .08)), law("VerondaWestman", 'ParameterSet="4000 2 60000"'), newton(1e-5),
                      cells=t), .02))
-    labels = ('<MeshGmshLoader name="loader" filename="{}/leg.msh"/><TetrahedronSetTopologyContainer name="grid" src="@loader"/>'
-              '<ValuesFromLabels name="stiffness" labels="@loader.tetrahedraGroups" table="1 1e4 2 1e6 3 1e6"/>').format(MESHES)
+    labels = loaded("leg") + '<ValuesFromLabels name="stiffness" labels="@loader.tetrahedraGroups" table="1 1e4 2 1e6 3 1e6"/>'
     yield ("leg_falls", "leg with bones 1:100, `svd`, implicit steps", 20,
            root(body(labels, tets("@stiffness.values", .45, "svd"), density=1060,
                      wall="-0.030 -0.015 0.320 0.016 0.032 0.346  -0.026 -0.016 0.018 0.030 0.026 0.040"), .02))
-    inner = ('<RegularGridTopology name="grid" n="16 6 6" min="0 0 0" max="0.25 0.06 0.06"/><Node name="body">'
-             + STATIC + "@SOLVER@"
-             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
-             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
-             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
-             f'youngModulus="3e5" poissonRatio="0.4" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+    inner = quadratics("16 6 6", "0.25 0.06 0.06", STATIC, "3e5", 0.4)
     yield "quadratic_static", "statics: quadratic tetrahedra, `svd`, 3,751 nodes", 1, root(inner, 1)
 
 
@@ -345,12 +352,7 @@ def held_out():
                      '<MeshSpringForceField name="net" hexasStiffness="200" hexasDamping="0"/>', STATIC), 1))
     yield ("large_block", "block of tetrahedra, `svd`, 19,773 nodes, 8 steps", 8,
            root(body(grid((39, 39, 13), (.2, .2, .06)), tets(2e5, .4, "svd"), cells=t), .02))
-    inner = ('<RegularGridTopology name="grid" n="20 5 5" min="0 0 0" max="0.3 0.04 0.04"/><Node name="body">'
-             + EULER + "@SOLVER@"
-             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
-             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
-             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
-             f'youngModulus="4e5" poissonRatio="0.38" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+    inner = quadratics("20 5 5", "0.3 0.04 0.04", EULER, "4e5", 0.38)
     yield "quadratic_bar", "bar of quadratic tetrahedra, `svd`, 3,159 nodes", 15, root(inner, .01)
     yield ("tiny", "block of hexahedra, `polar`, 640 nodes, 200 steps", 200,
            root(body(grid((10, 8, 8), (.08, .06, .06)), hexas(5e4, .4, "polar"), '<NewmarkImplicitSolver name="solver"/>'), .01))
@@ -368,17 +370,8 @@ def unseen():
                      '<MeshSpringForceField name="net" hexasStiffness="150" hexasDamping="0.05"/>',
                      '<NewmarkImplicitSolver name="solver"/>'), .008))
     yield ("flag", "membrane held at a side, 1,800 nodes", 40,
-           root(f'<Node name="body">{EULER}@SOLVER@<RegularGridTopology name="grid" n="60 30 1" min="0 0 0" max="0.6 0.3 0"/>'
-                '<TriangleSetTopologyContainer name="sheet"/><Quad2TriangleTopologicalMapping name="cut" input="@grid" '
-                'output="@sheet"/><MechanicalObject name="dofs" position="@grid.position"/><UniformMass totalMass="0.05"/>'
-                '<TriangularFEMForceField name="fem" topology="@sheet" youngModulus="5e5" poissonRatio="0.25" thickness="0.0008"/>'
-                + held("-0.0001 -1 -1 0.0001 1 1") + "</Node>", .02))
-    inner = ('<RegularGridTopology name="grid" n="11 9 5" min="0 0 0" max="0.12 0.1 0.03"/><Node name="body">'
-             + EULER + "@SOLVER@"
-             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
-             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
-             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
-             f'youngModulus="5e4" poissonRatio="0.42" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+           root(membrane("60 30", "0.6 0.3", 0.05, "5e5", 0.25, 0.0008), .02))
+    inner = quadratics("11 9 5", "0.12 0.1 0.03", EULER, "5e4", 0.42)
     yield "quadratic_plate", "plate of quadratic tetrahedra, `svd`", 20, root(inner, .015)
     yield ("jelly", "hexahedra, Poisson's ratio 0.499, `polar`, 3,536 nodes", 25,
            root(body(grid((26, 17, 8), (.12, .08, .035)), hexas(1e4, .499, "polar", 'dilatation="mean"')), .02))
@@ -397,14 +390,10 @@ def unseen():
            root(body(bent((84, 10, 5), spiral), hexas(8e4, .4, "svd"), newton(1e-5), wall="-1 -0.0001 -1 1 0.0001 1"), .015))
     yield ("twisted", "bar that is drawn aside, Mooney-Rivlin, Newton's method, 2,835 nodes", 12,
            root(body(grid((35, 9, 9), (.24, .05, .05)), law("MooneyRivlin", 'youngModulus="4e4" poissonRatio="0.43" c2="1000"'),
-                     newton(1e-5), cells=t, more='<BoxROI name="end" box="0.2399 -1 -1 1 1 1" position="@dofs.rest_position"/>'
-                     '<LinearMovementProjectiveConstraint name="hand" indices="@end.indices" keyTimes="0 0.24" '
-                     'movements="0 0 0  0.02 0.05 0.01"/>'), .02))
+                     newton(1e-5), cells=t, more=moved_end(0.2399, "0 0.24", "0 0 0  0.02 0.05 0.01")), .02))
     yield ("loaded", "statics in six steps: block whose end is moved, `svd`, 4,096 nodes", 6,
            root(body(grid((16, 16, 16), (.1, .1, .1)), tets(5e4, .4, "svd"), STATIC, cells=t,
-                     more='<BoxROI name="end" box="0.0999 -1 -1 1 1 1" position="@dofs.rest_position"/>'
-                     '<LinearMovementProjectiveConstraint name="hand" indices="@end.indices" keyTimes="0 6" '
-                     'movements="0 0 0  0.03 0.02 0"/>'), 1))
+                     more=moved_end(0.0999, "0 6", "0 0 0  0.03 0.02 0")), 1))
 
 
 def sheet():
@@ -445,12 +434,7 @@ def kinds():
                 '<MechanicalObject name="dofs" template="Rigid3"/><UniformMass vertexMass="0.002" inertia="1e-7 1e-7 1e-7"/>'
                 '<FixedProjectiveConstraint indices="0 600"/>'
                 '<BeamFEMForceField name="fem" radius="0.004" youngModulus="1e7" poissonRatio="0.4"/></Node>', .01))
-    inner = ('<RegularGridTopology name="grid" n="9 8 8" min="0 0 0" max="0.1 0.09 0.08"/><Node name="body">'
-             + newton(1e-5) + "@SOLVER@"
-             '<Hexa2TetraTopologicalMapping name="tetrahedra" input="@../grid" swapping="true"/>'
-             '<Linear2QuadraticTopologicalMapping name="mesh" input="@tetrahedra"/><MechanicalObject name="dofs" src="@mesh"/>'
-             '<DiagonalMass massDensity="1000" topology="@mesh"/><QuadraticTetrahedronFEMForceField name="fem" topology="@mesh" '
-             f'youngModulus="4e4" poissonRatio="0.4" method="svd"/>{held("-0.0001 -1 -1 0.0001 1 1")}</Node>')
+    inner = quadratics("9 8 8", "0.1 0.09 0.08", newton(1e-5), "4e4", 0.4)
     yield "quadratic_block", "block of quadratic tetrahedra, `svd`, Newton's method, 3,825 nodes", 10, root(inner, .02)
     yield "sponge", "porous: statics, pressed for 40 s each, 1,560 nodes", 8, root(sponge(), 40, "0 0 0")
     yield ("rubber", "statics: hexahedra, Poisson's ratio 0.4995, neo-Hookean, 2,304 nodes", 1,

@@ -12,8 +12,6 @@
 #include "framework/scene/services.h"
 #include "tools/command/options.h"
 
-namespace po = boost::program_options;
-
 namespace stroma::command {
 namespace {
 

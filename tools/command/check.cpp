@@ -70,7 +70,6 @@ void print(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json:
 
 CommandLine checkLine() {
   OptionList options("options");
-  namespace po = boost::program_options;
   options.add_options()("json", "print the problems as JSON")(
       "sofa", "SCENE is a folder of SOFA's scenes, or a list of them: a line for each, and what holds back how many")(
       "steps", po::value<long>()->value_name("N")->default_value(10), "with --sofa: how many steps a scene must make")(

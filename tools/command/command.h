@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The subcommands of `stroma`, one .cpp each.
 #pragma once
+#include <filesystem>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -8,6 +9,8 @@
 #include <vector>
 
 namespace stroma::command {
+
+namespace fs = std::filesystem;
 
 /// What the command returns to the shell.
 enum ExitCode : int {

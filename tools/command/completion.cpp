@@ -13,8 +13,6 @@
 #include "framework/scene/modules.h"
 #include "tools/command/words.h"
 
-namespace po = boost::program_options;
-
 namespace stroma::command {
 namespace {
 

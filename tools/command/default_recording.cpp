@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <set>
 
@@ -13,8 +12,6 @@
 
 namespace stroma::command {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::size_t most_bytes =
     48u << 20;  // of the instants; a checkpoint of as many nodes is smaller than the rest

@@ -8,8 +8,6 @@
 #include "tools/command/doc_words.h"
 #include "tools/command/session.h"
 
-namespace po = boost::program_options;
-
 namespace stroma::command {
 namespace {
 

@@ -15,8 +15,6 @@
 #include "tools/command/options.h"
 #include "tools/command/words.h"
 
-namespace po = boost::program_options;
-
 namespace stroma::command {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <filesystem>
 #include <mutex>
 #include <thread>
 
@@ -17,8 +16,6 @@
 #include "tools/mesh/enclosed_volume.h"
 #include "tools/mesh/voxels.h"
 #include "tools/session/file_uses.h"
-
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {

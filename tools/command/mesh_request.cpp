@@ -5,12 +5,8 @@
 
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 
 #include "tools/units/units.h"
-
-namespace fs = std::filesystem;
-namespace po = boost::program_options;
 
 namespace stroma::command {
 namespace {

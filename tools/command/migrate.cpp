@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "framework/scene/dialect.h"
 #include "framework/scene/files.h"
@@ -13,9 +12,6 @@
 #include "tools/command/sofa_runs.h"
 #include "tools/command/source_layout.h"
 #include "tools/session/xml_text.h"
-
-namespace po = boost::program_options;
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {

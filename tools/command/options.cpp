@@ -8,8 +8,6 @@
 
 #include "framework/scene/diagnostics.h"
 
-namespace po = boost::program_options;
-
 namespace stroma::command {
 
 std::string helpText(const Manual& manual, const OptionList& options) {

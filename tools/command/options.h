@@ -13,8 +13,10 @@
 
 namespace stroma::command {
 
-using Values = boost::program_options::variables_map;
-using OptionList = boost::program_options::options_description;
+namespace po = boost::program_options;
+
+using Values = po::variables_map;
+using OptionList = po::options_description;
 
 /// What --help prints around the options.
 struct Manual {

@@ -4,16 +4,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <sstream>
 
 #include "framework/scene/output_file.h"
 #include "tools/command/session.h"
-
-namespace po = boost::program_options;
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {

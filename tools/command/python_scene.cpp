@@ -9,13 +9,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <utility>
 
 #include "tools/session/scene_program.h"
-
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {

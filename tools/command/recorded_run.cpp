@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "tools/command/instants.h"
 #include "tools/command/recorder.h"
@@ -14,8 +13,6 @@
 
 namespace stroma::command {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// The scene that wrote `file`: its name may be relative to the folder that the run was started in, which most often is
 /// one of those above the folder of the recording.

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -25,9 +24,6 @@
 #include "tools/session/children.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/statistics.h"
-
-namespace po = boost::program_options;
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {

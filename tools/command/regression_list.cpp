@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -15,8 +14,6 @@
 
 namespace stroma::command {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string caseName(const std::string& scene, const std::vector<std::string>& overrides) {
   std::string name = fs::path(scene).replace_extension().lexically_normal().string();

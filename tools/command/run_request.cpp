@@ -12,8 +12,6 @@
 #include "tools/command/session.h"
 #include "tools/session/file_uses.h"
 
-namespace po = boost::program_options;
-
 namespace stroma::command {
 namespace {
 

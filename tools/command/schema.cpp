@@ -9,8 +9,6 @@
 #include "tools/command/schema_text.h"
 #include "tools/command/session.h"
 
-namespace po = boost::program_options;
-
 namespace stroma::command {
 namespace {
 

@@ -9,8 +9,6 @@
 #include "framework/scene/missing_types.h"
 #include "tools/command/words.h"
 
-namespace po = boost::program_options;
-
 namespace stroma::command {
 
 void addSceneOptions(OptionList& options) {

@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <thread>
 
 #include "framework/scene/services.h"
 #include "tools/command/options.h"
 #include "tools/command/session.h"
 #include "tools/stress/stresser.h"
-
-namespace po = boost::program_options;
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {

@@ -6,14 +6,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 
 #include "framework/scene/services.h"
 #include "tools/command/options.h"
 #include "tools/command/session.h"
-
-namespace po = boost::program_options;
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {

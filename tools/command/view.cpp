@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <filesystem>
 #include <memory>
 #include <system_error>
 
@@ -20,8 +19,6 @@
 #include "tools/session/action_file.h"
 #include "tools/session/replay.h"
 #include "tools/units/unit_system.h"
-
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {

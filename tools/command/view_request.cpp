@@ -5,15 +5,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
 
 #include "framework/scene/output_file.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
 #include "tools/session/file_uses.h"
-
-namespace po = boost::program_options;
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {
@@ -68,15 +64,6 @@ OptionList viewOptions() {
   return options;
 }
 
-template <class T>
-T inRange(const Values& values, const char* option, T otherwise, T low, T high) {
-  if (!values.count(option)) return otherwise;
-  const T value = values[option].as<T>();
-  if (!(value >= low && value <= high))
-    throw UsageError(fmt::format("--{} {}: expected {} to {}", option, value, low, high));
-  return value;
-}
-
 bool isGiven(const char* variable) {
   const char* value = std::getenv(variable);
   return value && *value;
@@ -123,19 +110,19 @@ ViewCommand::ViewCommand(const Values& values)
       quiet(values.count("quiet") > 0) {
   if (fs::is_directory(scene)) recording_folder = scene;
   checkViewPartners(values, isRecording());
-  record_every = inRange<long>(values, "record-every", 1, 1, 1L << 40);
+  record_every = within<long>(values, "record-every", 1, 1, 1L << 40);
   if (exports) {
     page.file = textOf(values, "export");
-    page.steps = inRange<long>(values, "steps", 100, 0, 1L << 40);
-    page.every = inRange<long>(values, "every", 1, 1, 1L << 40);
+    page.steps = within<long>(values, "steps", 100, 0, 1L << 40);
+    page.every = within<long>(values, "every", 1, 1, 1L << 40);
     if (values.count("field")) page.fields = values["field"].as<std::vector<std::string>>();
     page.inside = values.count("inside") > 0;
   } else {
     opens = shouldOpen(values);
     if (values.count("host")) live.host = textOf(values, "host");
     if (live.host.starts_with('[') && live.host.ends_with(']')) live.host = live.host.substr(1, live.host.size() - 2);
-    live.port = inRange<int>(values, "port", 0, 0, 65535);
-    live.fps = inRange<double>(values, "fps", 60, 0.1, 240);
+    live.port = within<int>(values, "port", 0, 0, 65535);
+    live.fps = within<double>(values, "fps", 60, 0.1, 240);
     live.at_once = values.count("at-once") > 0;
     live.paused = values.count("paused") > 0;
   }

@@ -13,7 +13,6 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -25,9 +24,6 @@
 #include "tools/command/session.h"
 #include "tools/command/watched_files.h"
 #include "tools/platform/process.h"
-
-namespace po = boost::program_options;
-namespace fs = std::filesystem;
 
 namespace stroma::command {
 namespace {
