@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "framework/fem/isotropic.h"
+#include "framework/scene/diagnostics.h"
 #include "framework/scene/types.h"
 
 namespace stroma::parts {
