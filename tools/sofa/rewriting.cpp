@@ -67,7 +67,6 @@ void Rewriting::run() {
   dropIdleMappings();
   dampVelocities();
   keepOneIntegrator(tree_->root(), false);
-  findOwnDamping();
   joinBodies();
   dropIdle(tree_->root(), false);
   holdMassless(tree_->root(), false);

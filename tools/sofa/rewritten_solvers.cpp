@@ -47,11 +47,11 @@ static bool dampsItself(const Place& place) {
     const char* name = element->role() == "mass" ? "rayleighMass" : element->role() == "force field" ? "rayleighStiffness" : "";
     return !element->dropped && *name && std::atof(element->text(name).c_str()) != 0;
   };
+  const auto has_one = [](const auto& child) { return !child->dropped && dampsItself(*child); };
   return std::any_of(place.elements.begin(), place.elements.end(), damps) ||
-         std::any_of(place.children.begin(), place.children.end(), [](const auto& child) { return !child->dropped && dampsItself(*child); });
+         std::any_of(place.children.begin(), place.children.end(), has_one);
 }
 
-/// Before bodies are joined, which may hand the damping of integrators down to what they move.
 void Rewriting::findOwnDamping() {
   tree_->forEach([this](Element& element) {
     if (element.is("EulerImplicitSolver") && dampsItself(*element.place))
