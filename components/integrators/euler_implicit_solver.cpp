@@ -81,6 +81,9 @@ void EulerImplicitSolver::declare(DataTable& table) {
       .help("with trapezoidalScheme: positions move by h times the new velocity, as in SOFA, which is of first order");
   table.add("allowMassless", implicit_.allows_massless)
       .help("nodes without mass are moved by stiffness alone, where they otherwise are refused; not with trapezoidalScheme");
+  table.add("ownInMatrix", implicit_.own_in_matrix)
+      .help("rayleighStiffness of force fields and rayleighMass of masses are in the matrix alone and not in the forces, as in SOFA: they "
+            "slow changes of velocity down");
   table.add("oneRound", implicit_.one_round)
       .help("forces of Lagrangian constraints have the directions of the motion without them, as in SOFA, and not those of the "
             "end of the step; with one linear solve per step");

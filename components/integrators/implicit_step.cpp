@@ -46,8 +46,16 @@ void ImplicitStep::setTime(double time) {
 void ImplicitStep::addDamping(double factor, Rows out) {
   const double r = factor * rayleigh_stiffness;
   if (has_rayleigh_stiffness_)
-    system_->addStiffnessProduct(v(), {.stiffness = r, .rayleigh_stiffness = factor, .part_of_damping = r}, out);
-  if (has_rayleigh_mass_) system_->addRayleighMassProduct(v(), rayleigh_mass, -factor, out);
+    system_->addStiffnessProduct(v(), {.stiffness = r, .rayleigh_stiffness = own_in_matrix ? 0 : factor, .part_of_damping = r}, out);
+  addMassDamping(factor, out);
+}
+
+/// out -= factor rM M v.
+void ImplicitStep::addMassDamping(double factor, Rows out) {
+  if (own_in_matrix && rayleigh_mass != 0)
+    system_->addMassProduct(v(), -factor * rayleigh_mass, out);
+  else if (has_rayleigh_mass_ && !own_in_matrix)
+    system_->addRayleighMassProduct(v(), rayleigh_mass, -factor, out);
 }
 
 void ImplicitStep::wholeForce(double time, Rows out, bool starts, double of_end) {
@@ -84,7 +92,7 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   const double total = scheme_.weight + (two_times ? 0 : scheme_.old_weight);
   const double k = scheme_.weight * scheme_.drift / total + rayleigh_stiffness;
   if (!scheme_.has_history) {
-    const MatrixFactors factors{.stiffness = k, .rayleigh_stiffness = 1, .part_of_damping = rayleigh_stiffness};
+    const MatrixFactors factors{.stiffness = k, .rayleigh_stiffness = own_in_matrix ? 0. : 1., .part_of_damping = rayleigh_stiffness};
     s.computeForceAndProduct(s.x, s.v, s.v, factors, right_side_);
   } else {
     copy(position_predictor, work_);
@@ -92,10 +100,10 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
     axpy(k, v(), work_);
     s.computeForceAndProduct(s.x, s.v, work_, {.stiffness = 1}, right_side_);
     if (has_own_stiffness_damping_)
-      s.addStiffnessProduct(v(), {.rayleigh_stiffness = 1, .part_of_damping = rayleigh_stiffness}, b);
+      s.addStiffnessProduct(v(), {.rayleigh_stiffness = own_in_matrix ? 0. : 1., .part_of_damping = rayleigh_stiffness}, b);
   }
   scale(total, b);
-  if (has_rayleigh_mass_) s.addRayleighMassProduct(v(), rayleigh_mass, -total, b);
+  addMassDamping(total, b);
   if (two_times) axpy(scheme_.old_weight, constant_, b);
   if (scheme_.has_history) {
     s.addMassProduct(velocity_predictor, 1, b);

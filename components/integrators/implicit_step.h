@@ -35,6 +35,7 @@ class ImplicitStep final : public NonlinearProblem {
   // ---- what an integrator sets from its attributes, before compile() ----
   double rayleigh_mass = 0;        ///< rM [1/s], to which each mass's own is added
   double rayleigh_stiffness = 0;   ///< rK [s], to which each force field's own is added
+  bool own_in_matrix = false;      ///< Rayleigh factors of force fields and masses are in the tangent alone, not in the force
   bool allows_massless = false;    ///< nodes without mass: rows of stiffness alone
   NewtonSettings newton_settings;  ///< a NewtonSolver of the scene stands for them
   bool second_order = false;       ///< the rule is, where its equations are solved well enough
@@ -173,6 +174,7 @@ class ImplicitStep final : public NonlinearProblem {
   /// Each solve of a step lets what is moved go as far as it can.
   bool carries() const { return lack_ > 0 && carries_ < 500; }
   void addDamping(double factor, Rows out);
+  void addMassDamping(double factor, Rows out);
   void addMassWhereTheStepStarts(Rows out) const;
   void advance();
   void startBodies();

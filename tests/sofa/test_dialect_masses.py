@@ -283,6 +283,13 @@ def masses_that_a_mapping_does_not_map():
 
 
 @case
+def gravity_apart_is_told():
+    run = Run(root(EXACT + '<MechanicalObject name="dofs"/><UniformMass totalMass="1" separateGravity="true"/>'), 2)
+    run.says("separateGravity", "SOFA adds gravity to velocities after positions have moved")
+    assert "separateGravity" not in Run(root(EXACT + '<MechanicalObject/><UniformMass totalMass="1" separateGravity="0"/>'), 2).text
+
+
+@case
 def masses_of_one_state_add_up():
     """A force field each in SOFA: gravity, inertia and damping of both."""
     for solvers in (EXACT, '<EulerImplicitSolver rayleighMass="2"/><CGLinearSolver iterations="50" tolerance="1e-14" threshold="1e-30"/>',

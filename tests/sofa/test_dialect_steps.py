@@ -371,6 +371,39 @@ def quirk_no_centrifugal():
 
 
 @case
+def damping_of_parts_is_in_the_matrix_alone():
+    """rayleighStiffness of a force field and rayleighMass of a mass: A has them, the right side has only those of the integrator."""
+    x0 = np.array([[0, 0, 0], [1, 0, 0], [1.8, 0.3, 0]])
+    v0 = np.array([[0, 0, 0], [0, 1, 0.5], [-1, 0, 2]])
+    pairs, h, mass = [(0, 1), (1, 2)], 0.01, 0.5
+    fields = together(gravity(np.full(3, mass), [0, -10, 0]), springs(pairs, x0 * 0.9, 60, per_length=False))
+    free = np.repeat([False, True, True], 3)
+
+    def moved(own_stiffness, own_mass, of_all, on_both_sides=False):
+        x, v = x0.copy(), v0.copy()
+        for _ in range(10):
+            f, K = fields(x, v)
+            flat = v.ravel()
+            A = (1 + h * (of_all + own_mass)) * mass * np.eye(9) - h * (h + of_all + own_stiffness) * K
+            more = (own_stiffness, own_mass) if on_both_sides else (0, 0)
+            b = h * (f.ravel() + (h + of_all + more[0]) * K @ flat - (of_all + more[1]) * mass * flat)
+            dv = np.zeros(9)
+            dv[free] = np.linalg.solve(A[np.ix_(free, free)], b[free])
+            v = v + dv.reshape(-1, 3)
+            x = x + h * v
+        return x
+    lengths = [np.linalg.norm(x0[b] - x0[a]) * 0.9 for a, b in pairs]
+    listed = "  ".join(f"{a} {b} 60 0 {length!r}" for (a, b), length in zip(pairs, lengths))
+    for own_stiffness, own_mass, of_all in ((0.1, 0, 0), (0, 2, 0), (0.05, 1, 0.1)):
+        scene = root(f'<EulerImplicitSolver rayleighStiffness="{of_all}" rayleighMass="{of_all}"/><SparseLDLSolver/><MechanicalObject '
+                     f'name="dofs" position="{numbers_of(x0)}" velocity="{numbers_of(v0)}"/><UniformMass vertexMass="{mass}" '
+                     f'rayleighMass="{own_mass}"/><SpringForceField spring="{listed}" rayleighStiffness="{own_stiffness}"/>'
+                     '<FixedConstraint indices="0"/>')
+        agree(Run(scene, 10).x(), moved(own_stiffness, own_mass, of_all), 1e-9)
+        agree(Run(scene, 10, args=["--without-quirk", "explicit-damping"]).x(), moved(own_stiffness, own_mass, of_all, True), 1e-9)
+
+
+@case
 def quirk_whole_first_step():
     """v += h a from the first step on: of a fall as symplectic Euler; from the half step on the parabola exactly."""
     scene = root("<CentralDifferenceSolver/>" + BODY)

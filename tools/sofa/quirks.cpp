@@ -13,7 +13,7 @@ const std::vector<Quirk>& allQuirks() {
       {"cg-threshold", "conjugate gradients stop at an absolute p.Ap, in the units of the scene"},
       {"spring-length", "the constants of springs of a mesh are divided by their length"},
       {"meeting-ends", "springs do nothing where their ends meet, and have no stiffness there"},
-      {"explicit-damping", "damping of springs and obstacles is explicit, and its tension stiffens the tangent"},
+      {"explicit-damping", "damping of springs and obstacles is explicit; its tension, and Rayleigh factors of parts, are in the tangent"},
       {"edge-mass", "the mass matrix of a mesh has entries at vertices and edges only, and lumped cells give each node the same share"},
       {"pair-mass", "hexahedra that are a mass too couple all pairs of their corners alike, with 19 times their mass"},
       {"edge-polar", "rotations of tetrahedra and hexahedra are polar factors of edges instead of deformation gradients"},

@@ -57,6 +57,7 @@ class Rewriting {
 
   // ---- rewritten_bodies.cpp: what SOFA leaves to each body ----
   void joinBodies();
+  void findOwnDamping();
 
   // ---- rewritten_planes.cpp: bodies in a plane ----
   void liftPlanes();
@@ -205,6 +206,7 @@ class Rewriting {
   bool is_foreign_ = false;
   Quirks quirks_;
   std::map<const Element*, ComponentDescription> plasticity_;  ///< by the field whose stress it lowers
+  std::map<const Element*, std::pair<std::string, std::string>> own_damping_;  ///< integrators of what damps itself, their own factors
   std::map<const Element*, std::string> layers_;               ///< by the load whose triangles lie in a box
   std::vector<Element*> parts_;                                ///< regions whose cells count their own nodes
   std::unique_ptr<SceneTree> tree_;

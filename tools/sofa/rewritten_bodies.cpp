@@ -362,6 +362,9 @@ bool putsNodes(const Element& element) {
                                          "ParabolicProjectiveConstraint", "HermiteSplineProjectiveConstraint"});
 }
 
-void Rewriting::joinBodies() { Bodies(*tree_, diagnostics_, quirks_.isOn("isolated-springs")).join(); }
+void Rewriting::joinBodies() {
+  findOwnDamping();  // before that of integrators becomes that of what they move
+  Bodies(*tree_, diagnostics_, quirks_.isOn("isolated-springs")).join();
+}
 
 }  // namespace stroma::sofa

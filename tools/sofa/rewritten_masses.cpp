@@ -29,6 +29,9 @@ void Rewriting::meanMass(Element& element) {
       setDefault(element, "geometryState", SceneTree::linkTo(*points));
       break;
     }
+  if (saysYes(element.text("separateGravity")))
+    warn(element.written->where, element, "separateGravity",
+         "is not followed: SOFA adds gravity to velocities after positions have moved, and this is a force in the step");
   setDefault(element, "cells", "first");
   const bool couples =
       (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");

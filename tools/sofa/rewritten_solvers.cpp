@@ -41,6 +41,24 @@ void Rewriting::meanVariational(Element& element) {
   }
 }
 
+/// A force field or mass at or below this place that the scene damps by itself.
+static bool dampsItself(const Place& place) {
+  const auto damps = [](const auto& element) {
+    const char* name = element->role() == "mass" ? "rayleighMass" : element->role() == "force field" ? "rayleighStiffness" : "";
+    return !element->dropped && *name && std::atof(element->text(name).c_str()) != 0;
+  };
+  const auto has_one = [](const auto& child) { return !child->dropped && dampsItself(*child); };
+  return std::any_of(place.elements.begin(), place.elements.end(), damps) ||
+         std::any_of(place.children.begin(), place.children.end(), has_one);
+}
+
+void Rewriting::findOwnDamping() {
+  tree_->forEach([this](Element& element) {
+    if (element.is("EulerImplicitSolver") && dampsItself(*element.place))
+      own_damping_[&element] = {element.text("rayleighStiffness"), element.text("rayleighMass")};
+  });
+}
+
 void Rewriting::meanSolver(Element& element) {
   const std::string& type = element.written->type;
   if (type == "CGLinearSolver" || type == "PCGLinearSolver" || type == "MinResLinearSolver") {
@@ -58,6 +76,9 @@ void Rewriting::meanSolver(Element& element) {
     if (type == implicit) setDefault(element, "newtonIterations", "1");
   if (type == "EulerImplicitSolver" && saysYes(element.text("trapezoidalScheme")))
     setQuirk(element, "trapezoidal-positions", "moveByNewVelocity", "true");
+  const auto own = own_damping_.find(&element);
+  if (own != own_damping_.end() && own->second == std::pair(element.text("rayleighStiffness"), element.text("rayleighMass")))
+    setQuirk(element, "explicit-damping", "ownInMatrix", "true");
   if (type == "BDFOdeSolver") meanMultiStep(element);
   if (type == "CentralDifferenceSolver") setQuirk(element, "whole-first-step", "firstStep", "whole");
   if (type == "VariationalSymplecticSolver") meanVariational(element);
