@@ -216,10 +216,12 @@ bool Candidates::takeFound() {
 bool Candidates::needsPattern() {
   constexpr std::size_t most = 2;
   pushing_.clear();
+  pushing_.reserve(std::size_t(std::ranges::count_if(pairs_, &Candidate::pushes)));
   for (const Candidate& pair : pairs_)
     if (pair.pushes) pushing_.push_back({pair.kind, pair.first, pair.second});
   const std::size_t enough = most * pushing_.size();
   if (pattern_.size() <= enough && std::includes(pattern_.begin(), pattern_.end(), pushing_.begin(), pushing_.end())) return false;
+  if (pattern_.empty()) return std::swap(pattern_, pushing_), true;  // of a first search: millions, which need not be there twice
   both_.clear();
   std::set_union(pushing_.begin(), pushing_.end(), pattern_.begin(), pattern_.end(), std::back_inserter(both_));
   std::swap(pattern_, both_.size() <= enough ? both_ : pushing_);
