@@ -95,7 +95,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   bool hasWay() const override { return waits_; }
   void addPush(Rows f) const override { terms_.addPush(goal_ - law_.moved, f), friction_.terms().addPush(goal_ - law_.moved, f); }
   void goAlong(double s) override;
-  void wantStartForces(bool wanted, double) override { holds_nothing_ = wanted; }
+  void wantStartForces(bool wanted, double of_end) override { holds_nothing_ = wanted, of_end_ = of_end; }
   void setTime(double t) override { law_.moved = is_explicit_ && is_in_step_ ? placeAt(t) : law_.moved; }
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
@@ -112,7 +112,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   /// Of obstacles in explicit steps; a hand leads them by an eighth of the mean edge per step, and not faster than barriers stop.
   Vec3 ledTo() const { return obstacles_.ledFrom(arrived_, std::min(0.125 * mean_edge_, fastest_ * (to_ - from_))); }
   Vec3 placeAt(double t) const { return obstacles_.pathAt(t) + arrived_ + (t - from_) / (to_ - from_) * (ledTo() - arrived_); }
-  void rub(ConstRows v, Rows f);
+  void startStep(ConstRows v);
   bool hasArrived() const { return (goal_ - law_.moved).isZero(0); }
   bool isLed() const { return is_behind_ || arrived_ != obstacles_.offset(); }
   bool obstaclesGoOn() const { return !hasArrived() && obstacle_rounds_ < (isLed() ? 12 : 1000); }
@@ -147,13 +147,12 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   double fastest_ = 0;           ///< a hand leads obstacles in explicit steps [m/s]
   Vec3 arrived_ = Vec3::Zero();  ///< the offset that obstacles have come to last
   bool is_in_step_ = false, is_explicit_ = false;  ///< steps solve nothing: forces are those where parts of them start
-  double from_ = 0, to_ = 0, duration_ = 0;  ///< times of the step; its length, or that of a part of an explicit one [s]
+  double from_ = 0, to_ = 0, duration_ = 0, of_end_ = 1;  ///< times of the step; its length, or that of an explicit part [s]
   bool is_carried_ = false;  ///< what is moved has gone on since the last force
-  bool left_start_ = false, holds_nothing_ = false, has_solved_ = false;  ///< bodies were elsewhere; wantStartForces(); solved_shares_
+  bool left_start_ = false, holds_nothing_ = false, has_solved_ = false, waits_ = false;  ///< bodies were elsewhere; see hasWay()
   int obstacle_rounds_ = 0;
   bool gets_on_ = false;  ///< obstacles have gone far beside contactDistance; little says that a contact has not opened again
   bool is_behind_ = false;  ///< obstacles begin the step elsewhere than where path and hand had them then
-  bool waits_ = false;  ///< see hasWay()
   LineShares shares_;
   ShareRounds share_rounds_;
   BarrierLaw::Shares solved_shares_;  ///< of the solve that has ended, where there is one in the step; its slides
@@ -174,7 +173,7 @@ void BarrierContact::compile() {
   compileSurfaces();
   finishAdhesion(law_.adhesion, friction_, law_.range);
   friction_.farthest = std::max(law_.range, 0.25 * mean_edge_);
-  law_.compile(), fastest_ = fastestLead(law_, bodies_);
+  law_.compile(), fastest_ = fastestLead(law_, bodies_), friction_.balance = &step_energy_;
   startObstacles();
   way_.resize(law_.surfaces.rows.size());
   forces_.resize(way_.size()), forces_before_.resize(way_.size());
@@ -201,7 +200,7 @@ double BarrierContact::energy(ConstRows x) const {
   gather(x, law_.moved);
   if (!is_in_step_ && !law_.candidates.covers(x_)) return lawAt(x_).energy(x_);
   lookAgain(x_);
-  return step_energy_.isBackward() ? step_energy_.replaced(law_, x_) : law_.energy(x_);
+  return step_energy_.hasStart() ? step_energy_.energy(law_, x_) : law_.energy(x_);
 }
 
 std::string BarrierContact::worstElement(ConstRows x) const {
@@ -216,20 +215,20 @@ void BarrierContact::addForce(ConstRows x, ConstRows v, Rows f) {
   const bool begins = std::exchange(is_carried_, false), are_free = !is_explicit_ && !friction_.acts();  // shares
   if (const auto* place = are_free ? shares_.placeFor(x_) : is_explicit_ || begins ? &x_ : nullptr) law_.weigh(*place);
   terms_.clear();
-  for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, is_explicit_ ? Tangent::normal : tangent_));
-  if (step_energy_.isBackward()) step_energy_.replace(terms_, law_, x_, f);
-  terms_.addForce(f);
-  if (is_in_step_ && !is_explicit_ && holds_nothing_) step_energy_.startsAt(law_, x_);
-  if (friction_.acts() && start_.size() == x_.size()) rub(v, f);
+  const std::vector<Touch>& touches = law_.touches(x_);
+  for (const Touch& touch : touches) terms_.push_back(law_.termOf(touch, x_, is_explicit_ ? Tangent::normal : tangent_));
+  if (is_in_step_ && !is_explicit_ && holds_nothing_ && !left_start_) return startStep(v);
+  step_energy_.complete(terms_, law_, touches, f), terms_.addForce(f);
+  if (!friction_.acts() || start_.size() != x_.size()) return;
+  if (!is_explicit_ && !holds_nothing_ && friction_rounds_.mayHold()) friction_.hold(x_, start_, law_.moved - moved_at_start_);
+  slideTo(x_), friction_.terms().addForce(f);
 }
 
-void BarrierContact::rub(ConstRows v, Rows f) {
-  if (!is_explicit_ && !holds_nothing_ && friction_rounds_.mayHold()) friction_.hold(x_, start_, law_.moved - moved_at_start_);
-  if (!is_explicit_ && holds_nothing_ && !left_start_)  // where a step starts
-    friction_.computeAtSpeed(law_.surfaces, v, duration_, start_, goal_ - moved_at_start_, way_);
-  else
-    slideTo(x_);
-  friction_.terms().addForce(f);
+/// Forces of the start are in those of the solves, which find how much of them counts.
+void BarrierContact::startStep(ConstRows v) {
+  step_energy_.stepBegins(), friction_.note(law_, law_.touches(x_));
+  if (friction_.acts()) friction_.computeAtSpeed(law_.surfaces, v, duration_, start_, goal_ - moved_at_start_, way_);
+  step_energy_.startsAt(law_, x_, of_end_, friction_), friction_.note(law_, law_.touches(x_));
 }
 
 // ---- steps ----
@@ -252,7 +251,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   lookAgain(x_);  // whether or not somebody has asked between steps
   law_.candidates.stepBegins();
   const bool again = is_in_step_ && !has_solved_;
-  is_in_step_ = true, has_solved_ = false;
+  is_in_step_ = true, has_solved_ = false, step_energy_.stepBegins();
   law_.small_range = is_explicit_ ? 0.5 : 0.1, law_.small_share = is_explicit_ ? 1 : 0.1;
   if (is_explicit_) beginPart(t, t_end), gather(x, law_.moved);
   duration_ = t_end - t;
@@ -268,7 +267,6 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   moved_at_start_ = moved_first_ = law_.moved;
   is_behind_ = (law_.moved - obstacles_.displacement(t)).norm() > 1e-9 * law_.range;
   outputs_.friction_change = 0;
-  step_energy_.stepBegins();
   goal_ = obstacles_.displacement(t_end);
   friction_.ease(ease * law_.range, again);
   beginRounds();
@@ -327,8 +325,10 @@ bool BarrierContact::movesOn(ConstRows x) {
   const bool again = (held || rubs) && friction_rounds_.takeAnother();
   const bool sharpens = !again && !others && friction_.isEased();
   if (sharpens) friction_rounds_.sharpen(friction_, law_, x_, start_, law_.moved - moved_at_start_);
-  has_solved_ = !again && !others && !sharpens && !step_energy_.goesBackward();
+  const bool settles = !again && !others && !sharpens;
+  has_solved_ = settles && !step_energy_.goesOn();
   if (has_solved_) return friction_.settle(), false;
+  if (settles) friction_.noteAgain(law_, law_.touches(x_), x_, start_, law_.moved - moved_at_start_);
   shares_.solveBegins(true);
   return true;
 }

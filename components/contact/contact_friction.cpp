@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "components/contact/step_energy.h"
 #include "framework/scene/archive.h"
 
 namespace stroma::contact {
@@ -39,8 +40,9 @@ double Friction::stickingAt(double way) const {
   return (1 - t) * (1 - t) * (1 + 2 * t);
 }
 
-void Friction::add(const BarrierLaw& law, const Touch& touch, double sticking) {
-  const double force = (mu + (mu_static - mu) * sticking) * law.pushOf(touch) + mu_adhesion * sticking * law.pullOf(touch);
+void Friction::add(const BarrierLaw& law, const Touch& touch, double sticking, double part) {
+  const double whole = (mu + (mu_static - mu) * sticking) * law.pushOf(touch) + mu_adhesion * sticking * law.pullOf(touch);
+  const double force = part * whole;
   if (force != 0) slides.push_back({.v = touch.v, .c = touch.c, .n = touch.n, .force = force, .on_plane = touch.v[1] < 0});
 }
 
@@ -48,10 +50,20 @@ void Friction::note(const BarrierLaw& law, const std::vector<Touch>& touches) {
   slides.clear();
   looks_ = true, is_computed_ = is_on_line_ = false;
   if (!acts()) return;
-  for (const Touch& touch : touches) {
+  const auto addOf = [&](const Touch& touch, double part) {
     const std::size_t vertex = std::size_t(touch.v[0]);
-    add(law, touch, stickingAt(vertex < slid_.size() ? slid_[vertex].norm() : 0));
-  }
+    add(law, touch, stickingAt(vertex < slid_.size() ? slid_[vertex].norm() : 0), part);
+  };
+  addAll(law, touches, addOf);
+}
+
+/// Those of the end of a step and, where its impulse is no mean, those of its start: they rub by the way of the step as well, which takes
+/// energy, however large they are beside the mean.
+void Friction::addAll(const BarrierLaw& law, const std::vector<Touch>& touches, const std::function<void(const Touch&, double)>& addOf) {
+  for (const Touch& touch : touches) addOf(touch, balance ? balance->factorOf(law, touch.v) : 1);
+  if (!balance) return;
+  for (const Touch& touch : balance->startTouches())
+    if (const double part = balance->rubbingPartOf(law, touch.v); part > 0) addOf(touch, part);
 }
 
 void Friction::noteAgain(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,
@@ -59,11 +71,11 @@ void Friction::noteAgain(const BarrierLaw& law, const std::vector<Touch>& touche
   slides.clear();
   looks_ = true, is_computed_ = is_on_line_ = false;
   if (!acts()) return;
-  for (const Touch& touch : touches) {
+  addAll(law, touches, [&](const Touch& touch, double part) {
     const Vec3 u = wayOf({.v = touch.v, .c = touch.c, .n = touch.n, .on_plane = touch.v[1] < 0}, x, start, moved);
     const bool turned = u.dot(slid_[std::size_t(touch.v[0])]) < 0;
-    add(law, touch, turned ? 1 : stickingAt(u.norm()));
-  }
+    add(law, touch, turned ? 1 : stickingAt(u.norm()), part);
+  });
 }
 
 double Friction::renew(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved, bool was_held,

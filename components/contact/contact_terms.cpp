@@ -167,7 +167,7 @@ void BarrierLaw::addPlaneTouches(const std::vector<Vec3>& x) const {
       if (!(gap < far())) continue;
       double& share = plane_share_[p * x.size() + v];
       if (std::isnan(share)) share = shareOf(int(v), planes[p].normal, x);
-      const Touch touch{{int(v), -1, -1, -1}, {1, 0, 0, 0}, planes[p].normal, gap, share, range, true};
+      const Touch touch{{int(v), -1 - int(p), -1, -1}, {1, 0, 0, 0}, planes[p].normal, gap, share, range, true};
       if (share > 0) touches_.push_back(touch);
       if (gap < small_range * range && !is_penalty) {
         touches_.push_back(touch);

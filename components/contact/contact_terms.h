@@ -30,7 +30,7 @@ namespace stroma::contact {
 
 /// One closest pair of points that counts.
 struct Touch {
-  std::array<int, 4> v;     ///< vertices; of a plane the first one
+  std::array<int, 4> v;     ///< vertices; of a plane the first one, then -1 less its number
   std::array<double, 4> c;  ///< the difference of the closest points is sum c_i x_i
   Vec3 n;                   ///< unit, its direction
   double gap = 0;           ///< [m]

@@ -2,6 +2,7 @@
 #include "components/contact/step_energy.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace stroma::contact {
@@ -13,15 +14,11 @@ std::array<double, 6> settingsOf(const BarrierLaw& law) {
 
 }  // namespace
 
-StepEnergy::Pair StepEnergy::pairOf(const BarrierLaw& law, const Touch& touch) {
-  const int piece = law.surfaces.pieceOf(touch.v[0]);
-  if (touch.v[1] < 0) {
-    int plane = 0;
-    while (plane + 1 < int(law.planes.size()) && law.planes[std::size_t(plane)].normal != touch.n) ++plane;
-    return {-1 - plane, piece};
-  }
+StepEnergy::Pair StepEnergy::pairOf(const BarrierLaw& law, const std::array<int, 4>& v) {
+  const int piece = law.surfaces.pieceOf(v[0]);
+  if (v[1] < 0) return {v[1], piece};  // of a plane
   int other = piece;
-  for (const int vertex : touch.v)
+  for (const int vertex : v)
     if (vertex >= 0 && law.surfaces.pieceOf(vertex) != piece) other = law.surfaces.pieceOf(vertex);
   return {std::min(piece, other), std::max(piece, other)};
 }
@@ -31,14 +28,29 @@ StepEnergy::Account& StepEnergy::accountOf(const Pair& pair) {
   return at != accounts_.end() && at->pair == pair ? *at : *accounts_.insert(at, Account{.pair = pair});
 }
 
-bool StepEnergy::isBackward(const Pair& pair) const {
+double StepEnergy::shareOf(const Pair& pair) const {
   const auto at = std::ranges::lower_bound(accounts_, pair, {}, &Account::pair);
-  return at != accounts_.end() && at->pair == pair && at->is_backward;
+  return at != accounts_.end() && at->pair == pair ? at->share : 0.5;
+}
+
+double StepEnergy::factorOf(const BarrierLaw& law, const std::array<int, 4>& v) const {
+  return has_start_ ? shareOf(pairOf(law, v)) / of_end_ : 1;
+}
+
+double StepEnergy::rubbingPartOf(const BarrierLaw& law, const std::array<int, 4>& v) const {
+  const double share = has_start_ ? shareOf(pairOf(law, v)) : 0.5;
+  return share == 0.5 ? 0 : (1 - share) / of_end_;
+}
+
+double StepEnergy::partOf(const BarrierLaw& law, const Pull& pull, bool rubs) const {
+  const double share = shareOf(pairOf(law, pull.v));
+  return rubs && share != 0.5 ? 0 : (1 - share) / of_end_;
 }
 
 void StepEnergy::stepBegins() {
   has_start_ = false, rounds_ = 0;
-  for (Account& account : accounts_) account.is_backward = false;
+  start_.clear(), rubs_.clear(), touches_.clear();
+  for (Account& account : accounts_) account.begin();
 }
 
 /// Nobody has moved bodies or obstacles since the last step, or changed what acts between them.
@@ -48,72 +60,105 @@ bool StepEnergy::isAsLeft(const BarrierLaw& law, const std::vector<Vec3>& x) con
 
 /// Shares change between steps, and U with them: that counts too, because U before is that of the end of the step before. What others
 /// have changed does not.
-void StepEnergy::startsAt(const BarrierLaw& law, const std::vector<Vec3>& x) {
-  start_ = law.touches(x);
-  has_start_ = true;
-  if (isAsLeft(law, x)) return;
-  for (Account& account : accounts_) account.before = 0;
-  for (const Touch& touch : start_) accountOf(pairOf(law, touch)).before += law.slopesOf(touch).value;
+void StepEnergy::startsAt(const BarrierLaw& law, const std::vector<Vec3>& x, double of_end, const Friction& friction) {
+  stepBegins();
+  has_start_ = true, of_end_ = of_end;
+  const bool is_new = !isAsLeft(law, x);
+  for (Account& account : accounts_) account.before = is_new ? 0 : account.before;
+  touches_ = law.touches(x);
+  for (const Touch& touch : touches_) {
+    start_.push_back({touch.v, touch.c, law.forceOf(touch)});
+    if (is_new) accountOf(pairOf(law, touch.v)).before += law.slopesOf(touch).value;
+  }
+  for (std::size_t k = 0; k < friction.slides.size(); ++k)
+    rubs_.push_back({friction.slides[k].v, friction.slides[k].c, friction.terms()[k].force});
 }
 
 void StepEnergy::look(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way) {
   if (!has_start_) return;
-  for (Account& account : accounts_) account.given = account.after = 0, account.touches = false;
+  for (Account& account : accounts_) account.by_start = account.by_end = account.after = 0, account.touches = false;
   // forces of pairs sum up to zero; those of planes do not, and have moved along
-  const auto workOf = [&](const Touch& touch) {
+  const auto workOf = [&](const auto& touch, const Vec3& force) {
     Vec3 along = Vec3::Zero();
     for (std::size_t i = 0; i < 4; ++i)
       if (const auto v = std::size_t(touch.v[i]); touch.v[i] >= 0) along += touch.c[i] * (x[v] - start[v] - way);
-    return law.forceOf(touch).dot(along);
+    return force.dot(along);
   };
-  for (const Touch& touch : start_)
-    if (Account& account = accountOf(pairOf(law, touch)); !account.is_backward) account.given += 0.5 * workOf(touch);
+  for (const Pull& pull : start_) accountOf(pairOf(law, pull.v)).by_start += workOf(pull, pull.force);
   for (const Touch& touch : law.touches(x)) {
-    Account& account = accountOf(pairOf(law, touch));
-    account.given += (account.is_backward ? 1 : 0.5) * workOf(touch);
+    Account& account = accountOf(pairOf(law, touch.v));
+    account.by_end += workOf(touch, law.forceOf(touch));
     account.after += law.slopesOf(touch).value;
     account.touches = true;
   }
 }
 
-/// One after another may turn out to be too much; after some rounds all go, which gives no more either.
-bool StepEnergy::goesBackward() {
+/// What it has given too much, 0 where that is next to nothing.
+double StepEnergy::Account::excess() const {
   constexpr double usual = 1e-3;
-  constexpr int most_rounds = 4;
-  if (!has_start_) return false;
-  bool goes = false;
-  for (Account& account : accounts_) {
-    const double gains = account.gains();
-    if (account.is_backward || !(gains > 0) || !(account.gained + gains > usual * std::max(account.most, account.after))) continue;
-    account.is_backward = goes = true;
-  }
-  if (!goes) return false;
-  if (++rounds_ >= most_rounds)
-    for (Account& account : accounts_) account.is_backward = true;
+  const double sum = gained + gains();
+  return std::abs(sum) > usual * std::max({most, before, after}) ? sum : 0;
+}
+
+/// With the forces of the solve that has ended some s would be right. The next one is that at which s would be what it seems, by a
+/// line through the last two, or sometimes the middle of what is left. They lie decades from 0 and from 1: log s/(1 - s) goes straight.
+/// True: there is another s.
+bool StepEnergy::Account::search(int round) {
+  constexpr double least = 1e-4, settled = 1e-3, farthest = 8;
+  const auto placeOf = [](double s) { return std::log(s / (1 - s)); };
+  const double sum = excess(), right = (before - after - gained - by_start) / (by_end - by_start);
+  if (sum == 0 || !std::isfinite(right) || (sum < 0 && !(right > 0))) return false;
+  const double place = placeOf(share), way = placeOf(std::clamp(right, least, 1 - least)) - place;
+  if (std::abs(way) < settled) return false;
+  (sum > 0 ? low : high) = place;
+  double next = place + way;
+  if (is_searched && way != last_way) next = place - way * (place - last) / (way - last_way);
+  const auto isBetween = [&] { return next > low && next < high; };
+  if (!isBetween()) next = place + way;
+  if (!isBetween() || (round % 6 == 0 && std::isfinite(high - low))) next = 0.5 * (std::max(low, -farthest) + std::min(high, farthest));
+  last = place, last_way = way, is_searched = true;
+  share = 1 / (1 + std::exp(-next));
   return true;
 }
 
-void StepEnergy::replace(Terms& terms, const BarrierLaw& law, const std::vector<Vec3>& x, Rows f) const {
-  const std::vector<Touch>& touches = law.touches(x);
-  for (std::size_t i = 0; i < touches.size(); ++i)
-    if (Term& term = terms[i]; isBackward(pairOf(law, touches[i]))) term.force *= 2, term.m *= 2, term.slope *= 2;
-  for (const Touch& touch : start_) {
-    if (!isBackward(pairOf(law, touch))) continue;
-    const Vec3 force = law.forceOf(touch);
-    for (std::size_t i = 0; i < 4; ++i)
-      if (touch.v[i] >= 0 && law.surfaces.moves(touch.v[i])) f[law.surfaces.rows[std::size_t(touch.v[i])]] -= touch.c[i] * force;
+/// After some rounds what still gives too much goes by an s that has given too little, or by the forces of the end alone, which for a
+/// convex U never give too much.
+bool StepEnergy::goesOn() {
+  constexpr int most_rounds = 16;
+  if (!has_start_ || ++rounds_ > most_rounds) return false;
+  bool goes = false;
+  for (Account& account : accounts_) {
+    if (rounds_ < most_rounds)
+      goes = account.search(rounds_) || goes;
+    else if (account.excess() > 0)
+      account.share = 1 / (1 + std::exp(-account.high)), goes = true;
   }
+  return goes;
 }
 
-double StepEnergy::replaced(const BarrierLaw& law, const std::vector<Vec3>& x) const {
-  double sum = 0;
-  for (const Touch& touch : law.touches(x)) sum += (isBackward(pairOf(law, touch)) ? 2 : 1) * law.slopesOf(touch).value;
-  for (const Touch& touch : start_) {
-    if (!isBackward(pairOf(law, touch))) continue;
-    const Vec3 force = law.forceOf(touch);
-    for (std::size_t i = 0; i < 4; ++i)
-      if (touch.v[i] >= 0 && law.surfaces.moves(touch.v[i])) sum += touch.c[i] * force.dot(x[std::size_t(touch.v[i])]);
+void StepEnergy::complete(Terms& terms, const BarrierLaw& law, const std::vector<Touch>& touches, Rows f) const {
+  if (!has_start_) return;
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    const double factor = factorOf(law, touches[i].v);
+    terms[i].force *= factor, terms[i].m *= factor, terms[i].slope *= factor;
   }
+  for (const auto* pulls : {&start_, &rubs_})
+    for (const Pull& pull : *pulls) {
+      const Vec3 force = partOf(law, pull, pulls == &rubs_) * pull.force;
+      for (std::size_t i = 0; i < 4; ++i)
+        if (const int v = pull.v[i]; v >= 0 && law.surfaces.moves(v)) f[law.surfaces.rows[std::size_t(v)]] += pull.c[i] * force;
+    }
+}
+
+double StepEnergy::energy(const BarrierLaw& law, const std::vector<Vec3>& x) const {
+  double sum = 0;
+  for (const Touch& touch : law.touches(x)) sum += factorOf(law, touch.v) * law.slopesOf(touch).value;
+  for (const auto* pulls : {&start_, &rubs_})
+    for (const Pull& pull : *pulls) {
+      const Vec3 force = partOf(law, pull, pulls == &rubs_) * pull.force;
+      for (std::size_t i = 0; i < 4; ++i)
+        if (pull.v[i] >= 0) sum -= pull.c[i] * force.dot(x[std::size_t(pull.v[i])]);
+    }
   return sum;
 }
 
@@ -121,13 +166,13 @@ void StepEnergy::stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, co
   look(law, x, start, way);
   if (std::exchange(has_start_, false)) {
     for (Account& account : accounts_) {
-      account.gained += account.gains(), account.before = account.after, account.most = std::max(account.most, account.after);
-      account.is_backward = false;
+      account.most = std::max({account.most, account.before, account.after});
+      account.gained += account.gains(), account.before = account.after;
+      account.begin();
     }
     std::erase_if(accounts_, [](const Account& account) { return !account.touches; });
     end_ = x, moved_ = law.moved, law_ = settingsOf(law);
   }
-  rounds_ = 0;
 }
 
 void StepEnergy::serialize(Archive& archive) {

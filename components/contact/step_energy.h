@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a contact gives and takes in steps by the mean of its forces at both ends, f0 and f1, as the trapezoidal rule and Newmark's have it.
-// With U the energy of the contact and dx the way of a step, it gives (f0 + f1).dx / 2 for U0 - U1. Where bodies touch and part within a
-// step or two the first may be more: energy comes from nowhere, and again in the next steps. A step in which what was given in all exceeds
-// what there was is then solved again with f1 alone, which for a convex U never gives more: f1.dx <= U0 - U1. Everything else
-// keeps the rule of the integrator.
+// The impulse of a contact in a step by a rule that goes by the forces at both ends, as the trapezoidal rule and Newmark's do. With
+// f0 and f1 the forces where the step starts and ends, dx its way and U the energy of the contact, two bodies push each other by
 //
-// Each pair of bodies has its own account, and so has each body with each plane. It begins where they come to touch and ends where they
-// have parted: what one bounce has lost is not there for the next one, or for others. Within a bounce it is: to come in by the mean of the
-// forces loses what to go out by it gives.
+//   f = (1 - s) f0 + s f1   with   f.dx = U0 - U1
 //
-// Source: Kane, Repetto, Ortiz and Marsden 1999 (contact forces of the end of a step in Newmark's method); the account of the energy
-// that decides where is our own.
+// so that what moves on in a step by h (v0 + v1)/2 keeps its energy, however stiff the contact and long the step. For a gap d that is the
+// discrete gradient -(U(d1) - U(d0))/(d1 - d0). For a convex U there is such an s from 0 to 1, as f0.dx >= U0 - U1 >= f1.dx. Where the
+// motion is resolved it is 1/2, the mean of the rule; where bodies touch and part within a step or two the mean would give and take
+// any energy. A step is solved with the mean first, and again with other s only where that is off by a thousandth of the largest U. A solve
+// has its s, so that its forces keep their potential, and f1 without bound as a gap closes. Friction has the same s, and where it is not
+// 1/2 rubs by the way of the step, which takes energy.
+//
+// Each pair of bodies has its own s, and so has each body with each plane. What a step has given too much or too little the next one has
+// to settle, from where the two come to touch until they have parted: U may change without work too, as shares of surfaces do.
+//
+// Source: Gonzalez 1996, Simo and Tarnow 1992, Laursen and Chawla 1997 (forces of a step whose work is the change of the energy); the
+// mixture that holds for all contacts of a pair at once is our own.
 #pragma once
-#include "components/contact/contact_terms.h"
+#include <limits>
+
+#include "components/contact/contact_friction.h"
 #include "framework/scene/archive.h"
 
 namespace stroma::contact {
@@ -20,18 +27,23 @@ namespace stroma::contact {
 class StepEnergy {
  public:
   void stepBegins();
-  /// The forces at x, where the step starts, stay in its equations.
-  void startsAt(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// The step starts at x, with the forces of `friction`, and the part `of_end` of its impulse is by the forces that its solves ask for.
+  /// They get all of the contact's.
+  void startsAt(const BarrierLaw& law, const std::vector<Vec3>& x, double of_end, const Friction& friction);
+  bool hasStart() const { return has_start_; }
+  const std::vector<Touch>& startTouches() const { return touches_; }
+  /// How often those count that rub by the way of the step; 0: where s is 1/2 they rub by the speed at the start.
+  double rubbingPartOf(const BarrierLaw& law, const std::array<int, 4>& v) const;
+  /// The forces at the end of the step between what v is of count so often in its solves: s over the part of the impulse.
+  double factorOf(const BarrierLaw& law, const std::array<int, 4>& v) const;
+  /// Terms of f1, one of each touch, become those of the whole step, and f gets what is of f0.
+  void complete(Terms& terms, const BarrierLaw& law, const std::vector<Touch>& touches, Rows f) const;
+  /// The potential at x of these forces.
+  double energy(const BarrierLaw& law, const std::vector<Vec3>& x) const;
   /// What the step has given until its end x, if its equations are those of before; obstacles without vertices have gone on by `way`.
   void look(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way);
-  /// Some have more than there was: the step is to be solved with the forces of its end between them.
-  bool goesBackward();
-  /// It is: forces and energies are asked for that lead to (2 f1 - f0 + f0) / 2.
-  bool isBackward() const { return rounds_ > 0; }
-  /// Terms of f1, of all touches at x, become those of 2 f1 where it is; f -= f0.
-  void replace(Terms& terms, const BarrierLaw& law, const std::vector<Vec3>& x, Rows f) const;
-  /// The potential at x of these forces.
-  double replaced(const BarrierLaw& law, const std::vector<Vec3>& x) const;
+  /// That is not what there was: the step is to be solved with another s for some.
+  bool goesOn();
   /// The step has ended at x, as for look().
   void stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way);
   void forget() { *this = {}; }
@@ -39,24 +51,39 @@ class StepEnergy {
 
  private:
   using Pair = std::array<int, 2>;  ///< two pieces; or -1 - the number of a plane, and a piece
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
   struct Account {
     Pair pair;
-    double before = 0, after = 0;  ///< U where the step starts and ends [J]
-    double given = 0;              ///< in the step that was looked at [J]
-    double gained = 0;             ///< since they touch [J]
-    double most = 0;               ///< the largest U of an end since then [J]
-    bool touches = false, is_backward = false;
-    double gains() const { return given + after - before; }
+    double before = 0, after = 0;        ///< U where the step starts and ends [J]
+    double by_start = 0, by_end = 0;     ///< f0.dx and f1.dx [J]
+    double gained = 0;                   ///< since they touch [J]
+    double most = 0;                     ///< the largest U of an end since then [J]
+    double share = 0.5;                  ///< s
+    double low = -infinite, high = infinite;  ///< log s/(1 - s) of solves that have given too much and too little
+    double last = 0, last_way = 0;       ///< that of the solve before, and how far from there s seemed to be
+    bool touches = false, is_searched = false;
+    double gains() const { return (1 - share) * by_start + share * by_end + after - before; }
+    double excess() const;
+    bool search(int round);
+    void begin() { share = 0.5, low = -infinite, high = infinite, is_searched = false; }
   };
-  static Pair pairOf(const BarrierLaw& law, const Touch& touch);
+  struct Pull {
+    std::array<int, 4> v;
+    std::array<double, 4> c;
+    Vec3 force;
+  };
+  static Pair pairOf(const BarrierLaw& law, const std::array<int, 4>& v);
   Account& accountOf(const Pair& pair);
-  bool isBackward(const Pair& pair) const;
+  double shareOf(const Pair& pair) const;
+  double partOf(const BarrierLaw& law, const Pull& pull, bool rubs) const;
   bool isAsLeft(const BarrierLaw& law, const std::vector<Vec3>& x) const;
 
   bool has_start_ = false;
-  int rounds_ = 0;                  ///< in which accounts of the step have gone backward
+  double of_end_ = 1;
+  int rounds_ = 0;                  ///< solves of the step that were looked at
   std::vector<Account> accounts_;   ///< by pairs
-  std::vector<Touch> start_;        ///< touches where the step starts
+  std::vector<Pull> start_, rubs_;  ///< forces of contact and friction where the step starts
+  std::vector<Touch> touches_;      ///< there
   std::vector<Vec3> end_;           ///< all vertices where the last step ended
   Vec3 moved_ = Vec3::Zero();       ///< obstacles there
   std::array<double, 6> law_{};     ///< what U depended on there

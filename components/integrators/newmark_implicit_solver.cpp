@@ -13,8 +13,8 @@
 // The first a0 is M^-1 F(x0, v0); later ones are the a1 of the step before, so that accelerations are continuous. Where
 // positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
 // Beside a contact that bounds how far bodies may go (BarrierContact), each a0 is M^-1 F(x0, v0) anew, one more solve with the
-// mass per step: the contact counts what it gives, and may leave the rule for it. It counts by the weights of the defaults of gamma
-// and beta. With others its account is off.
+// mass per step: the contact has no part in a0, and in each step the force h f whose work is the change of its energy. In place
+// of a1 its part of the step is f/gamma.
 // vdamping multiplies v by exp(-h vdamping) after the step, and velocityThreshold stops slow nodes. Where gamma = 1/2
 // and a force field's K changes or is not the exact derivative of its force, a step makes two linear solves: see
 // TrapezoidalRuleSolver.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Bounces by rules that damp nothing: none gives a body more than it came with, whatever others or earlier bounces have lost.
+// Bounces by rules that damp nothing keep the energy that a body came with, however long the steps are for the contact.
 #include "tests/contact/contact_scenes.h"
 
 namespace stroma::test {
@@ -53,28 +53,42 @@ std::vector<Flight> flights(const std::string& rule, double dt, const std::vecto
   return all;
 }
 
-void expectNoneGains(const Flight& flight) {
+void expectAllKeep(const Flight& flight, double least = 0.99) {
   const std::vector<double>& energies = flight.energies;
   ASSERT_GE(energies.size(), 2u) << "it bounces";
-  for (std::size_t i = 1; i < energies.size(); ++i) EXPECT_LE(energies[i], 1.001 * energies[i - 1] + 1e-6) << "bounce " << i;
+  for (std::size_t i = 1; i < energies.size(); ++i) {
+    EXPECT_LE(energies[i], 1.001 * energies[i - 1] + 1e-6) << "bounce " << i;
+    EXPECT_GE(energies[i], least * energies[i - 1]) << "bounce " << i;
+  }
 }
 
-TEST(Bounces, NoneGivesMoreThanItTook) {
+TEST(Bounces, KeepTheirEnergy) {
   for (const std::string rule : {"TrapezoidalRuleSolver", "NewmarkImplicitSolver"})
     for (const double dt : {1e-4, 5e-4, 1e-3, 2e-3}) {
       SCOPED_TRACE(fmt::format("{}, {} s", rule, dt));
       const auto all = flights(fmt::format("<{} newtonIterations=\"60\" newtonTolerance=\"1e-9\"/>", rule), dt, {0.2});
       ASSERT_EQ(all.size(), 1u);
-      expectNoneGains(all[0]);
+      expectAllKeep(all[0]);
     }
 }
 
-TEST(Bounces, WhatOneBodyLosesNoOtherGets) {
+/// By its rule m (beta/gamma - 1/2) (v1 - v0)^2 gets lost in a step: 2 to 4 % in a bounce with beta 0.3025 and gamma 0.6.
+TEST(Bounces, LoseWhatNewmarksRuleDamps) {
+  for (const double dt : {5e-4, 1e-3, 2e-3}) {
+    SCOPED_TRACE(fmt::format("{} s", dt));
+    const auto all =
+        flights("<NewmarkImplicitSolver gamma=\"0.6\" beta=\"0.3025\" newtonIterations=\"60\" newtonTolerance=\"1e-9\"/>", dt, {0.2});
+    ASSERT_EQ(all.size(), 1u);
+    expectAllKeep(all[0], 0.93);
+  }
+}
+
+TEST(Bounces, OfTwoBodiesKeepTheEnergyOfEach) {
   for (const double dt : {5e-4, 1e-3}) {
     SCOPED_TRACE(fmt::format("{} s", dt));
     const auto all = flights("<TrapezoidalRuleSolver newtonIterations=\"60\" newtonTolerance=\"1e-9\"/>", dt, {0.2, 0.25});
     ASSERT_EQ(all.size(), 2u);
-    for (const Flight& flight : all) expectNoneGains(flight);
+    for (const Flight& flight : all) expectAllKeep(flight);
   }
 }
 

@@ -148,8 +148,8 @@ TEST(Rolling, ACylinderSwingsInARing) {
 
 /// Steps that are longer than the contact swings: 6 ms. The cylinder bounces over the facets, and has no more energy than at the start, by
 /// rules that damp nothing too. Of their force's mean at both ends of a step alone it had up to 1.8 times as much.
-TEST(Rolling, NoEnergyComesFromNowhereInARing) {
-  constexpr double g = 9.81, orbit = 0.7, drop = 4 * M_PI * g * orbit, most = 2e-3, least = -0.06;
+TEST(Rolling, EnergyStaysInARing) {
+  constexpr double g = 9.81, orbit = 0.7, drop = 4 * M_PI * g * orbit, most = 2e-3;
   for (const std::string name : {"TrapezoidalRuleSolver", "NewmarkImplicitSolver"})
     for (const double dt : {0.002, 0.004}) {
       SCOPED_TRACE(fmt::format("{}, {} s", name, dt));
@@ -165,7 +165,7 @@ TEST(Rolling, NoEnergyComesFromNowhereInARing) {
         high = std::max(high, energy()), fastest = std::max(fastest, Vec3(system.v[0]).norm());
       }
       EXPECT_LT(high - start, most * drop);
-      EXPECT_GT(energy() - start, least * drop);
+      EXPECT_GT(energy() - start, -most * drop);
       EXPECT_NEAR(fastest, std::sqrt(2 * g * orbit), 0.005 * std::sqrt(2 * g * orbit));
     }
 }
