@@ -4,7 +4,11 @@
 namespace stroma {
 
 void BeamInertia::set(const std::vector<ChainBeam>& beams, const std::vector<double>& densities, Index first_row) {
-  rows_.clear(), masses_.clear(), local_.clear(), axes_a_.clear(), axes_b_.clear();
+  rows_.clear();
+  masses_.clear();
+  local_.clear();
+  axes_a_.clear();
+  axes_b_.clear();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Index a = first_row + 2 * beams[i].a, b = first_row + 2 * beams[i].b;
     rows_.push_back({a, a + 1, b, b + 1});

@@ -124,8 +124,14 @@ void write(const Blocks& blocks, std::size_t lane, DenseTangent<4>& tangent) {
   const Mat3 s = blockIn(blocks.shift, lane), h = blockIn(blocks.turn, lane), c = blockIn(blocks.turn_by_shift, lane);
   const Mat3 e = blockIn(blocks.shift_by_first, lane), g = blockIn(blocks.by_first, lane);
   tangent.block(0, 0) = tangent.block(2, 2) = s, tangent.block(0, 2) = tangent.block(2, 0) = -s;
-  tangent.block(3, 2) = c, tangent.block(3, 0) = -c, tangent.block(2, 3) = c.transpose(), tangent.block(0, 3) = -c.transpose();
-  tangent.block(2, 1) = e, tangent.block(0, 1) = -e, tangent.block(1, 2) = e.transpose(), tangent.block(1, 0) = -e.transpose();
+  tangent.block(3, 2) = c;
+  tangent.block(3, 0) = -c;
+  tangent.block(2, 3) = c.transpose();
+  tangent.block(0, 3) = -c.transpose();
+  tangent.block(2, 1) = e;
+  tangent.block(0, 1) = -e;
+  tangent.block(1, 2) = e.transpose();
+  tangent.block(1, 0) = -e.transpose();
   tangent.block(3, 1) = g, tangent.block(1, 3) = g.transpose();
   tangent.block(3, 3) = h, tangent.block(1, 1) = blockIn(blocks.first, lane);
 }

@@ -102,7 +102,12 @@ void ContactReport::sumForces() {
 
 void ContactReport::clear() {
   pair_wrenches_.assign(pair_names_.size(), Vec3::Zero());
-  pairs_.clear(), normals_.clear(), first_points_.clear(), second_points_.clear(), gaps_.clear(), forces_.clear();
+  pairs_.clear();
+  normals_.clear();
+  first_points_.clear();
+  second_points_.clear();
+  gaps_.clear();
+  forces_.clear();
   multipliers_.clear();
   is_restored_ = false;
 }

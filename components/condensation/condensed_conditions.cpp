@@ -49,7 +49,10 @@ void CondensedIntegrator::beginConditions(System& system, const StepContext& con
 std::string CondensedIntegrator::findConditions(const System& system) {
   CondensedConditions& c = conditions_;
   std::swap(c.rows, c.rows_before);
-  c.rows.clear(), c.ends.clear(), c.entries.clear(), c.first_entry.assign(1, 0);
+  c.rows.clear();
+  c.ends.clear();
+  c.entries.clear();
+  c.first_entry.assign(1, 0);
   for (const LagrangianConstraint* constraint : c.constraints) {
     constraint->addConditions(system.x, c.start, c.rows);
     c.ends.push_back(c.rows.rows().size());

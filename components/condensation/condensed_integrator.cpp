@@ -281,8 +281,14 @@ void CondensedIntegrator::reset() {
   behind_ = false;
   touch_error_ = 0;
   range_.reset();
-  touching_.clear(), moved_.clear(), dragged_nodes_.clear(), drag_forces_.clear();
-  pulls_.clear(), touches_.clear(), hands_.clear(), touch_fault_.clear();
+  touching_.clear();
+  moved_.clear();
+  dragged_nodes_.clear();
+  drag_forces_.clear();
+  pulls_.clear();
+  touches_.clear();
+  hands_.clear();
+  touch_fault_.clear();
   conditions_.taken.clear(), conditions_.swinging = 0;
   hands_changed_ = true;
 }

@@ -254,7 +254,10 @@ void CondensedStaticSolver::compareHands() {
 
 /// u_ follows load_ and the hands by the shorter of two lists: what is loaded, or what has changed.
 void CondensedStaticSolver::update() {
-  nodes_.clear(), forces_.clear(), changed_nodes_.clear(), changes_.clear();
+  nodes_.clear();
+  forces_.clear();
+  changed_nodes_.clear();
+  changes_.clear();
   for (std::size_t i = 0; i < load_.size(); ++i) compare(candidates_[i], load_[i], last_[i]);
   last_ = load_;
   compareHands();

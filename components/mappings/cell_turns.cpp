@@ -30,7 +30,10 @@ Mat3 changeOfG(const Mat3& s) { return s.trace() * Mat3::Identity() - s; }
 
 void CellTurns::add(Index row, const std::vector<Index>& nodes, const std::vector<Vec3>& slopes, const Quaternion& start) {
   Turn turn;
-  turn.row = row, turn.nodes = nodes, turn.slopes = slopes, turn.start = start;
+  turn.row = row;
+  turn.nodes = nodes;
+  turn.slopes = slopes;
+  turn.start = start;
   turns_.push_back(std::move(turn));
 }
 

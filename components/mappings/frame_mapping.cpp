@@ -15,7 +15,10 @@ void FrameMapping::start() {
   if (!input().hasFrames())
     throw ComponentError(input().path() + " has no frames that could carry anything", "a state of template Rigid3");
   start_ = {0};
-  carried_.clear(), turns_.clear(), turned_.clear(), pulled_.clear();
+  carried_.clear();
+  turns_.clear();
+  turned_.clear();
+  pulled_.clear();
 }
 
 void FrameMapping::addPoint(const std::vector<Carried>& by) {

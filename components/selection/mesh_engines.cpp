@@ -191,7 +191,10 @@ class ProximityROI final : public Engine {
       throw ComponentError(fmt::format("there are {} radii for {} centers", radii_.size(), centers_.size()),
                            "at most one for each");
     findPositions();
-    indices_.clear(), others_.clear(), points_.clear(), distances_.clear();
+    indices_.clear();
+    others_.clear();
+    points_.clear();
+    distances_.clear();
     using Near = std::pair<double, int>;
     std::vector<Near> near;
     const auto by_distance = [](const Near& a, const Near& b) { return a.first < b.first; };

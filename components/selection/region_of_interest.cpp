@@ -104,10 +104,17 @@ void RegionOfInterest::init() {
 
 /// A selection that is made again starts from nothing.
 void RegionOfInterest::forget() {
-  indices_.clear(), outside_.clear(), points_inside_.clear(), points_outside_.clear(), around_.setEmpty();
+  indices_.clear();
+  outside_.clear();
+  points_inside_.clear();
+  points_outside_.clear();
+  around_.setEmpty();
   forEachCellList(
       [](const CellKind&, auto& selection) {
-        selection.indices.clear(), selection.outside.clear(), selection.inside_cells.clear(), selection.outside_cells.clear();
+        selection.indices.clear();
+        selection.outside.clear();
+        selection.inside_cells.clear();
+        selection.outside_cells.clear();
       },
       cells_);
 }

@@ -210,7 +210,11 @@ class NearestPointROI final : public Engine {
           &b = rest_ ? other_.get()->rest_position : other_.get()->position;
     const std::vector<int> these = nodes(indices_one_, a.size(), "inputIndices1"),
                            those = nodes(indices_other_, b.size(), "inputIndices2");
-    found_one_.clear(), found_other_.clear(), distances_.clear(), edges_.clear(), index_pairs_.clear();
+    found_one_.clear();
+    found_other_.clear();
+    distances_.clear();
+    edges_.clear();
+    index_pairs_.clear();
     std::vector<std::size_t> along(these.size());  // places in `these`, by x
     std::iota(along.begin(), along.end(), std::size_t(0));
     const auto at = [&](std::size_t k) -> const Vec3& { return a[std::size_t(these[k])]; };

@@ -44,7 +44,10 @@ class GenerateSphere final : public Component {
 
   void init() override {
     mesh_ = Mesh();
-    shell_.clear(), triangles_.clear(), nodes_.clear(), on_shell_.clear();
+    shell_.clear();
+    triangles_.clear();
+    nodes_.clear();
+    on_shell_.clear();
     const std::vector<Vec3> corners = cornersOfSolid();
     double edge = (corners[0] - corners[1]).norm();
     for (const Vec3& p : corners)

@@ -295,7 +295,10 @@ class MeshTetraStuffing final : public Component {
     for (Tetrahedron& cell : cells_)
       for (Index& node : cell) node = number[std::size_t(node)];
     points_ = std::move(used);
-    inside_.clear(), cuts_.clear(), split_.clear(), boxes_.clear();
+    inside_.clear();
+    cuts_.clear();
+    split_.clear();
+    boxes_.clear();
   }
 
   std::vector<Vec3> surface_, box_, points_;

@@ -108,7 +108,10 @@ class Mesh2Point final : public TopologicalMapping {
     if (!source) throw ComponentError("there is no topology to take parts of", "input=\"@...\"");
     const Mesh& from = source->mesh();
     mesh_ = Mesh();
-    nodes_.clear(), ends_.clear(), weights_.clear(), offsets_.clear();
+    nodes_.clear();
+    ends_.clear();
+    weights_.clear();
+    offsets_.clear();
     for (Index i = 0; i < from.nodes(); ++i)
       for (const Vec3& offset : of_points_) addPoint(std::array<Index, 1>{i}, {1}, offset);
     const auto addAll = [this](const auto& cells, const std::vector<Vec3>& places, auto&& weights) {

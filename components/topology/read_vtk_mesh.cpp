@@ -98,8 +98,12 @@ template <class Reader>
 vtkSmartPointer<vtkPointSet> readWith(const std::string& file) {
   const auto reader = vtkSmartPointer<Reader>::New();
   reader->SetFileName(file.c_str());
-  if constexpr (requires { reader->ReadAllScalarsOn(); })  // the first of each kind otherwise
-    reader->ReadAllScalarsOn(), reader->ReadAllVectorsOn(), reader->ReadAllTensorsOn(), reader->ReadAllFieldsOn();
+  if constexpr (requires { reader->ReadAllScalarsOn(); }) {  // the first of each kind otherwise
+    reader->ReadAllScalarsOn();
+    reader->ReadAllVectorsOn();
+    reader->ReadAllTensorsOn();
+    reader->ReadAllFieldsOn();
+  }
   reader->Update();
   return vtkPointSet::SafeDownCast(reader->GetOutput());
 }

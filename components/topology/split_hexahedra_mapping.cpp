@@ -53,7 +53,10 @@ class SplitHexahedra final : public TopologicalMapping {
     const Mesh& from = source->mesh();
     if (from.hexahedra.empty()) throw ComponentError(source->path() + " has no hexahedra", "a mesh that has some");
     mesh_ = Mesh();
-    nodes_.clear(), ends_.clear(), weights_.clear(), offsets_.clear();
+    nodes_.clear();
+    ends_.clear();
+    weights_.clear();
+    offsets_.clear();
     for (Index i = 0; i < from.nodes(); ++i) addMean(from, {i});
     std::map<std::vector<Index>, Index> known;  // by the sorted nodes whose mean it is
     for (const Hexahedron& cell : from.hexahedra) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The contract of force fields, for every one in the factory: a component that is added is tested without a word here.
-#include "tests/support/field_under_test.h"
+#include "tests/support/field_derivatives.h"
 #include "tests/support/force_field_examples.h"
 
 namespace stroma::test {
@@ -33,17 +33,9 @@ void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = tr
   ASSERT_GT(dot(f, f), 0) << "the thing tested is zero";
   ASSERT_TRUE(std::isfinite(dot(f, f)));
   f = t.force();
-  const double magnitude = std::sqrt(dot(f, f));
 
   const double step = 1e-6 * t.typicalEdge();
-  if (traits.conservative) {
-    Vector a(t.x.count()), b(t.x.count());
-    copy(t.x, a), copy(t.x, b);
-    axpy(100 * step, t.direction, a), axpy(-100 * step, t.direction, b);
-    const double slope = (t.field().energy(a) - t.field().energy(b)) / (200 * step);
-    const double scale = magnitude * std::sqrt(dot(t.direction, t.direction));
-    EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * scale) << "force is not -grad energy";
-  }
+  if (traits.conservative) expectForceOfEnergy(t, f);
 
   Vector product = t.product(t.direction);
   if (!traits.has_stiffness) {
@@ -69,16 +61,7 @@ void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = tr
   EXPECT_LT(std::sqrt(dot(scaled, scaled) / dot(product, product)), 1e-13) << "factor";
 
   if (traits.symmetric) expectSymmetricProducts(t);
-
-  Vector both(t.x.count());
-  t.field().addForceAndProduct(t.x, t.v_zero, t.direction, 1.5, both);
-  f = t.force();
-  Vector separate(t.x.count());
-  copy(f, separate), axpy(1.5, product, separate);
-  EXPECT_LT(relativeDifference(separate, both), 1e-13) << "force and product in one pass";
-  t.field().addForceAndProduct(t.x, t.v_zero, t.direction, -1e6, both);
-  axpy(1, f, separate), axpy(-1e6, product, separate);
-  EXPECT_LT(relativeDifference(separate, both), 1e-13) << "product in one pass, added";
+  expectForceAndProductInOnePass(t);
 }
 
 /// C is the derivative of the force with respect to velocity, in all its forms.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/field_under_test.h"
+#include "tests/support/field_derivatives.h"
 
 namespace stroma::test {
 

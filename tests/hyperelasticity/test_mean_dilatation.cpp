@@ -36,21 +36,12 @@ TEST(MeanDilatation, EnergyForceProductAndMatrixAgree) {
     t.deform(0.05);
     const Vector f = t.force();
     ASSERT_TRUE(std::isfinite(dot(f, f)));
-    const double step = 1e-6 * t.typicalEdge(), magnitude = std::sqrt(dot(f, f) * dot(t.direction, t.direction));
-    Vector a(t.x.count()), b(t.x.count());
-    copy(t.x, a), copy(t.x, b);
-    axpy(100 * step, t.direction, a), axpy(-100 * step, t.direction, b);
-    EXPECT_NEAR(-(t.field().energy(a) - t.field().energy(b)) / (200 * step), dot(f, t.direction), 1e-6 * magnitude);
-    const Vector product = t.product(t.direction);
-    EXPECT_LT(relativeDifference(product, t.differenceOfForces(step)), 1e-6);
+    expectForceOfEnergy(t, f);
+    EXPECT_LT(relativeDifference(t.product(t.direction), t.differenceOfForces(1e-6 * t.typicalEdge())), 1e-6);
     expectMatrixOfProducts(t);
     expectSymmetricProducts(t);
-    Vector both(t.x.count()), separate(t.x.count());
-    t.field().addForceAndProduct(t.x, t.v_zero, t.direction, 1.5, both);
-    copy(f, separate), axpy(1.5, product, separate);
-    EXPECT_LT(relativeDifference(separate, both), 1e-13);
-    EXPECT_LT(momentumOf(t.x, f).force, 1e-12);
-    EXPECT_LT(momentumOf(t.x, f).torque, 1e-12);
+    expectForceAndProductInOnePass(t);
+    expectNoResultant(t, f);
   }
 }
 

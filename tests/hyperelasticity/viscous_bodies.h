@@ -99,18 +99,9 @@ inline void expectConsistentDerivatives(FieldUnderTest& t, const Vector& f) {
     EXPECT_LT(relativeDifference(t.product(t.direction), t.differenceOfForces(step)), 1e-6);
   }
   expectMatrixOfProducts(t);
-  const Vector product = t.product(t.direction);
-  Vector both(t.x.count()), separate = t.force();
-  t.field().addForceAndProduct(t.x, t.v_zero, t.direction, 1.5, both);
-  axpy(1.5, product, separate);
-  EXPECT_LT(relativeDifference(separate, both), 1e-13);
-  Vector a(t.x.count()), b(t.x.count());
-  copy(t.x, a), copy(t.x, b);
-  axpy(100 * step, t.direction, a), axpy(-100 * step, t.direction, b);
-  const double slope = (t.field().energy(a) - t.field().energy(b)) / (200 * step);
-  EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * std::sqrt(dot(f, f) * dot(t.direction, t.direction)));
-  EXPECT_LT(momentumOf(t.x, f).force, 1e-12);
-  EXPECT_LT(momentumOf(t.x, f).torque, 1e-12);
+  expectForceAndProductInOnePass(t);
+  expectForceOfEnergy(t, f);
+  expectNoResultant(t, f);
 }
 
 }  // namespace stroma::test

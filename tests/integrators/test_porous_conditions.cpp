@@ -68,8 +68,8 @@ TEST(PorousSteps, OneSolveWithAnUndrainedTangentLagsAndIsDoubted) {
         Case{"coupled", "<EulerImplicitSolver newtonIterations=\"1\"/>", 7e4, false},
         Case{"undrained", "<EulerImplicitSolver newtonIterations=\"2000\" newtonTolerance=\"1e-5\"/>", 2200, false}}) {
     SCOPED_TRACE(std::string(each.tangent) + each.integrator);
-    Column column;
-    column.dt = dt, column.limit = each.limit, column.load = 0.01, column.coupling = std::string("implicit\" tangent=\"") + each.tangent;
+    const Column column{
+        .limit = each.limit, .load = 0.01, .coupling = std::string("implicit\" tangent=\"") + each.tangent, .dt = dt};
     std::string text = column.scene();
     const auto put = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
     put("<StaticSolver newton_iterations=\"200\" relative_residual_tolerance_threshold=\"1e-7\"/>", each.integrator);

@@ -38,7 +38,10 @@ Json phaseSeconds(const Simulation& simulation) {
   PhaseTimes sum;
   for (const auto& system : simulation.systems()) {
     const PhaseTimes& times = system->times;
-    sum.force += times.force, sum.product += times.product, sum.assembly += times.assembly, sum.solve += times.solve;
+    sum.force += times.force;
+    sum.product += times.product;
+    sum.assembly += times.assembly;
+    sum.solve += times.solve;
     sum.observers += times.observers, sum.total += times.total;
   }
   // products and assembly happen inside the solve: what is reported as solve is the solver's own work

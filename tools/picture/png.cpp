@@ -105,7 +105,10 @@ Rectangle difference(const Image& last, const Image& next) {
   for (int y = 0; y < next.height; ++y)
     for (int x = 0; x < next.width; ++x) {
       if (std::equal(next.at(x, y), next.at(x, y) + 4, last.at(x, y))) continue;
-      left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+      bottom = std::max(bottom, y);
     }
   if (right < 0) return {0, 0, 1, 1};
   return {left, top, right - left + 1, bottom - top + 1};

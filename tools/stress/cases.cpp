@@ -24,9 +24,7 @@ bool hasAmount(const Case& one) {
 }
 
 Case shapeCase(Shape shape, double amount, const char* group, const std::string& text) {
-  Case one;
-  one.kind = Kind::shape, one.shape = shape, one.amount = amount, one.group = group, one.text = text;
-  return one;
+  return {.kind = Kind::shape, .group = group, .text = text, .shape = shape, .amount = amount};
 }
 
 /// The value of a target in a round, and what that is in words. Empty when it is the present one.
@@ -60,18 +58,16 @@ CaseList::CaseList(const Simulation& simulation, unsigned seed) : seed_(seed), t
   addEntries(simulation, reach);
   for (std::size_t round = 0; round < std::size(rounds); ++round) {
     addAttributes(round);
-    if (round < std::size(thread_counts)) {
-      Case one;
-      one.kind = Kind::threads, one.group = "threads", one.amount = thread_counts[round];
-      one.text = fmt::format("{} threads", thread_counts[round]);
-      add(one);
-    }
-    if (round < std::size(memory_rounds)) {
-      Case one;
-      one.kind = Kind::memory, one.group = "memory", one.amount = memory_rounds[round];
-      one.text = fmt::format("{} MB more than the command alone", memory_rounds[round]);
-      add(one);
-    }
+    if (round < std::size(thread_counts))
+      add({.kind = Kind::threads,
+           .group = "threads",
+           .text = fmt::format("{} threads", thread_counts[round]),
+           .amount = double(thread_counts[round])});
+    if (round < std::size(memory_rounds))
+      add({.kind = Kind::memory,
+           .group = "memory",
+           .text = fmt::format("{} MB more than the command alone", memory_rounds[round]),
+           .amount = memory_rounds[round]});
   }
 }
 
@@ -88,11 +84,11 @@ void CaseList::addForces(const Reach& reach) {
                                                   {Shape::mirrored, "of a mirrored body"}};
   for (const auto& [shape, words] : shapes) {
     if (shape == Shape::cell ? !reach.corners : shape != Shape::small && !reach.places) continue;
-    Case one;
-    one.kind = Kind::forces, one.shape = shape, one.group = "forces and derivatives";
-    one.amount = shape == Shape::small ? 1e-4 : shape == Shape::pulled ? 0.05 : 1;
-    one.text = fmt::format("forces, energies and derivatives {}", words);
-    add(one);
+    add({.kind = Kind::forces,
+         .group = "forces and derivatives",
+         .text = fmt::format("forces, energies and derivatives {}", words),
+         .shape = shape,
+         .amount = shape == Shape::small ? 1e-4 : shape == Shape::pulled ? 0.05 : 1});
   }
 }
 void CaseList::addShapes(const Reach& reach) {
@@ -111,19 +107,16 @@ void CaseList::addShapes(const Reach& reach) {
 }
 
 void CaseList::addMoves() {
-  for (const double amount : {0.1, 1.}) {
-    Case one;
-    one.kind = Kind::move, one.amount = amount, one.group = "sudden moves";
-    one.text = fmt::format("what is held jumps by {} of the size, and back", amount);
-    add(one);
-  }
+  for (const double amount : {0.1, 1.})
+    add({.kind = Kind::move,
+         .group = "sudden moves",
+         .text = fmt::format("what is held jumps by {} of the size, and back", amount),
+         .amount = amount});
 }
 
 void CaseList::addEntries(const Simulation& simulation, const Reach& reach) {
   const auto entry = [&](Entry kind, const std::string& text) {
-    Case one;
-    one.kind = Kind::not_finite, one.entry = kind, one.group = "NaN", one.text = text;
-    return one;
+    return Case{.kind = Kind::not_finite, .group = "NaN", .text = text, .entry = kind};
   };
   if (reach.places) {
     add(entry(Entry::position, "a position becomes NaN between two steps"));
@@ -150,10 +143,7 @@ void CaseList::addAttributes(std::size_t round) {
              other.override->attribute == override.attribute && other.override->value == value;
     });
     if (value.empty() || is_known) continue;
-    Case one;
-    one.kind = Kind::attribute, one.text = text, one.override = override;
-    one.group = groupOf(target);
-    add(one);
+    add({.kind = Kind::attribute, .group = groupOf(target), .text = text, .override = override});
   }
 }
 
@@ -168,8 +158,10 @@ Case CaseList::at(long number) const {
     const double decades = uniform(-9, 9), ratio_decades = uniform(0.5, 9);
     const auto [changed, text] = valueIn(target, decades, ratio_decades, random() % 2 == 0);
     value = changed;  // empty where the number is at the end of its range, or zero
-    one.kind = Kind::attribute, one.text = text, one.group = groupOf(target);
-    one.override = Override{target.path, target.attribute, value};
+    one = {.kind = Kind::attribute,
+           .group = groupOf(target),
+           .text = text,
+           .override = Override{target.path, target.attribute, value}};
   }
   if (value.empty()) {
     std::vector<const Case*> shapes;
@@ -178,7 +170,8 @@ Case CaseList::at(long number) const {
     const Case& other = *shapes[random() % shapes.size()];
     one = atRandom(other, uniform(-1, 0.5));
   }
-  one.number = number, one.seed = seed_ + unsigned(number) * 7919u;
+  one.number = number;
+  one.seed = seed_ + unsigned(number) * 7919u;
   return one;
 }
 

@@ -123,7 +123,10 @@ class FieldCheck {
       for (Index i = 0; i < state->size(); ++i) {
         if (state->kindOf(i) != RowKind::place) return;
         const Vec3 f = force_[state->firstRow() + i], x = x_[state->firstRow() + i];
-        sum += f, torque += x.cross(f), sizes += f.norm(), arms += x.norm() * f.norm();
+        sum += f;
+        torque += x.cross(f);
+        sizes += f.norm();
+        arms += x.norm() * f.norm();
       }
     if (traits.forces_balance && sum.norm() > 1e-7 * sizes)
       say(fmt::format("its forces should balance, and their sum is {:.2g} of their sizes", sum.norm() / sizes));

@@ -134,7 +134,10 @@ Chart emptyChart(const Findings& findings) {
 Chart workPrecision(const Findings& findings, const char* id, const char* title, const char* label,
                     double Repetition::*time, double unit) {
   Chart chart = emptyChart(findings);
-  chart.id = id, chart.title = title, chart.x_label = label, chart.x_numbers = Numbers::seconds;
+  chart.id = id;
+  chart.title = title;
+  chart.x_label = label;
+  chart.x_numbers = Numbers::seconds;
   const std::size_t along = mainAxis(findings.axes);
   chart.lines = findings.axes[along].isOrdered()
                     ? linesAlong(findings, along, [&](const Entry& entry) { return unit * entry.runs.medianOf(time); })
