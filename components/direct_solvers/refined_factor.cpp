@@ -71,12 +71,17 @@ void RefinedFactor::load(const BlockMatrix& matrix) {
   has_fronts_ = has_double_ = false;
   if (!uses_single_) return loadInDouble(matrix);
   std::copy(matrix.values().begin(), matrix.values().end(), matrix_.values().begin());
-  const std::int64_t mixed = mixedBits(matrix_.values());
+  loaded_ = mixedBits(matrix_.values());
+  if (!record_->memory) own_ = {};
+  remember();
+}
+
+/// That the loaded values are others than those of the last matrix.
+void RefinedFactor::remember() {
   FactorMemory& now = memory();
-  if (!record_->memory) now = {};
-  if (mixed == now.values) return;
+  if (loaded_ == now.values) return;
   if (!now.is_double && now.lost <= secondsSaved()) now.penalty = 0;
-  now.values = mixed, now.lost = 0;
+  now.values = loaded_, now.lost = 0;
   now.is_double = now.waiting > 0;
   now.waiting = std::max(0, now.waiting - 1);
 }
@@ -224,6 +229,7 @@ void RefinedFactor::apply(ConstRows b, Rows x) {
   const StopToken stop = std::exchange(stop_, {});  // later, its owner may have gone
   FactorMemory& now = memory();
   Index row = -1;
+  remember();  // whoever factored them may have had no memory
   if (!record_->memory) now.is_double = true;  // of others' matrices nothing is remembered
   if (!now.is_double) {
     if ((has_fronts_ || factorInSingle(stop) == SolveStop::converged) && solve(b, x, stop)) return;

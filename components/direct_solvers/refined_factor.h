@@ -37,6 +37,7 @@ class RefinedFactor final : public CholeskyFactor {
   SolveStop factorInSingle(StopToken stop);
   bool scaleToUnitDiagonal();
   FactorMemory& memory() { return record_->memory ? *record_->memory : own_; }
+  void remember();
   void giveUp();
   void waitLonger();
   void applyOnce(ConstRows b, Rows x);
@@ -54,6 +55,7 @@ class RefinedFactor final : public CholeskyFactor {
   FrontNumbers fronts_;
   bool has_fronts_ = false;      ///< they are those of the loaded values
   BlockMatrix matrix_;           ///< A, when in single precision
+  std::int64_t loaded_ = 0;      ///< its values, mixed to one number
   std::vector<double> scale_;    ///< of the unknowns in the order of the factor; powers of two
   std::vector<std::size_t> place_;  ///< of these unknowns among the doubles of rows
   Array<float> solution_;

@@ -80,7 +80,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
   Nanoseconds cost() const override {
     const double lanes = 8. / pack_lanes;
     const bool green = variant_.method == ElasticMethod::green;
-    return {(green ? 60 : variant_.exact_tangent ? 150 : shapes_->useBoxes() ? 12 : 25) * lanes, 850};
+    return {(green ? 60 : variant_.exact_tangent ? 150 : shapes_->useBoxes() ? 18 : 44) * lanes, 850};
   }
 
   // ---- for PointElements ----

@@ -92,7 +92,9 @@ class Tetrahedra final : public ElasticElements {
     const double lanes = 8. / pack_lanes;
     const bool green = variant_.method == ElasticMethod::green, nodal = variant_.method == ElasticMethod::nodal;
     const bool by_products = variant_.exact_tangent && !green;  // a matrix of twelve products
-    return {(green ? 12 : by_products ? 40 : nodal ? 30 : 4.6) * lanes, (by_products ? 300 : nodal ? 100 : 45) * lanes};
+    const bool averaged = variant_.mean_dilatation;  // second neighbours
+    return {(green ? 12 : by_products ? 40 : nodal ? 30 : averaged ? 12 : 5) * lanes,
+            (by_products ? 300 : nodal ? 100 : averaged ? 600 : 45) * lanes};
   }
 
  private:

@@ -17,14 +17,12 @@ constexpr double fresh_single = 5e-4, fresh_double = 1e-5;   // what factors of 
 constexpr double direct_applications = 2;                    // of these by a direct solver
 constexpr double in_double = 3;                              // factorisations that it makes of what is solved with often
 constexpr int most_served = 100;                             // matrices
-constexpr double to_open_factors = 1e7;                      // ns: a module and its libraries
-constexpr double new_memory = 5.5;                           // ns: for a number of the first factors
 
 }  // namespace
 
 double AutomaticInverse::iteration(Way way) const {
   const double product = product_ > 0 ? product_ : IterationCosts::usual_product * rows_;
-  const double others = product + IterationCosts::vectors * rows_;
+  const double others = product + IterationCosts::vectors(rows_);
   if (way == Way::block_jacobi) return others;
   return others + (way == Way::multigrid ? cycle() : now_.factor_costs.application);
 }
@@ -50,11 +48,12 @@ double AutomaticInverse::cycle() const {
 
 double AutomaticInverse::setup(Way way) const {
   if (way == Way::block_jacobi) return 0;
-  const double matrix = IterationCosts::assembly(rows_) + (now_.blocks > 0 ? 0 : IterationCosts::pattern(rows_, blocks()));
+  const double matrix = assembly() + (now_.blocks > 0 ? 0 : IterationCosts::pattern(rows_, blocks()));
   if (way == Way::multigrid) return IterationCosts::hierarchy(rows_, blocks()) + matrix;
   const double again = way == Way::direct && isConstant() && now_.factor_costs.is_single ? in_double : 0;
-  const double first = now_.factored_solves > 0 ? 0 : to_open_factors + now_.factor_costs.order;  // the order is kept
-  return first + new_memory * now_.factor_costs.entries + (1 + again) * now_.factor_costs.factor;
+  const double entries = now_.factor_costs.entries;
+  const double room = IterationCosts::room(entries), again_room = room - IterationCosts::room(0);  // the order is kept
+  return (now_.factored_solves > 0 ? again_room : room + now_.factor_costs.order) + (1 + again) * now_.factor_costs.factor;
 }
 
 /// Solves that a change should pay in: as many as there have been, as a run may end at any time, and at least those of a short one.
@@ -72,7 +71,7 @@ double AutomaticInverse::factorisation() const {
 
 /// A direct solve: each application of the factors has a product, and nothing is turned.
 double AutomaticInverse::direct() const {
-  const double each = iteration(Way::direct) - (IterationCosts::vectors + FactorCosts::turning) * rows_;
+  const double each = iteration(Way::direct) - IterationCosts::vectors(rows_) - FactorCosts::turning * rows_;
   return (now_.factor_costs.is_single ? direct_applications : 1) * each;
 }
 
@@ -122,13 +121,19 @@ double AutomaticInverse::solve(Way way) const {
   return solveByFormer(each, factors) + turning(way);
 }
 
+/// By conjugate gradients with factors of the very matrix. Where rows turn these measure the forces before and after, too.
+double AutomaticInverse::byFresh() const {
+  const double measures = matrix_->hasTurns() ? 2 * now_.factor_costs.application : 0;
+  return factorisation() / perMatrix() + std::max(1.0, now_.fresh_rate * decades()) * iteration(Way::factors) + measures;
+}
+
 /// By factors of each matrix. Where those take many iterations too, what multiplies is not what was factored (terms that are not
 /// assembled, a matrix that is not symmetric), and former ones serve as well.
 double AutomaticInverse::solveByOwn() const {
   constexpr double most_own_rate = 1;
   if (now_.way != Way::factors || perMatrix() >= several) return solve(Way::direct);
   if (now_.fresh_rate > most_own_rate) return std::numeric_limits<double>::infinity();
-  return factorisation() / perMatrix() + std::max(1.0, now_.fresh_rate * decades()) * iteration(Way::factors);
+  return byFresh();
 }
 
 /// From below: a body of few tetrahedra has a third of the numbers of the laws.
@@ -138,7 +143,8 @@ void AutomaticInverse::estimateFactors() {
   FactorCounts counts = factorCountsOf(extentsOf(rows_, matrix_->positions()));
   now_.is_counted = false;
   counts = {counts.entries / less, counts.flops / (less * std::sqrt(less))};
-  now_.factor_costs = factorCosts(rows_, counts, true);
+  now_.factor_costs = factorCosts(rows_, blocks(), counts, true);
+  now_.factor_costs.factor += assembly();
   now_.may_factor = factorsFit(now_.factor_costs.entries);
 }
 
@@ -151,12 +157,12 @@ void AutomaticInverse::notePattern() {
 void AutomaticInverse::countFactors() {
   if (now_.is_counted || !mayBe(Way::factors)) return;
   now_.is_counted = true;
-  const FactorCounts by_law = factorCountsOf(extentsOf(rows_, matrix_->positions()));
   notePattern();
   const BlockMatrix& pattern = matrix_->pattern();
-  const FactorCounts counts = fewer(dissected(blocks(), stroma::countFactors(pattern)), by_law);
-  now_.factor_costs = factorCosts(rows_, counts);
-  now_.factor_costs.order = IterationCosts::order(now_.blocks, counts);
+  const Extents extents = extentsOf(rows_, matrix_->positions());
+  const FactorCounts counts = fewest(pattern, dissected(blocks(), stroma::countFactors(pattern)), extents);
+  now_.factor_costs = factorCosts(rows_, blocks(), counts);
+  now_.factor_costs.factor += assembly();
   now_.may_factor = factorsFit(now_.factor_costs.entries);
 }
 

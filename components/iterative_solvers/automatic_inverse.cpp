@@ -46,7 +46,7 @@ void AutomaticInverse::solved(const SolveReport& report) {
   if (now_.way == Way::multigrid) multigrid_.solved(part), ++(renews_ ? now_.renewals : now_.multigrid_solves);
   if (renews_)  // what more than a hierarchy that is not aged would have taken
     now_.wasted += std::max(0.0, report.iterations - now_.rates[at(now_.way)] * gained) * iteration(now_.way);
-  if (now_.way == Way::factors) factors_->solved(part);
+  if (now_.way == Way::factors) factors_->solved(part, 1);
   if (leaves_ || rows_ < few_nodes || !may_change_) return;
   const double decades = std::min(-std::log10(start_), -std::log10(target_));
   now_.decades = now_.decades == 0 ? decades : now_.decades + (decades - now_.decades) / 4;
@@ -96,15 +96,16 @@ void AutomaticInverse::judge(double cost) {
   if (other == Way::direct) return takeFactorsOfEach(solve(way) - other_cost);
   if (now_.changes >= most_changes) return;
   now_.next = other;
-  now_.may_factor = now_.may_factor && (!isFactored(way) || isFactored(other));
 }
 
-/// Where several solves share a matrix the direct solver saves more than it takes to make room for its numbers.
+/// Where several solves share a matrix, or rows turn, the direct solver saves more than it takes to make room for its numbers.
 void AutomaticInverse::takeFactorsOfEach(double gain) {
-  if (perMatrix() < several) {
+  const double saved = byFresh() - solve(Way::direct);
+  if (perMatrix() < several && (now_.changes >= most_changes || saved * horizon() < setup(Way::direct))) {
     now_.at_once = true, now_.lost = 0;
     return;
   }
+  if (perMatrix() < several) gain = saved;
   if (now_.changes < most_changes && gain * horizon() > setup(Way::direct)) now_.next = Way::direct;
 }
 
@@ -253,7 +254,7 @@ bool AutomaticInverse::followBy(Way way, SystemMatrix& matrix, SolveReport& repo
   factored_ = report.factored;
   if (!factored_) return true;
   const Factorisation::Cost cost = former.cost();
-  now_.factor_costs.factor = 1e9 * cost.factor + IterationCosts::assembly(rows_);
+  now_.factor_costs.factor = 1e9 * cost.factor + assembly();
   now_.factor_costs.application = 1e9 * cost.apply + FactorCosts::turning * rows_;
   return true;
 }

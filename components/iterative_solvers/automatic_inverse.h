@@ -129,10 +129,12 @@ class AutomaticInverse final : public ApproximateInverse {
   double solveByFormer(double each, double renewal) const;
   double renewing() const;
   double cycle() const;
+  double assembly() const { return IterationCosts::assembly(*matrix_); }
   bool isConstant() const;
   double direct() const;
   double blocks() const { return now_.blocks > 0 ? double(now_.blocks) : IterationCosts::usual_blocks * rows_; }
   double solve(Way way) const;
+  double byFresh() const;
   double solveByOwn() const;
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
   double perMatrix() const { return double(now_.solves) / std::max(1, now_.matrices); }

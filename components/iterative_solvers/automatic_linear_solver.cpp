@@ -209,7 +209,7 @@ SolveReport AutomaticLinearSolver::conjugateGradients(const SystemMatrix& matrix
     }
   }
   const cg::Limits limits{most, target(), terms_.stop, by_inverse};
-  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x, has_begun);
+  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x, has_begun, by_inverse);
   if (report.stop == SolveStop::converged) kept.former.solved(x);
   report.relative_residual /= norm_b_;
   return report;
@@ -277,7 +277,7 @@ bool AutomaticLinearSolver::iterateWithFactors(SystemMatrix& matrix, ConstRows b
       const cg::Limits limits{std::min({iterations_, most, inverse.patience()}), target(), terms.stop};
       report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x);
       report.relative_residual /= norm_b_;
-      if (report.stop != SolveStop::stopped) inverse.solved(report);
+      if (report.stop != SolveStop::stopped) inverse.solved(report, 1);
     } else {
       report = prepared, report.relative_residual = 1, report.iterations = 0;
     }

@@ -31,10 +31,11 @@ EquilibriumChoice chooseFirst(SystemMatrix& matrix, Index most_factored, bool de
   if (rows < always_factored) return choice;
   const Extents extents = extentsOf(rows, matrix.positions());
   const auto costsOf = [&](const FactorCounts& counts) {
-    return solverCosts(matrix.pattern(), counts, matrix.productCost(), depends_on_state ? usual_solves : 1);
+    return solverCosts(matrix, counts, depends_on_state ? usual_solves : 1);
   };
   costs = costsOf(factorCountsOf(extents));
-  if (isClose(costs)) costs = costsOf(fewer(countFactors(matrix.pattern()), factorCountsOf(extents)));
+  if (isClose(costs) || isWide(matrix.pattern()))
+    costs = costsOf(fewest(matrix.pattern(), countFactors(matrix.pattern()), extents));
   choice.keeps_factors = costs.keeps_factors && depends_on_state && matrix.symmetric() && matrix.isOfLooseNodes();
   reason = fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
                        rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,

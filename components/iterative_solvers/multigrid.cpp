@@ -57,9 +57,9 @@ void Multigrid::price(const SystemMatrix& matrix) {
   const double rows = matrix.rows(), blocks = now_.hierarchy->fine.a.blocks(), by_fields = matrix.productCost();
   const double product = by_fields > 0 ? by_fields : BlockMatrix::productCost(blocks, false);
   const double cycle = by_products_ ? IterationCosts::cycleByProducts(rows, product, isTurned()) : IterationCosts::cycle(rows, blocks);
-  const double made = IterationCosts::hierarchy(rows, blocks) + IterationCosts::assembly(rows) +
+  const double made = IterationCosts::hierarchy(rows, blocks) + IterationCosts::assembly(matrix) +
                       (now_.other_pattern ? IterationCosts::pattern(rows, blocks) : 0);
-  iterations_worth_ = made / (cycle + product + IterationCosts::vectors * rows);
+  iterations_worth_ = made / (cycle + product + IterationCosts::vectors(rows));
 }
 
 /// Chooses the finest level. True also where blocks are it.

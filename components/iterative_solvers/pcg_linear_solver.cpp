@@ -285,7 +285,7 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
     if (assemblesLate(matrix, ++iterations)) automatic->noteProduct(productCost(matrix));
     if (automatic->isLost(iterations, residual / norm_b_)) limits.iterations = iterations;
   };
-  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, work, x);
+  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, work, x, false, by_inverse);
   report.relative_residual /= norm_b_;
   norm_b_ = norm_of_forces;
   if (automatic && automatic->isSecondTry() && report.stop == SolveStop::iteration_limit) report.stop = SolveStop::not_definite;

@@ -27,14 +27,14 @@ struct Limits {
 };
 
 /// Iterates from r = b - A x until the |r| of the recurrence is small enough (converged) or something else ends it.
-/// report.relative_residual is |r|.
+/// report.relative_residual is |r|. `has_step`: work.z is B r.
 template <class Product, class Precondition, class Record>
-SolveStop descend(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits,
+SolveStop descend(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits, bool has_step,
                   Directions& work, Rows x, SolveReport& report) {
   constexpr double noise = 1e-14;
   const double smallest_cosine = limits.by_inverse ? 1e-22 : 1e-10;  // between turns and torques it has a unit
   auto& [r, p, q, z] = work;
-  precondition(r.rows(), z.rows());
+  if (!has_step) precondition(r.rows(), z.rows());
   double rho = inner(r, z);
   copyShared(z, p);
   for (;;) {
@@ -75,21 +75,24 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
 /// The |r| of the recurrence leaves b - A x behind by round-off, so where an iteration ends the residual itself is
 /// computed, and the method starts anew from there when it is not small enough, as long as that helps.
 /// `report.relative_residual` is |b - A x|, see Limits (the caller divides by |b|). A matrix that shows itself to be singular or
-/// not definite leaves the last iterate in x. `has_residual`: work.r is b - A x.
+/// not definite leaves the last iterate in x. `has_residual`: work.r is b - A x; `has_step`: work.z is B (b - A x), or B b where x is
+/// zero and there is no residual.
 template <class Product, class Precondition, class Record>
 SolveReport preconditioned(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits,
-                           ConstRows b, Directions& work, Rows x, bool has_residual = false) {
+                           ConstRows b, Directions& work, Rows x, bool has_residual = false, bool has_step = false) {
   SolveReport report;
   if (!has_residual) {
     copyShared(b, work.r);
     if (inner(x, x) != 0) {
       product(x, work.q.rows());
       axpy(-1, work.q, work.r);
+      has_step = false;
     }
   }
   const auto measure = [&](double square) {
     if (!limits.by_inverse || square == 0 || !std::isfinite(square)) return std::sqrt(square);
-    precondition(work.r.rows(), work.z.rows());
+    if (!has_step) precondition(work.r.rows(), work.z.rows());
+    has_step = true;
     return std::sqrt(std::abs(inner(work.r, work.z)));
   };
   double entered = measure(inner(work.r, work.r));
@@ -97,7 +100,8 @@ SolveReport preconditioned(Product&& product, Precondition&& precondition, Recor
   if (!std::isfinite(entered)) report.stop = SolveStop::not_finite;
   if (!(entered > limits.residual)) return report;
   for (;;) {
-    report.stop = descend(product, precondition, record, limits, work, x, report);
+    report.stop = descend(product, precondition, record, limits, has_step, work, x, report);
+    has_step = false;
     if (report.stop != SolveStop::converged) return report;
     product(x, work.q.rows());
     copyShared(b, work.r);

@@ -69,6 +69,10 @@ FactorCounts factorCountsOf(const Extents& e) {
           flops_each * (1 + 2.4 * (1 - 1 / flatness)) * parts * separator * separator * separator};
 }
 
+FactorCounts fewest(const BlockMatrix& pattern, const FactorCounts& counted, const Extents& extents) {
+  return isWide(pattern) ? counted : fewer(counted, factorCountsOf(extents));
+}
+
 double expectedMultigridRate(const BlockMatrix& pattern) {
   constexpr double of_tetrahedra = 2, tetrahedral_blocks = 13, hexahedral_blocks = 21, of_quadratic = 3.1;
   constexpr Index linear_row = 48;  // a corner of quadratic tetrahedra has 65 neighbours, one of hexahedra 27
@@ -83,42 +87,42 @@ double expectedMultigridRate(const BlockMatrix& pattern) {
 
 bool factorsFit(double entries) { return entries <= mostEntries(); }
 
-// Both ways assemble. Where forces are not linear, the solves of Newton's method are loose.
-SolverCosts solverCosts(const BlockMatrix& pattern, const FactorCounts& counts, double product, int solves) {
+// Both ways assemble, multigrid only where it makes a hierarchy. Where forces are not linear, the solves of Newton's method are loose.
+SolverCosts solverCosts(SystemMatrix& matrix, const FactorCounts& counts, int solves) {
   constexpr double to_tolerance = 15, loose = 7, applications = 3;
-  const double rows = pattern.rows(), blocks = pattern.blocks();
-  const FactorCosts factors = factorCosts(pattern.rows(), counts);
+  const BlockMatrix& pattern = matrix.pattern();
+  const double rows = pattern.rows(), blocks = pattern.blocks(), assembly = IterationCosts::assembly(matrix);
+  FactorCosts factors = factorCosts(rows, blocks, counts);
+  factors.factor += assembly;
   const double usual = solves > 1 ? loose : to_tolerance, each = factors.is_single ? applications : 1;
   const double matrix_product = BlockMatrix::productCost(blocks, false);
-  if (product <= 0 || product > matrix_product) product = matrix_product;
+  const double by_fields = matrix.productCost(), product = by_fields > 0 ? std::min(by_fields, matrix_product) : matrix_product;
   SolverCosts costs;
   // iterations by former factors to two decades, and matrices that factors serve
   constexpr double by_former = 5, served = 3;
   costs.factor_entries = factors.entries;
   const double own = factors.factor + each * (factors.application + matrix_product);
-  const double former = by_former * (factors.application + product + IterationCosts::vectors * rows) +
+  const double former = by_former * (factors.application + product + IterationCosts::vectors(rows)) +
                         IterationCosts::turns(rows, blocks) + factors.factor / served;
   costs.keeps_factors = solves > 1 && former < own;
   costs.with_factors = nanosecond * (costs.keeps_factors ? former : own);
-  costs.first = nanosecond * (factors.order + factors.factor);
-  costs.direct = nanosecond * (factors.order + own) + (solves - 1) * costs.with_factors;
-  costs.setup = nanosecond * IterationCosts::hierarchy(rows, blocks);
-  costs.iteration = nanosecond * (IterationCosts::cycle(rows, blocks) + IterationCosts::vectors * rows + product);
+  const double before = factors.order + IterationCosts::room(factors.entries);
+  costs.first = nanosecond * (before + factors.factor);
+  costs.direct = nanosecond * (before + own) + (solves - 1) * costs.with_factors;
+  costs.setup = nanosecond * (IterationCosts::hierarchy(rows, blocks) + assembly);
+  costs.iteration = nanosecond * (IterationCosts::cycle(rows, blocks) + IterationCosts::vectors(rows) + product);
   costs.multigrid = costs.setup + solves * usual * costs.iteration;
   return costs;
 }
 
-// Small and slender ones are factored in double precision. Ordering, analysis, assembly and the turning of vectors are in
-// nanoseconds for a row. Operations are at the speed of large fronts; what goes with the numbers is to clear, add and divide them.
-// Of matrices of 729 to 12,005 nodes whose patterns had been factored before.
-FactorCosts factorCosts(Index rows, const FactorCounts& counts, bool in_single) {
-  constexpr double order = 8500;
+// Small and slender ones are factored in double precision. Of matrices of 729 to 12,005 nodes whose patterns had been factored before.
+FactorCosts factorCosts(double rows, double blocks, const FactorCounts& counts, bool in_single) {
   const auto [entries, flops] = counts;
   const bool is_single = in_single || flops >= std::max(5e7, 180 * entries);
   FactorCosts costs;
-  costs.order = order * rows;
+  costs.order = IterationCosts::order(blocks, counts);
   const Factorisation::Cost own = Factorisation::Cost::of(entries, flops, is_single);
-  costs.factor = own.factor / nanosecond + IterationCosts::assembly(rows);
+  costs.factor = own.factor / nanosecond;
   costs.application = own.apply / nanosecond + FactorCosts::turning * rows;
   costs.entries = entries, costs.is_single = is_single;
   return costs;

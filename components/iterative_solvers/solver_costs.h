@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "components/iterative_solvers/factor_counts.h"
+#include "framework/algebra/linear_solver.h"
 
 namespace stroma {
 
@@ -33,21 +34,26 @@ Extents extentsOf(Index nodes, ConstRows positions);
 
 /// By the laws of nested dissection, up to 3.5 times too many numbers for small and slender bodies of tetrahedra.
 FactorCounts factorCountsOf(const Extents& extents);
+/// Whether nodes are tied to more than the next ones, of which there are 27 in hexahedra: separators are then twice as thick, and the
+/// laws do not hold.
+inline bool isWide(const BlockMatrix& pattern) { return pattern.blocks() > 40.0 * pattern.rows(); }
+/// What was counted, or less by the laws where they hold.
+FactorCounts fewest(const BlockMatrix& pattern, const FactorCounts& counted, const Extents& extents);
 
-/// `product`: nanoseconds of one by the force fields; 0: not known. `solves`: how many to expect, with other values in the pattern.
-SolverCosts solverCosts(const BlockMatrix& pattern, const FactorCounts& counts, double product = 0, int solves = 1);
+/// `matrix` tells what products and an assembly cost. `solves`: how many to expect, with other values in the pattern.
+SolverCosts solverCosts(SystemMatrix& matrix, const FactorCounts& counts, int solves = 1);
 
 /// Of factors that precondition, in nanoseconds.
 struct FactorCosts {
   double order = 0;        ///< once for a pattern, with the analysis; 0: not estimated
-  double factor = 0;       ///< with the assembly
+  double factor = 0;       ///< without the assembly
   double application = 0;  ///< with turned vectors
   static constexpr double turning = 40;  ///< of these, for a row
   double entries = 0;      ///< numbers in the factors
   bool is_single = false;  ///< so that a solve has to be refined
 };
 /// `in_single`: in single precision in any case, which costs least.
-FactorCosts factorCosts(Index rows, const FactorCounts& counts, bool in_single = false);
+FactorCosts factorCosts(double rows, double blocks, const FactorCounts& counts, bool in_single = false);
 /// Whether so many numbers fit into half of the machine's memory.
 bool factorsFit(double entries);
 
@@ -56,8 +62,11 @@ bool factorsFit(double entries);
 /// each part in 18 bodies of 729 to 9,633 nodes (tetrahedra, hexahedra, quadratic ones, a membrane) beside other work, new memory
 /// included.
 struct IterationCosts {
-  static constexpr double vectors = 20, usual_product = 20;  ///< for a row
+  static constexpr double usual_product = 20;                ///< for a row
   static constexpr double usual_blocks = 13;                 ///< in a row, where no pattern is known: of tetrahedra
+  /// Of conjugate gradients with blocks of the diagonal: each row has 230 bytes, which are moved twice: in the caches, or from memory
+  /// where there are 40 MB of them. In 50 bodies of 336 to 205,379 nodes.
+  static double vectors(double rows) { return rows * (5 + 8 * std::clamp((230e-6 * rows - 4) / 36, 0.0, 1.0)); }
   /// Of former factors, or of a hierarchy: each node with what surrounds it, for each matrix.
   static double turns(double rows, double blocks) { return 140 * rows + 4 * blocks; }
   /// Times as much where the hierarchy needs patches: two to three times the iterations, each 1.4 to 3 times as dear.
@@ -70,12 +79,21 @@ struct IterationCosts {
   /// Where the finest level goes by products of so many nanoseconds.
   static double cycleByProducts(double rows, double product, bool is_turned) { return 7 * product + (is_turned ? 85 : 60) * rows; }
   static double hierarchy(double rows, double blocks) { return 110 * blocks + 1200 * rows; }
+  /// Where nothing is known: of hexahedra. Tetrahedra take a third, and six times as much where their dilatation is that of nodes.
   static double assembly(double rows) { return 600 * rows; }
+  /// As the force fields say. Where products alone have all their terms, what is assembled is the usual part.
+  static double assembly(const SystemMatrix& matrix) {
+    constexpr double of_products = 1e29;
+    const double told = matrix.assemblyCost();
+    return told >= 0 && told < of_products ? told + 30.0 * matrix.rows() : assembly(double(matrix.rows()));
+  }
   /// Of a direct solver, with the analysis.
   static double order(double blocks, const FactorCounts& counts) {
     return 5e5 + (isDissected(blocks, counts) ? 430 : 80) * blocks;
   }
   static double pattern(double rows, double blocks) { return 2500 * rows + 150 * blocks; }
+  /// Of the first factors: a module with its libraries, and memory that the system has to give.
+  static double room(double entries) { return 5e6 + 5.5 * entries; }
 };
 /// Iterations for a decade that conjugate gradients with multigrid are expected to take after the first ones, of Poisson's ratios to
 /// 0.45. Hexahedra give a node twice the neighbours that tetrahedra do, and a group of nodes goes through all of them: 10 to 11

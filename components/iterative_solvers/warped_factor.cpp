@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -30,6 +32,36 @@ BlockPattern patternOf(const std::vector<Index>& start, const std::vector<Index>
       pattern.addBlock(row, column);
     }
   return pattern;
+}
+
+template <class T>
+void serializeNumbers(const std::string& name, Archive::Entry& entry, Archive& archive) {
+  std::vector<T> numbers(entry.bytes.size() / sizeof(T));
+  std::memcpy(numbers.data(), entry.bytes.data(), entry.bytes.size());
+  archive.list(name, numbers);
+  entry.bytes.assign(reinterpret_cast<const char*>(numbers.data()), sizeof(T) * numbers.size());
+}
+
+/// What a solver remembers of a former matrix, such as the precision in which its factors served: under other names than what it
+/// remembers of the matrix itself.
+void serializeFormer(DirectSolver& solver, SystemMatrix& former, Archive& archive) {
+  Archive present;
+  present.enter("former");
+  solver.serializeFor(former, present);
+  std::map<std::string, Archive::Entry> entries = present.entries();
+  for (auto& [key, entry] : entries) {
+    const std::string name = "former_" + key.substr(key.find(':') + 1);
+    if (entry.kind == Archive::Kind::text)
+      archive.value(name, entry.bytes);
+    else if (entry.kind == Archive::Kind::real)
+      serializeNumbers<double>(name, entry, archive);
+    else
+      serializeNumbers<std::int64_t>(name, entry, archive);
+  }
+  if (!archive.isReading()) return;
+  Archive stored(std::move(entries));
+  stored.enter("former");
+  solver.serializeFor(former, stored);
 }
 
 }  // namespace
@@ -135,6 +167,7 @@ void WarpedFactor::noteRotations() {
 void WarpedFactor::takeBack(const SystemMatrix& matrix) {
   now_ = kept_;
   taken_back_ = kept_current_ ? matrix.key() : MatrixKey{};
+  solver_.takeBackFor(former_);
   noteRotations();
 }
 
@@ -168,6 +201,7 @@ void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   archive.value("failures", now_.failures);
   archive.list("rotations", now_.rotations);
   origin.serialize(archive);
+  serializeFormer(solver_, former_, archive);
   if (!archive.isReading()) return;
   factored_ = none;
   taken_back_ = {};
@@ -195,15 +229,15 @@ SolveReport WarpedFactor::solveFresh(ConstRows b, Rows x, const SolveTerms& term
   const SolveReport report = solver_.solve(former_, b, x, terms);
   SolveReport worth = report;
   worth.iterations = applications, worth.relative_residual = std::max(report.relative_residual, enough);
-  if (report.stop != SolveStop::stopped) solved(worth);
+  if (report.stop != SolveStop::stopped) solved(worth, 1);
   return report;
 }
 
-void WarpedFactor::solved(const SolveReport& report) {
+void WarpedFactor::solved(const SolveReport& report, double began) {
   const int iterations = report.iterations;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
   const double cost = renewal_ == Renewal::clock ? took.count() : iterations * now_.iteration_seconds;
-  const double decades = std::clamp(-std::log10(std::max(report.relative_residual, 1e-16)), 0.0, 16.0), gained = 1 + decades;
+  const double decades = std::clamp(-std::log10(std::max(report.relative_residual / began, 1e-16)), 0.0, 16.0), gained = 1 + decades;
   now_.spent += cost;
   now_.gained += gained;
   if (now_.fresh) judgePrecision(iterations, iterations / std::max(1.0, decades));

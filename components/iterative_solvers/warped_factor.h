@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <utility>
 
 #include "components/iterative_solvers/former_matrix.h"
 #include "components/iterative_solvers/preconditioner.h"
@@ -33,14 +34,23 @@ class WarpedFactor final : public ApproximateInverse {
 
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override;
-  void solved(const SolveReport& report) override;
+  void solved(const SolveReport& report) override {
+    last_ = report.relative_residual;
+    solved(report, std::exchange(left_, 1));
+  }
+  /// A solve, or the part of one that began where `began` of |b| was left.
+  void solved(const SolveReport& report, double began);
   int patience() const override;
   bool giveUp() override {
     if (now_.fresh || renewal_ == Renewal::never) return false;
     if (now_.served == 1) now_.failures = std::min(now_.failures + 1, 4), now_.at_once = 1 << now_.failures;
+    left_ = last_;
     return now_.renew = true;
   }
-  void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
+  void keep(const SystemMatrix& matrix) override {
+    kept_ = now_, kept_current_ = isCurrent(matrix);
+    solver_.keepFor(former_);
+  }
   /// Factors that were renewed meanwhile are made again from the values before when they are needed.
   void takeBack(const SystemMatrix& matrix) override;
   /// With the values that were factored: they are factored again when they are needed.
@@ -114,6 +124,8 @@ class WarpedFactor final : public ApproximateInverse {
   static constexpr std::size_t none = 2;
   std::array<Origin, 2> origins_;  ///< that of the step before stays until the step is taken
   Memory now_, kept_;
+  double last_ = 1;  ///< what the last solve, or part of one, left of |b|
+  double left_ = 1;  ///< the same where that was given up and goes on
   bool kept_current_ = false;
   MatrixKey taken_back_;  ///< what a step that was taken back left of the matrix of now_
   std::chrono::steady_clock::time_point start_;

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "framework/algebra/direct_solver.h"
 #include "framework/algebra/parallel.h"
 #include "framework/scene/archive.h"
 #include "tests/support/counted_allocations.h"
@@ -179,6 +180,24 @@ TEST(FactorPrecision, WhatNeverConvergesIsTriedSeldom) {
     }
     EXPECT_EQ(told(solver, "precisionChanges"), "3") << ground;
     EXPECT_LE(std::stod(told(solver, "applications")), 5) << ground;
+  }
+}
+
+/// Whose factors are made for somebody who keeps them, as those of former matrices are, before a solve asks for them: what one
+/// matrix could not bear is forgotten like anywhere else.
+TEST(FactorPrecision, MatricesThatWereFactoredBeforeTheirSolvesAreTriedAgain) {
+  StoredMatrix matrix = lattice(40, 2, 2, 1, 1e-4);
+  const Vector b = randomVector(matrix.rows(), 1);
+  SolverInScene solver(single_precision);
+  auto& direct = dynamic_cast<DirectSolver&>(*solver.solver);
+  Vector x;
+  for (int k = 0; k < 34; ++k) {
+    SolveReport report;
+    ASSERT_TRUE(direct.factor(matrix, report, {}));
+    EXPECT_EQ(solver.solve(matrix, b, x).stop, SolveStop::converged);
+    EXPECT_EQ(told(solver, "factorPrecision"), k < 32 ? "double" : "single, refined in double") << "matrix " << k;
+    for (Index i = 0; i < matrix.rows(); ++i) matrix.values.add(i, i, Mat3::Identity());
+    ++matrix.revision_number;
   }
 }
 

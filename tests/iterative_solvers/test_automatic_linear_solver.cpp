@@ -179,7 +179,7 @@ TEST(AutomaticLinearSolver, WhereDiagonalBlocksHardlySmoothFactorsCostLess) {
     ElasticBlock block = box(30, 24, 5);
     block.poisson = poisson, block.mean = true;
     StoredMatrix matrix = matrixOf(block);
-    const SolverCosts costs = solverCosts(matrix.values, countFactors(matrix.values));
+    const SolverCosts costs = solverCosts(matrix, countFactors(matrix.values));
     EXPECT_LT(costs.multigrid, costs.direct);
     EXPECT_LT(costs.direct, IterationCosts::with_patches * costs.multigrid);
     SolverInScene solver("<AutomaticLinearSolver/>"), later("<AutomaticLinearSolver/>");
@@ -224,7 +224,7 @@ TEST(AutomaticLinearSolver, AFormerHierarchyDoesNotDecideForFactors) {
   boned.stiffer = [](Vec3 at) { return std::abs(at.x() - 4.5) < 2 && std::abs(at.y() - 4.5) < 2 ? 1e4 : 1.; };
   StoredMatrix matrix = matrixOf(block);
   const Vector b = weight(block);
-  const int patience = solverCosts(matrix.values, countFactors(matrix.values)).patience();
+  const int patience = solverCosts(matrix, countFactors(matrix.values)).patience();
   SolverInScene solver("<AutomaticLinearSolver/>");
   const auto told = [&](const char* name) { return solver.solver->data().find(name)->print(); };
   Vector x;

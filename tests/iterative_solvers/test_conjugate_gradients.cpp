@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/iterative_solvers/conjugate_gradients.h"
+#include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
 
 #include <gtest/gtest.h>
 
@@ -27,6 +28,38 @@ TEST(ConjugateGradientLoops, EqualTheirUnfusedForms) {
     EXPECT_LT((dense(x) - x1).norm(), 1e-14 * x1.norm());
     EXPECT_LT((dense(p) - p1).norm(), 1e-14 * p1.norm());
   }
+}
+
+// Where residuals are measured by the preconditioner, its first step is what measured the right side: an application for each iteration
+// and one at the end. The numbers are the same as without.
+TEST(ConjugateGradientLoops, WhatMeasuresTheForcesIsTheFirstStep) {
+  const StoredMatrix matrix = randomMatrix(40, 3, 0.5, 3);
+  const Vector b = randomVector(40, 1);
+  std::vector<double> blocks;
+  matrix.diagonalBlocks(blocks);
+  cg::BlockJacobi jacobi;
+  ASSERT_EQ(jacobi.factor(blocks), -1);
+  const auto solve = [&](bool has_step, bool from_zero) {
+    int applications = 0;
+    const auto multiply = [&](ConstRows p, Rows out) { matrix.multiply(p, out); };
+    const auto precondition = [&](ConstRows r, Rows z) { ++applications, jacobi.apply(r, z); };
+    cg::Directions work;
+    work.resize(40);
+    Vector x(40);
+    if (!from_zero) x[3] = Vec3(1, 2, 3);
+    precondition(b, work.z);
+    const double size = std::sqrt(cg::inner(b, work.z));
+    const cg::Limits limits{200, 1e-8 * size, {}, true};
+    const SolveReport report = cg::preconditioned(multiply, precondition, [](double) {}, limits, b, work, x, false, has_step);
+    EXPECT_EQ(report.stop, SolveStop::converged);
+    return std::pair(applications - report.iterations, dense(x).eval());
+  };
+  const auto with = solve(true, true), without = solve(false, true), moved = solve(true, false);
+  EXPECT_EQ(with.first, 2);
+  EXPECT_EQ(without.first, 3);
+  EXPECT_EQ(moved.first, 3) << "of another residual";
+  EXPECT_EQ(with.second, without.second);
+  EXPECT_LT((moved.second - with.second).norm(), 1e-6 * with.second.norm());
 }
 
 // Each row belongs to one piece, whatever the number of rows.

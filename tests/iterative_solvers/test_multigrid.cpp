@@ -386,7 +386,7 @@ TEST(Multigrid, AHierarchyIsMadeAnewForItsPrice) {
       }
       const double made = IterationCosts::hierarchy(rows, blocks) + IterationCosts::assembly(rows) +
                           (has_other_pattern ? IterationCosts::pattern(rows, blocks) : 0);
-      const double price = made / (IterationCosts::cycle(rows, blocks) + product + IterationCosts::vectors * rows);
+      const double price = made / (IterationCosts::cycle(rows, blocks) + product + IterationCosts::vectors(rows));
       EXPECT_EQ(matrix.assemblies, 2);
       EXPECT_GT(lost, price) << product << has_other_pattern;
       EXPECT_LE(before, price) << product << has_other_pattern;

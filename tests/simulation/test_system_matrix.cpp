@@ -216,6 +216,19 @@ TEST(SystemMatrix, TurningConstraintIsFollowed) {
   EXPECT_LT((system.constraints().projectors()[3].projector - (Mat3::Identity() - n * n.transpose())).norm(), 1e-14);
 }
 
+/// That of stiffnesses that never change is made once for all steps.
+TEST(SystemMatrix, TellsWhatAnAssemblyCosts) {
+  const auto cost = [](const std::string& fields) {
+    Simulation simulation(sceneFromText(scene(fields)));
+    return simulation.systems()[0]->matrix().assemblyCost();
+  };
+  EXPECT_LT(cost("<TestSprings/>"), 0) << "costs are not known";
+  EXPECT_EQ(cost("<TestSprings productCost='155' assemblyCost='1000'/>"), 1000);
+  EXPECT_EQ(cost("<TestSprings name='a' productCost='155' assemblyCost='1000'/>"
+                 "<TestSprings name='b' productCost='1' assemblyCost='30'/>"), 1030);
+  EXPECT_EQ(cost("<TestLinearNet productCost='155' assemblyCost='1000'/>"), 0);
+}
+
 TEST(SystemMatrix, ChoosesTheCheaperForm) {
   const auto prefers = [](const std::string& field, int products) {
     Simulation simulation(sceneFromText(scene(field)));

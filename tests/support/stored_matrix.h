@@ -18,7 +18,8 @@ class StoredMatrix final : public SystemMatrix {
   long revision_number = 1, pattern_number = 1;
   bool is_symmetric = true, prefers_assembled = false, has_turns = false;
   int assembled_from = std::numeric_limits<int>::max();  ///< products, and else where it prefers that
-  double product_nanoseconds = 0;  ///< 0: not known
+  double product_nanoseconds = 0;    ///< 0: not known
+  double assembly_nanoseconds = -1;  ///< below 0: not known
   mutable int products = 0, assemblies = 0;
 
   Index rows() const override { return values.rows(); }
@@ -41,6 +42,7 @@ class StoredMatrix final : public SystemMatrix {
   bool hasTurns() const override { return has_turns; }
   bool prefersAssembled(int count) const override { return prefers_assembled || count >= assembled_from; }
   double productCost() const override { return product_nanoseconds; }
+  double assemblyCost() const override { return assembly_nanoseconds; }
   std::vector<Vec3> nodes;  ///< where the rows are, or empty
   ConstRows positions() const override {
     if (nodes.empty()) return {};
