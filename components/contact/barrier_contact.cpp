@@ -95,7 +95,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   bool hasWay() const override { return waits_; }
   void addPush(Rows f) const override { terms_.addPush(goal_ - law_.moved, f), friction_.terms().addPush(goal_ - law_.moved, f); }
   void goAlong(double s) override;
-  void wantStartForces(bool wanted) override { holds_nothing_ = wanted; }
+  void wantStartForces(bool wanted, double) override { holds_nothing_ = wanted; }
   void setTime(double t) override { law_.moved = is_explicit_ && is_in_step_ ? placeAt(t) : law_.moved; }
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }

@@ -15,15 +15,10 @@ namespace {
 constexpr double few_operations = 5e7, few_for_each_number = 180;
 /// What a solve leaves at most of the right side, and of the solution in the norm of the energy.
 constexpr double residual_left = 1e-11, error_left = 1e-11;
-/// Estimates for one core, fitted to 1,331 nodes of tetrahedra and to 1,331 and 15,625 of hexahedra: of factorisations, whose
-/// numbers take time too, of an application for each number, and of a product for each block.
-double secondsInSingle(const CholeskyFactor& of) { return of.flops() / 115e9 + 2.3e-9 * of.entries(); }
-double secondsInDouble(const CholeskyFactor& of) { return of.flops() / 40e9 + 8e-9 * of.entries(); }
-/// Of an application as a preconditioner: from the caches, or from memory where there are 25 MB of numbers. In nine bodies.
-double secondsRoughly(double entries) {
-  const double megabytes = 4e-6 * entries;
-  return 1e-9 * entries * (0.33 + 0.4 * std::clamp((megabytes - 10) / 15, 0.0, 1.0));
-}
+/// Of a factorisation, estimated for one core.
+double secondsInSingle(const CholeskyFactor& of) { return Factorisation::Cost::of(of.entries(), of.flops(), true).factor; }
+double secondsInDouble(const CholeskyFactor& of) { return Factorisation::Cost::of(of.entries(), of.flops(), false).factor; }
+/// Seconds of an application for each number, for a solution as good as in double precision, and of a product for each block.
 constexpr double application_single = 0.65e-9, application_double = 1.3e-9, product_block = 3e-9;
 
 /// Where `error` is left after k iterations, they would have to become twice as fast to end in `most`.
@@ -253,7 +248,7 @@ void RefinedFactor::applyRoughly(ConstRows b, Rows x) {
 
 Factorisation::Cost RefinedFactor::cost() const {
   if (!uses_single_) return in_double_.cost();
-  return {secondsInSingle(*this), secondsRoughly(entries())};
+  return Cost::of(entries(), flops(), true);
 }
 
 std::unique_ptr<CholeskyFactor> CholeskyFactor::make(FactorPrecision precision, std::shared_ptr<FactorRecord> record) {

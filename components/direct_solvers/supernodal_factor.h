@@ -28,7 +28,7 @@ class SupernodalFactor final : public CholeskyFactor {
   double entries() const override { return analysis_->entries; }
   void releaseNumbers();  ///< until the next factor()
   /// Fitted to 1,331 to 15,625 nodes of hexahedra on a core of 65 Gflop/s; an application in single precision to slender bodies.
-  Cost cost() const override { return {flops() / 40e9 + 8e-9 * entries(), 0.65e-9 * entries()}; }
+  Cost cost() const override { return Cost::of(entries(), flops(), false); }
 
  private:
   void release();

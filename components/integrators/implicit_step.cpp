@@ -50,9 +50,9 @@ void ImplicitStep::addDamping(double factor, Rows out) {
   if (has_rayleigh_mass_) system_->addRayleighMassProduct(v(), rayleigh_mass, -factor, out);
 }
 
-void ImplicitStep::wholeForce(double time, Rows out, bool starts) {
+void ImplicitStep::wholeForce(double time, Rows out, bool starts, double of_end) {
   setTime(time);
-  limits_.wantStartForces(starts);
+  limits_.wantStartForces(starts, of_end);
   system_->computeForce(system_->x, system_->v, system_->f);
   limits_.wantStartForces(false);
   copy(system_->independent(system_->f), out);

@@ -20,6 +20,7 @@ class MatrixView : public SystemMatrix {
   bool symmetric() const override { return base_.symmetric(); }
   bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
   double productCost() const override { return base_.productCost(); }
+  double assemblyCost() const override { return base_.assemblyCost(); }
   ConstRows positions() const override { return base_.positions(); }
   bool isOfLooseNodes() const override { return base_.isOfLooseNodes(); }
   bool hasTurns() const override { return base_.hasTurns(); }

@@ -136,7 +136,7 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   if (sleep_.passesOver(context)) return {};
   if (!started_ || implicit_.isLimited()) {
     StepReport first;
-    implicit_.wholeForce(context.t, force_);
+    implicit_.wholeForce(context.t, force_, true, gamma_);
     for (std::size_t b = 0; b < implicit_.bodies().count(); ++b) rates_[b] = implicit_.bodies().sum(b, force_);
     if (!acceleration_.solve(system.x, system.v, force_, a_, context.stop, first)) return first;
     if (system.hasCurvedInertia()) takeRates(system);

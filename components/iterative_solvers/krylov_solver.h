@@ -61,7 +61,7 @@ class KrylovSolver : public LinearSolver {
   }
   /// Nanoseconds of that, estimated; 0: not known.
   double productCost(const SystemMatrix& matrix) const {
-    return assembled_ ? assembledProductCost(assembled_->blocks(), halved_ != nullptr) : matrix.productCost();
+    return assembled_ ? BlockMatrix::productCost(assembled_->blocks(), halved_ != nullptr) : matrix.productCost();
   }
   /// r = b - A x; returns r.r. `work` has the shape of r.
   double residual(const SystemMatrix& matrix, ConstRows b, ConstRows x, Rows r, Rows work) const {

@@ -55,7 +55,7 @@ bool Multigrid::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop
 /// From counts. Pairs in contact that have come or gone since make the pattern of the matrix anew too.
 void Multigrid::price(const SystemMatrix& matrix) {
   const double rows = matrix.rows(), blocks = now_.hierarchy->fine.a.blocks(), by_fields = matrix.productCost();
-  const double product = by_fields > 0 ? by_fields : assembledProductCost(blocks);
+  const double product = by_fields > 0 ? by_fields : BlockMatrix::productCost(blocks, false);
   const double cycle = by_products_ ? IterationCosts::cycleByProducts(rows, product, isTurned()) : IterationCosts::cycle(rows, blocks);
   const double made = IterationCosts::hierarchy(rows, blocks) + IterationCosts::assembly(rows) +
                       (now_.other_pattern ? IterationCosts::pattern(rows, blocks) : 0);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/algebra/direct_solver.h"
 #include "framework/scene/archive.h"
 
 namespace stroma {
@@ -19,12 +20,6 @@ namespace {
 // fitted to plates of 17 to 101 nodes by 3 to 5.
 constexpr double flops_each = 135, entries_each = 81;
 constexpr double nanosecond = 1e-9;
-/// Nanoseconds of a preconditioner. Numbers are read twice, in four bytes: from the caches, or from memory where there are 25 MB of
-/// them. Slender and small ones, which are made in double precision, have small fronts.
-double applicationCost(double entries, bool is_single) {
-  const double megabytes = 4e-6 * entries;
-  return entries * ((is_single ? 0.33 : 0.65) + 0.4 * std::clamp((megabytes - 10) / 15, 0.0, 1.0));
-}
 /// Numbers that fit into half of the machine's memory.
 double mostEntries() {
   const double bytes = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
@@ -94,7 +89,7 @@ SolverCosts solverCosts(const BlockMatrix& pattern, const FactorCounts& counts, 
   const double rows = pattern.rows(), blocks = pattern.blocks();
   const FactorCosts factors = factorCosts(pattern.rows(), counts);
   const double usual = solves > 1 ? loose : to_tolerance, each = factors.is_single ? applications : 1;
-  const double matrix_product = assembledProductCost(blocks);
+  const double matrix_product = BlockMatrix::productCost(blocks, false);
   if (product <= 0 || product > matrix_product) product = matrix_product;
   SolverCosts costs;
   // iterations by former factors to two decades, and matrices that factors serve
@@ -122,8 +117,9 @@ FactorCosts factorCosts(Index rows, const FactorCounts& counts, bool in_single) 
   const bool is_single = in_single || flops >= std::max(5e7, 180 * entries);
   FactorCosts costs;
   costs.order = order * rows;
-  costs.factor = (is_single ? flops / 115 + 2.3 * entries : flops / 40 + 6.5 * entries) + IterationCosts::assembly(rows);
-  costs.application = applicationCost(entries, is_single) + FactorCosts::turning * rows;
+  const Factorisation::Cost own = Factorisation::Cost::of(entries, flops, is_single);
+  costs.factor = own.factor / nanosecond + IterationCosts::assembly(rows);
+  costs.application = own.apply / nanosecond + FactorCosts::turning * rows;
   costs.entries = entries, costs.is_single = is_single;
   return costs;
 }

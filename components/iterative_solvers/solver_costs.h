@@ -83,12 +83,4 @@ struct IterationCosts {
 double expectedMultigridRate(const BlockMatrix& pattern);
 constexpr double least_multigrid_rate = 1.2;
 
-/// Nanoseconds of a product with an assembled matrix, 76 bytes a block: 47 GB/s from the second cache, 25 from the third, 11 from
-/// memory. With SymmetricBlocks 43 bytes.
-inline double assembledProductCost(double blocks, bool is_halved = false) {
-  const double megabytes = (is_halved ? 43e-6 : 76e-6) * blocks;
-  const double third = std::clamp((megabytes - 1) / 3, 0.0, 1.0), memory = std::clamp((megabytes - 12) / 12, 0.0, 1.0);
-  return blocks * (is_halved ? 1.2 + 0.5 * third + 2.7 * memory : 1.6 + 1.5 * third + 3.7 * memory);
-}
-
 }  // namespace stroma

@@ -57,6 +57,8 @@ class BlockMatrix {
 
   /// y = A x, with registers of four where the machine has them. 18 flops and 76 bytes per block.
   void multiply(ConstRows x, Rows y) const;
+  /// Of a product with so many blocks, of which a symmetric one may read half [ns].
+  static double productCost(double blocks, bool is_halved);
   /// y += factor A x
   void multiplyAdd(double factor, ConstRows x, Rows y) const;
   static bool hasFours();  ///< whether products use AVX2 here

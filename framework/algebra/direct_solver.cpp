@@ -3,10 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "framework/scene/spans.h"
 
 namespace stroma {
+
+/// Large fronts of single precision run at 115 Gflop/s on one core, of double at 40; numbers are cleared, added and divided besides.
+/// Fitted to 1,331 nodes of tetrahedra, and to 1,331 and 15,625 of hexahedra. An application reads them twice, from the caches or from
+/// memory where there are 25 MB of them (in nine bodies).
+Factorisation::Cost Factorisation::Cost::of(double entries, double flops, bool in_single) {
+  const double far = 0.4e-9 * std::clamp((4e-6 * entries - 10) / 15, 0.0, 1.0);
+  if (in_single) return {flops / 115e9 + 2.3e-9 * entries, (0.33e-9 + far) * entries};
+  return {flops / 40e9 + 8e-9 * entries, 0.65e-9 * entries};
+}
 
 void DirectSolver::declare(DataTable& table) {
   table.add("template", template_).help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
@@ -38,11 +48,7 @@ bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& v
 
 bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop) {
   const BlockMatrix& a = matrix.assemble();
-  if (stop.isStopAsked()) {
-    report.stop = SolveStop::stopped;
-    return false;
-  }
-  if (!analyseIfNew(matrix, a, kept, stop)) {
+  if (stop.isStopAsked() || !analyseIfNew(matrix, a, kept, stop)) {
     report.stop = SolveStop::stopped;
     return false;
   }
@@ -81,8 +87,7 @@ Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vecto
   kept.factored = false;
   kept.factors->load(former);
   Index row = -1;
-  const SolveStop end = kept.factors->factor(row, stop);
-  return end == SolveStop::converged ? kept.factors.get() : nullptr;
+  return kept.factors->factor(row, stop) == SolveStop::converged ? kept.factors.get() : nullptr;
 }
 
 namespace {
@@ -112,9 +117,7 @@ double DirectSolver::refine(const BlockMatrix& a, ConstRows b, double norm_b, Ro
       axpy(-1, kept.correction, x);
       break;
     }
-    const bool halves = now < 0.5 * error;
-    error = now;
-    if (!halves) break;
+    if (!(now < 0.5 * std::exchange(error, now))) break;
   }
   return error;
 }

@@ -31,6 +31,8 @@ class Factorisation {
   /// the same in each run.
   struct Cost {
     double factor = 0, apply = 0;
+    /// Of a Cholesky factor of so many numbers that so many operations make.
+    static Cost of(double entries, double flops, bool in_single);
   };
   virtual Cost cost() const = 0;
 };

@@ -49,6 +49,7 @@ class SystemMatrix {
   /// True when every term of the matrix is already kept assembled or is cheaper assembled than as a product.
   virtual bool prefersAssembled(int expected_products) const = 0;
   virtual double productCost() const { return 0; }  ///< of multiply() [ns], estimated, for ratios; 0: not known
+  virtual double assemblyCost() const { return -1; }  ///< of assemble() [ns], likewise; below 0: not known; 1e30: of part of the terms
   /// Where the nodes of the rows are, near enough to tell how the matrix has turned since another one; nothing (count
   /// 0) when rows are not nodes in space.
   virtual ConstRows positions() const { return {}; }

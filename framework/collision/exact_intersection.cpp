@@ -108,8 +108,7 @@ bool segmentsMeet(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, in
   const int ac = orientation2(a, b, c, drop), ad = orientation2(a, b, d, drop);
   const int ca = orientation2(c, d, a, drop), cb = orientation2(c, d, b, drop);
   if (ac * ad < 0 && ca * cb < 0) return true;
-  return (ac == 0 && inBox(c, a, b)) || (ad == 0 && inBox(d, a, b)) || (ca == 0 && inBox(a, c, d)) ||
-         (cb == 0 && inBox(b, c, d));
+  return (ac == 0 && inBox(c, a, b)) || (ad == 0 && inBox(d, a, b)) || (ca == 0 && inBox(a, c, d)) || (cb == 0 && inBox(b, c, d));
 }
 
 /// An axis along which some three of the points are no line, or -1.
@@ -136,8 +135,7 @@ bool meetInPlane(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t) {
 
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 x = a - d, y = b - d, z = c - d;
-  const double xy = x.x() * y.y(), yx = x.y() * y.x(), yz = x.y() * y.z(), zy = x.z() * y.y(), zx = x.z() * y.x(),
-               xz = x.x() * y.z();
+  const double xy = x.x() * y.y(), yx = x.y() * y.x(), yz = x.y() * y.z(), zy = x.z() * y.y(), zx = x.z() * y.x(), xz = x.x() * y.z();
   const double determinant = z.z() * (xy - yx) + z.x() * (yz - zy) + z.y() * (zx - xz);
   const double sizes = std::abs(z.z()) * (std::abs(xy) + std::abs(yx)) + std::abs(z.x()) * (std::abs(yz) + std::abs(zy)) +
                        std::abs(z.y()) * (std::abs(zx) + std::abs(xz));

@@ -58,8 +58,7 @@ bool considerInterior(PairKind kind, const std::array<Point<T>, 4>& x, Nearest<T
   const Point<T> from = triangle ? x[0] - x[1] : x[0] - x[2], normal = cross(first, second);
   const T square = dot(normal, normal), sizes = dot(first, first) * dot(second, second);
   if (square > T(0)) {
-    const T along_second = dot(cross(from, second), normal) / square,
-            along_first = dot(cross(from, first), normal) / square;
+    const T along_second = dot(cross(from, second), normal) / square, along_first = dot(cross(from, first), normal) / square;
     const Point<T> d = normal * (dot(from, normal) / square);
     if (triangle) {
       const T v = along_second, w = -along_first, u = T(1) - v - w;

@@ -18,8 +18,7 @@ void FactorOverTime::declare(DataTable& table, const std::string& what, Sign sig
 
 void FactorOverTime::check() {
   if (times_.size() != factors_.size())
-    throw ComponentError(fmt::format("there are {} times and {} factors", times_.size(), factors_.size()),
-                         "as many of each");
+    throw ComponentError(fmt::format("there are {} times and {} factors", times_.size(), factors_.size()), "as many of each");
   keys_.assign(times_, factors_, "times", "factors");
   keys_.checkAscending();
   if (period_ == 0) return;
@@ -30,8 +29,7 @@ void FactorOverTime::check() {
         "times from 0 up to the period");
   if (factors_.front() != factors_.back())
     throw ComponentError(fmt::format("the first factor is {:g} and the last {:g}: a period would end with a jump",
-                                     factors_.front(), factors_.back()),
-                         "the same factor at the start and at the end of a period");
+                                     factors_.front(), factors_.back()), "the same factor at the start and at the end of a period");
 }
 
 double FactorOverTime::at(double t) const {

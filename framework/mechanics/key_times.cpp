@@ -20,8 +20,7 @@ Value zero() {
 }  // namespace
 
 template <class Value>
-void KeyTimes<Value>::declare(DataTable& table, const std::string& values_name, const std::string& values_help,
-                              const std::string& unit) {
+void KeyTimes<Value>::declare(DataTable& table, const std::string& values_name, const std::string& values_help, const std::string& unit) {
   values_name_ = values_name;
   table.add("keyTimes", times_).help("times, ascending").unit("s").required();
   table.add(values_name, values_).help(values_help).unit(unit).required();
@@ -48,8 +47,7 @@ template <class Value>
 void KeyTimes<Value>::checkAscending() const {
   for (std::size_t i = 1; i < times_.size(); ++i)
     if (!(times_[i] > times_[i - 1]))
-      throw ComponentError(fmt::format("{0}[{1}] = {2:g} is not after {0}[{3}] = {4:g}", times_name_, i, times_[i],
-                                       i - 1, times_[i - 1]),
+      throw ComponentError(fmt::format("{0}[{1}] = {2:g} is not after {0}[{3}] = {4:g}", times_name_, i, times_[i], i - 1, times_[i - 1]),
                            "ascending times");
 }
 

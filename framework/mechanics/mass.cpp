@@ -42,8 +42,7 @@ void Mass::addProduct(ConstRows p, double factor, Rows out) const {
 void Mass::update(ConstRows x) {
   turns_.resize(turning_.size() * row_doubles);
   for (std::size_t i = 0; i < turning_.size(); ++i)
-    std::copy_n(state().segment(x).data + std::size_t(turning_[i].row) * row_doubles, row_doubles,
-                turns_.data() + i * row_doubles);
+    std::copy_n(state().segment(x).data + std::size_t(turning_[i].row) * row_doubles, row_doubles, turns_.data() + i * row_doubles);
   excess_outdated_ = true;
 }
 

@@ -24,8 +24,7 @@ void checkNode(int index, std::size_t position, const State& state, const std::s
       fmt::format("indices in 0 ... {}", state.nodes() - 1));
 }
 
-std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state,
-                                       const std::string& attribute) {
+std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state, const std::string& attribute) {
   if (indices.empty())
     throw ComponentError(fmt::format("{} lists no node of {}", attribute, state.path()), "at least one node",
                          "when a selection is linked here, check that its box or sphere holds nodes");

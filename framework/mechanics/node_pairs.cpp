@@ -19,8 +19,7 @@ std::pair<std::vector<Index>, std::vector<Index>> checkedPairs(const NodeList& f
                   checkedNodesInOrder(second.indices, second.state, second.attribute));
   if (pairs.first.size() != pairs.second.size())
     throw ComponentError(fmt::format("{} has {} nodes and {} {}", first.attribute, pairs.first.size(), second.attribute,
-                                     pairs.second.size()),
-                         "as many of each");
+                                     pairs.second.size()), "as many of each");
   return pairs;
 }
 

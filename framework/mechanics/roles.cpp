@@ -32,8 +32,7 @@ State* findState(const Component& component, const Link<State>& link) {
 void refuseOtherRows(const Component& component, const State& state, bool takes_all) {
   if (takes_all || state.hasPointsOnly()) return;
   throw ComponentError("this " + component.roleText() + " acts on points, and " + state.path() + " has " +
-                           (state.hasFrames() ? "rigid frames" : "numbers"),
-                       "a state of points (template=\"Vec3\")",
+                           (state.hasFrames() ? "rigid frames" : "numbers"), "a state of points (template=\"Vec3\")",
                        state.hasFrames() ? "points that follow the frames by a mapping" : "");
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <span>
+#include "framework/algebra/vector.h"
 
 namespace stroma {
 /// What a LagrangianConstraint knows of the forces of its rows: some say the same as others, and no force is the only one.
@@ -9,5 +9,12 @@ class SharesForces {
   virtual ~SharesForces() = default;
   /// Where the search begins [N], and by what rows that say the same yield to a force, in comparison; 0: this one says it alone.
   virtual void expectForces(std::span<double> forces, std::span<double> yields) const = 0;
+};
+/// A LagrangianConstraint whose forces say which conditions it has, as those of a point that a corner of its curve stops.
+class ChangesConditions {
+ public:
+  virtual ~ChangesConditions() = default;
+  /// Its conditions hold at x by these forces. True: from now on it has others, as many, and forces are found anew.
+  virtual bool changeConditions(ConstRows x, std::span<const double> forces) = 0;
 };
 }  // namespace stroma

@@ -53,8 +53,8 @@ class StepLimiter : public HearsSteps {
   /// True: movesOn() will say so after the present solve too, as with obstacles half way. Its equilibrium is only a place to go on
   /// from.
   virtual bool isOnTheWay() const { return false; }
-  /// While `wanted`, forces are asked for that stay in the equations of a step: nothing is held to help its solves.
-  virtual void wantStartForces(bool /*wanted*/) {}
+  /// While `wanted`, forces are asked for that stay in the equations of a step, nothing held; `of_end`: the part of those of its solves.
+  virtual void wantStartForces(bool /*wanted*/, double /*of_end*/ = 1) {}
   /// After a step to x: what lies in one another, as a sentence, or empty. Exact.
   virtual std::string overlap(ConstRows x) = 0;
 };

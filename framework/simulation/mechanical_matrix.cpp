@@ -17,13 +17,6 @@ namespace stroma {
 
 namespace {
 
-/// Nanoseconds of an assembled product per block: 76 bytes at the read bandwidth of one core out of cache. Of a symmetric matrix
-/// solvers read half of the blocks, in the second cache, in the third, or from memory.
-double blockProduct(double blocks, bool symmetric) {
-  const double megabytes = 43e-6 * blocks;
-  return symmetric ? 1.2 + 0.5 * std::clamp((megabytes - 1) / 3, 0., 1.) + 1.2 * std::clamp((megabytes - 12) / 12, 0., 1.) : 2.9;
-}
-
 /// out = 0, by all threads where that is long.
 void clearShared(Rows out) {
   constexpr Index piece = 16384;
@@ -110,8 +103,7 @@ long MechanicalMatrix::valuesRevision() const {
 
 bool MechanicalMatrix::symmetric() const {
   const auto is_symmetric = [](const ForceField* field) { return field->traits().symmetric; };
-  return std::all_of(actors_.stiff_fields.begin(), actors_.stiff_fields.end(), is_symmetric) &&
-         std::all_of(actors_.damped_fields.begin(), actors_.damped_fields.end(), is_symmetric);
+  return std::ranges::all_of(actors_.stiff_fields, is_symmetric) && std::ranges::all_of(actors_.damped_fields, is_symmetric);
 }
 
 /// P p = p to round-off. Where nothing that is held changes it always is.
@@ -137,18 +129,13 @@ void MechanicalMatrix::multiply(ConstRows p, Rows out) const {
   const bool has_relations = !constraints_.relations().empty();
   if (!has_relations && isFree(constraints_, p)) return multiplyFree(p, out);
   if (free_part_.count() != rows() + 1) free_part_.resize(rows() + 1);
-  if (!has_relations) {
-    const Rows free = free_part_.head(rows());
-    copy(p, free);
-    constraints_.project(free);
-    return multiplyFree(free, out);
-  }
-  const auto size = free_part_[rows()];  // the last row keeps s, and for which values it holds
-  if (const double values = double(valuesRevision() + 1); size[1] != values)
-    free_part_[rows()] = Vec3(heldBeside(actors_, factors_, constraints_.relations().relations(), diagonals_), values, 0);
   const Rows free = free_part_.head(rows());
   copy(p, free);
   constraints_.project(free);
+  if (!has_relations) return multiplyFree(free, out);
+  const auto size = free_part_[rows()];  // the last row keeps s, and for which values it holds
+  if (const double values = double(valuesRevision() + 1); size[1] != values)
+    free_part_[rows()] = Vec3(heldBeside(actors_, factors_, constraints_.relations().relations(), diagonals_), values, 0);
   multiplyFree(free, out);
   axpy(size[0], p, out);
   axpy(-size[0], free, out);
@@ -162,10 +149,7 @@ void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
   const bool maps = p_all.data != p.data;
   const Mass* const first = actors_.masses.empty() || maps ? nullptr : actors_.masses.front();
   const bool is_set = first && factors_.of(*first) != 0 && first->setsProducts(out.count);
-  if (is_set)
-    heard("product", first)->setProduct(p_all, factors_.of(*first), out);
-  else
-    clearShared(out);
+  is_set ? heard("product", first)->setProduct(p_all, factors_.of(*first), out) : clearShared(out);
   const Rows all = maps ? mappings_.beginSum(out) : out;
   for (const Mass* mass : actors_.masses)
     if (const double factor = factors_.of(*mass); factor != 0 && !(is_set && mass == first))
@@ -218,22 +202,22 @@ double MechanicalMatrix::productCost() const {
   return sum;
 }
 
-// Matrix-free: products x (sum of the fields' products). Assembled: the assemblies plus the block products. An
-// assembly of stiffnesses that never change is shared by all steps and counts as nothing.
+/// That of stiffnesses that never change is shared by all steps and counts as nothing.
+double MechanicalMatrix::assemblyCost() const {
+  double sum = 0;
+  for (const ForceField* field : actors_.stiff_fields) sum += field->traits().constant_stiffness ? 0 : field->cost().assembly;
+  return productCost() > 0 ? sum : -1;
+}
+
+// Matrix-free: products x (sum of the fields' products). Assembled: the assemblies plus the block products.
 bool MechanicalMatrix::prefersAssembled(int expected_products) const {
-  if (!mappings_.empty() || actors_.stiff_fields.empty()) return false;
   const double product = productCost();
-  double assembly = 0;
-  for (const ForceField* field : actors_.stiff_fields) {
-    const ForceField::Cost cost = field->cost();
-    if (cost.product <= 0) return false;  // nothing is known about its costs
-    if (!field->traits().constant_stiffness) assembly += cost.assembly;
-  }
-  if (expected_products * product <= assembly) return false;
+  double assembly = assemblyCost();
+  if (!mappings_.empty() || assembly < 0 || expected_products * product <= assembly) return false;
   const bool is_new = assembled_.blocks() < 0;
   if (is_new) assembled_.pattern();
   const bool is_halved = symmetric();
-  const double by_blocks = assembled_.blocks() * blockProduct(assembled_.blocks(), is_halved);
+  const double by_blocks = BlockMatrix::productCost(assembled_.blocks(), is_halved);
   constexpr double halving = 2.5;  // products
   if (is_halved && assembly > 0) assembly += halving * by_blocks;
   const bool pays = expected_products * (product - by_blocks) > assembly;

@@ -33,6 +33,7 @@ class MechanicalMatrix final : public SystemMatrix {
   bool symmetric() const override;
   bool prefersAssembled(int expected_products) const override;
   double productCost() const override;
+  double assemblyCost() const override;
   ConstRows positions() const override;
   bool isOfLooseNodes() const override;
   bool hasTurns() const override;

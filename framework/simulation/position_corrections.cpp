@@ -81,8 +81,7 @@ void PositionCorrections::compile(const Actors& actors, const Integrator& integr
                            "position constraints on a state of points");
   if (!constraints.relations().empty())
     throw ComponentError(fmt::format("{} corrects positions after each step, and the corrections would break relations "
-                                     "between displacements",
-                                     actors.position_constraints.front()->path()),
+                                     "between displacements", actors.position_constraints.front()->path()),
                          "position constraints, or linear relations");
   mobility_.allocate(constraints.inverseLumpedMass());
   reference_.resize(actors.independent_rows);
@@ -113,8 +112,7 @@ void PositionCorrections::enforce(const StepContext& context, ConstRows x_start,
     report.constraint_reason =
         fmt::format("{} does not hold after {} corrections: {}", culprit->path(), moved.count, culprit->violation());
   else if (const PositionConstraint* turning = turned.broken())
-    report.constraint_reason =
-        fmt::format("velocities still break {} after {} corrections", turning->path(), turned.count);
+    report.constraint_reason = fmt::format("velocities still break {} after {} corrections", turning->path(), turned.count);
 }
 
 }  // namespace stroma

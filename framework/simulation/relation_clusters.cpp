@@ -127,8 +127,7 @@ void RelationClusters::makeClusters(const std::vector<FreeTerm>& terms, Index ro
 }
 
 // (C Q)^T Pi = N^T R by a rank-revealing QR. Relations beyond the rank follow from the others.
-void RelationClusters::factorise(Cluster& cluster, const std::vector<FreeTerm>& terms,
-                                 const std::vector<double>& inverse_mass) const {
+void RelationClusters::factorise(Cluster& cluster, const std::vector<FreeTerm>& terms, const std::vector<double>& inverse_mass) const {
   const Eigen::Index directions = 3 * Eigen::Index(cluster.rows.size()), count = Eigen::Index(cluster.relations.size());
   Eigen::MatrixXd transposed = Eigen::MatrixXd::Zero(directions, count);
   for (Eigen::Index column = 0; column < count; ++column) {
@@ -177,8 +176,7 @@ void RelationClusters::project(Rows vector) const {
 
 void RelationClusters::projectAcceleration(Rows a) const {
   for (const Cluster& cluster : clusters_)
-    takeAway(cluster.basis, cluster.along, cluster.rows, gathered_.head(cluster.basis.cols()), reduced_.head(cluster.basis.rows()),
-             a);
+    takeAway(cluster.basis, cluster.along, cluster.rows, gathered_.head(cluster.basis.cols()), reduced_.head(cluster.basis.rows()), a);
 }
 
 template <class Value>
@@ -261,8 +259,7 @@ void RelationClusters::eliminateDiagonal(std::vector<double>& blocks) const {
   for (const Cluster& cluster : clusters_) {
     const double held = heldBeside(blocks, cluster.rows, [](Index row) { return row; });
     for (std::size_t i = 0; i < cluster.rows.size(); ++i) {
-      const Mat3 taken =
-          cluster.basis.middleCols<3>(3 * Eigen::Index(i)).transpose() * cluster.basis.middleCols<3>(3 * Eigen::Index(i));
+      const Mat3 taken = cluster.basis.middleCols<3>(3 * Eigen::Index(i)).transpose() * cluster.basis.middleCols<3>(3 * Eigen::Index(i));
       const Mat3 free = Mat3::Identity() - taken;
       auto block = blockAt(blocks, cluster.rows[i]);
       block = (free * block * free + held * taken).eval();

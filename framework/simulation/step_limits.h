@@ -42,8 +42,8 @@ class StepLimits {
     return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->isOnTheWay(); });
   }
   /// See StepLimiter.
-  void wantStartForces(bool wanted) {
-    for (StepLimiter* limiter : limiters_) limiter->wantStartForces(wanted);
+  void wantStartForces(bool wanted, double of_end = 1) {
+    for (StepLimiter* limiter : limiters_) limiter->wantStartForces(wanted, of_end);
   }
 
  private:
