@@ -42,8 +42,9 @@ void ConditionForces::end(const std::vector<Row>& rows) {
 }
 
 void ConditionForces::sweep(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed, double part) {
-  begin(rows, stop, allowed), sweep(part);
-  contradiction = isLittle(5 * part) ? 2 * unsettled_ * size_ : 0, end(rows);
+  begin(rows, stop, allowed);
+  if (!(contradiction > 0 && isLittle(8 * part))) sweep(part);  // else what sweeps have found in this step stands
+  contradiction = isLittle(8 * part) ? 2 * unsettled_ * size_ : 0, end(rows);
 }
 
 void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
@@ -169,7 +170,7 @@ void ConditionForces::sweep(double part) {
       r_[rows[k]] += by * derivative_[std::size_t(k)];
     q_[row] += by;
   };
-  restart(least_);
+  double before = (restart(least_), none);
   for (int k = 1; k <= most && unsettled_ > near && !isOver(); ++k) {
     for (const Group& group : groups_) {
       const double q = q_[group.first], to = q - r_[group.first] / scaled_(group.first, group.first);
@@ -179,6 +180,7 @@ void ConditionForces::sweep(double part) {
     }
     spent += double(derivative_.size()), note();
     if (k % look == 0 && q_ == least_ && isLittle(part)) break;
+    if (k % 50 == 0 && !(unsettled_ < 0.5 * std::exchange(before, unsettled_)) && isLittle(5 * part)) break;
   }
 }
 
