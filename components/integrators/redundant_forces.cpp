@@ -10,7 +10,7 @@ namespace stroma {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
-  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, budget] = problem;
+  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, from, budget] = problem;
   const auto count = Eigen::Index(live.size());
   double most = 0;
   for (Eigen::Index k = 0; k < count; ++k)
@@ -103,11 +103,11 @@ double RedundantForces::offOf(const VectorXd& q, const VectorXd& r) const {
   double worst = 0;
   for (const Group& group : groups_) {
     const Eigen::Index at = group.first, n = group.tangents();
-    worst = std::max(worst, std::abs(group.pushes ? q[at] - std::max(q[at] - r[at], 0.0) : r[at]));
+    worst = std::max(worst, group.pushes ? offOfPush(q[at], r[at], none) : std::abs(r[at]));
     if (n == 0) continue;
     SmallVector wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
-    const double length = wanted.norm(), bound = group.mu * std::max(q[at], 0.0);
-    if (length > bound) wanted *= bound / length;
+    double length = 0, bound = 0;
+    cutFriction(wanted, group.mu, q[at], length, bound);
     worst = std::max(worst, group.rate * (wanted - q.segment(at + 1, n)).cwiseAbs().maxCoeff());
   }
   return q.allFinite() && r.allFinite() ? worst / size_ : none;
@@ -174,7 +174,7 @@ void RedundantForces::linearise(Blocks& blocks) {
 
 /// Steps from q while they help; q becomes the best. What it is off by.
 double RedundantForces::newton(double size, const VectorXd& where, VectorXd& q) {
-  constexpr int most = 12;
+  constexpr int most = 12, most_idle = 4;
   VectorXd &at = work_.at, &r = work_.r;
   const auto look = [&] {
     conditions(at, r);
@@ -183,11 +183,11 @@ double RedundantForces::newton(double size, const VectorXd& where, VectorXd& q) 
   };
   at = q;
   double now = look(), least = now;
-  for (int k = 0; k < most && now > settled && !isOver(); ++k) {
+  for (int k = 0, idle = 0; k < most && idle < most_idle && now > settled && !isOver(); ++k, ++idle) {
     stepFrom(at, r, size);
     at += work_.way;
     const double last = std::exchange(now, look());
-    if (now < least) least = now, q = at;
+    if (now < least) least = now, q = at, idle = -1;
     if (!std::isfinite(now) || !(now > rounded || now < 0.5 * last)) break;
   }
   return least;
@@ -223,25 +223,27 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
   constexpr double little = 1e-3;     // of what rows may be off by
   constexpr double unchanged = 1e-8;  // so little of the largest condition moves forces along where they were
   stop_ = stop, contradiction_ = 0, budget_ = problem.budget, spent = 0;
-  if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
+  is_apt_ = !problem.live.empty() && scaleRows(problem, l) && findGroups(problem);
+  if (!is_apt_) return false;
   off_ = none, best_ = start_, note(start_);
   if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
+  if (problem.from == Place::standing) return false;
   findRoots();
   VectorXd& q = work_.found;
   q = start_;
   const auto isDone = [&] { return !(off_ > near) || isLittle(problem, little); };
-  if (problem.goes_on || off_ < unchanged) {
+  if (problem.goes_on || off_ < unchanged || problem.from == Place::swept) {
     draw(problem, thin, q);
-    if (isDone()) return take(problem, l);
+    if (isDone() || (problem.from == Place::swept && isLittle(problem, held))) return take(problem, l);
     q = start_;
   }
-  bool is_found = layer(thin, q);
-  for (double first = thin; !is_found && first < 0.1 && !isOver(); first *= 100) {
+  bool is_found = problem.from != Place::inside && layer(thin, q);
+  for (double first = thin; problem.from == Place::inside && !is_found && first < 0.1 && !isOver(); first *= 100) {
     q = searchInside(first), is_found = layer(first, q);
     for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
   }
   if (is_found) draw(problem, thin, q);
-  return (off_ < coarse || isDone()) && take(problem, l);
+  return (off_ < coarse || isDone() || (problem.from == Place::inside && isLittle(problem, held))) && take(problem, l);
 }
 
 /// l = best_

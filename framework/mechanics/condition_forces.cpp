@@ -10,6 +10,14 @@ namespace {
 // where a step no longer helps, round-off of forces that are large for their conditions is left
 constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6, held = 0.1;  // held: of what is tolerated
 constexpr double none = std::numeric_limits<double>::infinity();
+
+/// w without its zeros: its numbers by columns; `at`: where columns begin, and then the rows.
+void pack(const Eigen::MatrixXd& w, std::vector<int>& at, std::vector<double>& numbers) {
+  at.assign(std::size_t(w.cols()) + 1, 0), numbers.clear();
+  for (Eigen::Index k = 0; k < w.cols(); at[std::size_t(++k)] = int(numbers.size()))
+    for (Eigen::Index i = 0; i < w.rows(); ++i)
+      if (w(i, k) != 0) at.push_back(int(i)), numbers.push_back(w(i, k));
+}
 }  // namespace
 
 void ConditionForces::begin(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
@@ -34,22 +42,26 @@ void ConditionForces::end(const std::vector<Row>& rows) {
 }
 
 void ConditionForces::sweep(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed, double part) {
-  begin(rows, stop, allowed), sweep(part), end(rows);
+  begin(rows, stop, allowed);
+  if (!(contradiction > 0 && isLittle(8 * part))) sweep(part);  // else what sweeps have found in this step stands
+  contradiction = isLittle(8 * part) ? 2 * unsettled_ * size_ : 0, end(rows);
 }
 
 void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
   begin(rows, stop, allowed);
   if (unsettled_ > 1.5 * enough) newton(), note();
   if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
+  const bool are_many = live_.size() > 100;  // eliminations are dear; of few the interior-point method keeps what is symmetric so
   const auto search = [&](auto way) {
     const double before = std::exchange(unsettled_, none);
     const Eigen::VectorXd q = least_;
     way(), newton(), note();
-    if (!isLittle(held)) settle();
+    if (!are_many || !isLittle(held)) settle();
     if (!(unsettled_ < before)) unsettled_ = before, least_ = q;
   };
-  if (unsettled_ > near && !isLittle()) search([this] { sweep(held); });
-  if (unsettled_ > near && !isLittle(held)) search([this] { searchInside(); });
+  if (are_many && unsettled_ > near && !isLittle()) search([this] { sweep(held); });
+  if (unsettled_ > near && !isLittle(are_many ? held : 1e-3)) search([this] { searchInside(); });
+  if (!are_many && unsettled_ > coarse && !isLittle()) search([this] { sweep(held); });
   if (unsettled_ > near && unsettled_ < coarse && !isOver() && !isLittle()) contradiction = 2 * unsettled_ * size_;
   end(rows);
 }
@@ -103,8 +115,7 @@ void ConditionForces::restart(const Eigen::VectorXd& q) {
 
 void ConditionForces::change(int row, double to) {
   if (to == q_[row]) return;
-  r_ += (to - q_[row]) * scaled_.col(row);
-  q_[row] = to;
+  r_ += (to - q_[row]) * scaled_.col(row), q_[row] = to;
 }
 
 void ConditionForces::findWanted(const Group& group) {
@@ -139,7 +150,7 @@ void ConditionForces::note() { if (const double now = residual(); now < unsettle
 bool ConditionForces::isLittle(double part) {
   if (unsettled_ * size_ < contradiction) return true;
   if (allowed_.empty() || !std::isfinite(unsettled_)) return false;
-  restart(least_);
+  if (q_ != least_) restart(least_);
   const auto holds = [&](const Group& group, std::size_t row, double off) {
     return off <= part * allowed_[row] * sizes[row] * scale_[group.first];
   };
@@ -151,20 +162,25 @@ bool ConditionForces::isLittle(double part) {
 
 /// From the best place, notes where it comes to.
 void ConditionForces::sweep(double part) {
-  constexpr int most = 500, look = 5;
-  restart(least_);
+  const int look = 5, most = allowed_.empty() ? 500 : 2000;  // as packed rows cost little
+  pack(scaled_, active_, derivative_);
+  const int* const rows = active_.data() + scaled_.cols() + 1;
+  const auto go = [&](int row, double by) {
+    for (int k = by != 0 ? active_[std::size_t(row)] : active_[std::size_t(row) + 1]; k < active_[std::size_t(row) + 1]; ++k)
+      r_[rows[k]] += by * derivative_[std::size_t(k)];
+    q_[row] += by;
+  };
+  double before = (restart(least_), none);
   for (int k = 1; k <= most && unsettled_ > near && !isOver(); ++k) {
     for (const Group& group : groups_) {
-      const int at = group.first;
-      const double to = q_[at] - r_[at] / scaled_(at, at);
-      change(at, group.pushes ? std::clamp(to, 0.0, group.most) : to);
-      if (group.tangents() == 0) continue;
-      findWanted(group);
-      for (int row = at + 1; row < group.end; ++row) change(row, wanted_[row - at - 1]);
+      const double q = q_[group.first], to = q - r_[group.first] / scaled_(group.first, group.first);
+      go(group.first, (group.pushes ? std::clamp(to, 0.0, group.most) : to) - q);
+      if (group.tangents() > 0) findWanted(group);
+      for (int row = group.first + 1; row < group.end; ++row) go(row, wanted_[row - group.first - 1] - q_[row]);
     }
-    const double before = unsettled_;
-    spent += double(q_.size()) * double(q_.size()), note();
-    if (k % look == 0 && unsettled_ < before && isLittle(part)) break;
+    spent += double(derivative_.size()), note();
+    if (k % look == 0 && q_ == least_ && isLittle(part)) break;
+    if (k % 50 == 0 && !(unsettled_ < 0.5 * std::exchange(before, unsettled_)) && isLittle(5 * part)) break;
   }
 }
 
@@ -297,8 +313,7 @@ bool ConditionForces::newtonStep() {
   }
   if (!step_.head(count).allFinite()) return false;
   for (Eigen::Index k = 0; k < count; ++k) q_[active_[std::size_t(k)]] += step_[k];
-  restart(q_);
-  return true;
+  return restart(q_), true;
 }
 
 ConditionForces::Violation ConditionForces::worst(const std::vector<Row>& rows, const std::vector<double>& allowed) {

@@ -45,7 +45,6 @@ bool addScaling(const auto& x, const auto& z, double goal, Eigen::Ref<Eigen::Mat
 
 }  // namespace
 
-/// Notes the best place.
 void ConditionForces::searchInside() {
   constexpr int most_rounds = 60;
   constexpr double enough = 1e-11, least_way = 1e-8, regular = 1e-12, shorter = 0.95;

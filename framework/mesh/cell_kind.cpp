@@ -42,7 +42,6 @@ double integralOfDeterminant(const CellKind& kind, int degree, const Vec3* x) {
 double edgeLength(const Vec3* x) { return simplexSize(1, x); }
 double triangleArea(const Vec3* x) { return simplexSize(2, x); }
 double tetrahedronSize(const Vec3* x) { return simplexSize(3, x); }
-
 double quadArea(const Vec3* x) { return integralOfArea(cell_kinds::quad, x); }
 double quadraticTriangleArea(const Vec3* x) { return integralOfArea(cell_kinds::quadratic_triangle, x); }
 

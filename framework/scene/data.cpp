@@ -11,10 +11,7 @@
 
 namespace stroma {
 
-Data::Data(std::string name, DataPointer pointer) : name_(std::move(name)), pointer_(std::move(pointer)) {
-  default_ = print();
-}
-
+Data::Data(std::string name, DataPointer pointer) : name_(std::move(name)), pointer_(std::move(pointer)) { default_ = print(); }
 void Data::keepIn(DataPointer pointer) { pointer_ = std::move(pointer); }
 Data& Data::help(std::string text) { return help_ = std::move(text), *this; }
 Data& Data::unit(std::string text) { return unit_ = std::move(text), *this; }
@@ -97,7 +94,6 @@ std::optional<Problem> Data::checkRange() const {
 }
 
 Data& DataTable::addLink(std::string name, LinkBase& link) { return insert(Data(std::move(name), &link)); }
-
 void DataTable::addVisualOnly(std::string name) { visual_only_.push_back(std::move(name)); }
 
 Data& DataTable::insert(Data data) {

@@ -13,18 +13,14 @@ const AttributeDescription* findAttribute(const std::vector<AttributeDescription
 
 }  // namespace
 
-const AttributeDescription* ComponentDescription::find(std::string_view attribute) const {
-  return findAttribute(attributes, attribute);
-}
+const AttributeDescription* ComponentDescription::find(std::string_view attribute) const { return findAttribute(attributes, attribute); }
 
 std::string ComponentDescription::name() const {
   const AttributeDescription* attribute = find("name");
   return attribute ? attribute->value : std::string();
 }
 
-const AttributeDescription* NodeDescription::find(std::string_view attribute) const {
-  return findAttribute(attributes, attribute);
-}
+const AttributeDescription* NodeDescription::find(std::string_view attribute) const { return findAttribute(attributes, attribute); }
 
 std::string NodeDescription::name() const {
   const AttributeDescription* attribute = find("name");

@@ -20,7 +20,6 @@ bool contains(const std::vector<std::string_view>& list, std::string_view word) 
 }
 
 bool hasNoEffect(const ComponentDescription& component) { return contains(acceptedWithoutEffect(), component.type); }
-
 bool isVisualModel(const ComponentDescription& component) { return contains(visualModels(), component.type); }
 
 bool holdsVisualModel(const NodeDescription& node) {
@@ -47,7 +46,6 @@ bool isOff(const NodeDescription& node) {
 }  // namespace
 
 void adviseOnMissingTypes(MissingTypeAdvice advice) { missingTypeAdvice() = std::move(advice); }
-
 std::string adviceOnMissingType(const std::string& type) { return missingTypeAdvice() ? missingTypeAdvice()(type) : std::string(); }
 
 Instantiation::Instantiation(Scene& scene, Factory& factory, Modules& modules)

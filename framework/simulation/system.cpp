@@ -86,7 +86,6 @@ void System::checkLinearSolver() const {
 }
 
 LinearSolver* System::linearSolver() const { return integrator_.linearSolver(); }
-
 Node& System::node() const { return integrator_.node(); }
 
 void System::beginStep(const StepContext& context) {
@@ -108,7 +107,6 @@ void System::endStep(const StepContext& context, ConstRows x_start, StepReport& 
 }
 
 void System::keepSolver() { if (LinearSolver* solver = linearSolver()) solver->keepFor(matrix_); }
-
 void System::takeSolverBack() { if (LinearSolver* solver = linearSolver()) solver->takeBackFor(matrix_); }
 
 void System::applyMappings() {
