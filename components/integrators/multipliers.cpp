@@ -45,8 +45,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
   knows_forces_ = false, bend_count_ = 0, times_left_ = 0;
-  constexpr double of_thousand_rows = 1e9;
-  solve_.spent = 0, solve_.budget = of_thousand_rows * budget_, is_swept_ = false;
+  spent_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
   copy(system_->mappingChain().positions(system_->x), start_);
@@ -151,8 +150,7 @@ void Multipliers::couple() {
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector& response = responses_[live_[std::size_t(i)]];
     if (couplesByDirections()) {
-      coupleReached(std::size_t(i), response);
-      solve_.w.col(i) *= factor;
+      for (Eigen::Index j = 0; j < count; ++j) solve_.w(j, i) = factor * alongReached(std::size_t(j), response);
     } else {
       const ConstRows along = system_->mappingChain().direction(response);
       for (Eigen::Index j = 0; j < count; ++j) {
@@ -167,34 +165,22 @@ void Multipliers::couple() {
 
 /// Where the directions of rows of W are not zero: of two rigid bodies, of however many there are.
 void Multipliers::findReached() {
-  reached_.clear(), reaching_.clear(), first_reaching_.clear();
-  for (Index at = 0; at < system_->independentRows(); ++at) {
-    const std::size_t before = reaching_.size();
-    for (std::size_t number = 0; number < live_.size(); ++number)
-      if (!directions_[live_[number]][at].isZero(0)) reaching_.push_back(number);
-    if (reaching_.size() > before) reached_.push_back(at), first_reaching_.push_back(before);
-  }
-  first_reaching_.push_back(reaching_.size());
-}
-
-/// A column of W: directions of all its rows with a response, which is zero where nothing joins bodies.
-void Multipliers::coupleReached(std::size_t number, ConstRows response) {
-  auto column = solve_.w.col(Eigen::Index(number));
-  column.setZero();
-  for (std::size_t k = 0; k < reached_.size(); ++k) {
-    const auto there = response[reached_[k]];
-    if (there.isZero(0)) continue;
-    for (std::size_t at = first_reaching_[k]; at < first_reaching_[k + 1]; ++at)
-      column[Eigen::Index(reaching_[at])] += directions_[live_[reaching_[at]]][reached_[k]].dot(there);
+  reached_.clear(), first_reached_.assign(1, 0);
+  for (const std::size_t row : live_) {
+    const ConstRows direction = directions_[row];
+    for (Index at = 0; at < direction.count; ++at)
+      if (!direction[at].isZero(0)) reached_.push_back(at);
+    first_reached_.push_back(reached_.size());
   }
 }
 
-/// An exact search for forces of rigid bodies costs rows times ways to move squared for each of its steps: beyond a millisecond
-/// sweeps come first.
-bool Multipliers::isDear() const {
-  constexpr double most = 1e6, ways_of_row = 3;
-  const double rows = double(live_.size()), ways = std::min(rows, ways_of_row * double(reached_.size()));
-  return couplesByDirections() && rows * ways * ways > most;
+/// The direction of a row of W with a response.
+double Multipliers::alongReached(std::size_t number, ConstRows response) const {
+  const ConstRows direction = directions_[live_[number]];
+  double sum = 0;
+  for (std::size_t k = first_reached_[number]; k < first_reached_[number + 1]; ++k)
+    sum += direction[reached_[k]].dot(response[reached_[k]]);
+  return sum;
 }
 
 /// Where the search of a correction begins.
@@ -213,39 +199,26 @@ void Multipliers::expectForces() {
   if (std::ranges::none_of(yields_, [](double each) { return each > 0; })) yields_.clear();
 }
 
-/// Of rows that say the same. False: not found from there, and forces are as they were.
-bool Multipliers::findRedundant(RedundantForces::Place from, bool goes_on, StopToken stop) {
-  // of what is tolerated: forces of the step before, and of sweeps in this one, that are off by less stand
-  constexpr double at_rest = 1e-6, at_rest_swept = 0.8;
-  const double left = solve_.budget - solve_.spent;
-  const double little = is_swept_ ? at_rest_swept : carries_ ? at_rest : 0;
-  const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w, solve_.g, solve_.sizes, yields_,
-                                         allowed_,     little, goes_on,  from,     left};
-  const bool is_found = redundant_.find(problem, solve_.l, stop);
-  solve_.spent += redundant_.spent;
-  if (is_found) solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
-  return is_found;
-}
-
-/// Sweeps hold by a part of what is tolerated, and are slow where few bodies carry each other; an exact search is dear for many.
 void Multipliers::findForces(StopToken stop) {
-  using Place = RedundantForces::Place;
+  constexpr double of_thousand_rows = 1e9;
   solve_.enough = 0;
+  const double budget = budget_ * of_thousand_rows;
+  constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
   const bool goes_on = solve_.searches > searches_before_;
-  const auto find = [&](Place from) { return findRedundant(from, goes_on, stop); };
-  const auto sweep = [&] {
-    solve_.sweep(rows_.rows(), stop, allowed_, RedundantForces::held);
-    solve_.enough = solve_.unsettled();
-    return solve_.contradiction > 0;
-  };
-  if (!yields_.empty() && !find(Place::standing) && redundant_.isApt()) {
-    const bool sweeps_first = is_swept_ || isDear();
-    is_swept_ = sweeps_first && sweep();
-    if (!is_swept_ && !find(Place::near)) {
-      if (!find(Place::inside) && !sweeps_first) sweep(), is_swept_ = find(Place::swept) && redundant_.contradiction() > 0;
-    }
+  const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w,
+                                         solve_.g,     solve_.sizes, yields_,
+                                         allowed_,     carries_ ? at_rest : 0, goes_on, budget - spent_};
+  if (!yields_.empty()) {
+    if (redundant_.find(problem, solve_.l, stop))
+      solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
+    spent_ += redundant_.spent;
   }
-  if (solve_.spent <= solve_.budget) solve_.solve(rows_.rows(), stop, allowed_);
+  if (spent_ <= budget) {
+    solve_.spent = 0, solve_.budget = budget - spent_;
+    solve_.solve(rows_.rows(), stop, allowed_);
+    spent_ += solve_.spent;
+  }
+  is_spent_ = spent_ > budget;
 }
 
 void Multipliers::give() {

@@ -114,11 +114,9 @@ class Multipliers {
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
   void findReached();
-  void coupleReached(std::size_t number, ConstRows response);
-  bool isDear() const;
+  double alongReached(std::size_t number, ConstRows response) const;
   void expectForces();
   void findForces(StopToken stop);
-  bool findRedundant(RedundantForces::Place from, bool goes_on, StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
   void leaveOutForces();
   void sumResponses();
@@ -151,8 +149,7 @@ class Multipliers {
   std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the one before
   bool has_new_answers_ = false;             ///< since that
   std::vector<Index> reached_;               ///< rows in which directions of rows of W are not zero
-  std::vector<std::size_t> first_reaching_;  ///< of each of reached_, and the end, in reaching_
-  std::vector<std::size_t> reaching_;        ///< rows of W whose directions are not zero there
+  std::vector<std::size_t> first_reached_;   ///< of each row of W, in reached_
   std::vector<double> own_;                ///< of each row: its diagonal of W
   std::vector<double> allowed_;            ///< by how much each row may be off; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
@@ -180,8 +177,9 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
-  double budget_ = 100;     ///< of a step's searches [a thousand rows' cube]
-  bool is_swept_ = false;   ///< in the step, forces were found by sweeps
+  double budget_ = 100;     ///< of spent_ [a thousand rows' cube]
+  double spent_ = 0;        ///< in the step on searches: the cube of the rows of each elimination
+  bool is_spent_ = false;
   int times_left_ = 0;  ///< in the step, where directions turned far
   double share_ = 1;
   Mixing mixing_;

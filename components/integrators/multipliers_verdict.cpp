@@ -35,7 +35,7 @@ double Multipliers::leastTolerance(bool kept) {
 
 /// True, and the step has failed: its budget is spent.
 bool Multipliers::isSpent(StepReport& report) {
-  if (!(solve_.spent > solve_.budget)) return false;
+  if (!is_spent_) return false;
   const auto worst = solve_.worst(rows_.rows(), allowed_);
   report.diverged = true;
   report.reason = fmt::format("{} finds no forces of Lagrangian constraints within the budget of a step, {} iterations on {} rows: {} "

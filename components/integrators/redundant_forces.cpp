@@ -10,7 +10,7 @@ namespace stroma {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
-  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, from, budget] = problem;
+  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, budget] = problem;
   const auto count = Eigen::Index(live.size());
   double most = 0;
   for (Eigen::Index k = 0; k < count; ++k)
@@ -174,7 +174,7 @@ void RedundantForces::linearise(Blocks& blocks) {
 
 /// Steps from q while they help; q becomes the best. What it is off by.
 double RedundantForces::newton(double size, const VectorXd& where, VectorXd& q) {
-  constexpr int most = 12, most_idle = 4;
+  constexpr int most = 12;
   VectorXd &at = work_.at, &r = work_.r;
   const auto look = [&] {
     conditions(at, r);
@@ -183,11 +183,11 @@ double RedundantForces::newton(double size, const VectorXd& where, VectorXd& q) 
   };
   at = q;
   double now = look(), least = now;
-  for (int k = 0, idle = 0; k < most && idle < most_idle && now > settled && !isOver(); ++k, ++idle) {
+  for (int k = 0; k < most && now > settled && !isOver(); ++k) {
     stepFrom(at, r, size);
     at += work_.way;
     const double last = std::exchange(now, look());
-    if (now < least) least = now, q = at, idle = -1;
+    if (now < least) least = now, q = at;
     if (!std::isfinite(now) || !(now > rounded || now < 0.5 * last)) break;
   }
   return least;
@@ -223,27 +223,25 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
   constexpr double little = 1e-3;     // of what rows may be off by
   constexpr double unchanged = 1e-8;  // so little of the largest condition moves forces along where they were
   stop_ = stop, contradiction_ = 0, budget_ = problem.budget, spent = 0;
-  is_apt_ = !problem.live.empty() && scaleRows(problem, l) && findGroups(problem);
-  if (!is_apt_) return false;
+  if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
   off_ = none, best_ = start_, note(start_);
   if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
-  if (problem.from == Place::standing) return false;
   findRoots();
   VectorXd& q = work_.found;
   q = start_;
   const auto isDone = [&] { return !(off_ > near) || isLittle(problem, little); };
-  if (problem.goes_on || off_ < unchanged || problem.from == Place::swept) {
+  if (problem.goes_on || off_ < unchanged) {
     draw(problem, thin, q);
-    if (isDone() || (problem.from == Place::swept && isLittle(problem, held))) return take(problem, l);
+    if (isDone()) return take(problem, l);
     q = start_;
   }
-  bool is_found = problem.from != Place::inside && layer(thin, q);
-  for (double first = thin; problem.from == Place::inside && !is_found && first < 0.1 && !isOver(); first *= 100) {
+  bool is_found = layer(thin, q);
+  for (double first = thin; !is_found && first < 0.1 && !isOver(); first *= 100) {
     q = searchInside(first), is_found = layer(first, q);
     for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
   }
   if (is_found) draw(problem, thin, q);
-  return (off_ < coarse || isDone() || (problem.from == Place::inside && isLittle(problem, held))) && take(problem, l);
+  return (off_ < coarse || isDone()) && take(problem, l);
 }
 
 /// l = best_

@@ -4,9 +4,7 @@
 // give way as little as they can: with r + size Y (q - where) instead of r, Y what rows yield in comparison (SharesForces), there
 // is one solution. It is found with where = 0, which is the pressure of a thin elastic layer (Winkler), and then drawn from where
 // it is until the conditions themselves hold: proximal points (Rockafellar 1976). Newton's method finds each, from the forces of
-// the step before; where it does not, from those that sweeps have come to (ConditionForces::sweep()). What these hold by a tenth of
-// what is tolerated is taken where Newton's method does not mend it: of many bodies that is what can be had. Else it begins
-// from an interior-point method with a larger size, which is then made smaller.
+// the step before; where it does not, it begins from an interior-point method with a larger size, which is then made smaller.
 //
 // With x = (mu l_n, l_t) and z = (r_n / mu + |r_t|, r_t) of each group, both are in the cone x_0 >= |x_t| and x . z = 0 (De Saxce
 // and Feng 1998). A round goes towards x o z = share nu e, nu the mean of x . z; |r_t| is (|r_t|^2 + smooth nu^2 / (x_0^2 + nu))^.5:
@@ -34,9 +32,6 @@ class RedundantForces {
   using Kind = LagrangianRows::Kind;
   using Row = LagrangianRows::Row;
 
-  /// Where a search begins: nowhere, because forces may stand as they come; there; where sweeps have come to; at the end of the
-  /// interior-point method.
-  enum class Place : unsigned char { standing, near, swept, inside };
   /// What is searched for; all but w, of the `live` rows, are of all rows.
   struct Problem {
     const std::vector<Row>& rows;
@@ -46,19 +41,14 @@ class RedundantForces {
     const std::vector<double>&sizes, &yields, &allowed;  ///< allowed: as of ConditionForces::solve()
     double at_rest;  ///< forces that are off by less than this part of it are not searched for again
     bool goes_on;    ///< l has been found in this step, where bodies were a little elsewhere
-    Place from = Place::near;
-    double budget = 0;   ///< of `spent`; beyond it the search ends
+    double budget;   ///< of `spent`; beyond it the search ends
   };
   /// l: where the search begins and ends. False: these are not such conditions, or nothing better was found; l is as it was.
   bool find(const Problem& problem, Eigen::VectorXd& l, StopToken stop);
-  /// These have been such conditions.
-  bool isApt() const { return is_apt_; }
   /// What is off with the forces found, of the largest condition that does not hold without forces.
   double unsettled() const { return off_; }
   /// What is off, where rows contradict each other by a little; else 0. As ConditionForces::contradiction.
   double contradiction() const { return contradiction_; }
-  /// By how much of what is tolerated forces of sweeps may be off.
-  static constexpr double held = 0.1;
   double spent = 0;            ///< on the last find(): rows times columns^2 of each step
   long steps = 0, rounds = 0;  ///< of all find(): Newton steps, rounds of the interior-point method
 
@@ -113,7 +103,6 @@ class RedundantForces {
   Eigen::MatrixXd whole_p_, whole_q_;                       ///< work space, as is
   Work work_;
   double budget_ = 0;
-  bool is_apt_ = false;
   StopToken stop_;
 };
 
