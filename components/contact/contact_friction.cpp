@@ -46,6 +46,16 @@ void Friction::add(const BarrierLaw& law, const Touch& touch, double sticking, d
   if (force != 0) slides.push_back({.v = touch.v, .c = touch.c, .n = touch.n, .force = force, .on_plane = touch.v[1] < 0});
 }
 
+/// Those of the end of a step and, where its impulse is no mean, those of its start: they rub by the way of the step as well, which takes
+/// energy, however large they are beside the mean.
+template <class Add>
+void Friction::addAll(const BarrierLaw& law, const std::vector<Touch>& touches, Add&& addOf) {
+  for (const Touch& touch : touches) addOf(touch, balance ? balance->factorOf(law, touch.v) : 1);
+  if (!balance) return;
+  for (const Touch& touch : balance->startTouches())
+    if (const double part = balance->rubbingPartOf(law, touch.v); part > 0) addOf(touch, part);
+}
+
 void Friction::note(const BarrierLaw& law, const std::vector<Touch>& touches) {
   slides.clear();
   looks_ = true, is_computed_ = is_on_line_ = false;
@@ -55,15 +65,6 @@ void Friction::note(const BarrierLaw& law, const std::vector<Touch>& touches) {
     add(law, touch, stickingAt(vertex < slid_.size() ? slid_[vertex].norm() : 0), part);
   };
   addAll(law, touches, addOf);
-}
-
-/// Those of the end of a step and, where its impulse is no mean, those of its start: they rub by the way of the step as well, which takes
-/// energy, however large they are beside the mean.
-void Friction::addAll(const BarrierLaw& law, const std::vector<Touch>& touches, const std::function<void(const Touch&, double)>& addOf) {
-  for (const Touch& touch : touches) addOf(touch, balance ? balance->factorOf(law, touch.v) : 1);
-  if (!balance) return;
-  for (const Touch& touch : balance->startTouches())
-    if (const double part = balance->rubbingPartOf(law, touch.v); part > 0) addOf(touch, part);
 }
 
 void Friction::noteAgain(const BarrierLaw& law, const std::vector<Touch>& touches, const std::vector<Vec3>& x,

@@ -21,7 +21,6 @@
 // Adhesion that pulls with a force a bears mu_a a along the surfaces besides, where it sticks, and nothing from y = 2 on: what slides is
 // not glued (Fang, Li and others 2023 let it go by the law of f; here it follows the solves too).
 #pragma once
-#include <functional>
 #include <map>
 
 #include "components/contact/contact_terms.h"
@@ -134,7 +133,8 @@ class Friction {
                  const std::vector<Vec3>& start, const Vec3& moved);
   void addTerm(const Surfaces& surfaces, const Slide& slide, const Vec3& force, const Mat3& m);
   void add(const BarrierLaw& law, const Touch& touch, double sticking, double part = 1);
-  void addAll(const BarrierLaw& law, const std::vector<Touch>& touches, const std::function<void(const Touch&, double)>& addOf);
+  template <class Add>
+  void addAll(const BarrierLaw& law, const std::vector<Touch>& touches, Add&& addOf);
   double stickingAt(double way) const;
   static Vec3 wayOf(const Slide& slide, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
 
