@@ -149,7 +149,7 @@ void BDFOdeSolver::predict(System& system, ImplicitScheme& scheme) {
 bool BDFOdeSolver::rests(System& system, const ImplicitScheme& scheme) {
   if (start_from_ != StartFrom::predicted || rest_below_ == 0) return false;
   const Rows lack = system.independent(impulse_);
-  implicit_.wholeForce(scheme.time, lack, false);
+  implicit_.wholeForce(scheme.time, lack, false, 1);
   scale(scheme.weight, lack);
   if (scheme.has_history) system.addMassProduct(implicit_.velocity_predictor, 1, lack);
   system.constraints().project(lack);

@@ -87,7 +87,7 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   System& s = *system_;
   const Rows b = s.independent(right_side_), dv = change_;
   const bool two_times = depends_on_time_ && scheme_.old_weight != 0;
-  if (two_times) wholeForce(scheme_.old_time, constant_);
+  if (two_times) wholeForce(scheme_.old_time, constant_, true, 0.5);
   setTime(scheme_.time);
   const double total = scheme_.weight + (two_times ? 0 : scheme_.old_weight);
   const double k = scheme_.weight * scheme_.drift / total + rayleigh_stiffness;
@@ -245,7 +245,7 @@ void ImplicitStep::startIterating() {
   has_constant_ = scheme_.old_weight != 0 || !multipliers_.empty();
   clear(constant_);
   if (scheme_.old_weight != 0) {
-    wholeForce(scheme_.old_time, constant_);
+    wholeForce(scheme_.old_time, constant_, true, 0.5);
     scale(scheme_.old_weight, constant_);
   }
   if (!multipliers_.empty()) multipliers_.addCarried(constant_);

@@ -72,7 +72,7 @@ class ImplicitStep final : public NonlinearProblem {
   ConstRows change() const { return change_; }
   /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()). `starts`: it stays in the
   /// equations of the step, which goes by its mean with that of the end; of whose impulse that of the end is the part `of_end`.
-  void wholeForce(double time, Rows out, bool starts = true, double of_end = 0.5);
+  void wholeForce(double time, Rows out, bool starts, double of_end);
   LinearSolver& linearSolver() const { return *solver_; }
   SystemMatrix& whole(SystemMatrix& matrix) { return whole_.of(matrix); }  ///< to solve with all of its stiffness
   // ---- for a rule that makes its own linear solve: forces of Lagrangian constraints, as in solve() ----

@@ -103,11 +103,10 @@ double RedundantForces::offOf(const VectorXd& q, const VectorXd& r) const {
   double worst = 0;
   for (const Group& group : groups_) {
     const Eigen::Index at = group.first, n = group.tangents();
-    worst = std::max(worst, group.pushes ? offOfPush(q[at], r[at], none) : std::abs(r[at]));
+    worst = std::max(worst, group.pushes ? ConditionForces::offOfPush(q[at], r[at], none) : std::abs(r[at]));
     if (n == 0) continue;
     SmallVector wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
-    double length = 0, bound = 0;
-    cutFriction(wanted, group.mu, q[at], length, bound);
+    ConditionForces::cutFriction(wanted, group.mu, q[at]);
     worst = std::max(worst, group.rate * (wanted - q.segment(at + 1, n)).cwiseAbs().maxCoeff());
   }
   return q.allFinite() && r.allFinite() ? worst / size_ : none;

@@ -117,7 +117,9 @@ double DirectSolver::refine(const BlockMatrix& a, ConstRows b, double norm_b, Ro
       axpy(-1, kept.correction, x);
       break;
     }
-    if (!(now < 0.5 * std::exchange(error, now))) break;
+    const bool halves = now < 0.5 * error;
+    error = now;
+    if (!halves) break;
   }
   return error;
 }

@@ -8,19 +8,12 @@ namespace stroma {
 
 namespace {
 // where a step no longer helps, round-off of forces that are large for their conditions is left
-constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6, held = 0.1;  // held: of what is tolerated
+constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;
 constexpr double none = std::numeric_limits<double>::infinity();
 
-/// w without its zeros: its numbers by columns; `at`: where columns begin, and then the rows.
-void pack(const Eigen::MatrixXd& w, std::vector<int>& at, std::vector<double>& numbers) {
-  at.assign(std::size_t(w.cols()) + 1, 0), numbers.clear();
-  for (Eigen::Index k = 0; k < w.cols(); at[std::size_t(++k)] = int(numbers.size()))
-    for (Eigen::Index i = 0; i < w.rows(); ++i)
-      if (w(i, k) != 0) at.push_back(int(i)), numbers.push_back(w(i, k));
-}
 }  // namespace
 
-void ConditionForces::begin(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
+void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
   stop_ = stop, allowed_ = allowed, ++searches;
   live_.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -30,40 +23,30 @@ void ConditionForces::begin(const std::vector<Row>& rows, StopToken stop, const 
   size_ = 0;  // of those that forces have to mend; gaps far from contact have no say
   for (const Group& group : groups_)
     size_ = std::max(size_, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
-  unsettled_ = none, least_ = q_, restart(q_), note();
-}
-
-void ConditionForces::end(const std::vector<Row>& rows) {
+  unsettled_ = none, least_ = q_;
+  restart(q_), note();
+  if (unsettled_ > 1.5 * enough) newton(), note();
+  if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
+  const auto search = [&](auto way) {
+    const double before = std::exchange(unsettled_, none);
+    const Eigen::VectorXd q = least_;
+    way(), newton(), note();
+    if (!isLittle()) settle();
+    if (!(unsettled_ < before)) unsettled_ = before, least_ = q;
+  };
+  // The order is one of time alone: rounds of the interior-point method cost the cube of the rows, sweeps their square. Of few rows
+  // it goes first, as it keeps what is symmetric so.
+  const bool are_many = live_.size() > 100;
+  if (are_many && unsettled_ > near && !isLittle()) search([this] { sweep(); });
+  if (unsettled_ > near && !isLittle()) search([this] { searchInside(); });
+  if (!are_many && unsettled_ > coarse && !isLittle()) search([this] { sweep(); });
+  if (unsettled_ > coarse && !isLittle()) search([this] { searchWithSlides(); });
+  if (unsettled_ > near && unsettled_ < coarse && !isOver() && !isLittle()) contradiction = 2 * unsettled_ * size_;
   l.setZero();
   for (std::size_t k = 0; k < live_.size(); ++k)
     l[Eigen::Index(live_[k])] = std::isfinite(unsettled_) ? scale_[Eigen::Index(k)] * least_[Eigen::Index(k)] : unsettled_;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].kind == Kind::given) l[Eigen::Index(i)] = rows[i].factor;
-}
-
-void ConditionForces::sweep(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed, double part) {
-  begin(rows, stop, allowed);
-  if (!(contradiction > 0 && isLittle(8 * part))) sweep(part);  // else what sweeps have found in this step stands
-  contradiction = isLittle(8 * part) ? 2 * unsettled_ * size_ : 0, end(rows);
-}
-
-void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed) {
-  begin(rows, stop, allowed);
-  if (unsettled_ > 1.5 * enough) newton(), note();
-  if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
-  const bool are_many = live_.size() > 100;  // eliminations are dear; of few the interior-point method keeps what is symmetric so
-  const auto search = [&](auto way) {
-    const double before = std::exchange(unsettled_, none);
-    const Eigen::VectorXd q = least_;
-    way(), newton(), note();
-    if (!are_many || !isLittle(held)) settle();
-    if (!(unsettled_ < before)) unsettled_ = before, least_ = q;
-  };
-  if (are_many && unsettled_ > near && !isLittle()) search([this] { sweep(held); });
-  if (unsettled_ > near && !isLittle(are_many ? held : 1e-3)) search([this] { searchInside(); });
-  if (!are_many && unsettled_ > coarse && !isLittle()) search([this] { sweep(held); });
-  if (unsettled_ > near && unsettled_ < coarse && !isOver() && !isLittle()) contradiction = 2 * unsettled_ * size_;
-  end(rows);
 }
 
 /// Zero for rows that nothing moves; what rubs goes with what pushes. What is given goes to the offset.
@@ -110,18 +93,20 @@ void ConditionForces::findGroups(const std::vector<Row>& rows) {
 
 void ConditionForces::restart(const Eigen::VectorXd& q) {
   if (&q != &q_) q_ = q;
-  (r_ = offset_).noalias() += scaled_ * q_;
+  r_ = offset_;
+  r_.noalias() += scaled_ * q_;
 }
 
 void ConditionForces::change(int row, double to) {
   if (to == q_[row]) return;
-  r_ += (to - q_[row]) * scaled_.col(row), q_[row] = to;
+  r_ += (to - q_[row]) * scaled_.col(row);
+  q_[row] = to;
 }
 
 void ConditionForces::findWanted(const Group& group) {
   const int first = group.first + 1, count = group.tangents();
   wanted_ = q_.segment(first, count) - r_.segment(first, count) / group.rate;
-  cutFriction(wanted_, group.mu, q_[group.first], length_, bound_);
+  friction_ = cutFriction(wanted_, group.mu, q_[group.first]);
 }
 
 /// The function of what is equal or pushes.
@@ -144,7 +129,9 @@ double ConditionForces::residual() {
   return size_ > 0 ? worst / size_ : worst;
 }
 
-void ConditionForces::note() { if (const double now = residual(); now < unsettled_) unsettled_ = now, least_ = q_; }
+void ConditionForces::note() {
+  if (const double now = residual(); now < unsettled_) unsettled_ = now, least_ = q_;
+}
 
 /// Nothing better is found by a search.
 bool ConditionForces::isLittle(double part) {
@@ -160,17 +147,32 @@ bool ConditionForces::isLittle(double part) {
   });
 }
 
+void ConditionForces::Packed::set(const Eigen::MatrixXd& w) {
+  begins.assign(1, 0), rows.clear(), numbers.clear();
+  for (Eigen::Index k = 0; k < w.cols(); ++k) {
+    for (Eigen::Index i = 0; i < w.rows(); ++i) {
+      if (w(i, k) == 0) continue;
+      rows.push_back(int(i));
+      numbers.push_back(w(i, k));
+    }
+    begins.push_back(int(rows.size()));
+  }
+}
+
 /// From the best place, notes where it comes to.
-void ConditionForces::sweep(double part) {
-  const int look = 5, most = allowed_.empty() ? 500 : 2000;  // as packed rows cost little
-  pack(scaled_, active_, derivative_);
-  const int* const rows = active_.data() + scaled_.cols() + 1;
+void ConditionForces::sweep() {
+  // Sweeps that come nearer take some hundred; where what is left has not become half of it in `look` of them they creep, and
+  // what follows is faster.
+  constexpr int most = 2000, look = 50;
+  packed_.set(scaled_);
   const auto go = [&](int row, double by) {
-    for (int k = by != 0 ? active_[std::size_t(row)] : active_[std::size_t(row) + 1]; k < active_[std::size_t(row) + 1]; ++k)
-      r_[rows[k]] += by * derivative_[std::size_t(k)];
+    const auto end = std::size_t(packed_.begins[std::size_t(row) + 1]);
+    for (auto k = std::size_t(packed_.begins[std::size_t(row)]); k < end && by != 0; ++k)
+      r_[packed_.rows[k]] += by * packed_.numbers[k];
     q_[row] += by;
   };
-  double before = (restart(least_), none);
+  restart(least_);
+  double before = none;
   for (int k = 1; k <= most && unsettled_ > near && !isOver(); ++k) {
     for (const Group& group : groups_) {
       const double q = q_[group.first], to = q - r_[group.first] / scaled_(group.first, group.first);
@@ -178,9 +180,10 @@ void ConditionForces::sweep(double part) {
       if (group.tangents() > 0) findWanted(group);
       for (int row = group.first + 1; row < group.end; ++row) go(row, wanted_[row - group.first - 1] - q_[row]);
     }
-    spent += double(derivative_.size()), note();
-    if (k % look == 0 && q_ == least_ && isLittle(part)) break;
-    if (k % 50 == 0 && !(unsettled_ < 0.5 * std::exchange(before, unsettled_)) && isLittle(5 * part)) break;
+    spent += double(packed_.numbers.size());
+    note();
+    if (k % 5 == 0 && q_ == least_ && isLittle()) break;
+    if (k % look == 0 && !(unsettled_ < 0.5 * std::exchange(before, unsettled_))) break;
   }
 }
 
@@ -233,11 +236,12 @@ void ConditionForces::findActive() {
     if (!group.is_active) continue;
     for (int row = group.first; row < group.end; ++row) active_.push_back(row);
     if (group.tangents() == 0) continue;
-    findWanted(group), group.slips = length_ > bound_;
+    findWanted(group);
+    group.slips = friction_.slips();
     if (!group.slips) continue;
-    group.turn = bound_ / length_;
+    group.turn = friction_.bound / friction_.wanted;
     const int first = group.first + 1, count = group.tangents();
-    across_.segment(first, count) = (q_.segment(first, count) - r_.segment(first, count) / group.rate) / length_;
+    across_.segment(first, count) = (q_.segment(first, count) - r_.segment(first, count) / group.rate) / friction_.wanted;
   }
 }
 
@@ -313,7 +317,8 @@ bool ConditionForces::newtonStep() {
   }
   if (!step_.head(count).allFinite()) return false;
   for (Eigen::Index k = 0; k < count; ++k) q_[active_[std::size_t(k)]] += step_[k];
-  return restart(q_), true;
+  restart(q_);
+  return true;
 }
 
 ConditionForces::Violation ConditionForces::worst(const std::vector<Row>& rows, const std::vector<double>& allowed) {

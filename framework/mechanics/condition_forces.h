@@ -10,8 +10,8 @@
 // c: at least the largest eigenvalue of the tangents' block of W. Newton's method solves for the zero, with the derivative of the
 // piece of the function where it is (Alart and Curnier 1991). Near the solution it takes as many iterations as contacts change
 // between open, sticking and slipping. Of rows that say nearly the same it finds no forces: these are then drawn to where they
-// were (settle()). Where that does not help it begins from the end of sweeps, each condition in turn taking the force that its law
-// wants (Gauss and Seidel; Jourdan, Alart and Jean 1998), and then from that of an interior-point method (interior_forces.cpp).
+// were (settle()). Where that does not help it begins from the end of an interior-point method (interior_forces.cpp), of sweeps,
+// each condition in turn taking the force that its law wants (Gauss and Seidel; Jourdan, Alart and Jean 1998), and of convex searches.
 // Nothing is allocated while the number of rows stays whose force is not given as zero, where Newton's method alone does.
 #pragma once
 #include <Eigen/Dense>
@@ -26,14 +26,6 @@
 
 namespace stroma {
 
-/// The function of a push with force q and condition r.
-inline double offOfPush(double q, double r, double most) { return std::abs(q - std::clamp(q - r, 0.0, most)); }
-/// Cuts the friction that would hold a slide, q - r/c, to what it can be, `bound` = mu q_n. `length`: before.
-inline void cutFriction(auto& wanted, double mu, double push, double& length, double& bound) {
-  length = wanted.norm(), bound = mu * std::max(push, 0.0);
-  if (length > bound) wanted *= bound / length;
-}
-
 class ConditionForces {
  public:
   using Kind = LagrangianRows::Kind;
@@ -44,6 +36,20 @@ class ConditionForces {
     double off = 0;     ///< of a condition, over the length of its gradient [m]
     bool rubs = false;  ///< it is a slide that does not follow Coulomb's law
   };
+  /// The length of what would hold a slide, and mu q_n, which friction can have.
+  struct Friction {
+    double wanted = 0, bound = 0;
+    bool slips() const { return wanted > bound; }
+  };
+  /// The function of a push with force q and condition r.
+  static double offOfPush(double q, double r, double most) { return std::abs(q - std::clamp(q - r, 0.0, most)); }
+  /// Cuts q_t - r_t / c, which would hold a slide, to what friction can be.
+  template <typename Tangents>
+  static Friction cutFriction(Tangents& wanted, double mu, double push) {
+    const Friction friction{wanted.norm(), mu * std::max(push, 0.0)};
+    if (friction.slips()) wanted *= friction.bound / friction.wanted;
+    return friction;
+  }
 
   long searches = 0, steps = 0, rounds = 0;  ///< of all solve(): calls, Newton steps, rounds of the interior-point method
   /// On searches, the cube of the rows of each elimination; beyond the budget they end at the best place so far.
@@ -58,8 +64,6 @@ class ConditionForces {
   /// A stop is heeded within it; forces are then those of the best place so far. `allowed`: by how much each row may be off [m];
   /// what is off by a thousandth of it is not searched for again. Empty: nothing is allowed.
   void solve(const std::vector<Row>& rows, StopToken stop = {}, const std::vector<double>& allowed = {});
-  /// The same by sweeps alone, which no rows that say the same stop, until all is off by `part` of what is allowed, or to a limit.
-  void sweep(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed, double part);
   /// By how much the functions above are off, of the largest condition that does not hold without forces.
   double unsettled() const { return unsettled_; }
   /// The functions above, where the rows of the last solve() have come to (Row::value). `allowed`: by how much each row may be
@@ -79,6 +83,12 @@ class ConditionForces {
     double turn = 0;  ///< where it slips: which part of what would hold it friction can take
     int tangents() const { return end - first - 1; }
   };
+  /// scaled_ without its zeros, by columns.
+  struct Packed {
+    std::vector<int> begins, rows;
+    std::vector<double> numbers;
+    void set(const Eigen::MatrixXd& w);
+  };
   using Square = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
   void scaleRows(const std::vector<Row>& rows);
@@ -94,10 +104,9 @@ class ConditionForces {
   bool isLittle(double part = 1e-3);
   void newton();
   void settle();
-  void begin(const std::vector<Row>& rows, StopToken stop, const std::vector<double>& allowed);
-  void end(const std::vector<Row>& rows);
-  void sweep(double part);
-  void searchInside();
+  void sweep();
+  void searchInside(const Eigen::VectorXd* slides = nullptr);
+  void searchWithSlides();
   bool newtonStep();
   void findActive();
   Square linearise();
@@ -108,7 +117,8 @@ class ConditionForces {
   Eigen::VectorXd scale_, offset_, q_, r_, best_, least_;  ///< scaled; q_: forces, r_ = offset_ + scaled_ q_
   Eigen::MatrixXd scaled_;
   Eigen::VectorXd wanted_, across_;  ///< friction that holds a slide; its directions where it cannot, shape (rows)
-  double length_ = 0, bound_ = 0;    ///< of wanted_, before it was cut to the bound
+  Friction friction_;                ///< of wanted_
+  Packed packed_;
   std::vector<int> active_;          ///< unknowns of a Newton step
   std::vector<double> derivative_;   ///< on them, row by row
   Eigen::VectorXd step_;             ///< its first numbers are those of active_

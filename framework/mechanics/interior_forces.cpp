@@ -6,6 +6,8 @@
 // with |x|^2 = x_0^2 - |x_t|^2 and w the middle of z / |z| and J x / |x|, |w| = 1 (Nesterov and Todd 1998). Of rows that are equal
 // z = 0 and x is free. W then has the derivative of |r_t|, but after a short way, where it leads out of the cones. Where nothing
 // decides between sticking and slipping, half of the digits are found: Newton's method is tried each time nu is a tenth of what it was.
+// Where that and sweeps lead nowhere, each search has |r_t| fixed, which is a convex problem: at first zero, then halfway to
+// those that the search before has found (Acary, Cadoux, Lemarechal and Malick 2011).
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -45,7 +47,8 @@ bool addScaling(const auto& x, const auto& z, double goal, Eigen::Ref<Eigen::Mat
 
 }  // namespace
 
-void ConditionForces::searchInside() {
+/// Notes the best place. `slides`: |r_t| at the first row of each group; null: as they come.
+void ConditionForces::searchInside(const Eigen::VectorXd* slides) {
   constexpr int most_rounds = 60;
   constexpr double enough = 1e-11, least_way = 1e-8, regular = 1e-12, shorter = 0.95;
   constexpr double smooth = 0.03, short_way = 0.1, early = 1e-4, again = 0.1;  // of nu: where Newton's method is tried
@@ -61,7 +64,8 @@ void ConditionForces::searchInside() {
   Eigen::MatrixXd a, turned;
   double way = 1, share = 0.1, tried = early * size_ * size_;  // share: of nu, that is left
   for (int round = 0; round < most_rounds && unsettled_ > enough && !isOver(); ++round) {
-    restart(by.cwiseProduct(x)), note(), ++rounds, spent += std::pow(double(count), 3);
+    restart(by.cwiseProduct(x)), note(), ++rounds;
+    spent += std::pow(double(count), 3);
     off = by.cwiseProduct(r_) - z;
     double nu = 0;
     for (const auto& [at, size] : cones) nu += x.segment(at, size).dot(z.segment(at, size)) / double(cones.size());
@@ -73,9 +77,9 @@ void ConditionForces::searchInside() {
     turned = w;
     for (const auto& [at, size] : cones) {
       const auto along = z.segment(at + 1, size - 1);
-      const double length = std::sqrt(along.squaredNorm() + (size > 1 ? smooth * nu : 0));
+      const double length = slides ? (*slides)[at] : std::sqrt(along.squaredNorm() + (size > 1 ? smooth * nu : 0));
       off[at] += length;
-      if (size == 1 || way < short_way) continue;
+      if (slides || size == 1 || way < short_way) continue;
       off[at] += along.dot(off.segment(at + 1, size - 1)) / length;
       turned.row(at) += along.transpose() / length * w.middleRows(at + 1, size - 1);
     }
@@ -95,6 +99,16 @@ void ConditionForces::searchInside() {
     x += way * dx;
     for (const auto& [at, size] : cones) z.segment(at, size) += way * dz.segment(at, size);
     share = way > 0.9 ? 0.01 : way > 0.5 ? 0.1 : 0.5;
+  }
+}
+
+void ConditionForces::searchWithSlides() {
+  constexpr double near = 1e-9;
+  Eigen::VectorXd slides = Eigen::VectorXd::Zero(offset_.size());
+  for (int k = 0; k < 20 && unsettled_ > near && !isLittle() && !isOver(); ++k) {
+    searchInside(&slides);
+    for (const Group& group : groups_)
+      slides[group.first] += (k == 0 ? 1 : 0.5) * (r_.segment(group.first + 1, group.tangents()).norm() - slides[group.first]);
   }
 }
 

@@ -54,7 +54,7 @@ class StepLimiter : public HearsSteps {
   /// from.
   virtual bool isOnTheWay() const { return false; }
   /// While `wanted`, forces are asked for that stay in the equations of a step, nothing held; `of_end`: the part of those of its solves.
-  virtual void wantStartForces(bool /*wanted*/, double /*of_end*/ = 1) {}
+  virtual void wantStartForces(bool /*wanted*/, double /*of_end*/) {}
   /// After a step to x: what lies in one another, as a sentence, or empty. Exact.
   virtual std::string overlap(ConstRows x) = 0;
 };

@@ -149,7 +149,10 @@ void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
   const bool maps = p_all.data != p.data;
   const Mass* const first = actors_.masses.empty() || maps ? nullptr : actors_.masses.front();
   const bool is_set = first && factors_.of(*first) != 0 && first->setsProducts(out.count);
-  is_set ? heard("product", first)->setProduct(p_all, factors_.of(*first), out) : clearShared(out);
+  if (is_set)
+    heard("product", first)->setProduct(p_all, factors_.of(*first), out);
+  else
+    clearShared(out);
   const Rows all = maps ? mappings_.beginSum(out) : out;
   for (const Mass* mass : actors_.masses)
     if (const double factor = factors_.of(*mass); factor != 0 && !(is_set && mass == first))

@@ -82,10 +82,13 @@ double StepLimits::longest(ConstRows dx, double factor, bool is_carried, bool go
 
 bool StepLimits::moveOn() {
   const bool again = solvesAgain();
-  return goAlong(), again;
+  goAlong();
+  return again;
 }
 
-void StepLimits::goAlong() { if (hasWay()) goAlong(longest(still_, 1, true, true)); }
+void StepLimits::goAlong() {
+  if (hasWay()) goAlong(longest(still_, 1, true, true));
+}
 
 void StepLimits::push(Rows out) const {
   clear(out);

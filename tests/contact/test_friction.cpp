@@ -114,7 +114,7 @@ TEST(Friction, TheTangentRemembersTheLineAndTheForceDoesNot) {
     FieldUnderTest t = blockThatRubs();
     auto& limiter = dynamic_cast<StepLimiter&>(t.field());
     limiter.stepBegins(t.x, 0, 1);
-    limiter.wantStartForces(true);  // nothing is held
+    limiter.wantStartForces(true, 1);  // nothing is held
     for (Index i = 0; i < t.x.count(); ++i) t.x[i] += slip * 0.01 * Vec3(0.8, 0.6, 0);
     const Vector force = t.force(), product = t.product(t.direction);
     EXPECT_LT(relativeDifference(t.differenceOfForces(1e-8), product), 1e-5) << "slip " << slip;
@@ -152,7 +152,7 @@ TEST(Friction, ForceIsTheSlopeOfWhatASolveHasForAnEnergy) {
       FieldUnderTest t = blockThatRubs();
       auto& limiter = dynamic_cast<StepLimiter&>(t.field());
       limiter.stepBegins(t.x, 0, 1);
-      limiter.wantStartForces(!is_held);
+      limiter.wantStartForces(!is_held, 1);
       for (Index i = 0; i < t.x.count(); ++i) t.x[i] += slip * 0.01 * Vec3(0.8, 0.6, 0);
       t.force();
       check(t, fmt::format("a barrier, slip {}{}", slip, is_held ? ", held" : ""));

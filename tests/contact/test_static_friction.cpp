@@ -105,7 +105,7 @@ TEST(StaticFriction, HasOnePotentialInASolve) {
         "BarrierContact");
     auto& limiter = dynamic_cast<StepLimiter&>(t.field());
     limiter.stepBegins(t.x, 0, 1);
-    limiter.wantStartForces(true);  // nothing is held
+    limiter.wantStartForces(true, 1);  // nothing is held
     for (Index i = 0; i < t.x.count(); ++i) t.x[i] += slip * 0.01 * Vec3(0.8, 0.6, 0);
     EXPECT_LT(relativeDifference(t.differenceOfForces(1e-8), t.product(t.direction)), 1e-5) << "slip " << slip;
     expectSymmetricProducts(t);
