@@ -41,6 +41,7 @@ void AutomaticInverse::Memory::serialize(Archive& archive) {
   archive.value("auto_order", factor_costs.order);
   archive.value("auto_factor", factor_costs.factor);
   archive.value("auto_application", factor_costs.application);
+  archive.value("auto_entries", factor_costs.entries);
 }
 
 void AutomaticInverse::serialize(SystemMatrix& matrix, Archive& archive) {

@@ -196,6 +196,8 @@ void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   archive.value("spent", now_.spent);
   archive.value("rough_rate", now_.rough_rate);
   archive.value("gained", now_.gained);
+  archive.value("last_left", now_.last);
+  archive.value("given_up_left", now_.left);
   archive.value("served", now_.served);
   archive.value("at_once", now_.at_once);
   archive.value("failures", now_.failures);

@@ -35,8 +35,8 @@ class WarpedFactor final : public ApproximateInverse {
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override;
   void solved(const SolveReport& report) override {
-    last_ = report.relative_residual;
-    solved(report, std::exchange(left_, 1));
+    now_.last = report.relative_residual;
+    solved(report, std::exchange(now_.left, 1));
   }
   /// A solve, or the part of one that began where `began` of |b| was left.
   void solved(const SolveReport& report, double began);
@@ -44,7 +44,7 @@ class WarpedFactor final : public ApproximateInverse {
   bool giveUp() override {
     if (now_.fresh || renewal_ == Renewal::never) return false;
     if (now_.served == 1) now_.failures = std::min(now_.failures + 1, 4), now_.at_once = 1 << now_.failures;
-    left_ = last_;
+    now_.left = now_.last;
     return now_.renew = true;
   }
   void keep(const SystemMatrix& matrix) override {
@@ -109,6 +109,8 @@ class WarpedFactor final : public ApproximateInverse {
     double factor_seconds = 0;     ///< of a factorisation
     double spent = 0;              ///< seconds since the last factorisation, with it
     double gained = 0;             ///< since then: decades, and one for each solve
+    double last = 1;               ///< what the last solve, or part of one, left of |b|
+    double left = 1;               ///< the same where that was given up and goes on
     int served = 0;                ///< matrices since then
     int at_once = 0;               ///< matrices that are to be factored without a trial
     int failures = 0;              ///< of factors with the first matrix after their own, in a row
@@ -124,8 +126,6 @@ class WarpedFactor final : public ApproximateInverse {
   static constexpr std::size_t none = 2;
   std::array<Origin, 2> origins_;  ///< that of the step before stays until the step is taken
   Memory now_, kept_;
-  double last_ = 1;  ///< what the last solve, or part of one, left of |b|
-  double left_ = 1;  ///< the same where that was given up and goes on
   bool kept_current_ = false;
   MatrixKey taken_back_;  ///< what a step that was taken back left of the matrix of now_
   std::chrono::steady_clock::time_point start_;
