@@ -18,7 +18,7 @@
 #include <cstring>
 
 #include "components/condensation/condensed_integrator.h"
-#include "framework/mechanics/shares_forces.h"
+#include "framework/mechanics/changes_conditions.h"
 #include "framework/scene/archive.h"
 #include "framework/simulation/step_limits.h"
 
@@ -241,12 +241,9 @@ bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopT
 /// Which conditions there are may depend on the forces that have been found.
 bool CondensedIntegrator::changeConditions(const System& system) {
   CondensedConditions& c = conditions_;
-  bool have_changed = false;
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < c.constraints.size(); begin = c.ends[i++])
-    if (auto* each = dynamic_cast<ChangesConditions*>(c.constraints[i]))
-      have_changed = each->changeConditions(system.x, {c.solve.l.data() + begin, c.ends[i] - begin}) || have_changed;
-  return have_changed;
+  std::vector<double> answers(c.rows.rows().size(), 0);
+  for (std::size_t i = 0; i < c.live.size(); ++i) answers[std::size_t(c.live[i])] = c.solve.w(Eigen::Index(i), Eigen::Index(i));
+  return ChangesConditions::changeAny(c.constraints, c.ends, system.x, c.solve.l.data(), answers.data());
 }
 
 void CondensedConditions::mix() {

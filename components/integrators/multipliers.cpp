@@ -10,6 +10,7 @@
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
+#include "framework/mechanics/changes_conditions.h"
 #include "framework/mechanics/shares_forces.h"
 
 namespace stroma {
@@ -233,13 +234,7 @@ void Multipliers::give() {
 /// Which conditions there are may depend on the forces that have been found.
 bool Multipliers::changeConditions() {
   const ConstRows x = system_->mappingChain().positions(system_->x);
-  const auto& constraints = system_->actors().lagrangian_constraints;
-  bool have_changed = false;
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < ends_.size(); begin = ends_[i++])
-    if (auto* each = dynamic_cast<ChangesConditions*>(constraints[i]))
-      have_changed = each->changeConditions(x, {solve_.l.data() + begin, ends_[i] - begin}) || have_changed;
-  return have_changed;
+  return ChangesConditions::changeAny(system_->actors().lagrangian_constraints, ends_, x, solve_.l.data(), own_.data());
 }
 
 /// As those of cables and cavities.

@@ -29,7 +29,7 @@
 #include <algorithm>
 
 #include "components/lagrangian/pair_constraint.h"
-#include "framework/mechanics/shares_forces.h"
+#include "framework/mechanics/changes_conditions.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -82,7 +82,7 @@ class Sliding final : public PairConstraint, public ChangesConditions {
     rows.begin(length - along < near * length ? Kind::push : Kind::given, length - along);
     rows.add(row, -u), rows.add(b, u);
   }
-  bool changeConditions(ConstRows x, std::span<const double> forces) override {
+  bool changeConditions(ConstRows x, std::span<const double> forces, std::span<const double>) override {
     const int sense = forces[3] > 0 ? 1 : forces[2] > 0 ? -1 : 0;
     if (sense == 0 || (sense != sense_ && turns_left_ == 0)) return false;
     const bool is_last = sense > 0 ? piece_ + 1 == pieces() : piece_ == 0;

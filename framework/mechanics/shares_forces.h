@@ -10,11 +10,4 @@ class SharesForces {
   /// Where the search begins [N], and by what rows that say the same yield to a force, in comparison; 0: this one says it alone.
   virtual void expectForces(std::span<double> forces, std::span<double> yields) const = 0;
 };
-/// A LagrangianConstraint whose forces say which conditions it has, as those of a point that a corner of its curve stops.
-class ChangesConditions {
- public:
-  virtual ~ChangesConditions() = default;
-  /// Its conditions hold at x by these forces. True: from now on it has others, as many, and forces are found anew.
-  virtual bool changeConditions(ConstRows x, std::span<const double> forces) = 0;
-};
 }  // namespace stroma
