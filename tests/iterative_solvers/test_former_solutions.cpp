@@ -175,5 +175,21 @@ TEST(FormerSolutions, StepsInWhichNodesBeginToBeHeldAreThoseOfADirectSolver) {
       }
 }
 
+/// The choice between conjugate gradients and factors is made by prices, which a run that goes on knows as the whole run does.
+TEST(AutomaticLinearSolver, ARunThatGoesOnChoosesAsTheWholeRun) {
+  const std::string text =
+      R"(<Node name="root" dt="0.02" gravity="0 0 -9.81"><EulerImplicitSolver newtonIterations="10"/>
+      <RegularGridTopology n="40 4 4" min="0 0 0" max="1 0.08 0.08"/><MechanicalObject/><UniformMass totalMass="1"/>
+      <HexahedronFEMForceField youngModulus="1e5" poissonRatio="0.45" method="svd"/>
+      <BoxROI name="end" box="-1e-3 -1 -1 1e-3 2 2"/><FixedProjectiveConstraint indices="@end.indices"/></Node>)";
+  Simulation whole = simulationFromText(text), resumed = simulationFromText(text);
+  ASSERT_FALSE(whole.step().failed());
+  resumed.restore(whole.checkpoint().readable());
+  for (int step = 0; step < 3; ++step) {
+    whole.step(), resumed.step();
+    EXPECT_EQ(whole.stateHash(), resumed.stateHash()) << step;
+  }
+}
+
 }  // namespace
 }  // namespace stroma::test
