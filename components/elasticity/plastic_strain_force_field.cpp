@@ -14,6 +14,8 @@
 // does: what yields depends on the mesh then, and on the order of the nodes of a cell. A creep of 1 lets a cell yield at once; it is for a
 // time step, not for a time.
 //
+// With yieldsAtStart cells yield where they are at the start as well, as in SOFA: of use where positions differ from those at rest.
+//
 // The stress of the elastic force field beside it is D eps. Cell fields for exporters: elasticStress, R sigma R^T [Pa], elasticVonMises
 // [Pa] and plasticStrain, eps_p (six numbers each but for the second, xx yy zz xy yz zx: the stress in the axes of the world, the
 // strain in those of the rest shape and as a tensor, half the engineering shear).
@@ -83,11 +85,12 @@ class PlasticStrainForceField final : public ForceField, public History {
     table.add("poissonRatio", poisson_ratio_).ofCells().unit("-").min(0).max(0.5, false).help(
         "Poisson's ratio, one for all or one per cell");
     table.add("firstForOthers", first_for_others_).help("cells beyond the end of a list take its first value, as in SOFA");
-    table.add("plasticYieldThreshold", yield_).help("elastic strain beyond which a cell creeps").unit("-").min(0);
+    table.add("plasticYieldThreshold", threshold_).help("elastic strain beyond which a cell creeps").unit("-").min(0);
     table.add("plasticMaxThreshold", most_).help("largest plastic strain; 0: none, it stays at the start's").unit("-").min(0);
     table.add("plasticCreep", creep_).help("share of the elastic strain that becomes plastic per step").unit("-").min(0).max(1);
     table.add("initialStrain", initial_).ofCells(6).unit("-").help(
         "xx yy zz xy yz zx (engineering) at the start, one for all or one per cell");
+    table.add("yieldsAtStart", yields_at_start_).help("cells yield before the first step too, from the shape that they start in");
     table.add("scaledByVolume", scaled_).help("thresholds are of 6 V times the strain in a cell's own axes, as SOFA's");
   }
 
@@ -106,10 +109,14 @@ class PlasticStrainForceField final : public ForceField, public History {
   }
 
   void reset() override {
+    has_stepped_ = false;
     plastic_.assign(6 * cells_.size(), 0);
     for (std::size_t k = 0; k < plastic_.size() && !initial_.empty(); ++k) plastic_[k] = initial_[k % initial_.size()];
   }
-  void serialize(Archive& archive) override { archive.list("plastic_strain", plastic_); }
+  void serialize(Archive& archive) override {
+    archive.value("has_stepped", has_stepped_);
+    archive.list("plastic_strain", plastic_);
+  }
   const std::vector<double>& history() const override { return plastic_; }
 
   ForceTraits traits() const override {
@@ -129,6 +136,10 @@ class PlasticStrainForceField final : public ForceField, public History {
   }
   void addForce(ConstRows x, ConstRows, Rows f) override {
     const Index first = state().firstRow();
+    if (yields_at_start_ && !has_stepped_) {  // each time anew: a program may still move the nodes
+      reset();
+      yield(x, first);
+    }
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       const Cell& cell = cells_[c];
       const Mat3 force = cell.volume * rotation(cell, x, first) * stressOf(cell, plasticStrain(c));
@@ -160,18 +171,23 @@ class PlasticStrainForceField final : public ForceField, public History {
   void addStiffnessDiagonal(double, std::vector<double>&) const override {}
 
   void stepEnded(double) override {
-    if (most_ == 0) return;
+    has_stepped_ = true;
     const Span span("remember", this);
+    yield(state().x(), 0);
+  }
+
+ private:
+  void yield(ConstRows x, Index first) {
+    if (most_ == 0) return;
     for (std::size_t c = 0; c < cells_.size(); ++c) {
-      Strain elastic = engineering(strain(cells_[c], state().x(), 0)), plastic = Eigen::Map<const Strain>(plastic_.data() + 6 * c);
+      Strain elastic = engineering(strain(cells_[c], x, first)), plastic = Eigen::Map<const Strain>(plastic_.data() + 6 * c);
       elastic -= plastic;
-      if (size(elastic, cells_[c]) > yield_) plastic += creep_ * elastic;
+      if (size(elastic, cells_[c]) > threshold_) plastic += creep_ * elastic;
       if (const double now = size(plastic, cells_[c]); now > most_) plastic *= most_ / now;
       Eigen::Map<Strain>(plastic_.data() + 6 * c) = plastic;
     }
   }
 
- private:
   struct Cell {
     Tetrahedron nodes;
     std::array<Vec3, 4> gradients;  ///< at rest [1/m]
@@ -249,8 +265,9 @@ class PlasticStrainForceField final : public ForceField, public History {
   enum class Method : int { small, large, polar, svd } method_ = Method::large;
   enum class PolarOf : int { gradient, edges } polar_of_ = PolarOf::gradient;
   std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, initial_;
-  double yield_ = 1e-4, most_ = 0, creep_ = 0.9;
-  bool scaled_ = false, first_for_others_ = false;
+  double threshold_ = 1e-4, most_ = 0, creep_ = 0.9;
+  bool scaled_ = false, first_for_others_ = false, yields_at_start_ = false;
+  bool has_stepped_ = false;  ///< a step has ended
   std::vector<Cell> cells_;
   std::vector<double> plastic_;  ///< eps_p, six engineering strains of each cell
 };

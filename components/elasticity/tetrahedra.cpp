@@ -16,11 +16,19 @@ M3<T> timesTransposed(const M3<T>& a, const M3<T>& b) {
 }
 
 /// method = polar with polarOf = edges, as in SOFA: with the edges D_s now and D_m at rest, R = polar(D_s) polar(D_m)^T.
-/// It depends on which node is the first of a cell.
+/// It depends on which node is the first of a cell. Of a cell whose nodes go round the other way, now and at rest, both factors are
+/// reflections, and nothing is flipped.
 struct OfEdges {
   template <class T>
   static M3<T> of(const M3<T>& now, const M3<T>& then) {
-    return timesTransposed(rotation::Polar::of(now), rotation::Polar::of(then));
+    const M3<T> r = timesTransposed(rotation::Polar::of(now), rotation::Polar::of(then));
+    const auto mirrored = determinantOf(now) < T(0.) && determinantOf(then) < T(0.);
+    if (!any(mirrored)) return r;
+    return select(mirrored, timesTransposed(rotation::orthogonalFactor(now), rotation::orthogonalFactor(then)), r);
+  }
+  template <class T>
+  static T determinantOf(const M3<T>& m) {
+    return dot(m.c0, cross(m.c1, m.c2));
   }
 };
 

@@ -10,7 +10,8 @@
 // firstStep = whole, as in SOFA, it has H = h, as if that velocity were half a step older: first order. What the
 // scene shows as velocity after a step belongs to its middle, as in SOFA; NewtonCotesSolver (degree 1) has the same
 // positions without damping and velocities at the end of steps. Stable while h w < 2, w the highest angular frequency
-// of the body, whatever rM is. A scene above the estimated limit is warned of. Beside BarrierContact a step is made in parts where that
+// of the body, whatever rM is. Nodes that are held keep the velocity that they start with; with dampsHeld, as in SOFA, rM slows theirs
+// down too. A scene above the estimated limit is warned of. Beside BarrierContact a step is made in parts where that
 // is stiff; h and h_last are then theirs.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
@@ -63,6 +64,7 @@ class CentralDifferenceSolver final : public Integrator, public HeedsStepLimits 
   enum class FirstStep : int { half, whole };
   double rayleigh_mass_ = 0;
   FirstStep first_step_ = FirstStep::half;
+  bool damps_held_ = false;
   StepReport makePart(System& system, const StepContext& part);
   void turnBodies(System& system, double h, double before);
 
@@ -82,6 +84,7 @@ void CentralDifferenceSolver::declare(DataTable& table) {
   table.add("rayleighMass", rayleigh_mass_).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
   table.addChoice("firstStep", first_step_, {"half", "whole"})
       .help("half: the first velocity is that at the start of the step; whole: that half a step before, as in SOFA");
+  table.add("dampsHeld", damps_held_).help("rayleighMass slows the velocity of held nodes down too, as in SOFA");
   declareLinearSolver(table, false);
   velocity_damping_.declare(table);
   sleep_.declare(table);
@@ -167,11 +170,11 @@ StepReport CentralDifferenceSolver::makePart(System& system, const StepContext& 
   const double before = last == 0 && first_step_ == FirstStep::whole ? h : last;
   const double between = (before + h) / 2;
   // a becomes v+ - v-, of which constraints let through what they leave free
-  for (Index row = 0; row < system.independentRows(); ++row) {
-    const double damping = damping_[row];
-    a_[row] = between / (1 + between * damping / 2) * (a_[row] - damping * system.v[row]);
-  }
+  const auto factor = [&](Index row) { return between / (1 + between * damping_[row] / 2); };
+  for (Index row = 0; row < system.independentRows(); ++row)
+    a_[row] = factor(row) * (damps_held_ ? Vec3(a_[row]) : Vec3(a_[row] - damping_[row] * system.v[row]));
   system.constraints().projectAcceleration(a_);
+  for (Index row = 0; damps_held_ && row < system.independentRows(); ++row) a_[row] -= factor(row) * damping_[row] * system.v[row];
   const Rows v = system.independent(system.v);
   if (steps_momenta) turnBodies(system, h, before);
   axpy(1, a_, v);

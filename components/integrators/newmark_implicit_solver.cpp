@@ -12,6 +12,7 @@
 //
 // The first a0 is M^-1 F(x0, v0); later ones are the a1 of the step before, so that accelerations are continuous. Where
 // positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
+// With undampedStart the first a0 is M^-1 f(x0, v0), as in SOFA: a body that starts with a velocity is damped a step later.
 // Beside a contact that bounds how far bodies may go (BarrierContact), each a0 is M^-1 F(x0, v0) anew, one more solve with the
 // mass per step: the contact has no part in a0, and in each step the force h f whose work is the change of its energy. In place
 // of a1 its part of the step is f/gamma.
@@ -72,6 +73,7 @@ class NewmarkImplicitSolver final : public ImplicitIntegrator {
   Acceleration acceleration_;
   Vector force_;                         ///< [N], shape (independentRows())
   Vector a_, new_a_;                     ///< a0 and a1 [m/s^2], shape (independentRows())
+  bool undamped_start_ = false;
   bool started_ = false;                 ///< a_ is that of the state
   std::vector<Vec3> rates_, new_rates_;  ///< L' of turning bodies, which is stepped instead of w' [N m]
 };
@@ -90,6 +92,9 @@ void NewmarkImplicitSolver::declare(DataTable& table) {
       .min(0, false)
       .max(0.5);
   implicit_.declareDamping(table);
+  table.add("undampedStart", undamped_start_)
+      .recompiled()
+      .help("the first acceleration is that without rayleighMass and rayleighStiffness, as in SOFA");
   velocity_damping_.declare(table);
   declareSolvers(table);
   sleep_.declare(table);
@@ -125,6 +130,7 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   if (!started_ || implicit_.isLimited()) {
     StepReport first;
     implicit_.wholeForce(context.t, force_, true, gamma_);
+    if (undamped_start_ && !started_) copy(system.independent(system.f), force_);  // of which the whole force was made
     for (std::size_t b = 0; b < implicit_.bodies().count(); ++b) rates_[b] = implicit_.bodies().sum(b, force_);
     if (!acceleration_.solve(system.x, system.v, force_, a_, context.stop, first)) return first;
     if (system.hasCurvedInertia()) takeRates(system);

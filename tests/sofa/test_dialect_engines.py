@@ -28,7 +28,7 @@ def engines():
 @case
 def regions():
     line = '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0  3 0 0  4 0 0"/><UniformMass totalMass="5"/>'
-    for roi, held in (('<PlaneROI name="r" plane="1 -1 -1  1 1 -1  1 -1 1  0.5"/>', [1]),
+    for roi, held in (('<PlaneROI name="r" plane="1 -1 -1  1 1 -1  1 1 1  0.5"/>', [1]),
                       ('<PairBoxROI name="r" inclusiveBox="0.5 -1 -1 4.5 1 1" includedBox="1.5 -1 -1 2.5 1 1"/>', [1, 3, 4]),
                       ('<MeshROI name="r" ROIposition="-1 -1 -1  2.5 -1 -1  -1 2.5 -1  -1 -1 2.5" '
                        'ROItriangles="0 2 1  0 1 3  1 2 3  2 0 3"/>', [0]),
@@ -38,11 +38,28 @@ def regions():
 
 
 @case
+def corners_of_planes():
+    """The second corner lies between the others; a parallelogram, in two planes and with half the depth to each side."""
+    points = np.random.default_rng(5).uniform(-1, 1, (200, 3))
+    planes = [(np.array([-0.6, -0.5, 0.1]), np.array([1.2, 0, 0.2]), np.array([0, 1, 0.3]), 0.8),
+              (np.array([0.2, -0.9, -0.8]), np.array([0.1, 0.8, 0]), np.array([0.6, 0.2, 0.4]), 0.3)]
+
+    def holds(plane, point):
+        corner, one, other, depth = plane
+        normal = np.cross(one, other)
+        a, b, c = np.linalg.solve(np.column_stack([one, other, normal / np.linalg.norm(normal)]), point - corner)
+        return 0 <= a <= 1 and 0 <= b <= 1 and abs(c) <= depth / 2
+    text = "  ".join(f"{numbers_of(c)} {numbers_of(c + a)} {numbers_of(c + a + b)} {depth}" for c, a, b, depth in planes)
+    agree(placed(f'<PlaneROI name="e" position="{numbers_of(points)}" plane="{text}"/>', "e.pointsInROI"),
+          [p for p in points if any(holds(plane, p) for plane in planes)])
+
+
+@case
 def regions_ask_the_state_above():
     """Where there is neither a state nor a loader beside it, whatever mesh there is."""
     line = '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/>'
     for roi in ('BoxROI name="r" box="0.5 -1 -1 1.5 1 1"', 'SphereROI name="r" centers="1 0 0" radii="0.5"',
-                'PlaneROI name="r" plane="1 -1 -1  1 1 -1  1 -1 1  0.5"'):
+                'PlaneROI name="r" plane="1 -1 -1  1 1 -1  1 1 1  0.5"'):
         run = Run(root(EXACT + line + f'<Node name="c"><MeshTopology position="1 0 0  7 0 0  8 0 0"/><{roi}/></Node>'
                        '<FixedConstraint indices="@c/r.indices"/>'), 10)
         agree(run.x()[:, 1], [fallen(10), 0, fallen(10)])

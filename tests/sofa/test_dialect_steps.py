@@ -403,6 +403,86 @@ def damping_of_parts_is_in_the_matrix_alone():
         agree(Run(scene, 10, args=["--without-quirk", "explicit-damping"]).x(), moved(own_stiffness, own_mass, of_all, True), 1e-9)
 
 
+def chain_that_starts_with_a_velocity():
+    """Places, velocities, its fields, and its text with places for the integrator and for what damps the mass and the springs; node 0 is
+    held and has a velocity all the same."""
+    x0 = np.array([[0, 0, 0], [1, 0, 0], [1.8, 0.3, 0]])
+    v0 = np.array([[0, 0.3, -0.2], [0, 1, 0.5], [-1, 0, 2]])
+    pairs, mass = [(0, 1), (1, 2)], 0.5
+    lengths = [np.linalg.norm(x0[b] - x0[a]) * 0.9 for a, b in pairs]
+    listed = "  ".join(f"{a} {b} 60 0 {length!r}" for (a, b), length in zip(pairs, lengths))
+    fields = together(gravity(np.full(3, mass), [0, -10, 0]), springs(pairs, x0 * 0.9, 60, per_length=False))
+    return x0, v0, mass, fields, (f'{{}}<SparseLDLSolver/><MechanicalObject name="dofs" position="{numbers_of(x0)}" velocity="{numbers_of(v0)}"/>'
+                                  f'<UniformMass vertexMass="{mass}" {{}}/><SpringForceField spring="{listed}" {{}}/><FixedConstraint indices="0"/>')
+
+
+@case
+def first_acceleration_of_newmarks_rule():
+    """a0 = M^-1 f, without the damping; all that follows has it, of parts too."""
+    x0, v0, mass, fields, text = chain_that_starts_with_a_velocity()
+    free, h = np.repeat([False, True, True], 3), 0.01
+
+    def newmark(gamma, beta, rm, rk, whole_start=False):
+        x, v = x0.copy(), v0.copy()
+        f, K = fields(x, v)
+        a = f.ravel() / mass + (rk * K @ v.ravel() / mass - rm * v.ravel() if whole_start else 0)
+        a[~free] = 0
+        for _ in range(10):
+            f, K = fields(x, v)
+            b = f.ravel() - rm * mass * (v.ravel() + h * (1 - gamma) * a) + K @ (
+                (rk + h) * v.ravel() + (h * (1 - gamma) * rk + h * h * (1 - 2 * beta) / 2) * a)
+            A = (1 + h * gamma * rm) * mass * np.eye(9) - (h * h * beta + h * gamma * rk) * K
+            new = np.zeros(9)
+            new[free] = np.linalg.solve(A[np.ix_(free, free)], b[free])
+            x = x + h * v + (h * h * ((0.5 - beta) * a + beta * new)).reshape(-1, 3)
+            v = v + (h * ((1 - gamma) * a + gamma * new)).reshape(-1, 3)
+            a = new
+        return x
+    for gamma, beta, rm, rk in ((0.5, 0.25, 0.8, 0.1), (0.7, 0.4, 0, 0.1), (0.7, 0.4, 2, 0), (0.5, 0.25, 0, 0)):
+        damping = f'rayleighMass="{rm}"', f'rayleighStiffness="{rk}"'
+        solver = f'<NewmarkImplicitSolver gamma="{gamma}" beta="{beta}" {{}}/>'
+        for parts in ((solver.format(" ".join(damping)), "", ""), (solver.format(""), *damping)):
+            scene = root(text.format(*parts))
+            agree(Run(scene, 10).x(), newmark(gamma, beta, rm, rk), 1e-9)
+            agree(Run(scene, 10, args=["--without-quirk", "explicit-damping"]).x(), newmark(gamma, beta, rm, rk, True), 1e-9)
+        if rm or rk:
+            differ(newmark(gamma, beta, rm, rk), newmark(gamma, beta, rm, rk, True), 1e-5)
+
+
+@case
+def damping_of_held_nodes_in_central_differences():
+    """v = c v + d a: constraints take what they hold out of a and not out of the first term."""
+    x0, v0, mass, fields, text = chain_that_starts_with_a_velocity()
+    for rate in (0.8, 5.0):
+        x, v, h = x0.copy(), v0.copy(), 0.01
+        for _ in range(10):
+            a = fields(x, v)[0].reshape(-1, 3) / mass
+            a[0] = 0
+            v = ((1 / h - rate / 2) * v + a) / (1 / h + rate / 2)
+            x = x + h * v
+        scene = root(text.format(f'<CentralDifferenceSolver rayleighMass="{rate}"/>', "", "").replace("<SparseLDLSolver/>", ""))
+        agree(Run(scene, 10).x(), x, 1e-9)
+        kept = Run(scene, 10, args=["--without-quirk", "explicit-damping"]).x()
+        agree(kept[0], x0[0] + 10 * h * v0[0], 1e-9)
+        differ(kept[1:], x[1:], 1e-5)
+
+
+@case
+def explicit_steps_and_statics_know_no_damping_of_parts():
+    for solver in ("EulerExplicitSolver", "RungeKutta2Solver", "RungeKutta4Solver", "CentralDifferenceSolver"):
+        text = chain_that_starts_with_a_velocity()[-1].replace("<SparseLDLSolver/>", "")
+        plain = Run(root(text.format(f"<{solver}/>", "", "")), 10)
+        damped = Run(root(text.format(f"<{solver}/>", 'rayleighMass="2"', 'rayleighStiffness="0.1"')), 10)
+        agree(damped.x(), plain.x(), 0)
+        for part in ("UniformMass.rayleighMass", "SpringForceField.rayleighStiffness"):
+            damped.says(part)
+    bent = ('{}<SparseLDLSolver/><MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2" rayleighMass="1"/>'
+            '<RestShapeSpringsForceField stiffness="100" rayleighStiffness="0.1"/>')
+    still = Run(root(bent.format('<StaticSolver newton_iterations="5"/>')), 1)
+    agree(still.x()[:, 1], [-0.1, -0.1])
+    still.says("UniformMass.rayleighMass", "RestShapeSpringsForceField.rayleighStiffness")
+
+
 @case
 def quirk_whole_first_step():
     """v += h a from the first step on: of a fall as symplectic Euler; from the half step on the parabola exactly."""

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a component means in SOFA, written as attributes of the one here. Each that stands for a quirk asks for its flag.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <set>
@@ -71,6 +74,16 @@ void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::st
   if (is_ours ? quirks_.isOn(quirk) : quirks_.use(quirk, element.path())) element.set(attribute, value);
 }
 
+/// Ten numbers a plane, three corners and a depth: in SOFA the second corner is that between the others, here the first is.
+static std::string cornersInOrder(const std::string& planes) {
+  std::vector<std::string> numbers;
+  Words words(planes);
+  for (std::string_view word = words.next(); !word.empty(); word = words.next()) numbers.emplace_back(word);
+  for (std::size_t i = 0; i + 10 <= numbers.size(); i += 10)
+    std::swap_ranges(numbers.begin() + long(i), numbers.begin() + long(i) + 3, numbers.begin() + long(i) + 3);
+  return fmt::format("{}", fmt::join(numbers, " "));
+}
+
 void Rewriting::meanSelection(Element& element) {
   const Place& here = *element.place;  // without a state or a loader there SOFA asks the state above, whatever mesh is there
   const bool is_told = element.find("position") || element.find("rest_position") || !element.probe->data().find("position");
@@ -78,6 +91,8 @@ void Rewriting::meanSelection(Element& element) {
   if (above && here.firstOf("topology")) element.set("position", SceneTree::linkTo(*above) + ".rest_position");
   setDefault(element, "allowEmpty", "true");
   if (element.probe->data().find("exactBorder")) setQuirk(element, "exact-borders", "exactBorder", "true");
+  if (element.is("PlaneROI") && element.find("plane") && !element.text("plane").starts_with("@"))
+    element.set("plane", cornersInOrder(element.text("plane")));
   if (element.is("BoxROI") && !element.find("box") && !element.find("orientedBox")) {
     warn(element.written->where, element, "box", "is not given: SOFA takes the unit cube");
     element.set("box", "0 0 0 1 1 1");

@@ -99,7 +99,7 @@ void Rewriting::splitPlasticity(Element& field) {
   plastic.attributes.push_back({"name", field.name + "_plastic", where});
   for (const char* copied : {"method", "youngModulus", "poissonRatio", "plasticMaxThreshold", "plasticYieldThreshold", "plasticCreep"})
     if (const AttributeDescription* found = field.find(copied)) plastic.attributes.push_back(*found);
-  for (const char* always : {"scaledByVolume", "firstForOthers"}) plastic.attributes.push_back({always, "true", where});
+  for (const char* always : {"scaledByVolume", "firstForOthers", "yieldsAtStart"}) plastic.attributes.push_back({always, "true", where});
   const std::string method = field.text("method");
   if ((method == "polar" || method == "svd") && quirks_.isOn("edge-polar")) plastic.attributes.push_back({"polarOf", "edges", where});
   for (const char* moved : {"plasticMaxThreshold", "plasticYieldThreshold", "plasticCreep"}) field.remove(moved);

@@ -41,10 +41,15 @@ void Rewriting::meanVariational(Element& element) {
   }
 }
 
+/// The factor by which a mass or a force field damps itself.
+static const char* dampingOf(const Element& element) {
+  return element.role() == "mass" ? "rayleighMass" : element.role() == "force field" ? "rayleighStiffness" : "";
+}
+
 /// A force field or mass at or below this place that the scene damps by itself.
 static bool dampsItself(const Place& place) {
   const auto damps = [](const auto& element) {
-    const char* name = element->role() == "mass" ? "rayleighMass" : element->role() == "force field" ? "rayleighStiffness" : "";
+    const char* name = dampingOf(*element);
     return !element->dropped && *name && std::atof(element->text(name).c_str()) != 0;
   };
   const auto has_one = [](const auto& child) { return !child->dropped && dampsItself(*child); };
@@ -57,6 +62,18 @@ void Rewriting::findOwnDamping() {
     if (element.is("EulerImplicitSolver") && dampsItself(*element.place))
       own_damping_[&element] = {element.text("rayleighStiffness"), element.text("rayleighMass")};
   });
+}
+
+/// Masses and force fields that damp themselves, where SOFA's integrator asks for none of it. Gives what was left out.
+static std::vector<std::string> leaveOutDampingOfParts(SceneTree& tree, const Element& integrator) {
+  std::vector<std::string> left_out;
+  tree.forEach([&](Element& part) {
+    const char* name = dampingOf(part);
+    if (!*name || part.dropped || part.place->nearest("integrator") != &integrator || std::atof(part.text(name).c_str()) == 0) return;
+    left_out.push_back(part.written->type + "." + name + ", which " + integrator.written->type + " does not know");
+    part.remove(name);
+  });
+  return left_out;
 }
 
 void Rewriting::meanSolver(Element& element) {
@@ -81,6 +98,13 @@ void Rewriting::meanSolver(Element& element) {
     setQuirk(element, "explicit-damping", "ownInMatrix", "true");
   if (type == "BDFOdeSolver") meanMultiStep(element);
   if (type == "CentralDifferenceSolver") setQuirk(element, "whole-first-step", "firstStep", "whole");
+  const auto isDamped = [&element](const char* name) { return std::atof(element.text(name).c_str()) != 0; };
+  if (type == "CentralDifferenceSolver" && isDamped("rayleighMass")) setQuirk(element, "explicit-damping", "dampsHeld", "true");
+  if (type == "NewmarkImplicitSolver" && (isDamped("rayleighMass") || isDamped("rayleighStiffness") || dampsItself(*element.place)))
+    setQuirk(element, "explicit-damping", "undampedStart", "true");
+  if (isAnyOf(type, {"EulerExplicitSolver", "RungeKutta2Solver", "RungeKutta4Solver", "CentralDifferenceSolver", "NewtonCotesSolver",
+                     "StaticSolver"}))
+    for (const std::string& part : leaveOutDampingOfParts(*tree_, element)) noEffect(part);
   if (type == "VariationalSymplecticSolver") meanVariational(element);
   if (type == "EulerImplicitSolver" && hasForcesOfConstraint() && !hasActuators()) setQuirk(element, "one-iteration", "oneRound", "true");
   if (hasForcesOfConstraint() && hasActuators() && quirks_.isOn("one-iteration"))
