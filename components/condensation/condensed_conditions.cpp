@@ -322,8 +322,8 @@ void CondensedIntegrator::judgeConditions(const System& system, double step, dou
   if (c.rows.rows().empty()) return;
   if (c.is_changing) {
     is_kept = false;
-    return refuse(fmt::format("the conditions that {} finds forces for still change by these forces where its rounds end, as of a point that "
-                              "goes to and fro over corners of its curve. A smaller dt helps",
+    return refuse(fmt::format("the conditions that {} finds forces for still change by these forces where its rounds end, as of a "
+                              "point that goes to and fro over corners of its curve. A smaller dt helps",
                               path()));
   }
   const double held = exact * c.extent + rounding * size;
