@@ -55,8 +55,8 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
   }
   if (changes_left_ == 0 && !is_left_) {
     report.constraints_converged = false;
-    report.constraint_reason = fmt::format("the conditions that {} finds forces for still change by these forces where its rounds end, as of "
-                                           "a point that goes to and fro over corners of its curve. A smaller dt helps",
+    report.constraint_reason = fmt::format("the conditions that {} finds forces for still change by these forces where its rounds end, as "
+                                           "of a point that goes to and fro over corners of its curve. A smaller dt helps",
                                            system_->integrator().path());
     return;
   }
