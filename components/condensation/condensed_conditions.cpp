@@ -184,24 +184,26 @@ void CondensedIntegrator::placeSlots(System& system) const {
 }
 
 bool CondensedIntegrator::holdConditions(System& system, Array<double>& u, StopToken stop, StepReport& report) {
-  constexpr int most_rounds = 60, most_turns = 40;
+  constexpr int most_rounds = 60, most_turns = 40, most_changes = 100;
   constexpr double close = 1e-13, directed = 1e-9, still = 1e-6;  // of the place, of the body
   if (!hasConditions()) return true;
   CondensedConditions& c = conditions_;
   const double size = largest(c.start);
   double step = 0, last = 0;
   bool turns = true, is_mixed = false;
+  int changes = 0;
   c.mixing.restart();
-  c.swings = false;
+  c.swings = c.is_changing = false;
   for (int round = 0; round <= most_rounds; ++round) {
     if (report.reason = findConditions(system); !report.reason.empty()) break;
     // the last round finds what the conditions have become
     const bool stays = round > 0 && c.rows.hasGradientsOf(c.rows_before);
     if (stays) step = 0;
-    if (round == most_rounds) break;
-    if (round > 0 && !(step > close * size)) {
+    const bool is_last = round == most_rounds;
+    if (is_last || (round > 0 && !(step > close * size))) {
       if (!changeConditions(system)) break;
-      turns = true, c.mixing.restart();
+      if (c.is_changing = is_last || ++changes == most_changes; c.is_changing) break;
+      turns = true, is_mixed = false, round = 1, c.mixing.restart();
       if (report.reason = findConditions(system); !report.reason.empty()) break;
     }
     if (round == most_turns) c.swings = turns && step > still * c.extent;
@@ -318,6 +320,12 @@ void CondensedIntegrator::judgeConditions(const System& system, double step, dou
     report.constraint_reason = std::move(reason);
   };
   if (c.rows.rows().empty()) return;
+  if (c.is_changing) {
+    is_kept = false;
+    return refuse(fmt::format("the conditions that {} finds forces for still change by these forces where its rounds end, as of a "
+                              "point that goes to and fro over corners of its curve. A smaller dt helps",
+                              path()));
+  }
   const double held = exact * c.extent + rounding * size;
   ConditionForces::Violation worst;
   for (const bool kept : {true, false}) {  // what is beyond all, or beyond what holds

@@ -50,6 +50,7 @@ struct CondensedConditions {
   std::vector<std::array<double, 3>> loads;
   Eigen::VectorXd next, before;
   bool swings = false;  ///< in the last step directions of forces have not come to rest
+  bool is_changing = false;  ///< in the last step conditions have not come to an end
   int swinging = 0;     ///< steps
 
   /// The next place after rounds from `before` to u.

@@ -234,7 +234,9 @@ void Multipliers::give() {
 /// Which conditions there are may depend on the forces that have been found.
 bool Multipliers::changeConditions() {
   const ConstRows x = system_->mappingChain().positions(system_->x);
-  return ChangesConditions::changeAny(system_->actors().lagrangian_constraints, ends_, x, solve_.l.data(), own_.data());
+  if (!ChangesConditions::changeAny(system_->actors().lagrangian_constraints, ends_, x, solve_.l.data(), own_.data())) return false;
+  --changes_left_;
+  return true;
 }
 
 /// As those of cables and cavities.
@@ -307,7 +309,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   System& s = *system_;
   copy(s.independent(s.x), free_), clear(whole_);
   bool is_mixed = false;
-  is_left_ = false;
+  is_left_ = false, changes_left_ = most_changes;
   mixing_.restart();
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
@@ -347,10 +349,13 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);
     apply(change);
     size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
-    if (goes_on && !isOnce()) continue;
+    const bool is_last = round + 1 == most_rounds;
+    if (goes_on && !isOnce() && !is_last) continue;
     if (is_left_ || !std::isfinite(step) || !changeConditions()) break;
     mixing_.restart(), least = std::numeric_limits<double>::infinity(), is_left_ = carries_;
-    if (is_left_) break;
+    if (is_last) changes_left_ = 0;
+    if (is_left_ || changes_left_ == 0) break;
+    round = least_round = 0, is_mixed = false;
   }
   findConditions();
   solve_.l.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size())), own_.resize(rows_.rows().size(), 0);

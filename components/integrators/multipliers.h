@@ -177,6 +177,8 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
+  static constexpr int most_changes = 100;  ///< of conditions by their forces, each with rounds of its own
+  int changes_left_ = most_changes;         ///< 0: they have not come to an end
   double budget_ = 100;     ///< of spent_ [a thousand rows' cube]
   double spent_ = 0;        ///< in the step on searches: the cube of the rows of each elimination
   bool is_spent_ = false;

@@ -53,6 +53,13 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
     report.reason = "the forces of Lagrangian constraints are not finite";
     return;
   }
+  if (changes_left_ == 0 && !is_left_) {
+    report.constraints_converged = false;
+    report.constraint_reason = fmt::format("the conditions that {} finds forces for still change by these forces where its rounds end, as "
+                                           "of a point that goes to and fro over corners of its curve. A smaller dt helps",
+                                           system_->integrator().path());
+    return;
+  }
   if (isOnce()) return;
   constexpr double still = 1e-6;  // of the place: what directions of forces still turn bodies by
   const double held = held_within * size + rounding + 1e-300;

@@ -9,8 +9,10 @@
 //
 // Where the way goes on behind an end, to a piece of direction w away from it, the point goes over in the same step if F, found
 // at the end, does not hold it from there: F . w < 0. Else the corner is a valley of what pulls the point, and it stays. This goes
-// down the way until it rests: for a linear body it is the nearest minimum of the step's energy on the curve. What goes over a
-// corner keeps the part of its momentum along the next piece. A curve whose last point is its first goes round.
+// down the way, over many pieces at once, until it rests: for a linear body it is the nearest minimum of the step's energy on the
+// curve. Pieces of no length are stepped over. Over a corner the part of the momentum along the next piece is kept, by rules that
+// damp; by TrapezoidalRuleSolver a part across the wire swings from step to step, and a corner makes energy of it.
+// A curve whose last point is its first goes round.
 //
 // Source: the names and attributes are SOFA's, but for `curve`.
 //
@@ -27,6 +29,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 
 #include "components/lagrangian/pair_constraint.h"
 #include "framework/mechanics/changes_conditions.h"
@@ -58,13 +61,18 @@ class Sliding final : public PairConstraint, public ChangesConditions {
   }
   void constrainedStepBegins(ConstRows x, double) override {
     const Vec3 p = x[rowOf(first(), point_)];
+    double whole = 0;
+    for (std::size_t i = 0; i < pieces(); ++i) whole += wayOf(x, i).norm();
+    if (!(whole > 0)) throw ComponentError("all points of the curve are at one place", "points that lie apart");
+    no_length_ = 1e-12 * whole;
     // at a crossing it stays on its piece
     constexpr double as_near = 1e-6;
-    double best = std::max(0.0, distanceTo(x, p, piece_) - as_near * (placeOf(x, piece_ + 1) - placeOf(x, piece_)).norm());
+    double best = hasLength(x, piece_) ? std::max(0.0, distanceTo(x, p, piece_) - as_near * wayOf(x, piece_).norm())
+                                       : std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < pieces(); ++i)
-      if (const double d = distanceTo(x, p, i); d < best) best = d, piece_ = i;
+      if (const double d = distanceTo(x, p, i); d < best && hasLength(x, i)) best = d, piece_ = i;
     across_ = directionOf(x, piece_).unitOrthogonal();
-    turns_left_ = most_turns, sense_ = 0;
+    sense_ = 0, most_at_once_ = pieces();
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
     const Index row = rowOf(first(), point_), a = rowOf(second(), nodes_[piece_]), b = rowOf(second(), nodes_[piece_ + 1]);
@@ -82,19 +90,27 @@ class Sliding final : public PairConstraint, public ChangesConditions {
     rows.begin(length - along < near * length ? Kind::push : Kind::given, length - along);
     rows.add(row, -u), rows.add(b, u);
   }
-  bool changeConditions(ConstRows x, std::span<const double> forces, std::span<const double>) override {
-    const int sense = forces[3] > 0 ? 1 : forces[2] > 0 ? -1 : 0;
-    if (sense == 0 || (sense != sense_ && turns_left_ == 0)) return false;
-    const bool is_last = sense > 0 ? piece_ + 1 == pieces() : piece_ == 0;
-    if (is_last && nodes_.front() != nodes_.back()) return false;
-    const std::size_t next = (piece_ + pieces() + std::size_t(sense)) % pieces();
-    const Vec3 u = directionOf(x, piece_), across = acrossOf(u);
+  /// As far along the curve as a point would go whose place without the force here is p - answer F: down to the first minimum of
+  /// the distance to there. Of a point on a curve that is held this is the step's rest, else the next search begins there. After a
+  /// turn it goes half as far at once at most, so that a curve that gives way does not send it to and fro.
+  bool changeConditions(ConstRows x, std::span<const double> forces, std::span<const double> answers) override {
+    const Vec3 p = x[rowOf(first(), point_)], u = directionOf(x, piece_), across = acrossOf(u);
     const Vec3 force = forces[0] * across + forces[1] * u.cross(across) + (forces[2] - forces[3]) * u;
-    constexpr double rounding = 1e-12;
-    if (!(sense * force.dot(directionOf(x, next)) < -rounding * force.norm())) return false;
-    if (sense != sense_) --turns_left_;
-    piece_ = next, sense_ = sense;
-    return true;
+    for (const int sense : {1, -1}) {
+      const std::size_t end = sense > 0 ? 3 : 2;
+      if (!(forces[end] > 0) && hasLength(x, piece_)) continue;
+      const double answer = answers[end] > 0 ? answers[end] : std::max(answers[0], answers[1]);
+      const std::size_t most = sense_ == -sense ? std::max<std::size_t>(1, most_at_once_ / 2) : most_at_once_;
+      const std::size_t to = walk(x, p - answer * force, sense, most);
+      if (to == piece_) continue;
+      sense_ = sense, piece_ = to, most_at_once_ = most;
+      return true;
+    }
+    return false;
+  }
+  void reset() override {
+    PairConstraint::reset();
+    piece_ = 0;
   }
   void serialize(Archive& archive) override {
     PairConstraint::serialize(archive);
@@ -102,17 +118,35 @@ class Sliding final : public PairConstraint, public ChangesConditions {
   }
 
  private:
-  static constexpr int most_turns = 4;  ///< in a step, of the sense in which it goes over corners
-
   std::size_t pieces() const { return nodes_.size() - 1; }
   Vec3 placeOf(ConstRows x, std::size_t i) const { return x[rowOf(second(), nodes_[i])]; }
+  Vec3 wayOf(ConstRows x, std::size_t piece) const { return placeOf(x, piece + 1) - placeOf(x, piece); }
+  /// Else its direction is round-off, and it is stepped over.
+  bool hasLength(ConstRows x, std::size_t piece) const { return wayOf(x, piece).norm() > no_length_; }
   Vec3 directionOf(ConstRows x, std::size_t piece) const {
-    const Vec3 way = placeOf(x, piece + 1) - placeOf(x, piece);
+    const Vec3 way = wayOf(x, piece);
     const double length = way.norm();
     return length > 0 ? Vec3(way / length) : Vec3(Vec3::UnitX());
   }
+  /// The piece that a point is led to from its present one's end by what draws it to `aim`, `most` pieces on at most.
+  std::size_t walk(ConstRows x, const Vec3& aim, int sense, std::size_t most) const {
+    constexpr double rounding = 1e-12;
+    std::size_t to = piece_, at = piece_;
+    for (std::size_t gone = 0, passed = 0; gone < most && passed < pieces(); ++passed) {
+      const bool is_last = sense > 0 ? at + 1 == pieces() : at == 0;
+      if (is_last && nodes_.front() != nodes_.back()) break;
+      at = (at + pieces() + std::size_t(sense)) % pieces();
+      if (!hasLength(x, at)) continue;
+      const Vec3 from = placeOf(x, sense > 0 ? at : at + 1), way = sense * wayOf(x, at);
+      const double length = way.norm(), along = (aim - from).dot(way) / length;
+      if (!(along > rounding * (from.norm() + (aim - from).norm() + length))) break;
+      to = at, ++gone;
+      if (along <= length) break;
+    }
+    return to;
+  }
   double distanceTo(ConstRows x, const Vec3& p, std::size_t piece) const {
-    const Vec3 a = placeOf(x, piece), way = placeOf(x, piece + 1) - a;
+    const Vec3 a = placeOf(x, piece), way = wayOf(x, piece);
     const double square = way.squaredNorm(), t = square > 0 ? std::clamp((p - a).dot(way) / square, 0.0, 1.0) : 0;
     return (p - a - t * way).norm();
   }
@@ -127,7 +161,9 @@ class Sliding final : public PairConstraint, public ChangesConditions {
   std::vector<Index> curve_, nodes_;
   std::size_t piece_ = 0;  ///< where the point is
   Vec3 across_ = Vec3::Zero();  ///< across the piece where the step starts
-  int turns_left_ = most_turns, sense_ = 0;  ///< in the step; the sense: 1 goes on, -1 goes back
+  double no_length_ = 0;        ///< [m] below it a piece has none
+  int sense_ = 0;               ///< in the step: 1 goes on, -1 goes back
+  std::size_t most_at_once_ = 1;  ///< pieces, in the step
 };
 
 }  // namespace

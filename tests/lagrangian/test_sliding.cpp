@@ -182,5 +182,85 @@ TEST(Sliding, AtACrossingAPointStaysOnItsWay) {
   EXPECT_LT(at(simulation, 4).x(), -0.5);
 }
 
+/// Nodes that stand still, and a bead that moves.
+std::string movingBeadOn(const std::vector<Vec3>& curve, const Vec3& bead, const Vec3& velocity) {
+  std::string text = beadOn(curve, bead), velocities;
+  for (std::size_t i = 0; i < curve.size(); ++i) velocities += "0 0 0  ";
+  return text.insert(text.find("\"/>"), "\" velocity=\"" + velocities + places({velocity}));
+}
+
+/// However fine the wire is, and the last steps leave it at its end. Nothing pulls: x = x0 + v t up to there.
+TEST(Sliding, ABeadPassesManyPiecesInAStep) {
+  constexpr double piece = 0.01, dt = 0.01, begin = 0.005;
+  std::vector<Vec3> wire;
+  for (int i = 0; i <= 100; ++i) wire.emplace_back(0.6 * piece * i, 0.8 * piece * i, 0);
+  const Vec3 u(0.6, 0.8, 0);
+  for (const char* integrator : {"<EulerImplicitSolver/>", "<EulerImplicitSolver newtonIterations=\"30\" newtonTolerance=\"1e-12\"/>"})
+    for (const int pieces : {1, 12, 30, 90}) {
+      SCOPED_TRACE(fmt::format("{} {}", integrator, pieces));
+      Simulation simulation =
+          simulationFromText(sceneOf(movingBeadOn(wire, begin * u, pieces * piece / dt * u), dt, "0 0 0", integrator));
+      for (int i = 1; i <= 3; ++i) {
+        run(simulation, 1);
+        if (HasFatalFailure()) return;
+        const double way = std::min(1.0, begin + i * pieces * piece);
+        EXPECT_LT((at(simulation, 101) - way * u).norm(), 1e-10) << "step " << i << ": " << at(simulation, 101).dot(u);
+        if (way == 1) break;
+      }
+    }
+}
+
+/// By twenty pieces and more in a step. Each step ends at the place of the ring that is nearest to that without the ring: with R the
+/// radius, the angle turns by atan(v dt / R) and v becomes v cos of it, but for the pieces being straight.
+TEST(Sliding, ABeadPassesManyPiecesOfARing) {
+  constexpr int n = 360;
+  constexpr double dt = 0.01;
+  std::vector<Vec3> ring;
+  for (int i = 0; i <= n; ++i) ring.emplace_back(std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n), 0);
+  for (const double start : {10.0, 25.0, 40.0, 90.0}) {
+    SCOPED_TRACE(start);
+    Simulation simulation = simulationFromText(sceneOf(movingBeadOn(ring, {1, 1e-3, 0}, {0, start, 0}), dt, "0 0 0"));
+    for (int i = 0; i < 5; ++i) {
+      const Vec3 from = at(simulation, n + 1), aim = from + dt * Vec3(simulation.states()[0]->v()[n + 1]);
+      run(simulation, 1);
+      if (HasFatalFailure()) return;
+      ASSERT_LT(distanceToCurve(simulation, n + 1, n), 1e-10);
+      const Vec3 now = at(simulation, n + 1);
+      EXPECT_LT(std::acos(std::min(1.0, now.normalized().dot(aim.normalized()))), 2 * M_PI / n) << "step " << i;
+    }
+  }
+}
+
+/// Two nodes at one place, whatever way the wire has in space.
+TEST(Sliding, APieceOfNoLengthIsSteppedOver) {
+  for (const Vec3& u : {Vec3(0, -1, 0), Vec3(0, -1, 1), Vec3(1, -1, 0)})
+    for (const int doubled : {1, 2}) {
+      std::vector<Vec3> wire{Vec3::Zero()};
+      for (int i = 0; i <= doubled; ++i) wire.push_back(0.5 * u);
+      wire.push_back(1.5 * u);
+      Simulation simulation = simulationFromText(sceneOf(beadOn(wire, 0.1 * u), 0.01, "0 -10 0"));
+      run(simulation, 150);
+      if (HasFatalFailure()) return;
+      EXPECT_LT((at(simulation, Index(wire.size())) - 1.5 * u).norm(), 1e-9) << u.transpose();
+    }
+}
+
+/// Down and up a wire with corners a bead never rises above where it started, by rules that damp.
+TEST(Sliding, CornersGiveNoEnergy) {
+  const std::vector<Vec3> wire{{0, 0, 0}, {1, -1, 0}, {2, -1, 0}, {3, -0.2, 0}, {4, 1, 0}};
+  for (const char* integrator : {"<EulerImplicitSolver/>", "<BDFOdeSolver order=\"2\"/>"})
+    for (const double dt : {0.001, 0.004}) {
+      SCOPED_TRACE(fmt::format("{} {}", integrator, dt));
+      Simulation simulation = simulationFromText(sceneOf(beadOn(wire, {0.2, -0.2, 0}), dt, "0 -10 0", integrator));
+      for (int i = 0; i < int(4 / dt); ++i) {
+        const Vec3 before = at(simulation, 5);
+        run(simulation, 1);
+        if (HasFatalFailure()) return;
+        const double speed = (at(simulation, 5) - before).norm() / dt;
+        ASSERT_LT(speed * speed / 2 + g * std::min(before.y(), at(simulation, 5).y()), -2 + 1e-9) << "step " << i;
+      }
+    }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
