@@ -45,8 +45,7 @@ struct Nearest {
 template <class T>
 std::array<Point<T>, 4> relative(const FourPoints& x) {
   std::array<Point<T>, 4> out;
-  for (std::size_t i = 0; i < 4; ++i)
-    out[i] = {T(x[i].x()) - T(x[0].x()), T(x[i].y()) - T(x[0].y()), T(x[i].z()) - T(x[0].z())};
+  for (std::size_t i = 0; i < 4; ++i) out[i] = {T(x[i].x()) - T(x[0].x()), T(x[i].y()) - T(x[0].y()), T(x[i].z()) - T(x[0].z())};
   return out;
 }
 

@@ -18,8 +18,7 @@ Neighbours neighboursOf(const std::vector<Tetrahedron>& cells, std::size_t node_
   // faces by their smallest node
   std::vector<Index> start(node_count + 1, 0);
   for (const Tetrahedron& cell : cells)
-    for (int a = 0; a < 4; ++a)
-      ++start[std::size_t(std::min({cell[(a + 1) % 4], cell[(a + 2) % 4], cell[(a + 3) % 4]})) + 1];
+    for (int a = 0; a < 4; ++a) ++start[std::size_t(std::min({cell[(a + 1) % 4], cell[(a + 2) % 4], cell[(a + 3) % 4]})) + 1];
   for (std::size_t n = 0; n < node_count; ++n) start[n + 1] += start[n];
   std::vector<Face> faces(4 * cells.size());
   std::vector<Index> next(start.begin(), start.end() - 1);
@@ -51,9 +50,7 @@ std::vector<Index> matchFaces(const Neighbours& neighbour) {
   std::vector<Index> partner(neighbour.size(), -1);
   std::vector<char> taken(neighbour.size(), 0);
   const auto isFree = [&](Index e) { return e >= 0 && !taken[e]; };
-  const auto freeNeighbours = [&](Index e) {
-    return int(std::count_if(neighbour[e].begin(), neighbour[e].end(), isFree));
-  };
+  const auto freeNeighbours = [&](Index e) { return int(std::count_if(neighbour[e].begin(), neighbour[e].end(), isFree)); };
   std::vector<Index> urgent;
   const auto match = [&](Index e) {
     Index best = -1;

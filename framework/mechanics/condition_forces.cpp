@@ -21,8 +21,7 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   scaleRows(rows);
   findGroups(rows);
   size_ = 0;  // of those that forces have to mend; gaps far from contact have no say
-  for (const Group& group : groups_)
-    size_ = std::max(size_, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
+  for (const Group& group : groups_) size_ = std::max(size_, group.pushes ? -offset_[group.first] : std::abs(offset_[group.first]));
   unsettled_ = none, least_ = q_;
   restart(q_), note();
   if (unsettled_ > 1.5 * enough) newton(), note();
@@ -167,8 +166,7 @@ void ConditionForces::sweep() {
   packed_.set(scaled_);
   const auto go = [&](int row, double by) {
     const auto end = std::size_t(packed_.begins[std::size_t(row) + 1]);
-    for (auto k = std::size_t(packed_.begins[std::size_t(row)]); k < end && by != 0; ++k)
-      r_[packed_.rows[k]] += by * packed_.numbers[k];
+    for (auto k = std::size_t(packed_.begins[std::size_t(row)]); k < end && by != 0; ++k) r_[packed_.rows[k]] += by * packed_.numbers[k];
     q_[row] += by;
   };
   restart(least_);

@@ -30,8 +30,7 @@ Vec3 rotationVector(const Quaternion& q) {
   const double square = q.vec().squaredNorm(), sign = q.w() < 0 ? -2 : 2;
   if (square < 0.01) {  // asin(s)/s, of which the first term that is left out is below 1e-17
     double sum = 0;
-    for (const double c : {143. / 10240, 231. / 13312, 63. / 2816, 35. / 1152, 5. / 112, 3. / 40, 1. / 6, 1.})
-      sum = sum * square + c;
+    for (const double c : {143. / 10240, 231. / 13312, 63. / 2816, 35. / 1152, 5. / 112, 3. / 40, 1. / 6, 1.}) sum = sum * square + c;
     return sign * sum * q.vec();
   }
   const double sine = std::sqrt(square);

@@ -86,8 +86,7 @@ void ConditionForces::searchInside(const Eigen::VectorXd* slides) {
     a = turned, target.setZero(count);
     a.diagonal().array() += regular;
     for (const auto& [at, size] : cones)
-      if (!addScaling(x.segment(at, size), z.segment(at, size), share * nu, a.block(at, at, size, size), target.segment(at, size)))
-        return;
+      if (!addScaling(x.segment(at, size), z.segment(at, size), share * nu, a.block(at, at, size, size), target.segment(at, size))) return;
     units = a.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
     a = units.asDiagonal() * a * units.asDiagonal();
     dx = units.cwiseProduct(a.lu().solve(units.cwiseProduct(target - off)));

@@ -34,12 +34,10 @@ void KeyTimes<Value>::assign(std::vector<double> times, std::vector<Value> value
 
 template <class Value>
 void KeyTimes<Value>::check() const {
-  if (times_.size() < 2)
-    throw ComponentError(fmt::format("{} has {} values", times_name_, times_.size()), "at least 2 times");
+  if (times_.size() < 2) throw ComponentError(fmt::format("{} has {} values", times_name_, times_.size()), "at least 2 times");
   if (values_.size() != times_.size())
-    throw ComponentError(
-        fmt::format("{} has {} values for {} {}", values_name_, values_.size(), times_.size(), times_name_),
-        fmt::format("{} values, one for each time", times_.size()));
+    throw ComponentError(fmt::format("{} has {} values for {} {}", values_name_, values_.size(), times_.size(), times_name_),
+                         fmt::format("{} values, one for each time", times_.size()));
   checkAscending();
 }
 

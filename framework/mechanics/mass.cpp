@@ -63,8 +63,7 @@ const std::vector<Mat3>& Mass::excess() const {
 void Mass::addTurningProduct(ConstRows p, double factor, Rows out) const {
   const ConstRows from = state().segment(p);
   const Rows to = state().segment(out);
-  for (std::size_t i = 0; i < excess().size(); ++i)
-    to[turning_[i].row] += factor * (excess_[i] * from[turning_[i].row]);
+  for (std::size_t i = 0; i < excess().size(); ++i) to[turning_[i].row] += factor * (excess_[i] * from[turning_[i].row]);
 }
 
 void Mass::addTo(double factor, BlockMatrix& matrix) const {
@@ -84,8 +83,7 @@ void Mass::addDiagonal(double factor, std::vector<double>& blocks) const {
   for (Index i = 0; i < state().size(); ++i)
     for (int c : {0, 4, 8}) blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * mass[i];
   for (std::size_t i = 0; i < excess().size(); ++i)
-    for (int c = 0; c < 9; ++c)
-      blocks[std::size_t(first + turning_[i].row) * 9 + std::size_t(c)] += factor * excess_[i](c / 3, c % 3);
+    for (int c = 0; c < 9; ++c) blocks[std::size_t(first + turning_[i].row) * 9 + std::size_t(c)] += factor * excess_[i](c / 3, c % 3);
 }
 
 // M g = (row sums) g for any mass, because g is the same at all places. Only places have a weight.

@@ -19,9 +19,8 @@ bool isNode(int index, const State& state) {
 
 void checkNode(int index, std::size_t position, const State& state, const std::string& attribute) {
   if (isNode(index, state)) return;
-  throw ComponentError(
-      fmt::format("{}[{}] is {}, and {} has {} nodes", attribute, position, index, state.path(), state.nodes()),
-      fmt::format("indices in 0 ... {}", state.nodes() - 1));
+  throw ComponentError(fmt::format("{}[{}] is {}, and {} has {} nodes", attribute, position, index, state.path(), state.nodes()),
+                       fmt::format("indices in 0 ... {}", state.nodes() - 1));
 }
 
 std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state, const std::string& attribute) {

@@ -31,9 +31,9 @@ State* findState(const Component& component, const Link<State>& link) {
 /// Throws where the state has other rows than points and the component knows only these.
 void refuseOtherRows(const Component& component, const State& state, bool takes_all) {
   if (takes_all || state.hasPointsOnly()) return;
-  throw ComponentError("this " + component.roleText() + " acts on points, and " + state.path() + " has " +
-                           (state.hasFrames() ? "rigid frames" : "numbers"), "a state of points (template=\"Vec3\")",
-                       state.hasFrames() ? "points that follow the frames by a mapping" : "");
+  throw ComponentError(
+      "this " + component.roleText() + " acts on points, and " + state.path() + " has " + (state.hasFrames() ? "rigid frames" : "numbers"),
+      "a state of points (template=\"Vec3\")", state.hasFrames() ? "points that follow the frames by a mapping" : "");
 }
 
 }  // namespace
@@ -78,8 +78,7 @@ void Mass::declare(DataTable& table) {
       .help("the inertia of nodes that a constraint moves does not reach their neighbours, as in SOFA; else it is refused");
   table.add("separateGravity", separate_gravity_)
       .help("accepted for SOFA's sake; gravity is always a constant force that is computed once");
-  for (const char* name : {"showGravityCenter", "showAxisSizeFactor", "showInitialCenterOfGravity", "showX0"})
-    table.addVisualOnly(name);
+  for (const char* name : {"showGravityCenter", "showAxisSizeFactor", "showInitialCenterOfGravity", "showX0"}) table.addVisualOnly(name);
 }
 
 void Mass::init() {

@@ -44,8 +44,7 @@ Topologies topologiesIn(const Node& node) {
 Topologies nearestThatFit(const Node& from, const Wanted& wanted, Topologies& passed) {
   Topologies fitting;
   for (const Node* node = &from; node && fitting.empty(); node = node->parent())
-    for (const Topology* topology : topologiesIn(*node))
-      (wanted.fits(*topology) ? fitting : passed).push_back(topology);
+    for (const Topology* topology : topologiesIn(*node)) (wanted.fits(*topology) ? fitting : passed).push_back(topology);
   return fitting;
 }
 
@@ -58,10 +57,9 @@ const Topology* choose(const Topologies& fitting, const Node& own) {
   std::string found;
   for (const Topology* topology : topologies)
     found += fmt::format("{}{} has {} nodes", found.empty() ? "" : ", ", topology->path(), topology->mesh().nodes());
-  throw ComponentError(
-      fmt::format("{} and {} has {}", found, wanted.whose, wanted.count),
-      wanted.nodes == MeshNodes::all ? "a mesh and a state of the same nodes" : "a mesh with no more nodes than that",
-      fmt::format("{}=\"@path\" of the mesh that belongs to {}", wanted.attribute, wanted.whose));
+  throw ComponentError(fmt::format("{} and {} has {}", found, wanted.whose, wanted.count),
+                       wanted.nodes == MeshNodes::all ? "a mesh and a state of the same nodes" : "a mesh with no more nodes than that",
+                       fmt::format("{}=\"@path\" of the mesh that belongs to {}", wanted.attribute, wanted.whose));
 }
 
 const Topology* search(const Node& own, Wanted wanted) {

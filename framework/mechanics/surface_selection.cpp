@@ -63,14 +63,13 @@ std::vector<Face> SurfaceSelection::faces(const Component& load, const Mesh& mes
 
 std::vector<Face> SurfaceSelection::listed(const Component& load, const Mesh& mesh) const {
   std::vector<Face> faces;
-  if (isSet(load, "min") || isSet(load, "max"))
-    throw ComponentError("faces are listed and the box min, max is given too", "one of them");
+  if (isSet(load, "min") || isSet(load, "max")) throw ComponentError("faces are listed and the box min, max is given too", "one of them");
   const auto take = [&](const char* name, const std::vector<int>& indices, const auto& cells, const char* word) {
     if (isSet(load, name) && indices.empty())
-      throw ComponentError(cells.empty() ? fmt::format("{} lists no face, and the mesh lists no {}", name, word)
-                                         : fmt::format("{} lists no face", name),
-                           cells.empty() ? addsFaces() : fmt::format("at least one of the {}", word),
-                           cells.empty() ? "" : "when a selection is linked here, check that its box holds faces");
+      throw ComponentError(
+          cells.empty() ? fmt::format("{} lists no face, and the mesh lists no {}", name, word) : fmt::format("{} lists no face", name),
+          cells.empty() ? addsFaces() : fmt::format("at least one of the {}", word),
+          cells.empty() ? "" : "when a selection is linked here, check that its box holds faces");
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] < 0 || std::size_t(indices[i]) >= cells.size())
         throw ComponentError(fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),
@@ -90,8 +89,7 @@ std::vector<Face> SurfaceSelection::inBox(const Component& load, const Mesh& mes
   std::vector<Face> faces;
   if (const bool low = isSet(load, "min"); low != isSet(load, "max"))
     throw ComponentError(fmt::format("{} is given without {}", low ? "min" : "max", low ? "max" : "min"), "both, or none of them");
-  const bool everywhere = !isSet(load, "min"),
-             given = !mesh.triangles.empty() || !mesh.quads.empty() || !mesh.quadratic_triangles.empty();
+  const bool everywhere = !isSet(load, "min"), given = !mesh.triangles.empty() || !mesh.quads.empty() || !mesh.quadratic_triangles.empty();
   if (!everywhere && low_ == high_)
     throw ComponentError(fmt::format("min and max are the same point {:g} {:g} {:g}", low_.x(), low_.y(), low_.z()),
                          "two corners of a box, or none of them for the whole surface");

@@ -13,10 +13,9 @@ Archive Archive::readable() const { return Archive(entries_); }
 Archive::Entry& Archive::find(std::string_view name, Kind kind) {
   const auto found = entries_.find(fullName(name));
   if (found == entries_.end())
-    throw std::runtime_error(fmt::format(
-        "the checkpoint holds no '{}' of {}: it was written by another scene, or with other settings", name, owner_));
-  if (found->second.kind != kind)
-    throw std::runtime_error(fmt::format("'{}' of {} has another type in the checkpoint", name, owner_));
+    throw std::runtime_error(
+        fmt::format("the checkpoint holds no '{}' of {}: it was written by another scene, or with other settings", name, owner_));
+  if (found->second.kind != kind) throw std::runtime_error(fmt::format("'{}' of {} has another type in the checkpoint", name, owner_));
   found->second.is_read = true;
   return found->second;
 }
@@ -61,10 +60,10 @@ Archive Archive::take(const std::string& owner) {
 void Archive::checkAllRead() const {
   for (const auto& [name, entry] : entries_)
     if (!entry.is_read)
-      throw std::runtime_error(fmt::format(
-          "the checkpoint holds {}, which the scene does not have: it was written by another scene, or with other "
-          "settings",
-          name));
+      throw std::runtime_error(
+          fmt::format("the checkpoint holds {}, which the scene does not have: it was written by another scene, or with other "
+                      "settings",
+                      name));
 }
 
 }  // namespace stroma

@@ -60,8 +60,7 @@ void setDefaultGravity(const NodeDescription& description, Node& node, Diagnosti
 
 }  // namespace
 
-bool Instantiation::isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
-                                          const Component* component) {
+bool Instantiation::isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner, const Component* component) {
   if (attribute.name.starts_with("_") || attribute.name.starts_with("NO")) return true;
   if (!isVisualAttribute(attribute.name) && !(component && component->data().isVisualOnly(attribute.name))) return false;
   noEffect(owner + "." + attribute.name);
@@ -259,8 +258,7 @@ void Instantiation::checkGiven(Component& component) {
       fail(component, {Severity::error, component.where(), path, data.name() + " is not given", data.typeText(), {}});
     } else {
       const std::string unit = data.unitText().empty() || data.unitText() == "-" ? "" : " " + data.unitText();
-      diagnostics_.warning(component.where(), path,
-                           data.name() + " is not given: the default " + data.defaultText() + unit + " is used");
+      diagnostics_.warning(component.where(), path, data.name() + " is not given: the default " + data.defaultText() + unit + " is used");
     }
   }
 }

@@ -106,8 +106,7 @@ void Component::copyLinkedValues() {
   under_way.back().fetching = nullptr;
 }
 
-void Component::reportFailure(const std::string& message, const std::string& expected,
-                              const std::string& suggestion) const {
+void Component::reportFailure(const std::string& message, const std::string& expected, const std::string& suggestion) const {
   diagnostics_->error(where_, path(), message, expected, suggestion);
 }
 

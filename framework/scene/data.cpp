@@ -35,8 +35,7 @@ LinkBase* Data::link() const {
 std::string Data::rangeText() const {
   const bool has_min = min_ > -std::numeric_limits<double>::infinity();
   const bool has_max = max_ < std::numeric_limits<double>::infinity();
-  if (has_min && has_max)
-    return (min_inclusive_ ? "[" : "(") + printReal(min_) + ", " + printReal(max_) + (max_inclusive_ ? "]" : ")");
+  if (has_min && has_max) return (min_inclusive_ ? "[" : "(") + printReal(min_) + ", " + printReal(max_) + (max_inclusive_ ? "]" : ")");
   if (has_min) return (min_inclusive_ ? ">= " : "> ") + printReal(min_);
   if (has_max) return (max_inclusive_ ? "<= " : "< ") + printReal(max_);
   return {};

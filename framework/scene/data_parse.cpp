@@ -13,8 +13,7 @@ namespace stroma {
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view space = " \t\n\r\f\v";
   const auto first = text.find_first_not_of(space);
-  return first == std::string_view::npos ? std::string_view()
-                                         : text.substr(first, text.find_last_not_of(space) - first + 1);
+  return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(space) - first + 1);
 }
 
 std::string_view Words::next() {
@@ -57,8 +56,7 @@ bool readNumber(std::string_view word, int& out, Failure& why) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), out);
   if (code == std::errc() && end == word.data() + word.size()) return true;
-  why.message = inQuotes(written) +
-                (code == std::errc::result_out_of_range ? " does not fit a 32-bit integer" : " is not an integer");
+  why.message = inQuotes(written) + (code == std::errc::result_out_of_range ? " does not fit a 32-bit integer" : " is not an integer");
   return false;
 }
 
@@ -210,9 +208,8 @@ bool readChoice(std::string_view text, const ChoiceRef& choice, Failure& why) {
 }
 
 template <class T>
-constexpr bool holds_reals =
-    std::is_same_v<T, double> || std::is_same_v<T, Vec3> || std::is_same_v<T, std::vector<double>> ||
-    std::is_same_v<T, std::vector<Vec3>> || std::is_same_v<T, std::array<double, 16>>;
+constexpr bool holds_reals = std::is_same_v<T, double> || std::is_same_v<T, Vec3> || std::is_same_v<T, std::vector<double>> ||
+                             std::is_same_v<T, std::vector<Vec3>> || std::is_same_v<T, std::array<double, 16>>;
 
 /// What was refused as plain numbers, once more as numbers with units or fractions. Of a unit "or -" the written one stays.
 template <class T>

@@ -79,8 +79,7 @@ void Diagnostics::add(Problem problem) {
   }
 }
 
-void Diagnostics::error(SourceLocation where, std::string path, std::string message, std::string expected,
-                        std::string suggestion) {
+void Diagnostics::error(SourceLocation where, std::string path, std::string message, std::string expected, std::string suggestion) {
   add({Severity::error, std::move(where), std::move(path), std::move(message), std::move(expected), std::move(suggestion)});
 }
 
@@ -98,8 +97,7 @@ std::string Diagnostics::text() const {
   return out;
 }
 
-SceneError::SceneError(Diagnostics diagnostics)
-    : std::runtime_error(diagnostics.text()), diagnostics_(std::move(diagnostics)) {}
+SceneError::SceneError(Diagnostics diagnostics) : std::runtime_error(diagnostics.text()), diagnostics_(std::move(diagnostics)) {}
 
 ComponentError::ComponentError(const std::string& message, std::string expected_, std::string suggestion_)
     : std::runtime_error(message), expected(std::move(expected_)), suggestion(std::move(suggestion_)) {}

@@ -178,8 +178,7 @@ void chooseIn(Target& target, const Component* self, const std::string& what, Wa
 }
 
 Problem broken(const SourceLocation& where, const std::string& path, const std::string& text, const Target& target) {
-  return {Severity::error,  where, path, "the link " + inQuotes(text) + " leads nowhere: " + target.reason, {},
-          target.suggestion};
+  return {Severity::error,  where, path, "the link " + inQuotes(text) + " leads nowhere: " + target.reason, {}, target.suggestion};
 }
 
 bool isUnknown(const Component& component) { return dynamic_cast<const UnknownComponent*>(&component) != nullptr; }

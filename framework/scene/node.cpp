@@ -3,8 +3,7 @@
 
 namespace stroma {
 
-Node::Node(std::string name, Node* parent, SourceLocation where)
-    : name_(std::move(name)), parent_(parent), where_(std::move(where)) {}
+Node::Node(std::string name, Node* parent, SourceLocation where) : name_(std::move(name)), parent_(parent), where_(std::move(where)) {}
 
 std::string Node::path() const {
   if (!parent_) return "/";

@@ -36,8 +36,7 @@ class Resolver {
     const std::string canonical = fs::canonical(file, none).string();
     if (std::find(chain_.begin(), chain_.end(), canonical) != chain_.end()) return reportCircle(canonical, where);
     if (int(chain_.size()) >= limits_.include_depth)
-      return diagnostics_.error(where, {}, "files include each other more than " + std::to_string(limits_.include_depth) + " deep"),
-             false;
+      return diagnostics_.error(where, {}, "files include each other more than " + std::to_string(limits_.include_depth) + " deep"), false;
     std::string text;
     return readText(file, where, text) && take({file, std::move(text), true, is_prefab}, depth, root);
   }
@@ -95,8 +94,7 @@ class Resolver {
 
   void splice(NodeDescription& node, int depth) {
     if (depth > limits_.depth) {
-      diagnostics_.error(node.where, {},
-                         "with its includes the scene is nested more than " + std::to_string(limits_.depth) + " deep");
+      diagnostics_.error(node.where, {}, "with its includes the scene is nested more than " + std::to_string(limits_.depth) + " deep");
       node.children.clear();
       return;
     }
@@ -116,8 +114,7 @@ class Resolver {
 
   void include(const ComponentDescription& element, int depth, NodeDescription& into) {
     const AttributeDescription* href = element.find("href");
-    if (!href || href->value.empty())
-      return diagnostics_.error(element.where, {}, "<include> does not name a file", "href=\"...\"");
+    if (!href || href->value.empty()) return diagnostics_.error(element.where, {}, "<include> does not name a file", "href=\"...\"");
     std::vector<std::string> searched;
     const std::string file = findFileIn(href->value, element.folder, scene_.data_paths, &searched);
     if (file.empty())
@@ -163,8 +160,8 @@ class Resolver {
     diagnostics_.add({is_foreign_ ? Severity::warning : Severity::error,
                       attribute.where,
                       {},
-                      "no included element" + (only.empty() ? "" : " named " + inQuotes(only)) + " has an attribute " +
-                          inQuotes(name) + (is_foreign_ ? ": it is dropped" : ""),
+                      "no included element" + (only.empty() ? "" : " named " + inQuotes(only)) + " has an attribute " + inQuotes(name) +
+                          (is_foreign_ ? ": it is dropped" : ""),
                       "an attribute that the included file writes",
                       nearest(name, known)});
   }
@@ -201,9 +198,8 @@ class Resolver {
   /// Elements of equal type and name become one; the included attributes win.
   static void merge(NodeDescription& from, NodeDescription& into) {
     for (ComponentDescription& component : from.components) {
-      const auto same = std::find_if(into.components.begin(), into.components.end(), [&](const auto& other) {
-        return other.type == component.type && other.name() == component.name();
-      });
+      const auto same = std::find_if(into.components.begin(), into.components.end(),
+                                     [&](const auto& other) { return other.type == component.type && other.name() == component.name(); });
       if (same == into.components.end()) {
         into.components.push_back(std::move(component));
       } else {

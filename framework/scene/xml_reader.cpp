@@ -86,8 +86,7 @@ class Reader {
       component.attributes.erase(attribute);
       break;
     }
-    if (component.type.empty())
-      diagnostics_.error(component.where, {}, "<Object> does not say which component it is", "type=\"...\"");
+    if (component.type.empty()) diagnostics_.error(component.where, {}, "<Object> does not say which component it is", "type=\"...\"");
   }
 
   void refuseInside(const tinyxml2::XMLElement& element, const std::string& tag) {

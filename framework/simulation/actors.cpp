@@ -52,8 +52,7 @@ void orderMappings(std::vector<Mapping*>& mappings) {
   while (!waiting.empty()) {
     const auto ready = std::find_if(waiting.begin(), waiting.end(), [&waiting](const Mapping* mapping) {
       const std::vector<State*> inputs = mapping->inputs();
-      return std::none_of(waiting.begin(), waiting.end(),
-                          [&inputs](const Mapping* other) { return contains(inputs, &other->output()); });
+      return std::none_of(waiting.begin(), waiting.end(), [&inputs](const Mapping* other) { return contains(inputs, &other->output()); });
     });
     if (ready == waiting.end())
       throw ComponentError(
@@ -175,8 +174,7 @@ bool Actors::massTurns() const { return std::any_of(masses.begin(), masses.end()
 
 bool Actors::massIsDiagonal() const {
   const auto on_mapped = [this](const Mass* mass) { return mass->state().firstRow() >= independent_rows; };
-  return std::all_of(masses.begin(), masses.end(),
-                     [&on_mapped](const Mass* mass) { return mass->isDiagonal() && !on_mapped(mass); });
+  return std::all_of(masses.begin(), masses.end(), [&on_mapped](const Mass* mass) { return mass->isDiagonal() && !on_mapped(mass); });
 }
 
 std::string Actors::describeRow(Index row) const {

@@ -48,8 +48,7 @@ void requireDiagonalUnderMotion(const Actors& actors) {
 }
 
 void requireMassOf(const State& state, const Actors& actors, const std::vector<char>& held, const std::vector<double>& mass) {
-  const bool has_mass =
-      std::any_of(actors.masses.begin(), actors.masses.end(), [&state](const Mass* m) { return &m->state() == &state; });
+  const bool has_mass = std::any_of(actors.masses.begin(), actors.masses.end(), [&state](const Mass* m) { return &m->state() == &state; });
   for (Index i = 0; i < state.size(); ++i) {
     const std::size_t row = std::size_t(state.firstRow() + i);
     if (held[row] || mass[row] > 0) continue;
@@ -138,12 +137,10 @@ void ConstraintSet::meetGroups(double start, Rows x, Rows v) const {
     // the mean turn, seen from one of them
     const Index first = held != end ? *held : *begin;
     Vec3 turn = Vec3::Zero();
-    for (const Index* row = begin; held == end && row != end; ++row)
-      turn += share(*row) * actors_.motion.increment(x, x, first, *row);
+    for (const Index* row = begin; held == end && row != end; ++row) turn += share(*row) * actors_.motion.increment(x, x, first, *row);
     actors_.motion.advanceRow(turn, x, first);
     for (const Index* row = begin; row != end; ++row)
-      if (*row != first)
-        std::copy_n(x.data + std::size_t(first) * row_doubles, row_doubles, x.data + std::size_t(*row) * row_doubles);
+      if (*row != first) std::copy_n(x.data + std::size_t(first) * row_doubles, row_doubles, x.data + std::size_t(*row) * row_doubles);
   }
 }
 

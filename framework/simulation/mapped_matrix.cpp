@@ -47,8 +47,7 @@ void MappedMatrix::reduce(BlockMatrix& out) const {
   for (Index row = 0; row < full_.rows(); ++row)
     for (Index slot = full_.rowStart()[row]; slot < full_.rowStart()[row + 1]; ++slot) {
       const Index column = full_.columns()[slot];
-      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(full_.values().data() +
-                                                                                 std::size_t(slot) * 9);
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(full_.values().data() + std::size_t(slot) * 9);
       if (row < independent_rows_ && column < independent_rows_) {
         out.add(row, column, block);
         continue;

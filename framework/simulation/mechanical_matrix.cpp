@@ -20,9 +20,7 @@ namespace {
 /// out = 0, by all threads where that is long.
 void clearShared(Rows out) {
   constexpr Index piece = 16384;
-  parallelFor(int((out.count + piece - 1) / piece), [&](int k) {
-    clear(out.segment(k * piece, std::min(piece, out.count - k * piece)));
-  });
+  parallelFor(int((out.count + piece - 1) / piece), [&](int k) { clear(out.segment(k * piece, std::min(piece, out.count - k * piece))); });
 }
 
 /// What acts on mapped states is left out: it reaches other rows than its own.

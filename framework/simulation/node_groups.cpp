@@ -168,8 +168,7 @@ void NodeGroups::average(BlockMatrix& matrix) const {
     for (Index k = matrix.rowStart()[head]; k < matrix.rowStart()[head + 1]; ++k) {
       const Index row = matrix.columns()[k];
       Mat3 mean = Mat3::Zero();
-      for (const Index* column = begin(g); column != end(g); ++column)
-        mean += blockAt(values, matrix.slot(row, *column)) / double(size(g));
+      for (const Index* column = begin(g); column != end(g); ++column) mean += blockAt(values, matrix.slot(row, *column)) / double(size(g));
       for (const Index* column = begin(g); column != end(g); ++column) blockAt(values, matrix.slot(row, *column)) = mean;
     }
   }

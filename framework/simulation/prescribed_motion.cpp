@@ -80,9 +80,7 @@ std::string PrescribedMotion::describeConflict(const SharedPlacements::Conflict&
 // What never moves can be judged before the first step.
 void PrescribedMotion::check(double start, ConstRows x, ConstRows v) {
   if (shared_.empty()) return;
-  const auto isStill = [](const ProjectiveConstraint* c) {
-    return !c->prescribesMotion() || (c->isConstant() && c->endTime() < 0);
-  };
+  const auto isStill = [](const ProjectiveConstraint* c) { return !c->prescribesMotion() || (c->isConstant() && c->endTime() < 0); };
   if (!std::all_of(actors_.constraints.begin(), actors_.constraints.end(), isStill)) return;
   for (ProjectiveConstraint* constraint : actors_.constraints)
     if (constraint->prescribesMotion()) constraint->beginMotion(start, x);

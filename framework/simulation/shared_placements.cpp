@@ -14,9 +14,8 @@ void SharedPlacements::add(int constraint, const NodeProjector* begin, const Nod
 }
 
 void SharedPlacements::keepShared() {
-  std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
-    return a.row != b.row ? a.row < b.row : a.constraint < b.constraint;
-  });
+  std::sort(entries_.begin(), entries_.end(),
+            [](const Entry& a, const Entry& b) { return a.row != b.row ? a.row < b.row : a.constraint < b.constraint; });
   std::size_t kept = 0;
   for (auto first = entries_.cbegin(); first != entries_.cend();) {
     const auto last = endOfRow(first);
@@ -60,8 +59,7 @@ SharedPlacements::Conflict SharedPlacements::meet(const Motion& motion, Rows x, 
       size = std::max(size, entry->x.head<3>().norm());
     }
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(held);
-    const Vec3 inverse =
-        (eigen.eigenvalues().array() > parallel).select(1 / eigen.eigenvalues().array(), Eigen::Array3d::Zero());
+    const Vec3 inverse = (eigen.eigenvalues().array() > parallel).select(1 / eigen.eigenvalues().array(), Eigen::Array3d::Zero());
     const Mat3 pseudo_inverse = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
     motion.advanceRow(pseudo_inverse * to_x, x, first->row);
     for (int again = 0; turns && again < 100; ++again) {  // increments of turns do not add up

@@ -83,10 +83,9 @@ void merge(StepReport&& part, StepReport& whole) {
 }
 
 /// The sentence of a step that failed: which, of what, why, and the worst elements at the system's positions.
-std::string whereAndWhy(const System& system, const StepContext& context, const std::string& cause,
-                        const std::string& when) {
-  std::string text = fmt::format("step {} (from t = {:.6g} s, dt = {:.6g} s), {}: {}", context.index, context.t,
-                                 context.dt, system.integrator().path(), cause);
+std::string whereAndWhy(const System& system, const StepContext& context, const std::string& cause, const std::string& when) {
+  std::string text = fmt::format("step {} (from t = {:.6g} s, dt = {:.6g} s), {}: {}", context.index, context.t, context.dt,
+                                 system.integrator().path(), cause);
   for (const ForceField* field : system.forceFields()) {
     const std::string worst = field->worstElement(system.x);
     if (!worst.empty()) text += fmt::format("; worst of {}{}: {}", field->path(), when, worst);
@@ -112,8 +111,7 @@ Simulation::Simulation(Scene scene)
   if (!diagnostics.hasErrors()) observers_.compile(diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(diagnostics);
 
-  if (found.empty())
-    diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
+  if (found.empty()) diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
   for (const auto& system : systems_) fault_watches_.emplace_back(*system);
   snapshots_.compile(systems_);
   watch_.compile(systems_);
@@ -152,8 +150,7 @@ StepReport Simulation::makeStep(StopToken stop) {
       complete();
       if (std::string why = guard->refusal(context); !why.empty()) {
         report.diverged = true;
-        report.reason =
-            fmt::format("step {} (from t = {:.6g} s), {}: {}", context.index, context.t, observer->path(), why);
+        report.reason = fmt::format("step {} (from t = {:.6g} s), {}: {}", context.index, context.t, observer->path(), why);
         return report;
       }
     }
@@ -229,8 +226,7 @@ void Simulation::endHistory(History& history, const StepContext& context, StepRe
   });
   if (!without_time) return;
   const std::string before = report.unsolved || report.reason.empty() ? report.reason : "; " + report.reason;
-  if (!report.unsolved)
-    report.reason = fmt::format("step {} (to t = {:.6g} s): {}{}", context.index, context.t_end, fault, before);
+  if (!report.unsolved) report.reason = fmt::format("step {} (to t = {:.6g} s): {}{}", context.index, context.t_end, fault, before);
   report.unsolved = true;
 }
 

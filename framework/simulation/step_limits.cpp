@@ -107,8 +107,7 @@ bool StepLimits::solvesAgain() {
 
 void tellStepBegins(const System& system, ConstRows x, double t, double t_end) {
   for (ForceField* field : system.forceFields())
-    if (auto* hears = dynamic_cast<HearsSteps*>(field))
-      hears->stepBegins(system.mappingChain().positions(x), t, t_end);
+    if (auto* hears = dynamic_cast<HearsSteps*>(field)) hears->stepBegins(system.mappingChain().positions(x), t, t_end);
   for (LagrangianConstraint* constraint : system.actors().lagrangian_constraints)
     constraint->constrainedStepBegins(system.mappingChain().positions(x), t_end);
 }
@@ -138,26 +137,23 @@ void checkStepLimits(const System& system) {
   for (const ProjectiveConstraint* constraint : system.constraints().all())
     if (const auto* side = dynamic_cast<const ProjectsRightSide*>(constraint);
         side && side->leavesMatrix() && !dynamic_cast<const AsksRightSides*>(&system.integrator()))
-      throw ComponentError(fmt::format("{} has inMatrix=\"false\", and {} projects no right side", constraint->path(),
-                                       system.integrator().type()),
-                           usualComponent(Part::integrator) + ", or no inMatrix");
+      throw ComponentError(
+          fmt::format("{} has inMatrix=\"false\", and {} projects no right side", constraint->path(), system.integrator().type()),
+          usualComponent(Part::integrator) + ", or no inMatrix");
   const auto& fields = system.forceFields();
-  const auto limiter = std::find_if(fields.begin(), fields.end(),
-                                    [](ForceField* f) { return dynamic_cast<StepLimiter*>(f) != nullptr; });
+  const auto limiter = std::find_if(fields.begin(), fields.end(), [](ForceField* f) { return dynamic_cast<StepLimiter*>(f) != nullptr; });
   if (limiter == fields.end()) return;
   const std::string path = (*limiter)->path();
   const auto* heeds = dynamic_cast<const HeedsStepLimits*>(&system.integrator());
   if (!heeds || !heeds->heedsStepLimits())
-    throw ComponentError(
-        fmt::format("{} moves bodies without asking {} how far they may move before they pass through each other",
-                    system.integrator().type(), path),
-        "an implicit integrator or statics with Newton's method", heeds ? heeds->howToHeedStepLimits() : "");
+    throw ComponentError(fmt::format("{} moves bodies without asking {} how far they may move before they pass through each other",
+                                     system.integrator().type(), path),
+                         "an implicit integrator or statics with Newton's method", heeds ? heeds->howToHeedStepLimits() : "");
   if (!system.actors().position_constraints.empty())
-    throw ComponentError(
-        fmt::format("{} moves positions after the step, where {} no longer sees to it that nothing passes "
-                    "through anything",
-                    system.actors().position_constraints.front()->path(), path),
-        "contact or position constraints, not both");
+    throw ComponentError(fmt::format("{} moves positions after the step, where {} no longer sees to it that nothing passes "
+                                     "through anything",
+                                     system.actors().position_constraints.front()->path(), path),
+                         "contact or position constraints, not both");
   for (ForceField* field : fields)
     if (auto* each = dynamic_cast<StepLimiter*>(field)) each->checkStart(system.x);
 }

@@ -9,7 +9,9 @@
 
 namespace stroma {
 
-void System::setTime(double t) { for (ForceField* field : actors_.timed_fields) field->setTime(t); }
+void System::setTime(double t) {
+  for (ForceField* field : actors_.timed_fields) field->setTime(t);
+}
 
 void System::computeGravity() {
   gravity_force_.resize(allRows());
@@ -45,8 +47,7 @@ void System::addCurvedInertia(ConstRows v_all, Rows f_now) const {
     clear(momentum_);
     mass->addProduct(v_all, 1, momentum_);
     for (const TurningInertia& turning : mass->turningInertias())
-      if (const Index row = mass->state().firstRow() + turning.row; turning.turns)
-        f_now[row] -= v_all[row].cross(momentum_[row]);
+      if (const Index row = mass->state().firstRow() + turning.row; turning.turns) f_now[row] -= v_all[row].cross(momentum_[row]);
   }
 }
 
@@ -109,8 +110,7 @@ void System::addStiffnessProduct(ConstRows p, const MatrixFactors& factors, Rows
   const ConstRows p_all = mappings_.beginProduct(p);
   const Rows all = mappings_.beginSum(out);
   for (const ForceField* field : actors_.stiff_fields)
-    if (const double factor = factors.of(*field); factor != 0)
-      heard("product", field)->addStiffnessProduct(p_all, factor, all);
+    if (const double factor = factors.of(*field); factor != 0) heard("product", field)->addStiffnessProduct(p_all, factor, all);
   mappings_.finishProduct(p_all, factors.stiffness, all, out);
 }
 
@@ -156,8 +156,7 @@ double System::gravityEnergy(ConstRows x_now) const {
 }
 
 bool System::isConservative() const {
-  return std::all_of(forceFields().begin(), forceFields().end(),
-                     [](const ForceField* field) { return field->traits().conservative; });
+  return std::all_of(forceFields().begin(), forceFields().end(), [](const ForceField* field) { return field->traits().conservative; });
 }
 
 }  // namespace stroma

@@ -35,8 +35,7 @@ Component* partnerOf(const Component& owner, const LinkBase& link) {
 /// In which attribute two components differ, or empty. What they use is looked into as well.
 std::string differenceOf(const Component& a, const Component& b, int depth = 0) {
   constexpr int deepest = 3;  // integrator, linear solver, preconditioner, its factors
-  if (a.type() != b.type())
-    return fmt::format("{} has the type {} and {} the type {}", a.path(), a.type(), b.path(), b.type());
+  if (a.type() != b.type()) return fmt::format("{} has the type {} and {} the type {}", a.path(), a.type(), b.path(), b.type());
   for (std::size_t i = 0; i < a.data().all().size(); ++i) {
     const Data &first = a.data().all()[i], &second = b.data().all()[i];
     if (first.isOutput()) continue;
@@ -44,8 +43,7 @@ std::string differenceOf(const Component& a, const Component& b, int depth = 0) 
       const Component *mine = partnerOf(a, *link), *other = partnerOf(b, *second.link());
       const bool same = mine == other && (mine || link->path == second.link()->path);
       if (same) continue;
-      if (!mine || !other || depth == deepest)
-        return fmt::format("{} of {} and of {} is not the same", first.name(), a.path(), b.path());
+      if (!mine || !other || depth == deepest) return fmt::format("{} of {} and of {} is not the same", first.name(), a.path(), b.path());
       if (std::string below = differenceOf(*mine, *other, depth + 1); !below.empty()) return below;
     } else if (first.print() != second.print()) {
       const auto shown = [](const Data& data) {
@@ -99,8 +97,7 @@ class SystemSearch {
                            fmt::format("this integrator lies below the integrator {}, which already moves every state "
                                        "of {} and below",
                                        above->path(), above->node().path()),
-                           "one integrator on the way from the root to a state",
-                           "remove one of the two, or make their nodes siblings");
+                           "one integrator on the way from the root to a state", "remove one of the two, or make their nodes siblings");
         continue;
       }
       above = integrator;
@@ -160,19 +157,17 @@ class SystemSearch {
       if (actor == unmoved_.end())
         diagnostics_.note(state->where(), state->path(), "no integrator in this node or above: the state does not move");
       else
-        diagnostics_.error(
-            state->where(), state->path(),
-            fmt::format("{} acts on this state, but no integrator moves it", actor->second->path()),
-            "an integrator in the state's node or above",
-            "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
+        diagnostics_.error(state->where(), state->path(),
+                           fmt::format("{} acts on this state, but no integrator moves it", actor->second->path()),
+                           "an integrator in the state's node or above",
+                           "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
     }
   }
 
   void refuseUnmoved(const Component& actor, const State& state) {
-    diagnostics_.error(
-        actor.where(), actor.path(),
-        fmt::format("the {} {} acts on {}, which no integrator moves", actor.roleText(), actor.path(), state.path()),
-        "an integrator in the node of each state it acts on, or above");
+    diagnostics_.error(actor.where(), actor.path(),
+                       fmt::format("the {} {} acts on {}, which no integrator moves", actor.roleText(), actor.path(), state.path()),
+                       "an integrator in the node of each state it acts on, or above");
   }
 
   /// One system for both, which the first integrator moves: another rule of time is told, another damping is another motion.
@@ -182,9 +177,9 @@ class SystemSearch {
     const auto [low, high] = std::minmax({leaderOf(first), leaderOf(second)});
     const Integrator &mine = *integrators_[low], &other = *integrators_[high];
     if (const std::string difference = differenceOf(mine, other); !difference.empty()) {
-      const std::string problem = fmt::format(
-          "the {} {} couples {} and {}, which then move in one system, but their integrators {} and {} are not alike: {}",
-          actor.roleText(), actor.path(), a.path(), b.path(), placed(mine), placed(other), difference);
+      const std::string problem =
+          fmt::format("the {} {} couples {} and {}, which then move in one system, but their integrators {} and {} are not alike: {}",
+                      actor.roleText(), actor.path(), a.path(), b.path(), placed(mine), placed(other), difference);
       if (const std::string why = whyApart(mine, other); !why.empty())
         diagnostics_.error(actor.where(), actor.path(), problem + why, "integrators of one kind with the same attributes",
                            "one integrator in a node above both bodies");
@@ -221,11 +216,10 @@ class SystemSearch {
       if (std::any_of(components.begin(), components.end(), takes_factors)) continue;
       diagnostics_.error(
           component->where(), component->path(),
-          fmt::format("no integrator uses the {} {}: {} takes the one of its own node, {}", component->roleText(),
-                      component->path(), user->first->path(), user->first->node().path()),
+          fmt::format("no integrator uses the {} {}: {} takes the one of its own node, {}", component->roleText(), component->path(),
+                      user->first->path(), user->first->node().path()),
           fmt::format("the {} in the node of the integrator, or named by it", component->roleText()),
-          partnerOf(*user->first, *user->second) ? std::string("remove it")
-                                                 : fmt::format("move it to {}", user->first->node().path()));
+          partnerOf(*user->first, *user->second) ? std::string("remove it") : fmt::format("move it to {}", user->first->node().path()));
     }
   }
 
@@ -241,8 +235,7 @@ class SystemSearch {
   std::vector<SystemMembers> systems() const {
     std::vector<SystemMembers> of_integrator(integrators_.size()), systems;
     for (Component* component : all<Component>(root_))
-      if (const std::size_t mover = moverOf(*component); mover != nobody)
-        of_integrator[mover].acting.push_back(component);
+      if (const std::size_t mover = moverOf(*component); mover != nobody) of_integrator[mover].acting.push_back(component);
     for (std::size_t i = 0; i < integrators_.size(); ++i) {
       of_integrator[i].integrator = integrators_[i];
       if (leaderOf(i) != i) of_integrator[leaderOf(i)].merged.push_back({integrators_[i], because_.at(i)});
@@ -273,13 +266,10 @@ std::vector<State*> statesActedOn(const Component& component) {
     states.push_back(&mapping->output());
     return states;
   }
-  if (const auto* constraint = dynamic_cast<const LagrangianConstraint*>(&component))
-    return constraint->constrainedStates();
+  if (const auto* constraint = dynamic_cast<const LagrangianConstraint*>(&component)) return constraint->constrainedStates();
   return {};
 }
 
-std::vector<SystemMembers> findSystems(const Node& root, Diagnostics& diagnostics) {
-  return SystemSearch(root, diagnostics).run();
-}
+std::vector<SystemMembers> findSystems(const Node& root, Diagnostics& diagnostics) { return SystemSearch(root, diagnostics).run(); }
 
 }  // namespace stroma
