@@ -86,7 +86,7 @@ bool BlockMatrix::hasFours() {
   return has_fours;
 }
 
-/// 43 bytes a block where half of them is read and 76 else, from the second cache, the third, or memory.
+/// From the second cache, the third, or memory, beside other work. Measured of 55 to 210 MB: 2.0 ns where half is read, 3.5 to 4.3 else.
 double BlockMatrix::productCost(double blocks, bool is_halved) {
   const double megabytes = (is_halved ? 43e-6 : 76e-6) * blocks;
   const double third = std::clamp((megabytes - 1) / 3, 0., 1.), memory = std::clamp((megabytes - 12) / 12, 0., 1.);

@@ -356,13 +356,16 @@ def frames_of_the_cut_of_a_grid():
         cells += [tuple(h[m] for m in cell) for cell in
                   ((0, 5, 1, 6), (0, 1, 3, 6), (1, 3, 6, 2), (6, 3, 0, 7), (6, 7, 0, 5), (7, 5, 4, 0))]
     held = [i for i, x in enumerate(X) if x[2] == 0]
-    scene = root(EXACT + '<RegularGridTopology n="3 2 3" min="0 0 0" max="1 0.6 1.4"/><MechanicalObject name="dofs"/><UniformMass '
+    scene = root(EXACT + '<RegularGridTopology n="3 2 3" min="{} 0 0" max="{} 0.6 1.4"/><MechanicalObject name="dofs"/><UniformMass '
                  'totalMass="18"/><TetrahedronFEMForceField method="{}" youngModulus="300" poissonRatio="0.3"/><FixedConstraint '
                  f'indices="{" ".join(map(str, held))}"/>')
-    for method, turn in (("large", lambda now, then: frame(np.vstack([[0, 0, 0], now.T])) @ frame(np.vstack([[0, 0, 0], then.T])).T),
-                         ("polar", edge_polar)):
-        fields = together(gravity(np.ones(18), [0, -10, 0]), tetrahedra(cells, X, 300, 0.3, turn))
-        agree(Run(scene.format(method), 20).x(), euler(X, np.eye(18), fields, 20, 0.01, held=held), 1e-9)
+    ways = (("small", lambda now, then: np.eye(3)), ("polar", edge_polar), ("svd", edge_polar),
+            ("large", lambda now, then: frame(np.vstack([[0, 0, 0], now.T])) @ frame(np.vstack([[0, 0, 0], then.T])).T))
+    for (method, turn), (low, high) in itertools.product(ways, ((0, 1), (1, 0))):  # the second runs the other way
+        Y = X * [high - low, 1, 1] + [low, 0, 0]
+        fields = together(gravity(np.ones(18), [3, -10, 0]), tetrahedra(cells, Y, 300, 0.3, turn))
+        expected = euler(Y, np.eye(18), fields, 20, 0.01, held=held)
+        agree(Run(scene.format(low, high, method).replace('gravity="0 -10 0"', 'gravity="3 -10 0"'), 20).x(), expected, 1e-9)
 
 
 @case

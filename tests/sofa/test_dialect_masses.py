@@ -64,6 +64,31 @@ def shares_of_cells_that_are_no_boxes():
 
 
 @case
+def shares_of_grids_that_are_warped():
+    """A grid whose nodes the state puts elsewhere has no boxes: each corner has an eighth of its cell all the same."""
+    warped, plain = CUBE.copy(), CUBE
+    warped[7] = 2, 2, 2
+    other = np.array([[0, 0, 0], [1.5, 0, 0.2], [0, 1, 0], [1, 1.4, 0], [0, 0, 1], [1, 0, 1], [-0.3, 1, 1], [1, 1, 1.5]])
+
+    def volume(X):  # the trilinear map's, by two Gauss points along each axis
+        total = 0
+        for xi in itertools.product((-1 / np.sqrt(3), 1 / np.sqrt(3)), repeat=3):
+            slopes = np.array([[s[a] / 8 * np.prod([1 + s[b] * xi[b] for b in range(3) if b != a]) for a in range(3)]
+                               for s in 2 * plain - 1])
+            total += np.linalg.det(X.T @ slopes)
+        return total
+    grid = '<RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/>'
+    for X, state in ((warped, f'position="{numbers_of(warped)}"'), (other, f'position="{numbers_of(other)}"'), (plain, "")):
+        scene = node(EXACT + f'{grid}<MechanicalObject name="dofs" {state}/><DiagonalMass massDensity="3"/>'
+                     '<ConstantForceField indices="0-7" forces="0 0 1"/>')
+        run = Run(scene, 1)
+        agree(1e-4 / (run.x() - X)[:, 2], np.full(8, 3 * volume(X) / 8), 1e-9)
+        assert ("edge-mass" in run.text) == bool(state), run.text
+        if state:
+            differ(1e-4 / (Run(scene, 1, args=["--without-quirk", "edge-mass"]).x() - X)[:, 2], np.full(8, 3 * volume(X) / 8), 1e-3)
+
+
+@case
 def quirk_total_mass():
     scene = node(EXACT + '<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="4" vertexMass="1"/>'
                  '<ConstantForceField indices="0 1" forces="0 8 0"/>')

@@ -7,6 +7,17 @@
 #include "tools/sofa/rewriting.h"
 
 namespace stroma::sofa {
+namespace {
+
+/// The state of a mass may put the nodes of a grid elsewhere, so that its cells are no boxes: by its own positions, or by its parents'.
+bool placesNodes(const Element& mass) {
+  const Element* state = mass.place->nearest("mechanical state");
+  if (!state || state->place->has("mapping")) return true;
+  const auto gives = [state](const char* name) { return state->find(name) != nullptr; };
+  return gives("position") || gives("rest_position") || gives("src") || gives("filename");
+}
+
+}  // namespace
 
 void Rewriting::meanMass(Element& element) {
   addToOthers(element);
@@ -38,8 +49,8 @@ void Rewriting::meanMass(Element& element) {
   if (couples && movesNodes()) setQuirk(element, "moved-inertia", "movedAlone", "true");
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
   const Element* mesh = isAnyOf(type, {"DiagonalMass", "MeshMatrixMass"}) ? meshOf(element) : nullptr;
-  if (mesh && !isAnyOf(mesh->written->type, {"RegularGridTopology", "SparseGridTopology"}) && mayLoadQuads(element))
-    setQuirk(element, "edge-mass", "shares", "equal");
+  const bool are_boxes = mesh && isAnyOf(mesh->written->type, {"RegularGridTopology", "SparseGridTopology"}) && !placesNodes(element);
+  if (mesh && !are_boxes && mayLoadQuads(element)) setQuirk(element, "edge-mass", "shares", "equal");
 }
 
 /// A second mass of a state has to name it here.
