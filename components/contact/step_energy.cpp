@@ -107,7 +107,7 @@ double StepEnergy::Account::excess() const {
 /// line through the last two, or sometimes the middle of what is left. They lie decades from 0 and from 1: log s/(1 - s) goes straight.
 /// Bounds hold while all others keep theirs: where little is left between them and s seems to be far from there, the other one goes.
 /// True: there is another s.
-bool StepEnergy::Account::search(int round) {
+bool StepEnergy::Account::search(int round, bool is_alone) {
   constexpr double least = 1e-4, settled = 1e-3, farthest = 8;
   const auto placeOf = [](double s) { return std::log(s / (1 - s)); };
   const double sum = excess(), right = (before - after - gained - by_start) / (by_end - by_start);
@@ -115,7 +115,8 @@ bool StepEnergy::Account::search(int round) {
   const double place = placeOf(share), way = placeOf(std::clamp(right, least, 1 - least)) - place;
   if (std::abs(way) < settled) return false;
   (sum > 0 ? low : high) = place;
-  if (high - low < std::max(settled, 0.2 * std::abs(way))) (sum > 0 ? high : low) = sum > 0 ? infinite : -infinite, is_searched = false;
+  if (!is_alone && high - low < std::max(settled, 0.2 * std::abs(way)))
+    (sum > 0 ? high : low) = sum > 0 ? infinite : -infinite, is_searched = false;
   double next = place + way;
   if (is_searched && way != last_way) next = place - way * (place - last) / (way - last_way);
   const auto isBetween = [&] { return next > low && next < high; };
@@ -127,16 +128,24 @@ bool StepEnergy::Account::search(int round) {
 }
 
 /// Where none has another s, or after some rounds, and a contact still gives too much, all go by the forces of the end alone. For a
-/// convex U these never give too much, whatever the others do. So it is where rigid bodies turn: with shares near 0 their contacts end
-/// steps so near that the next ones may find no balance.
+/// convex U these never give too much, whatever the others do. So it is where rigid bodies turn and shares come near 0: their contacts
+/// would end steps so near that the next ones may find no balance.
 bool StepEnergy::goesOn() {
   constexpr int most_rounds = 16;
+  constexpr double least_turning = 0.01;
+  const bool is_alone = accounts_.size() == 1;
   if (!has_start_ || gives_up_) return false;
   bool goes = false;
-  if (++rounds_ < most_rounds && !ways_.turns())
-    for (Account& account : accounts_) goes = account.search(rounds_) || goes;
+  const auto is_small = [](const Account& account) { return account.share < least_turning; };
+  if (++rounds_ < most_rounds)
+    for (Account& account : accounts_) goes = account.search(rounds_, is_alone) || goes;
+  if (goes && ways_.turns() && std::ranges::any_of(accounts_, is_small)) return giveUp(), true;
   const bool gives = std::ranges::any_of(accounts_, [](const Account& account) { return account.excess() > 0; });
   if (goes || !gives) return goes;
+  if (is_alone && rounds_ <= most_rounds && std::isfinite(accounts_.front().high)) {  // an s that gives too little is known
+    rounds_ = most_rounds, accounts_.front().share = 1 / (1 + std::exp(-accounts_.front().high));
+    return true;
+  }
   return giveUp(), true;
 }
 

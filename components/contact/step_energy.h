@@ -67,7 +67,7 @@ class StepEnergy {
     bool touches = false, is_searched = false;
     double gains() const { return (1 - share) * by_start + share * by_end + after - before; }
     double excess() const;
-    bool search(int round);
+    bool search(int round, bool is_alone);
     void begin() { share = 0.5, low = -infinite, high = infinite, is_searched = false; }
   };
   struct Pull {
