@@ -173,10 +173,9 @@ void BarrierContact::compile() {
   compileSurfaces();
   finishAdhesion(law_.adhesion, friction_, law_.range);
   friction_.farthest = std::max(law_.range, 0.25 * mean_edge_);
-  law_.compile(), fastest_ = fastestLead(law_, bodies_), friction_.balance = &step_energy_;
+  law_.compile(), fastest_ = fastestLead(law_, bodies_), friction_.balance = &step_energy_, step_energy_.compile(law_, bodies_);
   startObstacles();
-  way_.resize(law_.surfaces.rows.size());
-  forces_.resize(way_.size()), forces_before_.resize(way_.size());
+  way_.resize(law_.surfaces.rows.size()), forces_.resize(way_.size()), forces_before_.resize(way_.size());
 }
 
 void BarrierContact::placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) {
@@ -318,7 +317,7 @@ bool BarrierContact::movesOn(ConstRows x) {
     return ++obstacle_rounds_, waits_ = true;
   }
   law_.copyShares(solved_shares_);
-  step_energy_.look(law_, x_, start_, law_.moved - moved_at_start_);
+  step_energy_.look(law_, x_, start_, law_.moved - moved_at_start_, x);
   const bool others = sharesChange(), goes_on = friction_rounds_.goOn(friction_), held = friction_.release();
   solved_slides_ = friction_.slides;
   const bool rubs = (friction_.acts() && frictionChanges(held)) || goes_on;
@@ -359,7 +358,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   if (has_balance) friction_.slides = solved_slides_;
   if (!has_balance) law_.weigh(x_);
   friction_.release();
-  step_energy_.stepTaken(law_, x_, start_, law_.moved - moved_at_start_);
+  step_energy_.stepTaken(law_, x_, start_, law_.moved - moved_at_start_, x);
   slideTo(x_);
   outputs_.note(law_, law_.touches(x_), friction_, x_, bodies_);
   is_in_step_ = false;

@@ -25,12 +25,12 @@ StepEnergy::Pair StepEnergy::pairOf(const BarrierLaw& law, const std::array<int,
 
 StepEnergy::Account& StepEnergy::accountOf(const Pair& pair) {
   const auto at = std::ranges::lower_bound(accounts_, pair, {}, &Account::pair);
-  return at != accounts_.end() && at->pair == pair ? *at : *accounts_.insert(at, Account{.pair = pair});
+  return at != accounts_.end() && at->pair == pair ? *at : *accounts_.insert(at, Account{.pair = pair, .share = shareOf(pair)});
 }
 
 double StepEnergy::shareOf(const Pair& pair) const {
   const auto at = std::ranges::lower_bound(accounts_, pair, {}, &Account::pair);
-  return at != accounts_.end() && at->pair == pair ? at->share : 0.5;
+  return at != accounts_.end() && at->pair == pair ? at->share : gives_up_ ? 1 : 0.5;
 }
 
 double StepEnergy::factorOf(const BarrierLaw& law, const std::array<int, 4>& v) const {
@@ -48,7 +48,7 @@ double StepEnergy::partOf(const BarrierLaw& law, const Pull& pull, bool rubs) co
 }
 
 void StepEnergy::stepBegins() {
-  has_start_ = false, rounds_ = 0;
+  has_start_ = gives_up_ = false, rounds_ = 0;
   start_.clear(), rubs_.clear(), touches_.clear();
   for (Account& account : accounts_) account.begin();
 }
@@ -74,14 +74,17 @@ void StepEnergy::startsAt(const BarrierLaw& law, const std::vector<Vec3>& x, dou
     rubs_.push_back({friction.slides[k].v, friction.slides[k].c, friction.terms()[k].force});
 }
 
-void StepEnergy::look(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way) {
+void StepEnergy::look(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way,
+                      ConstRows rows) {
   if (!has_start_) return;
   for (Account& account : accounts_) account.by_start = account.by_end = account.after = 0, account.touches = false;
   // forces of pairs sum up to zero; those of planes do not, and have moved along
+  ways_.find(start, x, rows);
   const auto workOf = [&](const auto& touch, const Vec3& force) {
     Vec3 along = Vec3::Zero();
     for (std::size_t i = 0; i < 4; ++i)
-      if (const auto v = std::size_t(touch.v[i]); touch.v[i] >= 0) along += touch.c[i] * (x[v] - start[v] - way);
+      if (const auto v = std::size_t(touch.v[i]); touch.v[i] >= 0)
+        along += touch.c[i] * (ways_.of(v) - way);
     return force.dot(along);
   };
   for (const Pull& pull : start_) accountOf(pairOf(law, pull.v)).by_start += workOf(pull, pull.force);
@@ -102,8 +105,9 @@ double StepEnergy::Account::excess() const {
 
 /// With the forces of the solve that has ended some s would be right. The next one is that at which s would be what it seems, by a
 /// line through the last two, or sometimes the middle of what is left. They lie decades from 0 and from 1: log s/(1 - s) goes straight.
+/// Bounds hold while all others keep theirs: where little is left between them and s seems to be far from there, the other one goes.
 /// True: there is another s.
-bool StepEnergy::Account::search(int round) {
+bool StepEnergy::Account::search(int round, bool is_alone) {
   constexpr double least = 1e-4, settled = 1e-3, farthest = 8;
   const auto placeOf = [](double s) { return std::log(s / (1 - s)); };
   const double sum = excess(), right = (before - after - gained - by_start) / (by_end - by_start);
@@ -111,6 +115,8 @@ bool StepEnergy::Account::search(int round) {
   const double place = placeOf(share), way = placeOf(std::clamp(right, least, 1 - least)) - place;
   if (std::abs(way) < settled) return false;
   (sum > 0 ? low : high) = place;
+  if (!is_alone && high - low < std::max(settled, 0.2 * std::abs(way)))
+    (sum > 0 ? high : low) = sum > 0 ? infinite : -infinite, is_searched = false;
   double next = place + way;
   if (is_searched && way != last_way) next = place - way * (place - last) / (way - last_way);
   const auto isBetween = [&] { return next > low && next < high; };
@@ -121,19 +127,37 @@ bool StepEnergy::Account::search(int round) {
   return true;
 }
 
-/// After some rounds what still gives too much goes by an s that has given too little, or by the forces of the end alone, which for a
-/// convex U never give too much.
+/// Where none has another s, or after some rounds, and a contact still gives too much, all go by the forces of the end alone. For a
+/// convex U these never give too much, whatever the others do. So it is where rigid bodies turn and shares come near 0: their contacts
+/// would end steps so near that the next ones may find no balance.
 bool StepEnergy::goesOn() {
   constexpr int most_rounds = 16;
-  if (!has_start_ || ++rounds_ > most_rounds) return false;
+  constexpr double least_turning = 0.01;
+  const bool is_alone = accounts_.size() == 1;
+  if (!has_start_ || gives_up_) return false;
   bool goes = false;
-  for (Account& account : accounts_) {
-    if (rounds_ < most_rounds)
-      goes = account.search(rounds_) || goes;
-    else if (account.excess() > 0)
-      account.share = 1 / (1 + std::exp(-account.high)), goes = true;
+  const auto is_small = [](const Account& account) { return account.share < least_turning; };
+  if (++rounds_ < most_rounds)
+    for (Account& account : accounts_) goes = account.search(rounds_, is_alone) || goes;
+  if (goes && ways_.turns() && std::ranges::any_of(accounts_, is_small)) return giveUp(), true;
+  const bool gives = std::ranges::any_of(accounts_, [](const Account& account) { return account.excess() > 0; });
+  if (goes || !gives) return goes;
+  if (is_alone && rounds_ <= most_rounds && std::isfinite(accounts_.front().high)) {  // an s that gives too little is known
+    rounds_ = most_rounds, accounts_.front().share = 1 / (1 + std::exp(-accounts_.front().high));
+    return true;
   }
-  return goes;
+  return giveUp(), true;
+}
+
+void StepEnergy::giveUp() {
+  gives_up_ = true;
+  for (Account& account : accounts_) account.share = 1;
+}
+
+void StepEnergy::forget() {
+  RigidWays ways = std::move(ways_);
+  *this = {};
+  ways_ = std::move(ways);
 }
 
 void StepEnergy::complete(Terms& terms, const BarrierLaw& law, const std::vector<Touch>& touches, Rows f) const {
@@ -162,8 +186,9 @@ double StepEnergy::energy(const BarrierLaw& law, const std::vector<Vec3>& x) con
   return sum;
 }
 
-void StepEnergy::stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way) {
-  look(law, x, start, way);
+void StepEnergy::stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way,
+                           ConstRows rows) {
+  look(law, x, start, way, rows);
   if (std::exchange(has_start_, false)) {
     for (Account& account : accounts_) {
       account.most = std::max({account.most, account.before, account.after});

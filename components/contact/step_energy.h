@@ -20,6 +20,7 @@
 #include <limits>
 
 #include "components/contact/contact_friction.h"
+#include "components/contact/rigid_ways.h"
 #include "framework/scene/archive.h"
 
 namespace stroma::contact {
@@ -41,12 +42,14 @@ class StepEnergy {
   /// The potential at x of these forces.
   double energy(const BarrierLaw& law, const std::vector<Vec3>& x) const;
   /// What the step has given until its end x, if its equations are those of before; obstacles without vertices have gone on by `way`.
-  void look(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way);
+  /// rows: positions of all rows of the scene.
+  void look(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way, ConstRows rows);
   /// That is not what there was: the step is to be solved with another s for some.
   bool goesOn();
   /// The step has ended at x, as for look().
-  void stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way);
-  void forget() { *this = {}; }
+  void stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way, ConstRows rows);
+  void compile(const BarrierLaw& law, const std::vector<State*>& bodies) { ways_.compile(law.surfaces, bodies); }
+  void forget();
   void serialize(Archive& archive);
 
  private:
@@ -64,7 +67,7 @@ class StepEnergy {
     bool touches = false, is_searched = false;
     double gains() const { return (1 - share) * by_start + share * by_end + after - before; }
     double excess() const;
-    bool search(int round);
+    bool search(int round, bool is_alone);
     void begin() { share = 0.5, low = -infinite, high = infinite, is_searched = false; }
   };
   struct Pull {
@@ -76,9 +79,11 @@ class StepEnergy {
   Account& accountOf(const Pair& pair);
   double shareOf(const Pair& pair) const;
   double partOf(const BarrierLaw& law, const Pull& pull, bool rubs) const;
+  void giveUp();
   bool isAsLeft(const BarrierLaw& law, const std::vector<Vec3>& x) const;
 
   bool has_start_ = false;
+  bool gives_up_ = false;           ///< s is 1 for all in the rest of the step
   double of_end_ = 1;
   int rounds_ = 0;                  ///< solves of the step that were looked at
   std::vector<Account> accounts_;   ///< by pairs
@@ -87,6 +92,7 @@ class StepEnergy {
   std::vector<Vec3> end_;           ///< all vertices where the last step ended
   Vec3 moved_ = Vec3::Zero();       ///< obstacles there
   std::array<double, 6> law_{};     ///< what U depended on there
+  RigidWays ways_;
 };
 
 }  // namespace stroma::contact
