@@ -2,16 +2,13 @@
 // A fixed point z = F(z) where z <- F(z) alone swings or is slow: the next z is the sum a_i F(z_i) over the last iterates with
 // sum a_i = 1 whose sum a_i (F(z_i) - z_i) is the shortest. Directions that few nodes turn by are found in a few iterations.
 // Large a_i lead anywhere, unless F is as linear there as they take it for: their sum is bounded, and the bound grows while F(z) - z
-// becomes what was expected of it. What creeps by 0.992 takes some 250. What has led astray goes on from the best z_i, to F(z_i),
-// and where that has been in vain by a half, a quarter... of that way: F is nearly linear on short ones.
+// becomes what was expected of it. What creeps by 0.992 takes some 250. What has led astray goes on from the best.
 //
 // Source: D. G. Anderson, "Iterative procedures for nonlinear integral equations", 1965, in the form of P. Pulay, 1980.
 #pragma once
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
-#include <limits>
-#include <utility>
 
 #include "framework/algebra/vector.h"
 
@@ -19,10 +16,7 @@ namespace stroma {
 
 class Mixing {
  public:
-  void restart() {
-    count_ = 0, most_ = first_most, expected_ = 0;
-    part_ = 1, left_from_ = std::numeric_limits<double>::infinity();
-  }
+  void restart() { count_ = 0, most_ = first_most, expected_ = 0; }
   /// `image`: F(z), which becomes the next z. `beside` goes with it, when there is something: it has been computed from z too.
   void next(ConstRows z, Rows image, Rows beside = {}) {
     const int last = count_++ % depth, known = std::min(count_, depth);
@@ -37,7 +31,10 @@ class Mixing {
     int best = 0;
     if (!(lengths.minCoeff(&best) > 0)) return;
     constexpr double astray = 4, as_expected = 2, most_of_all = 1e6;
-    if (known > 2 && lengths[last] > astray * lengths[best]) return goBack(best, lengths[best], image, beside);
+    if (lengths[last] > astray * lengths[best]) {
+      copy(stored_[std::size_t(best)].image, image), copy(stored_[std::size_t(best)].beside, beside);
+      return restart();
+    }
     most_ = lengths[last] <= as_expected * expected_ ? std::min(10 * most_, most_of_all) : std::max(most_ / 2, first_most);
     // scaled by their lengths b_i = a_i |way_i|, with as much on the diagonal as round-off takes
     const Few inverse = lengths.cwiseInverse();
@@ -47,10 +44,7 @@ class Mixing {
     Few weights = inverse.cwiseProduct(solved);
     weights /= weights.sum();
     if (!weights.allFinite()) return restart();
-    if (const double sum = weights.cwiseAbs().sum(); sum > most_) {
-      weights *= most_ / sum;
-      weights[last] += 1 - weights.sum();
-    }
+    if (const double sum = weights.cwiseAbs().sum(); sum > most_) weights *= most_ / sum, weights[last] += 1 - weights.sum();
     expected_ = std::sqrt(std::max(0.0, weights.dot(products_.topLeftCorner(known, known) * weights)));
     clear(image), clear(beside);
     for (int i = 0; i < known; ++i)
@@ -58,17 +52,6 @@ class Mixing {
   }
 
  private:
-  /// From the best, which stays as the first that is stored: of two, the second never leads astray.
-  void goBack(int best, double length, Rows image, Rows beside) {
-    const double part = length < left_from_ ? 1 : part_ / 2;
-    restart();
-    part_ = part, left_from_ = length, count_ = 1;
-    std::swap(stored_[0], stored_[std::size_t(best)]);
-    products_(0, 0) = length * length;
-    copy(stored_[0].image, image), copy(stored_[0].beside, beside);
-    axpy(part - 1, stored_[0].way, image);
-  }
-
   static constexpr int depth = 8;
   static constexpr double first_most = 10;
   using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, depth, 1>;  // in place, as many as are known
@@ -80,7 +63,6 @@ class Mixing {
   Eigen::Matrix<double, depth, depth> products_;
   int count_ = 0;
   double most_ = first_most, expected_ = 0;  ///< of the sum of |a_i|; of |F(z) - z|
-  double part_ = 1, left_from_ = 0;          ///< of the way on from the last best, whose |F(z) - z| was that
 };
 
 }  // namespace stroma

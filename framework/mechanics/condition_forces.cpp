@@ -26,16 +26,16 @@ void ConditionForces::solve(const std::vector<Row>& rows, StopToken stop, const 
   restart(q_), note();
   if (unsettled_ > 1.5 * enough) newton(), note();
   if (unsettled_ > rounded && unsettled_ < coarse && !isLittle()) settle();
+  const bool are_many = live_.size() > 100;
   const auto search = [&](auto way) {
     const double before = std::exchange(unsettled_, none);
     const Eigen::VectorXd q = least_;
     way(), newton(), note();
-    if (!isLittle()) settle();
+    if (!are_many || !isLittle()) settle();
     if (!(unsettled_ < before)) unsettled_ = before, least_ = q;
   };
   // The order is one of time alone: rounds of the interior-point method cost the cube of the rows, sweeps their square. Of few rows
   // it goes first, as it keeps what is symmetric so.
-  const bool are_many = live_.size() > 100;
   if (are_many && unsettled_ > near && !isLittle()) search([this] { sweep(); });
   if (unsettled_ > near && !isLittle()) search([this] { searchInside(); });
   if (!are_many && unsettled_ > coarse && !isLittle()) search([this] { sweep(); });

@@ -58,14 +58,5 @@ TEST(Mixing, WhatBendsComesToRest) {
   }
 }
 
-/// Iterates alone grow without end, and so do those from the best whose image is farther from rest.
-TEST(Mixing, WhatHasLedAstrayGoesOnFromTheBest) {
-  for (const Spring& spring : {Spring{{0.97, 0.5, -0.4, 0.2}, 0.5}, Spring{{0.97, 0.5, -0.4, 0.2}, -0.5}, Spring{{6, 0.5, -0.4, 0.2}},
-                               Spring{{-8, 0.5, -0.4, 0.2}, 0.05}}) {
-    Mixing mixing;
-    EXPECT_LE(iterations(spring, 100, &mixing), 50) << spring.rates[0] << " " << spring.bend;
-  }
-}
-
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -56,6 +56,7 @@ std::string exception(const std::string& name) {
       {"TetrahedronDiffusionFEMForceField.rayleighStiffness", "nothing is damped in steps of first order"},
       {"TorsionForceField.rayleighStiffness", "no stiffness"},
       {"OscillatingTorsionPressureForceField.rayleighStiffness", "no stiffness"},
+      {"NewmarkImplicitSolver.undampedStart", "only where a run starts"},
       {"SurfacePressureForceField.pressure", "the far end of a pulse; see LiveAttributes"},
       {"UniformMass.totalMass", "every mass falls alike"},
       {"CarvingRegion.offset", "without observers nothing is carved (view.carving leads one)"},
