@@ -245,6 +245,19 @@ TEST(Sliding, APieceOfNoLengthIsSteppedOver) {
     }
 }
 
+TEST(Sliding, ACurveOfNoLengthIsRefusedWhereItIsWritten) {
+  const Vec3 p(1, 2, 3);
+  Simulation simulation = simulationFromText(sceneOf(beadOn({p, p, p}, p), 0.01, "0 -10 0"));
+  try {
+    simulation.step();
+    FAIL() << "a curve without a direction leads nothing";
+  } catch (const ComponentError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find("test.xml:1:"), 0u) << text;
+    EXPECT_NE(text.find("all points of its curve are at one place"), std::string::npos) << text;
+  }
+}
+
 /// Down and up a wire with corners a bead never rises above where it started, by rules that damp.
 TEST(Sliding, CornersGiveNoEnergy) {
   const std::vector<Vec3> wire{{0, 0, 0}, {1, -1, 0}, {2, -1, 0}, {3, -0.2, 0}, {4, 1, 0}};
