@@ -13,6 +13,8 @@
 //
 // Each pair of bodies has its own s, and so has each body with each plane. What a step has given too much or too little the next one has
 // to settle, from where the two come to touch until they have parted: U may change without work too, as shares of surfaces do.
+// The search for s may not settle, as where several contacts begin in one step and each changes what is right for the others. Then s is 1
+// for all: nothing gains, and much may be lost.
 //
 // Source: Gonzalez 1996, Simo and Tarnow 1992, Laursen and Chawla 1997 (forces of a step whose work is the change of the energy); the
 // mixture that holds for all contacts of a pair at once is our own.

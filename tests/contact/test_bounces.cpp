@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Bounces by rules that damp nothing keep the energy that a body came with, however long the steps are for the contact.
+// Bounces by rules that damp nothing keep the energy that a body came with, however long the steps are for the contact. Where several
+// contacts begin at once, or a body tumbles, they give none.
 #include "tests/contact/contact_scenes.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
+
+/// The surface of a box of 0.2 m that a frame carries.
+const std::string skin =
+    "<Node name=\"skin\"><MeshTopology position=\"-0.1 -0.1 -0.1  0.1 -0.1 -0.1  0.1 0.1 -0.1  -0.1 0.1 -0.1  -0.1 -0.1 0.1  0.1 -0.1 "
+    "0.1  0.1 0.1 0.1  -0.1 0.1 0.1\" quads=\"0 3 2 1  4 5 6 7  0 1 5 4  1 2 6 5  2 3 7 6  3 0 4 7\"/><MechanicalObject "
+    "name=\"dofs\"/><RigidMapping/></Node></Node>";
 
 /// A rigid box of 0.2 m and 1 kg that only goes up and down, `height` above z = 0.
 std::string boxNode(const std::string& name, double x, double height) {
   return fmt::format(
       "<Node name=\"{}\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"{} 0 {} 0 0 0 1\"/><UniformMass "
       "totalMass=\"1\" inertia=\"0.01 0.01 0.01\"/><PartialFixedProjectiveConstraint indices=\"0\" fixedDirections=\"1 1 0 1 1 1\"/>"
-      "<Node name=\"skin\"><MeshTopology position=\"-0.1 -0.1 -0.1  0.1 -0.1 -0.1  0.1 0.1 -0.1  -0.1 0.1 -0.1  -0.1 -0.1 0.1  0.1 -0.1 "
-      "0.1  0.1 0.1 0.1  -0.1 0.1 0.1\" quads=\"0 3 2 1  4 5 6 7  0 1 5 4  1 2 6 5  2 3 7 6  3 0 4 7\"/><MechanicalObject "
-      "name=\"dofs\"/><RigidMapping/></Node></Node>",
-      name, x, height + 0.1);
+      "{}",
+      name, x, height + 0.1, skin);
 }
 
 struct Flight {
@@ -85,10 +90,6 @@ TEST(Bounces, LoseWhatNewmarksRuleDamps) {
 
 /// A rigid box of 0.2 m and 1 kg with its centre at `place`, that moves at `velocity`; turned about y by `angle`.
 std::string movingBox(int number, const Vec3& place, const Vec3& velocity, const std::string& held, double angle = 0) {
-  const std::string skin =
-      "<Node name=\"skin\"><MeshTopology position=\"-0.1 -0.1 -0.1  0.1 -0.1 -0.1  0.1 0.1 -0.1  -0.1 0.1 -0.1  -0.1 -0.1 0.1  0.1 -0.1 "
-      "0.1  0.1 0.1 0.1  -0.1 0.1 0.1\" quads=\"0 3 2 1  4 5 6 7  0 1 5 4  1 2 6 5  2 3 7 6  3 0 4 7\"/><MechanicalObject "
-      "name=\"dofs\"/><RigidMapping/></Node></Node>";
   const std::string hold =
       held.empty() ? "" : fmt::format("<PartialFixedProjectiveConstraint indices=\"0\" fixedDirections=\"{}\"/>", held);
   return fmt::format(
@@ -139,6 +140,7 @@ TEST(Bounces, OfTwoBodiesKeepTheirEnergy) {
                               contactOf(0, "other=\"@box1/skin/dofs\" planes=\"0 0 1 0\"");
     const Course course = courseOf(boxes, dt, 9.81, 1, 0.4);
     EXPECT_LE(course.most, 1.001 * course.start);
+    EXPECT_GE(course.end, 0.995 * course.start);
   }
 }
 
