@@ -64,7 +64,8 @@ class Sliding final : public PairConstraint, public ChangesConditions {
     double whole = 0;
     for (std::size_t i = 0; i < pieces(); ++i) whole += wayOf(x, i).norm();
     if (!(whole > 0))
-      throw ComponentError(fmt::format("{}: {}: all points of its curve are at one place", where().text(), path()), "points that lie apart");
+      throw ComponentError(fmt::format("{}: {}: all points of its curve are at one place", where().text(), path()),
+                           "points that lie apart");
     no_length_ = 1e-12 * whole;
     // at a crossing it stays on its piece
     constexpr double as_near = 1e-6;
