@@ -11,7 +11,7 @@ truth cube (tables 1 to 3); deforming bar of Land et al. 2015 and an inflated sp
 example organ stands in for a liver, and the text says so.
 Writes a page for each experiment, CSV and most a picture, and OUT/README.md, which lists all pages of the folder. The truth
 cube takes about seven minutes on a quiet machine, the rest three. Needs numpy and matplotlib. docs/validate/condensation.py,
-condensed_mass.py, dma.py, statics.py and stability.py are programs of their own; `stroma bench --accuracy` prints accuracy.md.
+condensed_mass.py, dma.py, scale.py, statics.py and stability.py are programs of their own; `stroma bench --accuracy` prints accuracy.md.
 """
 import argparse
 import datetime
