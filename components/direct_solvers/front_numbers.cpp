@@ -49,10 +49,7 @@ std::unique_ptr<FrontNumbers::Work> FrontNumbers::Works::take(std::size_t update
   std::unique_ptr<Work> work;
   {
     const std::lock_guard lock(access_);
-    if (!free_.empty()) {
-      work = std::move(free_.back());
-      free_.pop_back();
-    }
+    if (!free_.empty()) work = std::move(free_.back()), free_.pop_back();
   }
   if (!work) work = std::make_unique<Work>();
   if (work->updates.size() < updates) work->updates.resize(updates);
@@ -64,9 +61,7 @@ void FrontNumbers::Works::giveBack(std::unique_ptr<Work> work) {
 }
 
 void FrontNumbers::setPattern(const SupernodalPattern& pattern, const int* lower_start, const int* lower_rows) {
-  pattern_ = pattern;
-  lower_start_ = lower_start;
-  lower_rows_ = lower_rows;
+  pattern_ = pattern, lower_start_ = lower_start, lower_rows_ = lower_rows;
   plan_ = frontPlanOf(pattern, lower_start, lower_rows);
   if (!kernels_) kernels_ = &kernelsOfThisMachine();
   values_.clear();
@@ -80,10 +75,7 @@ void FrontNumbers::release() {
 SupernodalEnd FrontNumbers::factor(const double* values, const std::vector<int>& source, const std::vector<double>& scale,
                                    StopToken stop) {
   values_.resize(plan_.values.back() + 64), shared_.resize(plan_.shared_size + 64);
-  from_ = values;
-  source_ = source.data();
-  scale_ = scale.data();
-  stop_ = stop;
+  from_ = values, source_ = source.data(), scale_ = scale.data(), stop_ = stop;
   ends_.assign(plan_.tree.parts.size(), {});
   parallelFor(int(ends_.size()), [&](int k) { ends_[std::size_t(k)] = factorPart(plan_.tree.parts[std::size_t(k)]); });
   SupernodalEnd whole;
