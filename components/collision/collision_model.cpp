@@ -16,7 +16,7 @@ void CollisionModel::declare(DataTable& table) {
   table.addLink("mstate", mstate_).help("state whose nodes move the surface; that of this node or above when not given");
   topology_.declare(table, "mesh of the surface");
   table.add("active", active_).help("false: it meets nothing");
-  table.add("moving", moving_).help("SOFA's; whether it moves by itself");
+  table.add("moving", moving_).help("SOFA's; without effect: whether it moves is known");
   table.add("simulated", simulated_).help("false: an obstacle, which meets no other one");
   table.add("selfCollision", self_collision_).help("it may meet the other models of its node");
   table.add("contactDistance", contact_distance_).alias("proximity").help("added to that of the method").unit("m").min(0);

@@ -52,7 +52,7 @@ namespace {
 class CollisionPipeline final : public Observer, public StepGuard, public ContactWatch {
  public:
   void declare(DataTable& table) override {
-    table.add("depth", depth_).help("SOFA's; of its trees of boxes").min(0);
+    table.add("depth", depth_).help("SOFA's; without effect: of its trees of boxes").min(0);
     table.addVisualOnly("draw");
   }
   void init() override {
