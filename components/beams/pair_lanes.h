@@ -35,8 +35,6 @@ template <std::size_t N>
 V3<Pack> vectorIn(const LanesOf<N>& lanes, std::size_t first = 0) {
   return {packOf(lanes[first]), packOf(lanes[first + 1]), packOf(lanes[first + 2])};
 }
-/// Columns.
-inline M3<Pack> matrixIn(const LanesOf<9>& lanes) { return {vectorIn(lanes, 0), vectorIn(lanes, 3), vectorIn(lanes, 6)}; }
 template <class Vector, std::size_t N>
 void put(const Vector& v, LanesOf<N>& lanes, std::size_t first = 0) {
   v.x.store_aligned(lanes[first].data()), v.y.store_aligned(lanes[first + 1].data()), v.z.store_aligned(lanes[first + 2].data());

@@ -254,12 +254,6 @@ void Hierarchy::applyWithProducts(ConstRows r, Rows z, const Vector* turns, Prod
   products.smooth(r, z);
 }
 
-double Hierarchy::complexity() const {
-  double numbers = 9.0 * double(fine.a.blocks());
-  for (const Level<modes>& level : coarse) numbers += double(level.a.values.size());
-  return numbers / std::max(9.0 * double(fine.a.blocks()), 1.0);
-}
-
 std::size_t Hierarchy::bytes() const {
   std::size_t sum = bytesOf(fine) + 8 * last.values.size();
   for (const Level<modes>& level : coarse) sum += bytesOf(level);

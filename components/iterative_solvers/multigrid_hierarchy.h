@@ -29,8 +29,6 @@ struct Hierarchy {
   /// The numbers of the first level: apply() goes by products from now on.
   void dropFineBlocks() { fine.a.values = {}; }
   bool hasFineBlocks() const { return !fine.a.values.empty(); }
-  /// Numbers of all levels' matrices over those of the first.
-  double complexity() const;
   int levels() const { return 1 + int(coarse.size()); }
   /// Patches smooth, not diagonal blocks: an iteration then takes twice as long.
   bool hasPatches() const { return fine.patches.exist(); }

@@ -7,21 +7,6 @@
 
 namespace stroma {
 
-/// Turns q to the rotation nearest to A (largest trace of R^T A), from the q given (Mueller, Bender, Chentanez, Macklin
-/// 2016): works for any A, also one that inverts or has lost a rank. Ends with a turn below `enough` [rad].
-inline void followRotation(const Mat3& a, Eigen::Quaterniond& q, double enough = 1e-7) {
-  for (int i = 0; i < 10; ++i) {
-    const Mat3 r = q.toRotationMatrix();
-    const Vec3 axis = r.col(0).cross(a.col(0)) + r.col(1).cross(a.col(1)) + r.col(2).cross(a.col(2));
-    const double scale = std::abs((r.transpose() * a).trace()) + 1e-9 * a.norm();
-    if (!(scale > 0)) return;
-    const double angle = axis.norm() / scale;
-    if (!(angle > enough)) return;
-    q = Eigen::AngleAxisd(angle, axis.normalized()) * q;
-    q.normalize();
-  }
-}
-
 /// sum (x_j - x_i) (X_j - X_i)^T over the neighbours j of a node, X where they were: by columns of four numbers. `start` and `columns`
 /// are those of a matrix by rows.
 template <class Starts, class Columns>
@@ -44,7 +29,9 @@ Eigen::Array<double, 4, 3> spreadAround(const Starts& start, const Columns& colu
   return sum;
 }
 
-/// followRotation() of eight nodes at once. Quaternions have a column each of x, y, z, w; `a` has one for each entry, by columns.
+/// Turns the quaternions q of eight nodes to the rotations nearest to A (largest trace of R^T A), from the q given (Mueller, Bender,
+/// Chentanez, Macklin 2016): works for any A, also one that inverts or has lost a rank. Ends with turns below `enough` [rad].
+/// Quaternions have a column each of x, y, z, w; `a` has one for each entry, by columns.
 /// Turns are without sines: q + w q/2 with the length 1 differs from the turn by w in third order, which the next one sees.
 struct EightRotations {
   using Numbers = Eigen::Array<double, 8, 1>;

@@ -40,7 +40,6 @@ class Scheduler {
   int run(const Finished& finished, const Tick& tick);
 
   std::size_t running() const { return running_.size(); }
-  int timedCores() const { return timed_cores_; }
   int allCores() const { return int(all_.size()); }
 
  private:
