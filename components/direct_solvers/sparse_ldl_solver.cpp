@@ -45,7 +45,7 @@ class SparseLDLSolver final : public DirectSolver {
     memories_.forEach([](Kept& kept) { kept = {}; });
   }
   bool needsSymmetric() const override { return false; }
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
+  SolveReport solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) override;
   void serializeFor(SystemMatrix& matrix, Archive& archive) override;
   void keepFor(SystemMatrix& matrix) override { memories_.of(matrix).before_step = memories_.of(matrix).now; }
   void takeBackFor(SystemMatrix& matrix) override { memories_.of(matrix).now = memories_.of(matrix).before_step; }
@@ -93,7 +93,8 @@ void SparseLDLSolver::declare(DataTable& table) {
       .output();
 }
 
-SolveReport SparseLDLSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
+SolveReport SparseLDLSolver::solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x,
+                                      const SolveTerms& terms) {
   struct Call {
     FactorRecord& record;
     Call(FactorRecord& of, FactorMemory& memory) : record(of) { record.memory = &memory; }
@@ -102,7 +103,7 @@ SolveReport SparseLDLSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   SolveReport report;
   {
     const Call call(*record_, memories_.of(matrix).now);
-    report = DirectSolver::solve(matrix, b, x, terms);
+    report = DirectSolver::solveAll(matrix, b, x, terms);
   }
   tell();
   return report;
