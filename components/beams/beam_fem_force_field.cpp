@@ -100,7 +100,9 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
     setPairs(std::move(pairs));
     const double squares = radius_ * radius_ + inner_ * inner_;
     const double area = std::numbers::pi * (radius_ * radius_ - inner_ * inner_), second_moment = area * squares / 4;
-    axial_ = young_ * area, bending_ = young_ * second_moment, twisting_ = bending_ / (1 + poisson_);
+    axial_ = young_ * area;
+    bending_ = young_ * second_moment;
+    twisting_ = bending_ / (1 + poisson_);
     beams_.clear();
     if (axes_ == Axes::firstEnd)
       for (const Pair& pair : this->pairs())
@@ -142,7 +144,10 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
     double most = -1, turn = 0;
     for (std::size_t i = 0; i < pairs().size(); ++i) {
       const double length = (x[rows_[i][2]] - x[rows_[i][0]]).norm();
-      if (const double strain = std::abs(length / lengths_[i] - 1); strain > most) most = strain, worst = i;
+      if (const double strain = std::abs(length / lengths_[i] - 1); strain > most) {
+        most = strain;
+        worst = i;
+      }
     }
     if (most < 0) return {};
     turn = rotationVector((orientationIn(x, rows_[worst][1]) * pairs()[worst].axes_a).conjugate() *

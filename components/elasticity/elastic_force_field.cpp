@@ -145,7 +145,10 @@ void ElasticForceField::declare(DataTable& table) {
 // The kind that the template names; else the one that the mesh holds.
 void ElasticForceField::chooseKind(const Topology& topology) {
   std::vector<std::string> words, plurals;
-  for (const ElasticKind& kind : kinds) words.push_back("Vec3," + kind.word), plurals.push_back(kind.plural);
+  for (const ElasticKind& kind : kinds) {
+    words.push_back("Vec3," + kind.word);
+    plurals.push_back(kind.plural);
+  }
   const auto comma = template_.find(',');
   const std::string vector = template_.substr(0, comma),
                     wanted = comma == std::string::npos ? "" : template_.substr(comma + 1);
@@ -208,7 +211,10 @@ void ElasticForceField::compileMaterial() {
   const bool is_other = chooseDilatation();
   checkVariant();
   tellSurprises();
-  if (is_other && method_) elements_->bind(*mesh_, state().rest_position, variant_), method_.reset();
+  if (is_other && method_) {
+    elements_->bind(*mesh_, state().rest_position, variant_);
+    method_.reset();
+  }
 }
 
 // What may change while a scene runs is the material: kinds, shapes and the order of the elements stay.

@@ -106,7 +106,10 @@ bool NodalAverages<Storage>::refill() {
 template <class Storage>
 void NodalAverages<Storage>::addPattern(BlockPattern& pattern) const {
   preparePatches();
-  for (const Cells& m : materials_) m.storage.loop.addPattern(pattern), m.patches.addPattern(pattern);
+  for (const Cells& m : materials_) {
+    m.storage.loop.addPattern(pattern);
+    m.patches.addPattern(pattern);
+  }
 }
 template <class Storage>
 std::vector<Index> NodalAverages<Storage>::slots(const BlockMatrix& matrix) const {
@@ -177,7 +180,10 @@ void NodalAverages<Storage>::addPressures(const Cells& m, double factor, Rows f)
     const V3<Pack> f1 = g.g1 * first, f2 = g.g2 * first, f3 = g.g3 * first;
     const V3<Pack> h1 = h.g1 * second, h2 = h.g2 * second, h3 = h.g3 * second;
     out[0][0] = -(f1 + f2 + f3 + h1 + h2 + h3);
-    out[0][1] = f1 + h1, out[0][2] = f2, out[0][3] = f3 + h2, out[0][4] = h3;
+    out[0][1] = f1 + h1;
+    out[0][2] = f2;
+    out[0][3] = f3 + h2;
+    out[0][4] = h3;
   });
 }
 template <class Storage>

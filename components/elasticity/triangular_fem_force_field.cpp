@@ -191,7 +191,10 @@ void TriangularFEMForceField::init() {
     throw ComponentError("initialPoints and restScale are of method large", "rest_position of the MechanicalObject");
   spreadValues(young_modulus_, "youngModulus"), spreadValues(poisson_ratio_, "poissonRatio");
   checkTriangles();
-  if (has_fibres) spreadValues(transverse_modulus_, "transverseYoungModulus"), checkFibres();
+  if (has_fibres) {
+    spreadValues(transverse_modulus_, "transverseYoungModulus");
+    checkFibres();
+  }
 }
 
 void TriangularFEMForceField::spreadValues(std::vector<double>& values, const char* attribute) const {
@@ -258,7 +261,10 @@ Mat3 TriangularFEMForceField::fibredStiffness(std::size_t triangle) const {
   const double along = young_modulus_[triangle], across = transverse_modulus_[triangle], nu = poisson_ratio_[triangle];
   const double part = 1 - nu * nu * across / along;
   Mat3 q = Mat3::Zero(), turn;
-  q(0, 0) = along / part, q(1, 1) = across / part, q(0, 1) = q(1, 0) = nu * across / part, q(2, 2) = along / (2 * (1 + nu));
+  q(0, 0) = along / part;
+  q(1, 1) = across / part;
+  q(0, 1) = q(1, 0) = nu * across / part;
+  q(2, 2) = along / (2 * (1 + nu));
   const auto [axis0, axis1] = axesOf(triangle);
   const Vec3 fibre = fibreOf(triangle);
   const double x = fibre.dot(axis0), y = fibre.dot(axis1), length = std::hypot(x, y), c = x / length, s = y / length;
@@ -290,7 +296,9 @@ std::unique_ptr<ElementKernels> TriangularFEMForceField::makeMethod() const {
                   const Vec3 e1 = restPosition(t[1]) - restPosition(t[0]), e2 = restPosition(t[2]) - restPosition(t[0]);
                   const Vec3 axis0 = e1.normalized(), normal = e1.cross(e2), axis1 = normal.normalized().cross(axis0);
                   const double x1 = e1.norm(), x2 = e2.dot(axis0), y2 = e2.dot(axis1);
-                  rest.inverse[0] = 1 / x1, rest.inverse[1] = -x2 / (x1 * y2), rest.inverse[2] = 1 / y2;
+                  rest.inverse[0] = 1 / x1;
+                  rest.inverse[1] = -x2 / (x1 * y2);
+                  rest.inverse[2] = 1 / y2;
                   tangent.axis0 = {axis0.x(), axis0.y(), axis0.z()};
                   tangent.axis1 = {axis1.x(), axis1.y(), axis1.z()};
                   for (int k = 0; k < 3; ++k) tangent.inverse[k] = rest.inverse[k];

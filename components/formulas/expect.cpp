@@ -226,7 +226,10 @@ void Expect::begin(const Simulation& simulation) {
     start_ = 0;
     for (const auto& system : simulation.systems()) start_ += system->kineticEnergy() + system->potentialEnergy(system->x);
     scale_ = std::abs(start_);
-    while (std::size_t(next_) < at_.size() && at_[std::size_t(next_)] <= simulation.time()) ++next_, compare(simulation);
+    while (std::size_t(next_) < at_.size() && at_[std::size_t(next_)] <= simulation.time()) {
+      ++next_;
+      compare(simulation);
+    }
   }
 }
 
@@ -243,7 +246,10 @@ void Expect::afterStep(const Simulation& simulation, const StepContext& context)
   note(simulation);
   if (always_ == When::always && at_.empty()) compare(simulation);
   const double close = 1e-6 * context.dt;
-  while (std::size_t(next_) < at_.size() && context.t_end > at_[std::size_t(next_)] - close) ++next_, compare(simulation);
+  while (std::size_t(next_) < at_.size() && context.t_end > at_[std::size_t(next_)] - close) {
+    ++next_;
+    compare(simulation);
+  }
 }
 
 void Expect::end(const Simulation& simulation) {
@@ -320,7 +326,10 @@ double Expect::volume() const {
   double sum = 0;
   const auto add = [&](Index a, Index b, Index c) { sum += mesh.position[a].dot(mesh.position[b].cross(mesh.position[c])) / 6; };
   for (const Triangle& t : mesh.triangles) add(t[0], t[1], t[2]);
-  for (const Quad& q : mesh.quads) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
+  for (const Quad& q : mesh.quads) {
+    add(q[0], q[1], q[2]);
+    add(q[0], q[2], q[3]);
+  }
   return sum;
 }
 

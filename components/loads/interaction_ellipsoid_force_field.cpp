@@ -139,7 +139,11 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
     if (level(best) < 1e-24) return {};  // at the centre every way out is as near
     const bool by_ratio = depth_of_ == DepthOf::ratio;
     Depth depth = by_ratio ? ratioOf(y - centres_[best], radii_[best]) : levelOf(y - centres_[best], radii_[best]);
-    if (signed_stiffness_ > 0) depth.g *= -1, depth.gradient *= -1, depth.hessian *= -1;
+    if (signed_stiffness_ > 0) {
+      depth.g *= -1;
+      depth.gradient *= -1;
+      depth.hessian *= -1;
+    }
     return depth;
   }
 

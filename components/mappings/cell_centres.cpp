@@ -57,7 +57,9 @@ void addCells(const List& list, const std::vector<Vec3>& body, bool has_volume, 
     cell.low = cell.high = cell.first;
     for (const Index node : nodes) {
       const Vec3& p = body[std::size_t(node)];
-      cell.centre += p / double(nodes.size()), cell.low = cell.low.cwiseMin(p), cell.high = cell.high.cwiseMax(p);
+      cell.centre += p / double(nodes.size());
+      cell.low = cell.low.cwiseMin(p);
+      cell.high = cell.high.cwiseMax(p);
     }
     const bool is_simplex = nodes.size() == (has_volume ? 4u : 3u);
     const auto edge = [&](std::size_t corner) -> Vec3 { return body[std::size_t(nodes[corner])] - cell.first; };
@@ -117,7 +119,10 @@ class Search {
     distance_ = std::numeric_limits<double>::max();
     const Key key = keyOf(point);
     if (has_volume_ || outside_ == Outside::near_by) look(key, point);
-    if (outside_ != Outside::near_by && distance_ > 0) best_ = none, distance_ = std::numeric_limits<double>::max();
+    if (outside_ != Outside::near_by && distance_ > 0) {
+      best_ = none;
+      distance_ = std::numeric_limits<double>::max();
+    }
     if (outside_ == Outside::near_by && best_ != none && std::abs(distance_) > width_ / 2)
       for (long long x = -1; x <= 1; ++x)
         for (long long y = -1; y <= 1; ++y)
@@ -168,7 +173,11 @@ class Search {
     const Vec3 u = cell.to_affine * (point - cell.first);
     double distance = depthOf(cell, u, has_volume_);
     if (distance > 0) distance = (point - cell.centre).squaredNorm();
-    if (distance < distance_) distance_ = distance, best_ = c, u_ = u;
+    if (distance < distance_) {
+      distance_ = distance;
+      best_ = c;
+      u_ = u;
+    }
   }
 
   /// No cell holds the point. Of boxes that are as near the last one counts, as in a grid.
@@ -178,7 +187,10 @@ class Search {
       const bool by_box = outside_ == Outside::nearest_box;
       const Vec3 place = by_box ? Vec3(point.cwiseMax(cell.low).cwiseMin(cell.high)) : cell.centre;
       const double distance = (point - place).squaredNorm();
-      if (distance < distance_ || (by_box && distance == distance_)) distance_ = distance, best_ = c;
+      if (distance < distance_ || (by_box && distance == distance_)) {
+        distance_ = distance;
+        best_ = c;
+      }
     }
     if (best_ != none) u_ = cells_[best_].to_affine * (point - cells_[best_].first);
   }
@@ -218,7 +230,10 @@ std::vector<EmbeddedPoint> embedByCentres(const Topology& topology, const std::v
     addCells(mesh.triangles, body, false, cells), addCells(mesh.quads, body, false, cells);
   }
   Vec3 low = cells.front().low, high = cells.front().high;
-  for (const Cell& cell : cells) low = low.cwiseMin(cell.low), high = high.cwiseMax(cell.high);
+  for (const Cell& cell : cells) {
+    low = low.cwiseMin(cell.low);
+    high = high.cwiseMax(cell.high);
+  }
   size = (high - low).norm();
   const double width = meanEdge(mesh, cells, body, has_volume);
   const Outside outside = isSet(topology)    ? Outside::near_by

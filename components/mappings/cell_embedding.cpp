@@ -97,7 +97,10 @@ Place placeOn(std::size_t nodes, const Vec3* corner, const Vec3& p) {
     if (std::abs(du) + std::abs(dv) < 1e-14) break;
   }
   double a = std::clamp(u, 0., 1.), b = std::clamp(v, 0., 1.);
-  if (nodes == 3 && a + b > 1) a /= a + b, b = 1 - a;
+  if (nodes == 3 && a + b > 1) {
+    a /= a + b;
+    b = 1 - a;
+  }
   Place place = weights(u, v);
   place.distance = (p - at(weights(a, b))).norm();
   return place;
@@ -137,7 +140,10 @@ Place nearestPlace(const CellKind& kind, const std::vector<Cell>& cells, const s
   tree.forEachByDistance(point, [&](Index number, double distance) {
     if (distance >= best.distance) return false;
     const Place place = placeIn(kind, cornersOf(cells[std::size_t(number)], body).data(), point);
-    if (place.distance < best.distance) best = place, cell = std::size_t(number);
+    if (place.distance < best.distance) {
+      best = place;
+      cell = std::size_t(number);
+    }
     return best.distance != 0;
   });
   return best;

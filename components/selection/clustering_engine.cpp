@@ -68,7 +68,10 @@ class ClusteringEngine final : public Engine {
           for (const auto& cell : cells)
             for (const auto& edge : kind.edges) {
               const auto a = std::size_t(cell[std::size_t(edge[0])]), b = std::size_t(cell[std::size_t(edge[1])]);
-              if (std::max(a, b) < around_.size()) around_[a].push_back(b), around_[b].push_back(a);
+              if (std::max(a, b) < around_.size()) {
+                around_[a].push_back(b);
+                around_[b].push_back(a);
+              }
             }
         },
         mesh);
@@ -127,7 +130,10 @@ class ClusteringEngine final : public Engine {
       std::size_t nearest = chosen.size();
       for (std::size_t g = 0; g < chosen.size(); ++g) {
         if (chosen[g] == node) continue;
-        if (way(node, chosen[g]) < radius_) groups[g].push_back(node), is_in = true;
+        if (way(node, chosen[g]) < radius_) {
+          groups[g].push_back(node);
+          is_in = true;
+        }
         if (nearest == chosen.size() || way(node, chosen[g]) < way(node, chosen[nearest])) nearest = g;
       }
       if (!is_in && nearest < chosen.size()) groups[nearest].push_back(node);

@@ -97,7 +97,9 @@ class RigidToQuatEngine final : public Engine {
   }
   void init() override {
     if (frames_.size() % 7 != 0) throw ComponentError(fmt::format("rigids has {} numbers", frames_.size()), "seven for each frame");
-    positions_.clear(), orientations_.clear(), angles_.clear();
+    positions_.clear();
+    orientations_.clear();
+    angles_.clear();
     for (std::size_t i = 0; i < frames_.size(); i += 7) {
       const double* v = frames_.data() + i;
       positions_.emplace_back(v[0], v[1], v[2]);
@@ -243,7 +245,10 @@ class SurfaceEngine : public Engine {
       if (u >= 0 && v >= 0 && u + v <= 1 && way > 0 && (least == 0 || way < least)) least = way;
     };
     for (const Triangle& t : triangles_) look(t[0], t[1], t[2]);
-    for (const Quad& q : quads_) look(q[0], q[1], q[2]), look(q[0], q[2], q[3]);
+    for (const Quad& q : quads_) {
+      look(q[0], q[1], q[2]);
+      look(q[0], q[2], q[3]);
+    }
     return least;
   }
   std::vector<Vec3> in_, normals_;

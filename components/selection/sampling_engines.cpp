@@ -82,7 +82,10 @@ class MeshSampler final : public Engine {
     if (std::size_t(number_) > nodes)
       throw ComponentError(fmt::format("there are {} nodes, and {} are to be chosen", nodes, number_), "a smaller number");
     around_.assign(nodes, {});
-    for (const Edge& e : edges_) around_[std::size_t(e[0])].push_back(e[1]), around_[std::size_t(e[1])].push_back(e[0]);
+    for (const Edge& e : edges_) {
+      around_[std::size_t(e[0])].push_back(e[1]);
+      around_[std::size_t(e[1])].push_back(e[0]);
+    }
     std::vector<std::size_t> fixed;
     for (const Vec3& p : fixed_) fixed.push_back(nearestTo(p));
     std::vector<std::size_t> chosen = farthest(fixed);
@@ -160,7 +163,10 @@ class MeshSampler final : public Engine {
       const std::size_t c = owner[i];
       if (c == nobody) continue;
       const double distance = (position_[i] - middle[c] / count[c]).norm();
-      if (distance < least[c]) least[c] = distance, moved[c] = i;
+      if (distance < least[c]) {
+        least[c] = distance;
+        moved[c] = i;
+      }
     }
     return moved;
   }
@@ -189,7 +195,10 @@ class RandomPointDistributionInSurface final : public Engine {
       throw ComponentError("there is no surface", "vertices and triangles", "triangles=\"@mesh.triangles\"");
     checkCells(triangles_, vertices_.size());
     Vec3 low = vertices_.front(), high = low;
-    for (const Vec3& p : vertices_) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    for (const Vec3& p : vertices_) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
     inside_.clear(), outside_.clear();
     RandomNumbers random(seed_);
     constexpr int patience = 10'000;  // tries without a new point
@@ -257,7 +266,9 @@ class ValuesFromPositions final : public Engine {
       throw ComponentError(fmt::format("all nodes lie in one plane across {}", extent_ == Extent::x ? "x" : "direction"), "another one");
     values_.clear();
     for (const Vec3& p : position_) values_.push_back(at(p));
-    atCentres(edges_, edge_values_), atCentres(triangles_, triangle_values_), atCentres(tetrahedra_, tetrahedron_values_);
+    atCentres(edges_, edge_values_);
+    atCentres(triangles_, triangle_values_);
+    atCentres(tetrahedra_, tetrahedron_values_);
   }
 
  private:
@@ -277,7 +288,9 @@ class ValuesFromPositions final : public Engine {
     };
     if (!topology) return;
     const Mesh& mesh = topology->mesh();
-    take("edges", edges_, mesh.edges), take("triangles", triangles_, mesh.triangles), take("tetrahedra", tetrahedra_, mesh.tetrahedra);
+    take("edges", edges_, mesh.edges);
+    take("triangles", triangles_, mesh.triangles);
+    take("tetrahedra", tetrahedra_, mesh.tetrahedra);
   }
   double at(const Vec3& p) const {
     const std::size_t last = given_.size() - 1;

@@ -163,7 +163,10 @@ class SmoothMeshEngine final : public Engine {
     if (!topology) throw ComponentError("there is no mesh that says what is beside what", "a topology in this node or above");
     const Adjacency& around = topology->mesh().nodesAroundNode();
     std::vector<Index> chosen(indices_.begin(), indices_.end());
-    if (chosen.empty()) chosen.resize(input_.size()), std::iota(chosen.begin(), chosen.end(), 0);
+    if (chosen.empty()) {
+      chosen.resize(input_.size());
+      std::iota(chosen.begin(), chosen.end(), 0);
+    }
     if (Index(input_.size()) > around.size())
       throw ComponentError(fmt::format("there are {} points, and {} has {} nodes", input_.size(), topology->path(), around.size()));
     output_ = input_;
@@ -227,12 +230,17 @@ class NearestPointROI final : public Engine {
       double least = radius_;
       const auto look = [&](std::size_t k) {  // of equally near ones the first in the list
         const double d = (at(k) - p).norm();
-        if (d < least || (d == least && nearest < these.size() && k < nearest)) least = d, nearest = k;
+        if (d < least || (d == least && nearest < these.size() && k < nearest)) {
+          least = d;
+          nearest = k;
+        }
       };
       for (auto next = middle; next != along.end() && at(*next).x() - p.x() <= least; ++next) look(*next);
       for (auto next = middle; next != along.begin() && p.x() - at(*(next - 1)).x() <= least; --next) look(*(next - 1));
       if (nearest == these.size()) continue;
-      found_one_.push_back(these[nearest]), found_other_.push_back(j), distances_.push_back(least);
+      found_one_.push_back(these[nearest]);
+      found_other_.push_back(j);
+      distances_.push_back(least);
       edges_.push_back({2 * j, 2 * j + 1});
       index_pairs_.insert(index_pairs_.end(), {0, these[nearest], 1, j});
     }
@@ -274,7 +282,10 @@ class GenerateRigidMass final : public Engine {
   }
   void init() override {
     std::vector<Triangle> faces = triangles_;
-    for (const Quad& q : quads_) faces.push_back({q[0], q[1], q[2]}), faces.push_back({q[0], q[2], q[3]});
+    for (const Quad& q : quads_) {
+      faces.push_back({q[0], q[1], q[2]});
+      faces.push_back({q[0], q[2], q[3]});
+    }
     if (faces.empty()) throw ComponentError("the surface has no cells", "position and triangles, as by src=\"@loader\"");
     volume_ = 0;
     Vec3 first = Vec3::Zero();
@@ -296,7 +307,10 @@ class GenerateRigidMass final : public Engine {
     second = density_ * (second - volume_ * centre_ * centre_.transpose());
     const Mat3 inertia = second.trace() * Mat3::Identity() - second;
     rigid_mass_ = {mass_, volume_};
-    for (int i = 0; i < 9; ++i) inertia_[std::size_t(i)] = inertia(i / 3, i % 3), rigid_mass_.push_back(inertia(i / 3, i % 3) / mass_);
+    for (int i = 0; i < 9; ++i) {
+      inertia_[std::size_t(i)] = inertia(i / 3, i % 3);
+      rigid_mass_.push_back(inertia(i / 3, i % 3) / mass_);
+    }
   }
 
  private:

@@ -116,7 +116,10 @@ class CubeTopology : public Topology {
   void makeNodes() {
     if (is_split_) return makeSplitNodes();
     const bool is_hollow = !is_full_ && n_[0] > 1 && n_[1] > 1 && n_[2] > 1;
-    if (is_hollow) addLayer(0), addLayer(n_[2] - 1);
+    if (is_hollow) {
+      addLayer(0);
+      addLayer(n_[2] - 1);
+    }
     for (int k = is_hollow ? 1 : 0; k < (is_hollow ? n_[2] - 1 : n_[2]); ++k) {
       if (!is_hollow) {
         addLayer(k);
@@ -149,7 +152,9 @@ class CubeTopology : public Topology {
       for (int i = 0; i + 1 < n_[u]; ++i) {
         const auto corner = [&](int di, int dj) {
           Place at{};
-          at[axis] = upper ? n_[axis] - 1 : 0, at[u] = i + di, at[v] = j + dj;
+          at[axis] = upper ? n_[axis] - 1 : 0;
+          at[u] = i + di;
+          at[v] = j + dj;
           return numberOn(at, axis, upper);
         };
         if (is_u_first)

@@ -145,7 +145,10 @@ class GmshParser {
   void readNodeBlocks() {
     const bool v40 = out_.version == 4;
     const std::size_t blocks = readCount("node blocks", 4), nodes = readCount("nodes", v40 ? 8 : 7);
-    if (!v40) in_.number<std::uint64_t>("the smallest node tag"), in_.number<std::uint64_t>("the largest node tag");
+    if (!v40) {
+      in_.number<std::uint64_t>("the smallest node tag");
+      in_.number<std::uint64_t>("the largest node tag");
+    }
     reserveNodes(nodes);
     for (std::size_t b = 0; b < blocks; ++b) {
       const int first = in_.number<int>("a node block's entity"), second = in_.number<int>("a node block's entity");
@@ -167,7 +170,10 @@ class GmshParser {
   void readElementBlocks() {
     const bool v40 = out_.version == 4;
     const std::size_t blocks = readCount("element blocks", 4), elements = readCount("elements", 2);
-    if (!v40) in_.number<std::uint64_t>("the smallest tag"), in_.number<std::uint64_t>("the largest tag");
+    if (!v40) {
+      in_.number<std::uint64_t>("the smallest tag");
+      in_.number<std::uint64_t>("the largest tag");
+    }
     std::size_t total = 0;
     for (std::size_t b = 0; b < blocks; ++b) {
       const int first = in_.number<int>("an element block's entity"),

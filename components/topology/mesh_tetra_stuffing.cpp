@@ -84,7 +84,10 @@ class MeshTetraStuffing final : public Component {
  private:
   void checkInput() {
     faces_ = triangles_;
-    for (const Quad& q : quads_) faces_.push_back({q[0], q[1], q[2]}), faces_.push_back({q[0], q[2], q[3]});
+    for (const Quad& q : quads_) {
+      faces_.push_back({q[0], q[1], q[2]});
+      faces_.push_back({q[0], q[2], q[3]});
+    }
     if (surface_.empty() || faces_.empty()) throw ComponentError("there is no surface to fill", "inputPoints and inputTriangles");
     for (const Triangle& t : faces_)
       for (const Index node : t)
@@ -97,10 +100,16 @@ class MeshTetraStuffing final : public Component {
   /// The lattice, and which triangles are near its lines.
   void layOut() {
     Vec3 low = surface_[0], high = surface_[0];
-    for (const Vec3& p : surface_) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    for (const Vec3& p : surface_) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
     const Vec3 more = (high - low) * 0.01;
     low -= more, high += more;
-    if (box_.size() == 2 && box_[0].x() < box_[1].x()) low = box_[0], high = box_[1];
+    if (box_.size() == 2 && box_[0].x() < box_[1].x()) {
+      low = box_[0];
+      high = box_[1];
+    }
     cube_ = size_ > 0 ? size_ : (high - low).maxCoeff() / -size_;
     const Vec3 middle = (low + high) / 2;
     double nodes = 2;
@@ -226,7 +235,10 @@ class MeshTetraStuffing final : public Component {
       if (q < 0 || inside_[std::size_t(q)] >= 0) continue;
       const double cut = cuts_[p][e], length = e < 6 ? 1 : 0.75;
       if (cut == 0 || cut >= (e < 6 ? alpha_long_ : alpha_short_)) continue;
-      if (const double square = cut * cut * length; !nearest || square < least) nearest = e, least = square;
+      if (const double square = cut * cut * length; !nearest || square < least) {
+        nearest = e;
+        least = square;
+      }
     }
     return nearest;
   }
@@ -272,10 +284,14 @@ class MeshTetraStuffing final : public Component {
       keep({on[0], in[0], in[1], b}), keep({on[0], in[0], b, a});
     } else if (in.size() == 2) {
       const Index a0 = cut(out[0], in[0]), b0 = cut(out[0], in[1]), a1 = cut(out[1], in[0]), b1 = cut(out[1], in[1]);
-      keep({in[0], in[1], b0, b1}), keep({in[0], a0, b0, b1}), keep({in[0], a0, b1, a1});
+      keep({in[0], in[1], b0, b1});
+      keep({in[0], a0, b0, b1});
+      keep({in[0], a0, b1, a1});
     } else {  // a prism: the diagonals of its sides begin at the smaller node
       const Index a = cut(out[0], in[0]), b = cut(out[0], in[1]), c = cut(out[0], in[2]);
-      keep({in[0], in[1], in[2], c}), keep({in[0], in[1], c, b}), keep({in[0], a, b, c});
+      keep({in[0], in[1], in[2], c});
+      keep({in[0], in[1], c, b});
+      keep({in[0], a, b, c});
     }
   }
   void keep(Tetrahedron cell) {

@@ -11,7 +11,7 @@ truth cube (tables 1 to 3); deforming bar of Land et al. 2015 and an inflated sp
 example organ stands in for a liver, and the text says so.
 Writes a page for each experiment, CSV and most a picture, and OUT/README.md, which lists all pages of the folder. The truth
 cube takes about seven minutes on a quiet machine, the rest three. Needs numpy and matplotlib. docs/validate/condensation.py,
-condensed_mass.py, dma.py, statics.py and stability.py are programs of their own.
+condensed_mass.py, dma.py, scale.py, statics.py and stability.py are programs of their own; `stroma bench --accuracy` prints accuracy.md.
 """
 import argparse
 import datetime
@@ -33,7 +33,7 @@ import truth_cube  # noqa: E402
 
 EXPERIMENTS = {"beam": beam.run, "cost": cost.run, "torque": robustness.run, "liver": drag.run,
                "truth_cube": truth_cube.run, "hyperelastic": hyperelastic.run, "complete_liver": complete_liver.run}
-PAGES = [*EXPERIMENTS, "visco_poro", "dma", "condensation", "statics"]  # the last four are not written here
+PAGES = [*EXPERIMENTS, "visco_poro", "dma", "condensation", "statics", "accuracy"]  # the last five are not written here
 
 
 def main():

@@ -51,7 +51,11 @@ std::vector<Side> sidesOf(const std::vector<Cell>& cells, int faces) {
                    [&](std::size_t a, std::size_t b) { return sides[a].sorted < sides[b].sorted; });
   for (std::size_t i = 0; i + 1 < order.size(); ++i) {
     Side &a = sides[order[i]], &b = sides[order[i + 1]];
-    if (a.sorted == b.sorted) a.across = b.at, b.across = a.at, ++i;
+    if (a.sorted == b.sorted) {
+      a.across = b.at;
+      b.across = a.at;
+      ++i;
+    }
   }
   return sides;
 }
@@ -126,7 +130,10 @@ Line lineFrom(const Side& start, const std::vector<Tetrahedron>& cells, const st
       const double rate = normal.dot(inward);
       if (rate <= 1e-9) continue;
       const double along = normal.dot(point - origin) / rate;
-      if (along < nearest) nearest = along, out = &side;
+      if (along < nearest) {
+        nearest = along;
+        out = &side;
+      }
     }
     if (!out) return {0, 0};
     reached = std::max(reached, nearest);

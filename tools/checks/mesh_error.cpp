@@ -62,7 +62,10 @@ std::pair<Mat3, double> deformationAt(const Cell& cell, const LocalPoint& xi, co
     before += rest[std::size_t(cell[a])] * slope.transpose();
     after += now[std::size_t(cell[a])] * slope.transpose();
   }
-  if constexpr (std::tuple_size_v<Cell> == 3) addNormal(before), addNormal(after);
+  if constexpr (std::tuple_size_v<Cell> == 3) {
+    addNormal(before);
+    addNormal(after);
+  }
   return {after * before.inverse(), std::abs(before.determinant())};
 }
 
@@ -76,7 +79,9 @@ class Recovery {
       : cells_(std::move(cells)), modulus_(std::move(modulus)), bulk_(bulk), change_(change) {
     takeNodes(rest, now);
     const std::vector<LocalPoint> samples = samplePoints();
-    place_.reserve(cells_.size() * samples.size()), strain_.reserve(place_.capacity()), size_.reserve(place_.capacity());
+    place_.reserve(cells_.size() * samples.size());
+    strain_.reserve(place_.capacity());
+    size_.reserve(place_.capacity());
     for (const Cell& cell : cells_) {
       for (const LocalPoint& xi : samples) {
         std::array<double, std::tuple_size_v<Cell>> shapes;

@@ -143,7 +143,9 @@ void renumber(Body& body) {
     for (const auto& group : groups)
       for (const Index node : group) drawn[std::size_t(node)] = true;
   };
-  mark(body.triangles), mark(body.edges), mark(body.springs);
+  mark(body.triangles);
+  mark(body.edges);
+  mark(body.springs);
   for (const Beam& beam : body.beams)
     for (const Index node : beam.nodes) drawn[std::size_t(node)] = true;
   for (const Ball& ball : body.balls) drawn[std::size_t(ball.node)] = true;
@@ -174,7 +176,9 @@ void renumber(Body& body) {
     for (auto& group : groups)
       for (Index& node : group) node = body.page[std::size_t(node)];
   };
-  rename(body.triangles), rename(body.edges), rename(body.springs);
+  rename(body.triangles);
+  rename(body.edges);
+  rename(body.springs);
   for (Ball& ball : body.balls) ball.node = body.page[std::size_t(ball.node)];
   for (Beam& beam : body.beams)
     for (std::size_t end : {0, 1}) {
@@ -268,7 +272,9 @@ namespace {
 void addBody(Drawing& drawing, const State& state, const System* system) {
   if (state.size() == 0 || state.kindOf(0) == RowKind::value) return;  // numbers are nowhere
   Body body;
-  body.state = &state, body.system = system, body.mesh = meshOf(state, system);
+  body.state = &state;
+  body.system = system;
+  body.mesh = meshOf(state, system);
   if (body.mesh && hasVolume(*body.mesh)) {
     addBoundary(body, *body.mesh);
   } else if (body.mesh && hasFaces(*body.mesh)) {
@@ -324,7 +330,10 @@ Drawing drawingOf(const Simulation& simulation) {
   std::vector<std::array<Place, 2>> ties, springs;
   for (const auto& system : simulation.systems()) addTies(*system, ties, drawing.bodies);
   addSprings(simulation, drawing.bodies, springs);
-  for (Body& body : drawing.bodies) dropEdgesOfBeams(body), renumber(body);
+  for (Body& body : drawing.bodies) {
+    dropEdgesOfBeams(body);
+    renumber(body);
+  }
   chooseSizes(drawing.bodies);
   addLinks(drawing, springs, false);
   addLinks(drawing, ties, true);
@@ -354,7 +363,10 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
   std::size_t all = 0, first = 0, count = 0;
   const auto look = [&, of_field = kind](const CellKind& of, const auto& cells) {
     if (of.dimension != dimension) return;
-    if (of_field && of.type == of_field->type) first = all, count = cells.size();
+    if (of_field && of.type == of_field->type) {
+      first = all;
+      count = cells.size();
+    }
     all += cells.size();
   };
   forEachCellList(look, *body.mesh);

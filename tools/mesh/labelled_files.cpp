@@ -128,7 +128,10 @@ void forEachElement(const Content& content, Before&& before, Visit&& visit) {
 void addBody22(Out out, const LabelledMesh& mesh, const Content& content) {
   const std::vector<Vec3>& position = content.nodes.position();
   fmt::format_to(out, "$Nodes\n{}\n", position.size());
-  for (std::size_t n = 0; n < position.size(); ++n) fmt::format_to(out, "{} ", n + 1), addPosition(out, position[n]);
+  for (std::size_t n = 0; n < position.size(); ++n) {
+    fmt::format_to(out, "{} ", n + 1);
+    addPosition(out, position[n]);
+  }
   fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", content.triangles.size() + mesh.tetrahedra.size());
   forEachElement(
       content, [](const Group&) {},
@@ -142,7 +145,10 @@ void addBody22(Out out, const LabelledMesh& mesh, const Content& content) {
 
 void addEntities41(Out out, const LabelledMesh& mesh, const Content& content) {
   Vec3 low = mesh.position.front(), high = low;
-  for (const Vec3& p : mesh.position) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const Vec3& p : mesh.position) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   std::size_t surfaces = 0;
   for (const Group& group : content.groups) surfaces += group.dimension == 2;
   fmt::format_to(out, "$Entities\n0 0 {} {}\n", surfaces, content.groups.size() - surfaces);

@@ -26,7 +26,10 @@ class Matching {
  public:
   Matching(LabelledMesh& mesh, const std::map<int, double>& wanted, double least_angle)
       : mesh_(mesh), least_angle_(least_angle) {
-    for (const auto& [label, volume] : wanted) number_[label] = Index(wanted_.size()), wanted_.push_back(volume);
+    for (const auto& [label, volume] : wanted) {
+      number_[label] = Index(wanted_.size());
+      wanted_.push_back(volume);
+    }
     collectTriangles();
     measureCells();
   }
@@ -151,7 +154,10 @@ void Matching::move() {
     Vec3 way = mesh_.position[n] - start_[n];
     for (const auto& [l, a] : area[n])
       if (l >= 0) way += phi[l] * a / size[n];
-    if (const double length = way.norm(); length > reach_[n]) way *= reach_[n] / length, ++last_.at_reach;
+    if (const double length = way.norm(); length > reach_[n]) {
+      way *= reach_[n] / length;
+      ++last_.at_reach;
+    }
     mesh_.position[n] = start_[n] + way;
   }
   keepAngles(before);
@@ -168,7 +174,10 @@ void Matching::keepAngles(const std::vector<Vec3>& before) {
       if (angle(c) >= allowed_angle_[c] - 1e-9) continue;
       for (const Index n : mesh_.tetrahedra[c]) {
         const std::size_t i = std::size_t(n);
-        if (!(mesh_.position[i] == before[i])) back[i] = 1, any = true;
+        if (!(mesh_.position[i] == before[i])) {
+          back[i] = 1;
+          any = true;
+        }
       }
     }
     if (!any) break;

@@ -47,7 +47,10 @@ void mirror(Cell& cell) {
     std::swap(cell[1], cell[3]);
   } else if constexpr (std::tuple_size_v<Cell> >= 4) {
     std::swap(cell[1], cell[2]);
-    if constexpr (std::tuple_size_v<Cell> == 10) std::swap(cell[4], cell[6]), std::swap(cell[8], cell[9]);
+    if constexpr (std::tuple_size_v<Cell> == 10) {
+      std::swap(cell[4], cell[6]);
+      std::swap(cell[8], cell[9]);
+    }
   }
 }
 
@@ -60,7 +63,10 @@ std::size_t turnInvertedCells(Mesh& mesh) {
         std::vector<Vec3> x(std::size_t(kind.nodes));
         for (auto& cell : cells) {
           for (std::size_t k = 0; k < cell.size(); ++k) x[k] = mesh.position[std::size_t(cell[k])];
-          if (kind.size(x.data()) < 0) mirror(cell), ++count;
+          if (kind.size(x.data()) < 0) {
+            mirror(cell);
+            ++count;
+          }
         }
       },
       mesh);

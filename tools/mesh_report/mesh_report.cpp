@@ -28,7 +28,10 @@ void addCell(double volume, double quality, double longest_edge, MeshReport& rep
     report.flat.push_back(cell);
   else if (volume < 0)
     report.inverted.push_back(cell);
-  if (report.worst_cell < 0 || quality < report.worst_quality) report.worst_quality = quality, report.worst_cell = cell;
+  if (report.worst_cell < 0 || quality < report.worst_quality) {
+    report.worst_quality = quality;
+    report.worst_cell = cell;
+  }
 }
 
 double longestEdge(const CellKind& kind, const Vec3* corner) {
@@ -127,7 +130,10 @@ MeshReport Mesh::report() const {
     if (!used[n]) out.unused_nodes.push_back(Index(n));
 
   if (!position.empty()) out.low = out.high = position.front();
-  for (const Vec3& p : position) out.low = out.low.cwiseMin(p), out.high = out.high.cwiseMax(p);
+  for (const Vec3& p : position) {
+    out.low = out.low.cwiseMin(p);
+    out.high = out.high.cwiseMax(p);
+  }
   return out;
 }
 

@@ -205,11 +205,17 @@ class VtkPictureMaker final : public PictureMaker {
       for (const Eye& eye : eyes_) {
         Extent& extent = extents_.emplace_back();
         Extent whole;
-        for (const Shot& shot : shots_) stand(shot), stage_->include(shot, frame.bodies, eye, extent);
+        for (const Shot& shot : shots_) {
+          stand(shot);
+          stage_->include(shot, frame.bodies, eye, extent);
+        }
         largest = std::max({largest, extent.width(), extent.height()});
         if (!is_asked) continue;
         // what stands before or behind is drawn too, as far as it is in sight
-        for (const Shot& shot : shots_) stand(shot), stage_->include(shot, all, eye, whole);
+        for (const Shot& shot : shots_) {
+          stand(shot);
+          stage_->include(shot, all, eye, whole);
+        }
         extent.low[2] = whole.low[2], extent.high[2] = whole.high[2];
       }
       if (frames_.size() > 1 && largest > 0)

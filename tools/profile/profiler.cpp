@@ -150,7 +150,10 @@ std::uint32_t Profiler::kindOf(ThreadLog& log, const char* what, const Component
   // equal literals of two libraries are two addresses, and other threads have met it
   while (number < kinds_.size() && !(kinds_[number].what == kind.what && kinds_[number].whose == kind.whose)) ++number;
   if (number == kinds_.size()) kinds_.push_back(std::move(kind));
-  if (log.sums.size() <= number) log.sums.resize(number + 1), log.chosen_sums.resize(number + 1);
+  if (log.sums.size() <= number) {
+    log.sums.resize(number + 1);
+    log.chosen_sums.resize(number + 1);
+  }
   if (2 * ++log.used > log.slots.size()) {
     std::vector<ThreadLog::Slot> old(4 * log.slots.size());
     old.swap(log.slots);
@@ -253,9 +256,14 @@ void Profiler::end(long iterations) {
   const bool is_chosen = step_.load(std::memory_order_relaxed) == Step::chosen;
   if (is_chosen && here.is_first && here.open.size() == depth_) chosen_inside_ += took;
   Sum& sum = (is_chosen ? here.chosen_sums : here.sums)[span.kind];
-  ++sum.calls, sum.count += iterations, sum.allocations += taken.count - span.inner;
+  ++sum.calls;
+  sum.count += iterations;
+  sum.allocations += taken.count - span.inner;
   sum.total += took, sum.self += took - span.inside;
-  if (!here.open.empty()) here.open.back().inside += took, here.open.back().inner += taken.count;
+  if (!here.open.empty()) {
+    here.open.back().inside += took;
+    here.open.back().inner += taken.count;
+  }
   // where there is no room for all, those that hold others go on being told
   if (here.events.size() < most_events || (here.open.size() < 3 && here.events.size() < 2 * most_events))
     here.events.push_back({span.kind, span.begin, now, iterations, taken.count, taken.bytes});
@@ -273,7 +281,9 @@ void Profiler::addEstimates(std::vector<Sum>& sums, const std::vector<Sum>& chos
   const auto time = [&](std::uint64_t ticks) { return std::uint64_t(by_time * double(ticks)); };
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     const Sum& more = chosen[k];
-    sums[k].calls += number(more.calls), sums[k].count += number(more.count), sums[k].allocations += number(more.allocations);
+    sums[k].calls += number(more.calls);
+    sums[k].count += number(more.count);
+    sums[k].allocations += number(more.allocations);
     sums[k].total += time(more.total), sums[k].self += time(more.self);
   }
   if (passed_ > 0 && !sums.empty() && &sums == &logs_.front()->sums) {

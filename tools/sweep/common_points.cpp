@@ -51,7 +51,10 @@ std::string keyOf(const EndState& end) {
 
 double sizeOf(const std::vector<Vec3>& points) {
   Vec3 low = points.front(), high = low;
-  for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const Vec3& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   return (high - low).norm();
 }
 
@@ -86,7 +89,10 @@ void CommonPoints::place(const EndState& end, const Group& group, Placing& placi
     const Body& body = end.bodies[b];
     if (!group.body.empty() && body.path != group.body) continue;
     named = &body;
-    if (body.cells() > 0) finders.emplace_back(body), numbers.push_back(int(b));
+    if (body.cells() > 0) {
+      finders.emplace_back(body);
+      numbers.push_back(int(b));
+    }
   }
   if (!named) throw std::runtime_error(fmt::format("the run has no state {}, which the reference has", group.body));
   if (finders.empty() || group.are_nodes) {
@@ -97,7 +103,9 @@ void CommonPoints::place(const EndState& end, const Group& group, Placing& placi
             "{} has no volume cells: it can be compared with a run that has the same nodes only", named->path));
     for (std::size_t i = 0; i < group.count; ++i) {
       Place& node = placing.places[group.first + i];
-      node.nodes[0] = Index(i), node.weights[0] = 1, node.corners = 1;
+      node.nodes[0] = Index(i);
+      node.weights[0] = 1;
+      node.corners = 1;
       placing.bodies[group.first + i] = int(named - end.bodies.data());
     }
     return;
@@ -107,7 +115,10 @@ void CommonPoints::place(const EndState& end, const Group& group, Placing& placi
     placing.bodies[i] = numbers.front();
     for (std::size_t f = 1; f < finders.size() && best.distance > 0; ++f) {
       const Place other = finders[f].find(places_[i]);
-      if (other.distance < best.distance) best = other, placing.bodies[i] = numbers[f];
+      if (other.distance < best.distance) {
+        best = other;
+        placing.bodies[i] = numbers[f];
+      }
     }
     placing.places[i] = best;
     placing.outside += best.distance > 0;

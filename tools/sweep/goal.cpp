@@ -43,7 +43,10 @@ bool GoalSearch::isAtLeastAsFine(const std::vector<std::size_t>& a, const std::v
 
 void GoalSearch::learn(const std::vector<std::size_t>& choice, const Shown& shown) {
   const bool keeps = shown.has_result && shown.error < bound_;
-  if (keeps && shown.seconds < least_seconds_) cheapest_ = choice, least_seconds_ = shown.seconds;
+  if (keeps && shown.seconds < least_seconds_) {
+    cheapest_ = choice;
+    least_seconds_ = shown.seconds;
+  }
   if (shown.has_result) made_.push_back({choice, shown.seconds});
   for (std::size_t i = 0; i < choices_.size(); ++i) {
     if (choices_[i] == choice) fates_[i] = Fate::run;
@@ -69,7 +72,10 @@ std::vector<std::size_t> GoalSearch::next() const {
       coarser += isAtLeastAsFine(choices_[i], choices_[k]);
     }
     const std::size_t decided = 1 + std::min(finer, coarser);
-    if (best.empty() || decided > most) best = choices_[i], most = decided;
+    if (best.empty() || decided > most) {
+      best = choices_[i];
+      most = decided;
+    }
   }
   return best;
 }
