@@ -122,7 +122,7 @@ Course courseOf(const std::string& boxes, double dt, double gravity, double last
         sum += 0.5 * state->v()[0].squaredNorm() + 0.5 * 0.02 / 3 * state->v()[1].squaredNorm() + gravity * state->x()[0].z();
     return sum;
   };
-  Course course{energy(), 0, 0};
+  Course course{energy(), 0, 0, {}};
   for (int i = 1; i * dt <= lasts; ++i) {
     expectCleanStep(simulation, i, false);
     if (::testing::Test::HasFatalFailure()) return course;
