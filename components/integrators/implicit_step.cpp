@@ -26,6 +26,7 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   multipliers_.begin(rule_, !solvesOnce());
   if (!solvesOnce()) {
     StepReport report = !multipliers_.empty() ? solveConditions(stop) : iterates() ? solveIterating(stop) : solveAsNeeded(stop);
+    turnVelocities(stop, report);
     bodies_.momenta(x(), v(), end_momenta_);
     return report;
   }
@@ -34,6 +35,7 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
     report.reason += "; one linear solve takes a step however long it is, newtonIterations=\"20\" shortens what goes too far";
   if (scheme.moved_after != 0 && !report.failed()) system_->motion().advance(scheme.moved_after, change_, x());
   if (!multipliers_.empty() && !report.failed()) multipliers_.correct(*solver_, tangent(), change_, {}, stop, report);
+  turnVelocities(stop, report);
   bodies_.momenta(x(), v(), end_momenta_);
   return report;
 }

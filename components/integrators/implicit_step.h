@@ -169,6 +169,7 @@ class ImplicitStep final : public NonlinearProblem {
   StepReport startAgain(const StepReport& before);
   void takeBack(StepReport& report);
   void takeChange();
+  void turnVelocities(StopToken stop, StepReport& report);
   void startIterating();
   MatrixFactors tangentFactors() const;
   /// Each solve of a step lets what is moved go as far as it can.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Of the forces of constraint: the directions J^T along which they act (multipliers.h).
+#include <Eigen/Dense>
 #include <algorithm>
 
 #include "components/integrators/multipliers.h"
+#include "framework/mechanics/changes_conditions.h"
 
 namespace stroma {
 
@@ -81,6 +83,52 @@ void Multipliers::aim() {
 bool Multipliers::leavesDirections() {
   constexpr int most = 4;
   return keepsDirections() && times_left_++ < most;
+}
+
+/// Rows of constraints whose conditions may change, that hold or push.
+std::vector<std::size_t> Multipliers::heldByChanging() const {
+  std::vector<std::size_t> held;
+  const auto& constraints = system_->actors().lagrangian_constraints;
+  std::size_t row = 0;
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const bool changes = dynamic_cast<const ChangesConditions*>(constraints[i]) != nullptr;
+    for (; row < ends_[i]; ++row) {
+      const auto kind = rows_.rows()[row].kind;
+      const bool pushes = kind == LagrangianRows::Kind::push && solve_.l[Eigen::Index(row)] > 0;
+      if (changes && (kind == LagrangianRows::Kind::equal || pushes)) held.push_back(row);
+    }
+  }
+  return held;
+}
+
+bool Multipliers::turnVelocities(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  if (empty() || !has_changed_ || rule_.old_share == 0 || !rule_.has_velocities) return false;
+  constexpr double sharpest = -0.5;  // the cosine of 120 degrees
+  findConditions();
+  const std::vector<std::size_t> held = heldByChanging();
+  const auto count = Eigen::Index(held.size());
+  const Rows v = system_->independent(system_->v);
+  Eigen::MatrixXd w(count, count);
+  Eigen::VectorXd speeds(count);
+  const auto along = [&](std::size_t row, ConstRows direction) {
+    double sum = 0;
+    for (const auto& [at, gradient] : rows_.entriesOf(rows_.rows()[row])) sum += gradient.dot(direction[at]);
+    return sum;
+  };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::size_t row = held[std::size_t(i)];
+    const Vector& before = start_directions_[row];
+    pullBack(row, right_side_);
+    if (dot(right_side_, before) > sharpest * norm(right_side_) * norm(before)) axpy(1, before, right_side_);
+    if (!answer(solver, matrix, responses_[row], stop, report)) return false;
+    const ConstRows response = system_->mappingChain().direction(responses_[row]);
+    for (Eigen::Index j = 0; j < count; ++j) w(j, i) = along(held[std::size_t(j)], response);
+  }
+  const ConstRows moves = system_->mappingChain().direction(v);
+  for (Eigen::Index i = 0; i < count; ++i) speeds[i] = along(held[std::size_t(i)], moves);
+  const Eigen::VectorXd impulses = w.completeOrthogonalDecomposition().solve(speeds);
+  for (Eigen::Index i = 0; i < count; ++i) axpy(-impulses[i], responses_[held[std::size_t(i)]], v);
+  return count > 0;
 }
 
 }  // namespace stroma

@@ -45,7 +45,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   made_before_ = iterationsOfAll(), searches_before_ = solve_.searches;
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
-  knows_forces_ = false, bend_count_ = 0, times_left_ = 0;
+  knows_forces_ = has_changed_ = false, bend_count_ = 0, times_left_ = 0;
   spent_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
@@ -236,7 +236,7 @@ bool Multipliers::changeConditions() {
   const ConstRows x = system_->mappingChain().positions(system_->x);
   if (!ChangesConditions::changeAny(system_->actors().lagrangian_constraints, ends_, x, solve_.l.data(), own_.data())) return false;
   --changes_left_;
-  return true;
+  return has_changed_ = true;
 }
 
 /// As those of cables and cavities.

@@ -12,7 +12,10 @@
 // Nodes of an UncoupledConstraintCorrection answer with their own compliance in the place of A^-1, without Newton's method.
 //
 // A rule that weighs forces where the step starts with the share s (the trapezoidal one: 1/2) has J = (1 - s) J(x) + s J(x0)
-// in J^T p, with one l for the step: a force that is given acts with its whole weight.
+// in J^T p, with one l for the step: a force that is given acts with its whole weight. Where a point has passed a corner, J(x0) and J(x)
+// differ, and v would keep a part across the new piece, to and fro for ever, of which the next corner makes energy. Then v becomes
+//   v - A^-1 J^T (J(x) A^-1 J^T)^-1 J(x) v
+// which keeps the speed of a point on wires that stand. Where directions turn by more than 120 degrees J is J(x), and a part is lost.
 //
 // Newton's method needs more than one such correction, because A is the matrix of one place (implicit_conditions.cpp). It
 // carries the impulses J^T p found so far as a load, and each correction starts from there. Forces then keep the directions
@@ -59,6 +62,9 @@ class Multipliers {
   /// A report that did not converge says by how much they do not.
   /// `direction`: of Newton's method, what u has come by from where aim() was; else of no rows.
   void correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop, StepReport& report);
+  /// The velocities of a step that has ended, where conditions have changed by their forces and the rule weighs those where it starts,
+  /// as of a point that has passed a corner. False: they stay.
+  bool turnVelocities(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   /// By how much every condition may be off and hold, or be kept and told [m]; 0 where one may not.
   double leastTolerance(bool kept);
   /// out += J^T p, of the step before and then of the last carry() [N s].
@@ -97,6 +103,7 @@ class Multipliers {
   bool couplesByDirections() const { return !yields_.empty() && (carries_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
   bool changeConditions();
+  std::vector<std::size_t> heldByChanging() const;
   bool prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
@@ -177,6 +184,7 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
+  bool has_changed_ = false;  ///< conditions have, in the step
   static constexpr int most_changes = 100;  ///< of conditions by their forces, each with rounds of its own
   int changes_left_ = most_changes;         ///< 0: they have not come to an end
   double budget_ = 100;     ///< of spent_ [a thousand rows' cube]

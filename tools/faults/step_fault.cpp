@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
@@ -62,13 +63,8 @@ std::string describeCellOf(const State& state, Index a, Index b) {
   return text;
 }
 
-}  // namespace
-
-std::string worstElementOf(const ForceField& field, const System& system, ConstRows x) {
+std::string describeTies(const ForceField& field, const System& system, ConstRows x) {
   constexpr double little = 1e-6;
-  std::string own = field.worstElement(x);
-  const ForceTraits traits = field.traits();
-  if (!own.empty() || !(traits.has_rest_shape || traits.forces_balance)) return own;
   const TiedPair pair = mostChanged(field, system, x);
   if (!(pair.change() > little)) return {};
   const Index rows = field.state().rows_per_node;
@@ -76,12 +72,44 @@ std::string worstElementOf(const ForceField& field, const System& system, ConstR
                      pair.rest);
 }
 
+/// The node that a field acts on and that is farthest from its rest, for fields that tie none to another.
+std::string describeFarthest(const ForceField& field, const System& system) {
+  const State& state = field.state();
+  BlockPattern pattern(system.allRows());
+  field.addPattern(pattern);
+  double most = 0;
+  Index farthest = -1;
+  for (Index i = 0; i < state.size(); ++i) {
+    if (pattern.columns(state.firstRow() + i).empty() || state.kindOf(i) == RowKind::turn) continue;
+    const double way = (Vec3(system.x[state.firstRow() + i]) - state.rest_position[std::size_t(i)]).norm();
+    if (!(way <= most)) most = way, farthest = i / state.rows_per_node;  // a NaN is the farthest
+    if (way != way) break;
+  }
+  return farthest < 0 ? "" : fmt::format("node {} is {:.3g} from its rest", farthest, most);
+}
+
+}  // namespace
+
+std::string worstElementOf(const ForceField& field, const System& system, ConstRows x) {
+  std::string own = field.worstElement(x);
+  const ForceTraits traits = field.traits();
+  return own.empty() && (traits.has_rest_shape || traits.forces_balance) ? describeTies(field, system, x) : own;
+}
+
 std::string whereAndWhy(const System& system, const StepContext& context, const std::string& cause, const std::string& when) {
   std::string text = fmt::format("step {} (from t = {:.6g} s, dt = {:.6g} s), {}: {}", context.index, context.t, context.dt,
                                  system.integrator().path(), cause);
-  for (const ForceField* field : system.forceFields()) {
-    const std::string worst = worstElementOf(*field, system, system.x);
-    if (!worst.empty()) text += fmt::format("; worst of {}{}: {}", field->path(), when, worst);
+  std::set<const State*> told;
+  const auto tell = [&](const ForceField& field, const std::string& worst) {
+    if (worst.empty()) return;
+    text += fmt::format("; worst of {}{}: {}", field.path(), when, worst);
+    told.insert(&field.state());
+  };
+  for (const ForceField* field : system.forceFields()) tell(*field, worstElementOf(*field, system, system.x));
+  for (const ForceField* field : system.forceFields()) {  // what a load acts on says something where nothing else does
+    if (told.contains(&field->state())) continue;
+    const std::string ties = describeTies(*field, system, system.x);
+    tell(*field, ties.empty() ? describeFarthest(*field, system) : ties);
   }
   return text;
 }
