@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "framework/algebra/linear_solver.h"
+#include "framework/algebra/solve_watch.h"
 
 namespace stroma {
 
@@ -15,6 +15,11 @@ std::string_view describe(SolveStop stop) {
     case SolveStop::stagnated: return "reached the accuracy that round-off allows before its tolerance";
   }
   return "ended for an unknown reason";
+}
+
+SolveWatch*& solveWatch() {
+  static thread_local SolveWatch* watch = nullptr;
+  return watch;
 }
 
 }  // namespace stroma
