@@ -239,6 +239,7 @@ static void bindParts(EngineClass& engine) {
              return names;
            })
       .def("set", &setAttribute)
+      .def_property_readonly("mesh_changes", [](Ref self) { return self->session().meshChanges(); })
       .def("watch_solves", &Engine::watchSolves)
       .def("change_mesh", &changeMesh)
       .def("edits",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import Sofa
-from playing import animate, run
+from playing import HERE, animate, run
 
 #: three tetrahedra in a row; the last one has a point of its own
 POSITION = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [2, 1, 1]]
@@ -288,3 +288,29 @@ def test_a_surface_that_a_scene_places_takes_no_new_simulation():
         Sofa.Simulation.reset(root)
         assert plate.state.position.value[:, 1].tolist() == [0, 0, 0]
     assert forces[0] == pytest.approx(forces[1]) and forces[0][0, 1] == pytest.approx(-7.98647, abs=1e-4), "the plate pushes where it is"
+
+
+def test_components_change_meshes_under_the_command_too(tmp_path):
+    """A controller sees what a TopologicalChangeProcessor leaves; the bits are those of a loop."""
+    (tmp_path / "scene.py").write_text("""import Sofa
+from test_live_meshes import Each, body
+
+def createScene(root):
+    root.dt = 0.01
+    node = body(root)
+    node.addObject("TopologicalChangeProcessor", useDataInputs=True, timeToRemove=0.025, tetrahedraToRemove=[2])
+
+    def end(step):
+        print("cells", step, node.mesh.getNbTetrahedra(), node.state.position.value.shape, repr(node.state.position.value.sum()))
+        if step == 5:
+            node.state.velocity.value = node.state.velocity.value * 0
+    root.addObject(Each(end=end, name="end"))
+""")
+    root = Sofa.Simulation.load(str(tmp_path / "scene.py"))
+    Sofa.Simulation.init(root)
+    animate(root, 8)
+    done = run("run", tmp_path / "scene.py", "-n", 8, "--no-record", folder=tmp_path, PYTHONPATH=str(HERE))
+    assert done.returncode == 0 and "is run again" not in done.stderr, done.stderr
+    lines = [line for line in done.stdout.splitlines() if line.startswith("cells")]
+    assert lines[2].startswith("cells 3 3 (6, 3)") and lines[3].startswith("cells 4 2 (5, 3)") and len(lines) == 8
+    assert lines[-1].endswith(repr(root.body.state.position.value.sum()))

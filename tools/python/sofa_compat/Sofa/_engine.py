@@ -76,6 +76,7 @@ class Engine:
                 _messages.warn(str(each.text).replace(": warning: ", ": ", 1))
 
     def _take(self, simulation, mirror):
+        self._mesh_changes = simulation._engine.mesh_changes
         self.sim, self.mirror, self._drawing, self._solved = simulation, mirror, None, {}
         if self._watches:
             simulation._engine.watch_solves()
@@ -469,6 +470,9 @@ class Engine:
 
     def end_step(self, dt):
         self.steps += 1
+        if self._mesh_changes != self.sim._engine.mesh_changes:  # by a component of the scene
+            self._has_other_meshes = True
+            self._look_again()
         if self._s_given and self._watches:
             _stroma.watch_step(self.sim._engine, False)
         _carving.carve(self)
