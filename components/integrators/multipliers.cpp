@@ -10,6 +10,7 @@
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
+#include "framework/algebra/solve_watch.h"
 #include "framework/mechanics/changes_conditions.h"
 #include "framework/mechanics/shares_forces.h"
 
@@ -309,8 +310,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   System& s = *system_;
   copy(s.independent(s.x), free_), clear(whole_);
   bool is_mixed = false;
-  is_left_ = false, changes_left_ = most_changes;
-  mixing_.restart();
+  is_left_ = false, changes_left_ = most_changes, mixing_.restart();
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
   int least_round = 0;
@@ -321,6 +321,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     findConditions();
+    if (round == 0 && solveWatch()) solveWatch()->conditions(s, rows_, rule_.displacement);
     if (rows_.rows().empty() && !carries_) break;
     if (round == 0) expectForces();
     if (!prepareRound(round == 0, solver, matrix, stop, report)) return;

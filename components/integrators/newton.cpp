@@ -12,6 +12,7 @@
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/shifted_matrix.h"
 #include "components/integrators/whole_matrix.h"
+#include "framework/algebra/solve_watch.h"
 #include "framework/scene/spans.h"
 #include "framework/simulation/step_progress.h"
 
@@ -23,11 +24,11 @@ SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, R
   const auto start = std::chrono::steady_clock::now();
   Span span("solve", &solver);
   const SolveReport solve = solveWhole(solver, matrix, b, x, terms);
+  if (solveWatch()) solveWatch()->solved(matrix, b, x);
   report.stopped = report.stopped || solve.stop == SolveStop::stopped;
   report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   span.count(solve.iterations);
-  report.linear_iterations += solve.iterations;
-  report.factorisations += solve.factored;
+  report.linear_iterations += solve.iterations, report.factorisations += solve.factored;
   report.linear_residual = solve.relative_residual;
   return solve;
 }
