@@ -131,6 +131,8 @@ class Rewriting {
   void meanForceOfConstraint(const Element& constraint);
   bool findsForcesOfConstraint(const Element& asker);
   void meanSkeleton(Element& constraint);
+  void addSweeps();
+  bool areForcesSwept();
   void meanPairs(Element& pairs, bool is_assembled);
   void meanSlidingPlane(Element& plane, bool is_assembled);
   bool isAssembled(const Element& integrator) const;

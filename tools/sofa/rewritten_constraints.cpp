@@ -198,4 +198,52 @@ void Rewriting::meanConstraint(Element& element) {
   }
 }
 
+/// All forces of constraint are of conditions that SOFA's sweeps take as equal ones, and one round finds them.
+bool Rewriting::areForcesSwept() {
+  if (!hasForcesOfConstraint() || hasActuators()) return false;
+  bool all = true;
+  tree_->forEach([&all](Element& each) {
+    const bool answers = each.text("response").find("Constraint") != std::string::npos && !each.dropped;
+    const Element* state = each.place->nearest("mechanical state");
+    const bool of_numbers = each.is("UniformLagrangianConstraint") && state && state->text("template").starts_with("Vec1");
+    const bool is_other = each.role() == "Lagrangian constraint" && !of_numbers &&
+                          !isAnyOf(each.written->type, {"BilateralLagrangianConstraint", "FixedLagrangianConstraint"});
+    const bool iterates = each.role() == "integrator" && !each.dropped &&
+                          (!each.is("EulerImplicitSolver") || each.text("newtonIterations") != "1" || each.find("newtonSolver"));
+    all = all && !answers && !is_other && !iterates;
+  });
+  return all;
+}
+
+/// SOFA's search for forces of constraint ends at a tolerance. Without a solver for them its loop makes one with the defaults.
+void Rewriting::addSweeps() {
+  const Element* solver = nullptr;
+  bool has_loop = false;
+  tree_->forEachPlace([&](Place& place) {
+    has_loop = has_loop || holdsType(place, "FreeMotionAnimationLoop");
+    for (const auto& each : place.elements)
+      if (!solver && each->written->type.ends_with("ConstraintSolver")) solver = each.get();
+  });
+  const std::string type = solver ? solver->written->type : "GenericConstraintSolver";
+  if (type == "LCPConstraintSolver" && hasForcesOfConstraint() && areForcesSwept())
+    return warn(solver->written->where, *solver, {}, "takes all conditions as contacts that may come apart: here those hold that are to hold",
+                "GenericConstraintSolver, with which both do the same");
+  const bool is_soft = solver && std::atof(solver->text("regularizationTerm").c_str()) != 0;
+  const bool counts = has_loop && areForcesSwept() && !isAnyOf(type, {"LCPConstraintSolver", "ImprovedJacobiConstraintSolver"}) &&
+                      quirks_.use("one-iteration", solver ? solver->path() : tree_->root().path());
+  const bool is_unbuilt = type.starts_with("Unbuilt") || (solver && solver->text("resolutionMethod").starts_with("Unbuilt"));
+  if (is_soft && (!counts || is_unbuilt))
+    warn(solver->written->where, *solver, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
+  if (!counts) return;
+  const SourceLocation where = solver ? solver->written->where : scene_.root.where;
+  ComponentDescription sweeps{"ConstraintSweeps", {{"name", "sweeps_of_constraints", where}}, where, scene_.root.folder};
+  const char* names[] = {"maxIterations", "maxIt", "tolerance", "scaleTolerance", "allVerified", "sor", "regularizationTerm", "resolutionMethod"};
+  for (const std::string name : names)
+    if (const AttributeDescription* given = solver ? solver->find(name) : nullptr; given && !(is_unbuilt && name == "regularizationTerm"))
+      sweeps.attributes.push_back(*given);
+  if (type.starts_with("Unbuilt")) sweeps.attributes.push_back({"resolutionMethod", "UnbuiltGaussSeidel", where});
+  if (type.starts_with("NNCG")) sweeps.attributes.push_back({"resolutionMethod", "NonsmoothNonlinearConjugateGradient", where});
+  tree_->root().added_components.push_back(std::move(sweeps));
+}
+
 }  // namespace stroma::sofa

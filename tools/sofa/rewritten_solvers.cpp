@@ -319,8 +319,6 @@ void Rewriting::takeFriction(Element& response) {
 void Rewriting::warnOfAccepted(const Element& element) {
   if (element.written->type.starts_with("Python"))
     return warn(element.written->where, element, {}, "is a script that SOFA runs: what it does to the scene is not done here");
-  if (element.written->type.ends_with("ConstraintSolver") && std::atof(element.text("regularizationTerm").c_str()) != 0)
-    return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
   if (element.is("FreeMotionAnimationLoop") && saysYes(element.text("solveVelocityConstraintFirst")) && hasForcesOfConstraint())
     return warn(element.written->where, element, "solveVelocityConstraintFirst",
                 "finds forces of constraint twice in SOFA, for velocities and then for positions: here once, for both");
