@@ -411,6 +411,21 @@ def forces_of_constraint_up_to_a_tolerance():
 
 
 @case
+def fixed_points_go_to_where_they_rest():
+    """FixedLagrangianConstraint compares with rest positions; of frames with their orientations, too."""
+    rest = '0 0 0  1.5 0.2 0'
+    text = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0" rest_position="{}"/><UniformMass totalMass="2"/><LinearSolverConstraintCorrection/>'
+            '<FixedLagrangianConstraint indices="1"/>')
+    x = Run(root(FREE_LOOP + f'<Node name="a">{EXACT}{text.format(rest)}</Node>'), 3).x("a.dofs")
+    agree(x, [[0, fallen(3), 0], [1.5, 0.2, 0]])
+    turn, bent = turn_of(np.array([0.2, -0.1, 0.3])), turn_of(np.array([-0.1, 0.3, 0.1]))
+    frame = (f'<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 {numbers_of(turn)}" rest_position="0.1 0 -0.2 {numbers_of(bent)}"/>'
+             '<UniformMass totalMass="1"/><LinearSolverConstraintCorrection/><FixedLagrangianConstraint indices="0"/>')
+    x = Run(root(FREE_LOOP + f'<Node name="a">{EXACT}{frame}</Node>'), 12).x("a.dofs", 7)[0]
+    agree(x, np.r_[0.1, 0, -0.2, bent], 1e-6)
+
+
+@case
 def lengths_that_stay_at_rest():
     """constrainToRestPos: what a mapping measures stays what it is at rest; nothing is at zero then."""
     text = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0.1 0"/><UniformMass totalMass="3"/><FixedProjectiveConstraint indices="0"/>'

@@ -43,6 +43,8 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "Lagrangian constraint") meanForceOfConstraint(element);
   if (element.is("BilateralLagrangianConstraint") && saysYes(element.text("keepOrientationDifference")))
     setDefault(element, "keepCentreDifference", "true");
+  if (element.is("FixedLagrangianConstraint")) setDefault(element, "atRest", "true");
+  if (element.is("ArticulationCenter")) meanJoint(element);
   meanTimes(element);
   if (isActuator(element)) meanActuator(element);
   // rest positions stay as they are written: in the axes of the frames

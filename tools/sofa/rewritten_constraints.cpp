@@ -217,13 +217,14 @@ bool Rewriting::areForcesSwept() {
 
 /// SOFA's search for forces of constraint ends at a tolerance. Without a solver for them its loop makes one with the defaults.
 void Rewriting::addSweeps() {
-  const Element* solver = nullptr;
-  bool has_loop = false;
+  const Element *solver = nullptr, *loop = nullptr;
   tree_->forEachPlace([&](Place& place) {
-    has_loop = has_loop || holdsType(place, "FreeMotionAnimationLoop");
+    for (const auto& each : place.elements)
+      if (each->written->type.ends_with("FreeMotionAnimationLoop")) loop = each.get();
     for (const auto& each : place.elements)
       if (!solver && each->written->type.ends_with("ConstraintSolver")) solver = each.get();
   });
+  const bool has_loop = loop != nullptr;
   const std::string type = solver ? solver->written->type : "GenericConstraintSolver";
   if (type == "LCPConstraintSolver" && hasForcesOfConstraint() && areForcesSwept())
     return warn(solver->written->where, *solver, {}, "takes all conditions as contacts that may come apart: here those hold that are to hold",
@@ -232,6 +233,13 @@ void Rewriting::addSweeps() {
   const bool counts = has_loop && areForcesSwept() && !isAnyOf(type, {"LCPConstraintSolver", "ImprovedJacobiConstraintSolver"}) &&
                       quirks_.use("one-iteration", solver ? solver->path() : tree_->root().path());
   const bool is_unbuilt = type.starts_with("Unbuilt") || (solver && solver->text("resolutionMethod").starts_with("Unbuilt"));
+  const std::string tolerance = solver ? solver->text("tolerance") : "";
+  constexpr double tight = 1e-9;  // of a scene in metres or millimetres
+  if (has_loop && hasForcesOfConstraint() && !areForcesSwept() && (tolerance.empty() || std::atof(tolerance.c_str()) > tight))
+    warn(solver ? solver->written->where : scene_.root.where, solver ? *solver : *loop, "tolerance",
+         "ends SOFA's search for forces of constraint before they hold, which depends on the order of contacts: here they hold. What lies on "
+         "several points may differ by some hundredths of its movement",
+         "a tolerance of 1e-9, with which both do nearly the same");
   if (is_soft && (!counts || is_unbuilt))
     warn(solver->written->where, *solver, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
   if (!counts) return;

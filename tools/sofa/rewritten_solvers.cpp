@@ -327,6 +327,9 @@ void Rewriting::warnOfAccepted(const Element& element) {
     warn(element.written->where, element, "complianceFactor", "changes how far SOFA's forces of constraint move nodes: here by the matrix");
   if (element.written->type.ends_with("ConstraintCorrection") && std::atof(element.text("regularizationTerm").c_str()) != 0)
     return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
+  if (element.is("DataExchange"))
+    return warn(element.written->where, element, {}, "copies values between parts of a scene that SOFA computes at the same time: not done here",
+                "a link, to=\"@from\"");
   if (element.is("MultiTagAnimationLoop"))
     return warn(element.written->where, element, {},
                 "animates what has one tag after what has another, and nothing that has none: here all move together");
