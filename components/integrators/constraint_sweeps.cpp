@@ -3,10 +3,10 @@
 //
 //   g + (W + s) l = 0,   W_bb dl_b = -(g + (W + s) l)_b,   l_b += dl_b   for each block b in turn
 //
-// with the conditions g of the motion without forces and W of multipliers.h, s = regularizationTerm on the diagonal. A block is the three rows
-// of a pair of points or of a fixed one, and else a row. A sweep is the last where sum |W_bb dl_b| < tolerance, times the number of rows
-// with scaleTolerance; or with allVerified where no row moved by more than the tolerance; or the maxIterations-th. With `sor` forces go that
-// share of a sweep. Those of points begin where they ended in the step before, and others at zero.
+// with the conditions g of the motion without forces and W of multipliers.h, s = regularizationTerm on the diagonal. A block is the
+// three rows of a pair of points or of a fixed one, and else a row. A sweep is the last where sum |W_bb dl_b| < tolerance, times the
+// number of rows with scaleTolerance; or with allVerified where no row moved by more than the tolerance; or the maxIterations-th. With
+// `sor` forces go that share of a sweep. Those of points begin where they ended in the step before, and others at zero.
 // resolutionMethod = UnbuiltGaussSeidel: all begin at zero. NonsmoothNonlinearConjugateGradient: a sweep is a step of steepest
 // descent, and directions are those of Fletcher and Reeves, begun again where changes grow.
 //
@@ -14,8 +14,8 @@
 // thousandths of its movement. It counts where an integrator has oneRound and all conditions are equal ones, as those of
 // BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers.
 //
-// Source: SOFA's GenericConstraintSolver. Silcowitz, Niebe, Erleben: A nonsmooth nonlinear conjugate gradient method for interactive contact
-// force problems (2010).
+// Source: SOFA's GenericConstraintSolver. Silcowitz, Niebe, Erleben: A nonsmooth nonlinear conjugate gradient method for interactive
+// contact force problems (2010).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

@@ -9,8 +9,8 @@
 // are. At dmax the force jumps to zero, of which the energy knows nothing. c is `damping`. With aInit: masses that attract each
 // other, t = aInit alpha/d^2, with beta = 0. The work grows with the square of the number of nodes, and the matrix is full.
 //
-// Source: J. E. Jones, On the determination of molecular fields (1924); names, attributes and defaults are SOFA's. There the tangent (rough)
-// lacks t/d (I - n n^T), and damping is no part of the matrix (explicitDamping).
+// Source: J. E. Jones, On the determination of molecular fields (1924); names, attributes and defaults are SOFA's. There the tangent
+// (rough) lacks t/d (I - n n^T), and damping is no part of the matrix (explicitDamping).
 //
 // Example:
 // <Node name="root" dt="0.005" gravity="0 0 0">

@@ -326,6 +326,12 @@ def damping_of_frames_and_numbers():
     agree(Run(numbers[1], 20).x("dofs", 1)[:, 0], [way(3), 2 * way(5)])
     six = Run(node(EXACT + along.format("Vec6", "0 0 0 0 0 0", "1 1 1 1 1 1", "1 2 3 4 5 6")), 20)
     agree(six.x("dofs", 6)[0], [way(c) for c in range(1, 7)])
+    # the last coefficients are those of all nodes beyond the list, and none damp nothing
+    points = node(EXACT + along.format("Vec3", "0 0 0  0 0 0  0 0 0", "1 1 1  1 1 1  1 1 1", "1 2 3  4 5 6"))
+    agree(Run(points, 20).x(), [[way(c) for c in of] for of in ((1, 2, 3), (4, 5, 6), (4, 5, 6))])
+    free = Run(points.replace("1 2 3  4 5 6", ""), 20)
+    agree(free.x(), np.full((3, 3), 0.2))
+    free.says("has no coefficient: it does nothing")
 
 
 @case

@@ -192,6 +192,7 @@ void Rewriting::meanField(Element& element) {
   }
   const bool is_pair = element.find("object1") || element.find("object2");
   if (is_pair && !element.place->nearest("integrator")) setQuirk(element, "isolated-springs", "explicitForce", "true");
+  if (type == "DiagonalVelocityDampingForceField") setDefault(element, "lastForOthers", "true");
   if (type == "TorsionForceField") setQuirk(element, "torsion-tangent", "tangent", "transverse");
   meanMembrane(element);
 }

@@ -227,7 +227,8 @@ void Rewriting::addSweeps() {
   const bool has_loop = loop != nullptr;
   const std::string type = solver ? solver->written->type : "GenericConstraintSolver";
   if (type == "LCPConstraintSolver" && hasForcesOfConstraint() && areForcesSwept())
-    return warn(solver->written->where, *solver, {}, "takes all conditions as contacts that may come apart: here those hold that are to hold",
+    return warn(solver->written->where, *solver, {},
+                "takes all conditions as contacts that may come apart: here those hold that are to hold",
                 "GenericConstraintSolver, with which both do the same");
   const bool is_soft = solver && std::atof(solver->text("regularizationTerm").c_str()) != 0;
   const bool counts = has_loop && areForcesSwept() && !isAnyOf(type, {"LCPConstraintSolver", "ImprovedJacobiConstraintSolver"}) &&
@@ -237,15 +238,16 @@ void Rewriting::addSweeps() {
   constexpr double tight = 1e-9;  // of a scene in metres or millimetres
   if (has_loop && hasForcesOfConstraint() && !areForcesSwept() && (tolerance.empty() || std::atof(tolerance.c_str()) > tight))
     warn(solver ? solver->written->where : scene_.root.where, solver ? *solver : *loop, "tolerance",
-         "ends SOFA's search for forces of constraint before they hold, which depends on the order of contacts: here they hold. What lies on "
-         "several points may differ by some hundredths of its movement",
+         "ends SOFA's search for forces of constraint before they hold, which depends on the order of contacts: here they hold. What "
+         "lies on several points may differ by some hundredths of its movement",
          "a tolerance of 1e-9, with which both do nearly the same");
   if (is_soft && (!counts || is_unbuilt))
     warn(solver->written->where, *solver, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
   if (!counts) return;
   const SourceLocation where = solver ? solver->written->where : scene_.root.where;
   ComponentDescription sweeps{"ConstraintSweeps", {{"name", "sweeps_of_constraints", where}}, where, scene_.root.folder};
-  const char* names[] = {"maxIterations", "maxIt", "tolerance", "scaleTolerance", "allVerified", "sor", "regularizationTerm", "resolutionMethod"};
+  const char* names[] = {"maxIterations", "maxIt", "tolerance", "scaleTolerance", "allVerified", "sor", "regularizationTerm",
+                         "resolutionMethod"};
   for (const std::string name : names)
     if (const AttributeDescription* given = solver ? solver->find(name) : nullptr; given && !(is_unbuilt && name == "regularizationTerm"))
       sweeps.attributes.push_back(*given);

@@ -84,7 +84,8 @@ void Rewriting::meanJoint(Element& joint) {
   const std::string process = joint.text("articulationProcess");
   if (process != "1" && process != "2") return;
   warn(joint.written->where, joint, "articulationProcess",
-       "adds up the turns of all steps in SOFA: here the child turns by the whole angle, which is the same while the axis keeps its direction");
+       "adds up the turns of all steps in SOFA: here the child turns by the whole angle, which is the same while the axis keeps its "
+       "direction");
   joint.remove("articulationProcess");
 }
 

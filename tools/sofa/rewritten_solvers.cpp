@@ -328,8 +328,8 @@ void Rewriting::warnOfAccepted(const Element& element) {
   if (element.written->type.ends_with("ConstraintCorrection") && std::atof(element.text("regularizationTerm").c_str()) != 0)
     return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
   if (element.is("DataExchange"))
-    return warn(element.written->where, element, {}, "copies values between parts of a scene that SOFA computes at the same time: not done here",
-                "a link, to=\"@from\"");
+    return warn(element.written->where, element, {},
+                "copies values between parts of a scene that SOFA computes at the same time: not done here", "a link to the data");
   if (element.is("MultiTagAnimationLoop"))
     return warn(element.written->where, element, {},
                 "animates what has one tag after what has another, and nothing that has none: here all move together");
