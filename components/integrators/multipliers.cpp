@@ -37,6 +37,7 @@ void Multipliers::compile(System& system) {
     vector->resize(system.independentRows());
   uncoupled_ = findUncoupled();
   if (!uncoupled_.empty()) pushes_.resize(system.independentRows());
+  sweeps_ = findSweeps();
 }
 
 void Multipliers::begin(const Rule& rule, bool carries) {
@@ -202,6 +203,7 @@ void Multipliers::expectForces() {
 }
 
 void Multipliers::findForces(StopToken stop) {
+  if (sweepForces()) return;
   constexpr double of_thousand_rows = 1e9;
   solve_.enough = 0;
   const double budget = budget_ * of_thousand_rows;

@@ -9,7 +9,8 @@
 // Where a rule says once, the first round is the last: forces have the directions of the motion without them, as SOFA's, and the
 // conditions hold as far as they are linear.
 //
-// Nodes of an UncoupledConstraintCorrection answer with their own compliance in the place of A^-1, without Newton's method.
+// Nodes of an UncoupledConstraintCorrection answer with their own compliance in the place of A^-1, without Newton's method. In one
+// round ConstraintSweeps may find the forces, up to its tolerance.
 //
 // A rule that weighs forces where the step starts with the share s (the trapezoidal one: 1/2) has J = (1 - s) J(x) + s J(x0)
 // in J^T p, with one l for the step: a force that is given acts with its whole weight. Where a point has passed a corner, J(x0) and J(x)
@@ -37,6 +38,7 @@
 namespace stroma {
 
 class Archive;
+class ConstraintSweeps;
 class UncoupledConstraintCorrection;
 
 class Multipliers {
@@ -131,6 +133,9 @@ class Multipliers {
   void give();
   long iterationsOfAll() const { return solve_.steps + solve_.rounds + redundant_.steps + redundant_.rounds; }
   std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
+  ConstraintSweeps* findSweeps() const;
+  bool holdsPoint(std::size_t row) const;
+  bool sweepForces();
   bool partRightSide();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
   bool isSpent(StepReport& report);
@@ -175,6 +180,9 @@ class Multipliers {
   bool knows_forces_ = false;  ///< of the rows of this step
   std::vector<UncoupledConstraintCorrection*> uncoupled_;  ///< bodies whose nodes answer one by one
   Vector pushes_;                                          ///< right_side_ with what these take of it
+  ConstraintSweeps* sweeps_ = nullptr;
+  std::vector<int> widths_;  ///< of its blocks
+  Eigen::VectorXd swept_;    ///< forces of the last step [N], where sweeps go on
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried
   Vector whole_, before_;  ///< what they change u by, now and a round ago
