@@ -228,21 +228,21 @@ void RedundantForces::draw(const Problem& problem, double size, VectorXd& q) {
 }
 
 bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) {
-  constexpr double dear = 2e7;  // a step of Newton's method that costs so much comes after sweeps
+  constexpr double dear = 7.5e6;  // where a step of Newton's method costs more, sweeps are tried before it
   constexpr int some = 1000, many = 10000;
-  stop_ = stop, contradiction_ = 0, budget_ = problem.budget, spent = 0;
+  constexpr double well = 0.05, enough = 0.3;  // of what rows may be off by
+  stop_ = stop, has_stood_ = false, contradiction_ = 0, budget_ = problem.budget, spent = 0;
   const bool was_swept = std::exchange(is_swept_, false) && problem.goes_on;
   if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
   off_ = none, best_ = start_, note(start_);
   if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
-  const bool are_dear = was_swept || !findRoots(dear);
-  if (!are_dear && findNear(problem)) return take(problem, l);
-  if ((are_dear || isSingular()) && sweepToLaws(problem, some, was_swept)) return take(problem, l);
-  if (are_dear) findRoots(none);
-  if (layerFromInside(work_.found)) draw(problem, thin, work_.found);
-  if (off_ < coarse || isDone(problem)) return take(problem, l);
+  const bool is_dear = was_swept || !findRoots(dear);
+  if (!is_dear && findNear(problem)) return take(problem, l);
+  if ((is_dear || isSingular()) && sweepToLaws(problem, some, is_dear ? enough : well, was_swept)) return take(problem, l);
+  if (is_dear) findRoots(none);
+  if (findInside(problem)) return take(problem, l);
   if (!isSingular()) return false;
-  sweepToLaws(problem, many, false);  // nothing else finds more
+  sweepToLaws(problem, many, enough, false);  // nothing else finds more
   return take(problem, l);
 }
 
@@ -261,14 +261,16 @@ bool RedundantForces::findNear(const Problem& problem) {
   return off_ < coarse || isDone(problem);
 }
 
-/// The forces of a thin layer, from those of thicker ones.
-bool RedundantForces::layerFromInside(VectorXd& q) {
+/// From those of thicker layers.
+bool RedundantForces::findInside(const Problem& problem) {
+  VectorXd& q = work_.found;
   bool is_found = false;
   for (double first = thin; !is_found && first < 0.1 && !isOver(); first *= 100) {
     q = searchInside(first), is_found = layer(first, q);
     for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
   }
-  return is_found;
+  if (is_found) draw(problem, thin, q);
+  return off_ < coarse || isDone(problem);
 }
 
 /// l = best_

@@ -50,9 +50,12 @@ class RedundantForces {
   double unsettled() const { return off_; }
   /// What is off, where rows contradict each other by a little; else 0. As ConditionForces::contradiction.
   double contradiction() const { return contradiction_; }
+  /// They are those of sweeps, and off by a part of what rows may be.
+  bool areSwept() const { return is_swept_; }
+  /// They are those that the last find() began from.
+  bool haveStood() const { return has_stood_; }
   double spent = 0;            ///< on the last find(): rows times columns^2 of each step
   long steps = 0, rounds = 0, sweeps = 0;  ///< of all find(): Newton steps, rounds of the interior-point method, sweeps
-  friend struct Harness;
 
  private:
   /// Rows [first, first + size): one that is equal, or a push and what rubs there.
@@ -98,7 +101,7 @@ class RedundantForces {
   bool isLittle(const Problem& problem, double part) const;
   bool isDone(const Problem& problem) const;
   bool findNear(const Problem& problem);
-  bool layerFromInside(Eigen::VectorXd& q);
+  bool findInside(const Problem& problem);
   void conditions(const Eigen::VectorXd& q, Eigen::VectorXd& r);
   void stepFrom(Eigen::VectorXd& q, Eigen::VectorXd& r, double size);
   void linearise(Blocks& blocks);
@@ -107,9 +110,10 @@ class RedundantForces {
   void draw(const Problem& problem, double size, Eigen::VectorXd& q);
   Eigen::VectorXd searchInside(double size);
   SmallVector wantedBy(const Group& group, const Eigen::VectorXd& q, const Eigen::VectorXd& r, double& slide) const;
-  bool sweepToLaws(const Problem& problem, int most, bool stands);
+  bool sweepToLaws(const Problem& problem, int most, double enough, bool stands);
   void sweepOnce();
-  double sweep(const Problem& problem, double part, int most, Eigen::VectorXd& q);
+  static double goalOf(int sweeps, double most);
+  double sweep(const Problem& problem, int most, double enough, Eigen::VectorXd& q);
   double farthest(const Problem& problem, const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   void note(const Eigen::VectorXd& q);
   bool take(const Problem& problem, Eigen::VectorXd& l);
@@ -121,7 +125,7 @@ class RedundantForces {
   Eigen::Index widest_ = 1;
   Eigen::VectorXd scale_, offset_, yields_, start_, best_;  ///< in units in which W has a diagonal of one; start_, best_: forces
   Eigen::MatrixXd w_, p_, q_;                               ///< W, P and Q
-  bool is_swept_ = false;  ///< the forces of the last find() are those of sweeps
+  bool is_swept_ = false, has_stood_ = false;
   double size_ = 0, off_ = 0, contradiction_ = 0;           ///< off_: of best_, of size_
   Eigen::MatrixXd whole_p_, whole_q_;                       ///< work space, as is
   Work work_;

@@ -11,6 +11,7 @@
 // Forces that only friction bounds, as of a body that two others wedge, grow by the same in each sweep: with p by more and more.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "components/integrators/redundant_forces.h"
@@ -29,43 +30,41 @@ struct Alone {
   double q_n = 0;
   Vector2d q_t = Vector2d::Zero();
 
-  /// |q_t| - mu q_n with r_n = 0 and r_t = -alpha q_t.
-  double tooMuch(double alpha) {
-    const double a = w_tt(0, 0) + alpha, d = w_tt(1, 1) + alpha, b = w_tt(0, 1), c = w_tt(1, 0), size = a * d - b * c;
-    const auto solve = [&](const Vector2d& v) { return Vector2d((d * v[0] - b * v[1]) / size, (a * v[1] - c * v[0]) / size); };
+  /// |q_t| - mu q_n with r_n = 0 and r_t = -alpha q_t, and its derivative.
+  std::pair<double, double> tooMuch(double alpha) {
+    const double a = w_tt(0, 0) + alpha, d = w_tt(1, 1) + alpha, b = w_tt(0, 1), c = w_tt(1, 0), size = 1 / (a * d - b * c);
+    const auto solve = [&](const Vector2d& v) { return Vector2d((d * v[0] - b * v[1]) * size, (a * v[1] - c * v[0]) * size); };
     const Vector2d u = solve(b_t), z = solve(w_tn);
-    q_n = -(b_n - w_nt.dot(u)) / (w_nn - w_nt.dot(z));
+    const double turned = 1 / (w_nn - w_nt.dot(z));
+    q_n = (w_nt.dot(u) - b_n) * turned;
     q_t = -u - q_n * z;
-    return q_t.norm() - mu * q_n;
+    const double length = q_t.norm();
+    // (W_tt + alpha) q_t + w_tn q_n = -b_t and w_nt q_t + w_nn q_n = -b_n, by alpha
+    const Vector2d less = solve(q_t);
+    const double n_by = w_nt.dot(less) * turned;
+    const Vector2d t_by = -less - n_by * z;
+    return {length - mu * q_n, (length > 0 ? q_t.dot(t_by) / length : 0) - mu * n_by};
   }
   /// `alpha`: where the search begins and ends.
   void solve(double& alpha) {
-    constexpr int most = 60;
-    constexpr double little = 1e-13, grow = 8;
-    const double least = 1e-12 * (w_tt(0, 0) + w_tt(1, 1)), unit = w_tt(0, 0) + w_tt(1, 1);
+    constexpr int most = 50;
+    constexpr double little = 1e-12, grow = 8;
     if (!(b_n < 0)) {
       q_n = 0, q_t.setZero();
       return;
     }
-    double low = least, off_low = tooMuch(least);
-    if (!(off_low > 0)) return;
-    double high = alpha > 2 * least ? alpha : unit, off_high = tooMuch(high);
-    for (int k = 0; k < most && off_high > 0; ++k) low = high, off_low = off_high, high *= grow, off_high = tooMuch(high);
-    double at = high;
-    for (int k = 0, side = 0; k < most && !(high - low < little * high); ++k) {  // the rule of false position, of Illinois
-      at = (low * off_high - high * off_low) / (off_high - off_low);
-      if (!(at > low && at < high)) at = 0.5 * (low + high);
-      const double off = tooMuch(at);
-      if (std::abs(off) <= little * mu * std::abs(q_n)) break;
-      if (off > 0) {
-        low = at, off_low = off;
-        if (std::exchange(side, 1) == 1) off_high *= 0.5;
-      } else {
-        high = at, off_high = off;
-        if (std::exchange(side, -1) == -1) off_low *= 0.5;
+    const double unit = w_tt(0, 0) + w_tt(1, 1);
+    if (double low = 1e-12 * unit; tooMuch(low).first > 0) {
+      double high = std::numeric_limits<double>::infinity();
+      if (!(alpha > low)) alpha = unit;
+      for (int k = 0; k < most; ++k) {  // Newton's method, between what is too little and too much
+        const auto [off, by] = tooMuch(alpha);
+        if (std::abs(off) <= little * mu * std::abs(q_n)) break;
+        (off > 0 ? low : high) = alpha;
+        alpha -= off / by;
+        if (!(alpha > low && alpha < high)) alpha = std::isinf(high) ? grow * low : 0.5 * (low + high);
       }
     }
-    alpha = at;
     q_n = std::max(q_n, 0.0);
     if (const double length = q_t.norm(); length > mu * q_n) q_t *= mu * q_n / length;
   }
@@ -106,17 +105,27 @@ void RedundantForces::Sweeps::add(std::size_t group, Eigen::Index size, const Sm
 RedundantForces::SmallVector RedundantForces::wantedBy(const Group& group, const VectorXd& q, const VectorXd& r, double& slide) const {
   const Eigen::Index at = group.first, n = group.tangents();
   SmallVector wanted(group.size);
-  const auto w = w_.block(at, at, group.size, group.size);
-  wanted[0] = q[at] - r[at] / w(0, 0);
-  if (group.pushes) wanted[0] = std::max(wanted[0], 0.0);
-  if (n == 0) return wanted;
-  const SmallVector b = r.segment(at, group.size) - w * q.segment(at, group.size);
-  Alone alone{.w_nn = w(0, 0), .b_n = b[0], .mu = group.mu};
-  alone.w_tt.diagonal().setConstant(group.rate);
-  alone.w_tn.head(n) = w.col(0).tail(n), alone.w_nt.head(n) = w.row(0).tail(n).transpose();
-  alone.b_t.head(n) = b.tail(n), alone.w_tt.topLeftCorner(n, n) = w.bottomRightCorner(n, n);
+  if (n == 0) {
+    const double to = q[at] - r[at] / w_(at, at);
+    wanted[0] = group.pushes ? std::max(to, 0.0) : to;
+    return wanted;
+  }
+  Alone alone{.w_nn = w_(at, at), .b_n = r[at], .mu = group.mu};
+  alone.w_tt.diagonal().setConstant(group.rate);  // of what has one way to slide
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index row = at + 1 + i;
+    alone.w_tn[i] = w_(row, at), alone.w_nt[i] = w_(at, row);
+    for (Eigen::Index j = 0; j < n; ++j) alone.w_tt(i, j) = w_(row, at + 1 + j);
+    alone.b_n -= alone.w_nt[i] * q[row];
+  }
+  alone.b_n -= alone.w_nn * q[at];
+  for (Eigen::Index i = 0; i < n; ++i) {
+    alone.b_t[i] = r[at + 1 + i] - alone.w_tn[i] * q[at];
+    for (Eigen::Index j = 0; j < n; ++j) alone.b_t[i] -= alone.w_tt(i, j) * q[at + 1 + j];
+  }
   alone.solve(slide);
-  wanted[0] = alone.q_n, wanted.tail(n) = alone.q_t.head(n);
+  wanted[0] = alone.q_n;
+  for (Eigen::Index i = 0; i < n; ++i) wanted[i + 1] = alone.q_t[i];
   return wanted;
 }
 
@@ -133,15 +142,21 @@ void RedundantForces::sweepOnce() {
   spent += double(s.numbers.size()), ++sweeps;
 }
 
-/// From q, until rows are off by no more than `part` of what they may; q becomes the best place. What it is off by.
-double RedundantForces::sweep(const Problem& problem, double part, int most, VectorXd& q) {
+/// What rows may be off by after so many sweeps, as a part of what they may at all: the more sweeps it takes the more.
+double RedundantForces::goalOf(int sweeps, double most) {
+  constexpr double least = 0.01, few = 100, power = 1.3;
+  return std::clamp(least * std::pow(sweeps / few, power), least, most);
+}
+
+/// At least one, whose forces are within their cones, from q; q becomes the best place. What it is off by, as farthest().
+double RedundantForces::sweep(const Problem& problem, int most, double enough, VectorXd& q) {
   Sweeps& s = sweeps_;
   s.pack(*this);
   s.at = q;
   conditions(s.at, s.r);
   s.way.setZero(q.size()), s.r_way.setZero(q.size());
-  double least = farthest(problem, s.at, s.r);
-  for (int k = 0, turn = 0; k < most && least > part && !isOver(); ++k) {
+  double least = none;
+  for (int k = 0, turn = 0; k < most && least > goalOf(k, enough) && !isOver(); ++k) {
     s.step = s.at, s.r_step = s.r;
     sweepOnce();
     const double off = farthest(problem, s.at, s.r);
@@ -156,20 +171,21 @@ double RedundantForces::sweep(const Problem& problem, double part, int most, Vec
   return least;
 }
 
-/// Forces of sweeps from the best place, which becomes that where they end. False: rows are off by too much of what they may. `stands`:
-/// the place is one of sweeps itself.
-bool RedundantForces::sweepToLaws(const Problem& problem, int most, bool stands) {
-  constexpr double goal = 0.01, still = 0.1, enough = 0.5;
+/// Forces of `most` sweeps from the best place, which becomes that where they end. False: rows are off by more than `enough` of what they
+/// may. `stands`: those of the round before are such.
+bool RedundantForces::sweepToLaws(const Problem& problem, int most, double enough, bool stands) {
+  constexpr double still = 0.1;
   if (problem.allowed.empty()) return false;
   VectorXd& q = work_.found;
   q = best_;
   conditions(q, work_.noted);
   double off = farthest(problem, q, work_.noted);
-  if (!stands || off > still) off = sweep(problem, goal, most, q);
+  has_stood_ = stands && off <= still;
+  if (!has_stood_) off = sweep(problem, most, enough, q);
   best_ = q;
   conditions(q, work_.noted);
   off_ = offOf(q, work_.noted);
-  return is_swept_ = off <= enough;
+  return is_swept_ = off <= std::max(enough, stands ? still : 0);
 }
 
 /// By how much the row that is farthest from its law is off, of what it may. Round-off of the largest condition is always allowed.
