@@ -311,8 +311,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   constexpr double close = 1e-13, far_less = 1e-3;  // of the place; of what is tolerated
   System& s = *system_;
   copy(s.independent(s.x), free_), clear(whole_);
-  bool is_mixed = false;
-  is_left_ = false, changes_left_ = most_changes, mixing_.restart();
+  bool is_mixed = is_left_ = false;
+  changes_left_ = most_changes, mixing_.restart();
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
   int least_round = 0;
@@ -328,9 +328,9 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (round == 0) expectForces();
     if (!prepareRound(round == 0, solver, matrix, stop, report)) return;
     leaveOutForces();
-    const double little = far_less * leastTolerance(false);
     last_forces_ = solve_.l;
     findForces(stop);
+    const double little = far_less * leastTolerance(false);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped || isSpent(report)) return;
     sumResponses();
@@ -344,12 +344,13 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     // two places that share a force may pass it to and fro for ever, by round-off of their directions
     if (!(step > 0.5 * least)) least = step, least_round = round;
     const int idle = round - least_round;
-    const bool is_idle = (step <= held_within * size && idle > most_idle) || (step <= little && idle > few_idle);
+    const bool is_idle = (isNoise(step) && redundant_.haveStood()) || (step <= held_within * size && idle > most_idle) ||
+                         (step <= little && idle > few_idle);
     is_left_ = !is_idle && idle > few_left && step > little && leavesDirections();
     const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle && !is_left_;
-    // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates
+    // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates; noise is none
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());
-    if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);
+    if (goes_on && is_mixed && !isNoise(step) && round + 1 < most_rounds) mixing_.next(before_, whole_);
     apply(change);
     size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
     const bool is_last = round + 1 == most_rounds;

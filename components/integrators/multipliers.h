@@ -138,6 +138,7 @@ class Multipliers {
   bool sweepForces();
   bool partRightSide();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
+  bool isNoise(double step);
   bool isSpent(StepReport& report);
   std::string nameOf(std::size_t row) const;
   std::string nodesOf(std::size_t row) const;
