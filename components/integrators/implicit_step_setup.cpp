@@ -144,6 +144,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
                              "constraints", "newtonIterations=\"1\", or no inMatrix");
       right_sides_.emplace_back(constraint, side);
     }
+  chooseTurning();
   if (solvesOnce()) return;
   if (!multipliers_.empty()) UncoupledConstraintCorrection::tellIdle(integrator, "makes several linear solves in a step");
   newton_.compile(system.independentRows());
