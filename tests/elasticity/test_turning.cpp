@@ -50,7 +50,7 @@ TEST(Turning, IsAddedInParts) {
 
 /// Other methods have none, nor has a field whose tangent the scene names.
 TEST(Turning, IsOfOneMethod) {
-  for (const char* attributes : {"method=\"large\"", "method=\"small\"", "method=\"svd\" tangent=\"warped\"", "method=\"svd\" tangent=\"exact\""}) {
+  for (const char* attributes : {"method='large'", "method='small'", "method='svd' tangent='warped'", "method='svd' tangent='exact'"}) {
     FieldUnderTest t(tetrahedraScene(attributes), "TetrahedronFEMForceField");
     auto* const turning = dynamic_cast<TurnsStresses*>(&t.field());
     EXPECT_FALSE(turning && turning->keepTurning(true)) << attributes;
