@@ -57,6 +57,7 @@ void Multipliers::takeDirections() {
   const std::size_t count = rows_.rows().size();
   directions_.resize(std::max(directions_.size(), count));
   like_.assign(count, 0), is_aimed_.assign(count, false);
+  if (carries_) is_answered_.clear();
   for (std::size_t i = 0; i < count; ++i)
     if (i < is_answered_.size() && is_answered_[i])
       is_aimed_[i] = true;
@@ -86,7 +87,6 @@ void Multipliers::aimAtNew() {
 
 void Multipliers::aim() {
   findConditions();
-  is_answered_.clear();
   takeDirections(), takeBends();
 }
 

@@ -135,7 +135,7 @@ TEST_P(EveryLinearSolver, SolvesForManyRightSidesAtOnce) {
       b[i] = randomVector(matrix.rows(), unsigned(i));
       x[i].resize(matrix.rows());
       for (Index row = 0; row < matrix.rows(); ++row)
-        if (i == 1 || (i % 3 == 2 && row / 2 != Index(i))) b[i][row].setZero();
+        if (i == 1 || (i % 3 == 2 && row / 2 != Index(i) % 20)) b[i][row].setZero();
       asked.push_back(b[i]), answers.push_back(x[i]);
     }
     SolverInScene solver(GetParam().element);
