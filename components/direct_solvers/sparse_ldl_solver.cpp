@@ -14,6 +14,9 @@
 // residual 1e-11 |b|. Where the matrix is too ill-conditioned for that, or its factors serve so many right sides that the
 // iterations cost more, it is factored in double precision. `precision` chooses by hand.
 //
+// Many right sides of one matrix, as those of the conditions of contact, go through the factors in blocks of 16 or 32: a number that is
+// read serves all of them, and parts of the factor that no right side reaches are passed by on the way forward (side_solves.h).
+//
 // SOFA's solver of this name computes L D L^T without pivoting and gives some x for an indefinite matrix too. Here a
 // matrix that is not positive definite is reported with the node at which it shows, and the integrator decides what to
 // do. When some force field has an unsymmetric stiffness, as tangent="exact" of hexahedra, its symmetric part is factored

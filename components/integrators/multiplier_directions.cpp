@@ -44,13 +44,27 @@ void Multipliers::takeDirection(std::size_t row) {
   axpy(rule_.old_share, start_directions_[row], direction);
 }
 
+/// Rows with the gradients that they had a round before keep what answers to them.
+void Multipliers::forgetChanged() {
+  const auto &rows = rows_.rows(), &old = old_rows_.rows();
+  is_answered_.resize(rows.size(), false);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto now = rows_.entriesOf(rows[i]);
+    if (rows.size() != old.size() || !std::ranges::equal(now, old_rows_.entriesOf(old[i]))) is_answered_[i] = false;
+  }
+}
+
 /// J^T of rows that may have a force, where they were found: they are few of those that may come near in a step.
 void Multipliers::takeDirections() {
   const std::size_t count = rows_.rows().size();
   directions_.resize(std::max(directions_.size(), count));
   like_.assign(count, 0), is_aimed_.assign(count, false);
+  if (carries_) is_answered_.clear();
   for (std::size_t i = 0; i < count; ++i)
-    if (!isIdle(i)) takeDirection(i);
+    if (i < is_answered_.size() && is_answered_[i])
+      is_aimed_[i] = true;
+    else if (!isIdle(i))
+      takeDirection(i);
   if (carries_) copy(system_->independent(system_->x), aimed_at_);
 }
 

@@ -85,13 +85,23 @@ bool Multipliers::isIdle(std::size_t row) const {
   return rows_.rows()[row].kind == LagrangianRows::Kind::given && rows_.rows()[row].factor == 0;
 }
 
-/// A^-1 of right_side_.
-bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
+void Multipliers::ask(ConstRows right_side, Vector& response) {
   if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
   clear(response);
-  const bool is_left = partRightSide();
-  const SolveReport solve = is_left ? solveWhole(solver, matrix, right_side_, response, {.stop = stop})
-                                    : SolveReport{.stop = SolveStop::zero_right_side};
+  asked_.push_back(right_side), answers_.push_back(response);
+}
+
+/// A^-1 of right_side_.
+bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
+  asked_.clear(), answers_.clear();
+  ask(right_side_, response);
+  return answerAsked(solver, matrix, stop, report);
+}
+
+/// A^-1 of all that is asked for.
+bool Multipliers::answerAsked(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  const SolveReport solve = uncoupled_.empty() || carries_ ? solveWhole(solver, matrix, asked_, answers_, {.stop = stop})
+                                                           : solveInTurn(solver, matrix, stop);
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;
   report.stopped = report.stopped || solve.stop == SolveStop::stopped;
@@ -108,9 +118,7 @@ bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& res
       report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
-  for (const UncoupledConstraintCorrection* each : uncoupled_)
-    if (!carries_) each->respond(pushes_, response);
-  system_->constraints().project(response);
+  for (const Rows& each : answers_) system_->constraints().project(each);
   return true;
 }
 
@@ -120,19 +128,25 @@ bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken 
   const std::size_t count = rows_.rows().size();
   responses_.resize(std::max(responses_.size(), count));
   is_answered_.resize(count, false);
+  new_answers_.clear(), asked_.clear(), answers_.clear();
+  const auto isAlike = [&](std::size_t i) { return like_[i] != 0 && is_answered_[i - 1]; };
   for (std::size_t i = 0; i < count; ++i) {
     if (isIdle(i) || is_answered_[i]) continue;
+    if (!isAlike(i)) ask(directions_[i], responses_[i]);
+    is_answered_[i] = true, new_answers_.push_back(i);
+  }
+  if (new_answers_.empty()) return true;
+  has_new_answers_ = true;
+  if (!answerAsked(solver, matrix, stop, report)) return false;
+  for (const std::size_t i : new_answers_) {
     Vector& response = responses_[i];
-    if (like_[i] == 0 || !is_answered_[i - 1]) {
-      copy(directions_[i], right_side_);
-      if (!answer(solver, matrix, response, stop, report)) return false;
+    if (!isAlike(i)) {
       takeBendsFrom(response);
-    } else {
-      if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
-      copy(responses_[i - 1], response);
-      scale(like_[i], response);
+      continue;
     }
-    is_answered_[i] = has_new_answers_ = true;
+    if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
+    copy(responses_[i - 1], response);
+    scale(like_[i], response);
   }
   return true;
 }
@@ -298,8 +312,11 @@ void Multipliers::leaveOutForces() {
 bool Multipliers::prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   const bool follows_turns = !system_->mappingChain().isLinear();  // as mapped points do
   if (!is_first && !follows_turns && rows_.hasGradientsOf(old_rows_)) return true;
+  if (is_first || (!carries_ && follows_turns))
+    is_answered_.clear();
+  else if (!carries_)
+    forgetChanged();
   if (!carries_) takeDirections();
-  if (is_first || !carries_) is_answered_.clear();
   if (!respond(solver, matrix, stop, report)) return false;
   couple();
   return true;

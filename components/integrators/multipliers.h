@@ -2,7 +2,7 @@
 // Forces of Lagrangian constraints in an implicit step. The step without them has found u, with its matrix A of A du = b.
 // Impulses p = weight l along the gradients J then change
 //   u by c = A^-1 J^T p,   x by displacement c,   conditions g(x) by W (l - l_before),   W = weight displacement J A^-1 J^T
-// W is dense, of as many solves with A as there are rows (condition_forces.h). Then g and J are computed anew where x has come
+// W is dense, of as many solves with A as there are rows, all at once (condition_forces.h). Then g and J are computed anew where x has come
 // to, and it is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds: forces have the directions of the end of the
 // step. Where that swings, iterates are mixed (mixing.h).
 //
@@ -127,6 +127,10 @@ class Multipliers {
   void expectForces();
   void findForces(StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
+  void ask(ConstRows right_side, Vector& response);
+  bool answerAsked(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  SolveReport solveInTurn(LinearSolver& solver, SystemMatrix& matrix, StopToken stop);
+  void forgetChanged();
   void leaveOutForces();
   void sumResponses();
   void apply(Rows change);
@@ -136,7 +140,6 @@ class Multipliers {
   ConstraintSweeps* findSweeps() const;
   bool holdsPoint(std::size_t row) const;
   bool sweepForces();
-  bool partRightSide();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
   bool isNoise(double step);
   bool isSpent(StepReport& report);
@@ -158,7 +161,10 @@ class Multipliers {
   Vector aimed_at_, here_;                 ///< x where directions were taken; work space
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them
-  std::vector<char> is_answered_;          ///< of each row: they are known
+  std::vector<char> is_answered_;          ///< of each row: they are known, or asked for
+  std::vector<std::size_t> new_answers_;   ///< rows of the round that were not; work space, as is
+  std::vector<ConstRows> asked_;           ///< right sides
+  std::vector<Rows> answers_;
   std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the one before
   bool has_new_answers_ = false;             ///< since that
   std::vector<Index> reached_;               ///< rows in which directions of rows of W are not zero

@@ -124,6 +124,36 @@ TEST_P(EveryLinearSolver, GivesZeroForAZeroRightSide) {
   EXPECT_EQ(dot(x, x), 0);
 }
 
+/// Of a block of right sides each is solved for as if it were alone: whole ones, those of two nodes, and one that is zero.
+TEST_P(EveryLinearSolver, SolvesForManyRightSidesAtOnce) {
+  StoredMatrix matrix = block(3).matrix();
+  const Eigen::MatrixXd a = matrix.dense();
+  for (const std::size_t count : {std::size_t(2), std::size_t(37)}) {
+    std::vector<Vector> b(count), x(count);
+    std::vector<ConstRows> asked;
+    std::vector<Rows> answers;
+    for (std::size_t i = 0; i < count; ++i) {
+      b[i] = randomVector(matrix.rows(), unsigned(i));
+      x[i].resize(matrix.rows());
+      for (Index row = 0; row < matrix.rows(); ++row)
+        if (i == 1 || (i % 3 == 2 && row / 2 != Index(i) % 20)) b[i][row].setZero();
+      asked.push_back(b[i]), answers.push_back(x[i]);
+    }
+    SolverInScene solver(GetParam().element);
+    const SolveReport report = solver.solver->solveAll(matrix, asked, answers);
+    EXPECT_TRUE(solved(report)) << describe(report.stop);
+    EXPECT_GE(report.iterations, int(count) - 1);
+    EXPECT_EQ(report.factored, GetParam().is_direct || GetParam().name.find("arp") != std::string::npos);
+    EXPECT_EQ(largest(x[1]), 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double left = (dense(b[i]) - a * dense(x[i])).norm();
+      EXPECT_LE(left, (GetParam().is_direct ? 1e-10 : 1.2 * tolerance) * norm(b[i])) << i;
+    }
+    b[0][4][1] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(solver.solver->solveAll(matrix, asked, answers).stop, SolveStop::not_finite);
+  }
+}
+
 TEST_P(EveryLinearSolver, NamesWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   StoredMatrix matrix = block(2).matrix();
