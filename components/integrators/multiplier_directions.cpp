@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "components/integrators/multipliers.h"
-#include "framework/mechanics/changes_conditions.h"
+#include "framework/mechanics/condition_roles.h"
 
 namespace stroma {
 

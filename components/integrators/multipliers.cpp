@@ -11,8 +11,7 @@
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
 #include "framework/algebra/solve_watch.h"
-#include "framework/mechanics/changes_conditions.h"
-#include "framework/mechanics/shares_forces.h"
+#include "framework/mechanics/condition_roles.h"
 
 namespace stroma {
 

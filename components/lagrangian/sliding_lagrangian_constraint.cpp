@@ -32,7 +32,7 @@
 #include <limits>
 
 #include "components/lagrangian/pair_constraint.h"
-#include "framework/mechanics/changes_conditions.h"
+#include "framework/mechanics/condition_roles.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 

@@ -12,7 +12,7 @@
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/spans.h"
 #include "framework/simulation/expectation.h"
-#include "framework/simulation/step_fault.h"
+#include "framework/simulation/system_report.h"
 #include "framework/simulation/step_guard.h"
 #include "framework/simulation/step_limits.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "framework/simulation/step_fault.h"
+#include "framework/simulation/system_report.h"
 #include "tests/support/field_under_test.h"
 #include "tests/support/force_field_examples.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Which element to look at first where a step has failed.
-#include "framework/simulation/step_fault.h"
+#include "framework/simulation/system_report.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -11,7 +11,6 @@
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/simulation/integrator.h"
-#include "framework/simulation/step_fault.h"
 
 namespace stroma {
 
