@@ -18,7 +18,7 @@
 #include <cstring>
 
 #include "components/condensation/condensed_integrator.h"
-#include "framework/mechanics/changes_conditions.h"
+#include "framework/mechanics/condition_roles.h"
 #include "framework/scene/archive.h"
 #include "framework/simulation/step_limits.h"
 

@@ -98,7 +98,7 @@ class BarrierContact final : public ContactField, public StepLimiter, public Pla
   void wantStartForces(bool wanted, double of_end) override { holds_nothing_ = wanted, of_end_ = of_end; }
   void setTime(double t) override { law_.moved = is_explicit_ && is_in_step_ ? placeAt(t) : law_.moved; }
   std::string overlap(ConstRows x) override;
-  std::string doubt(ConstRows) const override { return outputs_.doubt(); }
+  std::string doubt(ConstRows) const override { return step_energy_.doubt(outputs_.doubt()); }
   std::string worstElement(ConstRows x) const override;
   bool useDefiniteTangent(bool on) override { return friction_.definite = on, tangent_ = on ? Tangent::definite : Tangent::whole, true; }
   void reset() override { law_.candidates.forget(), startObstacles(), outputs_.reset(), step_energy_.forget(); }

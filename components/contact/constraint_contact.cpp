@@ -50,7 +50,7 @@
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/open_choices.h"
-#include "framework/mechanics/shares_forces.h"
+#include "framework/mechanics/condition_roles.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/contact/step_energy.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -195,12 +197,36 @@ void StepEnergy::stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, co
       account.gained += account.gains(), account.before = account.after;
       account.begin();
     }
+    for (const Account& account : accounts_)
+      if (!account.touches) parted_.add(account);
     std::erase_if(accounts_, [](const Account& account) { return !account.touches; });
     end_ = x, moved_ = law.moved, law_ = settingsOf(law);
   }
 }
 
+/// What is a hundredth of all that the barrier has stored in between does not count: so much the search may leave over many steps.
+void StepEnergy::Contacts::add(const Account& account) {
+  constexpr double usual = 0.01;
+  ++all;
+  if (!(std::abs(account.gained) > usual * account.most)) return;
+  ++unkept;
+  (account.gained > 0 ? given : lost) += std::abs(account.gained);
+}
+
+std::string StepEnergy::doubt(const std::string& others) const {
+  Contacts contacts = parted_;
+  for (const Account& account : accounts_) contacts.add(account);
+  if (contacts.unkept == 0) return others;
+  const std::string given = contacts.given > 0 ? fmt::format(" and {:.3g} J given", contacts.given) : "";
+  return others + (others.empty() ? "" : "; ") +
+         fmt::format("{} of {} contacts did not give back all that they took: {:.3g} J lost{}, because no share of the forces of a step's "
+                     "start was found with which they do. A smaller dt or stiffness helps",
+                     contacts.unkept, contacts.all, contacts.lost, given);
+}
+
 void StepEnergy::serialize(Archive& archive) {
+  archive.value("contacts_parted", parted_.all), archive.value("contacts_unkept", parted_.unkept);
+  archive.value("contacts_lost", parted_.lost), archive.value("contacts_given", parted_.given);
   std::vector<int> pairs;
   std::vector<double> sums{moved_.x(), moved_.y(), moved_.z()};
   sums.insert(sums.end(), law_.begin(), law_.end());

@@ -14,12 +14,13 @@
 // Each pair of bodies has its own s, and so has each body with each plane. What a step has given too much or too little the next one has
 // to settle, from where the two come to touch until they have parted: U may change without work too, as shares of surfaces do.
 // The search for s may not settle, as where several contacts begin in one step and each changes what is right for the others. Then s is 1
-// for all: nothing gains, and much may be lost.
+// for all: nothing gains, and much may be lost. The end of a run tells how much.
 //
 // Source: Gonzalez 1996, Simo and Tarnow 1992, Laursen and Chawla 1997 (forces of a step whose work is the change of the energy); the
 // mixture that holds for all contacts of a pair at once is our own.
 #pragma once
 #include <limits>
+#include <string>
 
 #include "components/contact/contact_friction.h"
 #include "components/contact/rigid_ways.h"
@@ -52,6 +53,8 @@ class StepEnergy {
   void stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way, ConstRows rows);
   void compile(const BarrierLaw& law, const std::vector<State*>& bodies) { ways_.compile(law.surfaces, bodies); }
   void forget();
+  /// `others`, and a sentence where bodies had another energy when they parted, or have it now, than when they met.
+  std::string doubt(const std::string& others) const;
   void serialize(Archive& archive);
 
  private:
@@ -72,6 +75,12 @@ class StepEnergy {
     bool search(int round, bool is_alone);
     void begin() { share = 0.5, low = -infinite, high = infinite, is_searched = false; }
   };
+  /// Contacts from where bodies touch until they part.
+  struct Contacts {
+    int all = 0, unkept = 0;
+    double lost = 0, given = 0;  ///< [J]
+    void add(const Account& account);
+  };
   struct Pull {
     std::array<int, 4> v;
     std::array<double, 4> c;
@@ -89,6 +98,7 @@ class StepEnergy {
   double of_end_ = 1;
   int rounds_ = 0;                  ///< solves of the step that were looked at
   std::vector<Account> accounts_;   ///< by pairs
+  Contacts parted_;
   std::vector<Pull> start_, rubs_;  ///< forces of contact and friction where the step starts
   std::vector<Touch> touches_;      ///< there
   std::vector<Vec3> end_;           ///< all vertices where the last step ended

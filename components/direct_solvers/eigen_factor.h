@@ -25,6 +25,16 @@ class EigenFactor : public Base {
     solution_ = solver_.solve(right_);
     scatter(solution_, x);
   }
+  void applyAll(std::span<const ConstRows> b, std::span<const Rows> x) override {
+    constexpr std::size_t most = 16;
+    for (std::size_t first = 0; first < b.size(); first += most) {
+      const std::size_t count = std::min(most, b.size() - first);
+      rights_.resize(copy_.matrix.rows(), Eigen::Index(count));
+      for (std::size_t k = 0; k < count; ++k) gather(b[first + k], right_), rights_.col(Eigen::Index(k)) = right_;
+      solutions_ = solver_.solve(rights_);
+      for (std::size_t k = 0; k < count; ++k) solution_ = solutions_.col(Eigen::Index(k)), scatter(solution_, x[first + k]);
+    }
+  }
   /// At a nanosecond for each multiply-add; the factor's entries are counted as ten times those of the matrix.
   Factorisation::Cost cost() const override {
     const double entries = 10. * double(copy_.matrix.nonZeros()), rows = double(copy_.matrix.rows());
@@ -37,6 +47,7 @@ class EigenFactor : public Base {
 
  private:
   Eigen::VectorXd right_, solution_;
+  Eigen::MatrixXd rights_, solutions_;
 };
 
 }  // namespace stroma

@@ -16,17 +16,6 @@ const FrontKernels& kernelsOfThisMachine() {
   return level == "x86-64-v4" ? front_kernels_v4 : level == "x86-64-v3" ? front_kernels_v3 : front_kernels_v2;
 }
 
-/// Numbers too small for their type become zero on this thread: they would be computed with at a hundredth of the speed.
-class FlushTiny {
- public:
-  FlushTiny() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040); }
-  ~FlushTiny() { _mm_setcsr(before_); }
-  FlushTiny(const FlushTiny&) = delete;
-
- private:
-  unsigned before_;
-};
-
 constexpr int share_columns = front_columns, share_rows = 240;
 /// Of a factor that are read at once in a solve, 10 microseconds.
 constexpr int solved_numbers = 1 << 16;
@@ -45,20 +34,8 @@ void forPieces(bool at_once, int count, Body&& body) {
 
 }  // namespace
 
-std::unique_ptr<FrontNumbers::Work> FrontNumbers::Works::take(std::size_t updates) {
-  std::unique_ptr<Work> work;
-  {
-    const std::lock_guard lock(access_);
-    if (!free_.empty()) work = std::move(free_.back()), free_.pop_back();
-  }
-  if (!work) work = std::make_unique<Work>();
-  if (work->updates.size() < updates) work->updates.resize(updates);
-  return work;
-}
-void FrontNumbers::Works::giveBack(std::unique_ptr<Work> work) {
-  const std::lock_guard lock(access_);
-  free_.push_back(std::move(work));
-}
+FlushTiny::FlushTiny() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040); }
+FlushTiny::~FlushTiny() { _mm_setcsr(before_); }
 
 void FrontNumbers::setPattern(const SupernodalPattern& pattern, const int* lower_start, const int* lower_rows) {
   pattern_ = pattern, lower_start_ = lower_start, lower_rows_ = lower_rows;
@@ -98,6 +75,12 @@ FrontParts FrontNumbers::frontOf(int s, float* own) {
   return front;
 }
 
+SidePanel<float> FrontNumbers::panelOf(int s) {
+  const FrontParts front = frontOf(s, nullptr);
+  return {pattern_.first[s],  front.columns,   front.below, front.triangle, front.rest, front.triangle_rows, front.below_rows,
+          pattern_.rowsOf(s) + front.columns, true};
+}
+
 void FrontNumbers::load(int s, const FrontParts& front) {
   std::fill(front.triangle, values_.data() + plan_.values[std::size_t(s) + 1], 0.0f);
   const int first = pattern_.first[s], last = pattern_.first[s + 1];
@@ -135,7 +118,8 @@ int FrontNumbers::factorPanel(const FrontParts& front) {
 
 SupernodalEnd FrontNumbers::factorPart(const std::vector<int>& supernodes) {
   const FlushTiny flush;
-  std::unique_ptr<Work> work = works_.take(plan_.part_size + 64);
+  std::unique_ptr<Work> work = works_.take();
+  if (work->updates.size() < plan_.part_size + 64) work->updates.resize(plan_.part_size + 64);
   float* const own = work->updates.data();
   SupernodalEnd end;
   for (const int s : supernodes) {

@@ -3,17 +3,27 @@
 // elimination tree are factored by threads, and then the supernodes above them one by one, each in pieces of its columns and
 // rows. What is done in which order does not depend on the number of threads.
 #pragma once
-#include <memory>
-#include <mutex>
 #include <vector>
 
 #include "components/direct_solvers/front_kernels.h"
 #include "components/direct_solvers/front_plan.h"
+#include "components/direct_solvers/side_solves.h"
 #include "components/direct_solvers/supernodal_numbers.h"
 #include "framework/algebra/memory.h"
 #include "framework/algebra/stop.h"
 
 namespace stroma {
+
+/// Numbers too small for their type become zero on this thread: they would be computed with at a hundredth of the speed.
+class FlushTiny {
+ public:
+  FlushTiny();
+  ~FlushTiny();
+  FlushTiny(const FlushTiny&) = delete;
+
+ private:
+  unsigned before_;
+};
 
 /// With its work space.
 class FrontNumbers {
@@ -24,23 +34,20 @@ class FrontNumbers {
   SupernodalEnd factor(const double* values, const std::vector<int>& source, const std::vector<double>& scale, StopToken stop);
   /// x <- (S A S)^-1 x in the order of the factor.
   void solve(float* x);
+  /// The same for a block of right sides, see solveSides().
+  template <class NumberOf>
+  void solveSides(int count, const NumberOf& numberOf, SideWork<float>& work) {
+    const FlushTiny flush;
+    stroma::solveSides(pattern_, plan_.parent, [this](int s) { return panelOf(s); }, count, numberOf, work);
+  }
   void release();  ///< the memory of numbers, until the next factor()
 
  private:
   struct Work {
     Array<float> updates;
   };
-  class Works {
-   public:
-    std::unique_ptr<Work> take(std::size_t updates);
-    void giveBack(std::unique_ptr<Work> work);
-    void release() { free_.clear(); }
-
-   private:
-    std::mutex access_;
-    std::vector<std::unique_ptr<Work>> free_;
-  };
   FrontParts frontOf(int s, float* own);
+  SidePanel<float> panelOf(int s);
   SupernodalEnd factorPart(const std::vector<int>& supernodes);
   SupernodalEnd factorInPieces(int s);
   void load(int s, const FrontParts& front);
@@ -65,7 +72,7 @@ class FrontNumbers {
   const int* source_ = nullptr;
   const double* scale_ = nullptr;
   StopToken stop_;
-  Works works_;
+  WorkPool<Work> works_;
 };
 
 }  // namespace stroma

@@ -42,6 +42,7 @@ class InterruptibleFactor final : public Factorisation {
     return result->stop;
   }
   void apply(ConstRows b, Rows x) override { inner_->apply(b, x); }
+  void applyAll(std::span<const ConstRows> b, std::span<const Rows> x) override { inner_->applyAll(b, x); }
   Cost cost() const override { return inner_->cost(); }
   const Factor& inner() const { return *inner_; }
 

@@ -37,12 +37,13 @@ class PrecomputedLinearSolver final : public DirectSolver {
   void serializeFor(SystemMatrix& matrix, Archive& archive) override {
     First& first = first_.of(matrix);
     archive.list("first_values", first.values);
-    if (archive.isReading()) first.factors = nullptr;
+    if (archive.isReading()) first.factors.reset();
   }
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override {
-    SolveReport report;
-    const double norm_b = norm(b);
-    if (!std::isfinite(norm_b)) {
+  SolveReport solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) override {
+    SolveReport report{.stop = SolveStop::zero_right_side};
+    double size = 0;  // not finite where one is not
+    for (const ConstRows& each : b) size += norm(each);
+    if (!std::isfinite(size)) {
       report.stop = SolveStop::not_finite;
       return report;
     }
@@ -50,25 +51,20 @@ class PrecomputedLinearSolver final : public DirectSolver {
     const BlockMatrix& a = matrix.assemble();
     if (first.values.size() != a.values().size()) {
       first.values.assign(a.values().begin(), a.values().end());
-      first.factors = nullptr;
+      first.factors.reset();
     }
-    if (norm_b == 0) {
-      clear(x);
-      report.stop = SolveStop::zero_right_side;
+    if (size == 0) {
+      for (const Rows& each : x) clear(each);
       return report;
     }
-    report.iterations = 1;
-    report.factored = first.factors == nullptr;
-    if (!first.factors) first.factors = factorValues(matrix, first.values, terms.stop);
-    if (!first.factors) {
+    report = {.iterations = int(b.size()), .factored = !first.factors};
+    if (!first.factors && !factorFirst(matrix, first, terms.stop)) {
       report.stop = terms.stop.isStopAsked() ? SolveStop::stopped : SolveStop::not_definite;
       return report;
     }
-    first.factors->apply(b, x);
-    if (!std::isfinite(norm(x))) {  // the first matrix was not
-      clear(x);
-      report.stop = SolveStop::not_finite;
-    }
+    first.factors->applyAll(b, x);
+    for (const Rows& each : x)
+      if (!std::isfinite(norm(each))) clear(each), report.stop = SolveStop::not_finite;  // the first matrix was not
     return report;
   }
 
@@ -81,8 +77,20 @@ class PrecomputedLinearSolver final : public DirectSolver {
  private:
   struct First {
     std::vector<double> values;  ///< of the first matrix, shape (blocks, 9); empty before it
-    Factorisation* factors = nullptr;
+    std::unique_ptr<Factorisation> factors;
   };
+  bool factorFirst(SystemMatrix& matrix, First& first, StopToken stop) const {
+    BlockMatrix former = matrix.pattern();
+    if (former.values().size() != first.values.size()) return false;
+    former.values() = first.values;
+    auto factors = makeFactorisation(matrix.symmetric());
+    Index row = -1;
+    if (!factors->analyse(former, stop)) return false;
+    factors->load(former);
+    if (factors->factor(row, stop) != SolveStop::converged) return false;
+    first.factors = std::move(factors);
+    return true;
+  }
   PerMatrix<First> first_;
 };
 

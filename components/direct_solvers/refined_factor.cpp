@@ -20,6 +20,8 @@ double secondsInSingle(const CholeskyFactor& of) { return Factorisation::Cost::o
 double secondsInDouble(const CholeskyFactor& of) { return Factorisation::Cost::of(of.entries(), of.flops(), false).factor; }
 /// Seconds of an application for each number, for a solution as good as in double precision, and of a product for each block.
 constexpr double application_single = 0.65e-9, application_double = 1.3e-9, product_block = 3e-9;
+/// The same of one of many right sides.
+constexpr double side_single = 0.07e-9, side_double = 0.14e-9;
 
 /// Where `error` is left after k iterations, they would have to become twice as fast to end in `most`.
 bool isHopeless(double error, int k, int most) { return k > 2 && error > std::pow(error_left, k / (2.0 * most)); }
@@ -36,6 +38,10 @@ std::int64_t mixedBits(const std::vector<double>& values) {
   for (; i < values.size(); ++i) mixed[0] = mix(mixed[0], std::bit_cast<std::uint64_t>(values[i]));
   for (std::size_t l = 1; l < lanes; ++l) mixed[0] = mix(mixed[0], mixed[l]);
   return std::bit_cast<std::int64_t>(mixed[0]);
+}
+
+void clearAll(std::span<const Rows> x) {
+  for (const Rows& each : x) clear(each);
 }
 
 }  // namespace
@@ -63,7 +69,7 @@ bool RefinedFactor::analyse(const BlockMatrix& matrix, StopToken stop) {
   place_.clear();
   for (const int unknown : analysis_->unknown) place_.push_back(std::size_t(unknown / 3 * row_doubles + unknown % 3));
   solution_.resize(analysis_->unknown.size());
-  for (Vector* vector : {&residual_, &step_, &direction_, &product_}) vector->resize(matrix.rows());
+  blocks_.release();
   return true;
 }
 
@@ -179,70 +185,145 @@ double RefinedFactor::secondsOfIteration() const {
   return application_single * entries() + product_block * matrix_.blocks();
 }
 
-/// Conjugate gradients, with the form of beta for a preconditioner that is linear to round-off only. False when it would take too
-/// many iterations, or A is not positive definite.
-bool RefinedFactor::solve(ConstRows b, Rows x, StopToken stop) {
-  const double size = norm(b);
-  clear(x);
-  if (size == 0) return true;
-  copy(b, residual_);
-  double first = 0, former = 0, length = 0;  // r^T A^-1 r, the square of an error's energy
-  const int most = mostApplications();
-  ++record_->solves;
-  for (int k = 0; k < most && !stop.isStopAsked(); ++k) {
-    applyOnce(residual_, step_);
-    ++record_->applications;
-    const double energy = dot(residual_, step_);
-    if (!(energy > 0)) return energy == 0;
-    if (k > 0 && isHopeless(std::sqrt(energy / first), k, most)) return false;
-    if (k == 0)
-      first = energy, copy(step_, direction_);
-    else
-      xpay(step_, -length * dot(step_, product_) / former, direction_);
-    matrix_.multiply(direction_, product_);
-    const double curvature = dot(direction_, product_);
-    if (!(curvature > 0)) return false;
-    length = dot(direction_, residual_) / curvature;
-    axpy(length, direction_, x);
-    axpy(-length, product_, residual_);
-    // the error before this iteration, and after it if it shrinks as much as in the one before
-    const double error = std::sqrt(energy / first), next = k == 0 ? 1 : error * std::sqrt(energy / former);
-    if (norm(residual_) <= residual_left * size && next <= error_left) {
-      noteSolved(k + 1);
-      return true;
-    }
-    former = energy;
-  }
-  return false;
+double RefinedFactor::secondsOfSide(bool in_single) const {
+  return (in_single ? side_single : side_double) * entries() + product_block * matrix_.blocks();
 }
 
-void RefinedFactor::noteSolved(int iterations) {
+/// Of the residuals of the sides that are going, at once.
+void RefinedFactor::applyTo(Block& block) {
+  if (block.count == 1) return applyOnce(block.sides[0].residual, block.sides[0].step);
+  block.sizes.clear();
+  for (const int i : block.going) {
+    const double* const from = block.sides[std::size_t(i)].residual.rows().data;
+    double size = std::numeric_limits<double>::min();
+    for (std::size_t k = 0; k < scale_.size(); ++k) size = std::max(size, std::abs(from[place_[k]] * scale_[k]));
+    block.sizes.push_back(size);
+  }
+  const int count = int(block.going.size());
+  const auto sideOf = [&](int side) -> Side& { return block.sides[std::size_t(block.going[std::size_t(side)])]; };
+  fronts_.solveSides(
+      count,
+      [&](int side, int k) {
+        return sideOf(side).residual.rows().data[place_[std::size_t(k)]] * scale_[std::size_t(k)] / block.sizes[std::size_t(side)];
+      },
+      block.work);
+  for (int side = 0; side < count; ++side) {
+    double* const to = sideOf(side).step.rows().data;
+    for (std::size_t k = 0; k < scale_.size(); ++k)
+      to[place_[k]] = block.sizes[std::size_t(side)] * (scale_[k] * double(block.work.x[k * sides<float> + std::size_t(side)]));
+  }
+}
+
+/// Iteration k of conjugate gradients, with the form of beta for a preconditioner that is linear to round-off only. False when it
+/// would take too many iterations, or A is not positive definite.
+bool RefinedFactor::advance(Side& s, Rows x, int k, int most) {
+  const double energy = dot(s.residual, s.step);
+  s.iterations = k + 1, s.is_solved = energy == 0;
+  if (!(energy > 0)) return s.is_solved;
+  if (k > 0 && isHopeless(std::sqrt(energy / s.first), k, most)) return false;
+  if (k == 0)
+    s.first = energy, copy(s.step, s.direction);
+  else
+    xpay(s.step, -s.length * dot(s.step, s.product) / s.former, s.direction);
+  matrix_.multiply(s.direction, s.product);
+  const double curvature = dot(s.direction, s.product);
+  if (!(curvature > 0)) return false;
+  s.length = dot(s.direction, s.residual) / curvature;
+  axpy(s.length, s.direction, x);
+  axpy(-s.length, s.product, s.residual);
+  // the error before this iteration, and after it if it shrinks as much as in the one before
+  const double error = std::sqrt(energy / s.first), next = k == 0 ? 1 : error * std::sqrt(energy / s.former);
+  if (norm(s.residual) <= residual_left * s.size && next <= error_left) s.is_solved = true;
+  s.former = energy;
+  return true;
+}
+
+/// Ends where one of them has no solution in this way.
+void RefinedFactor::solveBlock(std::span<const ConstRows> b, std::span<const Rows> x, int most, StopToken stop, Block& block) {
+  block.count = b.size();
+  if (block.sides.size() < b.size()) block.sides.resize(b.size());
+  block.going.clear();
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    Side& side = block.sides[i];
+    for (Vector* vector : {&side.residual, &side.step, &side.direction, &side.product})
+      if (vector->count() != b[i].count) vector->resize(b[i].count);
+    side.size = norm(b[i]), side.iterations = 0, side.is_solved = false;
+    clear(x[i]), copy(b[i], side.residual);
+    if (side.size > 0) block.going.push_back(int(i));
+  }
+  for (int k = 0; k < most && !block.going.empty(); ++k) {
+    if (stop.isStopAsked()) return;
+    applyTo(block);
+    for (const int i : block.going)
+      if (!advance(block.sides[std::size_t(i)], x[std::size_t(i)], k, most)) return;
+    std::erase_if(block.going, [&](int i) { return block.sides[std::size_t(i)].is_solved; });
+  }
+}
+
+/// False when some right side has no solution in this way.
+bool RefinedFactor::solve(std::span<const ConstRows> b, std::span<const Rows> x, StopToken stop) {
+  const int most = mostApplications(), wide = b.size() < few_sides ? 1 : sides<float>, blocks = (int(b.size()) + wide - 1) / wide;
+  iterations_.assign(b.size(), 0);
+  const auto solveAt = [&](int k) {
+    const auto first = b.size() * std::size_t(k) / std::size_t(blocks), end = b.size() * std::size_t(k + 1) / std::size_t(blocks);
+    auto block = blocks_.take();
+    solveBlock(b.subspan(first, end - first), x.subspan(first, end - first), most, stop, *block);
+    for (std::size_t i = first; i < end; ++i) {
+      const Side& side = block->sides[i - first];
+      iterations_[i] = side.is_solved || side.size == 0 ? side.iterations : -side.iterations - 1;
+    }
+    blocks_.giveBack(std::move(block));
+  };
+  if (wide == 1)
+    for (int k = 0; k < blocks; ++k) solveAt(k);  // each with all threads
+  else
+    parallelFor(blocks, solveAt);
+  bool are_good = true;
+  for (const int made : iterations_) {
+    const int iterations = made < 0 ? -made - 1 : made;
+    are_good = are_good && made >= 0;
+    if (made == 0) continue;
+    ++record_->solves, record_->applications += iterations;
+    if (made > 0)
+      noteSolved(wide == 1 ? iterations * secondsOfIteration() - application_double * entries()
+                           : iterations * secondsOfSide(true) - secondsOfSide(false));
+  }
+  return are_good;
+}
+
+/// `seconds`: longer than with factors in double precision.
+void RefinedFactor::noteSolved(double seconds) {
   FactorMemory& now = memory();
   const bool paid = now.lost <= secondsSaved();
-  now.lost += std::max(0.0, iterations * secondsOfIteration() - application_double * entries());
+  now.lost += std::max(0.0, seconds);
   if (paid && now.lost > secondsSaved()) waitLonger();
   now.is_double = now.lost > secondsInDouble(*this);  // from the next one on
 }
 
-void RefinedFactor::apply(ConstRows b, Rows x) {
-  if (!uses_single_) return in_double_.apply(b, x);
+/// So many that factors in double precision take less time are solved for with these at once.
+void RefinedFactor::expectSides(std::size_t count) {
+  constexpr double usual = 2.5;  // iterations
+  const double seconds = double(count) * (usual * secondsOfSide(true) - secondsOfSide(false));
+  if (count >= few_sides && seconds > secondsInDouble(*this)) noteSolved(seconds);
+}
+
+void RefinedFactor::applyAll(std::span<const ConstRows> b, std::span<const Rows> x) {
+  if (!uses_single_) return in_double_.applyAll(b, x);
   const StopToken stop = std::exchange(stop_, {});  // later, its owner may have gone
   FactorMemory& now = memory();
   Index row = -1;
   remember();  // whoever factored them may have had no memory
   if (!record_->memory) now.is_double = true;  // of others' matrices nothing is remembered
+  if (!now.is_double) expectSides(b.size());
   if (!now.is_double) {
     if ((has_fronts_ || factorInSingle(stop) == SolveStop::converged) && solve(b, x, stop)) return;
-    if (stop.isStopAsked()) return clear(x);
+    if (stop.isStopAsked()) return clearAll(x);
     now.is_double = true;
     if (factorInDouble(row, stop) == SolveStop::converged) giveUp();
   } else if (!has_double_ && !stop.isStopAsked()) {
     factorInDouble(row, stop);
   }
-  if (has_double_)
-    in_double_.apply(b, x);
-  else
-    clear(x);
+  has_double_ ? in_double_.applyAll(b, x) : clearAll(x);
 }
 
 void RefinedFactor::applyRoughly(ConstRows b, Rows x) {

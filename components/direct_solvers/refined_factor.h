@@ -23,8 +23,9 @@ class RefinedFactor final : public CholeskyFactor {
   bool analyse(const BlockMatrix& matrix, StopToken stop) override;
   void load(const BlockMatrix& matrix) override;
   SolveStop factor(Index& row, StopToken stop) override;
+  void apply(ConstRows b, Rows x) override { applyAll({&b, 1}, {&x, 1}); }
   /// x is zero where the stop that factor() was given ends it, or there are no factors in double precision either.
-  void apply(ConstRows b, Rows x) override;
+  void applyAll(std::span<const ConstRows> b, std::span<const Rows> x) override;
   void applyRoughly(ConstRows b, Rows x) override;
   const std::string& ordering() const override { return analysis_->ordering; }
   double flops() const override { return analysis_->flops; }
@@ -32,6 +33,20 @@ class RefinedFactor final : public CholeskyFactor {
   Cost cost() const override;
 
  private:
+  /// The iterations of one right side.
+  struct Side {
+    Vector residual, step, direction, product;
+    double size = 0, first = 0, former = 0, length = 0;  ///< |b|; r^T A^-1 r, the square of an error's energy
+    int iterations = 0;
+    bool is_solved = false;
+  };
+  struct Block {
+    std::vector<Side> sides;    ///< the first `count` of them
+    std::size_t count = 0;
+    std::vector<int> going;     ///< sides that are not solved
+    std::vector<double> sizes;  ///< of their residuals, scaled
+    SideWork<float> work;
+  };
   void loadInDouble(const BlockMatrix& matrix);
   SolveStop factorInDouble(Index& row, StopToken stop);
   SolveStop factorInSingle(StopToken stop);
@@ -41,11 +56,16 @@ class RefinedFactor final : public CholeskyFactor {
   void giveUp();
   void waitLonger();
   void applyOnce(ConstRows b, Rows x);
-  bool solve(ConstRows b, Rows x, StopToken stop);
+  bool solve(std::span<const ConstRows> b, std::span<const Rows> x, StopToken stop);
+  void solveBlock(std::span<const ConstRows> b, std::span<const Rows> x, int most, StopToken stop, Block& block);
+  void applyTo(Block& block);
+  bool advance(Side& side, Rows x, int k, int most);
+  void expectSides(std::size_t count);
+  double secondsOfSide(bool in_single) const;
   int mostApplications() const;
   double secondsSaved() const;
   double secondsOfIteration() const;
-  void noteSolved(int iterations);
+  void noteSolved(double seconds);
 
   FactorPrecision wanted_;
   std::shared_ptr<FactorRecord> record_;
@@ -59,7 +79,8 @@ class RefinedFactor final : public CholeskyFactor {
   std::vector<double> scale_;    ///< of the unknowns in the order of the factor; powers of two
   std::vector<std::size_t> place_;  ///< of these unknowns among the doubles of rows
   Array<float> solution_;
-  Vector residual_, step_, direction_, product_;
+  WorkPool<Block> blocks_;
+  std::vector<int> iterations_;  ///< of each right side, below 0 where they have not solved it
   SupernodalFactor in_double_;
   bool has_analysis_ = false, has_double_ = false;  ///< those of in_double_
   StopToken stop_;               ///< of the last factor(), until the first apply() after it

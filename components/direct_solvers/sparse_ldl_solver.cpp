@@ -14,6 +14,9 @@
 // residual 1e-11 |b|. Where the matrix is too ill-conditioned for that, or its factors serve so many right sides that the
 // iterations cost more, it is factored in double precision. `precision` chooses by hand.
 //
+// Many right sides of one matrix, as those of the conditions of contact, go through the factors in blocks of 16 or 32: a number that is
+// read serves all of them, and parts of the factor that no right side reaches are passed by on the way forward (side_solves.h).
+//
 // SOFA's solver of this name computes L D L^T without pivoting and gives some x for an indefinite matrix too. Here a
 // matrix that is not positive definite is reported with the node at which it shows, and the integrator decides what to
 // do. When some force field has an unsymmetric stiffness, as tangent="exact" of hexahedra, its symmetric part is factored
@@ -45,7 +48,7 @@ class SparseLDLSolver final : public DirectSolver {
     memories_.forEach([](Kept& kept) { kept = {}; });
   }
   bool needsSymmetric() const override { return false; }
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
+  SolveReport solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) override;
   void serializeFor(SystemMatrix& matrix, Archive& archive) override;
   void keepFor(SystemMatrix& matrix) override { memories_.of(matrix).before_step = memories_.of(matrix).now; }
   void takeBackFor(SystemMatrix& matrix) override { memories_.of(matrix).now = memories_.of(matrix).before_step; }
@@ -93,7 +96,8 @@ void SparseLDLSolver::declare(DataTable& table) {
       .output();
 }
 
-SolveReport SparseLDLSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
+SolveReport SparseLDLSolver::solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x,
+                                      const SolveTerms& terms) {
   struct Call {
     FactorRecord& record;
     Call(FactorRecord& of, FactorMemory& memory) : record(of) { record.memory = &memory; }
@@ -102,7 +106,7 @@ SolveReport SparseLDLSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   SolveReport report;
   {
     const Call call(*record_, memories_.of(matrix).now);
-    report = DirectSolver::solve(matrix, b, x, terms);
+    report = DirectSolver::solveAll(matrix, b, x, terms);
   }
   tell();
   return report;

@@ -59,6 +59,7 @@ void SupernodalFactor::release() { analysis_.reset(); }
 
 void SupernodalFactor::releaseNumbers() {
   rough_values_ = Array<float>();
+  side_works_.release();
   if (analysis_ && analysis_->factor->xtype != CHOLMOD_PATTERN)
     cholmod_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, analysis_->factor, &analysis_->common);
 }
@@ -77,6 +78,7 @@ void SupernodalFactor::take(std::shared_ptr<SupernodalAnalysis> analysis) {
   release();
   analysis_ = std::move(analysis);
   numbers_.setPattern(analysis_->supernodes());
+  parent_.clear();
 }
 
 void SupernodalFactor::load(const BlockMatrix& matrix) {
@@ -187,6 +189,28 @@ void SupernodalFactor::apply(ConstRows b, Rows x) {
   for (std::size_t k = 0; k < count; ++k) right_[k] = b.data[place(k)];
   solveBoth(analysis_->supernodes(), static_cast<const double*>(analysis_->factor->x), right_.data(), gathered_right_.data());
   for (std::size_t k = 0; k < count; ++k) x.data[place(k)] = right_[k];
+}
+
+void SupernodalFactor::applyAll(std::span<const ConstRows> b, std::span<const Rows> x) {
+  if (b.size() < few_sides) return Factorisation::applyAll(b, x);
+  const SupernodalPattern pattern = analysis_->supernodes();
+  if (parent_.empty()) parent_ = parentsOf(pattern);
+  const auto* const values = static_cast<const double*>(analysis_->factor->x);
+  const auto panelOf = [&](int s) {
+    const int columns = pattern.columnsOf(s), height = pattern.heightOf(s);
+    const double* const panel = values + pattern.offset[s];
+    return SidePanel<double>{pattern.first[s], columns, height - columns, panel, panel + columns, height, height,
+                             pattern.rowsOf(s) + columns, false};
+  };
+  forSideBlocks<double>(int(b.size()), [&](int first, int count) {
+    auto work = side_works_.take();
+    const auto numberOf = [&](int side, int k) { return b[std::size_t(first + side)].data[place(std::size_t(k))]; };
+    solveSides(pattern, parent_, panelOf, count, numberOf, *work);
+    for (std::size_t k = 0; k < analysis_->unknown.size(); ++k)
+      for (int side = 0; side < count; ++side)
+        x[std::size_t(first + side)].data[place(k)] = work->x[k * sides<double> + std::size_t(side)];
+    side_works_.giveBack(std::move(work));
+  });
 }
 
 void SupernodalFactor::applyRoughly(ConstRows b, Rows x) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "components/direct_solvers/cholesky_factor.h"
+#include "components/direct_solvers/side_solves.h"
 #include "components/direct_solvers/supernodal_analysis.h"
 #include "components/direct_solvers/supernodal_numbers.h"
 #include "framework/algebra/memory.h"
@@ -21,6 +22,7 @@ class SupernodalFactor final : public CholeskyFactor {
   /// `row` is the one at which a pivot was not positive.
   SolveStop factor(Index& row, StopToken stop) override;
   void apply(ConstRows b, Rows x) override;
+  void applyAll(std::span<const ConstRows> b, std::span<const Rows> x) override;
   /// In single precision, which reads half as much.
   void applyRoughly(ConstRows b, Rows x) override;
   const std::string& ordering() const override { return analysis_->ordering; }
@@ -38,6 +40,8 @@ class SupernodalFactor final : public CholeskyFactor {
 
   std::shared_ptr<SupernodalAnalysis> analysis_;
   SupernodalNumbers numbers_;
+  std::vector<int> parent_;      ///< of each supernode, for many right sides
+  WorkPool<SideWork<double>> side_works_;
   std::vector<double> right_, gathered_right_;
   Array<float> rough_values_;  ///< the factor in single precision; empty: none yet
   std::vector<float> rough_, gathered_;

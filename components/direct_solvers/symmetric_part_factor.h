@@ -18,6 +18,9 @@ class SymmetricPartFactor final : public Factorisation {
   /// To a residual of 1e-12 |b|, or as far as it goes; goes on with L U for these values where that is not enough. x is zero
   /// when the stop that factor() was given ends that, or there are no factors.
   void apply(ConstRows b, Rows x) override;
+  void applyAll(std::span<const ConstRows> b, std::span<const Rows> x) override {
+    lu_ ? lu_->applyAll(b, x) : Factorisation::applyAll(b, x);
+  }
   Cost cost() const override;
 
   std::string ordering() const { return lu_ ? "COLAMD" : symmetric_->ordering(); }

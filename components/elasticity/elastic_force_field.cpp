@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "components/elasticity/turning_kernels.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/names.h"
 
@@ -365,6 +366,15 @@ bool ElasticForceField::useExactTangent(bool exact) {
   std::swap(method_, other_method_);
   if (!elements_->tangentsLieAlike()) ++tangent_changes_;
   return true;
+}
+
+bool ElasticForceField::keepTurning(bool on) {
+  auto* const kernels = data().find("tangent")->isSet() ? nullptr : dynamic_cast<TurningKernels*>(method_.get());
+  return kernels && kernels->keepTurning(on);
+}
+
+void ElasticForceField::addTurning(double part) {
+  if (auto* const kernels = dynamic_cast<TurningKernels*>(method_.get())) kernels->addTurning(part);
 }
 
 /// Measured on one core at 2.6 GHz with 8 lanes; in proportion for fewer. An element's own assembly is its scatter.

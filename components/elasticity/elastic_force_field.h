@@ -5,12 +5,13 @@
 #include "framework/fem/element_kernels_field.h"
 #include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mechanics/turns_stresses.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
 
 /// One class serves every elastic component name: a name sets its default words, the mesh decides the kind of element.
-class ElasticForceField : public ElementKernelsField, public OpenChoices {
+class ElasticForceField : public ElementKernelsField, public OpenChoices, public TurnsStresses {
  public:
   /// The words of `method`: first those of ElasticMethod, then other components' words for the same.
   enum class Word : int {
@@ -41,6 +42,8 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   ForceTraits traits() const override;
   void compile() override;
   bool useExactTangent(bool exact) override;
+  bool keepTurning(bool on) override;
+  void addTurning(double part) override;
   long patternRevision() const override { return tangent_changes_; }
   std::string choice() const override;
 

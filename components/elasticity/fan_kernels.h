@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "components/elasticity/tetrahedron_corotational.h"
+#include "components/elasticity/turning.h"
 #include "framework/fem/fan_model.h"
 
 namespace stroma::tetrahedron {
@@ -47,13 +48,42 @@ template <class Storage>
   });
 }
 
+/// 1/2 G/mu of each tetrahedron of a fan (turning.h).
+using FanTurning = Fanned<S3<Pack>>;
+
+/// The same with `part` of what turning adds.
+template <class Storage>
+[[gnu::noinline]] void addTurningProduct(const Storage& storage, const Array<FanTurning>& turning, ConstRows dx, double factor,
+                                         double part, Rows df) {
+  constexpr Index tile = 32;
+  const Pack scale(factor), turns(factor * part);
+  const auto& loop = storage.loop;
+  loop.template forEachTile<tile>([&](Index first, Index count) __attribute__((flatten)) {
+    FanEdges kept[2];
+    kept[0].gather(loop, first, dx);
+    for (Index k = 0; k < count; ++k) {
+      const FanEdges& edges = kept[k % 2];
+      if (k + 1 < count) kept[(k + 1) % 2].gather(loop, first + k + 1, dx);
+      V3<Pack> f[fan_size][4], sum[fan_nodes];
+#pragma GCC unroll 2
+      for (int i = 0; i < fan_size; ++i) {
+        const V3<Pack> d[3] = {edges[0], edges[1 + i], edges[2 + i]};
+        turningProduct(storage.tangent[first + k].of[i], turning[first + k].of[i] * turns, scale, d, f[i]);
+      }
+      sumOfBoth(f[0], f[1], sum);
+      loop.scatter(first + k, sum, df);
+    }
+  });
+}
+
 /// `Single`: a model of tetrahedra with Tangent and
 ///   turns                 its gradients turn with x
 ///   keeps_differences     d_i below are not the edges, and kept
 ///   turn(rest, tangent, e, d)        sets the gradients of the tangent, and d_i where these are kept, from the edges e_i
 ///   strainFrom(rest, tangent, d)     (mu V_0)^1/2 eps
+///   stress_turns          turning.h holds for it; d_i are then the edges
 template <class Single>
-class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
+class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>>, public TurningKernels {
   using Model = FanOf<Single>;
   using Base = StoredKernels<StorageOf<Model>>;
   using Products = ProductLoops<Model>;
@@ -61,20 +91,59 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
 
  public:
   using Base::Base;
-  void addForce(ConstRows x, Rows f) override { add<false>(x, x, 0, f); }
-  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override { add<true>(x, dx, factor, f); }
+  void addForce(ConstRows x, Rows f) override {
+    add<false>(x, x, 0, f);
+    has_turning_ = keeps_turning_;
+  }
+  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override {
+    if (!turns()) return add<true>(x, dx, factor, f);
+    addForce(x, f), addProduct(dx, factor, f);
+  }
   double energy(ConstRows x) const override { return ForceLoops<Model>::energy(storage_, x); }
   void addProduct(ConstRows dx, double factor, Rows df) const override {
-    addFanProduct(storage_, dx, factor, df);
+    if (!turns()) return addFanProduct(storage_, dx, factor, df);
+    addTurningProduct(storage_, turning_, dx, factor, part_, df);
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
-    Products::assemble(storage_, {}, factor, slots, values);
+    if (!turns()) return Products::assemble(storage_, {}, factor, slots, values);
+    storage_.loop.assemble(factor, slots.data(), values, [&](Index b, auto& k) { turningMatrix(b, k); });
   }
   void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
-    Products::assembleDiagonal(storage_, {}, factor, blocks);
+    if (!turns()) return Products::assembleDiagonal(storage_, {}, factor, blocks);
+    storage_.loop.assembleDiagonal(factor, blocks, [&](Index b, auto& k) { turningMatrix(b, k); });
   }
+  bool keepTurning(bool on) override {
+    if constexpr (!Single::stress_turns) return false;
+    if (on && turning_.size() == 0) turning_.resize(storage_.loop.batches());
+    keeps_turning_ = on, has_turning_ = has_turning_ && on;
+    return true;
+  }
+  void addTurning(double part) override { part_ = part; }
 
  private:
+  bool turns() const { return has_turning_ && part_ != 0; }
+  [[gnu::noinline]] void turningMatrix(Index b, typename ElementLoop<fan_nodes, FanCoupling>::Matrix& k) const {
+    Fanned<TurningTangent<Pack>> t;
+    for (int i = 0; i < fan_size; ++i) {
+      const Tangent<Pack>& own = storage_.tangent[b].of[i];
+      t.of[i] = {own.g, own.ratio, turning_[b].of[i] * Pack(part_)};
+    }
+    const V3<Pack> none[fan_nodes];
+    fanMatrix<TurningBlocks<Pack>>(storage_.rest[b], t, none, k);
+  }
+  /// At the forces of a tile, whose tangents have turned.
+  template <class Work>
+  [[gnu::noinline]] void keepTurningOf(Index first, Index count, const Work& work) {
+    if constexpr (Single::stress_turns)
+      for (Index j = 0; j < fan_size * count; ++j) {
+        const Index batch = first + j / fan_size, i = j % fan_size;
+        V3<Pack> e[3];
+        edgesOf(work.edges[j / fan_size], int(i), e);
+        const auto& rest = storage_.rest[batch].of[i];
+        const Tangent<Pack>& t = storage_.tangent[batch].of[i];
+        turning_[batch].of[i] = turningOf(Single::strainFrom(rest, t, e), rest.root, t.ratio);
+      }
+  }
   static constexpr Index tile = 4;
   struct Work {
     FanEdges edges[tile], change[tile];
@@ -93,6 +162,7 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
       }
       if constexpr (Single::turns)
         for (Index j = 0; j < fan_size * count; ++j) turn(first, j, work);
+      if (keeps_turning_) keepTurningOf(first, count, work);
       for (Index k = 0; k < count; ++k) {
         V3<Pack> own[fan_size][4], sum[fan_nodes];
 #pragma GCC unroll 2
@@ -131,6 +201,10 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>> {
     const Tangent<Pack>& t = storage_.tangent[first + k].of[i];
     nodalForces(restoringStress(Single::strainFrom(storage_.rest[first + k].of[i], t, d), t.ratio, Pack(1.)), t.g, f);
   }
+
+  Array<FanTurning> turning_;  ///< of the last force, while it is kept
+  bool keeps_turning_ = false, has_turning_ = false;
+  double part_ = 0;  ///< of it, in products
 };
 
 }  // namespace stroma::tetrahedron

@@ -115,7 +115,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
     const bool boxes = shapes_->useBoxes();
     if (variant_.method == ElasticMethod::green)
       return boxes ? makeGreen<BoxShape>(elements) : makeGreen<PointShape>(elements);
-    if (polar_of_ != PolarOf::gradient) return polarKernels(polar_of_, elements);
+    if (polar_of_ != PolarOf::gradient) return polarKernels(polar_of_, variant_.method == ElasticMethod::svd, elements);
     if (variant_.mean_dilatation && !boxes) return meanKernels(elements);
     if (variant_.method == ElasticMethod::small)
       return boxes ? kernelsOf<BoxLinear>(elements) : kernelsOf<PointLinear<LocalDilatation>>(elements);

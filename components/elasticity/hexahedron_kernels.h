@@ -18,8 +18,8 @@ struct Elements {
 /// _polar.cpp and _svd.cpp.
 template <class Rotation>
 std::unique_ptr<ElementKernels> rotatedKernels(const Elements& elements);
-/// method = polar with another polarOf than the gradient: hexahedron_polar.cpp.
-std::unique_ptr<ElementKernels> polarKernels(PolarOf what, const Elements& elements);
+/// Another polarOf than the gradient: hexahedron_polar.cpp. With `nearest` (method = svd) nodes give rotations alone.
+std::unique_ptr<ElementKernels> polarKernels(PolarOf what, bool nearest, const Elements& elements);
 /// dilatation = mean of shapes that are no boxes with any rotation, or none: hexahedron_mean.cpp.
 std::unique_ptr<ElementKernels> meanKernels(const Elements& elements);
 /// The same with the exact tangent of a rotation: hexahedron_mean_exact.cpp.

@@ -236,7 +236,8 @@ class NonUniformHexahedra final : public NodeGroupField<8> {
     const Mat3 edges = meanEdgesOf([&](int a) { return Vec3(x[rows_[e][std::size_t(a)]]); });
     const auto polar = [](const Mat3& m) { return toEigen(rotation::Polar::of(fromEigen(m))); };
     if (method_ == Method::large) return toEigen(rotation::Qr::of(fromEigen(edges * rest_edges_[e])));
-    if (polar_of_ == PolarOf::edges) return polar(edges) * polar(rest_edges_[e].inverse()).transpose();
+    const auto factor = [](const Mat3& m) { return toEigen(rotation::orthogonalFactor(fromEigen(m))); };
+    if (polar_of_ == PolarOf::edges) return factor(edges) * factor(rest_edges_[e].inverse()).transpose();
     return polar(edges * rest_edges_[e]);
   }
   /// R^T x - X of the corners.

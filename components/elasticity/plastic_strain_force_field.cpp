@@ -231,6 +231,10 @@ class PlasticStrainForceField final : public ForceField, public History {
     if (polar_of_ == PolarOf::gradient) return polarFactor(gradient(cell, x, first), false);
     Mat3 edges;
     for (int k = 0; k < 3; ++k) edges.col(k) = at(std::size_t(k) + 1) - at(0);
+    Mat3 inverse;  // of the edges at rest
+    for (int k = 0; k < 3; ++k) inverse.row(k) = cell.gradients[std::size_t(k) + 1].transpose();
+    if (method_ == Method::svd && (inverse * edges).determinant() < 1e-6)  // as the elastic forces
+      return cell.polar * polarFactor(inverse * edges, false) * cell.polar.transpose();
     return polarFactor(edges, true) * cell.polar.transpose();
   }
   Mat3 strain(const Cell& cell, ConstRows x, Index first) const {

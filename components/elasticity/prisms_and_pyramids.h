@@ -79,12 +79,20 @@ struct PyramidShape : TabledShape<cell_kinds::pyramid, cell_tables::pyramid_4> {
   static std::unique_ptr<ElementKernels> polarKernels(const PointElementsOf<PyramidShape>& elements);
 };
 
+/// The polar factor as it is, a reflection where the cell is inside out.
+struct Factor {
+  template <class T>
+  static M3<T> of(const M3<T>& sum) {
+    return rotation::orthogonalFactor(sum);
+  }
+};
+
 /// polarOf = nodes, for the polarKernels of a shape.
 template <class S>
 std::unique_ptr<ElementKernels> kernelsOfOneRotation(const PointElementsOf<S>& elements) {
   using Models = elastic::PointModels<S>;
   if (elements.variant.method == ElasticMethod::svd) return kernelsOf<typename Models::template OneRotation<rotation::Svd>>(elements);
-  return kernelsOf<typename Models::template OneRotation<rotation::Polar>>(elements);
+  return kernelsOf<typename Models::template OneRotation<Factor>>(elements);
 }
 
 }  // namespace stroma

@@ -16,36 +16,57 @@ M3<T> timesTransposed(const M3<T>& a, const M3<T>& b) {
 }
 
 /// method = polar with polarOf = edges, as in SOFA: with the edges D_s now and D_m at rest, R = polar(D_s) polar(D_m)^T.
-/// It depends on which node is the first of a cell. Of a cell whose nodes go round the other way, now and at rest, both factors are
-/// reflections, and nothing is flipped.
+/// It depends on which node is the first of a cell. Nothing is flipped: R of a cell that has turned inside out is a reflection,
+/// and the cell comes to rest in its mirror image.
 struct OfEdges {
   template <class T>
-  static M3<T> of(const M3<T>& now, const M3<T>& then) {
-    const M3<T> r = timesTransposed(rotation::Polar::of(now), rotation::Polar::of(then));
-    const auto mirrored = determinantOf(now) < T(0.) && determinantOf(then) < T(0.);
-    if (!any(mirrored)) return r;
-    return select(mirrored, timesTransposed(rotation::orthogonalFactor(now), rotation::orthogonalFactor(then)), r);
-  }
+  using Rest = RestShape<T>;
   template <class T>
-  static T determinantOf(const M3<T>& m) {
-    return dot(m.c0, cross(m.c1, m.c2));
+  static M3<T> of(const M3<T>& now, const M3<T>& then) {
+    return timesTransposed(rotation::orthogonalFactor(now), rotation::orthogonalFactor(then));
+  }
+};
+
+/// A rest shape that is stored in the axes of the scene.
+template <class T>
+struct WorldRestShape : RestShape<T> {};
+
+/// method = svd with polarOf = edges, as in SOFA: the same until a cell has less than a millionth of its volume or is inside out. Then
+/// R = P nearest(D_m^-1 D_s) P^T, P = polar(D_m), with the nearest rotation, all in the axes of the scene.
+struct NearestOfEdges {
+  template <class T>
+  using Rest = WorldRestShape<T>;
+  template <class T>
+  static M3<T> of(const M3<T>& now, const M3<T>& then) {
+    const M3<T> p = rotation::orthogonalFactor(then), c = cofactor(then);
+    const T inverse = T(1.) / dot(then.c0, c.c0);
+    const M3<T> r = timesTransposed(rotation::orthogonalFactor(now), p);
+    const auto inside_out = dot(now.c0, cross(now.c1, now.c2)) * inverse < T(1e-6);
+    if (!any(inside_out)) return r;
+    const auto solved = [&](const V3<T>& e) { return V3<T>{dot(c.c0, e), dot(c.c1, e), dot(c.c2, e)} * inverse; };
+    const M3<T> n = rotation::nearest(M3<T>{solved(now.c0), solved(now.c1), solved(now.c2)});
+    return select(inside_out, timesTransposed(p * n, p), r);
   }
 };
 
 /// polarOf = nodes, as in SOFA's CorotationalFEMForceField: R = polar(sum (x_a - c)(X_a - C)^T) = polar(D_s W^T), where W has the
-/// edges at rest less a quarter of their sum.
+/// edges at rest less a quarter of their sum. A reflection where the cell is inside out, but the nearest rotation for method = svd.
+template <bool nearest>
 struct OfNodes {
+  template <class T>
+  using Rest = RestShape<T>;
   template <class T>
   static M3<T> of(const M3<T>& now, const M3<T>& then) {
     const V3<T> centre = (then.c0 + then.c1 + then.c2) * T(0.25);
-    return rotation::Polar::of(timesTransposed(now, M3<T>{then.c0 - centre, then.c1 - centre, then.c2 - centre}));
+    const M3<T> sum = timesTransposed(now, M3<T>{then.c0 - centre, then.c1 - centre, then.c2 - centre});
+    return nearest ? rotation::nearest(sum) : rotation::orthogonalFactor(sum);
   }
 };
 
 template <class Rotation>
 struct RestEdgePolar : ByStrain<RestEdgePolar<Rotation>> {
   template <class T>
-  using Rest = RestShape<T>;
+  using Rest = typename Rotation::template Rest<T>;
   template <class T>
   static S3<T> strain(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
     const Edges<T> edges(x);
@@ -122,8 +143,11 @@ class Tetrahedra final : public ElasticElements {
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
     if (variant_.method == ElasticMethod::nodal)
       return std::make_unique<NodalWarping>(oneByOne<StorageOf<NodalModel>>(elements));
-    if (polar_of_ == PolarOf::edges) return polarKernels<RestEdgePolar<OfEdges>>(elements);
-    if (polar_of_ == PolarOf::nodes) return polarKernels<RestEdgePolar<OfNodes>>(elements);
+    const bool svd = variant_.method == ElasticMethod::svd;
+    if (polar_of_ == PolarOf::edges)
+      return svd ? polarKernels<RestEdgePolar<NearestOfEdges>>(elements) : polarKernels<RestEdgePolar<OfEdges>>(elements);
+    if (polar_of_ == PolarOf::nodes)
+      return svd ? polarKernels<RestEdgePolar<OfNodes<true>>>(elements) : polarKernels<RestEdgePolar<OfNodes<false>>>(elements);
     if (variant_.method == ElasticMethod::green) return kernelsOf<Green>(elements);
     if (variant_.method == ElasticMethod::small)
       return variant_.mean_dilatation ? averagedKernelsOf<Deviatoric<Linear>>(elements) : kernelsOf<Linear>(elements);
@@ -151,6 +175,11 @@ class Tetrahedra final : public ElasticElements {
     const std::vector<Tetrahedron>& cells = shapes.mesh().tetrahedra;
     storage.fill([&](std::size_t e, bool padding, auto& rest, auto& tangent) {
       shapes.set(e, cells[e], padding, lame, rest, tangent);
+      if constexpr (std::is_same_v<decltype(rest), WorldRestShape<double>&>) {
+        const M3<double> axes = fromEigen(shapes.restFrame(e));
+        rest.g = rotated(axes, rest.g);
+        for (V3<double>& edge : rest.edges) edge = axes * edge;
+      }
     });
   }
 

@@ -49,7 +49,7 @@ struct Linear : ByStrain<Linear> {
     return strainFrom(rest, t, Edges(x).e);
   }
   // ---- for FanKernels ----
-  static constexpr bool turns = false, keeps_differences = false;
+  static constexpr bool turns = false, keeps_differences = false, stress_turns = false;
   template <class T>
   static S3<T> strainFrom(const Rest<T>& rest, const auto& t, const V3<T> (&edges)[3]) {
     return strainOfKinematics<Update::none>(edges, t.g, rest.root);
@@ -72,6 +72,7 @@ struct Corotational : ByStrain<Corotational<Rotation, update>> {
   }
   // ---- for FanKernels ----
   static constexpr bool turns = true, keeps_differences = update != Update::none;
+  static constexpr bool stress_turns = std::is_same_v<Rotation, rotation::Svd> && update == Update::none;
   template <class T>
   static void turn(const Rest<T>& rest, auto& t, const V3<T> (&edges)[3], V3<T> (&d)[3]) {
     const auto k = kinematics<Rotation, update>(rest, edges);

@@ -62,10 +62,16 @@ void Multipliers::stepTaken() {
 
 void Multipliers::reset() {
   if (!empty()) clear(last_);
+  swept_.resize(0);
 }
 
 void Multipliers::serialize(Archive& archive) {
-  if (!empty()) archive.rows("forces_of_constraint", last_);
+  if (empty()) return;
+  archive.rows("forces_of_constraint", last_);
+  if (!sweeps_) return;
+  std::vector<double> swept(swept_.begin(), swept_.end());
+  archive.list("forces_of_sweeps", swept);
+  swept_ = Eigen::Map<const Eigen::VectorXd>(swept.data(), Eigen::Index(swept.size()));
 }
 
 }  // namespace stroma

@@ -23,8 +23,10 @@
 // to the residual where the step starts, or to the forces with the reactions of held nodes where these are larger. With
 // newtonForcing above 0 linear solves by products are loose in early iterations (Eisenstat and Walker 1996); what ends a step
 // does not change. An iteration that gets on by small factors with the approximate tangent of a force field goes on with the
-// exact one, where that is symmetric, rK is 0 and the costs of products say so. Where a step with a prescribed motion fails, and
-// newtonIterations is five or more, the motion is spread by the tangent first and then divided into parts, as StaticSolver does.
+// exact one, where that is symmetric, rK is 0 and the costs of products say so. Where rK is not 0 tetrahedra of method svd add to
+// theirs how stresses turn, which makes it exact, but for rK K v, until a matrix of the step is not definite. Where a step with a
+// prescribed motion fails, and newtonIterations is five or more, the motion is spread by the tangent first and then divided into
+// parts, as StaticSolver does.
 //
 // firstOrder moves an overdamped body: (M - theta h K) v = f + J^T l, x1 = x0 + h v; Rayleigh factors do not enter. J^T l are
 // the forces of Lagrangian constraints: those with which the conditions hold at x1.

@@ -57,6 +57,12 @@ void ImplicitStep::takeBack(StepReport& report) {
   report.reason += "; the state before the step was kept";
 }
 
+/// Of points that have passed a corner; what is taken back has passed none.
+void ImplicitStep::turnVelocities(StopToken stop, StepReport& report) {
+  const bool stands = !report.failed() && (report.newton_converged || newton_.settings.keep_unconverged);
+  if (stands && multipliers_.turnVelocities(*solver_, tangent(), stop, report)) takeChange();
+}
+
 void ImplicitStep::takeChange() {
   copy(v(), change_);
   axpy(-1, v0_, change_);

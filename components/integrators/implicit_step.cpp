@@ -25,7 +25,10 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   rule_ = {scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole, true, one_round};
   multipliers_.begin(rule_, !solvesOnce());
   if (!solvesOnce()) {
+    turns_ = true;
     StepReport report = !multipliers_.empty() ? solveConditions(stop) : iterates() ? solveIterating(stop) : solveAsNeeded(stop);
+    turnVelocities(stop, report);
+    addTurning(false);
     bodies_.momenta(x(), v(), end_momenta_);
     return report;
   }
@@ -34,6 +37,7 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
     report.reason += "; one linear solve takes a step however long it is, newtonIterations=\"20\" shortens what goes too far";
   if (scheme.moved_after != 0 && !report.failed()) system_->motion().advance(scheme.moved_after, change_, x());
   if (!multipliers_.empty() && !report.failed()) multipliers_.correct(*solver_, tangent(), change_, {}, stop, report);
+  turnVelocities(stop, report);
   bodies_.momenta(x(), v(), end_momenta_);
   return report;
 }
@@ -67,7 +71,10 @@ void ImplicitStep::wholeForce(double time, Rows out, bool starts, double of_end)
   addDamping(1, out);
 }
 
-SystemMatrix& ImplicitStep::tangent() { return whole_.of(system_->matrix().withFactors(tangentFactors())); }
+SystemMatrix& ImplicitStep::tangent() {
+  addTurning(turns_);
+  return whole_.of(system_->matrix().withFactors(tangentFactors()));
+}
 
 MatrixFactors ImplicitStep::tangentFactors() const {
   const double w = scheme_.weight;
@@ -285,9 +292,10 @@ void ImplicitStep::place(RowRange rows) {
 /// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor), M that of x(u), or the mean of both where both
 /// forces count. The stiffness of rK K u is the one
 /// at x(u): with that of x0 a method of second order would be of first. Its derivative is left out of the tangent,
-/// which costs iterations, not accuracy.
+/// which costs iterations, not accuracy: hardly any, where the rest of the tangent is exact (chooseTurning()).
 void ImplicitStep::residual(Rows out) {
   System& s = *system_;
+  addTurning(false);
   s.computeForce(s.x, s.v, s.f);
   copy(s.independent(s.f), out);
   addDamping(1, out);
@@ -317,6 +325,7 @@ double ImplicitStep::energy() {
   double sum = scheme_.weight / scheme_.displacement * (s.potentialEnergy(s.x) + (lends_energy_ ? lentEnergy(s) : 0));
   if (has_constant_) sum -= dot(constant_, v());
   if (has_rayleigh_mass_ || has_rayleigh_stiffness_) {
+    addTurning(false);
     clear(work_);
     addDamping(1, work_);
     sum -= 0.5 * scheme_.weight * dot(work_, v());

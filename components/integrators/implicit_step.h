@@ -12,6 +12,7 @@
 #include "components/integrators/turning_bodies.h"
 #include "components/integrators/whole_matrix.h"
 #include "framework/mechanics/right_side.h"
+#include "framework/mechanics/turns_stresses.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/step_limits.h"
 #include "framework/simulation/system.h"
@@ -108,6 +109,8 @@ class ImplicitStep final : public NonlinearProblem {
   SystemMatrix& tangent() override;
   void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
+  bool hasUnsureTangent() const override { return turns_ && !turning_.empty(); }
+  void takeSureTangent() override;
   double energy() override;
   Rows unknowns() override { return v(); }
   bool guess(Rows d) override;
@@ -169,12 +172,15 @@ class ImplicitStep final : public NonlinearProblem {
   StepReport startAgain(const StepReport& before);
   void takeBack(StepReport& report);
   void takeChange();
+  void turnVelocities(StopToken stop, StepReport& report);
   void startIterating();
   MatrixFactors tangentFactors() const;
   /// Each solve of a step lets what is moved go as far as it can.
   bool carries() const { return lack_ > 0 && carries_ < 500; }
   void addDamping(double factor, Rows out);
   void addMassDamping(double factor, Rows out);
+  void chooseTurning();
+  void addTurning(bool on);
   void addMassWhereTheStepStarts(Rows out) const;
   void advance();
   void startBodies();
@@ -197,6 +203,8 @@ class ImplicitStep final : public NonlinearProblem {
   ConditionsNewton conditions_;  ///< with Newton's method and forces of constraint
   ExactTangent exact_;
   EnergyWatch energy_;
+  std::vector<std::pair<TurnsStresses*, const ForceField*>> turning_;  ///< see chooseTurning()
+  bool turns_ = false;  ///< tangents of the step have it
   int exact_tangent_steps_ = 0;
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;

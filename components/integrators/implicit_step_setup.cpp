@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "components/integrators/constraint_sweeps.h"
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/lent_energy.h"
@@ -144,8 +145,11 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
                              "constraints", "newtonIterations=\"1\", or no inMatrix");
       right_sides_.emplace_back(constraint, side);
     }
+  if (!multipliers_.empty() && solvesOnce() && !one_round) ConstraintSweeps::tellIdle(integrator, integrator.path() + " has no oneRound");
+  chooseTurning();
   if (solvesOnce()) return;
   if (!multipliers_.empty()) UncoupledConstraintCorrection::tellIdle(integrator, "makes several linear solves in a step");
+  if (!multipliers_.empty()) ConstraintSweeps::tellIdle(integrator, integrator.path() + " makes several linear solves in a step");
   newton_.compile(system.independentRows());
   if (iterates()) limits_.compile(system), limits_.wantStartForces(false);
   for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Of an implicit step: how far it may go where something may be in its way, and what is moved from outside meanwhile.
+// Of an implicit step: how far it may go where something may be in its way, what is moved from outside meanwhile, and the turning of
+// stresses in its tangent.
 #include <limits>
 #include <utility>
 
@@ -27,7 +28,10 @@ double ImplicitStep::longestStep(ConstRows d) {
   });
 }
 
-bool ImplicitStep::movesOn() { return carries() || limits_.solvesAgain(); }
+bool ImplicitStep::movesOn() {
+  turns_ = true;  // what is solved again is nearer to its end
+  return carries() || limits_.solvesAgain();
+}
 
 /// That of what is held is -A du, with the tangent A before what is held is taken out of it.
 bool ImplicitStep::addPush(Rows residual) {
@@ -69,6 +73,31 @@ bool ImplicitStep::goAlong(Rows d, bool wholly) {
   carries_ += lack_ > 0;
   lack_ = part == 1 ? 0 : lack_ * (1 - part);
   return true;
+}
+
+// ---- stresses that turn ----
+
+/// With rK the exact tangents of fields are not for the taking, as K is a force then. What turning adds makes the warped tangent of a
+/// field exact, and is left out of rK K u.
+void ImplicitStep::chooseTurning() {
+  turning_.clear();
+  const bool is_wanted = iterates() && has_rayleigh_stiffness_ && multipliers_.empty();
+  for (ForceField* field : system_->forceFields())
+    if (auto* turning = dynamic_cast<TurnsStresses*>(field); turning && turning->keepTurning(is_wanted) && is_wanted)
+      turning->addTurning(0), turning_.emplace_back(turning, field);
+}
+
+/// The way of the step turns stresses, and not its damping.
+void ImplicitStep::addTurning(bool on) {
+  for (const auto& [turning, field] : turning_)
+    turning->addTurning(on ? -scheme_.weight * scheme_.displacement / tangentFactors().of(*field) : 0);
+}
+
+/// Pressure that turns may make the tangent indefinite, far from equilibrium more than needed.
+void ImplicitStep::takeSureTangent() {
+  turns_ = false;
+  addTurning(false);
+  system_->matrix().valuesChanged();
 }
 
 }  // namespace stroma

@@ -41,10 +41,11 @@ bool Multipliers::respondToBends(LinearSolver& solver, SystemMatrix& matrix, Sto
   if (count == 0) return true;
   Eigen::MatrixXd& small = bend_matrix_;
   small.resize(count, count);
+  asked_.clear(), answers_.clear();
+  for (std::size_t i = 0; i < bend_count_; ++i) ask(bends_[i].b, bends_[i].y);
+  if (!answerAsked(solver, matrix, stop, report)) return false;
   for (Eigen::Index i = 0; i < count; ++i) {
     Bend& bend = bends_[std::size_t(i)];
-    copy(bend.b, right_side_);
-    if (!answer(solver, matrix, bend.y, stop, report)) return false;
     for (Eigen::Index j = 0; j < count; ++j) small(j, i) = dot(bends_[std::size_t(j)].b, bend.y);
     small(i, i) += 1 / bend.size;
   }
@@ -72,12 +73,17 @@ std::vector<UncoupledConstraintCorrection*> Multipliers::findUncoupled() const {
   return found;
 }
 
-/// Takes from right_side_ what the matrix is not asked for. False: nothing is left.
-bool Multipliers::partRightSide() {
-  if (uncoupled_.empty() || carries_) return true;
-  copy(right_side_, pushes_);
-  for (const UncoupledConstraintCorrection* each : uncoupled_) clear(each->state().segment(Rows(right_side_)));
-  return largest(right_side_) > 0;
+/// Nodes that answer by themselves are left out of the right sides, and each side may then be nothing.
+SolveReport Multipliers::solveInTurn(LinearSolver& solver, SystemMatrix& matrix, StopToken stop) {
+  SolveReport all{.stop = SolveStop::zero_right_side};
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    copy(asked_[i], pushes_);
+    if (asked_[i].data != right_side_.rows().data) copy(pushes_, right_side_);
+    for (const UncoupledConstraintCorrection* each : uncoupled_) clear(each->state().segment(Rows(right_side_)));
+    if (largest(right_side_) > 0 && !all.add(solveWhole(solver, matrix, right_side_, answers_[i], {.stop = stop}))) break;
+    for (const UncoupledConstraintCorrection* each : uncoupled_) each->respond(pushes_, answers_[i]);
+  }
+  return all;
 }
 
 }  // namespace stroma

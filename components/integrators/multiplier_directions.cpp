@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Of the forces of constraint: the directions J^T along which they act (multipliers.h).
+#include <Eigen/Dense>
 #include <algorithm>
 
 #include "components/integrators/multipliers.h"
+#include "framework/mechanics/condition_roles.h"
 
 namespace stroma {
 
@@ -42,13 +44,27 @@ void Multipliers::takeDirection(std::size_t row) {
   axpy(rule_.old_share, start_directions_[row], direction);
 }
 
+/// Rows with the gradients that they had a round before keep what answers to them.
+void Multipliers::forgetChanged() {
+  const auto &rows = rows_.rows(), &old = old_rows_.rows();
+  is_answered_.resize(rows.size(), false);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto now = rows_.entriesOf(rows[i]);
+    if (rows.size() != old.size() || !std::ranges::equal(now, old_rows_.entriesOf(old[i]))) is_answered_[i] = false;
+  }
+}
+
 /// J^T of rows that may have a force, where they were found: they are few of those that may come near in a step.
 void Multipliers::takeDirections() {
   const std::size_t count = rows_.rows().size();
   directions_.resize(std::max(directions_.size(), count));
   like_.assign(count, 0), is_aimed_.assign(count, false);
+  if (carries_) is_answered_.clear();
   for (std::size_t i = 0; i < count; ++i)
-    if (!isIdle(i)) takeDirection(i);
+    if (i < is_answered_.size() && is_answered_[i])
+      is_aimed_[i] = true;
+    else if (!isIdle(i))
+      takeDirection(i);
   if (carries_) copy(system_->independent(system_->x), aimed_at_);
 }
 
@@ -81,6 +97,52 @@ void Multipliers::aim() {
 bool Multipliers::leavesDirections() {
   constexpr int most = 4;
   return keepsDirections() && times_left_++ < most;
+}
+
+/// Rows of constraints whose conditions may change, that hold or push.
+std::vector<std::size_t> Multipliers::heldByChanging() const {
+  std::vector<std::size_t> held;
+  const auto& constraints = system_->actors().lagrangian_constraints;
+  std::size_t row = 0;
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const bool changes = dynamic_cast<const ChangesConditions*>(constraints[i]) != nullptr;
+    for (; row < ends_[i]; ++row) {
+      const auto kind = rows_.rows()[row].kind;
+      const bool pushes = kind == LagrangianRows::Kind::push && solve_.l[Eigen::Index(row)] > 0;
+      if (changes && (kind == LagrangianRows::Kind::equal || pushes)) held.push_back(row);
+    }
+  }
+  return held;
+}
+
+bool Multipliers::turnVelocities(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  if (empty() || !has_changed_ || rule_.old_share == 0 || !rule_.has_velocities) return false;
+  constexpr double sharpest = -0.5;  // the cosine of 120 degrees
+  findConditions();
+  const std::vector<std::size_t> held = heldByChanging();
+  const auto count = Eigen::Index(held.size());
+  const Rows v = system_->independent(system_->v);
+  Eigen::MatrixXd w(count, count);
+  Eigen::VectorXd speeds(count);
+  const auto along = [&](std::size_t row, ConstRows direction) {
+    double sum = 0;
+    for (const auto& [at, gradient] : rows_.entriesOf(rows_.rows()[row])) sum += gradient.dot(direction[at]);
+    return sum;
+  };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::size_t row = held[std::size_t(i)];
+    const Vector& before = start_directions_[row];
+    pullBack(row, right_side_);
+    if (dot(right_side_, before) > sharpest * norm(right_side_) * norm(before)) axpy(1, before, right_side_);
+    if (!answer(solver, matrix, responses_[row], stop, report)) return false;
+    const ConstRows response = system_->mappingChain().direction(responses_[row]);
+    for (Eigen::Index j = 0; j < count; ++j) w(j, i) = along(held[std::size_t(j)], response);
+  }
+  const ConstRows moves = system_->mappingChain().direction(v);
+  for (Eigen::Index i = 0; i < count; ++i) speeds[i] = along(held[std::size_t(i)], moves);
+  const Eigen::VectorXd impulses = w.completeOrthogonalDecomposition().solve(speeds);
+  for (Eigen::Index i = 0; i < count; ++i) axpy(-impulses[i], responses_[held[std::size_t(i)]], v);
+  return count > 0;
 }
 
 }  // namespace stroma

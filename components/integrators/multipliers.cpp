@@ -10,8 +10,8 @@
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
-#include "framework/mechanics/changes_conditions.h"
-#include "framework/mechanics/shares_forces.h"
+#include "framework/algebra/solve_watch.h"
+#include "framework/mechanics/condition_roles.h"
 
 namespace stroma {
 
@@ -36,6 +36,7 @@ void Multipliers::compile(System& system) {
     vector->resize(system.independentRows());
   uncoupled_ = findUncoupled();
   if (!uncoupled_.empty()) pushes_.resize(system.independentRows());
+  sweeps_ = findSweeps();
 }
 
 void Multipliers::begin(const Rule& rule, bool carries) {
@@ -45,7 +46,7 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   made_before_ = iterationsOfAll(), searches_before_ = solve_.searches;
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
-  knows_forces_ = false, bend_count_ = 0, times_left_ = 0;
+  knows_forces_ = has_changed_ = false, bend_count_ = 0, times_left_ = 0;
   spent_ = 0;
   copy(last_, carried_);
   scale(rule.weight, carried_);
@@ -83,13 +84,23 @@ bool Multipliers::isIdle(std::size_t row) const {
   return rows_.rows()[row].kind == LagrangianRows::Kind::given && rows_.rows()[row].factor == 0;
 }
 
-/// A^-1 of right_side_.
-bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
+void Multipliers::ask(ConstRows right_side, Vector& response) {
   if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
   clear(response);
-  const bool is_left = partRightSide();
-  const SolveReport solve = is_left ? solveWhole(solver, matrix, right_side_, response, {.stop = stop})
-                                    : SolveReport{.stop = SolveStop::zero_right_side};
+  asked_.push_back(right_side), answers_.push_back(response);
+}
+
+/// A^-1 of right_side_.
+bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
+  asked_.clear(), answers_.clear();
+  ask(right_side_, response);
+  return answerAsked(solver, matrix, stop, report);
+}
+
+/// A^-1 of all that is asked for.
+bool Multipliers::answerAsked(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  const SolveReport solve = uncoupled_.empty() || carries_ ? solveWhole(solver, matrix, asked_, answers_, {.stop = stop})
+                                                           : solveInTurn(solver, matrix, stop);
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;
   report.stopped = report.stopped || solve.stop == SolveStop::stopped;
@@ -106,9 +117,7 @@ bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& res
       report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
-  for (const UncoupledConstraintCorrection* each : uncoupled_)
-    if (!carries_) each->respond(pushes_, response);
-  system_->constraints().project(response);
+  for (const Rows& each : answers_) system_->constraints().project(each);
   return true;
 }
 
@@ -118,19 +127,25 @@ bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken 
   const std::size_t count = rows_.rows().size();
   responses_.resize(std::max(responses_.size(), count));
   is_answered_.resize(count, false);
+  new_answers_.clear(), asked_.clear(), answers_.clear();
+  const auto isAlike = [&](std::size_t i) { return like_[i] != 0 && is_answered_[i - 1]; };
   for (std::size_t i = 0; i < count; ++i) {
     if (isIdle(i) || is_answered_[i]) continue;
+    if (!isAlike(i)) ask(directions_[i], responses_[i]);
+    is_answered_[i] = true, new_answers_.push_back(i);
+  }
+  if (new_answers_.empty()) return true;
+  has_new_answers_ = true;
+  if (!answerAsked(solver, matrix, stop, report)) return false;
+  for (const std::size_t i : new_answers_) {
     Vector& response = responses_[i];
-    if (like_[i] == 0 || !is_answered_[i - 1]) {
-      copy(directions_[i], right_side_);
-      if (!answer(solver, matrix, response, stop, report)) return false;
+    if (!isAlike(i)) {
       takeBendsFrom(response);
-    } else {
-      if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
-      copy(responses_[i - 1], response);
-      scale(like_[i], response);
+      continue;
     }
-    is_answered_[i] = has_new_answers_ = true;
+    if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
+    copy(responses_[i - 1], response);
+    scale(like_[i], response);
   }
   return true;
 }
@@ -201,6 +216,7 @@ void Multipliers::expectForces() {
 }
 
 void Multipliers::findForces(StopToken stop) {
+  if (sweepForces()) return;
   constexpr double of_thousand_rows = 1e9;
   solve_.enough = 0;
   const double budget = budget_ * of_thousand_rows;
@@ -236,7 +252,7 @@ bool Multipliers::changeConditions() {
   const ConstRows x = system_->mappingChain().positions(system_->x);
   if (!ChangesConditions::changeAny(system_->actors().lagrangian_constraints, ends_, x, solve_.l.data(), own_.data())) return false;
   --changes_left_;
-  return true;
+  return has_changed_ = true;
 }
 
 /// As those of cables and cavities.
@@ -295,22 +311,23 @@ void Multipliers::leaveOutForces() {
 bool Multipliers::prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   const bool follows_turns = !system_->mappingChain().isLinear();  // as mapped points do
   if (!is_first && !follows_turns && rows_.hasGradientsOf(old_rows_)) return true;
+  if (is_first || (!carries_ && follows_turns))
+    is_answered_.clear();
+  else if (!carries_)
+    forgetChanged();
   if (!carries_) takeDirections();
-  if (is_first || !carries_) is_answered_.clear();
   if (!respond(solver, matrix, stop, report)) return false;
   couple();
   return true;
 }
 
-void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
-                          StepReport& report) {
+void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop, StepReport& report) {
   constexpr int most_rounds = 100, most_idle = 10, few_idle = 2, few_left = 3;
   constexpr double close = 1e-13, far_less = 1e-3;  // of the place; of what is tolerated
   System& s = *system_;
   copy(s.independent(s.x), free_), clear(whole_);
-  bool is_mixed = false;
-  is_left_ = false, changes_left_ = most_changes;
-  mixing_.restart();
+  bool is_mixed = is_left_ = false;
+  changes_left_ = most_changes, mixing_.restart();
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
   int least_round = 0;
@@ -321,13 +338,14 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     findConditions();
+    if (round == 0 && solveWatch()) solveWatch()->conditions(s, rows_, rule_.displacement);
     if (rows_.rows().empty() && !carries_) break;
     if (round == 0) expectForces();
     if (!prepareRound(round == 0, solver, matrix, stop, report)) return;
     leaveOutForces();
-    const double little = far_less * leastTolerance(false);
     last_forces_ = solve_.l;
     findForces(stop);
+    const double little = far_less * leastTolerance(false);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped || isSpent(report)) return;
     sumResponses();
@@ -341,12 +359,13 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     // two places that share a force may pass it to and fro for ever, by round-off of their directions
     if (!(step > 0.5 * least)) least = step, least_round = round;
     const int idle = round - least_round;
-    const bool is_idle = (step <= held_within * size && idle > most_idle) || (step <= little && idle > few_idle);
+    const bool is_idle = (isNoise(step) && redundant_.haveStood()) || (step <= held_within * size && idle > most_idle) ||
+                         (step <= little && idle > few_idle);
     is_left_ = !is_idle && idle > few_left && step > little && leavesDirections();
     const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle && !is_left_;
-    // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates
+    // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates; noise is none
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());
-    if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);
+    if (goes_on && is_mixed && !isNoise(step) && round + 1 < most_rounds) mixing_.next(before_, whole_);
     apply(change);
     size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
     const bool is_last = round + 1 == most_rounds;

@@ -2,17 +2,21 @@
 // Forces of Lagrangian constraints in an implicit step. The step without them has found u, with its matrix A of A du = b.
 // Impulses p = weight l along the gradients J then change
 //   u by c = A^-1 J^T p,   x by displacement c,   conditions g(x) by W (l - l_before),   W = weight displacement J A^-1 J^T
-// W is dense, of as many solves with A as there are rows (condition_forces.h). Then g and J are computed anew where x has come
+// W is dense, of as many solves with A as there are rows, all at once (condition_forces.h). Then g and J are computed anew where x has come
 // to, and it is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds: forces have the directions of the end of the
 // step. Where that swings, iterates are mixed (mixing.h).
 //
 // Where a rule says once, the first round is the last: forces have the directions of the motion without them, as SOFA's, and the
 // conditions hold as far as they are linear.
 //
-// Nodes of an UncoupledConstraintCorrection answer with their own compliance in the place of A^-1, without Newton's method.
+// Nodes of an UncoupledConstraintCorrection answer with their own compliance in the place of A^-1, without Newton's method. In one
+// round ConstraintSweeps may find the forces, up to its tolerance.
 //
 // A rule that weighs forces where the step starts with the share s (the trapezoidal one: 1/2) has J = (1 - s) J(x) + s J(x0)
-// in J^T p, with one l for the step: a force that is given acts with its whole weight.
+// in J^T p, with one l for the step: a force that is given acts with its whole weight. Where a point has passed a corner, J(x0) and J(x)
+// differ, and v would keep a part across the new piece, to and fro for ever, of which the next corner makes energy. Then v becomes
+//   v - A^-1 J^T (J(x) A^-1 J^T)^-1 J(x) v
+// which keeps the speed of a point on wires that stand. Where directions turn by more than 120 degrees J is J(x), and a part is lost.
 //
 // Newton's method needs more than one such correction, because A is the matrix of one place (implicit_conditions.cpp). It
 // carries the impulses J^T p found so far as a load, and each correction starts from there. Forces then keep the directions
@@ -34,6 +38,7 @@
 namespace stroma {
 
 class Archive;
+class ConstraintSweeps;
 class UncoupledConstraintCorrection;
 
 class Multipliers {
@@ -59,6 +64,9 @@ class Multipliers {
   /// A report that did not converge says by how much they do not.
   /// `direction`: of Newton's method, what u has come by from where aim() was; else of no rows.
   void correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop, StepReport& report);
+  /// The velocities of a step that has ended, where conditions have changed by their forces and the rule weighs those where it starts,
+  /// as of a point that has passed a corner. False: they stay.
+  bool turnVelocities(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   /// By how much every condition may be off and hold, or be kept and told [m]; 0 where one may not.
   double leastTolerance(bool kept);
   /// out += J^T p, of the step before and then of the last carry() [N s].
@@ -97,6 +105,7 @@ class Multipliers {
   bool couplesByDirections() const { return !yields_.empty() && (carries_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
   bool changeConditions();
+  std::vector<std::size_t> heldByChanging() const;
   bool prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
@@ -118,14 +127,21 @@ class Multipliers {
   void expectForces();
   void findForces(StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
+  void ask(ConstRows right_side, Vector& response);
+  bool answerAsked(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  SolveReport solveInTurn(LinearSolver& solver, SystemMatrix& matrix, StopToken stop);
+  void forgetChanged();
   void leaveOutForces();
   void sumResponses();
   void apply(Rows change);
   void give();
   long iterationsOfAll() const { return solve_.steps + solve_.rounds + redundant_.steps + redundant_.rounds; }
   std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
-  bool partRightSide();
+  ConstraintSweeps* findSweeps() const;
+  bool holdsPoint(std::size_t row) const;
+  bool sweepForces();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
+  bool isNoise(double step);
   bool isSpent(StepReport& report);
   std::string nameOf(std::size_t row) const;
   std::string nodesOf(std::size_t row) const;
@@ -145,7 +161,10 @@ class Multipliers {
   Vector aimed_at_, here_;                 ///< x where directions were taken; work space
   std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
   std::vector<Vector> responses_;          ///< A^-1 of them
-  std::vector<char> is_answered_;          ///< of each row: they are known
+  std::vector<char> is_answered_;          ///< of each row: they are known, or asked for
+  std::vector<std::size_t> new_answers_;   ///< rows of the round that were not; work space, as is
+  std::vector<ConstRows> asked_;           ///< right sides
+  std::vector<Rows> answers_;
   std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the one before
   bool has_new_answers_ = false;             ///< since that
   std::vector<Index> reached_;               ///< rows in which directions of rows of W are not zero
@@ -168,6 +187,9 @@ class Multipliers {
   bool knows_forces_ = false;  ///< of the rows of this step
   std::vector<UncoupledConstraintCorrection*> uncoupled_;  ///< bodies whose nodes answer one by one
   Vector pushes_;                                          ///< right_side_ with what these take of it
+  ConstraintSweeps* sweeps_ = nullptr;
+  std::vector<int> widths_;  ///< of its blocks
+  Eigen::VectorXd swept_;    ///< forces of the last step [N], where sweeps go on
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried
   Vector whole_, before_;  ///< what they change u by, now and a round ago
@@ -177,6 +199,7 @@ class Multipliers {
   Vector last_;            ///< J^T l of the step before [N]
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
+  bool has_changed_ = false;  ///< conditions have, in the step
   static constexpr int most_changes = 100;  ///< of conditions by their forces, each with rounds of its own
   int changes_left_ = most_changes;         ///< 0: they have not come to an end
   double budget_ = 100;     ///< of spent_ [a thousand rows' cube]

@@ -33,6 +33,12 @@ double Multipliers::leastTolerance(bool kept) {
   return allowed_.empty() ? 0 : *std::min_element(allowed_.begin(), allowed_.end());
 }
 
+/// Bodies still move and turn by so little [m, rad] that what sweeps have left of a tolerated error does it.
+bool Multipliers::isNoise(double step) {
+  constexpr double most = 30;  // a small body turns by its error over its arms
+  return redundant_.areSwept() && step <= most * leastTolerance(false);
+}
+
 /// True, and the step has failed: its budget is spent.
 bool Multipliers::isSpent(StepReport& report) {
   if (!is_spent_) return false;
@@ -87,7 +93,7 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
     const double g = std::abs(solve_.g[Eigen::Index(worst.row)]);
     return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}{}", name, g, nodes));
   }
-  if (!(step <= std::max(still * size, leastTolerance(false)) + rounding + 1e-300)) {
+  if (!isNoise(step) && !(step <= std::max(still * size, leastTolerance(false)) + rounding + 1e-300)) {
     is_kept = step <= leastTolerance(true);
     refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their largest coordinate "
                        "when their rounds end",

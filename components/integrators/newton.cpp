@@ -4,37 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "components/integrators/exact_tangent.h"
-#include "components/integrators/shifted_matrix.h"
-#include "components/integrators/whole_matrix.h"
-#include "framework/scene/spans.h"
 #include "framework/simulation/step_progress.h"
 
 namespace stroma {
 namespace {
-
-SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                      StepReport& report) {
-  const auto start = std::chrono::steady_clock::now();
-  Span span("solve", &solver);
-  const SolveReport solve = solveWhole(solver, matrix, b, x, terms);
-  report.stopped = report.stopped || solve.stop == SolveStop::stopped;
-  report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  span.count(solve.iterations);
-  report.linear_iterations += solve.iterations;
-  report.factorisations += solve.factored;
-  report.linear_residual = solve.relative_residual;
-  return solve;
-}
-
-std::string placeOf(const SolveReport& solve, const SystemMatrix& matrix) {
-  return solve.row >= 0 ? " at " + matrix.describeRow(solve.row) : std::string();
-}
 
 /// A residual that is more of the loads than this leaves no equilibrium, whatever it comes from.
 constexpr double most_of_loads = 1e-3;
@@ -46,62 +24,7 @@ std::string tooSmallLoads(double attainable) {
       attainable);
 }
 
-/// A solve that ended for a reason that lies in the matrix has no result to rely on.
-bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
-
 }  // namespace
-
-void keepToFree(const System& system, Rows d) {
-  const ConstraintSet& constraints = system.constraints();
-  if (constraints.change() || constraints.revision() > 1) constraints.project(d);
-}
-
-bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                  StepReport& report, const std::function<SystemMatrix*()>& other) {
-  clear(x);
-  SolveReport solve = solveOnce(solver, matrix, b, x, terms, report);
-  report.linear_stop = solve.stop;
-  if (report.stopped) return false;
-  report.linear_at_limit =
-      report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
-  report.linear_converged =
-      report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
-  if (isSolved(solve)) return true;
-  if (solve.stop != SolveStop::not_finite) {
-    report.reason =
-        fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
-    const double downhill = dot(b, x);
-    if (downhill > 0 && std::isfinite(downhill)) {
-      report.reason += "; the direction found before was used";
-      return true;
-    }
-    if (SystemMatrix* const definite = other ? other() : nullptr) {
-      clear(x);
-      solve = solveOnce(solver, *definite, b, x, terms, report);
-      if (report.stopped) return false;
-      if (isSolved(solve)) {
-        report.reason += "; a stiffness without its unstable part was used";
-        return true;
-      }
-    }
-    ShiftedMatrix shifted(matrix);
-    double shift = 1e-3;
-    for (int attempt = 0; attempt < 7; ++attempt, shift *= 10) {
-      shifted.setShift(shift);
-      clear(x);
-      solve = solveOnce(solver, shifted, b, x, terms, report);
-      if (report.stopped) return false;
-      if (isSolved(solve)) {
-        report.reason += fmt::format("; {:g} times its diagonal was added", shift);
-        return true;
-      }
-    }
-  }
-  report.diverged = true;
-  report.linear_stop = solve.stop;
-  report.reason = fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
-  return false;
-}
 
 void Newton::compile(Index rows) {
   for (Vector* vector : {&residual_, &direction_, &trial_, &base_}) vector->resize(rows);
@@ -334,23 +257,6 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
     }
     if (!iterate(problem, solver, now, report)) return report;
   }
-}
-
-/// Where the tangent has unstable directions: a body that is nearly incompressible is under pressures far above its
-/// stress, of either sign, while iterates are off by a little of their volume. The next force has the scene's tangent.
-bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, double tolerance, StepReport& report) {
-  bool switched = false;
-  const auto definite = [&]() -> SystemMatrix* {
-    switched = problem.useDefiniteTangent(true);
-    if (!switched) return nullptr;
-    problem.residual(trial_);
-    return &problem.tangent();
-  };
-  const bool found = solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report, std::ref(definite));
-  problem.keepToFree(direction_);
-  if (switched) problem.useDefiniteTangent(false);
-  went_on_ = false;
-  return found;
 }
 
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.

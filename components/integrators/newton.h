@@ -27,6 +27,9 @@ class NonlinearProblem {
   /// The tangent of the next residual() has no unstable directions, as far as that is known, or is -dR/du again. False,
   /// and nothing changes, where there is no other.
   virtual bool useDefiniteTangent(bool) { return false; }
+  /// Tangents may have unstable directions that they need not have, until takeSureTangent() for the rest of the step.
+  virtual bool hasUnsureTangent() const { return false; }
+  virtual void takeSureTangent() {}
   virtual double energy() = 0;  ///< E(u); called only when NewtonSettings::use_energy
   virtual Rows unknowns() = 0;  ///< u, for Newton to write; shape (rows)
   /// A direction that a linear solver has found, without what it has in directions that have been held since the solver kept
@@ -117,9 +120,10 @@ void keepToFree(const System& system, Rows d);
 /// has reached is kept if it goes downhill, else a growing multiple of the matrix's own diagonal is added (Levenberg)
 /// until the solve is usable. Before that `other`, where it is given and has one, puts another matrix in its place; x is
 /// then usable too, and a reason says so. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays
-/// visible. False when nothing helped, `report` then carries the sentence, or when it was stopped.
+/// visible. False when nothing helped, `report` then carries the sentence, or when it was stopped. `once`: false where the matrix is
+/// not definite, too, and nothing else is tried.
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                  StepReport& report, const std::function<SystemMatrix*()>& other = {});
+                  StepReport& report, const std::function<SystemMatrix*()>& other = {}, bool once = false);
 
 class Newton {
  public:

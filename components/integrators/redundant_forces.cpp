@@ -69,8 +69,8 @@ bool RedundantForces::findGroups(const Problem& problem) {
   return size_ > 0;
 }
 
-/// By elimination with pivots of the diagonal.
-void RedundantForces::findRoots() {
+/// By elimination with pivots of the diagonal. False: a step of Newton's method with them would cost more than `most`.
+bool RedundantForces::findRoots(double most) {
   constexpr double little = 1e-11;
   const Eigen::Index count = w_.rows();
   VectorXd& left = work_.left;
@@ -84,6 +84,7 @@ void RedundantForces::findRoots() {
     rank = k;
     if (!(pivot > little)) break;
     rank = k + 1;
+    if (double(count) * double(rank) * double(rank) > most) return false;
     p.col(k) = w_.col(at);
     q.col(k) = w_.row(at).transpose();
     work_.y.head(k) = q.row(at).head(k);  // as columns, which products take as they are
@@ -96,19 +97,23 @@ void RedundantForces::findRoots() {
   }
   p_ = p.leftCols(rank);
   q_ = q.leftCols(rank);
+  return true;
 }
 
-/// The largest function of the laws (condition_forces.h), of size_.
+/// The function of the laws (condition_forces.h).
+double RedundantForces::offOf(const Group& group, const VectorXd& q, const VectorXd& r) const {
+  const Eigen::Index at = group.first, n = group.tangents();
+  const double off = group.pushes ? ConditionForces::offOfPush(q[at], r[at], none) : std::abs(r[at]);
+  if (n == 0) return off;
+  SmallVector wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
+  ConditionForces::cutFriction(wanted, group.mu, q[at]);
+  return std::max(off, group.rate * (wanted - q.segment(at + 1, n)).cwiseAbs().maxCoeff());
+}
+
+/// The largest of all, of size_.
 double RedundantForces::offOf(const VectorXd& q, const VectorXd& r) const {
   double worst = 0;
-  for (const Group& group : groups_) {
-    const Eigen::Index at = group.first, n = group.tangents();
-    worst = std::max(worst, group.pushes ? ConditionForces::offOfPush(q[at], r[at], none) : std::abs(r[at]));
-    if (n == 0) continue;
-    SmallVector wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
-    ConditionForces::cutFriction(wanted, group.mu, q[at]);
-    worst = std::max(worst, group.rate * (wanted - q.segment(at + 1, n)).cwiseAbs().maxCoeff());
-  }
+  for (const Group& group : groups_) worst = std::max(worst, offOf(group, q, r));
   return q.allFinite() && r.allFinite() ? worst / size_ : none;
 }
 
@@ -119,6 +124,11 @@ bool RedundantForces::isLittle(const Problem& problem, double part) const {
     const std::size_t row = problem.live[std::size_t(group.first)];
     return off_ * size_ <= part * problem.allowed[row] * problem.sizes[row] * scale_[group.first];
   });
+}
+
+bool RedundantForces::isDone(const Problem& problem) const {
+  constexpr double little = 1e-3;  // of what rows may be off by
+  return !(off_ > near) || isLittle(problem, little);
 }
 
 /// r = g + W q
@@ -218,29 +228,49 @@ void RedundantForces::draw(const Problem& problem, double size, VectorXd& q) {
 }
 
 bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) {
-  constexpr double thin = 1e-6;       // the layer, of the mean of W's diagonal
-  constexpr double little = 1e-3;     // of what rows may be off by
-  constexpr double unchanged = 1e-8;  // so little of the largest condition moves forces along where they were
-  stop_ = stop, contradiction_ = 0, budget_ = problem.budget, spent = 0;
+  constexpr double dear = 7.5e6;  // where a step of Newton's method costs more, sweeps are tried before it
+  constexpr int some = 1000, many = 10000;
+  constexpr double well = 0.05, enough = 0.3;  // of what rows may be off by
+  stop_ = stop, has_stood_ = false, contradiction_ = 0, budget_ = problem.budget, spent = 0;
+  const bool was_swept = std::exchange(is_swept_, false) && problem.goes_on;
   if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
   off_ = none, best_ = start_, note(start_);
   if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
-  findRoots();
+  const bool is_dear = was_swept || !findRoots(dear);
+  if (!is_dear && findNear(problem)) return take(problem, l);
+  if ((is_dear || isSingular()) && sweepToLaws(problem, some, is_dear ? enough : well, was_swept)) return take(problem, l);
+  if (is_dear) findRoots(none);
+  if (findInside(problem)) return take(problem, l);
+  if (!isSingular()) return false;
+  sweepToLaws(problem, many, enough, false);  // nothing else finds more
+  return take(problem, l);
+}
+
+/// From the forces before, with what of them pushes and sticks.
+bool RedundantForces::findNear(const Problem& problem) {
+  constexpr double unchanged = 1e-8;  // so little of the largest condition moves forces along where they were
   VectorXd& q = work_.found;
   q = start_;
-  const auto isDone = [&] { return !(off_ > near) || isLittle(problem, little); };
   if (problem.goes_on || off_ < unchanged) {
     draw(problem, thin, q);
-    if (isDone()) return take(problem, l);
+    if (isDone(problem)) return true;
     q = start_;
   }
-  bool is_found = layer(thin, q);
+  if (!layer(thin, q)) return false;
+  draw(problem, thin, q);
+  return off_ < coarse || isDone(problem);
+}
+
+/// From those of thicker layers.
+bool RedundantForces::findInside(const Problem& problem) {
+  VectorXd& q = work_.found;
+  bool is_found = false;
   for (double first = thin; !is_found && first < 0.1 && !isOver(); first *= 100) {
     q = searchInside(first), is_found = layer(first, q);
     for (double size = first / 10; is_found && size > 0.5 * thin; size /= 10) is_found = layer(size, q);
   }
   if (is_found) draw(problem, thin, q);
-  return (off_ < coarse || isDone()) && take(problem, l);
+  return off_ < coarse || isDone(problem);
 }
 
 /// l = best_

@@ -4,7 +4,8 @@
 // give way as little as they can: with r + size Y (q - where) instead of r, Y what rows yield in comparison (SharesForces), there
 // is one solution. It is found with where = 0, which is the pressure of a thin elastic layer (Winkler), and then drawn from where
 // it is until the conditions themselves hold: proximal points (Rockafellar 1976). Newton's method finds each, from the forces of
-// the step before; where it does not, it begins from an interior-point method with a larger size, which is then made smaller.
+// the step before; where it does not, sweeps find any that hold
+// (redundant_sweeps.cpp), or it begins from an interior-point method with a larger size, which is then made smaller.
 //
 // With x = (mu l_n, l_t) and z = (r_n / mu + |r_t|, r_t) of each group, both are in the cone x_0 >= |x_t| and x . z = 0 (De Saxce
 // and Feng 1998). A round goes towards x o z = share nu e, nu the mean of x . z; |r_t| is (|r_t|^2 + smooth nu^2 / (x_0^2 + nu))^.5:
@@ -49,8 +50,12 @@ class RedundantForces {
   double unsettled() const { return off_; }
   /// What is off, where rows contradict each other by a little; else 0. As ConditionForces::contradiction.
   double contradiction() const { return contradiction_; }
+  /// They are those of sweeps, and off by a part of what rows may be.
+  bool areSwept() const { return is_swept_; }
+  /// They are those that the last find() began from.
+  bool haveStood() const { return has_stood_; }
   double spent = 0;            ///< on the last find(): rows times columns^2 of each step
-  long steps = 0, rounds = 0;  ///< of all find(): Newton steps, rounds of the interior-point method
+  long steps = 0, rounds = 0, sweeps = 0;  ///< of all find(): Newton steps, rounds of the interior-point method, sweeps
 
  private:
   /// Rows [first, first + size): one that is equal, or a push and what rubs there.
@@ -73,15 +78,30 @@ class RedundantForces {
     std::vector<char> is_open;
   };
   struct Inside;
+  /// A place, its conditions, and how both change: by a sweep, and by the way of those before.
+  struct Sweeps {
+    std::vector<std::pair<std::size_t, std::size_t>> first;  ///< of each group, in `rows` and in `numbers`
+    std::vector<Eigen::Index> rows;
+    std::vector<double> numbers, slides;  ///< slides: alpha of each group
+    Eigen::VectorXd at, r, step, r_step, way, r_way;
+    void pack(const RedundantForces& of);
+    void add(std::size_t group, Eigen::Index size, const SmallVector& change);
+  };
   static constexpr double none = std::numeric_limits<double>::infinity();
+  static constexpr double thin = 1e-6;  ///< the layer, of the mean of W's diagonal
   static constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;  ///< of the largest condition without forces
 
   bool scaleRows(const Problem& problem, const Eigen::VectorXd& l);
   void findYields(const Problem& problem);
   bool findGroups(const Problem& problem);
-  void findRoots();
+  bool findRoots(double most);
+  bool isSingular() const { return p_.cols() < (w_.diagonal().array() > 0).count(); }
+  double offOf(const Group& group, const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   double offOf(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   bool isLittle(const Problem& problem, double part) const;
+  bool isDone(const Problem& problem) const;
+  bool findNear(const Problem& problem);
+  bool findInside(const Problem& problem);
   void conditions(const Eigen::VectorXd& q, Eigen::VectorXd& r);
   void stepFrom(Eigen::VectorXd& q, Eigen::VectorXd& r, double size);
   void linearise(Blocks& blocks);
@@ -89,6 +109,12 @@ class RedundantForces {
   bool layer(double size, Eigen::VectorXd& q);
   void draw(const Problem& problem, double size, Eigen::VectorXd& q);
   Eigen::VectorXd searchInside(double size);
+  SmallVector wantedBy(const Group& group, const Eigen::VectorXd& q, const Eigen::VectorXd& r, double& slide) const;
+  bool sweepToLaws(const Problem& problem, int most, double enough, bool stands);
+  void sweepOnce();
+  static double goalOf(int sweeps, double most);
+  double sweep(const Problem& problem, int most, double enough, Eigen::VectorXd& q);
+  double farthest(const Problem& problem, const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   void note(const Eigen::VectorXd& q);
   bool take(const Problem& problem, Eigen::VectorXd& l);
   void spend() { spent += double(w_.rows()) * double(p_.cols()) * double(p_.cols()); }
@@ -99,9 +125,11 @@ class RedundantForces {
   Eigen::Index widest_ = 1;
   Eigen::VectorXd scale_, offset_, yields_, start_, best_;  ///< in units in which W has a diagonal of one; start_, best_: forces
   Eigen::MatrixXd w_, p_, q_;                               ///< W, P and Q
+  bool is_swept_ = false, has_stood_ = false;
   double size_ = 0, off_ = 0, contradiction_ = 0;           ///< off_: of best_, of size_
   Eigen::MatrixXd whole_p_, whole_q_;                       ///< work space, as is
   Work work_;
+  Sweeps sweeps_;
   double budget_ = 0;
   StopToken stop_;
 };

@@ -60,6 +60,16 @@ SolveReport solveWhole(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, 
   return whole ? whole->solve(solver, b, x, terms) : solver.solve(matrix, b, x, terms);
 }
 
+SolveReport solveWhole(LinearSolver& solver, SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x,
+                       const SolveTerms& terms) {
+  auto* const whole = dynamic_cast<WholeMatrix*>(&matrix);
+  if (!whole) return solver.solveAll(matrix, b, x, terms);
+  SolveReport all{.stop = SolveStop::zero_right_side};
+  for (std::size_t i = 0; i < b.size(); ++i)
+    if (!all.add(whole->solve(solver, b[i], x[i], terms))) break;
+  return all;
+}
+
 void WholeIfNeeded::compile(System& system) {
   whole_.reset();
   for (const ForceField* field : system.forceFields())

@@ -26,6 +26,10 @@ class WholeMatrix final : public MatrixView {
 /// As LinearSolver::solve(), with all of the stiffness where the matrix is a WholeMatrix.
 SolveReport solveWhole(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms);
 
+/// The same for each b[i] and x[i], as LinearSolver::solveAll().
+SolveReport solveWhole(LinearSolver& solver, SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x,
+                       const SolveTerms& terms);
+
 /// Made at compile time: the matrix of a system, seen whole where some force field says that an assembled one is not.
 class WholeIfNeeded {
  public:

@@ -2,25 +2,23 @@
 // AutomaticLinearSolver: A x = b by factors or by conjugate gradients with multigrid, whichever costs less. It is what an
 // integrator of statics gets when its scene names no linear solver. A matrix that is not symmetric gets GMRES (Saad, Schultz
 // 1986) instead of conjugate gradients, with multigrid of its symmetric part: what is not symmetric in a tangent is small where
-// strains are.
+// strains are. Both go on while light rows are left, see CGLinearSolver.
 //
 // With w h nodes in a cross-section and l / w the slenderness of a body of n nodes, its factors take
 //
 //   135 (w h)^3 l / w flops   and   81 (w h)^2 l / w numbers,
 //
-// the laws of nested dissection with factors from cubes, and in flat bodies 1 + 2.4 (1 - h / w) and 1 + 0.7 ln(w / h) times
-// as much. A hierarchy and its iterations take a time in proportion to the blocks and rows of the matrix. l, w and h come from
-// the second moments of the nodes. Both times are estimated from counts, for a core of 115 Gflop/s in single precision: no clock
-// is read, and each run chooses the same on every machine and with every number of threads. Where forces are not linear, both
-// are those of six solves, which multigrid makes loosely. Factors then serve later matrices too, turned with the body
-// (WarpPreconditioner), where iterations with them are estimated to cost less than factors of each.
-// Bodies of less than 500 nodes are always factored, each matrix of theirs.
-//
-// A solve by multigrid that goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that lock, badly shaped
-// cells) is ended, and the matrix is factored from then on, if factors fit into half of the memory. So it is where solves of Newton's
-// method have taken so many iterations that factors would have paid. With multigrid a symmetric solve begins at the combination of the
-// last four solutions that is nearest in energy (former_solutions.h), where that leaves less than half of the residual.
-// `choice` says what was chosen and why. See SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for the methods.
+// the laws of nested dissection with factors from cubes, and in flat bodies 1 + 2.4 (1 - h / w) and 1 + 0.7 ln(w / h) times as much. A
+// hierarchy and its iterations take a time in proportion to the blocks and rows of the matrix. l, w and h come from the second moments of
+// the nodes. Both times are estimated from counts, for a core of 115 Gflop/s in single precision: no clock is read, and each run chooses
+// the same on every machine and with every number of threads. Where forces are not linear, both are those of six solves, which multigrid
+// makes loosely. Factors then serve later matrices too, turned with the body (WarpPreconditioner), where iterations with them are
+// estimated to cost less than factors of each. Bodies below 500 nodes are always factored, each matrix. A solve by multigrid that goes on
+// for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that lock, badly shaped cells) is ended, and the matrix
+// is factored from then on, if factors fit into half of the memory. So it is where solves of Newton's method have taken so many iterations
+// that factors would have paid. With multigrid a symmetric solve begins at the combination of the last four solutions that is nearest in
+// energy (former_solutions.h), where that leaves less than half of the residual. `choice` says what was chosen and why. See
+// SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for the methods.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -43,8 +41,8 @@
 #include "components/iterative_solvers/former_solutions.h"
 #include "components/iterative_solvers/gmres.h"
 #include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/light_rows.h"
 #include "components/iterative_solvers/multigrid.h"
-#include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
 #include "components/iterative_solvers/row_scales.h"
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/warped_factor.h"
@@ -86,6 +84,7 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
     Multigrid inverse;
     std::unique_ptr<WarpedFactor> turned;  ///< null: not needed so far
     cg::Directions work;
+    LightRows light;
     cg::FormerSolutions former;
     gmres::Space space;  ///< of matrices that are not symmetric
     RowScales scales;
@@ -139,8 +138,8 @@ void AutomaticLinearSolver::init() {
   expected_iterations_ = 15;
   KrylovSolver::init();
   most_expected_ = expected_iterations_;
-  const bool has_factors = std::ranges::any_of(
-      node().components(), [](const auto& component) { return dynamic_cast<const DirectSolver*>(component.get()) != nullptr; });
+  const auto factors = [](const auto& component) { return dynamic_cast<const DirectSolver*>(component.get()) != nullptr; };
+  const bool has_factors = std::ranges::any_of(node().components(), factors);
   if (has_factors || !factors_.path.empty()) direct_ = &factorSource(*this, factors_);
 }
 
@@ -175,10 +174,9 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
   if (kept.now.is_strict) own.relative_residual = std::min(terms.relative_residual, EquilibriumChoice::strict);
   SolveReport report;
   if (!begin(matrix, b, x, own, report)) return report;
-  SolveReport prepared;
-  if (!kept.inverse.follow(matrix, prepared, terms.stop)) {
-    prepared.relative_residual = 1;
-    return prepared;
+  if (!kept.inverse.follow(matrix, report, terms.stop)) {
+    report.relative_residual = 1;
+    return report;
   }
   const int most = std::min(iterations_, patienceOf(kept));
   double began = 1;
@@ -209,7 +207,8 @@ SolveReport AutomaticLinearSolver::conjugateGradients(const SystemMatrix& matrix
     }
   }
   const cg::Limits limits{most, target(), terms_.stop, by_inverse};
-  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x, has_begun, by_inverse);
+  SolveReport report = kept.light.conjugateGradients(matrix, multiply, precondition, note, limits, relativeTarget(terms_), b, kept.work, x,
+                                                     has_begun, by_inverse);
   if (report.stop == SolveStop::converged) kept.former.solved(x);
   report.relative_residual /= norm_b_;
   return report;
@@ -219,9 +218,8 @@ SolveReport AutomaticLinearSolver::conjugateGradients(const SystemMatrix& matrix
 SolveReport AutomaticLinearSolver::minimalResiduals(const SystemMatrix& matrix, ConstRows b, Rows x, int most, Kept& kept) {
   kept.scales.take(matrix);
   const bool is_scaled = !kept.scales.empty();
-  if (is_scaled)
-    for (Vector* vector : {&kept.unscaled, &kept.right_side})
-      if (vector->count() != b.count) vector->resize(b.count);
+  for (Vector* vector : {&kept.unscaled, &kept.right_side})
+    if (is_scaled && vector->count() != b.count) vector->resize(b.count);
   const auto multiply = [&](ConstRows p, Rows out) {
     product(matrix, p, out);
     kept.scales.multiply(out);
@@ -241,14 +239,16 @@ SolveReport AutomaticLinearSolver::minimalResiduals(const SystemMatrix& matrix, 
   }
   const auto note = [&](double residual) { record(residual / norm_b_); };
   kept.space.resize(b.count);
-  SolveReport report = gmres::solve(multiply, precondition, note, {most, target(), terms_.stop}, right_side, kept.space, x);
+  const auto solve = [&](auto limits) { return gmres::solve(multiply, precondition, note, limits, right_side, kept.space, x); };
+  const auto left = [&] { return kept.scales.divide(kept.space.basis[0]); };
+  SolveReport report = kept.light.solveAll(matrix, {most, target(), terms_.stop}, relativeTarget(terms_), solve, left, x);
   report.relative_residual /= norm_b_;
   return report;
 }
 
-/// By conjugate gradients with factors of a former matrix, for as many iterations as they have saved so far; else, and where these get
-/// nowhere, with factors of this very matrix and to their accuracy. A decade of the residual costs less by former factors than an
-/// iteration of Newton's method does: solves are not as loose as by multigrid. False: factors of each matrix are to do it.
+/// By conjugate gradients with factors of a former matrix, for as many iterations as they have saved so far; else, or where that gets
+/// nowhere, with factors of this very matrix and to their accuracy. A decade of the residual costs less by former factors than an iteration
+/// of Newton's method does: solves are not as loose as by multigrid. False: factors of each matrix are to do it.
 bool AutomaticLinearSolver::iterateWithFactors(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept,
                                                SolveReport& report) {
   constexpr int few_iterations = 8, least_trial = 3;

@@ -9,19 +9,19 @@
 // GraphScattered forces the first, CompressedRowSparseMatrix the second, and auto takes the cheaper one for
 // `iterations` products by the cost that the force fields state.
 //
-// It stops when |r| <= tolerance |b|; after `iterations` products (a scene that must keep a frame rate writes them; the
-// run says how far the residual was then from the tolerance, and a strict run takes that for a doubt); when b = 0; when
-// a number is not finite; and when the matrix shows itself to be singular or not definite, |p.A p| <= threshold^2 |p|
-// |A p| or p.A p < 0: x then keeps the last iterate, the best one in the energy of A. SOFA compares p.A p itself with
-// `threshold`, a test whose outcome depends on the units of the scene and which can stop a well-posed solve at its
-// first iteration (nothing then moves). Here it is the cosine between p and A p, which no units enter; with the default
-// it passes for every matrix of condition number below 4e20. All other iterates are those of SOFA's solver. SOFA's test is
-// there too: with absoluteThreshold t above zero, iteration k ends when |r| <= tolerance |b| or, before x moves, when
-// |p.A p| <= t; in the first solve of a run neither ends the first iteration. Scenes in SOFA's dialect have it, and then a matrix
-// that is not symmetric is taken as it is. Where some rows are turns, of rigid frames, r holds forces and torques, and |r| would
-// depend on the unit of length: there it is the root of r.D^-1 r, and |b| likewise, but for SOFA's test. With `bodies` the
-// rows below each of these nodes have alpha, beta and ends of their own, as where SOFA gives each body a solver. Nothing may tie
-// them in the matrix: the first solve refuses what does.
+// It stops when |r| <= tolerance |b| and max |D^-1 r| <= max(tolerance, 1e-3) max |x|, without which bodies that are far lighter than
+// others would stay where they are (there, none goes on with block_jacobi); after `iterations` products (a scene that must keep a
+// frame rate writes them; the run says how far the residual was then from the tolerance, and a strict run takes that for a doubt);
+// when b = 0; when a number is not finite; and when the matrix shows itself to be singular or not definite, |p.A p| <= threshold^2 |p|
+// |A p| or p.A p < 0: x then keeps the last iterate, the best one in the energy of A. SOFA compares p.A p itself with `threshold`, a
+// test whose outcome depends on the units of the scene and which can stop a well-posed solve at its first iteration (nothing then
+// moves). Here it is the cosine between p and A p, which no units enter; with the default it passes for every matrix of condition
+// number below 4e20. All other iterates are those of SOFA's solver. SOFA's test is there too: with absoluteThreshold t above zero,
+// iteration k ends when |r| <= tolerance |b| or, before x moves, when |p.A p| <= t; in the first solve of a run neither ends the first
+// iteration. Scenes in SOFA's dialect have it, and then a matrix that is not symmetric is taken as it is. Where some rows are turns,
+// of rigid frames, r holds forces and torques, and |r| would depend on the unit of length: there it is the root of r.D^-1 r, and |b|
+// likewise, but for SOFA's test. With `bodies` the rows below each of these nodes have alpha, beta and ends of their own, as where
+// SOFA gives each body a solver. Nothing may tie them in the matrix: the first solve refuses what does.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -32,10 +32,12 @@
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
 #include <cmath>
+#include <limits>
 
 #include "components/iterative_solvers/bodies_apart.h"
 #include "components/iterative_solvers/conjugate_gradients.h"
 #include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/light_rows.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -88,6 +90,7 @@ class CGLinearSolver final : public KrylovSolver {
     MatrixKey jacobi_key;
     Index bad_block = -1;
     bool is_scaled = false;  ///< residuals of the solve are measured by the blocks
+    LightRows light;
     std::vector<Part> parts;  ///< with `bodies`
     bool has_solved = false;  ///< since the start of the run
     bool had_solved = false;  ///< before the step
@@ -164,11 +167,14 @@ void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) {
 SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual) {
   Vector &r = kept.r, &p = kept.p, &q = kept.q, &z = kept.z;
   SolveReport report;
-  double rho = precondition_ ? kept.jacobi.apply(r, z) : kept.is_scaled ? cg::inner(r, r) : residual;
+  const cg::BlockJacobi* blocks = precondition_ ? &kept.jacobi : nullptr;
+  double rho = blocks ? blocks->apply(r, z) : kept.is_scaled ? cg::inner(r, r) : residual;
   copy(precondition_ ? z.rows() : r.rows(), p);
   const double enough = target();
+  constexpr double none = std::numeric_limits<double>::infinity();
   // between turns and torques the cosine has a unit
-  const double smallest_cosine = threshold_ * threshold_ * (kept.is_scaled ? 1e-12 : 1);
+  const double of_other_units = 1e-12;
+  double smallest_cosine = threshold_ * threshold_ * (kept.is_scaled ? of_other_units : 1);
   for (;;) {
     product(matrix, p, q);
     ++report.iterations;
@@ -182,7 +188,7 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
       report.stop = negative ? SolveStop::not_definite : SolveStop::breakdown;
       break;
     }
-    const double alpha = rho / curve.pq;
+    double alpha = rho / curve.pq;
     const double square = cg::reduceResidual(alpha, q, r);
     const double in_blocks = kept.is_scaled ? kept.jacobi.apply(r, z) : 0;
     residual = kept.is_scaled ? in_blocks : square;
@@ -196,14 +202,20 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
       report.stop = SolveStop::stopped;
       break;
     }
+    double rho_before = rho;
     if (converged || report.iterations == iterations_) {
       axpy(alpha, p, x);
-      report.stop = converged ? SolveStop::converged : SolveStop::iteration_limit;
-      break;
+      const bool goes_on = converged && kept.light.areLeft(matrix, enough / norm_b_, r, x);
+      report.stop = converged && !goes_on ? SolveStop::converged : SolveStop::iteration_limit;
+      if (!goes_on || report.iterations == iterations_) break;
+      alpha = 0, smallest_cosine = threshold_ * threshold_ * of_other_units;  // and between bodies of other masses
+      if (!blocks) {  // anew, by the blocks
+        if (z.count() != r.count()) z.resize(r.count());
+        blocks = &kept.light.inverse(), rho_before = none;
+      }
     }
-    const double rho_before = rho;
-    rho = !precondition_ ? square : kept.is_scaled ? in_blocks : kept.jacobi.apply(r, z);
-    cg::advance(alpha, rho / rho_before, precondition_ ? z.rows() : r.rows(), p, x);
+    rho = !blocks ? square : kept.is_scaled ? in_blocks : blocks->apply(r, z);
+    cg::advance(alpha, rho / rho_before, blocks ? z.rows() : r.rows(), p, x);
   }
   report.relative_residual = std::sqrt(residual) / norm_b_;
   return report;
@@ -347,7 +359,7 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, con
     report = iterateApart(matrix, kept, b, x);
   } else if (absolute_threshold_ > 0 && !precondition_) {
     report = iterateAbsolutely(matrix, kept, x, residual);
-  } else if (std::sqrt(residual) <= target()) {
+  } else if (std::sqrt(residual) <= target() && !kept.light.areLeft(matrix, target() / norm_b_, kept.r, x)) {
     report.relative_residual = std::sqrt(residual) / norm_b_;
   } else {
     report = iterate(matrix, kept, x, residual);

@@ -3,7 +3,9 @@
 // iteration reads or writes 10 vectors (11 with x updated beside r). Inline for the reason given in vector.h.
 #pragma once
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -148,6 +150,12 @@ class BlockJacobi {
         for (int l = 0; l < 4; ++l) out[4 * c + l] = l < 3 ? inverse(l, c) : 0;
     }
     return -1;
+  }
+  /// The largest |entry| of D^-1.
+  double largest() const {
+    double most = 0;
+    for (const double entry : columns_) most = std::max(most, std::abs(entry));
+    return most;
   }
   /// z = D^-1 r; returns r.z.
   double apply(ConstRows r, Rows z) const {

@@ -11,7 +11,8 @@
 // the matrix is indefinite (a tangent past buckling, an inverted element): conjugate gradients break down there and
 // say so, this method solves. On a definite matrix |r| falls in every iteration, and both need about the same number.
 //
-// It stops when |r| <= tolerance |b|; after `iterations` products; when b = 0; when a number is not finite; when the
+// It stops when |r| <= tolerance |b| and max |D^-1 r| <= max(tolerance, 1e-3) max |x| with D the diagonal blocks (bodies far lighter
+// than others would stay where they are); after `iterations` products; when b = 0; when a number is not finite; when the
 // matrix is singular and b has a part outside its range: |A r| <= 1e-9 |A| |r| while |r| is not small, or rising again
 // from below 1e-8, the report says breakdown and x is the least-squares solution; and as stagnated when b - A x,
 // computed once at the end, is larger than what the recurrence says and than the tolerance. Where some rows are turns, of rigid
@@ -32,6 +33,7 @@
 #include <utility>
 
 #include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/light_rows.h"
 #include "components/iterative_solvers/row_scales.h"
 #include "framework/scene/factory.h"
 
@@ -49,13 +51,15 @@ class MinResLinearSolver final : public KrylovSolver {
     Vector w, w_before, w_next;   ///< w_{k-1}, w_{k-2}, w_k
     RowScales scales;
     Vector unscaled, right_side;  ///< S p and S b, where there are scales
+    LightRows light;
     void resize(Index rows) {
       if (v.count() == rows) return;
       for (Vector* vector : {&v, &v_before, &product, &w, &w_before, &w_next}) vector->resize(rows);
     }
   };
-  SolveStop iterate(const SystemMatrix& matrix, Lanczos& work, Rows x, double residual, SolveReport& report);
-  SolveReport solveFrom(const SystemMatrix& matrix, Lanczos& work, ConstRows b, Rows x);
+  SolveStop iterate(const SystemMatrix& matrix, Lanczos& work, Rows x, double residual, const cg::Limits& limits, SolveReport& report);
+  SolveReport solveFrom(const SystemMatrix& matrix, Lanczos& work, ConstRows b, Rows x, const cg::Limits& limits);
+  SolveReport solveScaled(const SystemMatrix& matrix, Lanczos& work, ConstRows b, Rows x, int most);
   void scaledProduct(const SystemMatrix& matrix, Lanczos& work, ConstRows p, Rows out) const;
   double scaledResidual(const SystemMatrix& matrix, Lanczos& work, ConstRows b, ConstRows x) const;
 
@@ -77,7 +81,7 @@ void advance(ConstRows v, double delta, ConstRows w, double epsilon, ConstRows w
 }
 
 /// From v = r, unscaled, |r| = residual.
-SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work, Rows x, double residual,
+SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work, Rows x, double residual, const cg::Limits& limits,
                                       SolveReport& report) {
   Vector &v = work.v, &v_before = work.v_before, &av = work.product;
   Vector &w = work.w, &w_before = work.w_before, &w_next = work.w_next;
@@ -110,9 +114,9 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work,
     phi *= sine;
     report.relative_residual = phi / norm_b_;
     record(report.relative_residual);
-    if (phi <= target()) return SolveStop::converged;
+    if (phi <= limits.residual) return SolveStop::converged;
     if (isStopAsked()) return SolveStop::stopped;
-    if (report.iterations == iterations_) return SolveStop::iteration_limit;
+    if (report.iterations == limits.iterations) return SolveStop::iteration_limit;
 
     std::swap(w_before, w), std::swap(w, w_next);
     std::swap(v_before, v), std::swap(v, av);
@@ -146,31 +150,52 @@ SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x,
   Lanczos& work = work_.of(matrix);
   work.resize(b.count);
   work.scales.take(matrix);
-  if (work.scales.empty()) return solveFrom(matrix, work, b, x);
-  for (Vector* vector : {&work.unscaled, &work.right_side})
-    if (vector->count() != b.count) vector->resize(b.count);
-  copy(b, work.right_side);
-  work.scales.multiply(work.right_side), work.scales.divide(x);
-  norm_b_ = norm(work.right_side);
-  report = solveFrom(matrix, work, work.right_side, x);
-  work.scales.multiply(x);
+  if (!work.scales.empty()) return solveScaled(matrix, work, b, x, iterations_);
+  report = solveFrom(matrix, work, b, x, {iterations_, target(), terms_.stop});
+  if (report.stop != SolveStop::converged || !work.light.areLeft(matrix, relativeTarget(terms), work.v, x)) return report;
+  report.stop = SolveStop::iteration_limit;
+  const int before = report.iterations;
+  if (before == iterations_) return report;
+  work.scales.take(matrix, true);
+  report = solveScaled(matrix, work, b, x, iterations_ - before);
+  report.iterations += before;
   return report;
 }
 
-SolveReport MinResLinearSolver::solveFrom(const SystemMatrix& matrix, Lanczos& work, ConstRows b, Rows x) {
+/// Of S A S y = S b with x = S y, from x on.
+SolveReport MinResLinearSolver::solveScaled(const SystemMatrix& matrix, Lanczos& work, ConstRows b, Rows x, int most) {
+  for (Vector* vector : {&work.unscaled, &work.right_side})
+    if (vector->count() != b.count) vector->resize(b.count);
+  copy(b, work.right_side);
+  work.scales.multiply(work.right_side);
+  norm_b_ = norm(work.right_side);
+  const auto solve = [&](cg::Limits limits) {
+    work.scales.divide(x);
+    SolveReport report = solveFrom(matrix, work, work.right_side, x, limits);
+    work.scales.multiply(x);
+    report.relative_residual *= norm_b_;
+    return report;
+  };
+  const auto left = [&] { return work.scales.divide(work.v); };
+  SolveReport report = work.light.solveAll(matrix, {most, target(), terms_.stop}, relativeTarget(terms_), solve, left, x);
+  report.relative_residual /= norm_b_;
+  return report;
+}
+
+SolveReport MinResLinearSolver::solveFrom(const SystemMatrix& matrix, Lanczos& work, ConstRows b, Rows x, const cg::Limits& limits) {
   SolveReport report;
   double now = scaledResidual(matrix, work, b, x);
   report.relative_residual = now / norm_b_;
-  if (!(now > target())) return report;
+  if (!(now > limits.residual)) return report;
   for (;;) {
     const double before = now;
-    report.stop = iterate(matrix, work, x, now, report);
+    report.stop = iterate(matrix, work, x, now, limits, report);
     if (report.stop == SolveStop::not_finite || report.stop == SolveStop::stopped) return report;
     // what the recurrence says differs from b - A x by round-off: the report gives the latter
     now = scaledResidual(matrix, work, b, x);
     report.relative_residual = now / norm_b_;
-    if (report.stop != SolveStop::converged || now <= 1.1 * target()) return report;
-    report.stop = report.iterations == iterations_ ? SolveStop::iteration_limit : SolveStop::stagnated;
+    if (report.stop != SolveStop::converged || now <= 1.1 * limits.residual) return report;
+    report.stop = report.iterations == limits.iterations ? SolveStop::iteration_limit : SolveStop::stagnated;
     if (report.stop == SolveStop::iteration_limit || now > 0.5 * before) return report;
   }
 }

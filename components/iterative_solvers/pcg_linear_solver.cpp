@@ -24,8 +24,9 @@
 //   multigrid            a V-cycle over groups of nodes (see MultigridPreconditioner): few iterations whatever the size,
 //                        without factors, which take memory and time beyond some 20,000 nodes
 //
-// It stops when |r| <= tolerance |b|, after `iterations` products, when b = 0, when a number is not finite, and when
-// the matrix shows itself to be singular or not definite; x then keeps the last iterate. Where |r| of the recurrence is
+// It stops when |r| <= tolerance |b| and max |D^-1 r| <= max(tolerance, 1e-3) max |x| with D the 3x3 diagonal blocks (bodies far lighter
+// than others would stay where they are: see CGLinearSolver), after `iterations` products, when b = 0, when a number is not finite, and
+// when the matrix shows itself to be singular or not definite; x then keeps the last iterate. Where |r| of the recurrence is
 // small enough, b - A x itself is computed, and the iteration goes on from there if round-off kept it larger.
 //
 // Example:
@@ -41,6 +42,7 @@
 #include "components/iterative_solvers/automatic_inverse.h"
 #include "components/iterative_solvers/incomplete_cholesky.h"
 #include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/light_rows.h"
 #include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
 #include "components/iterative_solvers/warped_factor.h"
 #include "framework/scene/factory.h"
@@ -71,7 +73,6 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
   SolveReport solveDirectly(SystemMatrix& matrix, ConstRows b, Rows x, AutomaticInverse& automatic, cg::Directions& work);
   void refine(SystemMatrix& matrix, ConstRows b, Rows x, cg::Directions& work, SolveReport& report);
-  SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, ApproximateInverse* inverse, cg::Directions& work, int most);
   Index mostRows() const override;
   bool usesFactorOf(const Component&) const override { return use_ && link_.path == "warped"; }
 
@@ -80,14 +81,16 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   struct Kept {
     std::unique_ptr<ApproximateInverse> inverse;  ///< null: none
     cg::Directions work;
+    LightRows light;
   };
+  SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, Kept& kept);
   std::unique_ptr<ApproximateInverse> makeInverse() const;
   DirectSolver& ownFactors() const;
   /// Of preconditioner auto; the text is made when it changes.
   void tellChoice(const AutomaticInverse& inverse);
   void tellFirstChoice();
   Kept& keptFor(const SystemMatrix& matrix) {
-    return kept_.of(matrix, [this] { return std::make_unique<Kept>(Kept{makeInverse(), {}}); });
+    return kept_.of(matrix, [this] { return std::make_unique<Kept>(Kept{makeInverse(), {}, {}}); });
   }
 
   bool use_ = true, may_change_ = true;
@@ -195,7 +198,9 @@ void PCGLinearSolver::tellChoice(const AutomaticInverse& inverse) {
 
 SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
-  auto& [inverse, work] = keptFor(matrix);
+  Kept& kept = keptFor(matrix);
+  std::unique_ptr<ApproximateInverse>& inverse = kept.inverse;
+  cg::Directions& work = kept.work;
   auto* const automatic = dynamic_cast<AutomaticInverse*>(inverse.get());
   if (automatic && may_change_) expected_iterations_ = automatic->expectedIterations(relativeTarget(terms));
   if (!begin(matrix, b, x, terms, report)) return report;
@@ -218,7 +223,7 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
     else if (automatic && automatic->isDirect())
       report = solveDirectly(matrix, b, x, *automatic, work);
     else
-      report = iterate(matrix, b, x, inverse.get(), work, iterations_);
+      report = iterate(matrix, b, x, kept);
     report.iterations += before;
     factorisations_ += prepared.factored || report.factored;
     factored = factored || prepared.factored || report.factored;
@@ -263,11 +268,15 @@ void PCGLinearSolver::refine(SystemMatrix& matrix, ConstRows b, Rows x, cg::Dire
 }
 
 /// From x on, with at most so many products, or as many as the inverse has patience for.
-SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, ApproximateInverse* inverse,
-                                     cg::Directions& work, int most) {
+SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, Kept& kept) {
+  ApproximateInverse* const inverse = kept.inverse.get();
+  cg::Directions& work = kept.work;
+  const cg::BlockJacobi* blocks = nullptr;  // what serves light rows where nothing else preconditions
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
-  const auto precondition = [&](ConstRows r, Rows z) { inverse ? inverse->apply(r, z) : copy(r, z); };
-  if (inverse) most = std::min(most, inverse->patience());
+  const auto precondition = [&](ConstRows r, Rows z) {
+    inverse ? inverse->apply(r, z) : blocks ? void(blocks->apply(r, z)) : copy(r, z);
+  };
+  const int most = inverse ? std::min(iterations_, inverse->patience()) : iterations_;
   const double norm_of_forces = norm_b_;  // the measure of what may follow, a direct solve or another inverse
   bool by_inverse = inverse && matrix.hasTurns();
   if (by_inverse) {
@@ -276,16 +285,24 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
     by_inverse = square > 0 && std::isfinite(square);
     if (by_inverse) norm_b_ = std::sqrt(square);
   }
-  cg::Limits limits{most, target(), terms_.stop, by_inverse};
   auto* const automatic = dynamic_cast<AutomaticInverse*>(inverse);
-  int iterations = 0;
+  int iterations = 0, before = 0;
+  cg::Limits* now = nullptr;
   const auto note = [&](double residual) {
     record(residual / norm_b_);
+    ++iterations;
     if (!automatic || residual <= target()) return;
-    if (assemblesLate(matrix, ++iterations)) automatic->noteProduct(productCost(matrix));
-    if (automatic->isLost(iterations, residual / norm_b_)) limits.iterations = iterations;
+    if (assemblesLate(matrix, iterations)) automatic->noteProduct(productCost(matrix));
+    if (automatic->isLost(iterations, residual / norm_b_)) now->iterations = iterations - before;
   };
-  SolveReport report = cg::preconditioned(multiply, precondition, note, limits, b, work, x, false, by_inverse);
+  const auto solve = [&](cg::Limits limits) {
+    now = &limits, before = iterations;
+    const bool is_first = iterations == 0;
+    if (!is_first) blocks = &kept.light.inverse();
+    return cg::preconditioned(multiply, precondition, note, limits, b, work, x, !is_first, is_first && by_inverse);
+  };
+  const auto left = [&] { return work.r.rows(); };
+  SolveReport report = kept.light.solveAll(matrix, {most, target(), terms_.stop, by_inverse}, relativeTarget(terms_), solve, left, x);
   report.relative_residual /= norm_b_;
   norm_b_ = norm_of_forces;
   if (automatic && automatic->isSecondTry() && report.stop == SolveStop::iteration_limit) report.stop = SolveStop::not_definite;

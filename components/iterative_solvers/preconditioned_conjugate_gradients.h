@@ -20,10 +20,12 @@ struct Directions {
 
 /// Where a solve ends.
 struct Limits {
+  static constexpr double of_other_units = 1e-22;  ///< the smallest cosine where rows are turns, or of other masses
   int iterations = 25;
   double residual = 0;  ///< stop when |b - A x| is at most this
   StopToken stop{};
   bool by_inverse = false;  ///< |r|^2 is r.z with z = B r, in which forces and torques are alike
+  double smallest_cosine = 1e-10;  ///< between p and A p, below which the matrix is taken for a singular one
 };
 
 /// Iterates from r = b - A x until the |r| of the recurrence is small enough (converged) or something else ends it.
@@ -32,7 +34,7 @@ template <class Product, class Precondition, class Record>
 SolveStop descend(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits, bool has_step,
                   Directions& work, Rows x, SolveReport& report) {
   constexpr double noise = 1e-14;
-  const double smallest_cosine = limits.by_inverse ? 1e-22 : 1e-10;  // between turns and torques it has a unit
+  const double smallest_cosine = limits.by_inverse ? Limits::of_other_units : limits.smallest_cosine;
   auto& [r, p, q, z] = work;
   if (!has_step) precondition(r.rows(), z.rows());
   double rho = inner(r, z);

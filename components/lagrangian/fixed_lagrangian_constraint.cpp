@@ -3,7 +3,7 @@
 // FixedProjectiveConstraint holds nodes more cheaply; this one holds mapped ones too, as those of a surface that is embedded or
 // of a rigid frame.
 //
-//   x - x_0 = 0,           three rows for each point
+//   x - x_0 = 0,           three rows for each point; with atRest x_0 is where it rests
 //   log(q q_0^-1) = 0,     three more for a frame
 //
 // Source: the names and attributes are SOFA's.
@@ -31,6 +31,7 @@ class Fixed final : public PairConstraint {
     declareOneState(table);
     table.add("indices", nodes_).help("points");
     table.add("fixAll", all_).help("all points");
+    table.add("atRest", at_rest_).help("they go to where they rest, as in SOFA, and do not stay where they start");
   }
   void init() override {
     PairConstraint::init();
@@ -46,8 +47,9 @@ class Fixed final : public PairConstraint {
     if (!places_.empty()) return;
     for (const Index node : held_) {
       const Index row = rowOf(first(), node);
-      places_.push_back(x[row]);
-      if (first().hasFrames()) turns_.push_back(orientationIn(x, row + 1));
+      const Vec3* rest = first().rest_position.data() + (row - first().firstRow());
+      places_.push_back(at_rest_ ? *rest : Vec3(x[row]));
+      if (first().hasFrames()) turns_.push_back(at_rest_ ? turnedBy(rest[1]) : orientationIn(x, row + 1));
     }
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
@@ -79,7 +81,7 @@ class Fixed final : public PairConstraint {
   }
 
   std::vector<Index> nodes_{0}, held_;
-  bool all_ = false;
+  bool all_ = false, at_rest_ = false;
   std::vector<Vec3> places_;       ///< where they started [m]
   std::vector<Quaternion> turns_;  ///< and how, of frames
 };

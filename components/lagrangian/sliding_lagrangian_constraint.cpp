@@ -11,7 +11,7 @@
 // at the end, does not hold it from there: F . w < 0. Else the corner is a valley of what pulls the point, and it stays. This goes
 // down the way, over many pieces at once, until it rests: for a linear body it is the nearest minimum of the step's energy on the
 // curve. Pieces of no length are stepped over. Over a corner the part of the momentum along the next piece is kept, by rules that
-// damp; by TrapezoidalRuleSolver a part across the wire swings from step to step, and a corner makes energy of it.
+// damp; by TrapezoidalRuleSolver the speed is, up to 120 degrees (integrators/multipliers.h).
 // A curve whose last point is its first goes round.
 //
 // Source: the names and attributes are SOFA's, but for `curve`.
@@ -32,7 +32,7 @@
 #include <limits>
 
 #include "components/lagrangian/pair_constraint.h"
-#include "framework/mechanics/changes_conditions.h"
+#include "framework/mechanics/condition_roles.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 

@@ -96,17 +96,23 @@ class DiagonalVelocityDampingForceField final : public VelocityDamping {
         .unit("N s/m")
         .min(0)
         .required();
+    table.add("lastForOthers", last_for_others_).help("nodes beyond the list take the last of dampingCoefficient, as in SOFA");
   }
   void init() override {
     VelocityDamping::init();
     const std::size_t each = state().kindOf(0) == RowKind::value ? 1 : 3, width = each * std::size_t(state().rows_per_node);
     const std::size_t nodes = rowCount() / std::size_t(state().rows_per_node);
-    if (given_.size() != width && given_.size() != width * nodes)
+    std::vector<double> all = given_;
+    if (last_for_others_ && all.size() >= width && all.size() % width == 0) {
+      while (all.size() < width * nodes) all.push_back(all[all.size() - width]);
+      all.resize(width * nodes);
+    }
+    if (all.size() != width && all.size() != width * nodes)
       throw ComponentError(fmt::format("dampingCoefficient has {} numbers for {} nodes", given_.size(), nodes),
                            fmt::format("{} for all, or {} of each", width, width));
     coefficients_.assign(rowCount(), Vec3::Zero());
     for (std::size_t row = 0; row < rowCount(); ++row)
-      for (std::size_t i = 0; i < each; ++i) coefficients_[row][Index(i)] = given_[(row * each + i) % given_.size()];
+      for (std::size_t i = 0; i < each; ++i) coefficients_[row][Index(i)] = all[(row * each + i) % all.size()];
   }
 
  protected:
@@ -115,6 +121,7 @@ class DiagonalVelocityDampingForceField final : public VelocityDamping {
 
  private:
   std::vector<double> given_;
+  bool last_for_others_ = false;
   std::vector<Vec3> coefficients_;  ///< of each row
 };
 

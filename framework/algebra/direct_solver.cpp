@@ -31,28 +31,23 @@ bool DirectSolver::answersLookup() const {
   });
 }
 
-bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept, StopToken stop) const {
-  const MatrixKey key = matrix.key();
-  const bool symmetric = matrix.symmetric();
-  if (kept.analysed.matrix && kept.analysed.pattern == key.pattern && kept.symmetric == symmetric) return true;
-  kept.analysed = {};
-  kept.factored = false;
-  if (!kept.factors || kept.symmetric != symmetric) kept.factors = makeFactorisation(symmetric);
-  kept.symmetric = symmetric;
-  const Span span("analyse", this);
-  if (!kept.factors->analyse(values, stop)) return false;
-  for (Vector* vector : {&kept.residual, &kept.correction}) vector->resize(values.rows());
-  kept.analysed = key;
-  return true;
-}
-
 bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop) {
   const BlockMatrix& a = matrix.assemble();
-  if (stop.isStopAsked() || !analyseIfNew(matrix, a, kept, stop)) {
-    report.stop = SolveStop::stopped;
-    return false;
+  const MatrixKey key = matrix.key();
+  const bool symmetric = matrix.symmetric();
+  report.stop = SolveStop::stopped;
+  if (stop.isStopAsked()) return false;
+  if (!kept.analysed.matrix || kept.analysed.pattern != key.pattern || kept.symmetric != symmetric) {
+    kept.analysed = {}, kept.factored = false;
+    if (!kept.factors || kept.symmetric != symmetric) kept.factors = makeFactorisation(symmetric);
+    kept.symmetric = symmetric;
+    const Span span("analyse", this);
+    if (!kept.factors->analyse(a, stop)) return false;
+    for (Vector* vector : {&kept.residual, &kept.correction}) vector->resize(a.rows());
+    kept.analysed = key;
   }
-  if (kept.factored && kept.key == matrix.key()) return true;
+  report.stop = SolveStop::converged;
+  if (kept.factored && kept.key == key) return true;
   kept.factored = false;
   report.factored = true;
   ++factorisations_;
@@ -69,25 +64,13 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report,
   if (end != SolveStop::stopped) noteFactored(*kept.factors);
   kept.factored = end == SolveStop::converged;
   if (!kept.factored) report.stop = end;
-  kept.key = matrix.key();
+  kept.key = key;
   return kept.factored;
 }
 
 Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   Kept& kept = kept_.of(matrix);
   return update(matrix, kept, report, stop) ? kept.factors.get() : nullptr;
-}
-
-Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vector<double>& values, StopToken stop) {
-  BlockMatrix former = matrix.pattern();
-  if (former.values().size() != values.size()) return nullptr;
-  former.values() = values;
-  Kept& kept = kept_.of(matrix);
-  if (!analyseIfNew(matrix, former, kept, stop)) return nullptr;
-  kept.factored = false;
-  kept.factors->load(former);
-  Index row = -1;
-  return kept.factors->factor(row, stop) == SolveStop::converged ? kept.factors.get() : nullptr;
 }
 
 namespace {
@@ -113,44 +96,47 @@ double DirectSolver::refine(const BlockMatrix& a, ConstRows b, double norm_b, Ro
     kept.factors->apply(kept.residual, kept.correction);
     axpy(1, kept.correction, x);
     const double now = residual(a, b, x, kept.residual);
-    if (!(now < error)) {
-      axpy(-1, kept.correction, x);
-      break;
-    }
+    if (!(now < error)) axpy(-1, kept.correction, x);
     const bool halves = now < 0.5 * error;
-    error = now;
+    error = std::min(error, now);
     if (!halves) break;
   }
   return error;
 }
 
-SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
-  SolveReport report;
+void Factorisation::applyAll(std::span<const ConstRows> b, std::span<const Rows> x) {
+  for (std::size_t i = 0; i < b.size(); ++i) apply(b[i], x[i]);
+}
+
+/// x of the factors is refined and judged.
+SolveReport DirectSolver::finish(const BlockMatrix& a, ConstRows b, Rows x, Kept& kept) const {
   const double norm_b = norm(b);
-  if (norm_b == 0) {
-    clear(x);
-    report.stop = SolveStop::zero_right_side;
-    return report;
-  }
-  report.iterations = 1;
-  report.relative_residual = 1;
-  if (!std::isfinite(norm_b)) {
-    report.stop = SolveStop::not_finite;
-    return report;
-  }
-  Kept& kept = kept_.of(matrix);
-  if (!update(matrix, kept, report, terms.stop)) return report;
-  const BlockMatrix& a = matrix.assemble();
-  Factorisation& factors = *kept.factors;
-  factors.apply(b, x);
+  if (norm_b == 0) return clear(x), SolveReport{.stop = SolveStop::zero_right_side};
   const double error = refine(a, b, norm_b, x, kept);
-  report.relative_residual = error / norm_b;
+  SolveReport report{.iterations = 1, .relative_residual = error / norm_b};
   if (error > most_of_right_side * norm_b && !givesLeastSquares()) report.stop = SolveStop::stagnated;
   // a factor without one right digit: the matrix is singular to round-off
   if (!(error < 0.1 * norm_b)) {
     report.stop = uselessFactor();
-    givesLeastSquares() ? factors.apply(b, x) : clear(x);
+    givesLeastSquares() ? kept.factors->apply(b, x) : clear(x);
   }
+  return report;
+}
+
+SolveReport DirectSolver::solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) {
+  SolveReport report{.stop = SolveStop::zero_right_side};
+  double size = 0;  // not finite where one is not
+  for (const ConstRows& each : b) size += norm(each);
+  if (size == 0) std::for_each(x.begin(), x.end(), [](Rows each) { clear(each); });
+  if (size == 0) return report;
+  if (!std::isfinite(size)) return {.stop = SolveStop::not_finite, .iterations = 1, .relative_residual = 1};
+  Kept& kept = kept_.of(matrix);
+  report = {.iterations = 1, .relative_residual = 1};
+  if (!update(matrix, kept, report, terms.stop)) return report;
+  const BlockMatrix& a = matrix.assemble();
+  kept.factors->applyAll(b, x);
+  report = {.stop = SolveStop::zero_right_side, .factored = report.factored};
+  for (std::size_t i = 0; i < b.size(); ++i) report.add(finish(a, b[i], x[i], kept));
   return report;
 }
 

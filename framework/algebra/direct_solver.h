@@ -25,6 +25,8 @@ class Factorisation {
   virtual SolveStop factor(Index& row, StopToken stop) = 0;
   /// x = A^-1 b with the last factors, of shape (rows); no residual is computed.
   virtual void apply(ConstRows b, Rows x) = 0;
+  /// The same for each b[i] and x[i]; a factor may be read once for many of them.
+  virtual void applyAll(std::span<const ConstRows> b, std::span<const Rows> x);
   /// The same where about six right digits are enough: in a preconditioner.
   virtual void applyRoughly(ConstRows b, Rows x) { apply(b, x); }
   /// Seconds on one core, estimated from counts of operations and not from a clock, so that what is decided by them is
@@ -44,15 +46,15 @@ class Factorisation {
 class DirectSolver : public LinearSolver {
  public:
   void declare(DataTable& table) override;  ///< template, factorisations
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) final {
+    return solveAll(matrix, {&b, 1}, {&x, 1}, terms);
+  }
+  SolveReport solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) override;
   bool answersLookup() const override;
 
   /// The factors of the matrix as it is now. Null when it has none, or was stopped; the report then says why and where.
   /// They stay where they are, with their numbers, until the next call with this matrix.
   Factorisation* factor(SystemMatrix& matrix, SolveReport& report, StopToken stop);
-  /// The factors of other values in the matrix's pattern, shape (blocks, 9): those of a former step. Null when there are
-  /// none, or when it was stopped.
-  Factorisation* factorValues(SystemMatrix& matrix, const std::vector<double>& values, StopToken stop);
 
  protected:
   virtual std::unique_ptr<Factorisation> makeFactorisation(bool symmetric) const = 0;
@@ -71,8 +73,7 @@ class DirectSolver : public LinearSolver {
     Vector residual, correction;
   };
   bool update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop);
-  /// False when it was stopped.
-  bool analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept, StopToken stop) const;
+  SolveReport finish(const BlockMatrix& a, ConstRows b, Rows x, Kept& kept) const;
   double refine(const BlockMatrix& a, ConstRows b, double norm_b, Rows x, Kept& kept) const;
 
   std::string template_ = "CompressedRowSparseMatrixMat3x3";

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "framework/algebra/linear_solver.h"
+#include "framework/algebra/solve_watch.h"
+
+#include <algorithm>
 
 namespace stroma {
 
@@ -15,6 +17,26 @@ std::string_view describe(SolveStop stop) {
     case SolveStop::stagnated: return "reached the accuracy that round-off allows before its tolerance";
   }
   return "ended for an unknown reason";
+}
+
+bool SolveReport::add(const SolveReport& one) {
+  iterations += one.iterations, factored = factored || one.factored;
+  relative_residual = std::max(relative_residual, one.relative_residual);
+  const bool is_over = !one.usable() || one.stop == SolveStop::breakdown, is_zero = one.stop == SolveStop::zero_right_side;
+  if (is_over || stop == SolveStop::zero_right_side || (stop == SolveStop::converged && !is_zero)) stop = one.stop, row = one.row;
+  return !is_over;
+}
+
+SolveReport LinearSolver::solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) {
+  SolveReport all{.stop = SolveStop::zero_right_side};
+  for (std::size_t i = 0; i < b.size(); ++i)
+    if (!all.add(solve(matrix, b[i], x[i], terms))) break;
+  return all;
+}
+
+SolveWatch*& solveWatch() {
+  static thread_local SolveWatch* watch = nullptr;
+  return watch;
 }
 
 }  // namespace stroma

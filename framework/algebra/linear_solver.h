@@ -2,6 +2,7 @@
 #pragma once
 #include <limits>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "framework/algebra/block_matrix.h"
@@ -85,9 +86,9 @@ struct SolveReport {
   double relative_residual = 0;  ///< |b - A x| / |b| as the solver knows it
   bool factored = false;         ///< a factorisation was made in this solve
   Index row = -1;                ///< the row where a factorisation broke down, -1 otherwise
-  bool usable() const {
-    return stop != SolveStop::not_finite && stop != SolveStop::not_definite && stop != SolveStop::stopped;
-  }
+  bool usable() const { return stop != SolveStop::not_finite && stop != SolveStop::not_definite && stop != SolveStop::stopped; }
+  /// Of one more right side with the same matrix: `stop` is the worst of all. False: no other one has a solution either.
+  bool add(const SolveReport& one);
 };
 
 /// What the caller of one solve says besides the equations.
@@ -105,6 +106,8 @@ class LinearSolver : public Component {
   std::string roleText() const override { return "linear solver"; }
   /// x on entry is the initial guess (zero unless the caller knows better).
   virtual SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms = {}) = 0;
+  /// The same for each right side b[i] and its x[i]: one after the other, unless a solver knows better.
+  virtual SolveReport solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms = {});
   /// Writes or reads what is kept for this matrix and bits of later solves depend on, see Component::serialize(): a last
   /// solution to start from, factors of former values. What is made again from the matrix is not part of it.
   virtual void serializeFor(SystemMatrix& /*matrix*/, Archive&) {}

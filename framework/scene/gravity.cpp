@@ -18,10 +18,7 @@ std::optional<Problem> readGravity(std::string_view text, Vec3& gravity, std::st
   double along_y = 0;
   if (!problem || Data("gravity", &along_y).unit(unit).parse(text, DataOrigin::written)) return problem;
   if (along_y > 0)
-    return Problem{Severity::error,
-                   {},
-                   {},
-                   "gravity is one positive number, which would pull upwards, along y",
+    return Problem{Severity::error, {}, {}, "gravity is one positive number, which would pull upwards, along y",
                    "a negative one, or three numbers",
                    "write -" + std::string(withoutPlus(trimmed(text)))};
   gravity = Vec3(0, along_y, 0);

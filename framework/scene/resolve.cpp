@@ -23,11 +23,7 @@ class Resolver {
  public:
   Resolver(const ReadLimits& limits, const KnownType& is_known, const std::vector<Override>& overrides, SceneDescription& scene,
            Diagnostics& diagnostics)
-      : limits_(limits),
-        is_known_(is_known),
-        overrides_(overrides),
-        scene_(scene),
-        diagnostics_(diagnostics),
+      : limits_(limits), is_known_(is_known), overrides_(overrides), scene_(scene), diagnostics_(diagnostics),
         bytes_left_(limits.file_bytes) {}
 
   /// Reads `file` and everything that it includes. False when it cannot be used; the reason has been reported at `where`.

@@ -12,6 +12,7 @@
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/spans.h"
 #include "framework/simulation/expectation.h"
+#include "framework/simulation/system_report.h"
 #include "framework/simulation/step_guard.h"
 #include "framework/simulation/step_limits.h"
 
@@ -80,17 +81,6 @@ void merge(StepReport&& part, StepReport& whole) {
   whole.linear_at_limit = whole.linear_at_limit || part.linear_at_limit;
   if (whole.constraint_reason.empty()) whole.constraint_reason = std::move(part.constraint_reason);
   if (whole.reason.empty()) whole.reason = std::move(part.reason);
-}
-
-/// The sentence of a step that failed: which, of what, why, and the worst elements at the system's positions.
-std::string whereAndWhy(const System& system, const StepContext& context, const std::string& cause, const std::string& when) {
-  std::string text = fmt::format("step {} (from t = {:.6g} s, dt = {:.6g} s), {}: {}", context.index, context.t, context.dt,
-                                 system.integrator().path(), cause);
-  for (const ForceField* field : system.forceFields()) {
-    const std::string worst = field->worstElement(system.x);
-    if (!worst.empty()) text += fmt::format("; worst of {}{}: {}", field->path(), when, worst);
-  }
-  return text;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What can be said about a system: where its state went wrong.
+// What can be said about a system: where its state or a step went wrong.
 #pragma once
 #include <string>
 #include <vector>
@@ -29,6 +29,10 @@ class FaultWatch {
   long placings_seen_ = -1;  ///< MappingChain::passivePlacings() of the last look that found nothing
 };
 
+/// ForceField::worstElement() at x. Of a field with a rest shape that names none, the two tied nodes whose distance has changed most.
+std::string worstElementOf(const ForceField& field, const System& system, ConstRows x);
+/// The sentence of a step that failed: which, of what, why, and the worst elements at the system's positions.
+std::string whereAndWhy(const System& system, const StepContext& context, const std::string& cause, const std::string& when);
 /// A sentence for every elastic body that is more than ten times its size at rest.
 std::vector<std::string> grownBodies(const System& system);
 /// Throws ComponentError when a mass or a force field has a Rayleigh factor and `method` (a sentence's subject) has no

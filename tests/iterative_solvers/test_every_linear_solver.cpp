@@ -2,6 +2,7 @@
 // What holds for every linear solver, on systems of an elastic block that no component made.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 #include "framework/algebra/parallel.h"
@@ -123,6 +124,36 @@ TEST_P(EveryLinearSolver, GivesZeroForAZeroRightSide) {
   EXPECT_EQ(dot(x, x), 0);
 }
 
+/// Of a block of right sides each is solved for as if it were alone: whole ones, those of two nodes, and one that is zero.
+TEST_P(EveryLinearSolver, SolvesForManyRightSidesAtOnce) {
+  StoredMatrix matrix = block(3).matrix();
+  const Eigen::MatrixXd a = matrix.dense();
+  for (const std::size_t count : {std::size_t(2), std::size_t(37)}) {
+    std::vector<Vector> b(count), x(count);
+    std::vector<ConstRows> asked;
+    std::vector<Rows> answers;
+    for (std::size_t i = 0; i < count; ++i) {
+      b[i] = randomVector(matrix.rows(), unsigned(i));
+      x[i].resize(matrix.rows());
+      for (Index row = 0; row < matrix.rows(); ++row)
+        if (i == 1 || (i % 3 == 2 && row / 2 != Index(i) % 20)) b[i][row].setZero();
+      asked.push_back(b[i]), answers.push_back(x[i]);
+    }
+    SolverInScene solver(GetParam().element);
+    const SolveReport report = solver.solver->solveAll(matrix, asked, answers);
+    EXPECT_TRUE(solved(report)) << describe(report.stop);
+    EXPECT_GE(report.iterations, int(count) - 1);
+    EXPECT_EQ(report.factored, GetParam().is_direct || GetParam().name.find("arp") != std::string::npos);
+    EXPECT_EQ(largest(x[1]), 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double left = (dense(b[i]) - a * dense(x[i])).norm();
+      EXPECT_LE(left, (GetParam().is_direct ? 1e-10 : 1.2 * tolerance) * norm(b[i])) << i;
+    }
+    b[0][4][1] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(solver.solver->solveAll(matrix, asked, answers).stop, SolveStop::not_finite);
+  }
+}
+
 TEST_P(EveryLinearSolver, NamesWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   StoredMatrix matrix = block(2).matrix();
@@ -152,6 +183,64 @@ TEST_P(EveryLinearSolver, SolvesAnIndefiniteSystemOrSaysThatItIsOne) {
     EXPECT_TRUE(solved(report)) << describe(report.stop);
     EXPECT_LT(relativeError(x, denseSolution(matrix.dense(), dense(b))), 1e-8);
   }
+}
+
+/// `matrix` and one more row, which nothing ties to the others.
+StoredMatrix withLooseRow(const StoredMatrix& matrix, double size) {
+  const BlockMatrix& from = matrix.values;
+  BlockPattern pattern(matrix.rows() + 1);
+  for (Index i = 0; i < from.rows(); ++i)
+    for (Index s = from.rowStart()[i]; s < from.rowStart()[i + 1]; ++s) {
+      const std::array<Index, 2> pair{i, from.columns()[s]};
+      pattern.addClique(pair.data(), 2);
+    }
+  BlockMatrix values(std::move(pattern));
+  for (Index i = 0; i < from.rows(); ++i)
+    for (Index s = from.rowStart()[i]; s < from.rowStart()[i + 1]; ++s)
+      values.add(i, from.columns()[s], Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from.values().data() + 9 * s));
+  values.add(matrix.rows(), matrix.rows(), size * Mat3::Identity());
+  return StoredMatrix(std::move(values));
+}
+
+TEST_P(EveryLinearSolver, MovesWhatIsFarLighterThanTheRest) {
+  const bool leaves_small_pivots = GetParam().name == "EigenSparseQR" || GetParam().name == "SVDLinearSolver";
+  if (leaves_small_pivots) return;  // of least squares
+  const StoredMatrix body = block(3).matrix();
+  for (const double mass : {1e-6, 1e-12, 1e-20}) {
+    StoredMatrix matrix = withLooseRow(body, mass);
+    Vector b = randomVector(matrix.rows(), 5), x;
+    b[body.rows()] = mass * Vec3(1, -2, 3);
+    SolverInScene solver(GetParam().element);
+    EXPECT_TRUE(solved(solver.solve(matrix, b, x))) << mass;
+    EXPECT_LT((x[body.rows()] - Vec3(1, -2, 3)).norm(), 4e-3 * dense(x).cwiseAbs().maxCoeff()) << mass;
+  }
+}
+
+TEST(LightRows, AreSeenByLooseSolves) {
+  const StoredMatrix body = block(8).matrix();
+  StoredMatrix matrix = withLooseRow(body, 1e-20);
+  Vector b = randomVector(matrix.rows(), 5);
+  const Eigen::VectorXd of_body = denseSolution(body.dense(), dense(b).head(3 * body.rows()));
+  const Vec3 exact = Vec3(1, -2, 3) * of_body.cwiseAbs().maxCoeff();
+  b[body.rows()] = 1e-20 * exact;
+  for (const std::string name :
+       {"CGLinearSolver preconditioner='none'", "CGLinearSolver preconditioner='block_jacobi'", "PCGLinearSolver preconditioner='none'",
+        "PCGLinearSolver preconditioner='block_jacobi'", "PCGLinearSolver preconditioner='ssor'", "MinResLinearSolver",
+        "AutomaticLinearSolver"}) {
+    SolverInScene solver("<" + name + " tolerance='1e-2' iterations='1000'/>");
+    Vector x;
+    EXPECT_TRUE(solved(solver.solve(matrix, b, x))) << name;
+    EXPECT_LT((x[body.rows()] - exact).cwiseAbs().maxCoeff(), 1e-2 * dense(x).cwiseAbs().maxCoeff()) << name;
+  }
+}
+
+TEST(LightRows, AreLeftWhereTheyAreBySofasEnds) {
+  StoredMatrix matrix = withLooseRow(block(3).matrix(), 1e-20);
+  Vector b = randomVector(matrix.rows(), 5), x;
+  SolverInScene solver("<CGLinearSolver tolerance='1e-5' iterations='100' absoluteThreshold='1e-300'/>");
+  b[matrix.rows() - 1] = 1e-20 * Vec3(1, 0, 0);
+  EXPECT_TRUE(solved(solver.solve(matrix, b, x)));
+  EXPECT_LT(x[matrix.rows() - 1].norm(), 1e-6);  // as SOFA leaves it
 }
 
 TEST_P(EveryLinearSolver, DoesNotSolveASingularSystemSilently) {

@@ -34,9 +34,9 @@ class CountingSolver final : public DirectSolver {
   mutable Applied applied;
   int solves = 0;  ///< with the last matrix
   bool needsSymmetric() const override { return true; }
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override {
+  SolveReport solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) override {
     solves = ++remembered_.of(matrix).solves;
-    return DirectSolver::solve(matrix, b, x, terms);
+    return DirectSolver::solveAll(matrix, b, x, terms);
   }
   void serializeFor(SystemMatrix& matrix, Archive& archive) override { archive.value("solves", remembered_.of(matrix).solves); }
   void keepFor(SystemMatrix& matrix) override { remembered_.of(matrix).kept = remembered_.of(matrix).solves; }

@@ -275,5 +275,21 @@ TEST(Sliding, CornersGiveNoEnergy) {
     }
 }
 
+/// By the trapezoidal rule, which damps nothing, it keeps its speed over them, but for what gravity does within a step.
+TEST(Sliding, CornersKeepEnergyByTheTrapezoidalRule) {
+  const std::vector<Vec3> wire{{0, 0, 0}, {1, -1, 0}, {2, -1, 0}, {3, -0.2, 0}, {4, 1, 0}};
+  for (const char* integrator : {"<TrapezoidalRuleSolver/>", "<TrapezoidalRuleSolver newtonIterations=\"20\"/>"})
+    for (const double dt : {0.0005, 0.001, 0.002}) {
+      SCOPED_TRACE(fmt::format("{} {}", integrator, dt));
+      Simulation simulation = simulationFromText(sceneOf(beadOn(wire, {0.2, -0.2, 0}), dt, "0 -10 0", integrator));
+      for (int i = 0; i < int(4 / dt); ++i) {
+        run(simulation, 1);
+        if (HasFatalFailure()) return;
+        const double speed = simulation.states()[0]->v()[5].norm();
+        ASSERT_NEAR(speed * speed / 2 + 10 * at(simulation, 5).y(), -2, 40 * dt) << "step " << i;
+      }
+    }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -318,6 +318,113 @@ def forces_of_constraint_have_the_directions_of_the_free_motion():
         differ(np.vstack([run.x("bodies.one.dofs"), run.x("bodies.two.dofs")]), x, 1e-4)
 
 
+def swept(W, g, blocks, l, most=1000, tolerance=1e-3, scaled=True, verified=False, sor=1.0, gradients=False):
+    """g + W l = 0 by SOFA's sweeps, with its ends."""
+    limit = tolerance * (len(g) if scaled and not verified else 1)
+
+    def sweep(l):
+        moved = []
+        for block in blocks:
+            part = np.ix_(block, block)
+            change = -np.linalg.solve(W[part], g[block] + W[block] @ l)
+            l[block] += change
+            moved += [np.linalg.norm(row * change) for row in W[part]]
+        return moved
+    if gradients:
+        first = l.copy()
+        sweep(l)
+        d = first - l
+        p = -d
+    for i in range(gradients, most):
+        before = l.copy()
+        moved = sweep(l)
+        if sor != 1:
+            l[:] = sor * l + (1 - sor) * before
+        if max(moved) <= limit if verified else sum(moved) < limit:
+            break
+        if gradients:
+            new = before - l
+            beta = new @ new / (d @ d)
+            d = new
+            if beta > 1:
+                p = np.zeros_like(p)
+            else:
+                l += beta * p
+                p = beta * p - d
+    return i + 1
+
+
+@case
+def forces_of_constraint_up_to_a_tolerance():
+    """SOFA's search for them is over where they move conditions by little, and goes on from there in the next step."""
+    apart, h = np.array([0.1, 0.05, -0.1]), 0.01
+    pairs, ends = ((3, 0), (2, 1), (1, 2)), "".join(f' {name}="{"{}"}"' for name in ("first_point", "second_point"))
+    between = '<BilateralLagrangianConstraint object1="@one/dofs" object2="@two/dofs"' + ends.format("3 2 1", "0 1 2") + '/>'
+    x0 = both_bodies(apart)[0]
+    rest = np.ravel([x0[4 + b] - x0[a] + [0.1, 0, 0] for a, b in pairs])
+    between = between.replace("/>", f' rest_vector="{numbers_of(rest)}"/>')
+    J = np.zeros((12, 21))
+    for i, (a, b) in enumerate(pairs):
+        J[3 * i:3 * i + 3, 3 * a:3 * a + 3], J[3 * i:3 * i + 3, 12 + 3 * b:15 + 3 * b] = -np.eye(3), np.eye(3)
+    J[9:, 18:] = np.eye(3)
+    offset = np.r_[rest, x0[6]]
+    blocks = [list(range(i, i + 3)) for i in range(0, 12, 3)]
+
+    def motion(soft=0.0, cold=False, **how):
+        x, v, mass, lists = both_bodies(apart)
+        l, counts = np.zeros(12), []
+        for _ in range(15):
+            A, b = damped_system(x, v, mass, lists)
+            C = np.zeros((21, 21))
+            C[3:, 3:] = np.linalg.inv(A[3:, 3:])
+            v = v + (C @ b).reshape(-1, 3)
+            x = x + h * v
+            W = h * J @ C @ J.T + soft * np.eye(12)
+            l = np.zeros(12) if cold else l
+            counts.append(swept(W, J @ x.ravel() - offset, blocks, l, **how))
+            dx = (h * C @ J.T @ l).reshape(-1, 3)
+            x, v = x + dx, v + dx / h
+        return x, max(counts)
+    kinds = (("Generic", "", {}), ("BlockGaussSeidel", 'tolerance="1e-5"', {"tolerance": 1e-5}), ("Generic", 'maxIt="2"', {"most": 2, "tolerance": 1e-3}),
+             ("Generic", 'tolerance="1e-4" scaleTolerance="0"', {"tolerance": 1e-4, "scaled": False}),
+             ("Generic", 'tolerance="1e-4" allVerified="1"', {"tolerance": 1e-4, "verified": True}),
+             ("Generic", 'tolerance="1e-5" sor="0.7"', {"tolerance": 1e-5, "sor": 0.7}),
+             ("Generic", 'tolerance="1e-5" regularizationTerm="0.02"', {"tolerance": 1e-5, "soft": 0.02}),
+             ("UnbuiltGaussSeidel", 'tolerance="1e-4"', {"tolerance": 1e-4, "cold": True}),
+             ("NNCG", 'tolerance="1e-5"', {"tolerance": 1e-5, "gradients": True}),
+             ("Generic", 'resolutionMethod="NonsmoothNonlinearConjugateGradient"', {"gradients": True}))
+    for kind, words, how in kinds:
+        loop = f'<FreeMotionAnimationLoop/><{kind}ConstraintSolver {words}/>'
+        scene = two_bodies(between, DAMPED_SOLVERS[1], apart, loop).replace("</Node></Node>", '</Node></Node>')
+        scene = scene.replace(springs_of(HANGING_SPRINGS), springs_of(HANGING_SPRINGS) + '<FixedLagrangianConstraint indices="2"/>')
+        scene = scene.replace("<UniformMass", "<LinearSolverConstraintCorrection/><UniformMass")
+        expected, most = motion(**how)
+        run = Run(scene, 15)
+        agree(np.vstack([run.x("bodies.one.dofs"), run.x("bodies.two.dofs")]), expected, 1e-9)
+        assert "makes constraints soft" not in run.text
+        if words != 'tolerance="1e-5"':
+            run = Run(scene, 15, args=["--without-quirk", "one-iteration"])
+            differ(np.vstack([run.x("bodies.one.dofs"), run.x("bodies.two.dofs")]), expected, 1e-5)
+    lone = scene.replace(loop, "<FreeMotionAnimationLoop/>")  # which makes a solver with the defaults
+    agree(Run(lone, 15).x("bodies.two.dofs"), motion()[0][4:], 1e-9)
+    Run(scene.replace(loop, "<FreeMotionAnimationLoop/><LCPConstraintSolver/>"), 1).says("takes all conditions as contacts")
+
+
+@case
+def fixed_points_go_to_where_they_rest():
+    """FixedLagrangianConstraint compares with rest positions; of frames with their orientations, too."""
+    rest = '0 0 0  1.5 0.2 0'
+    text = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0" rest_position="{}"/><UniformMass totalMass="2"/><LinearSolverConstraintCorrection/>'
+            '<FixedLagrangianConstraint indices="1"/>')
+    x = Run(root(FREE_LOOP + f'<Node name="a">{EXACT}{text.format(rest)}</Node>'), 3).x("a.dofs")
+    agree(x, [[0, fallen(3), 0], [1.5, 0.2, 0]])
+    turn, bent = turn_of(np.array([0.2, -0.1, 0.3])), turn_of(np.array([-0.1, 0.3, 0.1]))
+    frame = (f'<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 {numbers_of(turn)}" rest_position="0.1 0 -0.2 {numbers_of(bent)}"/>'
+             '<UniformMass totalMass="1"/><LinearSolverConstraintCorrection/><FixedLagrangianConstraint indices="0"/>')
+    x = Run(root(FREE_LOOP + f'<Node name="a">{EXACT}{frame}</Node>'), 12).x("a.dofs", 7)[0]
+    agree(x, np.r_[0.1, 0, -0.2, bent], 1e-6)
+
+
 @case
 def lengths_that_stay_at_rest():
     """constrainToRestPos: what a mapping measures stays what it is at rest; nothing is at zero then."""

@@ -22,10 +22,53 @@ def quirk_edge_polar():
     Run(scene.replace("polar", 'polar" updateStiffnessMatrix="1'), 3).says("updateStiffnessMatrix: takes polar factors")
 
 
+def proper(A):
+    """The nearest rotation."""
+    U, S, V = np.linalg.svd(A)
+    return U @ np.diag([1, 1, np.linalg.det(U @ V)]) @ V
+
+
+def edge_svd(now, then):
+    """The factor of the edges, until the cell is inside out: then of the edges now by those at rest."""
+    if np.linalg.det(now) / np.linalg.det(then) >= 1e-6:
+        return edge_polar(now, then)
+    return polar(then) @ proper(np.linalg.inv(then) @ now) @ polar(then).T
+
+
+@case
+def cells_that_turn_inside_out():
+    """SOFA's polar factors are reflections there, and the nearest rotations for svd and stable_polar."""
+    corners = np.array([[0, 0, 0], [2, 0.3, 0], [0.4, 3, 0.2], [0.3, 0.5, 1.5]])
+    nodes = [corners[list(order)] for order in ((0, 1, 2, 3), (0, 2, 1, 3))]
+    nodes_svd = lambda now, then: proper(node_sum(now, then))
+    ways = (("TetrahedronFEMForceField", 'method="polar"', edge_polar), ("TetrahedronFEMForceField", 'method="svd"', edge_svd),
+            ("TetrahedralCorotationalFEMForceField", 'method="polar"', edge_polar),
+            ("CorotationalFEMForceField", 'template="Vec3,Tetrahedron" rotationMethod="polar"', node_polar),
+            ("CorotationalFEMForceField", 'template="Vec3,Tetrahedron" rotationMethod="stable_polar"', nodes_svd))
+    for X, (kind, way, turn) in itertools.product(nodes, ways):
+        signs = set()
+
+        def watched(now, then):
+            signs.add(np.sign(np.linalg.det(now) * np.linalg.det(then)))
+            return turn(now, then)
+        speed = np.vstack([np.zeros((3, 3)), 20 * (X[:3].mean(axis=0) - X[3]) + [1, -2, 0.5]])
+        scene = root(EXACT + f'<MeshTopology position="{numbers_of(X)}" tetrahedra="0 1 2 3"/><MechanicalObject name="dofs" '
+                     f'velocity="{numbers_of(speed)}"/><UniformMass totalMass="4"/><{kind} {way} youngModulus="30" poissonRatio="0.3"/>'
+                     '<FixedConstraint indices="0 1 2"/>')
+        fields = together(gravity(np.ones(4), [0, -10, 0]), tetrahedra([(0, 1, 2, 3)], X, 30, 0.3, watched))
+        expected = euler(X, np.eye(4), fields, 40, 0.01, v=speed, held=[0, 1, 2])
+        assert signs == {-1, 1}, (kind, way, signs)
+        agree(Run(scene, 40).x(), expected, 1e-9)
+
+
+def node_sum(now, then):
+    p, q = (np.column_stack([np.zeros(3), edges]) for edges in (now, then))
+    return (p - p.mean(axis=1, keepdims=True)) @ (q - q.mean(axis=1, keepdims=True)).T
+
+
 def node_polar(now, then):
     """Of the sum over the nodes of (x - c)(X - C)^T."""
-    p, q = (np.column_stack([np.zeros(3), edges]) for edges in (now, then))
-    return polar((p - p.mean(axis=1, keepdims=True)) @ (q - q.mean(axis=1, keepdims=True)).T)
+    return polar(node_sum(now, then))
 
 
 @case

@@ -151,6 +151,9 @@ def engines_that_nobody_reads():
                    '<Node name="seen"><OglModel position="@../s.position"/></Node>'), 10)
     falls(run)
     run.says("DisplacementMatrixEngine, which nothing with an effect reads", "NormEngine")
+    run = Run(root(EXACT + BODY + '<MeanComputation name="m"/><DataExchange name="d" from="@dofs.position" to="@dofs.rest_position"/>'), 10)
+    falls(run)
+    run.says("MeanComputation, which nothing with an effect reads", "copies values between parts of a scene")
     Run(root(EXACT + '<DisplacementMatrixEngine name="s"/><MechanicalObject position="@s.indices"/><UniformMass totalMass="1"/>'), 1).fails(
         2, "DisplacementMatrixEngine")
 

@@ -476,14 +476,18 @@ def arms_of_hinges_and_slides():
     text = (centre.format("one", 0, 1, *map(numbers_of, joints[0]), parts[0] + parts[1]) +
             centre.format("two", 1, 2, *map(numbers_of, joints[1]), parts[2]))
     for solver in (EXACT, '<EulerImplicitSolver/><CGLinearSolver iterations="300" tolerance="1e-15" threshold="0"/>'):
-        run = Run(root(f'<Node name="arm">{solver}<MechanicalObject name="y" template="Vec1" position="{numbers_of(start)}" rest_position='
-                       '"0 0 0"/><UniformMass vertexMass="0.01"/><RestShapeSpringsForceField stiffness="4"/>'
-                       f'<ArticulatedHierarchyContainer/>{text}<Node name="rigid"><MechanicalObject template="Rigid3" name="dofs" position='
-                       f'"0 0 0 0 0 0 1 {numbers_of(frames_at(start))}"/><UniformMass vertexMass="2 1 0.1 0 0 0 0.2 0 0 0 0.3"/>'
-                       f'<ConstantForceField indices="1 2" forces="{numbers_of(loads)}"/><ArticulatedSystemMapping input1="@../y" '
-                       'output="@dofs"/></Node></Node>'), 6)
+        arm = root(f'<Node name="arm">{solver}<MechanicalObject name="y" template="Vec1" position="{numbers_of(start)}" rest_position='
+                   '"0 0 0"/><UniformMass vertexMass="0.01"/><RestShapeSpringsForceField stiffness="4"/>'
+                   f'<ArticulatedHierarchyContainer/>{text}<Node name="rigid"><MechanicalObject template="Rigid3" name="dofs" position='
+                   f'"0 0 0 0 0 0 1 {numbers_of(frames_at(start))}"/><UniformMass vertexMass="2 1 0.1 0 0 0 0.2 0 0 0 0.3"/>'
+                   f'<ConstantForceField indices="1 2" forces="{numbers_of(loads)}"/><ArticulatedSystemMapping input1="@../y" '
+                   'output="@dofs"/></Node></Node>')
+        run = Run(arm, 6)
         agree(run.x("arm.y", 1)[:, 0], y, 1e-8)
         agree(run.x("arm.rigid.dofs", 7)[1:], frames_at(y), 1e-8)
+    added = Run(arm.replace("<ArticulationCenter", '<ArticulationCenter articulationProcess="2"'), 6)
+    agree(added.x("arm.y", 1)[:, 0], y, 1e-8)
+    added.says("articulationProcess: adds up the turns of all steps in SOFA")
 
 
 @case

@@ -326,6 +326,12 @@ def damping_of_frames_and_numbers():
     agree(Run(numbers[1], 20).x("dofs", 1)[:, 0], [way(3), 2 * way(5)])
     six = Run(node(EXACT + along.format("Vec6", "0 0 0 0 0 0", "1 1 1 1 1 1", "1 2 3 4 5 6")), 20)
     agree(six.x("dofs", 6)[0], [way(c) for c in range(1, 7)])
+    # the last coefficients are those of all nodes beyond the list, and none damp nothing
+    points = node(EXACT + along.format("Vec3", "0 0 0  0 0 0  0 0 0", "1 1 1  1 1 1  1 1 1", "1 2 3  4 5 6"))
+    agree(Run(points, 20).x(), [[way(c) for c in of] for of in ((1, 2, 3), (4, 5, 6), (4, 5, 6))])
+    free = Run(points.replace("1 2 3  4 5 6", ""), 20)
+    agree(free.x(), np.full((3, 3), 0.2))
+    free.says("has no coefficient: it does nothing")
 
 
 @case
@@ -589,6 +595,48 @@ def frames_drawn_to_others():
         expected = euler_frames(frames, inertia, field, 8, 0.01)
         run = Run(scene, 8)
         agree(run.x("b.dofs", 7), expected * np.where(expected[:, 6:] < 0, [1, 1, 1, -1, -1, -1, -1], 1))
+
+
+@case
+def nodes_that_attract_each_other_and_keep_apart():
+    """All pairs below dmax; pulls up to fmax, the tangent along the pair alone, and damping outside of it."""
+    x = np.array([[0, 0, 0], [1.1, 0, 0], [0.5, 0.9, 0], [0.6, 0.4, 1], [0.7, 2.4, 0.3]])
+    v = np.array([[0, 0.3, 0], [0.1, 0, 0], [0, -0.4, 0.2], [0, 0, -0.5], [0.2, 0, 0]])
+
+    def field(pull, push, alpha, beta, reach, most, c, whole=False):
+        def forces(x, v):
+            f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+            for i, j in itertools.combinations(range(len(x)), 2):
+                d = np.linalg.norm(x[j] - x[i])
+                if d >= reach:
+                    continue
+                n = (x[j] - x[i]) / d
+                t = min(pull(d) - push(d), most)
+                slope = 0 if t == most else -((alpha + 1) * pull(d) - (beta + 1) * push(d)) / d
+                force = t * n + c * (v[j] - v[i])
+                f[i] += force
+                f[j] -= force
+                block = slope * np.outer(n, n) + whole * t / d * (np.eye(3) - np.outer(n, n))
+                for a, b, sign in ((i, i, -1), (j, j, -1), (i, j, 1), (j, i, 1)):
+                    K[3 * a:3 * a + 3, 3 * b:3 * b + 3] += sign * block
+            return f, K
+        return forces
+
+    def molecules(alpha=6, beta=12, d0=1.0, p0=1.0, reach=2.0, most=1.0, c=0.0, whole=False):
+        a, b = p0 * d0 ** alpha / (1 - alpha / beta), p0 * d0 ** beta / (beta / alpha - 1)
+        return field(lambda d: a * alpha / d ** (alpha + 1), lambda d: b * beta / d ** (beta + 1), alpha, beta, reach, most, c, whole)
+    body = (f'<MechanicalObject name="dofs" position="{numbers_of(x)}" velocity="{numbers_of(v)}"/><UniformMass totalMass="5"/>'
+            '<LennardJonesForceField {}/>')
+    ways = (("", molecules()), ('fmax="1.5" dmax="2.2" d0="0.95" p0="0.8" damping="0.3"', molecules(d0=0.95, p0=0.8, reach=2.2, most=1.5, c=0.3)),
+            ('alpha="3" beta="7" fmax="100" dmax="9"', molecules(3, 7, reach=9, most=100)),
+            ('aInit="0.7" alpha="1" beta="0" fmax="0.5" dmax="5"', field(lambda d: 0.7 / d ** 2, lambda d: 0, 1, 0, 5, 0.5, 0)))
+    for words, forces in ways:
+        expected = euler(x, np.eye(5), together(gravity(np.ones(5), [0, -10, 0]), forces), 30, 0.01, v=v)
+        agree(Run(root(EXACT + body.format(words)), 30).x(), expected, 1e-9)
+        assert np.abs(expected - euler(x, np.eye(5), gravity(np.ones(5), [0, -10, 0]), 30, 0.01, v=v)).max() > 0.01
+    whole = euler(x, np.eye(5), together(gravity(np.ones(5), [0, -10, 0]), molecules(3, 7, reach=9, most=100, whole=True)), 30, 0.01, v=v)
+    agree(Run(root(EXACT + body.format(ways[2][0])), 30, args=["--without-quirk", "torsion-tangent"]).x(), whole, 1e-9)
+    differ(Run(root(EXACT + body.format(ways[2][0])), 30).x(), whole, 1e-6)
 
 
 main()

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numeric>
 #include <span>
@@ -185,10 +186,10 @@ class Recovery {
     around_.resize(first_around_.back());
     std::vector<std::size_t> next(first_around_.begin(), first_around_.end() - 1);
     for (std::size_t c = 0; c < cells_.size(); ++c)
-      for (const Index n : cells_[c]) around_[next[std::size_t(n)]++] = c;
+      for (const Index n : cells_[c]) around_[next[std::size_t(n)]++] = std::uint32_t(c);
   }
 
-  std::span<const std::size_t> around(std::size_t node) const {
+  std::span<const std::uint32_t> around(std::size_t node) const {
     return std::span(around_).subspan(first_around_[node], first_around_[node + 1] - first_around_[node]);
   }
 
@@ -196,7 +197,7 @@ class Recovery {
   std::optional<Fit> fitAt(std::size_t node) const {
     constexpr std::size_t fewest = is_flat ? 5 : 2 * terms;
     constexpr double least = is_quadratic ? 1e-4 : 0.01;
-    const std::span<const std::size_t> cells = around(node);
+    const std::span<const std::uint32_t> cells = around(node);
     std::vector<std::size_t> samples;
     samples.reserve(samples_ * cells.size());
     for (const std::size_t c : cells)
@@ -222,23 +223,33 @@ class Recovery {
     return fit;
   }
 
+  /// Fits are large: only those that nodes without one ask for are kept.
   void fitAll() {
-    std::vector<std::optional<Fit>> fits(rest_.size());
-    for (std::size_t n = 0; n < rest_.size(); ++n) fits[n] = fitAt(n);
-    for (std::size_t n = 0; n < rest_.size(); ++n)
-      at_node_.push_back(fits[n] ? Strain(fits[n]->of.col(0)) : beside(n, fits));
+    std::vector<std::size_t> without;
+    at_node_.assign(rest_.size(), Strain::Zero());
+    for (std::size_t n = 0; n < rest_.size(); ++n) {
+      if (const std::optional<Fit> fit = fitAt(n)) at_node_[n] = fit->of.col(0);
+      else without.push_back(n);
+    }
+    std::map<Index, std::optional<Fit>> fits;
+    for (const std::size_t n : without)
+      for (const std::size_t c : around(n))
+        for (const Index other : cells_[c])
+          if (const auto [place, is_new] = fits.try_emplace(other); is_new) place->second = fitAt(std::size_t(other));
+    for (const std::size_t n : without) at_node_[n] = beside(n, fits);
   }
 
   /// What the fits around say of a node without one; where there are none, the mean of its cells.
-  Strain beside(std::size_t node, const std::vector<std::optional<Fit>>& fits) const {
+  Strain beside(std::size_t node, const std::map<Index, std::optional<Fit>>& fits) const {
     Strain sum = Strain::Zero(), mean = Strain::Zero();
     int count = 0;
-    const std::span<const std::size_t> cells = around(node);
+    const std::span<const std::uint32_t> cells = around(node);
     for (const std::size_t c : cells) {
       for (std::size_t k = 0; k < samples_; ++k) mean += strain_[samples_ * c + k] / double(samples_ * cells.size());
       for (const Index other : cells_[c]) {
-        if (!fits[std::size_t(other)]) continue;
-        sum += fits[std::size_t(other)]->at(rest_[node] - rest_[std::size_t(other)]), ++count;
+        const std::optional<Fit>& fit = fits.at(other);
+        if (!fit) continue;
+        sum += fit->at(rest_[node] - rest_[std::size_t(other)]), ++count;
       }
     }
     return count > 0 ? Strain(sum / count) : mean;
@@ -254,7 +265,8 @@ class Recovery {
   std::vector<Vec3> place_;                         ///< of them, shape (cells * samples_)
   std::vector<Strain> strain_;                      ///< the same
   std::vector<double> size_;                        ///< det dX/dxi there
-  std::vector<std::size_t> first_around_, around_;  ///< cells around each node, in rows
+  std::vector<std::size_t> first_around_;            ///< of each node in the next
+  std::vector<std::uint32_t> around_;                ///< cells around each node, in rows
   std::vector<Strain> at_node_;
 };
 

@@ -84,6 +84,11 @@ double largestVolumeRatio(const ForceField& field, ConstRows x) {
   return largest;
 }
 
+std::string actsOnIt(const ForceField& field, const System& system) {
+  const std::string worst = worstElementOf(field, system, system.x);
+  return field.path() + " acts on it" + (worst.empty() ? "" : ", its worst element: " + worst);
+}
+
 Index firstBadRow(ConstRows rows) {
   for (Index i = 0; i < rows.count; ++i)
     if (!rows[i].allFinite()) return i;
@@ -124,8 +129,7 @@ std::string FaultWatch::firstNonFinite(ConstRows x, ConstRows v) const {
   for (const ForceField* field : system_.forceFields()) {
     const Index local = row - field->state().firstRow();
     if (local < 0 || local >= field->state().size()) continue;
-    const std::string worst = field->worstElement(system_.x);
-    text += "; " + field->path() + " acts on it" + (worst.empty() ? "" : ", its worst element: " + worst);
+    text += "; " + actsOnIt(*field, system_);
   }
   return text;
 }
@@ -145,8 +149,7 @@ std::string FaultWatch::firstBurst(ConstRows before) const {
     const bool too_far =
         now > too_large * rest || (now > burst * rest && largestVolumeRatio(*field, system_.x) > burst);
     if (rest > 0 && too_far && now > sizeAt(state, before))
-      return fmt::format("{} has grown to {:.2g} times its size at rest; {} acts on it", state.path(), now / rest,
-                         field->path());
+      return fmt::format("{} has grown to {:.2g} times its size at rest; {}", state.path(), now / rest, actsOnIt(*field, system_));
   }
   return {};
 }

@@ -100,6 +100,17 @@ Input inputOf(const std::string& state, const std::vector<Index>& nodes, const s
   return input;
 }
 
+/// Cells and points that go and come, by the word of a kind ("tetrahedra"): see MeshChange.
+std::vector<std::string> changeMesh(Ref engine, const std::string& topology, const std::string& kind, const std::vector<Index>& removed,
+                                    const std::vector<std::vector<Index>>& added, long points, bool keeps_points) {
+  MeshChange change{nullptr, nullptr, removed, added, {}, keeps_points};
+  for (const CellKind* each : cell_kinds::all)
+    if (each->plural == kind) change.kind = each;
+  if (!change.kind) throw ComponentError("there are no cells '" + kind + "'");
+  change.points.resize(std::size_t(std::max(0L, points)));
+  return engine->changeMesh(topology, std::move(change));
+}
+
 py::array cellField(Ref engine, const std::string& path, const std::string& name) {
   const auto* field = dynamic_cast<const ForceField*>(&engine->component(path));
   if (!field) throw ComponentError(path + " is no force field and has no fields of cells");
@@ -228,6 +239,9 @@ static void bindParts(EngineClass& engine) {
              return names;
            })
       .def("set", &setAttribute)
+      .def_property_readonly("mesh_changes", [](Ref self) { return self->session().meshChanges(); })
+      .def("watch_solves", &Engine::watchSolves)
+      .def("change_mesh", &changeMesh)
       .def("edits",
            [](Ref self) {
              py::list out;

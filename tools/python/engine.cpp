@@ -3,6 +3,7 @@
 
 #include "tools/python/termination.h"
 #include "tools/session/drop_readers.h"
+#include "tools/session/given_changes.h"
 
 namespace stroma::python {
 namespace {
@@ -45,6 +46,7 @@ std::vector<Override> overridesOf(const py::list& list) {
 }
 
 Engine::~Engine() {
+  if (last_solve_ && solveWatch() == last_solve_.get()) solveWatch() = nullptr;
   try {
     if (own_) own_->unload();
   } catch (const std::exception& error) {  // an observer could not write its end
@@ -67,6 +69,22 @@ void Engine::load(Diagnostics diagnostics, bool observed) {
 void Engine::meshChanged() {
   if (keeps_forces_)
     for (State* state : simulation_->states()) state->requestForce();
+  forcesAreOld();
+}
+
+std::vector<std::string> Engine::changeMesh(const std::string& path, MeshChange change) {
+  Simulation& running = between();
+  if (!own_) throw std::runtime_error("a mesh of a scene that the command runs is changed by components of the scene alone");
+  change.topology = dynamic_cast<const Topology*>(&component(path));
+  if (!change.topology) throw ComponentError(path + " is no mesh", "a container of cells");
+  const MeshChangesMade made = makeGivenChanges(running, session_.factory(), session_.modules(), {std::move(change)}, path);
+  meshChanged();
+  return made.notes;
+}
+
+void Engine::placeStill(const std::string& path, std::vector<Vec3> places) {
+  dynamic_cast<State&>(component(path)).position = places;
+  placed_[path] = std::move(places);
   forcesAreOld();
 }
 
@@ -109,6 +127,7 @@ std::shared_ptr<Engine> Engine::copy() {
   other->load({}, false);
   if (keeps_forces_) other->requestForces();
   other->restore(checkpoint());
+  for (const auto& [path, places] : placed_) other->placeStill(path, places);
   return other;
 }
 
@@ -116,6 +135,7 @@ Engine& Engine::twin() {
   between();
   if (twin_) {
     twin_->restore(checkpoint());
+    for (const auto& [path, places] : placed_) twin_->placeStill(path, places);
   } else {
     twin_ = copy();
   }
@@ -162,6 +182,7 @@ RunReport Engine::run(std::optional<long> steps, std::optional<double> until, co
   limits.reached = [this](const Simulation&) { return is_enough_.exchange(false); };
   is_enough_ = false;
   const InUse used(*this);
+  const LastSolve::Watching watching(last_solve_.get());
   RunReport report;
   {
     const EndingSignals signals(&session_, heeds_interrupts);

@@ -2,12 +2,15 @@
 // A simulation as Python holds it.
 #pragma once
 #include <atomic>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "framework/simulation/mesh_changer.h"
+#include "tools/python/last_solve.h"
 #include "tools/python/python.h"
 #include "tools/session/session.h"
 
@@ -62,6 +65,20 @@ class Engine {
   /// Ends at a limit; `begin` and `end` are called with `owner` before and after each step.
   RunReport run(std::optional<long> steps, std::optional<double> until, const py::list& begin, const py::list& end,
                 const py::object& owner, bool heeds_interrupts);
+  /// From now on the equations of the last step of each system are kept.
+  void watchSolves() {
+    if (!last_solve_) last_solve_ = std::make_unique<LastSolve>();
+  }
+  /// Null: nobody has asked for them.
+  LastSolve* lastSolve() const { return last_solve_.get(); }
+
+  /// Changes a mesh at once, of a session of its own: the scene goes on with the other one, and states and components are others.
+  /// Returns what is left to say. Throws ComponentError; nothing has changed then.
+  std::vector<std::string> changeMesh(const std::string& topology, MeshChange change);
+
+  /// Where states are that nothing moves and that a scene has put elsewhere, by their paths; a copy has them there too.
+  void placeStill(const std::string& path, std::vector<Vec3> places);
+
   /// A run that is under way ends with its present step.
   void endAfterStep() { is_enough_ = true; }
 
@@ -76,6 +93,8 @@ class Engine {
   SceneDescription source_;
   std::vector<Override> overrides_;
   std::shared_ptr<Engine> twin_;
+  std::map<std::string, std::vector<Vec3>> placed_;
+  std::unique_ptr<LastSolve> last_solve_;
   std::vector<Vector> restored_;  ///< constraintForces() of a checkpoint, until something steps
   bool keeps_forces_ = false;     ///< requestForces()
   bool told_of_old_arrays_ = false;

@@ -159,6 +159,13 @@ py::array forceOf(const std::shared_ptr<Engine>& engine, const std::string& inte
   return out;
 }
 
+/// Of the last step, of an engine whose solves are watched.
+LastSolve& lastSolveOf(Engine& engine) {
+  engine.between();
+  if (!engine.lastSolve()) throw std::runtime_error("nobody watches the solves of steps: watch_solves() comes before the step");
+  return *engine.lastSolve();
+}
+
 }  // namespace
 
 void bindMatrices(py::module_& module) {
@@ -166,6 +173,16 @@ void bindMatrices(py::module_& module) {
   module.def("matrix_of_part", &partOf);
   module.def("solution_of", &solutionOf);
   module.def("force_of", &forceOf);
+  module.def("last_equations", [](const std::shared_ptr<Engine>& engine, const std::string& integrator) {
+    return lastSolveOf(*engine).equations(systemOf(*engine, integrator));
+  });
+  module.def("last_gradients", [](const std::shared_ptr<Engine>& engine, const std::string& integrator) {
+    return lastSolveOf(*engine).gradients(systemOf(*engine, integrator));
+  });
+  // of a step that somebody else makes in this thread
+  module.def("watch_step", [](const std::shared_ptr<Engine>& engine, bool is_made) {
+    solveWatch() = is_made ? engine->lastSolve() : nullptr;
+  });
   module.def("systems_of", [](const std::shared_ptr<Engine>& engine) {
     py::list out;
     for (const auto& system : engine->simulation().systems()) {

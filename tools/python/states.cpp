@@ -11,6 +11,7 @@
 #include "framework/mechanics/state_topology.h"
 #include "framework/simulation/integrator.h"
 #include "tools/python/engine.h"
+#include "tools/python/played.h"
 
 namespace stroma::python {
 namespace {
@@ -143,6 +144,19 @@ Index set(const StateRef& self, const py::object& x, const py::object& v) {
   return kept;
 }
 
+/// Where points are that nothing moves, as those of a tool that a scene places: surfaces on them are there from the next step on.
+/// False for what moves, and for others than points.
+bool placeStill(const std::shared_ptr<Engine>& engine, const std::string& path, const Array& places) {
+  engine->between();
+  auto* const state = dynamic_cast<State*>(&engine->component(path));
+  if (!state || state->isBound() || !state->hasPointsOnly()) return false;
+  if (places.ndim() != 2 || places.shape(0) != py::ssize_t(state->position.size()) || places.shape(1) != 3) return false;
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < state->position.size(); ++i) points.emplace_back(places.data() + 3 * i);
+  engine->placeStill(path, std::move(points));
+  return true;
+}
+
 template <class Cells>
 void addCells(py::dict& out, const char* name, const Cells& cells) {
   if (cells.empty()) return;
@@ -200,6 +214,7 @@ void bindStates(py::module_& module) {
           "address", [](const StateRef& self) { return reinterpret_cast<std::uintptr_t>(self.state().x().data); })
       .def("set", &set, py::arg("x") = py::none(), py::arg("v") = py::none())
       .def("mesh", &meshOf);
+  module.def("place_still", &placeStill);
   module.def("states_of", &statesOf);
   module.def("request_forces", [](const std::shared_ptr<Engine>& engine) { engine->requestForces(); });
 }

@@ -15,6 +15,7 @@
 #include "tools/session/carried_values.h"
 #include "tools/session/changed_description.h"
 #include "tools/session/changed_nodes.h"
+#include "tools/session/given_changes.h"
 #include "tools/session/owned_values.h"
 
 namespace stroma {
@@ -31,7 +32,7 @@ std::string pathOf(const MeshChanger* changer) { return dynamic_cast<const Compo
 
 /// What is due, and who wants it.
 struct Due {
-  MeshChanger* changer = nullptr;
+  std::string who;
   MeshChange change;
 };
 
@@ -41,7 +42,7 @@ std::vector<Due> dueOf(const Simulation& simulation) {
   if (!changers.empty()) simulation.complete();
   for (MeshChanger* changer : changers) try {
       for (MeshChange& change : changer->changesAt(simulation.time(), simulation.dt()))
-        all.push_back({changer, std::move(change)});
+        all.push_back({pathOf(changer), std::move(change)});
     } catch (const ComponentError& error) {
       throw ComponentError(pathOf(changer) + ": " + error.what(), error.expected, error.suggestion);
     }
@@ -76,13 +77,9 @@ void addWarnings(const Simulation& before, const Simulation& after, std::vector<
           fmt::format("{}, since its mesh changed at t = {:.6g} s: {}", problem.path, before.time(), problem.message));
 }
 
-}  // namespace
-
-MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules) {
+MeshChangesMade makeAll(Simulation& simulation, Factory& factory, Modules& modules, const std::vector<Due>& all) {
   MeshChangesMade made;
   std::vector<std::string>& notes = made.notes;
-  const std::vector<Due> all = dueOf(simulation);
-  if (all.empty()) return made;
   const Span span("change meshes");
   std::vector<ChangedMesh> meshes;
   std::vector<const Topology*> topologies;
@@ -95,7 +92,7 @@ MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Module
       }
       meshes[std::size_t(at)].edit.make(due.change);
     } catch (const ComponentError& error) {
-      throw ComponentError(pathOf(due.changer) + ": " + error.what(), error.expected, error.suggestion);
+      throw ComponentError(due.who + ": " + error.what(), error.expected, error.suggestion);
     }
   SceneDescription scene = simulation.scene().description;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
@@ -116,11 +113,28 @@ MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Module
   } catch (const std::runtime_error& error) {
     throw ComponentError(std::string("the run cannot go on with the other mesh: ") + error.what());
   }
-  for (MeshChanger* changer : changersOf(simulation)) changer->changesMade(simulation.time(), simulation.dt());
   made.any = true;
   for (const ChangedMesh& mesh : meshes)
     for (const std::string& state : mesh.followed.states) made.nodes[state] = mesh.edit.points().now();
   return made;
+}
+
+}  // namespace
+
+MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules) {
+  const std::vector<Due> all = dueOf(simulation);
+  if (all.empty()) return {};
+  MeshChangesMade done = makeAll(simulation, factory, modules, all);
+  for (MeshChanger* changer : changersOf(simulation)) changer->changesMade(simulation.time(), simulation.dt());
+  return done;
+}
+
+MeshChangesMade makeGivenChanges(Simulation& simulation, Factory& factory, Modules& modules, std::vector<MeshChange> changes,
+                                 const std::string& who) {
+  simulation.complete();
+  std::vector<Due> all;
+  for (MeshChange& change : changes) all.push_back({who, std::move(change)});
+  return makeAll(simulation, factory, modules, all);
 }
 
 void writeChangedScene(const Simulation& simulation, Archive& archive) {

@@ -197,18 +197,18 @@ std::string Session::changeMeshes() {
 StepReport Session::step(StopToken stop) {
   Simulation& running = simulation();
   mesh_refused_ = false;
-  if (!program_) {
+  if (program_) {
+    program_->beforeStep(running);
+  } else {
     running.begin();
     // what a replay does before this step may move a region, and numbers nodes as they were then
     if (follows_mesh_changes_ && running.director()) running.director()->beforeStep(running);
-    StepReport refused;
-    refused.reason = changeMeshes();
-    mesh_refused_ = refused.diverged = !refused.reason.empty();
-    return refused.diverged ? refused : running.step(stop);
   }
-  program_->beforeStep(running);
-  StepReport report = running.step(stop);
-  if (!report.stopped && !report.diverged) program_->afterStep(running);
+  StepReport report;
+  report.reason = changeMeshes();
+  mesh_refused_ = report.diverged = !report.reason.empty();
+  if (!report.diverged) report = running.step(stop);
+  if (program_ && !report.stopped && !report.diverged) program_->afterStep(running);
   return report;
 }
 

@@ -96,7 +96,7 @@ class Session {
   StepReport step(StopToken stop = {});
   /// From now on meshes may change at the start of steps (tools/session/mesh_changes.h): who holds on to states or components of the
   /// scene beyond a step must look them up again; `changed` is called when they are others, before the step is made. Else a step
-  /// in which a mesh would change is refused. Without effect on a program.
+  /// in which a mesh would change is refused.
   void followMeshChanges(std::function<void(const NodesNow&)> changed = {}) {
     follows_mesh_changes_ = true, mesh_changed_ = std::move(changed);
   }

@@ -102,7 +102,7 @@ bool isAcceptedType(std::string_view type) {
       "TextureInterpolation", "VisualManagerPass", "VisualManagerSecondaryPass", "TransparencyManager*", "Distances",
       "ExtraMonitor", "DataMonitor", "TimeMonitor", "PerformanceMonitor", "TimeProfiler*", "CameraCalibration*", "SceneChecker*",
       "AssetLoader*", "AddPluginRepository",
-      "AnimationLoopParallelScheduler", "TetrahedronHyperelasticityFEMDrawing",
+      "AnimationLoopParallelScheduler", "DataExchange", "TetrahedronHyperelasticityFEMDrawing",
       // what a mouse does
       "*MouseInteractor", "RayPickInteractor", "RemovePrimitivePerformer*",
       "InciseAlongPathPerformer*", "*BodyPerformer", "AddFramePerformer", "FixParticlePerformer",
@@ -125,7 +125,7 @@ bool isEngineOfSofa(std::string_view type) {
       "ValuesFromIndices", "ValuesFromPositions", "Vertex2Frame", "VolumeFromTetrahedrons", "VolumeFromTriangles",
       "VolumeFromVolumetricElements", "Generate*", "GridMeshCreator", "StringMeshCreator", "ExtrudeEdgesAndGenerateQuads",
       "ExtrudeQuadsAndGenerateHexas", "VoxelGridLoader", "MeshXspLoader", "MeshTrianLoader", "GIDMeshLoader", "SphereLoader",
-      "ArrayValues*"};
+      "ArrayValues*", "MeanComputation"};
   return std::any_of(engines.begin(), engines.end(), [&](std::string_view each) { return matches(each, type); });
 }
 
@@ -174,8 +174,7 @@ std::string_view typeHere(std::string_view type) {
       {"HexahedralFEMForceFieldAndMass", "HexahedronFEMForceField"}, {"RepulsiveSpringForceField", "SpringForceField"},
       {"NonUniformHexahedronFEMForceFieldAndMass", "NonUniformHexahedronFEMForceField"},
       {"HexahedronCompositeFEMForceFieldAndMass", "HexahedronCompositeFEMForceField"},
-      {"HexahedronCompositeFEMMapping", "BarycentricMapping"}, {"BlockGaussSeidelConstraintSolver", "GenericConstraintSolver"},
-      {"ProjectedGaussSeidelConstraintSolver", "GenericConstraintSolver"}, {"NNCGConstraintSolver", "GenericConstraintSolver"},
+      {"HexahedronCompositeFEMMapping", "BarycentricMapping"},
       {"ParallelTetrahedronFEMForceField", "TetrahedronFEMForceField"}, {"ParallelHexahedronFEMForceField", "HexahedronFEMForceField"},
       {"ParallelCGLinearSolver", "CGLinearSolver"}, {"ParallelMeshSpringForceField", "MeshSpringForceField"},
       {"ParallelSpringForceField", "SpringForceField"}, {"ParallelStiffSpringForceField", "SpringForceField"},

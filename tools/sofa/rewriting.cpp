@@ -87,7 +87,7 @@ void Rewriting::run() {
   takeExternalForces();
   tree_->forEach([this](Element& element) { rewriteAttributes(element); });
   tree_->forEach([this](Element& element) { applyMeaning(element); });
-  tree_->finish();
+  addSweeps(), tree_->finish();
   std::string ways;
   for (const std::string& line : quirks_.lines()) ways += (ways.empty() ? "" : "; ") + line;
   diagnostics_.note(scene_.root.where, dialect_note,

@@ -38,6 +38,7 @@ class Rewriting {
   void fillParts(Element& field);
   void meanVoxels(Element& field);  // rewritten_masses.cpp
   void makeChains();                // rewritten_shapes.cpp
+  void meanJoint(Element& joint);   // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
   void chooseSolvers();
@@ -131,6 +132,8 @@ class Rewriting {
   void meanForceOfConstraint(const Element& constraint);
   bool findsForcesOfConstraint(const Element& asker);
   void meanSkeleton(Element& constraint);
+  void addSweeps();
+  bool areForcesSwept();
   void meanPairs(Element& pairs, bool is_assembled);
   void meanSlidingPlane(Element& plane, bool is_assembled);
   bool isAssembled(const Element& integrator) const;

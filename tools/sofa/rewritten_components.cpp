@@ -43,6 +43,8 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "Lagrangian constraint") meanForceOfConstraint(element);
   if (element.is("BilateralLagrangianConstraint") && saysYes(element.text("keepOrientationDifference")))
     setDefault(element, "keepCentreDifference", "true");
+  if (element.is("FixedLagrangianConstraint")) setDefault(element, "atRest", "true");
+  if (element.is("ArticulationCenter")) meanJoint(element);
   meanTimes(element);
   if (isActuator(element)) meanActuator(element);
   // rest positions stay as they are written: in the axes of the frames
@@ -190,6 +192,7 @@ void Rewriting::meanField(Element& element) {
   }
   const bool is_pair = element.find("object1") || element.find("object2");
   if (is_pair && !element.place->nearest("integrator")) setQuirk(element, "isolated-springs", "explicitForce", "true");
+  if (type == "DiagonalVelocityDampingForceField") setDefault(element, "lastForOthers", "true");
   if (type == "TorsionForceField") setQuirk(element, "torsion-tangent", "tangent", "transverse");
   meanMembrane(element);
 }

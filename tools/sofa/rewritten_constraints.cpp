@@ -198,4 +198,62 @@ void Rewriting::meanConstraint(Element& element) {
   }
 }
 
+/// All forces of constraint are of conditions that SOFA's sweeps take as equal ones, and one round finds them.
+bool Rewriting::areForcesSwept() {
+  if (!hasForcesOfConstraint() || hasActuators()) return false;
+  bool all = true;
+  tree_->forEach([&all](Element& each) {
+    const bool answers = each.text("response").find("Constraint") != std::string::npos && !each.dropped;
+    const Element* state = each.place->nearest("mechanical state");
+    const bool of_numbers = each.is("UniformLagrangianConstraint") && state && state->text("template").starts_with("Vec1");
+    const bool is_other = each.role() == "Lagrangian constraint" && !of_numbers &&
+                          !isAnyOf(each.written->type, {"BilateralLagrangianConstraint", "FixedLagrangianConstraint"});
+    const bool iterates = each.role() == "integrator" && !each.dropped &&
+                          (!each.is("EulerImplicitSolver") || each.text("newtonIterations") != "1" || each.find("newtonSolver"));
+    all = all && !answers && !is_other && !iterates;
+  });
+  return all;
+}
+
+/// SOFA's search for forces of constraint ends at a tolerance. Without a solver for them its loop makes one with the defaults.
+void Rewriting::addSweeps() {
+  const Element *solver = nullptr, *loop = nullptr;
+  tree_->forEachPlace([&](Place& place) {
+    for (const auto& each : place.elements)
+      if (each->written->type.ends_with("FreeMotionAnimationLoop")) loop = each.get();
+    for (const auto& each : place.elements)
+      if (!solver && each->written->type.ends_with("ConstraintSolver")) solver = each.get();
+  });
+  const bool has_loop = loop != nullptr;
+  const std::string type = solver ? solver->written->type : "GenericConstraintSolver";
+  if (type == "LCPConstraintSolver" && hasForcesOfConstraint() && areForcesSwept())
+    return warn(solver->written->where, *solver, {},
+                "takes all conditions as contacts that may come apart: here those hold that are to hold",
+                "GenericConstraintSolver, with which both do the same");
+  const bool is_soft = solver && std::atof(solver->text("regularizationTerm").c_str()) != 0;
+  const bool counts = has_loop && areForcesSwept() && !isAnyOf(type, {"LCPConstraintSolver", "ImprovedJacobiConstraintSolver"}) &&
+                      quirks_.use("one-iteration", solver ? solver->path() : tree_->root().path());
+  const bool is_unbuilt = type.starts_with("Unbuilt") || (solver && solver->text("resolutionMethod").starts_with("Unbuilt"));
+  const std::string tolerance = solver ? solver->text("tolerance") : "";
+  constexpr double tight = 1e-9;  // of a scene in metres or millimetres
+  if (has_loop && hasForcesOfConstraint() && !areForcesSwept() && (tolerance.empty() || std::atof(tolerance.c_str()) > tight))
+    warn(solver ? solver->written->where : scene_.root.where, solver ? *solver : *loop, "tolerance",
+         "ends SOFA's search for forces of constraint before they hold, which depends on the order of contacts: here they hold. What "
+         "lies on several points may differ by some hundredths of its movement",
+         "a tolerance of 1e-9, with which both do nearly the same");
+  if (is_soft && (!counts || is_unbuilt))
+    warn(solver->written->where, *solver, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
+  if (!counts) return;
+  const SourceLocation where = solver ? solver->written->where : scene_.root.where;
+  ComponentDescription sweeps{"ConstraintSweeps", {{"name", "sweeps_of_constraints", where}}, where, scene_.root.folder};
+  const char* names[] = {"maxIterations", "maxIt", "tolerance", "scaleTolerance", "allVerified", "sor", "regularizationTerm",
+                         "resolutionMethod"};
+  for (const std::string name : names)
+    if (const AttributeDescription* given = solver ? solver->find(name) : nullptr; given && !(is_unbuilt && name == "regularizationTerm"))
+      sweeps.attributes.push_back(*given);
+  if (type.starts_with("Unbuilt")) sweeps.attributes.push_back({"resolutionMethod", "UnbuiltGaussSeidel", where});
+  if (type.starts_with("NNCG")) sweeps.attributes.push_back({"resolutionMethod", "NonsmoothNonlinearConjugateGradient", where});
+  tree_->root().added_components.push_back(std::move(sweeps));
+}
+
 }  // namespace stroma::sofa

@@ -257,7 +257,7 @@ void Rewriting::meanLoads(Element& element) {
   if (type == "RestShapeSpringsForceField" || type == "ConstantForceField") setDefault(element, "emptyMeansAll", "true");
   if (type == "RestShapeSpringsForceField") setDefault(element, "firstForOthers", "true");
   tellSpringsOfFrames(element);
-  if (isAnyOf(type, {"TriangularQuadraticSpringsForceField", "PolynomialSpringsForceField", "PolynomialRestShapeSpringsForceField"}))
+  if (isAnyOf(type, {"TriangularQuadraticSpringsForceField", "LennardJonesForceField"}) || type.starts_with("Polynomial"))
     setQuirk(element, "torsion-tangent", "tangent", "rough");
   if (type == "TaitSurfacePressureForceField") setDefault(element, "maxInjectionRate", "1000");
   if (type == "ConstantForceField") meanConstantForce(element);

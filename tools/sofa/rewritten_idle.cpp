@@ -28,6 +28,8 @@ bool Rewriting::actsOnNothing(Element& element) {
     why = "has no pair of wheels: it does nothing";
   else if (type == "FrameSpringForceField" && !element.find("spring"))
     why = "has no spring: it does nothing";
+  else if (type == "DiagonalVelocityDampingForceField" && trimmed(element.text("dampingCoefficient")).empty())
+    why = "has no coefficient: it does nothing";
   else if (is_dead_load && !element.find("pressure"))
     why = "has no pressure, which is zero in SOFA then: it does nothing";
   else if (type == "MeshSpringForceField" && !element.find("topology") && has_no("topology"))

@@ -79,4 +79,14 @@ void Rewriting::meanLayer(Element& load) {
   for (const char* name : {"normal", "dmin", "dmax"}) load.remove(name);
 }
 
+/// Processes 1 and 2 of SOFA add up small turns about axes of the parent or of the child, and 0 turns by the whole angle.
+void Rewriting::meanJoint(Element& joint) {
+  const std::string process = joint.text("articulationProcess");
+  if (process != "1" && process != "2") return;
+  warn(joint.written->where, joint, "articulationProcess",
+       "adds up the turns of all steps in SOFA: here the child turns by the whole angle, which is the same while the axis keeps its "
+       "direction");
+  joint.remove("articulationProcess");
+}
+
 }  // namespace stroma::sofa

@@ -319,8 +319,6 @@ void Rewriting::takeFriction(Element& response) {
 void Rewriting::warnOfAccepted(const Element& element) {
   if (element.written->type.starts_with("Python"))
     return warn(element.written->where, element, {}, "is a script that SOFA runs: what it does to the scene is not done here");
-  if (element.written->type.ends_with("ConstraintSolver") && std::atof(element.text("regularizationTerm").c_str()) != 0)
-    return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
   if (element.is("FreeMotionAnimationLoop") && saysYes(element.text("solveVelocityConstraintFirst")) && hasForcesOfConstraint())
     return warn(element.written->where, element, "solveVelocityConstraintFirst",
                 "finds forces of constraint twice in SOFA, for velocities and then for positions: here once, for both");
@@ -329,6 +327,9 @@ void Rewriting::warnOfAccepted(const Element& element) {
     warn(element.written->where, element, "complianceFactor", "changes how far SOFA's forces of constraint move nodes: here by the matrix");
   if (element.written->type.ends_with("ConstraintCorrection") && std::atof(element.text("regularizationTerm").c_str()) != 0)
     return warn(element.written->where, element, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
+  if (element.is("DataExchange"))
+    return warn(element.written->where, element, {},
+                "copies values between parts of a scene that SOFA computes at the same time: not done here", "a link to the data");
   if (element.is("MultiTagAnimationLoop"))
     return warn(element.written->where, element, {},
                 "animates what has one tag after what has another, and nothing that has none: here all move together");

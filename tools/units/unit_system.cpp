@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-#include "framework/scene/default_gravity.h"
+#include "framework/scene/gravity.h"
 #include "framework/scene/text.h"
 #include "tools/units/plausible_units.h"
 #include "tools/units/units.h"

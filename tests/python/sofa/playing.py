@@ -86,4 +86,4 @@ def tells_all_that_is_missing(name, words, folder):
     assert done.returncode == 2 and "Traceback" not in done.stderr, done.stderr
     for word in words:
         assert re.search(rf"{name}.py:\d+: error: .*{word}", done.stderr), f"{word}\n{done.stderr}"
-    assert f"{len(words)} errors: nothing was run" in done.stderr, done.stderr
+    assert f"{len(words)} {'error' if len(words) == 1 else 'errors'}: nothing was run" in done.stderr, done.stderr

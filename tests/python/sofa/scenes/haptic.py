@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A device, a listener of contacts, a carving manager: parts that are missing."""
+"""A device that is missing, with a listener of contacts and a carving manager."""
 import Sofa
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Matrices that a controller asks for: of a force field, of a mass; where there is none it goes on."""
+"""Matrices that a controller asks for: of a force field, of a mass, of the system; where there is none it goes on."""
 import Sofa
+from Sofa import SofaLinearSystem  # noqa: F401
 
 
 class MatrixAccessController(Sofa.Core.Controller):

@@ -39,6 +39,22 @@ _versions = itertools.count(1)
 _COMMON = {"name": "", "printLog": False, "listening": False, "tags": "", "bbox": None, "componentState": "Valid"}
 
 
+class LinkPath(str):
+    """`object.linkpath`: a link as text, which knows what it leads to."""
+
+    def target(self):
+        return self._s_target
+
+    def isPointingToData(self):
+        return isinstance(self._s_target, Data)
+
+
+def link_path_of(thing):
+    found = LinkPath(thing.getLinkPath())
+    found._s_target = thing
+    return found
+
+
 class Base:
     """Has data. Attributes of Python are those of its class, then its data, then what a scene keeps on it."""
 
@@ -106,6 +122,8 @@ class Base:
     def getInstanciationSourceFileName(self):
         return self._s_where[0]
 
+    getInstanciationFileName = getInstanciationSourceFileName
+
     def _s_place(self):
         return f"{self._s_where[0]}:{self._s_where[1]}: {self.getPathName()}"
 
@@ -151,8 +169,11 @@ class Base:
         return self.findData(name)
 
     def _s_no_data(self, name):
-        if name in ("A", "b", "W", "getKineticEnergy", "getPotentialEnergy"):
-            return f"{self._s_place()}: {name}() of SOFA is not offered here"
+        if name in ("getKineticEnergy", "getPotentialEnergy"):
+            return f"{self._s_place()}: {name}() is not offered here: computeEnergy() of a node has both energies of the whole scene"
+        if name in ("A", "b", "W"):
+            return f"{self._s_place()}: {name}() is one of " + (
+                "constraint solvers" if name == "W" else "linear solvers and linear systems") + f", and not of a {self.getClassName()}"
         near = _messages.nearest(name, self._s_data_names() + [each for each in dir(type(self)) if each[0] != "_"])
         return f"{self._s_place()}: has no data '{name}'" + (f"; did you mean '{near}'?" if near else "")
 
@@ -184,6 +205,10 @@ class Base:
             return self._s_add_data(name._s_name, name, None, name._s_help, name._s_group)
         given = value if value is not None else default
         return self._s_add_data(known, given, _kind_of(type, given), help, group)
+
+    def addLink(self, name, value=None, help="", *_):
+        """Data that lead to an object or a node."""
+        return self.addData(name, value=value, help=help)
 
     def addNewData(self, name, group="", help="", type=None, value=None):
         return self.addData(name, value=value, type=type, help=help, group=group)
@@ -281,7 +306,7 @@ class Base:
     def __getattr__(self, name):
         if name.startswith("__") or name in ("_s_running", "_s_revision", "_s_version", "_s_data"):
             raise AttributeError(name)
-        found = self.getLinkPath() if name == "linkpath" else self._s_attribute(name)
+        found = link_path_of(self) if name == "linkpath" else self._s_attribute(name)
         if found is None:
             raise NoData(self, name)
         return found
@@ -337,8 +362,18 @@ class Base:
     def getLoggedMessagesAsString(self, *_):
         return ""
 
+    def getTags(self):
+        return str(self.findData("tags")).split()
+
     def hasTag(self, tag):
-        return str(tag) in str(self.findData("tags")).split()
+        return str(tag) in self.getTags()
+
+    def addTag(self, tag):
+        if not self.hasTag(tag):
+            self.findData("tags").value = " ".join([*self.getTags(), str(tag)])
+
+    def removeTag(self, tag):
+        self.findData("tags").value = " ".join(each for each in self.getTags() if each != str(tag))
 
     def computeBBox(self, *_):
         pass

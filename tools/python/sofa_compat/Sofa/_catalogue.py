@@ -28,6 +28,8 @@ _BESIDES = {
     },
     "Camera": {"position": np.zeros(3), "lookAt": np.zeros(3), "orientation": np.array([0.0, 0, 0, 1]), "distance": 0.0, "zNear": 0.0,
                "zFar": 0.0, "fieldOfView": 45.0},
+    "CarvingManager": {"active": False, "carvingDistance": 0.0, "toolModel": "", "surfaceModelPath": "", "narrowPhaseDetection": "",
+                       "key": "1", "keySwitch": "4", "mouseEvent": True, "omniEvent": True, "activatorName": "button1"},
     "BackgroundSetting": {"image": ""},
     "RequiredPlugin": {"pluginName": ""},
 }
@@ -46,6 +48,9 @@ OF_CONSTRAINTS = {"constraintForces", "currentNumConstraints", "currentIteration
 for _each in ("GenericConstraintSolver", "LCPConstraintSolver", "BlockGaussSeidelConstraintSolver",
               "ProjectedGaussSeidelConstraintSolver", "NNCGConstraintSolver", "UnbuiltGaussSeidelConstraintSolver"):
     _BESIDES[_each] = CONSTRAINTS
+
+#: types that Python plays, and the engine does not have
+OF_PYTHON = {"CarvingManager"}
 
 #: of those, what SOFA computes in each step
 NOT_COMPUTED = {"currentNumConstraintGroups", "vonMisesPerElement", "vonMisesPerNode", "constraint", "derivX", "externalForce"}
@@ -78,7 +83,7 @@ class Facts:
 
     @property
     def missing(self):
-        return self.info is None and not self.accepted
+        return self.info is None and not self.accepted and self.word not in OF_PYTHON
 
     @property
     def role(self):

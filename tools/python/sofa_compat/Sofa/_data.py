@@ -205,7 +205,9 @@ class Data:
 
     @property
     def linkpath(self):
-        return self.getLinkPath()
+        from ._base import link_path_of
+
+        return link_path_of(self)
 
     def getPathName(self):
         return f"{self._s_owner.getPathName()}.{self._s_name}"

@@ -7,7 +7,7 @@ import numpy as np
 import stroma
 from stroma import _stroma
 
-from . import _events, _messages, _previews, _values
+from . import _carving, _equations, _events, _messages, _previews, _values
 from ._contacts import rows_of
 from ._data import Data
 from ._drawn import Drawing
@@ -57,11 +57,14 @@ class Engine:
         self.root, self._s_given = root, simulation is not None
         self._restart, self._remade, self.steps = False, False, 0
         self._pushed, self._last_dt, self._told = {}, 0.0, set()
+        self._has_other_meshes = False  # than the tree says
+        self._stood = {}  # states that nothing moves and the scene has put elsewhere: what it wrote of them at first, and their start
         self._asleep = {}  # positions and velocities of states in nodes that are switched off, which go on from there
         self._placed, self._places = None, []  # states that are written to while the scene is told that it is initialised; their start
         if simulation is None:
             mirror = Mirror(root)
             simulation = load(root, mirror)
+        self._watches = _equations.are_wanted()
         self._take(simulation, mirror)
         self._dt = float(simulation.dt)
 
@@ -73,7 +76,11 @@ class Engine:
                 _messages.warn(str(each.text).replace(": warning: ", ": ", 1))
 
     def _take(self, simulation, mirror):
-        self.sim, self.mirror, self._drawing = simulation, mirror, None
+        self._mesh_changes = simulation._engine.mesh_changes
+        self.sim, self.mirror, self._drawing, self._solved = simulation, mirror, None, {}
+        if self._watches:
+            simulation._engine.watch_solves()
+        self.has_carving = bool(_carving.managers(self.root))
         self._components, self._attributes, self._states, self._rest = {}, {}, {}, {}
         self._waiting = set()  # data, by id, that have a value which the next simulation takes
         for key, thing in mirror.things.items():
@@ -168,6 +175,8 @@ class Engine:
         state = self._states.get(id(thing))
         if state is not None and data._s_name in _STATE and not isinstance(value, Data) and not _values.is_link_text(value):
             return self._to_state(thing, state, data, value)
+        if data._s_name == "position" and self._place_still(thing, data, value):
+            return None
         before, data._s_raw = data._s_raw, value
         thing._s_changed()
         takes_another = self._has_put_aside(thing, data) or thing._s_facts.find(data._s_name).change == "restart"
@@ -182,6 +191,18 @@ class Engine:
             data._s_raw = before
             raise
         return None
+
+    def _place_still(self, thing, data, value):
+        """Points that no integrator moves, and nothing follows, are put elsewhere without a new simulation: a tool that touches."""
+        if thing._s_facts.role != "mechanical state" or isinstance(value, Data) or _values.is_link_text(value):
+            return False
+        numbers, path = np.asarray(_values.numbers_of(value), dtype=float), self.mirror.paths[id(thing)]
+        start = None if id(thing) in self._stood else np.array(self._components[id(thing)].get("position"))
+        if numbers.size % 3 or not _stroma.place_still(self.sim._engine, path, numbers.reshape(-1, 3)):
+            return False
+        self._stood.setdefault(id(thing), (thing, data._s_raw, start))
+        data._s_raw = numbers.reshape(-1, 3)
+        return True
 
     def _set(self, thing, data, value):
         """What is read only where a scene is loaded, as a region of nodes that a load has taken, takes a new simulation."""
@@ -277,6 +298,51 @@ class Engine:
             raise RuntimeError(f"{thing._s_place()}: is no part of the simulation, and has no matrix")
         return self.sim.matrix_of(component).tocsr()
 
+    # ---- equations of the last step (_equations.py) ----
+    def _watch(self, thing):
+        """As in SOFA's Python, whose objects have these calls where a module of theirs is imported. Else nothing is kept of a step."""
+        if not self._watches:
+            raise AttributeError(f"{thing._s_place()}: the equations of steps are kept where the program imports Sofa.SofaLinearSystem, "
+                                 "Sofa.SofaLinearSolver or Sofa.SofaConstraintSolver before the scene is initialised, as in SOFA")
+
+    def equations(self, thing):
+        self._watch(thing)
+        found = self._solved.get(id(thing))
+        if found is None or found[0] != self.steps:
+            found = self._solved[id(thing)] = self.steps, _equations.of(self, thing, _stroma)
+        return found[1]
+
+    def compliance(self, solver):
+        refused = self.without_compliance()
+        if refused:
+            raise RuntimeError(f"{solver._s_place()}: W() is not offered {refused}")
+        self._watch(solver)
+        return _equations.compliance(self, solver, _stroma)
+
+    def state_paths(self):
+        """Of states, in the order of the tree."""
+        return [self.mirror.paths[key] for key in self._states]
+
+    def plain_template_of(self, path):
+        thing = next(thing for key, thing in self.mirror.things.items() if self.mirror.paths[key] == path)
+        return _values.plain_template(thing._s_template())
+
+    def _constraints(self):
+        return [each for each in self._components.values() if each.role == "Lagrangian constraint"]
+
+    def integrators_of_constraints(self):
+        """Of systems with Lagrangian constraints, which have looked for forces in the last step."""
+        return [integrator for integrator, states in _stroma.systems_of(self.sim._engine)] if self._constraints() else []
+
+    def without_compliance(self):
+        """Why there is no W, or empty."""
+        if any(each.type == "CollisionResponse" and each.get("response").startswith("FrictionContact")
+               for each in self._components.values()):
+            return "where contacts have friction: points, normals, gaps and forces are arrays of CollisionResponse"
+        if any(each.type == "UncoupledConstraintCorrection" for each in self._components.values()):
+            return "with an UncoupledConstraintCorrection, which has a compliance of its own"
+        return ""
+
     def of_constraints(self, name):
         """What a constraint solver of SOFA tells of the last step: of the search for the forces, where there was one."""
         if name == "constraintForces":
@@ -360,6 +426,37 @@ class Engine:
     def reinit(self, thing):
         """Attributes have been taken when they were set."""
 
+    # ---- meshes that change at once, by the modifier of a topology ----
+    def can_change_mesh(self, container):
+        """The container stands in the engine as it is."""
+        return id(container) in self._components and not self._restart
+
+    def has_changed_meshes(self):
+        return self._has_other_meshes
+
+    def change_mesh(self, modifier, container, kind, removed=(), added=(), points=0, keeps_points=False):
+        state = container._s_node().getMechanicalState()
+        if len(added) == 0 and points and any(each._s_type and each._s_facts.role == "mapping" for each in container._s_node()._s_objects):
+            raise RuntimeError(f"{modifier._s_place()}: points of {state.getPathName() if state else 'a state'}, which a mapping places, do "
+                               "not come while the scene runs: where they would be in the body is not known")
+        if self._s_given:
+            self.edited(f"{modifier._s_place()}: the mesh")
+        notes = self.sim._engine.change_mesh(self.mirror.paths[id(container)], kind, [int(each) for each in np.ravel(removed)],
+                                             [[int(each) for each in cell] for cell in added], int(points), bool(keeps_points))
+        for note in notes:
+            _messages.warn(note)
+        self._has_other_meshes = True
+        self._look_again()
+
+    def _look_again(self):
+        """Components and states are others, at the same paths."""
+        sim, mirror, pushed, waiting = self.sim, self.mirror, self._pushed, self._waiting
+        sim._found_states = sim._facts = None
+        sim._states.clear()
+        sim._parts.clear()
+        self._take(sim, mirror)
+        self._pushed, self._waiting = pushed, waiting
+
     # ---- steps ----
     def begin_step(self, dt):
         self._last_dt = dt
@@ -368,9 +465,17 @@ class Engine:
         self._hand_on()
         if self._restart:
             self._make_anew()
+        if self._s_given and self._watches:
+            _stroma.watch_step(self.sim._engine, True)
 
     def end_step(self, dt):
         self.steps += 1
+        if self._mesh_changes != self.sim._engine.mesh_changes:  # by a component of the scene
+            self._has_other_meshes = True
+            self._look_again()
+        if self._s_given and self._watches:
+            _stroma.watch_step(self.sim._engine, False)
+        _carving.carve(self)
         _events.end_step(self.root, dt)
 
     def step(self, dt):
@@ -417,9 +522,17 @@ class Engine:
         _events.call(self.root, "reset", only=_old_controller())
 
     def reset(self):
+        for thing, raw, start in self._stood.values():
+            thing.findData("position")._s_raw = raw
+            if not self._remade and id(thing) in self._components:
+                _stroma.place_still(self.sim._engine, self.mirror.paths[id(thing)], start)
+        self._stood.clear()
         if self._remade:  # the scene was made anew on the way: the start is that of the tree
             self._make_anew(from_start=True)
         self.sim.reset()
+        if self._has_other_meshes:
+            self._has_other_meshes = False
+            self._look_again()
         self.restarted()
 
 

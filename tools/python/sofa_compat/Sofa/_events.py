@@ -4,9 +4,17 @@ from . import _catalogue, _messages, _values
 from ._objects import Object
 
 
-def listeners(node, seen=None):
-    """Objects of Python in active nodes, in the order of the tree. Nothing below a node that is switched off hears."""
-    seen = set() if seen is None else seen
+def listeners(root):
+    """Objects of Python in active nodes, in the order of the tree. Nothing below a node that is switched off hears. Kept until the tree
+    is another one: there are many events in a step, and many more objects that hear none."""
+    kept, revision = root.__dict__.get("_s_listeners"), root._s_revision
+    if kept is None or kept[0] != revision:
+        kept = revision, list(_listening(root, set()))
+        object.__setattr__(root, "_s_listeners", kept)
+    return kept[1]
+
+
+def _listening(node, seen):
     active = node._s_data.get("activated")
     if id(node) in seen or (active is not None and active._s_raw is not None and not active.value):
         return
@@ -15,7 +23,7 @@ def listeners(node, seen=None):
         if not each._s_type:
             yield each
     for child in list(node._s_children):
-        yield from listeners(child, seen)
+        yield from _listening(child, seen)
 
 
 def _hears(thing):
@@ -90,6 +98,9 @@ def user_event(sender, name, value):
 
 
 def key(root, character, pressed=True):
+    from . import _carving
+
+    _carving.hear_key(root, character, pressed)
     send(root, "KeypressedEvent" if pressed else "KeyreleasedEvent", {"key": character})
 
 

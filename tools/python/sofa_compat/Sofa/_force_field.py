@@ -38,6 +38,7 @@ class _Explicit(stroma.ForceField):
     """Without a derivative."""
 
     time_dependent = True
+    has_forced = False  #: addForce() has been called
 
     def __init__(self, field):
         super().__init__(field=field)
@@ -68,6 +69,7 @@ class _Explicit(stroma.ForceField):
 
     def _force(self, x, v, t):
         out = np.zeros_like(x)
+        self.has_forced = True
         self.field.addForce(self._parameters(t), Rows(out), Rows(np.array(x)), Rows(np.array(v)))
         return out
 
@@ -76,13 +78,16 @@ class _Implicit(_Explicit):
     symmetric = True  # as SOFA takes it for every solver
     exact_tangent = False
     has_matrix = True
+    is_apart = None  # whether addDForce() couples no nodes; None: not known
 
     def stiffness(self, x, v, t):
         matrix = self._asked(self._stiffness, x, v, t)
-        return np.full((x.size, x.size), np.nan) if matrix is None else matrix
+        return np.full((len(x), 3, 3), np.nan) if matrix is None else matrix
 
     def _stiffness(self, x, v, t):
         field, size = self.field, x.size
+        if not self.has_forced:  # what addForce() keeps for its derivative
+            self._force(x, v, t)
         given = field.addKToMatrix(self._parameters(t), len(x), x.shape[1]) if self.has_matrix else None
         if given is not None:
             given = np.asarray(given, float)
@@ -92,18 +97,46 @@ class _Implicit(_Explicit):
                 return given  # else, of one node, three rows of (row, column, value)
             if given.size % 3:
                 raise ValueError(f"addKToMatrix() gives neither a matrix of {size} rows nor rows of (row, column, value)")
-            matrix = np.zeros((size, size))
-            for row, column, value in given.reshape(-1, 3):
-                matrix[int(row), int(column)] += value
-            return matrix
-        matrix = np.zeros((size, size))
-        for column in range(size if type(field).addDForce is not _base().addDForce else 0):
-            unit, out = np.zeros(size), np.zeros_like(x)
-            unit[column] = 1
-            field.addDForce(Rows(out), Rows(unit.reshape(x.shape)), self._parameters(t), 0.0) if _takes_four(field) else \
-                field.addDForce(self._parameters(t), Rows(out), Rows(unit.reshape(x.shape)))
-            matrix[:, column] = out.ravel()
-        return matrix
+            from scipy import sparse
+
+            rows, columns, values = given.reshape(-1, 3).T
+            return sparse.coo_matrix((values, (rows.astype(int), columns.astype(int))), shape=(size, size))
+        return self._by_products(x, t)
+
+    def _product(self, way, t):
+        """K p, by addDForce()."""
+        out = np.zeros_like(way)
+        if _takes_four(self.field):
+            self.field.addDForce(Rows(out), Rows(np.array(way)), self._parameters(t), 0.0)
+        else:
+            self.field.addDForce(self._parameters(t), Rows(out), Rows(np.array(way)))
+        return out
+
+    def _by_products(self, x, t):
+        """A block for each node where each moves alone, as in most forces that scenes write. Else a column for each number."""
+        if type(self.field).addDForce is _base().addDForce:
+            return np.zeros((len(x), 3, 3))
+        if self.is_apart is not False:
+            blocks = self._blocks(x, t)
+            if blocks is not None:
+                self.is_apart = True
+                return blocks
+            if self.is_apart and x.size > _PROBED:
+                raise ValueError(f"addDForce() couples nodes, and did not before: addKToMatrix() gives the derivative of {len(x)} nodes")
+            self.is_apart = False
+            if x.size > _PROBED:
+                _messages.warn(f"{self.field._s_place()}: addDForce() is not used for {len(x)} nodes that it couples, and the force is that "
+                               "at the start of each step: addKToMatrix() gives the derivative as a matrix")
+        if x.size > _PROBED:
+            return np.zeros((len(x), 3, 3))
+        return np.stack([self._product(unit.reshape(x.shape), t).ravel() for unit in np.eye(x.size)], axis=1)
+
+    def _blocks(self, x, t):
+        """None: a node feels the way of another one, which the product with any way tells."""
+        blocks = np.stack([self._product(np.tile(axis, (len(x), 1)), t) for axis in np.eye(3)], axis=2)
+        way = np.random.default_rng(0).normal(size=x.shape)
+        expected, found = np.einsum("nij,nj->ni", blocks, way), self._product(way, t)
+        return None if np.abs(found - expected).max() > 1e-9 * np.abs(found).max() else blocks
 
 
 def _base():
@@ -133,11 +166,8 @@ def played(field, nodes):
         has_matrix = False
         _messages.warn(f"{field._s_place()}: addKToMatrix() is not called: it takes {kind.addKToMatrix.__code__.co_argcount} arguments "
                        "and not four (self, parameters, nodes, numbers). addDForce() is")
-    if has_matrix or (has_product and 3 * nodes <= _PROBED):
+    if has_matrix or has_product:
         made = _Implicit(field)
         made.has_matrix = has_matrix
         return made
-    if has_product:
-        _messages.warn(f"{field._s_place()}: addDForce() is not used for {nodes} nodes, and the force is that at the start of each "
-                       "step: addKToMatrix() gives the derivative as a matrix")
     return _Explicit(field)

@@ -8,6 +8,7 @@ import stroma
 
 from . import _messages, _values
 from ._base import Base
+from ._carving import CarvingManager
 from ._data import Data
 from ._objects import ForceField, Object
 
@@ -99,7 +100,7 @@ class Mirror:
                 if name != "activated" or not (value or self._written_as):
                     copy.set(name, _values.to_text(value), where=node._s_where)
         for each in self._objects_of(node):
-            if id(each) in self.paths and each._s_type:
+            if id(each) in self.paths and each._s_type and not isinstance(each, CarvingManager):
                 self._add(each, copy)
             elif isinstance(each, ForceField) and not self._keep_loaders:
                 self._add_force_field(each, copy)

@@ -566,9 +566,16 @@ def _frozen(value):
 
 def _class_of(word):
     """The class of Python for a type."""
+    from ._carving import CarvingManager
     from ._contacts import ContactListener
+    from ._equations import ConstraintSolver, Solves
     from ._modifier import Modifier
 
     if word.endswith("SetTopologyModifier"):
         return Modifier
-    return ContactListener if word == "ContactListener" else Object
+    facts = _catalogue.facts(word)
+    if word.endswith("LinearSystem") or facts.role == "linear solver":
+        return Solves
+    if facts.besides is _catalogue.CONSTRAINTS:
+        return ConstraintSolver
+    return {"ContactListener": ContactListener, "CarvingManager": CarvingManager}.get(word, Object)

@@ -216,6 +216,9 @@ class Object(Base):
     def getSlaves(self):
         return []
 
+    def addSlave(self, *_):
+        """Objects of Python belong to nodes alone."""
+
     def getTarget(self):
         return self._s_type
 

@@ -3,15 +3,17 @@
 from types import SimpleNamespace
 
 from .. import _objects
-from .._base import Base  # noqa: F401
+from .._base import Base, LinkPath  # noqa: F401
 from .._contacts import ContactListener  # noqa: F401
-from .._data import Data, DataContainer, DataDict, DataString, DataVectorString  # noqa: F401
-from .._node import Node  # noqa: F401
+from .._data import Data, DataContainer, DataDict, DataString, DataVectorString, Writing  # noqa: F401
+from .._modifier import Modifier as PointSetTopologyModifier  # noqa: F401
+from .._node import Node, Sequence  # noqa: F401
 from .._objects import Controller, DataEngine, MissingType, Object  # noqa: F401
 from .._prefab import Prefab, RawPrefab  # noqa: F401
 
-BaseObject = ObjectDeprecated = Object
-BaseNode = BaseContext = Node
+BaseObject = ObjectDeprecated = Component = Object
+BaseNode = BaseContext = Context = Node
+NodeIterator, WriteAccessor, DataContainerContext = Sequence, Writing, Writing
 BasePrefab = RawPrefab
 BaseData = DataLink = Data
 

@@ -34,6 +34,12 @@ class MessageHandler:
         pass
 
 
+def GetVersion():
+    import Sofa
+
+    return Sofa.version
+
+
 def getMessageHandlerComponents():
     return []
 

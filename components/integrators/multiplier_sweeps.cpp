@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Of the forces of constraint: those that ConstraintSweeps finds; constraint_sweeps.cpp says how.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/integrators/constraint_sweeps.h"
+#include "components/integrators/multipliers.h"
+#include "framework/scene/node.h"
+
+namespace stroma {
+
+void ConstraintSweeps::declare(DataTable& table) {
+  table.add("maxIterations", most_).alias("maxIt").help("sweeps at most").unit("-").min(1);
+  table.add("tolerance", tolerance_).help("movement of the conditions in a sweep at which it is the last").unit("m").min(0);
+  table.add("scaleTolerance", scales_).help("the tolerance is times the number of conditions");
+  table.add("allVerified", all_verified_).help("no condition may move by more than the tolerance, in the place of their sum");
+  table.add("sor", relaxation_).help("share of a sweep that forces go").unit("-").min(0, false);
+  table.add("regularizationTerm", softness_).help("by which conditions yield to impulses").unit("m/(N s)").min(0);
+  table.addChoice("resolutionMethod", method_,
+                  {"ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient"})
+      .help("sweeps that go on from the step before, that begin at zero, or as steps of conjugate gradients");
+}
+
+void ConstraintSweeps::tellIdle(const Component& asker, const std::string& why) {
+  std::vector<ConstraintSweeps*> all;
+  asker.node().root().collect(all);
+  for (const ConstraintSweeps* each : all)
+    each->warn(fmt::format("has no effect: {}", why), "EulerImplicitSolver with newtonIterations=\"1\" and oneRound");
+}
+
+ConstraintSweeps::Sweep ConstraintSweeps::sweep(const Eigen::VectorXd& g, const std::vector<int>& widths, double tolerance,
+                                                Eigen::VectorXd& l) {
+  Sweep done;
+  int first = 0;
+  for (const int width : widths) {
+    const auto block = w_.block(first, first, width, width);
+    off_ = g.segment(first, width) + w_.middleRows(first, width) * l;
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(width);
+    if (block.diagonal().minCoeff() > 0) change = -block.partialPivLu().solve(off_);  // else nothing that moves is in it
+    l.segment(first, width) += change;
+    for (int row = 0; row < width; ++row) {
+      const double moved = block.row(row).transpose().cwiseProduct(change).norm();
+      done.error += moved, done.verified = done.verified && moved <= tolerance;
+    }
+    first += width;
+  }
+  return done;
+}
+
+int ConstraintSweeps::searchByGradients(const Eigen::VectorXd& g, const std::vector<int>& widths, double tolerance, Eigen::VectorXd& l) {
+  old_ = l;
+  sweep(g, widths, tolerance, l);
+  last_change_ = old_ - l;
+  way_ = -last_change_;
+  for (int i = 1; i < most_; ++i) {
+    old_ = l;
+    if (isOver(sweep(g, widths, tolerance, l), tolerance)) return i + 1;
+    change_ = old_ - l;
+    const double grown = change_.squaredNorm() / last_change_.squaredNorm();
+    last_change_ = change_;
+    if (grown > 1) {
+      way_.setZero();
+    } else {
+      l += grown * way_;
+      way_ = grown * way_ - change_;
+    }
+  }
+  return most_;
+}
+
+int ConstraintSweeps::solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<int>& widths, double impulse,
+                            Eigen::VectorXd& l) {
+  const double tolerance = tolerance_ * (scales_ && !all_verified_ ? double(g.size()) : 1.0);
+  w_ = w;
+  w_.diagonal().array() += softness_ * impulse;
+  if (method_ == Method::gradients) return searchByGradients(g, widths, tolerance, l);
+  for (int i = 1; i <= most_; ++i) {
+    if (relaxation_ != 1) old_ = l;
+    const Sweep done = sweep(g, widths, tolerance, l);
+    if (relaxation_ != 1) l = relaxation_ * l + (1 - relaxation_) * old_;
+    if (isOver(done, tolerance)) return i;
+  }
+  return most_;
+}
+
+ConstraintSweeps* Multipliers::findSweeps() const {
+  std::vector<ConstraintSweeps*> found;
+  system_->integrator().node().root().collect(found);
+  return found.empty() ? nullptr : found.front();
+}
+
+/// The row and the next two hold a point: along the three axes, of the same nodes.
+bool Multipliers::holdsPoint(std::size_t row) const {
+  if (row + 3 > rows_.rows().size()) return false;
+  const auto of_first = rows_.entriesOf(rows_.rows()[row]);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto entries = rows_.entriesOf(rows_.rows()[row + std::size_t(axis)]);
+    const auto isAlong = [axis](const LagrangianRows::Entry& a, const LagrangianRows::Entry& b) {
+      return a.row == b.row && a.gradient.cwiseAbs() == Vec3::Unit(axis);
+    };
+    if (!std::equal(entries.begin(), entries.end(), of_first.begin(), of_first.end(), isAlong)) return false;
+  }
+  return true;
+}
+
+/// False: they are not found by sweeps.
+bool Multipliers::sweepForces() {
+  const auto is_equal = [](const LagrangianRows::Row& row) { return row.kind == LagrangianRows::Kind::equal; };
+  if (!sweeps_ || !isOnce() || !std::ranges::all_of(rows_.rows(), is_equal)) return false;
+  widths_.clear();
+  swept_.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
+  if (sweeps_->startsFromZero()) swept_.setZero();
+  for (std::size_t row = 0; row < rows_.rows().size(); row += std::size_t(widths_.back())) {
+    widths_.push_back(holdsPoint(row) ? 3 : 1);
+    if (widths_.back() == 1) swept_[Eigen::Index(row)] = 0;
+  }
+  solve_.rounds += sweeps_->solve(solve_.w, solve_.g, widths_, rule_.weight, swept_);
+  solve_.l = swept_;
+  return true;
+}
+
+}  // namespace stroma

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The linear solves of Newton's method, and what is done where a matrix is not definite.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "components/integrators/newton.h"
+#include "components/integrators/shifted_matrix.h"
+#include "components/integrators/whole_matrix.h"
+#include "framework/algebra/solve_watch.h"
+#include "framework/scene/spans.h"
+
+namespace stroma {
+namespace {
+
+SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                      StepReport& report) {
+  const auto start = std::chrono::steady_clock::now();
+  Span span("solve", &solver);
+  const SolveReport solve = solveWhole(solver, matrix, b, x, terms);
+  if (solveWatch()) solveWatch()->solved(matrix, b, x);
+  report.stopped = report.stopped || solve.stop == SolveStop::stopped;
+  report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  span.count(solve.iterations);
+  report.linear_iterations += solve.iterations;
+  report.factorisations += solve.factored;
+  report.linear_residual = solve.relative_residual;
+  return solve;
+}
+
+std::string placeOf(const SolveReport& solve, const SystemMatrix& matrix) {
+  return solve.row >= 0 ? " at " + matrix.describeRow(solve.row) : std::string();
+}
+
+/// A solve that ended for a reason that lies in the matrix has no result to rely on.
+bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
+
+}  // namespace
+
+void keepToFree(const System& system, Rows d) {
+  const ConstraintSet& constraints = system.constraints();
+  if (constraints.change() || constraints.revision() > 1) constraints.project(d);
+}
+
+bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                  StepReport& report, const std::function<SystemMatrix*()>& other, bool once) {
+  clear(x);
+  SolveReport solve = solveOnce(solver, matrix, b, x, terms, report);
+  report.linear_stop = solve.stop;
+  if (report.stopped) return false;
+  report.linear_at_limit =
+      report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
+  report.linear_converged =
+      report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
+  if (isSolved(solve)) return true;
+  if (once && solve.stop != SolveStop::not_finite) return false;
+  if (solve.stop != SolveStop::not_finite) {
+    report.reason =
+        fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
+    const double downhill = dot(b, x);
+    if (downhill > 0 && std::isfinite(downhill)) {
+      report.reason += "; the direction found before was used";
+      return true;
+    }
+    if (SystemMatrix* const definite = other ? other() : nullptr) {
+      clear(x);
+      solve = solveOnce(solver, *definite, b, x, terms, report);
+      if (report.stopped) return false;
+      if (isSolved(solve)) {
+        report.reason += "; a stiffness without its unstable part was used";
+        return true;
+      }
+    }
+    ShiftedMatrix shifted(matrix);
+    double shift = 1e-3;
+    for (int attempt = 0; attempt < 7; ++attempt, shift *= 10) {
+      shifted.setShift(shift);
+      clear(x);
+      solve = solveOnce(solver, shifted, b, x, terms, report);
+      if (report.stopped) return false;
+      if (isSolved(solve)) {
+        report.reason += fmt::format("; {:g} times its diagonal was added", shift);
+        return true;
+      }
+    }
+  }
+  report.diverged = true;
+  report.linear_stop = solve.stop;
+  report.reason = fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
+  return false;
+}
+
+/// Where the tangent has unstable directions: a body that is nearly incompressible is under pressures far above its
+/// stress, of either sign, while iterates are off by a little of their volume. The next force has the scene's tangent.
+bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, double tolerance, StepReport& report) {
+  bool switched = false;
+  const auto definite = [&]() -> SystemMatrix* {
+    switched = problem.useDefiniteTangent(true);
+    if (!switched) return nullptr;
+    problem.residual(trial_);
+    return &problem.tangent();
+  };
+  const auto solve = [&](bool once) {
+    return solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report, std::ref(definite), once);
+  };
+  const bool is_open = problem.hasUnsureTangent();
+  bool found = solve(is_open);
+  if (!found && is_open && !report.stopped && !report.diverged) problem.takeSureTangent(), found = solve(false);
+  problem.keepToFree(direction_);
+  if (switched) problem.useDefiniteTangent(false);
+  went_on_ = false;
+  return found;
+}
+
+}  // namespace stroma

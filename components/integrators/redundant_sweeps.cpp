@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Forces of many contacts that nothing but friction and weight divide, as in a heap (RedundantForces::sweep()). Each group in turn takes
+// the forces that its own law wants while all others stay (Gauss and Seidel; Jourdan, Alart and Jean 1998). With b = r - W q of
+// the group, a sliding one has r_t = -alpha q_t with alpha > 0:
+//   q_t = -(W_tt + alpha)^-1 (b_t + W_tn q_n),   r_n = 0,   |q_t| = mu q_n
+// which is an equation for alpha alone; alpha = 0 sticks. A sweep costs as much as contacts share bodies.
+//
+// A sweep is followed by a part of the way p that the sweeps before went, d what the sweep changes, and that begins anew where they
+// oppose each other (Nesterov 1983; O'Donoghue and Candes 2015; Mazhar, Heyn, Negrut and Tasora 2015):
+//   q <- q + d + b p,   p <- d + b p,   b = (k - 1) / (k + 2),   k = 0 where p . d < 0
+// Forces that only friction bounds, as of a body that two others wedge, grow by the same in each sweep: with p by more and more.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "components/integrators/redundant_forces.h"
+
+namespace stroma {
+
+using Eigen::VectorXd, Eigen::Vector2d, Eigen::Matrix2d;
+
+namespace {
+
+/// A contact by itself: r = b + W q.
+struct Alone {
+  double w_nn, b_n, mu;
+  Vector2d w_tn = Vector2d::Zero(), w_nt = Vector2d::Zero(), b_t = Vector2d::Zero();
+  Matrix2d w_tt = Matrix2d::Zero();
+  double q_n = 0;
+  Vector2d q_t = Vector2d::Zero();
+
+  /// |q_t| - mu q_n with r_n = 0 and r_t = -alpha q_t, and its derivative.
+  std::pair<double, double> tooMuch(double alpha) {
+    const double a = w_tt(0, 0) + alpha, d = w_tt(1, 1) + alpha, b = w_tt(0, 1), c = w_tt(1, 0), size = 1 / (a * d - b * c);
+    const auto solve = [&](const Vector2d& v) { return Vector2d((d * v[0] - b * v[1]) * size, (a * v[1] - c * v[0]) * size); };
+    const Vector2d u = solve(b_t), z = solve(w_tn);
+    const double turned = 1 / (w_nn - w_nt.dot(z));
+    q_n = (w_nt.dot(u) - b_n) * turned;
+    q_t = -u - q_n * z;
+    const double length = q_t.norm();
+    // (W_tt + alpha) q_t + w_tn q_n = -b_t and w_nt q_t + w_nn q_n = -b_n, by alpha
+    const Vector2d less = solve(q_t);
+    const double n_by = w_nt.dot(less) * turned;
+    const Vector2d t_by = -less - n_by * z;
+    return {length - mu * q_n, (length > 0 ? q_t.dot(t_by) / length : 0) - mu * n_by};
+  }
+  /// `alpha`: where the search begins and ends.
+  void solve(double& alpha) {
+    constexpr int most = 50;
+    constexpr double little = 1e-12, grow = 8;
+    if (!(b_n < 0)) {
+      q_n = 0, q_t.setZero();
+      return;
+    }
+    const double unit = w_tt(0, 0) + w_tt(1, 1);
+    if (double low = 1e-12 * unit; tooMuch(low).first > 0) {
+      double high = std::numeric_limits<double>::infinity();
+      if (!(alpha > low)) alpha = unit;
+      for (int k = 0; k < most; ++k) {  // Newton's method, between what is too little and too much
+        const auto [off, by] = tooMuch(alpha);
+        if (std::abs(off) <= little * mu * std::abs(q_n)) break;
+        (off > 0 ? low : high) = alpha;
+        alpha -= off / by;
+        if (!(alpha > low && alpha < high)) alpha = std::isinf(high) ? grow * low : 0.5 * (low + high);
+      }
+    }
+    q_n = std::max(q_n, 0.0);
+    if (const double length = q_t.norm(); length > mu * q_n) q_t *= mu * q_n / length;
+  }
+};
+
+}  // namespace
+
+/// W by columns without its zeros: those of a group together, as they reach the same rows.
+void RedundantForces::Sweeps::pack(const RedundantForces& of) {
+  first.clear(), rows.clear(), numbers.clear();
+  for (const Group& group : of.groups_) {
+    first.push_back({rows.size(), numbers.size()});
+    for (Eigen::Index i = 0; i < of.w_.rows(); ++i) {
+      const auto of_group = of.w_.row(i).segment(group.first, group.size);
+      if (of_group.isZero(0)) continue;
+      rows.push_back(i);
+      for (const double number : of_group) numbers.push_back(number);
+    }
+  }
+  first.push_back({rows.size(), numbers.size()});
+  slides.assign(of.groups_.size(), 0);
+}
+
+/// The group takes `change` more.
+void RedundantForces::Sweeps::add(std::size_t group, Eigen::Index size, const SmallVector& change) {
+  const auto [begin, number] = first[group];
+  const std::size_t end = first[group + 1].first;
+  const double* w = numbers.data() + number;
+  if (size == 3) {
+    for (std::size_t k = begin; k < end; ++k, w += 3) r[rows[k]] += w[0] * change[0] + w[1] * change[1] + w[2] * change[2];
+    return;
+  }
+  for (std::size_t k = begin; k < end; ++k)
+    for (Eigen::Index i = 0; i < size; ++i) r[rows[k]] += *w++ * change[i];
+}
+
+/// What a group takes while all others stay.
+RedundantForces::SmallVector RedundantForces::wantedBy(const Group& group, const VectorXd& q, const VectorXd& r, double& slide) const {
+  const Eigen::Index at = group.first, n = group.tangents();
+  SmallVector wanted(group.size);
+  if (n == 0) {
+    const double to = q[at] - r[at] / w_(at, at);
+    wanted[0] = group.pushes ? std::max(to, 0.0) : to;
+    return wanted;
+  }
+  Alone alone{.w_nn = w_(at, at), .b_n = r[at], .mu = group.mu};
+  alone.w_tt.diagonal().setConstant(group.rate);  // of what has one way to slide
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index row = at + 1 + i;
+    alone.w_tn[i] = w_(row, at), alone.w_nt[i] = w_(at, row);
+    for (Eigen::Index j = 0; j < n; ++j) alone.w_tt(i, j) = w_(row, at + 1 + j);
+    alone.b_n -= alone.w_nt[i] * q[row];
+  }
+  alone.b_n -= alone.w_nn * q[at];
+  for (Eigen::Index i = 0; i < n; ++i) {
+    alone.b_t[i] = r[at + 1 + i] - alone.w_tn[i] * q[at];
+    for (Eigen::Index j = 0; j < n; ++j) alone.b_t[i] -= alone.w_tt(i, j) * q[at + 1 + j];
+  }
+  alone.solve(slide);
+  wanted[0] = alone.q_n;
+  for (Eigen::Index i = 0; i < n; ++i) wanted[i + 1] = alone.q_t[i];
+  return wanted;
+}
+
+/// All groups in turn, from `at` with r of it.
+void RedundantForces::sweepOnce() {
+  Sweeps& s = sweeps_;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Group& group = groups_[g];
+    const SmallVector wanted = wantedBy(group, s.at, s.r, s.slides[g]), change = wanted - s.at.segment(group.first, group.size);
+    if (change.isZero(0)) continue;
+    s.add(g, group.size, change);
+    s.at.segment(group.first, group.size) = wanted;
+  }
+  spent += double(s.numbers.size()), ++sweeps;
+}
+
+/// What rows may be off by after so many sweeps, as a part of what they may at all: the more sweeps it takes the more.
+double RedundantForces::goalOf(int sweeps, double most) {
+  constexpr double least = 0.01, few = 100, power = 1.3;
+  return std::clamp(least * std::pow(sweeps / few, power), least, most);
+}
+
+/// At least one, whose forces are within their cones, from q; q becomes the best place. What it is off by, as farthest().
+double RedundantForces::sweep(const Problem& problem, int most, double enough, VectorXd& q) {
+  Sweeps& s = sweeps_;
+  s.pack(*this);
+  s.at = q;
+  conditions(s.at, s.r);
+  s.way.setZero(q.size()), s.r_way.setZero(q.size());
+  double least = none;
+  for (int k = 0, turn = 0; k < most && least > goalOf(k, enough) && !isOver(); ++k) {
+    s.step = s.at, s.r_step = s.r;
+    sweepOnce();
+    const double off = farthest(problem, s.at, s.r);
+    if (!std::isfinite(off)) break;
+    if (off < least) least = off, q = s.at;
+    s.step = s.at - s.step, s.r_step = s.r - s.r_step;
+    turn = s.step.dot(s.way) < 0 ? 0 : turn + 1;
+    const double again = turn > 0 ? (turn - 1) / (turn + 2.0) : 0;
+    s.at += again * s.way, s.r += again * s.r_way;
+    s.way = again * s.way + s.step, s.r_way = again * s.r_way + s.r_step;
+  }
+  return least;
+}
+
+/// Forces of `most` sweeps from the best place, which becomes that where they end. False: rows are off by more than `enough` of what they
+/// may. `stands`: those of the round before are such.
+bool RedundantForces::sweepToLaws(const Problem& problem, int most, double enough, bool stands) {
+  constexpr double still = 0.1;
+  if (problem.allowed.empty()) return false;
+  VectorXd& q = work_.found;
+  q = best_;
+  conditions(q, work_.noted);
+  double off = farthest(problem, q, work_.noted);
+  has_stood_ = stands && off <= still;
+  if (!has_stood_) off = sweep(problem, most, enough, q);
+  best_ = q;
+  conditions(q, work_.noted);
+  off_ = offOf(q, work_.noted);
+  return is_swept_ = off <= std::max(enough, stands ? still : 0);
+}
+
+/// By how much the row that is farthest from its law is off, of what it may. Round-off of the largest condition is always allowed.
+double RedundantForces::farthest(const Problem& problem, const VectorXd& q, const VectorXd& r) const {
+  double most = 0;
+  for (const Group& group : groups_) {
+    const std::size_t row = problem.live[std::size_t(group.first)];
+    const double allowed = std::max(problem.allowed[row] * problem.sizes[row] * scale_[group.first], near * size_);
+    const double off = offOf(group, q, r) / allowed;
+    if (!(off <= most) && !std::isnan(most)) most = off;  // a NaN stays
+  }
+  return most;
+}
+
+}  // namespace stroma

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
+
+namespace stroma {
+
+/// Rows whose error the |r| of all rows does not see: those of a body of 1e-10 kg beside one of a kilogram, say. With D the 3x3 diagonal
+/// blocks of A, D^-1 r is the error of a row that nothing else moves. Such rows are left while
+///
+///   max |D^-1 r| > share max |x|,   share = max(1e-3, tolerance of the solve).
+///
+/// D is made once for each pattern, for the bound max |r| max |D^-1|, which settles ordinary solves; where that does not, D of these
+/// values tells. Turns and places are measured together, each in its unit.
+class LightRows {
+ public:
+  static constexpr double least_share = 1e-3;
+  /// `tolerance`: |b - A x| / |b| at which the solve ended. A block that is not positive definite is for others to find: none are left.
+  bool areLeft(const SystemMatrix& matrix, double tolerance, ConstRows r, ConstRows x) {
+    const double most = std::max(least_share, tolerance) * largest(x);
+    if (!isOf(matrix, false)) take(matrix);
+    if (is_bad_ || !(bound_ * largest(r) > most)) return false;
+    if (!isOf(matrix, true)) take(matrix);
+    if (is_bad_) return false;
+    if (z_.count() != r.count) z_.resize(r.count);
+    inverse_.apply(r, z_);
+    return largest(z_) > most;
+  }
+  /// D^-1 of the matrix that areLeft() was last true for.
+  const cg::BlockJacobi& inverse() const { return inverse_; }
+
+  /// Solves by solve(limits), which goes on from x until |b - A x|, as it measures it, is at most limits.residual. Then to a tenth of
+  /// that, and so on, while light rows are left in r = `left()`. What stops short of the limits of the scene has converged.
+  template <class Solve, class Residual>
+  SolveReport solveAll(const SystemMatrix& matrix, cg::Limits limits, double tolerance, Solve&& solve, Residual&& left, ConstRows x) {
+    const double enough = 1.1 * limits.residual;
+    int done = 0;
+    for (;; limits.residual /= 10, limits.smallest_cosine = cg::Limits::of_other_units) {
+      SolveReport report = solve(limits);
+      done += report.iterations, limits.iterations -= report.iterations;
+      report.iterations = done;
+      const bool is_over = report.stop != SolveStop::converged && report.stop != SolveStop::stagnated;
+      if (is_over || !(report.relative_residual <= enough)) return report;
+      if (!areLeft(matrix, tolerance, left(), x)) {
+        report.stop = SolveStop::converged;
+        return report;
+      }
+      if (report.stop == SolveStop::converged && limits.iterations <= 0) report.stop = SolveStop::iteration_limit;
+      if (report.stop != SolveStop::converged) return report;
+    }
+  }
+  /// cg::preconditioned() so.
+  template <class Product, class Precondition, class Record>
+  SolveReport conjugateGradients(const SystemMatrix& matrix, Product&& product, Precondition&& precondition, Record&& record,
+                                 const cg::Limits& limits, double tolerance, ConstRows b, cg::Directions& work, Rows x, bool has_residual,
+                                 bool has_step) {
+    const auto solve = [&](const cg::Limits& now) {
+      const SolveReport report = cg::preconditioned(product, precondition, record, now, b, work, x, has_residual, has_step);
+      has_residual = true, has_step = false;
+      return report;
+    };
+    return solveAll(matrix, limits, tolerance, solve, [&] { return work.r.rows(); }, x);
+  }
+
+ private:
+  static double largest(ConstRows rows) {
+    double most = 0;
+#pragma omp simd reduction(max : most)
+    for (std::size_t i = 0; i < rows.doubles(); ++i) most = std::max(most, std::abs(rows.data[i]));
+    return most;
+  }
+  bool isOf(const SystemMatrix& matrix, bool with_values) const {
+    const MatrixKey key = matrix.key();
+    return key_.matrix == key.matrix && key_.pattern == key.pattern && (!with_values || key_ == key);
+  }
+  void take(const SystemMatrix& matrix) {
+    matrix.diagonalBlocks(blocks_);
+    is_bad_ = inverse_.factor(blocks_) >= 0;
+    bound_ = is_bad_ ? 0 : 3 * inverse_.largest();
+    key_ = matrix.key();
+  }
+
+  cg::BlockJacobi inverse_;  ///< D^-1
+  MatrixKey key_;            ///< of D
+  bool is_bad_ = false;      ///< D is not positive definite
+  double bound_ = 0;         ///< on the largest |(D^-1 r)_i| / max |r_i|
+  std::vector<double> blocks_;
+  Vector z_;  ///< D^-1 r
+};
+
+}  // namespace stroma

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Heaps of free rigid bodies by forces of constraint: boxes and balls of twenty triangles that fall into a box.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "framework/simulation/simulation.h"
+#include "tests/contact/contact_scenes.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+constexpr double gravity = 9.81, mu = 0.4, half = 0.025, radius = 0.03;
+constexpr double box_mass = 8000 * half * half * half, ball_mass = 4000. / 3 * M_PI * radius * radius * radius;
+constexpr double box_inertia = box_mass * half * half * 2 / 3, ball_inertia = 0.4 * ball_mass * radius * radius;
+
+std::string ballMesh() {
+  const double golden = (1 + std::sqrt(5.)) / 2, size = radius / std::sqrt(1 + golden * golden);
+  std::string points;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double a : {-size, size})
+      for (const double b : {-size * golden, size * golden}) {
+        Vec3 p = Vec3::Zero();
+        p[(axis + 1) % 3] = a, p[(axis + 2) % 3] = b;
+        points += fmt::format("{} {} {}  ", p.x(), p.y(), p.z());
+      }
+  return "<MeshTopology name=\"mesh\" position=\"" + points +
+         "\" triangles=\"0 2 8  0 8 4  0 4 6  0 6 9  0 9 2  2 7 5  2 5 8  8 5 10  8 10 4  4 10 1  4 1 6  6 1 11  6 11 9  9 11 7  9 7 2  "
+         "3 1 10  3 10 5  3 5 7  3 7 11  3 11 1\"/>";
+}
+
+/// In layers of four, each turned another way.
+std::string heap(int count, double dt, const std::string& integrator) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> aside(-0.008, 0.008);
+  std::string content, others;
+  for (int i = 0; i < count; ++i) {
+    const bool is_box = i % 2 == 0;
+    const Eigen::Quaterniond turn = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+    const double x = 0.1 * (i % 2) - 0.05 + aside(random), y = 0.1 * (i / 2 % 2) - 0.05 + aside(random), z = 0.06 + 0.095 * (i / 4);
+    content += fmt::format(
+        "<Node name=\"b{}\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"{} {} {}  {} {} {} {}\"/><UniformMass "
+        "totalMass=\"{}\" inertia=\"{} {} {}\"/><Node name=\"skin\">{}<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>",
+        i, x, y, z, turn.x(), turn.y(), turn.z(), turn.w(), is_box ? box_mass : ball_mass, is_box ? box_inertia : ball_inertia,
+        is_box ? box_inertia : ball_inertia, is_box ? box_inertia : ball_inertia,
+        is_box ? boxOf(Vec3::Constant(-half), Vec3::Constant(half)).mesh() : ballMesh());
+    if (i > 0) others += fmt::format("@b{}/skin/dofs ", i);
+  }
+  content += fmt::format("<ConstraintContact name=\"contact\" mstate=\"@b0/skin/dofs\" other=\"{}\" contactDistance=\"1e-3\" "
+                         "friction=\"{}\" selfContact=\"0\" planes=\"0 0 1 0  1 0 0 -0.11  -1 0 0 -0.11  0 1 0 -0.11  0 -1 0 -0.11\"/>",
+                         others, mu);
+  return contactScene(content, dt, Vec3(0, 0, -gravity), integrator);
+}
+
+struct Motion {
+  double energy = 0;  ///< with the height [J]
+  double speed = 0;   ///< the largest [m/s]
+};
+
+Motion motionOf(const Simulation& simulation) {
+  Motion motion;
+  for (const State* state : simulation.states()) {
+    if (state->name() != "frame") continue;
+    const bool is_box = std::stoi(state->path().substr(2)) % 2 == 0;
+    const double mass = is_box ? box_mass : ball_mass, inertia = is_box ? box_inertia : ball_inertia;
+    const double v = state->v()[0].norm(), w = state->v()[1].norm();
+    motion.energy += mass * gravity * state->x()[0].z() + mass * v * v / 2 + inertia * w * w / 2;
+    motion.speed = std::max(motion.speed, v + w * radius);
+  }
+  return motion;
+}
+
+/// Twenty contacts and more at once: bodies do not meet, no step gains energy, friction is within its cone.
+Motion fall(int count, double dt, int steps) {
+  Simulation simulation =
+      simulationFromText(heap(count, dt, "<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-6\"/>"));
+  Motion before = motionOf(simulation);
+  for (int step = 0; step < steps; ++step) {
+    expectCleanStep(simulation, step, false);
+    if (::testing::Test::HasFatalFailure()) return before;
+    const Motion now = motionOf(simulation);
+    EXPECT_LE(now.energy, before.energy + 1e-5) << "step " << step;
+    before = now;
+    const std::vector<double> forces = constraintOutput(simulation, "forces");
+    for (std::size_t i = 0; i + 2 < forces.size(); i += 3)
+      EXPECT_LE(std::hypot(forces[i + 1], forces[i + 2]), mu * forces[i] * 1.0005 + 1e-5) << "step " << step;
+  }
+  return before;
+}
+
+TEST(Heaps, OfTwelveBodiesComeToRest) { EXPECT_LT(fall(12, 5e-3, 240).speed, 2e-3); }
+
+/// Where the search for exact forces ends without any: 150 rows on 80 ways to move and more.
+TEST(Heaps, OfThirtyBodiesGoOnWhereManyMeet) { fall(30, 5e-3, 50); }
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What linear systems, linear solvers and constraint solvers tell of the last step, against what NumPy makes of its parts."""
+import numpy as np
+import pytest
+import Sofa
+from playing import run
+from Sofa import SofaConstraintSolver, SofaLinearSolver, SofaLinearSystem  # noqa: F401
+
+H, RM, RK = 0.02, 0.3, 0.05
+
+
+def body(root, name="body", linear="SparseLDLSolver", **options):
+    """Six springs between four points, the first of which is held."""
+    node = root.addChild(name)
+    node.addObject("EulerImplicitSolver", name="ode", rayleighMass=RM, rayleighStiffness=RK)
+    node.addObject(linear, name="linear", **options)
+    node.addObject("MechanicalObject", name="state", position=[[0, 0, 0], [1, 0, 0.1], [0, 1, 0], [0.2, 0, 1]],
+                   velocity=[[0, 0, 0], [1, 2, 3], [0, 1, 0], [-1, 0, 0.5]])
+    node.addObject("UniformMass", name="mass", vertexMass=0.5)
+    node.addObject("SpringForceField", name="springs", spring=[0, 1, 100, 0, 1, 0, 2, 80, 0, 0.9, 0, 3, 70, 0, 1, 1, 2, 60, 0, 1.2,
+                                                               1, 3, 50, 0, 1.5, 2, 3, 40, 0, 1])
+    node.addObject("FixedProjectiveConstraint", indices=[0])
+    return node
+
+
+def scene(**options):
+    root = Sofa.Core.Node("root")
+    root.dt, root.gravity = H, [0, -9.81, 0]
+    return root, body(root, **options)
+
+
+def held(matrix, numbers):
+    """Rows and columns of what is held: ones on the diagonal."""
+    matrix = np.array(matrix)
+    matrix[numbers] = 0
+    matrix[:, numbers] = 0
+    matrix[numbers, numbers] = 1
+    return matrix
+
+
+@pytest.mark.parametrize("linear, options", [("SparseLDLSolver", {}), ("CGLinearSolver", dict(iterations=200, tolerance=1e-14, threshold=1e-30))])
+def test_the_matrix_and_the_right_side_are_those_of_the_step(linear, options):
+    root, node = scene(linear=linear, **options)
+    system = node.addObject("MatrixLinearSystem", name="system", template="CompressedRowSparseMatrixMat3x3d")
+    Sofa.Simulation.init(root)
+    for _ in range(3):
+        stiffness, mass = node.springs.assembleKMatrix().toarray(), node.mass.assembleMMatrix().toarray()
+        before, speeds = np.array(node.state.position.value), node.state.velocity.value.ravel()
+        force = np.array(node.mass.assembleMMatrix() @ np.tile([0, -9.81, 0], 4)) + springs(before)
+        Sofa.Simulation.animate(root, H)
+        matrix = held((1 + H * RM) * mass - H * (H + RK) * stiffness, [0, 1, 2])
+        right = H * (force + (H + RK) * stiffness @ speeds - RM * mass @ speeds)
+        right[:3] = 0
+        for each in (node.linear, system):
+            assert each.A().toarray() == pytest.approx(matrix, rel=1e-9, abs=1e-9) and each.A().shape == (12, 12)
+            assert each.b() == pytest.approx(right, rel=1e-9, abs=1e-9)
+            assert each.x() == pytest.approx(node.state.velocity.value.ravel() - speeds, abs=1e-9)
+        assert node.linear.A() @ node.linear.x() == pytest.approx(right, abs=1e-9)
+        assert system.get_system_matrix().nnz == node.linear.A().nnz and len(system.get_rhs_vector()) == 12
+
+
+def springs(x):
+    force = np.zeros_like(x)
+    for a, b, stiffness, length in ((0, 1, 100, 1), (0, 2, 80, 0.9), (0, 3, 70, 1), (1, 2, 60, 1.2), (1, 3, 50, 1.5), (2, 3, 40, 1)):
+        way = x[b] - x[a]
+        pull = stiffness * (np.linalg.norm(way) - length) * way / np.linalg.norm(way)
+        force[a] += pull
+        force[b] -= pull
+    return force.ravel()
+
+
+@pytest.mark.parametrize("linear, options", [("SparseLDLSolver", {}), ("CGLinearSolver", dict(iterations=60, tolerance=1e-9, threshold=1e-9))])
+def test_who_asks_changes_no_bit(linear, options):
+    ends = []
+    for asks in (False, True):
+        root, node = scene(linear=linear, **options)
+        Sofa.Simulation.init(root)
+        for _ in range(5):
+            Sofa.Simulation.animate(root, H)
+            if asks:
+                node.linear.A()
+        ends.append(np.array(node.state.position.value))
+    assert np.array_equal(*ends)
+
+
+def test_states_come_in_the_order_of_the_tree():
+    root = Sofa.Core.Node("root")
+    root.dt = 0.1
+    root.addObject("EulerImplicitSolver")
+    root.addObject("SparseLDLSolver", name="linear")
+    for name, template, place, mass in (("frame", "Rigid3d", [0, 0, 0, 0, 0, 0, 1], 2), ("points", "Vec3d", [[0, 0, 0], [1, 0, 0]], 3)):
+        node = root.addChild(name)
+        node.addObject("MechanicalObject", template=template, position=place)
+        node.addObject("UniformMass", vertexMass=mass if template == "Vec3d" else "2 1 [1 0 0 0 1 0 0 0 1]")
+    Sofa.Simulation.init(root)
+    Sofa.Simulation.animate(root, 0.1)
+    assert root.linear.A().toarray() == pytest.approx(np.diag([2] * 6 + [3] * 6), abs=1e-12)
+    assert root.linear.b()[:6] == pytest.approx([0, -9.81 * 0.2, 0, 0, 0, 0], abs=1e-12)
+
+
+def test_two_bodies_have_equations_of_their_own():
+    root = Sofa.Core.Node("root")
+    root.dt = H
+    first, second = body(root, "first"), body(root, "second")
+    second.mass.vertexMass = 5
+    shared = root.addChild("above").addObject("CGLinearSolver", name="none")
+    Sofa.Simulation.init(root)
+    Sofa.Simulation.animate(root, H)
+    assert first.linear.A()[3, 3] < second.linear.A()[3, 3]
+    with pytest.raises(RuntimeError, match="is of 2 systems of equations"):
+        shared.A()
+
+
+def held_by_lagrange(root, stiffness):
+    root.dt, root.gravity = 0.01, [0, -10, 0]
+    root.addObject("FreeMotionAnimationLoop")
+    root.addObject("GenericConstraintSolver", name="solver", tolerance=1e-12, maxIterations=1000)
+    node = root.addChild("body")
+    node.addObject("EulerImplicitSolver")
+    node.addObject("SparseLDLSolver", name="linear")
+    node.addObject("MechanicalObject", name="state", position=[[0, 0, 0], [1, 0, 0]])
+    node.addObject("UniformMass", vertexMass=2)
+    if stiffness:
+        node.addObject("RestShapeSpringsForceField", stiffness=stiffness)
+    node.addObject("FixedLagrangianConstraint", indices=[1])
+    node.addObject("LinearSolverConstraintCorrection")
+    Sofa.Simulation.init(root)
+    Sofa.Simulation.animate(root, 0.01)
+    return root
+
+
+@pytest.mark.parametrize("stiffness", [0, 1e4])
+def test_compliance_of_a_held_point(stiffness):
+    """An impulse changes the velocity of a mass by 1 / (m + h^2 k), and where it comes to by h times that."""
+    root = held_by_lagrange(Sofa.Core.Node("root"), stiffness)
+    assert root.solver.W() == pytest.approx(0.01 / (2 + 1e-4 * stiffness) * np.eye(3), abs=1e-12)
+    assert sorted(np.abs(root.solver.lambda_force())) == pytest.approx([0, 0, 2 * 10 * 0.01], abs=1e-9)
+    assert root.body.linear.A().shape == (6, 6)
+
+
+def test_what_is_not_there_is_told():
+    root, node = scene()
+    with pytest.raises(RuntimeError, match="/body/linear: there are no equations before the scene is initialised"):
+        node.linear.A()
+    assert not hasattr(node.mass, "A")
+    with pytest.raises(AttributeError, match=r"A\(\) is one of linear solvers and linear systems, and not of a UniformMass"):
+        node.mass.A()
+    Sofa.Simulation.init(root)
+    with pytest.raises(Exception, match="has solved no linear system since it is watched"):
+        node.linear.A()
+    with pytest.raises(AttributeError, match=r"dfree\(\) is not offered"):
+        held_by_lagrange(Sofa.Core.Node("root"), 0).solver.dfree()
+
+
+SCENE = """import Sofa
+{imports}
+class Look(Sofa.Core.Controller):
+    def onAnimateEndEvent(self, event):
+        solver = self.getContext().linear
+        print("left", abs(solver.A() @ solver.x() - solver.b()).max() < 1e-9, solver.A().shape)
+
+def createScene(root):
+    root.addObject("EulerImplicitSolver")
+    root.addObject("SparseLDLSolver", name="linear")
+    root.addObject("MechanicalObject", position=[[0, 0, 0]])
+    root.addObject("UniformMass", totalMass=1)
+    root.addObject(Look(name="look"))
+"""
+
+
+def test_the_command_has_them_too(tmp_path):
+    (tmp_path / "scene.py").write_text(SCENE.format(imports="from Sofa import SofaLinearSolver\n"))
+    done = run("run", tmp_path / "scene.py", "-n", 3, "--no-record", folder=tmp_path)
+    assert done.returncode == 0 and done.stdout.count("left True (3, 3)") == 3, done.stderr
+
+
+def test_without_the_module_nothing_is_kept(tmp_path):
+    (tmp_path / "scene.py").write_text(SCENE.format(imports=""))
+    done = run("run", tmp_path / "scene.py", "-n", 3, "--no-record", folder=tmp_path)
+    assert done.returncode == 3 and "the equations of steps are kept where the program imports Sofa.SofaLinearSystem" in done.stderr, done.stderr
+    assert "scene.py:6: AttributeError" in done.stderr, "the line that asks"
