@@ -321,7 +321,8 @@ bool Multipliers::prepareRound(bool is_first, LinearSolver& solver, SystemMatrix
   return true;
 }
 
-void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop, StepReport& report) {
+void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, ConstRows direction, StopToken stop,
+                          StepReport& report) {
   constexpr int most_rounds = 100, most_idle = 10, few_idle = 2, few_left = 3;
   constexpr double close = 1e-13, far_less = 1e-3;  // of the place; of what is tolerated
   System& s = *system_;
