@@ -265,3 +265,23 @@ def test_a_spring_is_taken_away():
     assert node.springs.spring.value[5:7].tolist() == [0, 3] and len(node.springs.spring.value) == 25
     with pytest.raises(IndexError, match="there is no spring 5: there are 5"):
         node.springs.removeSpring(5)
+
+
+@pytest.mark.parametrize("kind", ["box", "SparseLDLSolver", "CGLinearSolver", "AutomaticLinearSolver"])
+def test_a_run_whose_equations_are_kept_has_the_bits_of_another_one(kind, monkeypatch):
+    monkeypatch.setattr(Reads, "onAnimateEndEvent", lambda self, event: None)
+    ends = []
+    for kept in (False, True):
+        monkeypatch.setattr("Sofa._equations.are_wanted", lambda: kept)  # noqa: B023
+        monkeypatch.setattr("Sofa._equations.asks_for_gradients", lambda listeners: kept)  # noqa: B023
+        if kind == "box":
+            root = sliding_box(0.3)[0]
+            state = root.box.state
+        else:
+            root, node = scene(linear=kind)
+            Sofa.Simulation.init(root)
+            state = node.state
+        for _ in range(12):
+            Sofa.Simulation.animate(root, 0.01)
+        ends.append(np.array([*state.position.value.ravel(), *state.velocity.value.ravel()]))
+    assert np.array_equal(*ends)
