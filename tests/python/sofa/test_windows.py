@@ -38,3 +38,17 @@ def createScene(root):
 """)
     done = run("run", tmp_path / "scene.py", "-n", 3, "--no-record", folder=tmp_path)
     assert done.returncode == 0 and done.stderr.count("Sofa.ImGui has no windows here") == 1, done.stderr
+
+
+def test_the_scheduler_and_the_factory_answer():
+    import Sofa
+    from Sofa.Core import TaskScheduler
+
+    before = TaskScheduler.getThreadCount()
+    TaskScheduler.init(1)
+    assert TaskScheduler.getThreadCount() == 1
+    TaskScheduler.init(before)
+    TaskScheduler.stop()
+    entry = Sofa.Core.ObjectFactory.getComponent("UniformMass")
+    assert entry.className == "UniformMass" and entry.targets and entry.templates == [] and entry.description
+    assert Sofa.Core.ObjectFactory.getComponent("NothingOfThatName") is None
