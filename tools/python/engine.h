@@ -65,9 +65,10 @@ class Engine {
   /// Ends at a limit; `begin` and `end` are called with `owner` before and after each step.
   RunReport run(std::optional<long> steps, std::optional<double> until, const py::list& begin, const py::list& end,
                 const py::object& owner, bool heeds_interrupts);
-  /// From now on the equations of the last step of each system are kept.
-  void watchSolves() {
+  /// From now on the equations of the last step of each system are kept; `matrices`: also A, b and x.
+  void watchSolves(bool matrices) {
     if (!last_solve_) last_solve_ = std::make_unique<LastSolve>();
+    last_solve_->keeps_matrices = last_solve_->keeps_matrices || matrices;
   }
   /// Null: nobody has asked for them.
   LastSolve* lastSolve() const { return last_solve_.get(); }

@@ -44,6 +44,7 @@ py::array_t<double> projectorsOf(System& system) {
 }  // namespace
 
 void LastSolve::solved(SystemMatrix& matrix, ConstRows b, ConstRows x) {
+  if (!keeps_matrices) return;
   std::erase_if(systems_, [](const auto& each) { return each.second.identity.use_count() == 1; });  // of meshes before
   Equations& kept = systems_[matrix.identity().get()];
   kept.identity = matrix.identity();
@@ -61,11 +62,9 @@ void LastSolve::conditions(const System& system, const LagrangianRows& rows, dou
     clear(all);
     for (const auto& [at, gradient] : rows.entriesOf(row)) all[at] += gradient;
     system.mappingChain().pullBack(all);
-    const Rows own = system.independent(all);
-    system.constraints().project(own);
-    for (Index i = 0; i < own.count; ++i)
+    for (Index i = 0; i < all.count(); ++i)
       for (int c = 0; c < 3; ++c)
-        if (const double number = Vec3(own[i])[c]; number != 0) kept.columns.push_back(3 * i + c), kept.gradients.push_back(number);
+        if (const double number = Vec3(all[i])[c]; number != 0) kept.columns.push_back(3 * i + c), kept.gradients.push_back(number);
     kept.row_starts.push_back(int(kept.columns.size()));
   }
 }

@@ -22,8 +22,10 @@ class LastSolve final : public SolveWatch {
   /// (A, held, b, x): blocks of A as matrix_of() has them; the projectors P of its rows, shape (rows, 3, 3), with A = P A P where P is
   /// not the identity; b and x of shape (rows, 3). Throws ComponentError where no step has been watched.
   py::tuple equations(System& system) const;
-  /// (row starts, columns, values, displacement): J as compressed rows of numbers, 3 columns for each row of the system.
+  /// (row starts, columns, values, displacement): J as compressed rows of numbers, 3 columns for each row of the system. On mapped rows
+  /// J is that of their own motion, on independent ones that of all; held directions are in it.
   py::tuple gradients(const System& system) const;
+  bool keeps_matrices = false;  ///< A, b and x, which cost an assembly in each step
   /// Steps of this thread are watched as long as it lives.
   class Watching {
    public:

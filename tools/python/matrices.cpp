@@ -179,6 +179,13 @@ void bindMatrices(py::module_& module) {
   module.def("last_gradients", [](const std::shared_ptr<Engine>& engine, const std::string& integrator) {
     return lastSolveOf(*engine).gradients(systemOf(*engine, integrator));
   });
+  // (rows, (path, first row, how many) of each state, mapped ones too)
+  module.def("rows_of_states", [](const std::shared_ptr<Engine>& engine, const std::string& integrator) {
+    const System& system = systemOf(*engine, integrator);
+    py::list states;
+    for (const State* state : system.states()) states.append(py::make_tuple(state->path(), state->firstRow(), state->size()));
+    return py::make_tuple(system.allRows(), states);
+  });
   // of a step that somebody else makes in this thread
   module.def("watch_step", [](const std::shared_ptr<Engine>& engine, bool is_made) {
     solveWatch() = is_made ? engine->lastSolve() : nullptr;

@@ -179,3 +179,109 @@ def test_without_the_module_nothing_is_kept(tmp_path):
     done = run("run", tmp_path / "scene.py", "-n", 3, "--no-record", folder=tmp_path)
     assert done.returncode == 3 and "the equations of steps are kept where the program imports Sofa.SofaLinearSystem" in done.stderr, done.stderr
     assert "scene.py:6: AttributeError" in done.stderr, "the line that asks"
+
+
+# ---- J on the nodes of a state ----
+
+class Reads(Sofa.Core.Controller):
+    """Forces of contact on each node, as scenes compute them from the text of `constraint`."""
+
+    def __init__(self, root, **values):
+        super().__init__(**values)
+        self.root, self.found = root, []
+
+    def onAnimateEndEvent(self, event):
+        impulses = np.array(self.root.solver.constraintForces.value)
+        numbers = np.array([float(word) for word in str(self.root.box.corners.state.constraint.value).split()])
+        on_corners = np.zeros((4, 3))
+        at = 0
+        while at < len(numbers):
+            row, count = int(numbers[at]), int(numbers[at + 1])
+            at += 2
+            for _ in range(count):
+                on_corners[int(numbers[at])] += numbers[at + 1:at + 4] * impulses[row]
+                at += 4
+        whole = self.root.box.state.constraint.value
+        on_box = whole.toarray().T @ impulses if len(impulses) else np.zeros(6)
+        self.found.append((len(impulses), on_corners, on_box, self.root.box.corners.state.findData("lambda").value,
+                           self.root.box.state.findData("lambda").value, self.root.solver.W() if len(impulses) else None, impulses))
+
+
+def sliding_box(friction):
+    root = Sofa.Core.Node("root")
+    root.dt, root.gravity = 0.01, [0, -10, 0]
+    for word in ("FreeMotionAnimationLoop", "CollisionPipeline", "BruteForceBroadPhase", "BVHNarrowPhase"):
+        root.addObject(word)
+    root.addObject("GenericConstraintSolver", name="solver", tolerance=1e-12, maxIterations=1000, computeConstraintForces=True)
+    root.addObject("LocalMinDistance", alarmDistance=0.3, contactDistance=0.05)
+    root.addObject("CollisionResponse", response="FrictionContactConstraint", responseParams=f"mu={friction}")
+    box = root.addChild("box")
+    box.addObject("EulerImplicitSolver")
+    box.addObject("SparseLDLSolver")
+    box.addObject("MechanicalObject", name="state", template="Rigid3d", position=[0, 0.57, 0, 0, 0, 0, 1], velocity=[2, 0, 1, 0, 0, 0])
+    box.addObject("UniformMass", vertexMass="3 1 [0.5 0 0 0 0.5 0 0 0 0.5]")
+    box.addObject("LinearSolverConstraintCorrection")
+    corners = box.addChild("corners")
+    corners.addObject("MechanicalObject", name="state", position=[[1, -0.5, 1], [-1, -0.5, 1], [1, -0.5, -1], [-1, -0.5, -1.2]])
+    corners.addObject("PointCollisionModel")
+    corners.addObject("RigidMapping")
+    floor = root.addChild("floor")
+    floor.addObject("MeshTopology", position=[[-90, 0, -90], [90, 0, -90], [0, 0, 90]], triangles=[[0, 2, 1]])
+    floor.addObject("MechanicalObject")
+    floor.addObject("TriangleCollisionModel", moving=False, simulated=False)
+    reads = root.addObject(Reads(root, name="reads"))
+    Sofa.Simulation.init(root)
+    return root, reads
+
+
+@pytest.mark.parametrize("friction", [0, 0.3])
+def test_gradients_times_impulses_are_the_impulses_on_nodes(friction):
+    root, reads = sliding_box(friction)
+    for _ in range(8):
+        Sofa.Simulation.animate(root, 0.01)
+    touched = [each for each in reads.found if each[0]]
+    assert len(touched) > 3 and touched[-1][0] == 4 * (3 if friction else 1)
+    for count, on_corners, on_box, told_of_corners, told_of_box, compliance, impulses in touched:
+        assert on_corners == pytest.approx(told_of_corners, abs=1e-9) and on_corners[:, 1].min() >= -1e-12
+        assert on_box == pytest.approx(told_of_box.ravel(), abs=1e-9)
+        assert compliance.shape == (count, count) and compliance == pytest.approx(compliance.T, abs=1e-12)
+        assert np.linalg.eigvalsh(compliance).min() > -1e-12
+        if count == (12 if friction else 4):  # dt (1/m + (r x n)^2 / J), n along y
+            expected = [0.01 * (1 / 3 + (x ** 2 + z ** 2) / (3 * 0.5)) for x, z in ((1, 1), (-1, 1), (1, -1), (-1, -1.2))]
+            assert sorted(np.diag(compliance)[::count // 4]) == pytest.approx(sorted(expected), rel=0.01)
+    assert root.solver.W().shape == (touched[-1][0],) * 2
+
+
+def test_what_no_controller_names_is_not_kept():
+    root = held_by_lagrange(Sofa.Core.Node("root"), 0)
+    matrix = root.body.state.constraint.value
+    assert matrix.shape == (3, 6) and matrix.toarray()[:, 3:] == pytest.approx(np.eye(3)) and str(matrix).splitlines()[1] == "1 1 1 0 1 0"
+
+
+def test_a_spring_is_taken_away():
+    root, node = scene()
+    assert len(node.springs.spring.value) == 30
+    node.springs.removeSpring(1)
+    assert node.springs.spring.value[5:7].tolist() == [0, 3] and len(node.springs.spring.value) == 25
+    with pytest.raises(IndexError, match="there is no spring 5: there are 5"):
+        node.springs.removeSpring(5)
+
+
+@pytest.mark.parametrize("kind", ["box", "SparseLDLSolver", "CGLinearSolver", "AutomaticLinearSolver"])
+def test_a_run_whose_equations_are_kept_has_the_bits_of_another_one(kind, monkeypatch):
+    monkeypatch.setattr(Reads, "onAnimateEndEvent", lambda self, event: None)
+    ends = []
+    for kept in (False, True):
+        monkeypatch.setattr("Sofa._equations.are_wanted", lambda: kept)  # noqa: B023
+        monkeypatch.setattr("Sofa._equations.asks_for_gradients", lambda listeners: kept)  # noqa: B023
+        if kind == "box":
+            root = sliding_box(0.3)[0]
+            state = root.box.state
+        else:
+            root, node = scene(linear=kind)
+            Sofa.Simulation.init(root)
+            state = node.state
+        for _ in range(12):
+            Sofa.Simulation.animate(root, 0.01)
+        ends.append(np.array([*state.position.value.ravel(), *state.velocity.value.ravel()]))
+    assert np.array_equal(*ends)

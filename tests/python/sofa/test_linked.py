@@ -156,3 +156,14 @@ def test_paths_and_parents_stay_in_the_order_of_the_scene():
     animate(root, 2)
     assert told() == before
     assert state.position.value[0, 2] == pytest.approx(-5 * 0.01**2 * 3) and body.getRoot() is root
+
+
+def test_what_a_node_has_of_a_role_tells_its_paths():
+    """Scenes look for the type of a force field in it."""
+    root = Sofa.Core.Node("root")
+    leg = root.addChild("leg")
+    leg.addObject("MechanicalObject", position=[[0, 0, 0], [1, 0, 0]])
+    leg.addObject("RestShapeSpringsForceField", stiffness=1)
+    leg.addObject("ConstantForceField", name="load", forces=[[0, 1, 0]])
+    assert leg.forceField.getValueString() == "@/leg/RestShapeSpringsForceField @/leg/load" and leg.forceField.getSize() == 2
+    assert "RestShapeSprings" in leg.forceField.getValueString()

@@ -105,6 +105,35 @@ def test_cells_go_on_after_points_have_gone():
         animate(root, 1)
 
 
+def test_a_grid_that_is_cut_into_tetrahedra_loses_them_one_after_the_other():
+    root = Sofa.Core.Node("root")
+    root.dt = 0.01
+    node = root.addChild("body")
+    node.addObject("EulerImplicitSolver")
+    node.addObject("SparseLDLSolver")
+    node.addObject("RegularGridTopology", name="grid", n=[5, 2, 2], min=[0, 0, 0], max=[4, 1, 1])
+    node.addObject("TetrahedronSetTopologyContainer", name="mesh", position="@grid.position")
+    node.addObject("TetrahedronSetTopologyModifier", name="modifier")
+    node.addObject("Hexa2TetraTopologicalMapping", input="@grid", output="@mesh")
+    node.addObject("MechanicalObject", name="state")
+    node.addObject("DiagonalMass", massDensity=1)
+    node.addObject("BoxROI", name="region", box=[-0.1, -1, -1, 0.1, 2, 2])
+    node.addObject("FixedProjectiveConstraint", indices="@region.indices")
+    node.addObject("TetrahedronFEMForceField", youngModulus=1e4, poissonRatio=0.3)
+    seen = []
+
+    def begin(step):
+        places, cells = np.array(node.state.position.value), np.array(node.mesh.tetrahedra.value)
+        if step in (2, 4, 5):
+            node.modifier.removeTetrahedra(np.flatnonzero(places[cells].mean(axis=1)[:, 0] > 4.5 - 0.7 * step))
+        seen.append((node.mesh.getNbTetrahedra(), len(node.state.position.value)))
+    root.addObject(Each(begin))
+    Sofa.Simulation.init(root)
+    animate(root, 6)
+    assert seen == sorted(seen, reverse=True) and len(set(seen)) == 4 and np.isfinite(node.state.position.value).all()
+    assert node.mesh.tetrahedra.value.max() == len(node.state.position.value) - 1
+
+
 def test_lists_of_points_follow():
     root, node = scene()
     node.fixed.indices = [5, 0, 1, 2]
@@ -221,6 +250,12 @@ def test_a_carving_tool_takes_cells_while_it_is_active(tmp_path):
     done = run("run", tmp_path / "carving.py", "-n", 8, "--no-record", folder=tmp_path)
     assert done.returncode == 0 and "is run again" in done.stderr, done.stderr
     assert f"cells 8 {counts[6]} " in done.stdout, done.stdout
+
+
+def test_a_carving_manager_is_not_left_out_in_silence(tmp_path):
+    (tmp_path / "carving.py").write_text(CARVING)
+    done = run("migrate", tmp_path / "carving.py", "-o", tmp_path / "carving.xml", folder=tmp_path)
+    assert "/carving: CarvingManager is written in Python, and not in the scene that is made" in done.stderr, done.stderr
 
 
 def test_keys_switch_the_tool(tmp_path):

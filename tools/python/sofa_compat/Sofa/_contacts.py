@@ -21,10 +21,10 @@ def rows_of(component, types):
     forces, normals = sign * component.get("forces"), sign * component.get("normals")
     if len(component.get("multipliers")) == len(normals):
         return np.einsum("ij,ij->i", forces, normals)
-    return np.einsum("ikj,ij->ik", np.stack([normals, *_tangents(normals)], axis=1), forces).ravel()
+    return np.einsum("ikj,ij->ik", np.stack([normals, *tangents(normals)], axis=1), forces).ravel()
 
 
-def _tangents(normals):
+def tangents(normals):
     """Of SOFA: across a normal and the same with its components turned round; any where both are one."""
     across = np.cross(normals, np.roll(normals, 1, axis=1))
     length = np.linalg.norm(across, axis=1, keepdims=True)

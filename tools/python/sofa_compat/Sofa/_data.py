@@ -70,7 +70,14 @@ class Writing:
 
     def __exit__(self, kind, error, trace):
         if kind is None:
-            self._s_data.value = self._array
+            try:
+                self._s_data.value = self._array
+            except ValueError:
+                now = np.array(self._s_data.value)
+                if now.ndim != 2 or self._array.ndim != 2 or not len(self._array) < len(now):
+                    raise
+                now[:len(self._array)] = self._array  # of a state that has got points meanwhile
+                self._s_data.value = now
         return False
 
     def __getitem__(self, key):

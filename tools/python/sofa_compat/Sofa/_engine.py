@@ -78,8 +78,9 @@ class Engine:
     def _take(self, simulation, mirror):
         self._mesh_changes = simulation._engine.mesh_changes
         self.sim, self.mirror, self._drawing, self._solved = simulation, mirror, None, {}
-        if self._watches:
-            simulation._engine.watch_solves()
+        self._tells_gradients = self._watches or _equations.asks_for_gradients(_events.listeners(self.root))
+        if self._tells_gradients:
+            simulation._engine.watch_solves(self._watches)
         self.has_carving = bool(_carving.managers(self.root))
         self._components, self._attributes, self._states, self._rest = {}, {}, {}, {}
         self._waiting = set()  # data, by id, that have a value which the next simulation takes
@@ -103,7 +104,7 @@ class Engine:
         component = self._components.get(id(thing))
         if component is None or id(data) in self._waiting:
             return False
-        if id(thing) in self._states and data._s_name in _STATE:
+        if id(thing) in self._states and (data._s_name in _STATE or (data._s_name == "constraint" and self._tells_gradients)):
             return True
         if data._s_name in _FIELDS:
             return _FIELDS[data._s_name] in component.fields
@@ -116,6 +117,8 @@ class Engine:
         if id(thing) in self._asleep:
             return np.array(self._asleep[id(thing)][data._s_name])
         state = self._states.get(id(thing))
+        if state is not None and data._s_name == "constraint":
+            return _equations.constraint_of(self, self.mirror.paths[id(thing)], _stroma) if self.steps else ""
         if state is not None and data._s_name in _STATE:
             return self._of_state(thing, state, data._s_name)
         if data._s_name in _FIELDS:
@@ -327,18 +330,22 @@ class Engine:
         thing = next(thing for key, thing in self.mirror.things.items() if self.mirror.paths[key] == path)
         return _values.plain_template(thing._s_template())
 
-    def _constraints(self):
-        return [each for each in self._components.values() if each.role == "Lagrangian constraint"]
-
     def integrators_of_constraints(self):
         """Of systems with Lagrangian constraints, which have looked for forces in the last step."""
-        return [integrator for integrator, states in _stroma.systems_of(self.sim._engine)] if self._constraints() else []
+        return [integrator for integrator, states in _stroma.systems_of(self.sim._engine)] if self.constraint_counts() else []
+
+    def constraint_counts(self):
+        """(component, how many forces) of each constraint, in the order of their rows."""
+        found = []
+        for component in self._components.values():
+            if component.type == "CollisionResponse" and component.get("response").startswith("FrictionContact"):
+                found.append((component, len(rows_of(component, self.types()))))
+            elif component.role == "Lagrangian constraint":
+                found.append((component, np.size(component.get("forces"))))
+        return found
 
     def without_compliance(self):
         """Why there is no W, or empty."""
-        if any(each.type == "CollisionResponse" and each.get("response").startswith("FrictionContact")
-               for each in self._components.values()):
-            return "where contacts have friction: points, normals, gaps and forces are arrays of CollisionResponse"
         if any(each.type == "UncoupledConstraintCorrection" for each in self._components.values()):
             return "with an UncoupledConstraintCorrection, which has a compliance of its own"
         return ""
@@ -465,7 +472,7 @@ class Engine:
         self._hand_on()
         if self._restart:
             self._make_anew()
-        if self._s_given and self._watches:
+        if self._s_given and self._tells_gradients:
             _stroma.watch_step(self.sim._engine, True)
 
     def end_step(self, dt):
@@ -473,7 +480,7 @@ class Engine:
         if self._mesh_changes != self.sim._engine.mesh_changes:  # by a component of the scene
             self._has_other_meshes = True
             self._look_again()
-        if self._s_given and self._watches:
+        if self._s_given and self._tells_gradients:
             _stroma.watch_step(self.sim._engine, False)
         _carving.carve(self)
         _events.end_step(self.root, dt)

@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 
+from . import _contacts
 from ._objects import Object
 
 #: modules that a scene imports for these calls: without them SOFA's objects do not have them either
@@ -18,6 +19,43 @@ _COLUMNS = {"Vec2": [0, 1], "Rigid2": [0, 1, 5]}
 def are_wanted():
     """A scene is to ask for the equations of its steps."""
     return any(name in sys.modules for name in _MODULES)
+
+
+def asks_for_gradients(listeners):
+    """A controller reads `constraint` of a state, J of the last step, which needs no module in SOFA."""
+    def names(code):
+        yield from code.co_names
+        for each in code.co_consts:
+            if hasattr(each, "co_names"):
+                yield from names(each)
+    return any("constraint" in names(each.__code__) for thing in listeners for kind in type(thing).__mro__ for each in vars(kind).values()
+               if hasattr(each, "__code__") and not kind.__module__.startswith("Sofa"))
+
+
+class ConstraintRows(str):
+    """J on the nodes of a state: as text, each row its number, how many nodes it has, and of each the node and its numbers, which is
+    what SOFA's Python gave; and with what the sparse matrix of today's answers."""
+
+    def __new__(cls, matrix, width):
+        lines = []
+        for row in range(matrix.shape[0]):
+            columns, values = (part[matrix.indptr[row]:matrix.indptr[row + 1]] for part in (matrix.indices, matrix.data))
+            nodes = sorted(set((columns // width).tolist()))
+            if nodes:
+                dense = {node: np.zeros(width) for node in nodes}
+                for column, value in zip(columns.tolist(), values.tolist()):
+                    dense[column // width][column % width] = value
+                lines.append(f"{row} {len(nodes)} " + " ".join(f"{node} " + " ".join(f"{each:.17g}" for each in dense[node])
+                                                               for node in nodes))
+        self = super().__new__(cls, "\n".join(lines))
+        self.matrix, self.shape, self.dtype, self.ndim, self.nnz = matrix, matrix.shape, matrix.dtype, 2, matrix.nnz
+        return self
+
+    def toarray(self):
+        return self.matrix.toarray()
+
+    def tocsr(self):
+        return self.matrix
 
 
 class Solves(Object):
@@ -89,7 +127,7 @@ def of(engine, thing, stroma):
         raise RuntimeError(f"{thing._s_place()}: is of {len(systems)} systems of equations, and answers for one: "
                            + ", ".join(integrator for integrator, _ in systems))
     integrator, states = systems[0]
-    whole, right_side, solution = _whole(engine, integrator, stroma)
+    whole, right_side, solution, _ = _whole(engine, integrator, stroma)
     order = {path: number for number, path in enumerate(engine.state_paths())}
     rows = np.concatenate([_numbers_of(engine, path, first, size) for path, first, size in
                            sorted((each for each in states if each[0] in inside), key=lambda each: order[each[0]])])
@@ -97,7 +135,7 @@ def of(engine, thing, stroma):
 
 
 def _whole(engine, integrator, stroma):
-    """A, b and x of all rows, three numbers each."""
+    """A, b, x and the projector onto the free directions, of all rows, three numbers each."""
     from scipy import sparse
 
     (values, columns, starts), held, right_side, solution = stroma.last_equations(engine.sim._engine, integrator)
@@ -105,7 +143,7 @@ def _whole(engine, integrator, stroma):
     free = sparse.bsr_matrix((held, np.arange(len(held)), np.arange(len(held) + 1))).tocsr()
     matrix = (free @ matrix @ free + (sparse.identity(matrix.shape[0], format="csr") - free)).tocsr()
     matrix.eliminate_zeros()
-    return matrix, right_side.ravel(), solution.ravel()
+    return matrix, right_side.ravel(), solution.ravel(), free
 
 
 def _numbers_of(engine, path, first, size):
@@ -122,6 +160,61 @@ def _numbers_of(engine, path, first, size):
     return (found if columns is None else found[:, columns]).ravel()
 
 
+def _rows_of(engine, integrator, stroma):
+    """(J of all rows of the system, three numbers each, in SOFA's rows; by how much a change of velocity moves positions)."""
+    from scipy import sparse
+
+    starts, columns, values, displacement = stroma.last_gradients(engine.sim._engine, integrator)
+    rows, _ = stroma.rows_of_states(engine.sim._engine, integrator)
+    gradients = sparse.csr_matrix((values, columns, starts), shape=(len(starts) - 1, 3 * rows))
+    parts, first = [], 0
+    for component, count in engine.constraint_counts():
+        part = gradients[first:first + count]
+        parts.append(_turned(engine, component, part) if component.type == "CollisionResponse" else part)
+        first += count
+    if first != gradients.shape[0]:
+        raise RuntimeError(f"{integrator}: of constraints with several conditions for one force no rows are told: {gradients.shape[0]} "
+                           f"conditions, {first} forces")
+    return (sparse.vstack(parts).tocsr() if parts else gradients), displacement
+
+
+def _turned(engine, response, gradients):
+    """Rows of contacts along SOFA's tangents in the place of the engine's."""
+    from scipy import sparse
+
+    normals = response.get("normals")
+    if gradients.shape[0] != 3 * len(normals):
+        return gradients  # without friction
+    sign = np.where(_contacts.turned_round(response, engine.types()), -1.0, 1.0)
+    first, second = _contacts.tangents(sign[:, None] * normals)
+    blocks = []
+    for number, normal in enumerate(normals):
+        along = gradients[3 * number:3 * number + 3].toarray().reshape(3, -1, 3)
+        near = [row for row in np.flatnonzero(along[0].any(axis=1)) if np.linalg.norm(np.cross(along[0, row], normal)) < 1e-9]
+        size = along[0, near[0]] @ normal
+        own = along[1:, near[0]] / size
+        block = np.zeros((3, 3))
+        block[0, 0] = 1
+        block[1:, 1:] = sign[number] * np.stack([first[number], second[number]]) @ own.T
+        blocks.append(block)
+    return sparse.block_diag(blocks, format="csr") @ gradients if blocks else gradients
+
+
+def constraint_of(engine, path, stroma):
+    """J of the last step on the nodes of a state."""
+    from scipy import sparse
+
+    for integrator in engine.integrators_of_constraints():
+        _, states = stroma.rows_of_states(engine.sim._engine, integrator)
+        for name, first, size in states:
+            if name == path:
+                gradients, _ = _rows_of(engine, integrator, stroma)
+                numbers = _numbers_of(engine, path, first, size)
+                state = engine.sim.state(path)
+                return ConstraintRows(gradients[:, numbers].tocsr(), len(numbers) // state.nodes)
+    return ConstraintRows(sparse.csr_matrix((0, 0)), 3)
+
+
 def compliance(engine, solver, stroma):
     """W of all systems together: what no constraint joins is zero."""
     from scipy import sparse
@@ -129,15 +222,9 @@ def compliance(engine, solver, stroma):
 
     blocks = []
     for integrator in engine.integrators_of_constraints():
-        starts, columns, values, displacement = stroma.last_gradients(engine.sim._engine, integrator)
-        matrix = _whole(engine, integrator, stroma)[0]
-        gradients = sparse.csr_matrix((values, columns, starts), shape=(len(starts) - 1, matrix.shape[0]))
-        if gradients.shape[0]:
-            answers = linalg.splu(matrix.tocsc()).solve(gradients.T.toarray())
-            blocks.append(displacement * (gradients @ answers))
-    found = sparse.block_diag(blocks).toarray() if blocks else np.zeros((0, 0))
-    forces = len(engine.constraint_forces())
-    if len(found) != forces:
-        raise RuntimeError(f"{solver._s_place()}: W() is not offered of constraints with several conditions for one force: "
-                           f"{len(found)} conditions, {forces} forces")
-    return found
+        gradients, displacement = _rows_of(engine, integrator, stroma)
+        matrix, _, _, free = _whole(engine, integrator, stroma)
+        own = (gradients[:, :matrix.shape[0]] @ free).tocsr()
+        if own.shape[0]:
+            blocks.append(displacement * (own @ linalg.splu(matrix.tocsc()).solve(own.T.toarray())))
+    return sparse.block_diag(blocks).toarray() if blocks else np.zeros((0, 0))

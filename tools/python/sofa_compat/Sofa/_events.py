@@ -77,8 +77,8 @@ def _solves_constraints(root):
 
 
 def of_scene(root, name):
-    """One of OF_SCENES, to those that have a method for it."""
-    send(root, name, {}, to_all=False)
+    """One of OF_SCENES. Start and stop come to onEvent() too, as in SOFA."""
+    send(root, name, {}, to_all=name in ("SimulationStartEvent", "SimulationStopEvent"))
 
 
 _SENT = {"Event", "AnimateBeginEvent", "AnimateEndEvent", "KeypressedEvent", "KeyreleasedEvent", "MouseEvent", "PythonScriptEvent",

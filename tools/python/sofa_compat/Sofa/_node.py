@@ -44,6 +44,13 @@ class Sequence:
         except KeyError:
             raise AttributeError(f"{self._s_node._s_place()}: has no '{name}'") from None
 
+    def getValueString(self):
+        """As a link of SOFA tells what it leads to."""
+        return " ".join(each.getLinkPath() for each in self._items)
+
+    def getSize(self):
+        return len(self._items)
+
     def remove_at(self, index):
         self._remove(self._items[index])
 

@@ -145,7 +145,8 @@ class Object(Base):
             if value is not None:
                 return value
         if data._s_raw is None and engine is not None and (is_drawn or data._s_name in _catalogue.NOT_COMPUTED):
-            instead = "; `lambda` has the impulses on its nodes" if data._s_name == "constraint" else ""
+            instead = ("; it is where a controller's own code names it, or the program imports Sofa.SofaConstraintSolver; `lambda` has the "
+                       "impulses on its nodes") if data._s_name == "constraint" else ""
             _messages.warn(f"{self._s_place()}.{data._s_name}: is read, and not computed here: what is read stays as at the start{instead}")
         value = self._s_of_source(data) if data._s_raw is None and self._s_is_drawn() else None
         return super()._s_read(data) if value is None else self._s_formed(data, value)
@@ -258,6 +259,15 @@ class Object(Base):
         if data is None:
             raise AttributeError(f"{self._s_place()}: {self._s_type} has no springs that can be added")
         data.value = [*np.ravel(data.value).tolist(), *(number for spring in springs for number in spring)]
+
+    def removeSpring(self, number):
+        data = self.findData("spring")
+        if data is None:
+            raise AttributeError(f"{self._s_place()}: {self._s_type} has no springs that can be taken away")
+        rows = np.reshape(data.value, (-1, 5))
+        if not 0 <= int(number) < len(rows):
+            raise IndexError(f"{self._s_place()}: there is no spring {number}: there are {len(rows)}")
+        data.value = np.delete(rows, int(number), axis=0).ravel()
 
     # ---- of topologies ----
     def _s_count(self, name):

@@ -9,7 +9,7 @@ import signal
 import socket
 import sys
 
-from . import _engine, _events, _force_field, _messages, _scene_file
+from . import _catalogue, _engine, _events, _force_field, _messages, _scene_file
 from ._mirror import Mirror
 from .constants import Key
 
@@ -54,7 +54,7 @@ class Program:
         self._mirror = Mirror(self._root)
         _engine.check(self._root)
         for each in self._root._s_all_objects() if self._words and self._words[0] == "migrate" else ():
-            if not each._s_type:
+            if not each._s_type or each._s_type in _catalogue.OF_PYTHON:
                 _messages.warn(f"{each._s_place()}: {type(each).__name__} is written in Python, and not in the scene that is made")
         file = os.path.abspath(file)
         return _stroma.description(self._mirror.root._tuple(), file, _scene_file.own_files(file))

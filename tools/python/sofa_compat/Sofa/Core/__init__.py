@@ -50,7 +50,8 @@ class _Types(type):
         """An entry for each type."""
         import stroma
 
-        return [SimpleNamespace(className=name, description=info.help, aliases=[], templates=[]) for name, info in stroma.types().items()]
+        return [SimpleNamespace(className=name, description=info.help, aliases=[], templates=[], defaultTemplate="", targets=[info.module],
+                                dataAlias={}, locations=[], authors="", license="") for name, info in stroma.types().items()]
 
 
 class ObjectFactory(metaclass=_Types):
@@ -60,6 +61,27 @@ class ObjectFactory(metaclass=_Types):
     def getComponent(name):
         """None: there is none of that name."""
         return next((each for each in ObjectFactory.components if each.className == str(name)), None)
+
+
+class TaskScheduler:
+    """Threads of the engine: as many as the machine has cores, unless a scene asks for others. Results do not depend on them."""
+
+    @staticmethod
+    def init(threads=0):
+        from stroma import _stroma
+
+        if int(threads) > 0:
+            _stroma.set_threads(int(threads))
+
+    @staticmethod
+    def stop():
+        """Threads that have nothing to do wait."""
+
+    @staticmethod
+    def getThreadCount():
+        from stroma import _stroma
+
+        return _stroma.threads()
 
 
 def __getattr__(name):
