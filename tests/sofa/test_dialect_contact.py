@@ -426,6 +426,15 @@ def fixed_points_go_to_where_they_rest():
 
 
 @case
+def numbers_start_between_their_stops():
+    """StopperConstraint puts what starts beyond at its bound, where it has no velocity."""
+    stops = "".join(f'<StopperConstraint index="{i}" min="-1" max="1"/>' for i in range(3))
+    numbers = (f'<MechanicalObject name="dofs" template="Vec1d" position="2 -3 0.5" velocity="0 0 1"/><UniformMass totalMass="3"/>'
+               f'<LinearSolverConstraintCorrection/>{stops}')
+    agree(Run(root(FREE_LOOP + f'<Node name="a">{EXACT}{numbers}</Node>'), 5).x("a.dofs", 1)[:, 0], [1, -1, 0.55])
+
+
+@case
 def lengths_that_stay_at_rest():
     """constrainToRestPos: what a mapping measures stays what it is at rest; nothing is at zero then."""
     text = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0.1 0"/><UniformMass totalMass="3"/><FixedProjectiveConstraint indices="0"/>'
