@@ -345,8 +345,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (!prepareRound(round == 0, solver, matrix, stop, report)) return;
     leaveOutForces();
     last_forces_ = solve_.l;
+    const double little = far_less * leastTolerance(false);  // finds what each row may be off by, which the search asks for
     findForces(stop);
-    const double little = far_less * leastTolerance(false);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped || isSpent(report)) return;
     sumResponses();
