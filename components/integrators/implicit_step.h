@@ -109,7 +109,7 @@ class ImplicitStep final : public NonlinearProblem {
   SystemMatrix& tangent() override;
   void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
-  bool hasUnsureTangent() const override { return turns_ && !turning_.empty(); }
+  bool hasUnsureTangent() const override { return turns_ && tangents_ > 0 && !turning_.empty(); }
   void takeSureTangent() override;
   double energy() override;
   Rows unknowns() override { return v(); }
@@ -181,6 +181,7 @@ class ImplicitStep final : public NonlinearProblem {
   void addMassDamping(double factor, Rows out);
   void chooseTurning();
   void addTurning(bool on);
+  void keepTurning(bool on);
   void addMassWhereTheStepStarts(Rows out) const;
   void advance();
   void startBodies();
@@ -204,7 +205,8 @@ class ImplicitStep final : public NonlinearProblem {
   ExactTangent exact_;
   EnergyWatch energy_;
   std::vector<std::pair<TurnsStresses*, const ForceField*>> turning_;  ///< see chooseTurning()
-  bool turns_ = false;  ///< tangents of the step have it
+  bool turns_ = false;  ///< tangents of the step have it, but for the first
+  int tangents_ = 0;    ///< of the step so far
   int exact_tangent_steps_ = 0;
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;
