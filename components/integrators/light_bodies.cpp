@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "components/integrators/newton.h"
+#include "components/integrators/exact_tangent.h"
 
 namespace stroma {
 
