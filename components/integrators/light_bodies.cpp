@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "components/integrators/newton.h"
 #include "components/integrators/exact_tangent.h"
+#include "components/integrators/newton.h"
 
 namespace stroma {
 
