@@ -252,6 +252,16 @@ def test_a_carving_tool_takes_cells_while_it_is_active(tmp_path):
     assert f"cells 8 {counts[6]} " in done.stdout, done.stdout
 
 
+def test_what_the_end_of_a_step_tells_is_of_that_step(tmp_path):
+    (tmp_path / "carving.py").write_text("from Sofa import SofaLinearSolver\n" + CARVING)
+    root = Sofa.Simulation.load(str(tmp_path / "carving.py"))
+    seen = []
+    root.addObject(Each(end=lambda step: seen.append((root.body.SparseLDLSolver.A().shape[0], len(root.body.state.position.value)))), name="last")
+    Sofa.Simulation.init(root)
+    animate(root, 6)
+    assert all(rows == 3 * points for rows, points in seen) and len(set(seen)) > 1, seen
+
+
 def test_a_carving_manager_is_not_left_out_in_silence(tmp_path):
     (tmp_path / "carving.py").write_text(CARVING)
     done = run("migrate", tmp_path / "carving.py", "-o", tmp_path / "carving.xml", folder=tmp_path)

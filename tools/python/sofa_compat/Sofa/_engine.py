@@ -488,8 +488,8 @@ class Engine:
             self._look_again()
         if self._s_given and self._tells_gradients:
             _stroma.watch_step(self.sim._engine, False)
-        _carving.carve(self)
         _events.end_step(self.root, dt)
+        _carving.carve(self)  # who hears of the step's end sees the mesh that the step was made with
 
     def step(self, dt):
         """Of dt, or of the root's, which stays as it is."""
