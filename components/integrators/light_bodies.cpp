@@ -20,6 +20,7 @@ void LightBodies::compile(System& system) {
 }
 
 void LightBodies::begin(ConstRows residual, double weight) {
+  in_focus_ = nullptr;
   for (Body& body : bodies_) {
     body.is_done = false;
     body.scale = std::max(norm(residual.segment(body.first, body.count)), weight * norm(system_->f.rows().segment(body.first, body.count)));
@@ -70,31 +71,68 @@ void Newton::takeScale(NonlinearProblem& problem, double now) {
   if (LightBodies* const bodies = problem.lightBodies()) bodies->begin(residual_, problem.weightOfForces());
 }
 
+/// The settings and the scale with which a body is solved by itself, for as long as this lives. A force may throw meanwhile, and its
+/// caller go on: what is of all bodies is put back then, too.
+class Newton::Focus {
+ public:
+  Focus(Newton& newton, LightBodies& bodies) : newton_(newton), bodies_(bodies), settings_(newton.settings), scale_(newton.scale_) {
+    constexpr double attained = 1e-6;  // where a body's own round-off has not been asked for
+    newton.settings.use_energy = newton.settings.leaves_slow = false;
+    newton.settings.relative_residual = std::max(settings_.relative_residual, attained);
+    newton.in_focus_ = newton.keeps_scale_ = true, newton.scale_ = bodies.scale();
+  }
+  ~Focus() {
+    newton_.settings = settings_, newton_.scale_ = scale_, newton_.in_focus_ = newton_.keeps_scale_ = false;
+    bodies_.end();
+  }
+  Focus(const Focus&) = delete;
+  Focus& operator=(const Focus&) = delete;
+
+ private:
+  Newton& newton_;
+  LightBodies& bodies_;
+  const NewtonSettings settings_;
+  const double scale_;
+};
+
+/// One body, and then all of them once more where its way has left their |R| above where they were solved to.
+void Newton::solveBody(NonlinearProblem& problem, LinearSolver& solver, LightBodies& bodies, StepReport& report) {
+  const double enough = std::max(goal() * scale_, problem.sizeOf(residual_));
+  const std::string name = bodies.body().path();
+  const auto solveOn = [&] {
+    const StepReport before = report;
+    report = solveFixed(problem, solver);
+    addCounts(before, report);
+  };
+  {
+    const Focus focus(*this, bodies);
+    solveOn();
+  }
+  if (!report.newton_converged) report.reason += fmt::format(", of {} by itself beside heavier bodies", name);
+  problem.residual(residual_);
+  if (!report.newton_converged || report.failed()) return;
+  const double now = problem.sizeOf(residual_);
+  if (now <= enough) return void(report.newton_residual = scale_ > 0 ? now / scale_ : now);
+  struct Once {
+    bool& keeps;
+    ~Once() { keeps = false; }
+  } const once{keeps_scale_ = true};
+  solveOn();
+  if (!report.newton_converged) report.reason += fmt::format(", of all bodies after {} was solved by itself", name);
+}
+
 /// And then for bodies that are out of balance by themselves, one after the other.
 StepReport Newton::solveAll(NonlinearProblem& problem, LinearSolver& solver) {
-  constexpr double attained = 1e-6;  // where a body's own round-off has not been asked for
   StepReport report = solveFixed(problem, solver);
   const bool is_relative = settings.absolute_residual == 0 && settings.successive_residual == 0 && !settings.fixed_count && enough_ == 0;
   LightBodies* const bodies = problem.lightBodies();
   if (!bodies || !is_relative || was_slow_) return report;
   const auto goesOn = [&] {
-    if (!report.newton_converged || report.failed() || report.stopped) return false;
+    if (!report.newton_converged || report.failed()) return false;
     const double weight = problem.weightOfForces(), displacement = problem.displacementPerUnknown();
     return bodies->focus(residual_, settings.relative_residual, weight, problem.tangent(), displacement);
   };
-  const NewtonSettings whole = settings;
-  while (goesOn()) {
-    settings.use_energy = settings.leaves_slow = false;
-    settings.relative_residual = std::max(whole.relative_residual, attained);
-    in_focus_ = keeps_scale_ = true, scale_ = bodies->scale();
-    const StepReport before = report;
-    report = solveFixed(problem, solver);
-    addCounts(before, report);
-    if (!report.newton_converged) report.reason += fmt::format(", of {} by itself beside heavier bodies", bodies->body().path());
-    settings = whole, in_focus_ = false;
-    bodies->end();
-    problem.residual(residual_);
-  }
+  while (goesOn()) solveBody(problem, solver, *bodies, report);
   return report;
 }
 

@@ -150,6 +150,8 @@ class Newton {
  private:
   StepReport solveFixed(NonlinearProblem& problem, LinearSolver& solver);
   StepReport solveAll(NonlinearProblem& problem, LinearSolver& solver);
+  class Focus;
+  void solveBody(NonlinearProblem& problem, LinearSolver& solver, LightBodies& bodies, StepReport& report);
   void takeScale(NonlinearProblem& problem, double norm);
   void goAlong(NonlinearProblem& problem, LinearSolver& solver, StepReport& report);
   bool converged(double norm) const;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A body is where it would be alone, however heavy others are: Newton's method ends where each of them is in balance.
+#include <stdexcept>
+
+#include "tests/support/ground_spring.h"
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
@@ -44,6 +47,81 @@ TEST(LightBodies, AreInBalanceBesideHeavyOnes) {
         off = std::max(off, (alone[i] - beside[i]).norm()), way = std::max(way, std::abs(alone[i].y()));
       EXPECT_LT(off, 1e-3 * way);
     }
+}
+
+/// A spring to the ground under a body that is pushed up where the first row of the system is near y = -2. Its tangent does not know.
+/// `turns`: the push is the other way where the body is above the middle of the places with and without it, so that nothing balances.
+/// It throws where the first row is between y = -3.6 and -2.6, once.
+class PushedByOther : public GroundSpring {
+ public:
+  void declare(DataTable& table) override {
+    GroundSpring::declare(table);
+    table.add("push_near", push_).help("force").unit("N");
+    table.add("turns_above", turns_above_).help("y").unit("m");
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits = GroundSpring::traits();
+    traits.linear = traits.constant_stiffness = traits.conservative = false;
+    return traits;
+  }
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    GroundSpring::addForce(x, v, f);
+    const Vec3 other = x[0];
+    if (throws && other.y() > -3.6 && other.y() < -2.6) throws = false, throw std::runtime_error("a force of the test that throws");
+    const Index row = state().firstRow();
+    const double push = push_ * std::exp(-100 * (other.y() + 2) * (other.y() + 2));
+    f[row] += Vec3(0, Vec3(x[row]).y() > turns_above_ ? -push : push, 0);
+  }
+  inline static bool throws = false;
+
+ private:
+  double push_ = 0, turns_above_ = 1e9;
+};
+
+/// A point of a nanogram at a hardening spring, which comes to y = -2 by way of -10, and one of a ton, which goes 1 mm down.
+Simulation lightAndHeavy(const std::string& push) {
+  static const bool registered = (factory().add<PushedByOther>("TestPushedByOther", "test"), true);
+  EXPECT_TRUE(registered);
+  registerGroundSpring(factory());
+  return simulationFromText("<Node name=\"root\" dt=\"1\" gravity=\"0 -10 0\"><StaticSolver/><SparseLDLSolver/>"
+                            "<Node name=\"light\"><MechanicalObject name=\"dofs\" position=\"0 0 0\"/><UniformMass totalMass=\"1e-9\"/>"
+                            "<TestGroundSpring stiffness=\"1e-9\" cubic=\"1e-9\"/></Node>"
+                            "<Node name=\"heavy\"><MechanicalObject name=\"dofs\" position=\"5 0 0\"/><UniformMass totalMass=\"1e3\"/>"
+                            "<TestPushedByOther stiffness=\"1e7\" " +
+                            push + "/></Node></Node>");
+}
+
+TEST(LightBodies, LeaveTheOthersInBalance) {
+  Simulation simulation = lightAndHeavy("push_near=\"1\"");
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.newton_converged) << report.reason;
+  EXPECT_NEAR(simulation.states()[0]->x()[0].y(), -2, 1e-5);
+  EXPECT_NEAR(simulation.states()[1]->x()[0].y(), (1 - 1e4) / 1e7, 1e-10);
+  EXPECT_LT(report.newton_residual, 1e-8);
+}
+
+TEST(LightBodies, ThatLeaveTheOthersOutOfBalanceAreNoResult) {
+  Simulation simulation = lightAndHeavy("push_near=\"1\" turns_above=\"-0.00099995\"");
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.newton_converged);
+  expectContains(report.reason, "of all bodies after");
+}
+
+TEST(LightBodies, AreForgottenWhereAForceThrows) {
+  const std::string hardens = "cubic=\"3e10\"";  // the heavy body needs three iterations, of which the third is for less than 1e-6
+  Simulation simulation = lightAndHeavy(hardens), undisturbed = lightAndHeavy(hardens);
+  const StepReport expected = undisturbed.step();
+  EXPECT_TRUE(expected.newton_converged) << expected.reason;
+  PushedByOther::throws = true;
+  EXPECT_THROW(simulation.step(), std::runtime_error);
+  EXPECT_FALSE(PushedByOther::throws);
+  EXPECT_EQ(simulation.states()[1]->x()[0].y(), 0) << "the step is taken back";
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.newton_converged) << report.reason;
+  EXPECT_LT(report.newton_residual, 1e-8);
+  EXPECT_EQ(report.newton_iterations, expected.newton_iterations);
+  for (const std::size_t i : {0, 1}) EXPECT_EQ(simulation.states()[i]->x()[0].y(), undisturbed.states()[i]->x()[0].y());
+  EXPECT_NEAR(simulation.states()[0]->x()[0].y(), -2, 1e-5);
 }
 
 }  // namespace STROMA_TEST_FILE
