@@ -135,25 +135,21 @@ inline void advance(double alpha, double beta, ConstRows z, Rows p, Rows x) {
 /// multiply-adds on whole rows.
 class BlockJacobi {
  public:
-  /// `blocks` has shape (rows, 9). Returns the first row whose block is not positive definite, or -1. Such rows have 0 for D^-1.
+  /// `blocks` has shape (rows, 9). Returns the first row whose block is not positive definite, or -1.
   Index factor(const std::vector<double>& blocks) {
     const Index rows = Index(blocks.size() / 9);
-    Index bad = -1;
-    columns_.assign(std::size_t(rows) * 12, 0);
+    columns_.resize(std::size_t(rows) * 12);
     for (Index row = 0; row < rows; ++row) {
       const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(blocks.data() + std::size_t(row) * 9);
       const Mat3 a = block;
       const double minor = a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0), determinant = a.determinant();
-      if (!(a(0, 0) > 0 && minor > 0 && determinant > 0)) {
-        if (bad < 0) bad = row;
-        continue;
-      }
+      if (!(a(0, 0) > 0 && minor > 0 && determinant > 0)) return row;
       const Mat3 inverse = a.inverse();
       double* out = columns_.data() + std::size_t(row) * 12;
       for (int c = 0; c < 3; ++c)
-        for (int l = 0; l < 3; ++l) out[4 * c + l] = inverse(l, c);
+        for (int l = 0; l < 4; ++l) out[4 * c + l] = l < 3 ? inverse(l, c) : 0;
     }
-    return bad;
+    return -1;
   }
   /// The largest |entry| of D^-1.
   double largest() const {

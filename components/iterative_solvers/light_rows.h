@@ -14,8 +14,8 @@ namespace stroma {
 ///   max |D^-1 r| > share max |x|,   share = max(1e-3, tolerance of the solve).
 ///
 /// D is that of the matrix solved: one diagonal for each matrix of which a solve has converged. A block that is not positive definite, or
-/// is singular but for round-off, is replaced by its largest |entry|: |r| over that is no more than the error. Rows without any are left
-/// out. Turns and places are measured together, each in its unit.
+/// is singular but for round-off, counts as its largest |entry|: |r| over that is no more than the error. Rows with empty blocks are
+/// left out. Turns and places are measured together, each in its unit.
 class LightRows {
  public:
   static constexpr double least_share = 1e-3;
@@ -77,11 +77,18 @@ class LightRows {
     matrix.diagonalBlocks(blocks_);
     for (std::size_t at = 0; at < blocks_.size(); at += 9) {
       Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(blocks_.data() + at);
-      if (!isClearlyDefinite(block)) block = Mat3(block.cwiseAbs().maxCoeff() * Mat3::Identity());
+      if (!isClearlyDefinite(block)) block = Mat3(sizeOf(block) * Mat3::Identity());
     }
     inverse_.factor(blocks_);
     bound_ = 3 * inverse_.largest();
     key_ = matrix.key();
+  }
+  /// What a block counts for that has no inverse to rely on: its largest |entry|, or so much that its row is left out. The cubes of both
+  /// are numbers.
+  static double sizeOf(const Mat3& block) {
+    constexpr double least = 1e-100, most = 1e100;
+    const double size = block.cwiseAbs().maxCoeff();
+    return size >= least && size <= most ? size : most;
   }
   /// Whether the pivots of elimination are positive, and above what round-off makes of a zero.
   static bool isClearlyDefinite(const Mat3& a) {

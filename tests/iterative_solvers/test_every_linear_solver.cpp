@@ -289,6 +289,26 @@ TEST(LightRows, AreSeenByMinResInAnIndefiniteSystem) {
   EXPECT_LT((x[matrix.rows() - 1] - Vec3(1, -2, 3)).norm(), 4e-3 * dense(x).cwiseAbs().maxCoeff());
 }
 
+/// The first iteration converges, and leaves the light row: what is still to be done for that is not begun.
+TEST(LightRows, AreLeftBySolvesThatAreStopped) {
+  BlockPattern pattern(2);
+  for (const Index row : {0, 1}) pattern.addClique(&row, 1);
+  StoredMatrix matrix{BlockMatrix(std::move(pattern))};
+  Vector b(2), x(2);
+  for (const Index row : {0, 1}) {
+    const double size = row == 0 ? 1 : 1e-12;
+    matrix.values.add(row, row, size * Mat3::Identity());
+    b[row] = size * Vec3(1, -2, 3);
+  }
+  StopRequest request;
+  request.make();
+  for (const std::string name : {"CGLinearSolver preconditioner='none'", "PCGLinearSolver preconditioner='none'", "MinResLinearSolver"}) {
+    SolverInScene solver("<" + name + " tolerance='1e-6' iterations='1000'/>");
+    clear(x);
+    EXPECT_EQ(solver.solver->solve(matrix, b, x, {.stop = StopToken(request)}).stop, SolveStop::stopped) << name;
+  }
+}
+
 /// What moves along the one stiff direction of a row, as in a chain of springs: elimination leaves round-off for the others.
 TEST(LightRows, AreNotMadeOfRoundOff) {
   StoredMatrix matrix = withLooseRow(block(3).matrix(), 0);
