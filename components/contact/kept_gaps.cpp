@@ -177,7 +177,7 @@ bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double w
   copyPlaces(x, start_);
   moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr;
   if (!law.candidates.areFarther(x, law.candidates.reach + 2 * way)) law.candidates.find(x, way);
-  all_.clear(), watched_.clear(), flush_.begin();
+  all_.clear(), watched_.clear(), watched_vertices_.clear(), flush_.begin();
   if (!law.candidates.pairs().empty()) return true;
   addPlanes(law, x);
   return false;
@@ -216,6 +216,7 @@ void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways)
   const bool has_condition = comes && (may_be_flush || !gap.is_parallel);
   gap.acts = has_condition && !gap.is_parallel && gap.gap < rounding * law.range && allowance(gap, law, start_, tolerated_) == 0;
   (has_condition ? all_ : watched_).push_back(gap);
+  if (!has_condition && !gap.is_rigid) watched_vertices_.insert(watched_vertices_.end(), gap.v.begin(), gap.v.end());
 }
 
 void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {

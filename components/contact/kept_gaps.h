@@ -89,13 +89,13 @@ class KeptGaps {
   /// Of the pairs whose way is not free the first that touches; null: none.
   const Candidate* notFree() const { return not_free_; }
   const std::vector<KeptGap>& all() const { return all_; }
-  /// The ways of these are looked at as well.
-  const std::vector<KeptGap>& watched() const { return watched_; }
+  /// Of pairs without a condition whose ways are looked at as well, but where both bodies are rigid.
+  const std::vector<int>& watchedVertices() const { return watched_vertices_; }
   const std::vector<Vec3>& start() const { return start_; }
   /// The smallest gap at the last x, less contactDistance [m]; infinity without any.
   double smallest(const BarrierLaw& law, const std::vector<Vec3>& x);
   Vec3 slide(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const;
-  void clear() { all_.clear(), watched_.clear(), start_.clear(), not_free_ = nullptr; }
+  void clear() { all_.clear(), watched_.clear(), watched_vertices_.clear(), start_.clear(), not_free_ = nullptr; }
 
  private:
   void addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x);
@@ -116,6 +116,7 @@ class KeptGaps {
     auto operator<=>(const Key&) const = default;
   };
   std::vector<KeptGap> all_, watched_;  ///< with a condition and without
+  std::vector<int> watched_vertices_;
   std::vector<SurfacePart> bodies_;     ///< all vertices of each
   AllDisplacements all_moved_;          ///< work space, as are
   std::vector<Displacements> moved_;    ///< of bodies_

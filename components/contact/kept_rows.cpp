@@ -37,9 +37,8 @@ void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3
     }
   }
   rows.begin(LagrangianRows::Kind::given, 0);  // a condensed body then knows where all of them are
-  for (const KeptGap& gap : gaps.watched())
-    for (const int v : gap.v)
-      if (s.moves(v)) rows.add(s.rows[std::size_t(v)], Vec3::Zero());
+  for (const int v : gaps.watchedVertices())
+    if (s.moves(v)) rows.add(s.rows[std::size_t(v)], Vec3::Zero());
   const double unproved = gaps.unproved() > 0 ? gaps.unproved() + tolerated : 0;
   rows.begin(LagrangianRows::Kind::push, -unproved);  // no force helps where it is below zero; its nodes are for messages
   if (const Candidate* pair = gaps.notFree())

@@ -6,7 +6,9 @@
 // with the conditions g of the motion without forces and W of multipliers.h, s = regularizationTerm on the diagonal. A block is the
 // three rows of a pair of points or of a fixed one, and else a row. A sweep is the last where sum |W_bb dl_b| < tolerance, times the
 // number of rows with scaleTolerance; or with allVerified where no row moved by more than the tolerance; or the maxIterations-th. With
-// `sor` forces go that share of a sweep. Those of points begin where they ended in the step before, and others at zero.
+// `sor` forces go that share of a sweep. Those of points begin where they ended in the step before, and others at zero, as those of
+// pairs of frames. How frames are turned to each other has a tolerance of its own: its movement counts as much as tolerance /
+// turnTolerance of others'.
 // resolutionMethod = UnbuiltGaussSeidel: all begin at zero. NonsmoothNonlinearConjugateGradient: a sweep is a step of steepest
 // descent, and directions are those of Fletcher and Reeves, begun again where changes grow.
 //

@@ -14,6 +14,7 @@ namespace stroma {
 void ConstraintSweeps::declare(DataTable& table) {
   table.add("maxIterations", most_).alias("maxIt").help("sweeps at most").unit("-").min(1);
   table.add("tolerance", tolerance_).help("movement of the conditions in a sweep at which it is the last").unit("m").min(0);
+  table.add("turnTolerance", turn_tolerance_).help("of how two frames are turned to each other; 0: as of the rest").unit("rad").min(0);
   table.add("scaleTolerance", scales_).help("the tolerance is times the number of conditions");
   table.add("allVerified", all_verified_).help("no condition may move by more than the tolerance, in the place of their sum");
   table.add("sor", relaxation_).help("share of a sweep that forces go").unit("-").min(0, false);
@@ -30,33 +31,39 @@ void ConstraintSweeps::tellIdle(const Component& asker, const std::string& why) 
     each->warn(fmt::format("has no effect: {}", why), "EulerImplicitSolver with newtonIterations=\"1\" and oneRound");
 }
 
-ConstraintSweeps::Sweep ConstraintSweeps::sweep(const Eigen::VectorXd& g, const std::vector<int>& widths, double tolerance,
+ConstraintSweeps::Sweep ConstraintSweeps::sweep(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance,
                                                 Eigen::VectorXd& l) {
   Sweep done;
   int first = 0;
-  for (const int width : widths) {
-    const auto block = w_.block(first, first, width, width);
-    off_ = g.segment(first, width) + w_.middleRows(first, width) * l;
-    Eigen::VectorXd change = Eigen::VectorXd::Zero(width);
+  for (const Block& each : blocks) {
+    const auto block = w_.block(first, first, each.width, each.width);
+    off_ = g.segment(first, each.width) + w_.middleRows(first, each.width) * l;
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(each.width);
     if (block.diagonal().minCoeff() > 0) change = -block.partialPivLu().solve(off_);  // else nothing that moves is in it
-    l.segment(first, width) += change;
-    for (int row = 0; row < width; ++row) {
-      const double moved = block.row(row).transpose().cwiseProduct(change).norm();
-      done.error += moved, done.verified = done.verified && moved <= tolerance;
+    l.segment(first, each.width) += change;
+    double moved = 0;
+    for (int row = 0; row < each.width; ++row) {
+      const double by = block.row(row).transpose().cwiseProduct(change).norm();
+      moved += by, done.verified = done.verified && by <= tolerance;
     }
-    first += width;
+    if (each.turns && turn_tolerance_ > 0) {
+      done.verified = done.verified && moved <= turn_tolerance_;
+      moved *= tolerance / turn_tolerance_;
+    }
+    done.error += moved;
+    first += each.width;
   }
   return done;
 }
 
-int ConstraintSweeps::searchByGradients(const Eigen::VectorXd& g, const std::vector<int>& widths, double tolerance, Eigen::VectorXd& l) {
+int ConstraintSweeps::searchByGradients(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, Eigen::VectorXd& l) {
   old_ = l;
-  sweep(g, widths, tolerance, l);
+  sweep(g, blocks, tolerance, l);
   last_change_ = old_ - l;
   way_ = -last_change_;
   for (int i = 1; i < most_; ++i) {
     old_ = l;
-    if (isOver(sweep(g, widths, tolerance, l), tolerance)) return i + 1;
+    if (isOver(sweep(g, blocks, tolerance, l), tolerance)) return i + 1;
     change_ = old_ - l;
     const double grown = change_.squaredNorm() / last_change_.squaredNorm();
     last_change_ = change_;
@@ -70,15 +77,15 @@ int ConstraintSweeps::searchByGradients(const Eigen::VectorXd& g, const std::vec
   return most_;
 }
 
-int ConstraintSweeps::solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<int>& widths, double impulse,
+int ConstraintSweeps::solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<Block>& blocks, double impulse,
                             Eigen::VectorXd& l) {
   const double tolerance = tolerance_ * (scales_ && !all_verified_ ? double(g.size()) : 1.0);
   w_ = w;
   w_.diagonal().array() += softness_ * impulse;
-  if (method_ == Method::gradients) return searchByGradients(g, widths, tolerance, l);
+  if (method_ == Method::gradients) return searchByGradients(g, blocks, tolerance, l);
   for (int i = 1; i <= most_; ++i) {
     if (relaxation_ != 1) old_ = l;
-    const Sweep done = sweep(g, widths, tolerance, l);
+    const Sweep done = sweep(g, blocks, tolerance, l);
     if (relaxation_ != 1) l = relaxation_ * l + (1 - relaxation_) * old_;
     if (isOver(done, tolerance)) return i;
   }
@@ -105,18 +112,35 @@ bool Multipliers::holdsPoint(std::size_t row) const {
   return true;
 }
 
+/// Of a row of all: what it is of.
+const State* Multipliers::stateOf(Index row) const {
+  for (const State* state : system_->states())
+    if (row >= state->firstRow() && row < state->firstRow() + state->size()) return state;
+  return nullptr;
+}
+bool Multipliers::isOfFrame(Index row) const {
+  const State* state = stateOf(row);
+  return state && state->hasFrames();
+}
+bool Multipliers::isTurn(Index row) const {
+  const State* state = stateOf(row);
+  return state && state->kindOf(row - state->firstRow()) == RowKind::turn;
+}
+
 /// False: they are not found by sweeps.
 bool Multipliers::sweepForces() {
   const auto is_equal = [](const LagrangianRows::Row& row) { return row.kind == LagrangianRows::Kind::equal; };
   if (!sweeps_ || !isOnce() || !std::ranges::all_of(rows_.rows(), is_equal)) return false;
-  widths_.clear();
+  blocks_.clear();
   swept_.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
   if (sweeps_->startsFromZero()) swept_.setZero();
-  for (std::size_t row = 0; row < rows_.rows().size(); row += std::size_t(widths_.back())) {
-    widths_.push_back(holdsPoint(row) ? 3 : 1);
-    if (widths_.back() == 1) swept_[Eigen::Index(row)] = 0;
+  for (std::size_t row = 0; row < rows_.rows().size(); row += std::size_t(blocks_.back().width)) {
+    const auto entries = rows_.entriesOf(rows_.rows()[row]);
+    const bool is_point = holdsPoint(row), is_pair_of_frames = is_point && entries.size() == 2 && isOfFrame(entries[0].row);
+    blocks_.push_back({is_point ? 3 : 1, is_pair_of_frames && isTurn(entries[0].row)});
+    if (!is_point || is_pair_of_frames) swept_.segment(Eigen::Index(row), blocks_.back().width).setZero();
   }
-  solve_.rounds += sweeps_->solve(solve_.w, solve_.g, widths_, rule_.weight, swept_);
+  solve_.rounds += sweeps_->solve(solve_.w, solve_.g, blocks_, rule_.weight, swept_);
   solve_.l = swept_;
   return true;
 }

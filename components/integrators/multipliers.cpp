@@ -345,8 +345,8 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     if (!prepareRound(round == 0, solver, matrix, stop, report)) return;
     leaveOutForces();
     last_forces_ = solve_.l;
+    const double little = far_less * leastTolerance(false);  // finds what each row may be off by, which the search asks for
     findForces(stop);
-    const double little = far_less * leastTolerance(false);
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped || isSpent(report)) return;
     sumResponses();
@@ -364,7 +364,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
                          (step <= little && idle > few_idle);
     is_left_ = !is_idle && idle > few_left && step > little && leavesDirections();
     const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle && !is_left_;
-    // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates; noise is none
+    // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates, but noise is not mixed
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());
     if (goes_on && is_mixed && !isNoise(step) && round + 1 < most_rounds) mixing_.next(before_, whole_);
     apply(change);

@@ -30,6 +30,7 @@
 #include <string>
 #include <vector>
 
+#include "components/integrators/constraint_sweeps.h"
 #include "components/integrators/redundant_forces.h"
 #include "framework/algebra/mixing.h"
 #include "framework/mechanics/condition_forces.h"
@@ -38,7 +39,6 @@
 namespace stroma {
 
 class Archive;
-class ConstraintSweeps;
 class UncoupledConstraintCorrection;
 
 class Multipliers {
@@ -139,6 +139,9 @@ class Multipliers {
   std::vector<UncoupledConstraintCorrection*> findUncoupled() const;
   ConstraintSweeps* findSweeps() const;
   bool holdsPoint(std::size_t row) const;
+  const State* stateOf(Index row) const;
+  bool isOfFrame(Index row) const;
+  bool isTurn(Index row) const;
   bool sweepForces();
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
   bool isNoise(double step);
@@ -188,7 +191,7 @@ class Multipliers {
   std::vector<UncoupledConstraintCorrection*> uncoupled_;  ///< bodies whose nodes answer one by one
   Vector pushes_;                                          ///< right_side_ with what these take of it
   ConstraintSweeps* sweeps_ = nullptr;
-  std::vector<int> widths_;  ///< of its blocks
+  std::vector<ConstraintSweeps::Block> blocks_;
   Eigen::VectorXd swept_;    ///< forces of the last step [N], where sweeps go on
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried

@@ -15,6 +15,8 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "components/lagrangian/pair_constraint.h"
 #include "framework/scene/factory.h"
 
@@ -28,11 +30,17 @@ class Stopper final : public PairConstraint {
     table.add("index", node_).help("the number of the state that is bounded");
     table.add("min", least_).help("least value");
     table.add("max", most_).help("largest value");
+    table.add("startsInside", starts_inside_)
+        .help("a number that would start beyond starts at its bound, as in SOFA, and is not thrown there");
   }
   void init() override {
     PairConstraint::init();
     checkNode(first(), node_, "index");
     if (!(least_ < most_)) throw ComponentError(fmt::format("min is {:g} and max {:g}", least_, most_), "min below max");
+    if (!starts_inside_) return;
+    first().ensureReady();
+    double& start = first().position[std::size_t(node_)].x();
+    start = std::clamp(start, least_, most_);
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
     const Index row = rowOf(first(), node_);
@@ -48,6 +56,7 @@ class Stopper final : public PairConstraint {
  private:
   Index node_ = 0;
   double least_ = -100, most_ = 100;
+  bool starts_inside_ = false;
 };
 
 }  // namespace

@@ -101,6 +101,32 @@ TEST(RedundantForces, TellWhatContradicts) {
   EXPECT_LT((plate.g + plate.w * plate.l).cwiseAbs().maxCoeff(), 2e-7);
 }
 
+/// Slides that no motion of the plate makes contradict each other by more than they may be off: not all points can stick. Forces
+/// against each other grow to where friction ends, and sweeps find them, row by row and within the cones.
+TEST(RedundantForces, OfSweepsAreWithinTheirCones) {
+  Plate plate(4, 0.3, 0);
+  plate.allowed.assign(plate.sizes.size(), 1e-6);
+  for (Eigen::Index i = 0; i < plate.g.size(); ++i)
+    if (i % 3 != 0) plate.g[i] += (i * 7 % 11 - 5) * 1e-5;  // no turn of the plate moves points so
+  RedundantForces forces;
+  ASSERT_TRUE(plate.find(forces, plate.rows.rows()));
+  EXPECT_GT(forces.sweeps, 0);
+  const Eigen::VectorXd r = plate.g + plate.w * plate.l;
+  double weight = 0;
+  for (Eigen::Index i = 0; i < r.size(); i += 3) {
+    EXPECT_GE(plate.l[i], 0);
+    EXPECT_GE(r[i], -1e-6);
+    EXPECT_LE(std::min(plate.l[i], r[i]), 1e-6);
+    const double rubs = plate.l.segment<2>(i + 1).norm(), most = 0.3 * plate.l[i], slide = r.segment<2>(i + 1).norm();
+    EXPECT_LE(rubs, most * (1 + 1e-9));
+    if (slide > 1e-6) {
+      EXPECT_GT(rubs, 0.999 * most) << i;
+    }
+    weight += plate.l[i];
+  }
+  EXPECT_NEAR(weight, 10, 1e-4);
+}
+
 /// Where bodies have as many ways to move as there are conditions, the only forces that hold are found.
 TEST(RedundantForces, AreTheOnlyOnesOfIndependentRows) {
   Plate plate(2, 0.3, 0);

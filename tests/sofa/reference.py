@@ -72,6 +72,43 @@ def multistep(x, mass, forces, steps, h, order, held=(), rayleigh_mass=0.0, rayl
     return x
 
 
+def swept(W, g, blocks, l, most=1000, tolerance=1e-3, scaled=True, verified=False, sor=1.0, gradients=False,
+          turns=()):
+    """g + W l = 0 by SOFA's sweeps, with its ends. The blocks `turns` have a tolerance of 1e-4 of their own."""
+    limit = tolerance * (len(g) if scaled and not verified else 1)
+
+    def sweep(l):
+        moved = []
+        for number, block in enumerate(blocks):
+            part = np.ix_(block, block)
+            change = -np.linalg.solve(W[part], g[block] + W[block] @ l)
+            l[block] += change
+            moved += [np.linalg.norm(row * change) * (limit / 1e-4 if number in turns else 1) for row in W[part]]
+        return moved
+    if gradients:
+        first = l.copy()
+        sweep(l)
+        d = first - l
+        p = -d
+    for i in range(gradients, most):
+        before = l.copy()
+        moved = sweep(l)
+        if sor != 1:
+            l[:] = sor * l + (1 - sor) * before
+        if max(moved) <= limit if verified else sum(moved) < limit:
+            break
+        if gradients:
+            new = before - l
+            beta = new @ new / (d @ d)
+            d = new
+            if beta > 1:
+                p = np.zeros_like(p)
+            else:
+                l += beta * p
+                p = beta * p - d
+    return i + 1
+
+
 def together(*fields):
     def all_of(x, v):
         parts = [field(x, v) for field in fields]

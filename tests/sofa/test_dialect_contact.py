@@ -5,7 +5,7 @@ import numpy as np
 
 from dialect import (BODY, DAMPED_SOLVERS, EXACT, FREE_LOOP, HANGING_SPRINGS, SWINGING, WATCH, Run, agree, both_bodies,
                      case, damped_system, differ, fallen, falls, main, node, numbers_of, root, springs_of, two_bodies)
-from reference import axes_of, euler, gravity, product, springs, together, turn_of
+from reference import axes_of, euler, gravity, product, springs, swept, together, turn_of
 
 FLOOR = ('<Node name="floor"><MeshTopology position="-9 0 -7  9 0 -9  9 0 9  -9 0 9" triangles="0 1 2  0 2 3"/>'
          '<MechanicalObject name="dofs"/><TriangleCollisionModel name="top" simulated="0" moving="0"/></Node>')
@@ -318,42 +318,6 @@ def forces_of_constraint_have_the_directions_of_the_free_motion():
         differ(np.vstack([run.x("bodies.one.dofs"), run.x("bodies.two.dofs")]), x, 1e-4)
 
 
-def swept(W, g, blocks, l, most=1000, tolerance=1e-3, scaled=True, verified=False, sor=1.0, gradients=False):
-    """g + W l = 0 by SOFA's sweeps, with its ends."""
-    limit = tolerance * (len(g) if scaled and not verified else 1)
-
-    def sweep(l):
-        moved = []
-        for block in blocks:
-            part = np.ix_(block, block)
-            change = -np.linalg.solve(W[part], g[block] + W[block] @ l)
-            l[block] += change
-            moved += [np.linalg.norm(row * change) for row in W[part]]
-        return moved
-    if gradients:
-        first = l.copy()
-        sweep(l)
-        d = first - l
-        p = -d
-    for i in range(gradients, most):
-        before = l.copy()
-        moved = sweep(l)
-        if sor != 1:
-            l[:] = sor * l + (1 - sor) * before
-        if max(moved) <= limit if verified else sum(moved) < limit:
-            break
-        if gradients:
-            new = before - l
-            beta = new @ new / (d @ d)
-            d = new
-            if beta > 1:
-                p = np.zeros_like(p)
-            else:
-                l += beta * p
-                p = beta * p - d
-    return i + 1
-
-
 @case
 def forces_of_constraint_up_to_a_tolerance():
     """SOFA's search for them is over where they move conditions by little, and goes on from there in the next step."""
@@ -423,6 +387,15 @@ def fixed_points_go_to_where_they_rest():
              '<UniformMass totalMass="1"/><LinearSolverConstraintCorrection/><FixedLagrangianConstraint indices="0"/>')
     x = Run(root(FREE_LOOP + f'<Node name="a">{EXACT}{frame}</Node>'), 12).x("a.dofs", 7)[0]
     agree(x, np.r_[0.1, 0, -0.2, bent], 1e-6)
+
+
+@case
+def numbers_start_between_their_stops():
+    """StopperConstraint puts what starts beyond at its bound, where it has no velocity."""
+    stops = "".join(f'<StopperConstraint index="{i}" min="-1" max="1"/>' for i in range(3))
+    numbers = (f'<MechanicalObject name="dofs" template="Vec1d" position="2 -3 0.5" velocity="0 0 1"/><UniformMass totalMass="3"/>'
+               f'<LinearSolverConstraintCorrection/>{stops}')
+    agree(Run(root(FREE_LOOP + f'<Node name="a">{EXACT}{numbers}</Node>'), 5).x("a.dofs", 1)[:, 0], [1, -1, 0.55])
 
 
 @case

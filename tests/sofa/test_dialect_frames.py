@@ -4,7 +4,7 @@ Usage: test_dialect_frames.py STROMA [WORD]."""
 import numpy as np
 
 from dialect import DAMPED_SOLVERS, EXACT, FREE_LOOP, Run, agree, case, differ, main, node, numbers_of, oriented, root
-from reference import (axes_of, euler, euler_frames, first_end_beams, inverse, load, product, rotation_vector, springs,
+from reference import (axes_of, euler, euler_frames, first_end_beams, inverse, load, product, rotation_vector, springs, swept,
                        turn_of)
 
 
@@ -557,6 +557,41 @@ def frames_that_stay_together_by_constraint():
                        f'first_point="0" second_point="0" {words}/>'), 15)
         for k in (0, 1):
             agree(run.x(f"b{k}.dofs", 7)[0], np.r_[x[k], q[k] * np.sign(q[k][3])], 1e-8)
+
+
+@case
+def frames_that_are_tied_up_to_a_tolerance():
+    """SOFA's sweeps over frames begin at zero in each step, and those of turns end at 1e-4."""
+    h, rng = 0.01, np.random.default_rng(5)
+    centres, turns = 0.3 * rng.normal(size=(4, 3)), [turn_of(0.2 * r) for r in rng.normal(size=(4, 3))]
+    speeds, inertia = 0.5 * rng.normal(size=(4, 6)), np.array([0.3, 0.5, 0.4])
+    C = np.diag(1 / np.tile(np.r_[[2.0] * 3, inertia], 4))
+    J = np.zeros((18, 24))
+    for k in range(3):
+        J[6 * k:6 * k + 6, 6 * k:6 * k + 12] = np.hstack([-np.eye(6), np.eye(6)])
+    blocks = [list(range(i, i + 3)) for i in range(0, 18, 3)]
+    per_mass = " ".join(numbers_of(row) for row in np.diag(inertia / 2))
+    state = "  ".join(numbers_of(np.r_[c, q]) for c, q in zip(centres, turns))
+    scene = root('<FreeMotionAnimationLoop/><GenericConstraintSolver {}/>' + f'<Node name="b">{EXACT}<MechanicalObject name="dofs" '
+                 f'template="Rigid3" position="{state}" velocity="{numbers_of(speeds)}"/><UniformMass vertexMass="2 1 {per_mass}"/>'
+                 '<LinearSolverConstraintCorrection/><BilateralLagrangianConstraint template="Rigid3" object1="@dofs" object2="@dofs" '
+                 'first_point="0 1 2" second_point="1 2 3"/></Node>')
+    for words, tolerance in (("", 1e-3), ('tolerance="1e-6"', 1e-6)):
+        x, q, u = centres.copy(), list(turns), speeds.ravel().copy()
+        for _ in range(12):
+            u = u + h * np.tile([0, -10, 0, 0, 0, 0], 4)
+            x = x + h * u.reshape(4, 6)[:, :3]
+            q = [product(turn_of(h * u[6 * k + 3:6 * k + 6]), q[k]) for k in range(4)]
+            g = np.concatenate([np.r_[x[k + 1] - x[k], rotation_vector(product(q[k + 1], inverse(q[k])))] for k in range(3)])
+            l = np.zeros(18)
+            swept(h * J @ C @ J.T, g, blocks, l, tolerance=tolerance, turns=(1, 3, 5))
+            dx = h * C @ J.T @ l
+            u = u + dx / h
+            x = x + dx.reshape(4, 6)[:, :3]
+            q = [product(turn_of(dx[6 * k + 3:6 * k + 6]), q[k]) for k in range(4)]
+        run = Run(scene.format(words), 12)
+        expected = np.array([np.r_[x[k], q[k] * np.sign(q[k][3])] for k in range(4)])
+        agree(run.x("b.dofs", 7), expected, 1e-8)
 
 
 def rods_that_are_out(rods, tips, threshold):

@@ -239,7 +239,7 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"PositionBasedDynamicsProjectiveConstraint", {"velocity", "old_position", "topology"}},
       {"RestShapeSpringsForceField", {"topology"}}, {"SpringForceField", {"topology"}},
       {"BilateralLagrangianConstraint",
-       {"activateAtIteration", "numericalTolerance", "merge", "derivative", "topology1", "topology2", "constraintIndex"}},
+       {"activateAtIteration", "merge", "derivative", "topology1", "topology2", "constraintIndex"}},
       {"SlidingLagrangianConstraint", {"force"}},
       {"BarycentricMapping", {"applyRestPosition"}}, {"IdentityMapping", {"applyRestPosition"}},
       {"SubsetMapping", {"applyRestPosition"}}, {"SphereROI", {"doUpdate"}}, {"BoxROI", {"doUpdate", "isVisible", "computeQuad"}},

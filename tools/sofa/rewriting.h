@@ -211,6 +211,7 @@ class Rewriting {
   std::map<const Element*, ComponentDescription> plasticity_;  ///< by the field whose stress it lowers
   std::map<const Element*, std::pair<std::string, std::string>> own_damping_;  ///< integrators of what damps itself, their own factors
   std::map<const Element*, std::string> layers_;               ///< by the load whose triangles lie in a box
+  std::string turn_tolerance_;                                 ///< of frames that are tied
   std::vector<Element*> parts_;                                ///< regions whose cells count their own nodes
   std::unique_ptr<SceneTree> tree_;
 };

@@ -44,6 +44,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (element.is("BilateralLagrangianConstraint") && saysYes(element.text("keepOrientationDifference")))
     setDefault(element, "keepCentreDifference", "true");
   if (element.is("FixedLagrangianConstraint")) setDefault(element, "atRest", "true");
+  if (element.is("StopperLagrangianConstraint")) setDefault(element, "startsInside", "true");
   if (element.is("ArticulationCenter")) meanJoint(element);
   meanTimes(element);
   if (isActuator(element)) meanActuator(element);

@@ -226,7 +226,9 @@ void Rewriting::addSweeps() {
   });
   const bool has_loop = loop != nullptr;
   const std::string type = solver ? solver->written->type : "GenericConstraintSolver";
-  if (type == "LCPConstraintSolver" && hasForcesOfConstraint() && areForcesSwept())
+  bool has_conditions = false;
+  tree_->forEach([&](Element& each) { has_conditions = has_conditions || each.role() == "Lagrangian constraint"; });
+  if (type == "LCPConstraintSolver" && has_conditions)
     return warn(solver->written->where, *solver, {},
                 "takes all conditions as contacts that may come apart: here those hold that are to hold",
                 "GenericConstraintSolver, with which both do the same");
@@ -251,6 +253,7 @@ void Rewriting::addSweeps() {
   for (const std::string name : names)
     if (const AttributeDescription* given = solver ? solver->find(name) : nullptr; given && !(is_unbuilt && name == "regularizationTerm"))
       sweeps.attributes.push_back(*given);
+  if (!turn_tolerance_.empty()) sweeps.attributes.push_back({"turnTolerance", turn_tolerance_, where});
   if (type.starts_with("Unbuilt")) sweeps.attributes.push_back({"resolutionMethod", "UnbuiltGaussSeidel", where});
   if (type.starts_with("NNCG")) sweeps.attributes.push_back({"resolutionMethod", "NonsmoothNonlinearConjugateGradient", where});
   tree_->root().added_components.push_back(std::move(sweeps));

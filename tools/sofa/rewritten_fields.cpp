@@ -63,6 +63,7 @@ void Rewriting::meanStressFields(Element& element) {
 /// What SOFA reads and the component here does not, as long as it can be said otherwise. Numbers that nobody gives are SOFA's,
 /// without a word, as there.
 void Rewriting::meanOfNames(Element& element) {
+  if (element.find("numericalTolerance")) turn_tolerance_ = element.text("numericalTolerance"), element.remove("numericalTolerance");
   const bool is_sheet = isAnyOf(element.written->type,
                                 {"TriangularQuadraticSpringsForceField", "TriangularBiquadraticSpringsForceField",
                                  "TriangularTensorMassForceField"});

@@ -107,7 +107,7 @@ void Rewriting::meanSolver(Element& element) {
     for (const std::string& part : leaveOutDampingOfParts(*tree_, element)) noEffect(part);
   if (type == "VariationalSymplecticSolver") meanVariational(element);
   if (type == "EulerImplicitSolver" && hasForcesOfConstraint() && !hasActuators()) setQuirk(element, "one-iteration", "oneRound", "true");
-  if (hasForcesOfConstraint() && hasActuators() && quirks_.isOn("one-iteration"))
+  if (element.role() == "integrator" && hasForcesOfConstraint() && hasActuators() && quirks_.isOn("one-iteration"))
     warn(element.written->where, element, {},
          "finds forces of constraint until cables and cavities hold at the end of a step: SOFA finds them once, in the directions of "
          "the motion without them, and differs while bodies move far in a step");
