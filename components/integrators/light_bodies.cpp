@@ -19,6 +19,7 @@ void LightBodies::compile(System& system) {
 }
 
 void LightBodies::begin(ConstRows residual, double weight) {
+  in_focus_ = nullptr;
   for (Body& body : bodies_) {
     body.is_done = false;
     body.scale = std::max(norm(residual.segment(body.first, body.count)), weight * norm(system_->f.rows().segment(body.first, body.count)));
@@ -69,30 +70,47 @@ void Newton::takeScale(NonlinearProblem& problem, double now) {
   if (LightBodies* const bodies = problem.lightBodies()) bodies->begin(residual_, problem.weightOfForces());
 }
 
-/// And then for bodies that are out of balance by themselves, one after the other.
+/// And then for bodies that are out of balance by themselves, one after the other. Where that takes the balance of all, all go on once more.
 StepReport Newton::solveAll(NonlinearProblem& problem, LinearSolver& solver) {
   constexpr double attained = 1e-6;  // where a body's own round-off has not been asked for
   StepReport report = solveFixed(problem, solver);
   const bool is_relative = settings.absolute_residual == 0 && settings.successive_residual == 0 && !settings.fixed_count && enough_ == 0;
   LightBodies* const bodies = problem.lightBodies();
   if (!bodies || !is_relative || was_slow_) return report;
+  const auto isDone = [&] { return report.newton_converged && !report.failed() && !report.stopped; };
   const auto goesOn = [&] {
-    if (!report.newton_converged || report.failed() || report.stopped) return false;
+    if (!isDone()) return false;
     const double weight = problem.weightOfForces(), displacement = problem.displacementPerUnknown();
     return bodies->focus(residual_, settings.relative_residual, weight, problem.tangent(), displacement);
   };
-  const NewtonSettings whole = settings;
+  struct Whole {  // whatever ends the solve for a body, a force that throws too
+    Newton& newton;
+    LightBodies& bodies;
+    NewtonSettings settings;
+    ~Whole() {
+      newton.settings = settings, newton.in_focus_ = newton.keeps_scale_ = false;
+      bodies.end();
+    }
+  };
+  const double scale = scale_, enough = std::max(goal() * scale, 2 * problem.sizeOf(residual_));
   while (goesOn()) {
-    settings.use_energy = settings.leaves_slow = false;
-    settings.relative_residual = std::max(whole.relative_residual, attained);
-    in_focus_ = keeps_scale_ = true, scale_ = bodies->scale();
+    {
+      const Whole whole{*this, *bodies, settings};
+      settings.use_energy = settings.leaves_slow = false;
+      settings.relative_residual = std::max(settings.relative_residual, attained);
+      in_focus_ = keeps_scale_ = true, scale_ = bodies->scale();
+      const StepReport before = report;
+      report = solveFixed(problem, solver);
+      addCounts(before, report);
+      if (!report.newton_converged) report.reason += fmt::format(", of {} by itself beside heavier bodies", bodies->body().path());
+    }
+    problem.residual(residual_);
+  }
+  if (isDone() && problem.sizeOf(residual_) > enough) {
+    keeps_scale_ = true, scale_ = scale;
     const StepReport before = report;
     report = solveFixed(problem, solver);
     addCounts(before, report);
-    if (!report.newton_converged) report.reason += fmt::format(", of {} by itself beside heavier bodies", bodies->body().path());
-    settings = whole, in_focus_ = false;
-    bodies->end();
-    problem.residual(residual_);
   }
   return report;
 }
