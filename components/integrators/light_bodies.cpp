@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton.h"
 
 namespace stroma {
