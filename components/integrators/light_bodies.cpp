@@ -71,7 +71,7 @@ void Newton::takeScale(NonlinearProblem& problem, double now) {
   if (LightBodies* const bodies = problem.lightBodies()) bodies->begin(residual_, problem.weightOfForces());
 }
 
-/// And then for bodies that are out of balance by themselves, one after the other. Where that takes the balance of all, all go on once more.
+/// And then for bodies that are out of balance by themselves, one after the other. Where that takes the balance of all, all go on.
 StepReport Newton::solveAll(NonlinearProblem& problem, LinearSolver& solver) {
   constexpr double attained = 1e-6;  // where a body's own round-off has not been asked for
   StepReport report = solveFixed(problem, solver);
