@@ -206,8 +206,9 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
     if (converged || report.iterations == iterations_) {
       axpy(alpha, p, x);
       const bool goes_on = converged && kept.light.areLeft(matrix, enough / norm_b_, r, x);
-      report.stop = converged && !goes_on ? SolveStop::converged : SolveStop::iteration_limit;
-      if (!goes_on || report.iterations == iterations_) break;
+      const bool is_stopped = goes_on && isStopAsked();
+      report.stop = is_stopped ? SolveStop::stopped : converged && !goes_on ? SolveStop::converged : SolveStop::iteration_limit;
+      if (!goes_on || is_stopped || report.iterations == iterations_) break;
       alpha = 0, smallest_cosine = threshold_ * threshold_ * of_other_units;  // and between bodies of other masses
       if (!blocks) {  // anew, by the blocks
         if (z.count() != r.count()) z.resize(r.count());

@@ -13,18 +13,19 @@ namespace stroma {
 ///
 ///   max |D^-1 r| > share max |x|,   share = max(1e-3, tolerance of the solve).
 ///
-/// D is made once for each pattern, for the bound max |r| max |D^-1|, which settles ordinary solves; where that does not, D of these
-/// values tells. Turns and places are measured together, each in its unit.
+/// D is that of the matrix solved: one diagonal for each matrix of which a solve has converged. A block that is not positive definite, or
+/// is singular but for round-off, counts as its largest |entry|: |r| over that is no more than the error. Rows with empty blocks are
+/// left out. Turns and places are measured together, each in its unit.
 class LightRows {
  public:
   static constexpr double least_share = 1e-3;
-  /// `tolerance`: |b - A x| / |b| at which the solve ended. A block that is not positive definite is for others to find: none are left.
+  /// `tolerance`: |b - A x| / |b| at which the solve ended.
   bool areLeft(const SystemMatrix& matrix, double tolerance, ConstRows r, ConstRows x) {
     const double most = std::max(least_share, tolerance) * largest(x);
-    if (!isOf(matrix, false)) take(matrix);
-    if (is_bad_ || !(bound_ * largest(r) > most)) return false;
-    if (!isOf(matrix, true)) take(matrix);
-    if (is_bad_) return false;
+    const double left = largest(r);
+    if (left == 0) return false;
+    if (key_ != matrix.key()) take(matrix);
+    if (!(bound_ * left > most)) return false;
     if (z_.count() != r.count) z_.resize(r.count);
     inverse_.apply(r, z_);
     return largest(z_) > most;
@@ -72,20 +73,32 @@ class LightRows {
     for (std::size_t i = 0; i < rows.doubles(); ++i) most = std::max(most, std::abs(rows.data[i]));
     return most;
   }
-  bool isOf(const SystemMatrix& matrix, bool with_values) const {
-    const MatrixKey key = matrix.key();
-    return key_.matrix == key.matrix && key_.pattern == key.pattern && (!with_values || key_ == key);
-  }
   void take(const SystemMatrix& matrix) {
     matrix.diagonalBlocks(blocks_);
-    is_bad_ = inverse_.factor(blocks_) >= 0;
-    bound_ = is_bad_ ? 0 : 3 * inverse_.largest();
+    for (std::size_t at = 0; at < blocks_.size(); at += 9) {
+      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(blocks_.data() + at);
+      if (!isClearlyDefinite(block)) block = Mat3(sizeOf(block) * Mat3::Identity());
+    }
+    inverse_.factor(blocks_);
+    bound_ = 3 * inverse_.largest();
     key_ = matrix.key();
+  }
+  /// What a block counts for that has no inverse to rely on: its largest |entry|, or so much that its row is left out. The cubes of both
+  /// are numbers.
+  static double sizeOf(const Mat3& block) {
+    constexpr double least = 1e-100, most = 1e100;
+    const double size = block.cwiseAbs().maxCoeff();
+    return size >= least && size <= most ? size : most;
+  }
+  /// Whether the pivots of elimination are positive, and above what round-off makes of a zero.
+  static bool isClearlyDefinite(const Mat3& a) {
+    constexpr double noise = 1e-14;
+    const double least = noise * a.cwiseAbs().maxCoeff(), minor = a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0);
+    return a(0, 0) > least && minor > least * a(0, 0) && a.determinant() > least * minor;
   }
 
   cg::BlockJacobi inverse_;  ///< D^-1
   MatrixKey key_;            ///< of D
-  bool is_bad_ = false;      ///< D is not positive definite
   double bound_ = 0;         ///< on the largest |(D^-1 r)_i| / max |r_i|
   std::vector<double> blocks_;
   Vector z_;  ///< D^-1 r

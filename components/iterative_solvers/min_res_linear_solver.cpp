@@ -12,9 +12,10 @@
 // say so, this method solves. On a definite matrix |r| falls in every iteration, and both need about the same number.
 //
 // It stops when |r| <= tolerance |b| and max |D^-1 r| <= max(tolerance, 1e-3) max |x| with D the diagonal blocks (bodies far lighter
-// than others would stay where they are); after `iterations` products; when b = 0; when a number is not finite; when the
-// matrix is singular and b has a part outside its range: |A r| <= 1e-9 |A| |r| while |r| is not small, or rising again
-// from below 1e-8, the report says breakdown and x is the least-squares solution; and as stagnated when b - A x,
+// than others would stay where they are; a block that is not positive definite counts as its largest |entry|); after `iterations` products;
+// when b = 0; when a number is not finite; when the matrix is singular and b has a part outside its range:
+// |A r| <= 1e-9 |A| |r| while |r| is not small, or rising again from below 1e-8, the report says breakdown and x is the
+// least-squares solution; and as stagnated when b - A x,
 // computed once at the end, is larger than what the recurrence says and than the tolerance. Where some rows are turns, of rigid
 // frames, it solves S A S y = S b, x = S y, with S of row_scales.h: |r| and |b| are then |S r| and |S b|, on which the unit of
 // length has no influence.

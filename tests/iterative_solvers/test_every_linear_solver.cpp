@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "framework/algebra/parallel.h"
+#include "framework/algebra/stop.h"
 #include "tests/support/elastic_block.h"
 #include "tests/support/solver_fixture.h"
 
@@ -231,6 +232,121 @@ TEST(LightRows, AreSeenByLooseSolves) {
     Vector x;
     EXPECT_TRUE(solved(solver.solve(matrix, b, x))) << name;
     EXPECT_LT((x[body.rows()] - exact).cwiseAbs().maxCoeff(), 1e-2 * dense(x).cwiseAbs().maxCoeff()) << name;
+  }
+}
+
+void setDiagonal(StoredMatrix& matrix, Index row, const Mat3& block) {
+  const Index slot = matrix.values.diagonal()[row];
+  const Mat3 old = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.values.values().data() + 9 * slot);
+  matrix.values.add(slot, -old), matrix.values.add(slot, block);
+  ++matrix.revision_number;
+}
+
+/// Bits do not depend on the matrices that a solver has had before.
+TEST(LightRows, AreThoseOfTheMatrixSolved) {
+  StoredMatrix matrix = withLooseRow(block(3).matrix(), 1);
+  const Index loose = matrix.rows() - 1;
+  Vector b = randomVector(matrix.rows(), 5);
+  for (const std::string name :
+       {"CGLinearSolver preconditioner='none'", "PCGLinearSolver preconditioner='none'", "PCGLinearSolver preconditioner='ssor'",
+        "MinResLinearSolver", "AutomaticLinearSolver"}) {
+    SolverInScene used("<" + name + " tolerance='1e-6' iterations='1000'/>"), fresh("<" + name + " tolerance='1e-6' iterations='1000'/>");
+    Vector x, again;
+    for (const double size : {1., 1e-12}) {
+      setDiagonal(matrix, loose, size * Mat3::Identity());
+      b[loose] = size * Vec3(1, -2, 3);
+      x = Vector();
+      EXPECT_TRUE(solved(used.solve(matrix, b, x))) << name << " " << size;
+    }
+    EXPECT_LT((x[loose] - Vec3(1, -2, 3)).norm(), 4e-3 * dense(x).cwiseAbs().maxCoeff()) << name;
+    EXPECT_TRUE(solved(fresh.solve(matrix, b, again))) << name;
+    EXPECT_TRUE(dense(x) == dense(again)) << name;
+  }
+}
+
+/// One row with a block of its own in the way: negative, of no size, or singular but for round-off. No force acts there.
+TEST(LightRows, AreSeenBesideBlocksThatAreNotDefinite) {
+  const Vec3 along(1, 2, 3);
+  for (const Mat3& bad : {Mat3(-Mat3::Identity()), Mat3(Mat3::Zero()), Mat3(along * along.transpose() / 7)}) {
+    StoredMatrix matrix = withLooseRow(withLooseRow(block(3).matrix(), 0), 1e-12);
+    const Index loose = matrix.rows() - 1;
+    setDiagonal(matrix, loose - 1, bad);
+    Vector b = randomVector(matrix.rows(), 5), x;
+    b[loose - 1].setZero(), b[loose] = 1e-12 * Vec3(1, -2, 3);
+    for (const std::string name : {"CGLinearSolver preconditioner='none'", "PCGLinearSolver preconditioner='none'", "MinResLinearSolver"}) {
+      SolverInScene solver("<" + name + " tolerance='1e-6' iterations='1000'/>");
+      EXPECT_TRUE(solved(solver.solve(matrix, b, x))) << name << " " << bad;
+      EXPECT_LT((x[loose] - Vec3(1, -2, 3)).norm(), 4e-3 * dense(x).cwiseAbs().maxCoeff()) << name << " " << bad;
+    }
+  }
+}
+
+TEST(LightRows, AreSeenByMinResInAnIndefiniteSystem) {
+  StoredMatrix matrix = withLooseRow(indefinite(), 1e-12);
+  Vector b = randomVector(matrix.rows(), 3), x;
+  b[matrix.rows() - 1] = 1e-12 * Vec3(1, -2, 3);
+  SolverInScene solver("<MinResLinearSolver tolerance='1e-6' iterations='2000'/>");
+  EXPECT_TRUE(solved(solver.solve(matrix, b, x)));
+  EXPECT_LT((x[matrix.rows() - 1] - Vec3(1, -2, 3)).norm(), 4e-3 * dense(x).cwiseAbs().maxCoeff());
+}
+
+/// One body of which the first product tells all, and two far lighter ones that lean on each other. The second product asks to stop.
+class StoppingMatrix final : public SystemMatrix {
+ public:
+  mutable StopRequest request;
+  mutable int products = 0;
+  StoppingMatrix() : inner(make()) {}
+  MatrixKey key() const override { return {identity().get(), 1, 1}; }
+  Index rows() const override { return 3; }
+  void multiply(ConstRows p, Rows out) const override {
+    inner.multiply(p, out);
+    if (++products == 2) request.make();
+  }
+  const BlockMatrix& assemble() override { return inner.assemble(); }
+  void diagonalBlocks(std::vector<double>& blocks) const override { inner.diagonalBlocks(blocks); }
+  bool symmetric() const override { return true; }
+  bool prefersAssembled(int) const override { return false; }
+  std::string describeRow(Index row) const override { return inner.describeRow(row); }
+
+ private:
+  StoredMatrix inner;
+  static StoredMatrix make() {
+    BlockPattern pattern(3);
+    const std::array<Index, 2> pair{1, 2};
+    pattern.addClique(pair.data(), 2);
+    const Index first = 0;
+    pattern.addClique(&first, 1);
+    BlockMatrix values(std::move(pattern));
+    values.add(0, 0, Mat3::Identity());
+    for (const Index row : {1, 2}) values.add(row, row, 2e-12 * Mat3::Identity());
+    values.add(1, 2, -1e-12 * Mat3::Identity()), values.add(2, 1, -1e-12 * Mat3::Identity());
+    return StoredMatrix(std::move(values));
+  }
+};
+
+TEST(LightRows, AreLeftBySolvesThatAreStopped) {
+  for (const std::string name : {"CGLinearSolver preconditioner='none'", "PCGLinearSolver preconditioner='none'"}) {
+    StoppingMatrix matrix;
+    Vector b(3), x(3);
+    b[0] = Vec3(1, -2, 3), b[1] = Vec3(1e-12, 0, 0);
+    SolverInScene solver("<" + name + " tolerance='1e-6' iterations='1000'/>");
+    EXPECT_EQ(solver.solver->solve(matrix, b, x, {.stop = StopToken(matrix.request)}).stop, SolveStop::stopped) << name;
+  }
+}
+
+/// What moves along the one stiff direction of a row, as in a chain of springs: elimination leaves round-off for the others.
+TEST(LightRows, AreNotMadeOfRoundOff) {
+  StoredMatrix matrix = withLooseRow(block(3).matrix(), 0);
+  const Index loose = matrix.rows() - 1;
+  Vector b = randomVector(matrix.rows(), 5), x;
+  for (int k = 1; k < 20; ++k) {
+    const Vec3 along = Vec3(1, 0.1 * k, 0.37 * k).normalized();
+    setDiagonal(matrix, loose, 1e-3 * along * along.transpose());
+    b[loose] = 1e-3 * along;
+    for (const std::string name : {"CGLinearSolver preconditioner='none'", "PCGLinearSolver preconditioner='none'", "MinResLinearSolver"}) {
+      SolverInScene solver("<" + name + " tolerance='1e-9' iterations='1000'/>");
+      EXPECT_TRUE(solved(solver.solve(matrix, b, x))) << name << " " << k;
+    }
   }
 }
 
