@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -150,6 +151,7 @@ bool Multipliers::respondToTurn(const std::vector<Held>& held, LinearSolver& sol
 bool Multipliers::turnVelocities(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   if (empty() || !has_changed_ || rule_.old_share == 0 || !rule_.has_velocities) return false;
   findConditions();
+  assert(solve_.g.size() == solve_.l.size() && rows_.rows().size() == start_speeds_.size() && "rows are as many all through a step");
   const Rows v = system_->independent(system_->v);
   const std::vector<Held> held = findHeld(system_->mappingChain().direction(v));
   directions_.resize(std::max(directions_.size(), rows_.rows().size()));

@@ -4,8 +4,8 @@
 // give way as little as they can: with r + size Y (q - where) instead of r, Y what rows yield in comparison (SharesForces), there
 // is one solution. It is found with where = 0, which is the pressure of a thin elastic layer (Winkler), and then drawn from where
 // it is until the conditions themselves hold: proximal points (Rockafellar 1976). Newton's method finds each, from the forces of
-// the step before; where it does not, sweeps find any that hold
-// (redundant_sweeps.cpp), or it begins from an interior-point method with a larger size, which is then made smaller.
+// the step before. Where it does not, sweeps find any that hold (redundant_sweeps.cpp). Where these do not, it begins from an
+// interior-point method with a larger size, which is then made smaller.
 //
 // With x = (mu l_n, l_t) and z = (r_n / mu + |r_t|, r_t) of each group, both are in the cone x_0 >= |x_t| and x . z = 0 (De Saxce
 // and Feng 1998). A round goes towards x o z = share nu e, nu the mean of x . z; |r_t| is (|r_t|^2 + smooth nu^2 / (x_0^2 + nu))^.5:
