@@ -24,7 +24,7 @@
 // newtonForcing above 0 linear solves by products are loose in early iterations (Eisenstat and Walker 1996); what ends a step
 // does not change. An iteration that gets on by small factors with the approximate tangent of a force field goes on with the
 // exact one, where that is symmetric, rK is 0 and the costs of products say so. Where rK is not 0 tetrahedra of method svd add to
-// theirs how stresses turn, which makes it exact, but for rK K v, until a matrix of the step is not definite. Where a step with a
+// theirs how stresses turn from the second iteration on, which makes it exact, but for rK K v. Where a step with a
 // prescribed motion fails, and newtonIterations is five or more, the motion is spread by the tangent first and then divided into
 // parts, as StaticSolver does.
 //

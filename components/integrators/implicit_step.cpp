@@ -25,7 +25,7 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   rule_ = {scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole, true, one_round};
   multipliers_.begin(rule_, !solvesOnce());
   if (!solvesOnce()) {
-    turns_ = true;
+    turns_ = true, tangents_ = 0, keepTurning(false);
     StepReport report = !multipliers_.empty() ? solveConditions(stop) : iterates() ? solveIterating(stop) : solveAsNeeded(stop);
     turnVelocities(stop, report);
     addTurning(false);
@@ -72,7 +72,8 @@ void ImplicitStep::wholeForce(double time, Rows out, bool starts, double of_end)
 }
 
 SystemMatrix& ImplicitStep::tangent() {
-  addTurning(turns_);
+  addTurning(turns_ && tangents_ > 0);
+  if (tangents_++ == 0) keepTurning(true);
   return whole_.of(system_->matrix().withFactors(tangentFactors()));
 }
 
@@ -314,6 +315,7 @@ void ImplicitStep::residual(Rows out) {
     out[row] += start_momenta_[b] + momentum_predictor[b] - bodies_.times(b, x(), start);
   }
   s.constraints().project(out);
+  light_.narrow(out);
 }
 
 /// The incremental potential, whose gradient is -R:

@@ -7,6 +7,7 @@
 #include "components/integrators/conditions_newton.h"
 #include "components/integrators/energy_watch.h"
 #include "components/integrators/exact_tangent.h"
+#include "components/integrators/light_bodies.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/orientations.h"
 #include "components/integrators/turning_bodies.h"
@@ -109,7 +110,7 @@ class ImplicitStep final : public NonlinearProblem {
   SystemMatrix& tangent() override;
   void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
   bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
-  bool hasUnsureTangent() const override { return turns_ && !turning_.empty(); }
+  bool hasUnsureTangent() const override { return turns_ && tangents_ > 0 && !turning_.empty(); }
   void takeSureTangent() override;
   double energy() override;
   Rows unknowns() override { return v(); }
@@ -121,6 +122,8 @@ class ImplicitStep final : public NonlinearProblem {
   void unknownsChanged() override { place({0, x().count}); }
   void addTo(Rows u, double s, ConstRows d) const override { addTo(u, s, d, {0, d.count}); }
   double residualOfParts(ConstRows residual) const override;
+  LightBodies* lightBodies() override { return &light_; }
+  double weightOfForces() const override { return scheme_.weight; }
   double longestStep(ConstRows d) override;
   bool meetsBarriers() const override { return !limits_.empty(); }
   bool meetsWalls() const override { return meets_walls_; }
@@ -181,6 +184,7 @@ class ImplicitStep final : public NonlinearProblem {
   void addMassDamping(double factor, Rows out);
   void chooseTurning();
   void addTurning(bool on);
+  void keepTurning(bool on);
   void addMassWhereTheStepStarts(Rows out) const;
   void advance();
   void startBodies();
@@ -198,13 +202,15 @@ class ImplicitStep final : public NonlinearProblem {
   StepLimits limits_;
   WholeIfNeeded whole_;
   ForceMeasure measure_;
+  LightBodies light_;
   Multipliers multipliers_;
   Multipliers::Rule rule_;  ///< of the step
   ConditionsNewton conditions_;  ///< with Newton's method and forces of constraint
   ExactTangent exact_;
   EnergyWatch energy_;
   std::vector<std::pair<TurnsStresses*, const ForceField*>> turning_;  ///< see chooseTurning()
-  bool turns_ = false;  ///< tangents of the step have it
+  bool turns_ = false;  ///< tangents of the step have it, but for the first
+  int tangents_ = 0;    ///< of the step so far
   int exact_tangent_steps_ = 0;
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;

@@ -87,6 +87,11 @@ void ImplicitStep::chooseTurning() {
       turning->addTurning(0), turning_.emplace_back(turning, field);
 }
 
+/// Many steps need one iteration, which has the warped tangent: it costs less. Forces prepare turning for those that come.
+void ImplicitStep::keepTurning(bool on) {
+  for (const auto& [turning, field] : turning_) turning->keepTurning(on);
+}
+
 /// The way of the step turns stresses, and not its damping.
 void ImplicitStep::addTurning(bool on) {
   for (const auto& [turning, field] : turning_)

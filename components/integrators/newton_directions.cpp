@@ -105,9 +105,15 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
   const auto solve = [&](bool once) {
     return solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report, std::ref(definite), once);
   };
-  const bool is_open = problem.hasUnsureTangent();
+  const bool is_open = problem.hasUnsureTangent(), converged = report.linear_converged, at_limit = report.linear_at_limit;
   bool found = solve(is_open);
-  if (!found && is_open && !report.stopped && !report.diverged) problem.takeSureTangent(), found = solve(false);
+  // not every linear solver sees that a matrix is not definite
+  const bool is_bad = is_open && !report.stopped && !report.diverged && (!found || !(dot(residual_, direction_) > 0));
+  if (is_bad) {
+    problem.takeSureTangent();
+    report.linear_converged = converged, report.linear_at_limit = at_limit;
+    found = solve(false);
+  }
   problem.keepToFree(direction_);
   if (switched) problem.useDefiniteTangent(false);
   went_on_ = false;

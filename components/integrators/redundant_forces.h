@@ -4,7 +4,7 @@
 // give way as little as they can: with r + size Y (q - where) instead of r, Y what rows yield in comparison (SharesForces), there
 // is one solution. It is found with where = 0, which is the pressure of a thin elastic layer (Winkler), and then drawn from where
 // it is until the conditions themselves hold: proximal points (Rockafellar 1976). Newton's method finds each, from the forces of
-// the step before. Where it does not, sweeps find any that hold (redundant_sweeps.cpp). Where these do not, it begins from an
+// the step before. Where it does not, sweeps find any that hold (redundant_sweeps.cpp). Where these do not either, it begins from an
 // interior-point method with a larger size, which is then made smaller.
 //
 // With x = (mu l_n, l_t) and z = (r_n / mu + |r_t|, r_t) of each group, both are in the cone x_0 >= |x_t| and x . z = 0 (De Saxce

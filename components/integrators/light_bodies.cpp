@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/integrators/light_bodies.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "components/integrators/exact_tangent.h"
+#include "components/integrators/newton.h"
+
+namespace stroma {
+
+void LightBodies::compile(System& system) {
+  system_ = &system;
+  bodies_.clear(), in_focus_ = nullptr;
+  for (const State* state : system.states())
+    if (state->firstRow() < system.independentRows() && state->size() > 0) bodies_.push_back({state, state->firstRow(), state->size()});
+  if (bodies_.size() < 2) bodies_.clear();
+}
+
+void LightBodies::begin(ConstRows residual, double weight) {
+  in_focus_ = nullptr;
+  for (Body& body : bodies_) {
+    body.is_done = false;
+    body.scale = std::max(norm(residual.segment(body.first, body.count)), weight * norm(system_->f.rows().segment(body.first, body.count)));
+  }
+}
+
+bool LightBodies::focus(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement) {
+  constexpr double least = 1e-2, looser = 1e3, round_off = 1e-9;
+  const double share = std::max(least, looser * tolerance);
+  const auto left = [&](const Body& body) { return body.is_done ? 0 : norm(residual.segment(body.first, body.count)); };
+  const auto isOut = [&](const Body& body) { return left(body) > share * body.scale; };
+  if (std::ranges::none_of(bodies_, isOut)) return false;
+  if (loads_.count() != system_->allRows()) loads_.resize(system_->allRows());
+  clear(loads_);
+  for (const Mass* mass : system_->masses()) mass->addGravity(loads_);
+  for (ForceField* field : system_->forceFields())
+    if (!field->traits().has_stiffness) field->addForce(system_->x, system_->v, loads_);
+  for (Body& body : bodies_) body.scale = std::max(body.scale, weight * norm(loads_.rows().segment(body.first, body.count)));
+  std::vector<double> blocks;
+  if (std::ranges::any_of(bodies_, isOut)) tangent.diagonalBlocks(blocks);
+  const auto isSeen = [&](const Body& body) {
+    double way = 0, place = 0;
+    for (Index row = body.first; row < body.first + body.count; ++row) {
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> d(blocks.data() + std::size_t(row) * 9);
+      if (const Vec3 moves = d.inverse() * Vec3(residual[row]); moves.allFinite()) way = std::max(way, moves.norm());
+      place = std::max(place, Vec3(system_->x[row]).norm());
+    }
+    return displacement * way > round_off * place;
+  };
+  for (Body& body : bodies_) {
+    if (!isOut(body) || !isSeen(body)) continue;
+    if (!in_focus_ || left(body) * in_focus_->scale > left(*in_focus_) * body.scale) in_focus_ = &body;
+  }
+  if (in_focus_) in_focus_->is_done = true;
+  return in_focus_ != nullptr;
+}
+
+void LightBodies::narrow(Rows residual) const {
+  if (!in_focus_) return;
+  clear(residual.segment(0, in_focus_->first));
+  const Index end = in_focus_->first + in_focus_->count;
+  clear(residual.segment(end, residual.count - end));
+}
+
+/// Of a solve that starts with this |R|.
+void Newton::takeScale(NonlinearProblem& problem, double now) {
+  scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
+  if (LightBodies* const bodies = problem.lightBodies()) bodies->begin(residual_, problem.weightOfForces());
+}
+
+/// The settings and the scale with which a body is solved by itself, for as long as this lives. A force may throw meanwhile, and its
+/// caller go on: what is of all bodies is put back then, too.
+class Newton::Focus {
+ public:
+  Focus(Newton& newton, LightBodies& bodies) : newton_(newton), bodies_(bodies), settings_(newton.settings), scale_(newton.scale_) {
+    constexpr double attained = 1e-6;  // where a body's own round-off has not been asked for
+    newton.settings.use_energy = newton.settings.leaves_slow = false;
+    newton.settings.relative_residual = std::max(settings_.relative_residual, attained);
+    newton.in_focus_ = newton.keeps_scale_ = true, newton.scale_ = bodies.scale();
+  }
+  ~Focus() {
+    newton_.settings = settings_, newton_.scale_ = scale_, newton_.in_focus_ = newton_.keeps_scale_ = false;
+    bodies_.end();
+  }
+  Focus(const Focus&) = delete;
+  Focus& operator=(const Focus&) = delete;
+
+ private:
+  Newton& newton_;
+  LightBodies& bodies_;
+  const NewtonSettings settings_;
+  const double scale_;
+};
+
+/// One body, and then all of them once more where its way has left their |R| above where they were solved to.
+void Newton::solveBody(NonlinearProblem& problem, LinearSolver& solver, LightBodies& bodies, StepReport& report) {
+  const double enough = std::max(goal() * scale_, problem.sizeOf(residual_));
+  const std::string name = bodies.body().path();
+  const auto solveOn = [&] {
+    const StepReport before = report;
+    report = solveFixed(problem, solver);
+    addCounts(before, report);
+  };
+  {
+    const Focus focus(*this, bodies);
+    solveOn();
+  }
+  if (!report.newton_converged) report.reason += fmt::format(", of {} by itself beside heavier bodies", name);
+  problem.residual(residual_);
+  if (!report.newton_converged || report.failed()) return;
+  const double now = problem.sizeOf(residual_);
+  if (now <= enough) return void(report.newton_residual = scale_ > 0 ? now / scale_ : now);
+  struct Once {
+    bool& keeps;
+    ~Once() { keeps = false; }
+  } const once{keeps_scale_ = true};
+  solveOn();
+  if (!report.newton_converged) report.reason += fmt::format(", of all bodies after {} was solved by itself", name);
+}
+
+/// And then for bodies that are out of balance by themselves, one after the other.
+StepReport Newton::solveAll(NonlinearProblem& problem, LinearSolver& solver) {
+  StepReport report = solveFixed(problem, solver);
+  const bool is_relative = settings.absolute_residual == 0 && settings.successive_residual == 0 && !settings.fixed_count && enough_ == 0;
+  LightBodies* const bodies = problem.lightBodies();
+  if (!bodies || !is_relative || was_slow_) return report;
+  const auto goesOn = [&] {
+    if (!report.newton_converged || report.failed()) return false;
+    const double weight = problem.weightOfForces(), displacement = problem.displacementPerUnknown();
+    return bodies->focus(residual_, settings.relative_residual, weight, problem.tangent(), displacement);
+  };
+  while (goesOn()) solveBody(problem, solver, *bodies, report);
+  return report;
+}
+
+}  // namespace stroma

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A body is where it would be alone, however heavy others are: Newton's method ends where each of them is in balance.
+#include <stdexcept>
+
+#include "tests/support/ground_spring.h"
+#include "tests/support/scene_text.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+/// A block that is held at one end.
+std::string block(const std::string& name, const std::string& grid, double mass, double young, const std::string& method) {
+  return fmt::format("<Node name=\"{0}\"><RegularGridTopology {1}/><MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"{2:g}\"/>"
+                     "<HexahedronFEMForceField youngModulus=\"{3:g}\" poissonRatio=\"0.3\" method=\"{4}\"/>"
+                     "<FixedProjectiveConstraint indices=\"0 9 18 27\"/></Node>",
+                     name, grid, mass, young, method);
+}
+
+/// The places of a soft beam after some steps, beside a frame of a ton or alone; its forces are in proportion to `scale`.
+std::vector<Vec3> beam(const std::string& integrator, double scale, bool beside_heavy) {
+  const std::string solver = "<SparseLDLSolver/>";
+  std::string bodies = block("beam", "n=\"9 2 2\" min=\"0 0 0\" max=\"1 0.1 0.1\"", scale, 1e5 * scale, "polar");
+  if (beside_heavy) bodies += block("frame", "n=\"9 2 2\" min=\"5 0 0\" max=\"6 1 1\"", 1e3, 1e9, "small");
+  const std::string root = "<Node name=\"root\" dt=\"0.05\" gravity=\"0 -10 0\">";
+  Simulation simulation = simulationFromText(root + integrator + solver + bodies + "</Node>");
+  for (int i = 0; i < 3; ++i) {
+    const StepReport report = simulation.step();
+    EXPECT_FALSE(report.diverged) << report.reason;
+    EXPECT_TRUE(report.newton_converged) << report.reason;
+  }
+  std::vector<Vec3> places;
+  const State& state = *simulation.states()[0];
+  for (Index i = 0; i < state.size(); ++i) places.push_back(state.x()[i]);
+  return places;
+}
+
+TEST(LightBodies, AreInBalanceBesideHeavyOnes) {
+  for (const std::string integrator : {"<StaticSolver/>", "<EulerImplicitSolver newtonIterations=\"30\"/>",
+                                       "<TrapezoidalRuleSolver newtonIterations=\"30\"/>", "<BDFOdeSolver newtonIterations=\"30\"/>",
+                                       "<NewmarkImplicitSolver newtonIterations=\"30\"/>"})
+    for (const double scale : {1e-3, 1e-6, 1e-9, 1e-12}) {
+      SCOPED_TRACE(fmt::format("{} {}", integrator, scale));
+      const std::vector<Vec3> alone = beam(integrator, scale, false), beside = beam(integrator, scale, true);
+      ASSERT_EQ(alone.size(), beside.size());
+      double off = 0, way = 0;
+      for (std::size_t i = 0; i < alone.size(); ++i)
+        off = std::max(off, (alone[i] - beside[i]).norm()), way = std::max(way, std::abs(alone[i].y()));
+      EXPECT_LT(off, 1e-3 * way);
+    }
+}
+
+/// A spring to the ground under a body that is pushed up where the first row of the system is near y = -2. Its tangent does not know.
+/// `turns`: the push is the other way where the body is above the middle of the places with and without it, so that nothing balances.
+/// It throws where the first row is between y = -3.6 and -2.6, once.
+class PushedByOther : public GroundSpring {
+ public:
+  void declare(DataTable& table) override {
+    GroundSpring::declare(table);
+    table.add("push_near", push_).help("force").unit("N");
+    table.add("turns_above", turns_above_).help("y").unit("m");
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits = GroundSpring::traits();
+    traits.linear = traits.constant_stiffness = traits.conservative = false;
+    return traits;
+  }
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    GroundSpring::addForce(x, v, f);
+    const Vec3 other = x[0];
+    if (throws && other.y() > -3.6 && other.y() < -2.6) throws = false, throw std::runtime_error("a force of the test that throws");
+    const Index row = state().firstRow();
+    const double push = push_ * std::exp(-100 * (other.y() + 2) * (other.y() + 2));
+    f[row] += Vec3(0, Vec3(x[row]).y() > turns_above_ ? -push : push, 0);
+  }
+  inline static bool throws = false;
+
+ private:
+  double push_ = 0, turns_above_ = 1e9;
+};
+
+/// A point of a nanogram at a hardening spring, which comes to y = -2 by way of -10, and one of a ton, which goes 1 mm down.
+Simulation lightAndHeavy(const std::string& push) {
+  static const bool registered = (factory().add<PushedByOther>("TestPushedByOther", "test"), true);
+  EXPECT_TRUE(registered);
+  registerGroundSpring(factory());
+  return simulationFromText("<Node name=\"root\" dt=\"1\" gravity=\"0 -10 0\"><StaticSolver/><SparseLDLSolver/>"
+                            "<Node name=\"light\"><MechanicalObject name=\"dofs\" position=\"0 0 0\"/><UniformMass totalMass=\"1e-9\"/>"
+                            "<TestGroundSpring stiffness=\"1e-9\" cubic=\"1e-9\"/></Node>"
+                            "<Node name=\"heavy\"><MechanicalObject name=\"dofs\" position=\"5 0 0\"/><UniformMass totalMass=\"1e3\"/>"
+                            "<TestPushedByOther stiffness=\"1e7\" " +
+                            push + "/></Node></Node>");
+}
+
+TEST(LightBodies, LeaveTheOthersInBalance) {
+  Simulation simulation = lightAndHeavy("push_near=\"1\"");
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.newton_converged) << report.reason;
+  EXPECT_NEAR(simulation.states()[0]->x()[0].y(), -2, 1e-5);
+  EXPECT_NEAR(simulation.states()[1]->x()[0].y(), (1 - 1e4) / 1e7, 1e-10);
+  EXPECT_LT(report.newton_residual, 1e-8);
+}
+
+TEST(LightBodies, ThatLeaveTheOthersOutOfBalanceAreNoResult) {
+  Simulation simulation = lightAndHeavy("push_near=\"1\" turns_above=\"-0.00099995\"");
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.newton_converged);
+  expectContains(report.reason, "of all bodies after");
+}
+
+TEST(LightBodies, AreForgottenWhereAForceThrows) {
+  const std::string hardens = "cubic=\"3e10\"";  // the heavy body needs three iterations, of which the third is for less than 1e-6
+  Simulation simulation = lightAndHeavy(hardens), undisturbed = lightAndHeavy(hardens);
+  const StepReport expected = undisturbed.step();
+  EXPECT_TRUE(expected.newton_converged) << expected.reason;
+  PushedByOther::throws = true;
+  EXPECT_THROW(simulation.step(), std::runtime_error);
+  EXPECT_FALSE(PushedByOther::throws);
+  EXPECT_EQ(simulation.states()[1]->x()[0].y(), 0) << "the step is taken back";
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.newton_converged) << report.reason;
+  EXPECT_LT(report.newton_residual, 1e-8);
+  EXPECT_EQ(report.newton_iterations, expected.newton_iterations);
+  for (const std::size_t i : {0, 1}) EXPECT_EQ(simulation.states()[i]->x()[0].y(), undisturbed.states()[i]->x()[0].y());
+  EXPECT_NEAR(simulation.states()[0]->x()[0].y(), -2, 1e-5);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
