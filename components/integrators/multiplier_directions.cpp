@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Of the forces of constraint: the directions J^T along which they act (multipliers.h).
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <vector>
 
 #include "components/integrators/multipliers.h"
 #include "framework/mechanics/condition_roles.h"
+#include "framework/simulation/integrator.h"
 
 namespace stroma {
 
@@ -99,50 +106,97 @@ bool Multipliers::leavesDirections() {
   return keepsDirections() && times_left_++ < most;
 }
 
-/// Rows of constraints whose conditions may change, that hold or push.
-std::vector<std::size_t> Multipliers::heldByChanging() const {
-  std::vector<std::size_t> held;
+/// Rows that hold or push. Of constraints whose conditions may change the speeds are to end. Others keep the mean of the step, which is
+/// not zero of what is driven; pushes keep all.
+std::vector<Multipliers::Held> Multipliers::findHeld(ConstRows moves) const {
+  std::vector<Held> held;
   const auto& constraints = system_->actors().lagrangian_constraints;
   std::size_t row = 0;
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const bool changes = dynamic_cast<const ChangesConditions*>(constraints[i]) != nullptr;
     for (; row < ends_[i]; ++row) {
-      const auto kind = rows_.rows()[row].kind;
-      const bool pushes = kind == LagrangianRows::Kind::push && solve_.l[Eigen::Index(row)] > 0;
-      if (changes && (kind == LagrangianRows::Kind::equal || pushes)) held.push_back(row);
+      const LagrangianRows::Row& each = rows_.rows()[row];
+      const double l = solve_.l[Eigen::Index(row)];
+      const bool pushes = each.kind == LagrangianRows::Kind::push && l > 0 && !(each.factor > 0 && l >= each.factor);
+      if (!pushes && each.kind != LagrangianRows::Kind::equal) continue;
+      const double speed = along(row, moves), to_and_fro = pushes ? 0 : 0.5 * (speed - start_speeds_[row]);
+      held.push_back({row, pushes && !changes, changes ? speed : to_and_fro});
     }
   }
   return held;
 }
 
+double Multipliers::along(std::size_t row, ConstRows moves) const {
+  double sum = 0;
+  for (const auto& [at, gradient] : rows_.entriesOf(rows_.rows()[row])) sum += gradient.dot(moves[at]);
+  return sum;
+}
+
+/// A^-1 J^T of them, J of where the step starts and ends. False: a solve gave nothing.
+bool Multipliers::respondToTurn(const std::vector<Held>& held, LinearSolver& solver, SystemMatrix& matrix, StopToken stop,
+                                StepReport& report) {
+  constexpr double sharpest = -0.5;  // the cosine of 120 degrees
+  asked_.clear(), answers_.clear();
+  for (const Held& each : held) {
+    Vector& direction = directions_[each.row];
+    const Vector& before = start_directions_[each.row];
+    if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
+    pullBack(each.row, direction);
+    if (dot(direction, before) > sharpest * norm(direction) * norm(before)) axpy(1, before, direction), scale(0.5, direction);
+    ask(direction, responses_[each.row]);
+  }
+  return answerAsked(solver, matrix, stop, report);
+}
+
 bool Multipliers::turnVelocities(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   if (empty() || !has_changed_ || rule_.old_share == 0 || !rule_.has_velocities) return false;
-  constexpr double sharpest = -0.5;  // the cosine of 120 degrees
   findConditions();
-  const std::vector<std::size_t> held = heldByChanging();
-  const auto count = Eigen::Index(held.size());
+  assert(solve_.g.size() == solve_.l.size() && rows_.rows().size() == start_speeds_.size() && "rows are as many all through a step");
   const Rows v = system_->independent(system_->v);
+  const std::vector<Held> held = findHeld(system_->mappingChain().direction(v));
+  directions_.resize(std::max(directions_.size(), rows_.rows().size()));
+  responses_.resize(std::max(responses_.size(), rows_.rows().size()));
+  if (held.empty() || !respondToTurn(held, solver, matrix, stop, report)) return false;
+  const auto count = Eigen::Index(held.size());
   Eigen::MatrixXd w(count, count);
-  Eigen::VectorXd speeds(count);
-  const auto along = [&](std::size_t row, ConstRows direction) {
-    double sum = 0;
-    for (const auto& [at, gradient] : rows_.entriesOf(rows_.rows()[row])) sum += gradient.dot(direction[at]);
-    return sum;
-  };
   for (Eigen::Index i = 0; i < count; ++i) {
-    const std::size_t row = held[std::size_t(i)];
-    const Vector& before = start_directions_[row];
-    pullBack(row, right_side_);
-    if (dot(right_side_, before) > sharpest * norm(right_side_) * norm(before)) axpy(1, before, right_side_);
-    if (!answer(solver, matrix, responses_[row], stop, report)) return false;
-    const ConstRows response = system_->mappingChain().direction(responses_[row]);
-    for (Eigen::Index j = 0; j < count; ++j) w(j, i) = along(held[std::size_t(j)], response);
+    const ConstRows response = system_->mappingChain().direction(responses_[held[std::size_t(i)].row]);
+    for (Eigen::Index j = 0; j < count; ++j) w(j, i) = rule_.weight * along(held[std::size_t(j)].row, response);
   }
-  const ConstRows moves = system_->mappingChain().direction(v);
-  for (Eigen::Index i = 0; i < count; ++i) speeds[i] = along(held[std::size_t(i)], moves);
-  const Eigen::VectorXd impulses = w.completeOrthogonalDecomposition().solve(speeds);
-  for (Eigen::Index i = 0; i < count; ++i) axpy(-impulses[i], responses_[held[std::size_t(i)]], v);
-  return count > 0;
+  const Eigen::VectorXd forces = findTurn(w, held, stop, report);
+  report.stopped = report.stopped || stop.isStopAsked();
+  if (report.stopped) return false;
+  for (Eigen::Index i = 0; i < count; ++i) axpy(rule_.weight * forces[i], responses_[held[std::size_t(i)].row], v);
+  return true;
+}
+
+/// By what the forces of a step change to take the speeds. A push ends where it would have to pull, and lets go.
+Eigen::VectorXd Multipliers::findTurn(const Eigen::MatrixXd& w, const std::vector<Held>& held, StopToken stop, StepReport& report) const {
+  constexpr double little = 1e-6;  // of the largest speed
+  ConditionForces turn;
+  std::vector<LagrangianRows::Row> rows;
+  Eigen::VectorXd speeds(w.rows()), before = Eigen::VectorXd::Zero(w.rows());
+  for (const Held& each : held) {
+    const auto at = Eigen::Index(rows.size());
+    LagrangianRows::Row row = rows_.rows()[each.row];
+    row.kind = each.pushes ? LagrangianRows::Kind::push : LagrangianRows::Kind::equal;
+    if (each.pushes) before[at] = solve_.l[Eigen::Index(each.row)];
+    speeds[at] = each.speed;
+    rows.push_back(row), turn.sizes.push_back(solve_.sizes[each.row]);
+  }
+  turn.w = w, turn.l = before, turn.g = speeds - w * before;
+  turn.solve(rows, stop);
+  const Eigen::VectorXd change = turn.l - before, left = speeds + w * change;
+  double worst = change.allFinite() ? 0 : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (const double off = left[Eigen::Index(i)], size = turn.sizes[i]; size > 0)
+      worst = std::max(worst, (held[i].pushes ? std::max(-off, 0.0) : std::abs(off)) / size);
+  if (worst > little * largest(system_->independent(system_->v)) && report.constraints_converged) {
+    report.constraints_converged = false;
+    report.constraint_reason = fmt::format("{} finds no speeds after a corner that all Lagrangian constraints allow: one is off by {:.3g} "
+                                           "m/s. A smaller dt helps", system_->integrator().path(), worst);
+  }
+  return std::isfinite(worst) ? change : Eigen::VectorXd::Zero(w.rows());
 }
 
 }  // namespace stroma

@@ -47,12 +47,17 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
   knows_forces_ = has_changed_ = false, bend_count_ = 0, times_left_ = 0;
-  spent_ = 0;
+  spent_ = 0, redundant_.forget();
   copy(last_, carried_);
   scale(rule.weight, carried_);
   copy(system_->mappingChain().positions(system_->x), start_);
   if (rule.old_share == 0) return;
   findConditions();
+  if (rule.has_velocities) {
+    const ConstRows moves = system_->mappingChain().direction(system_->independent(system_->v));
+    start_speeds_.resize(rows_.rows().size());
+    for (std::size_t i = 0; i < start_speeds_.size(); ++i) start_speeds_[i] = along(i, moves);
+  }
   start_directions_.resize(std::max(start_directions_.size(), rows_.rows().size()));
   for (std::size_t i = 0; i < rows_.rows().size(); ++i) {
     Vector& direction = start_directions_[i];

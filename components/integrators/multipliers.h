@@ -15,8 +15,10 @@
 // A rule that weighs forces where the step starts with the share s (the trapezoidal one: 1/2) has J = (1 - s) J(x) + s J(x0)
 // in J^T p, with one l for the step: a force that is given acts with its whole weight. Where a point has passed a corner, J(x0) and J(x)
 // differ, and v would keep a part across the new piece, to and fro for ever, of which the next corner makes energy. Then v becomes
-//   v - A^-1 J^T (J(x) A^-1 J^T)^-1 J(x) v
-// which keeps the speed of a point on wires that stand. Where directions turn by more than 120 degrees J is J(x), and a part is lost.
+//   v - A^-1 J^T (J(x) A^-1 J^T)^-1 s
+// s = J(x) v of the point on its wire. Of others that hold s is half of what J v has changed by in the step, because what is tied to
+// the point takes its part of the impulse. What pushes has s = 0 and may let go. This keeps the speed of a point on wires that stand,
+// free or with others tied to it. Where directions turn by more than 120 degrees J is J(x), and a part is lost.
 //
 // Newton's method needs more than one such correction, because A is the matrix of one place (implicit_conditions.cpp). It
 // carries the impulses J^T p found so far as a load, and each correction starts from there. Forces then keep the directions
@@ -105,7 +107,16 @@ class Multipliers {
   bool couplesByDirections() const { return !yields_.empty() && (carries_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
   bool changeConditions();
-  std::vector<std::size_t> heldByChanging() const;
+  /// A row that turnVelocities() looks at, and the speed that it takes.
+  struct Held {
+    std::size_t row;
+    bool pushes;
+    double speed;
+  };
+  std::vector<Held> findHeld(ConstRows moves) const;
+  double along(std::size_t row, ConstRows moves) const;
+  bool respondToTurn(const std::vector<Held>& held, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  Eigen::VectorXd findTurn(const Eigen::MatrixXd& w, const std::vector<Held>& held, StopToken stop, StepReport& report) const;
   bool prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   bool areFewAndSmooth() const;
   void pullBack(std::size_t row, Rows out) { pullBack(rows_.entriesOf(rows_.rows()[row]), out); }
@@ -175,6 +186,7 @@ class Multipliers {
   std::vector<double> own_;                ///< of each row: its diagonal of W
   std::vector<double> allowed_;            ///< by how much each row may be off; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
+  std::vector<double> start_speeds_;       ///< J(x0) v0 of each row, where that is so and there are velocities
   struct Bend {
     double size;    ///< S
     Vector b, y;    ///< columns of B and Y

@@ -36,7 +36,7 @@ double Multipliers::leastTolerance(bool kept) {
 /// Bodies still move and turn by so little [m, rad] that what sweeps have left of a tolerated error does it.
 bool Multipliers::isNoise(double step) {
   constexpr double most = 30;  // a small body turns by its error over its arms
-  return redundant_.areSwept() && step <= most * leastTolerance(false);
+  return !yields_.empty() && redundant_.areSwept() && step <= most * leastTolerance(false);
 }
 
 /// True, and the step has failed: its budget is spent.

@@ -54,6 +54,8 @@ class RedundantForces {
   bool areSwept() const { return is_swept_; }
   /// They are those that the last find() began from.
   bool haveStood() const { return has_stood_; }
+  /// A step begins, where neither is true before a find().
+  void forget() { is_swept_ = has_stood_ = false; }
   double spent = 0;            ///< on the last find(): rows times columns^2 of each step
   long steps = 0, rounds = 0, sweeps = 0;  ///< of all find(): Newton steps, rounds of the interior-point method, sweeps
 

@@ -11,7 +11,8 @@
 // at the end, does not hold it from there: F . w < 0. Else the corner is a valley of what pulls the point, and it stays. This goes
 // down the way, over many pieces at once, until it rests: for a linear body it is the nearest minimum of the step's energy on the
 // curve. Pieces of no length are stepped over. Over a corner the part of the momentum along the next piece is kept, by rules that
-// damp; by TrapezoidalRuleSolver the speed is, up to 120 degrees (integrators/multipliers.h).
+// damp; by TrapezoidalRuleSolver the speed of a free point is, and of what is tied to it at its place, up to 120 degrees
+// (integrators/multipliers.h).
 // A curve whose last point is its first goes round.
 //
 // Source: the names and attributes are SOFA's, but for `curve`.

@@ -291,5 +291,57 @@ TEST(Sliding, CornersKeepEnergyByTheTrapezoidalRule) {
     }
 }
 
+/// What is tied to it goes over them with it: both have one velocity, and the energy of both stays.
+TEST(Sliding, CornersTearNoTieByTheTrapezoidalRule) {
+  const std::vector<Vec3> wire{{0, 0, 0}, {1, -1, 0}, {2, -1, 0}, {3, -0.2, 0}, {4, 1, 0}};
+  for (const char* integrator : {"<TrapezoidalRuleSolver/>", "<TrapezoidalRuleSolver newtonIterations=\"20\"/>"})
+    for (const double dt : {0.001, 0.002}) {
+      SCOPED_TRACE(fmt::format("{} {}", integrator, dt));
+      std::string text = beadOn(wire, {0.2, -0.2, 0}) + "<BilateralLagrangianConstraint first_point=\"5\" second_point=\"6\"/>";
+      text.insert(text.find("\"/>"), "0.2 -0.2 0");
+      Simulation simulation = simulationFromText(sceneOf(text, dt, "0 -10 0", integrator));
+      for (int i = 0; i < int(4 / dt); ++i) {
+        run(simulation, 1);
+        if (HasFatalFailure()) return;
+        const Vec3 v = simulation.states()[0]->v()[5], tied = simulation.states()[0]->v()[6];
+        ASSERT_LT((v - tied).norm(), 1e-9) << "step " << i;
+        ASSERT_NEAR(v.squaredNorm() + 20 * at(simulation, 5).y(), -4, 80 * dt) << "step " << i;
+      }
+    }
+}
+
+/// A point on a rod swings on below it: both gain no energy, and the rod keeps its length in speed too.
+TEST(Sliding, CornersGiveARodNoEnergyByTheTrapezoidalRule) {
+  const std::vector<Vec3> wire{{0, 0, 0}, {1, -1, 0}, {2, -1, 0}, {3, -0.2, 0}, {4, 1, 0}};
+  for (const double dt : {0.001, 0.002}) {
+    SCOPED_TRACE(dt);
+    std::string text = beadOn(wire, {0.2, -0.2, 0}) + "<DistanceLagrangianConstraint first_point=\"5\" second_point=\"6\"/>";
+    text.insert(text.find("\"/>"), "0.2 -0.5 0");
+    Simulation simulation = simulationFromText(sceneOf(text, dt, "0 -10 0", "<TrapezoidalRuleSolver/>"));
+    for (int i = 0; i < int(4 / dt); ++i) {
+      run(simulation, 1);
+      if (HasFatalFailure()) return;
+      const Vec3 v = simulation.states()[0]->v()[5], hangs = simulation.states()[0]->v()[6];
+      ASSERT_LT(std::abs((at(simulation, 6) - at(simulation, 5)).normalized().dot(hangs - v)), 20 * dt) << "step " << i;
+      ASSERT_LT((v.squaredNorm() + hangs.squaredNorm()) / 2 + 10 * (at(simulation, 5).y() + at(simulation, 6).y()), -7 + 80 * dt);
+    }
+  }
+}
+
+/// A cable that is pulled in beside it goes on as fast as it is driven.
+TEST(Sliding, CornersStopNothingThatIsDriven) {
+  const std::vector<Vec3> wire{{0, 0, 0}, {1, -1, 0}, {2, -1, 0}, {3, -0.2, 0}, {4, 1, 0}};
+  std::string text = beadOn(wire, {0.2, -0.2, 0}) + "<CableConstraint indices=\"6\" pullPoint=\"9 9 0\" valueType=\"displacement\" "
+                                                    "value=\"5\" maxDispVariation=\"0.001\"/>";
+  text.insert(text.find("\"/>"), "9 0 0\" velocity=\"0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 1 0");
+  Simulation simulation = simulationFromText(sceneOf(text, 0.001, "0 -10 0", "<TrapezoidalRuleSolver/>"));
+  for (int i = 0; i < 2000; ++i) {
+    run(simulation, 1);
+    if (HasFatalFailure()) return;
+    ASSERT_NEAR(simulation.states()[0]->v()[6].y(), 1, 1e-6) << "step " << i;
+  }
+  EXPECT_GT(at(simulation, 5).x(), 1) << "it has passed corners";
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
