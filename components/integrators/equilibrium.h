@@ -5,6 +5,7 @@
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/lent_energy.h"
+#include "components/integrators/light_bodies.h"
 #include "components/integrators/newton.h"
 #include "components/integrators/whole_matrix.h"
 #include "framework/simulation/step_limits.h"
@@ -32,7 +33,7 @@ class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
-    limits_.compile(system), whole_.compile(system), measure_.compile(system.motion());
+    limits_.compile(system), whole_.compile(system), measure_.compile(system.motion()), bodies_.compile(system);
     lends_energy_ = !system.isConservative();
     start_.resize(system.independentRows());
     loads_.resize(system.allRows());
@@ -52,7 +53,9 @@ class Equilibrium final : public NonlinearProblem {
     copy(system_->independent(system_->f), out);
     leaveOut(out);
     system_->constraints().project(out);
+    bodies_.narrow(out);
   }
+  LightBodies* lightBodies() override { return &bodies_; }
   /// out -= (1 - s) f0
   void leaveOut(Rows out) const {
     if (share_ < 1) axpy(share_ - 1, start_force_, out);
@@ -133,6 +136,7 @@ class Equilibrium final : public NonlinearProblem {
   StepLimits limits_;
   WholeIfNeeded whole_;
   ForceMeasure measure_;
+  LightBodies bodies_;
   bool lends_energy_ = false;  ///< some forces have a potential within a solve only
   Vector start_, loads_;
   Vector start_force_, error_, product_;  ///< see provided()

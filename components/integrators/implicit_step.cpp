@@ -315,6 +315,7 @@ void ImplicitStep::residual(Rows out) {
     out[row] += start_momenta_[b] + momentum_predictor[b] - bodies_.times(b, x(), start);
   }
   s.constraints().project(out);
+  light_.narrow(out);
 }
 
 /// The incremental potential, whose gradient is -R:

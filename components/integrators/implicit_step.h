@@ -7,6 +7,7 @@
 #include "components/integrators/conditions_newton.h"
 #include "components/integrators/energy_watch.h"
 #include "components/integrators/exact_tangent.h"
+#include "components/integrators/light_bodies.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/orientations.h"
 #include "components/integrators/turning_bodies.h"
@@ -121,6 +122,8 @@ class ImplicitStep final : public NonlinearProblem {
   void unknownsChanged() override { place({0, x().count}); }
   void addTo(Rows u, double s, ConstRows d) const override { addTo(u, s, d, {0, d.count}); }
   double residualOfParts(ConstRows residual) const override;
+  LightBodies* lightBodies() override { return &light_; }
+  double weightOfForces() const override { return scheme_.weight; }
   double longestStep(ConstRows d) override;
   bool meetsBarriers() const override { return !limits_.empty(); }
   bool meetsWalls() const override { return meets_walls_; }
@@ -199,6 +202,7 @@ class ImplicitStep final : public NonlinearProblem {
   StepLimits limits_;
   WholeIfNeeded whole_;
   ForceMeasure measure_;
+  LightBodies light_;
   Multipliers multipliers_;
   Multipliers::Rule rule_;  ///< of the step
   ConditionsNewton conditions_;  ///< with Newton's method and forces of constraint

@@ -136,7 +136,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   right_side_.resize(system.allRows());
   for (Vector* vector : {&change_, &constant_, &work_, &position_predictor, &velocity_predictor})
     vector->resize(system.independentRows());
-  multipliers_.compile(system), whole_.compile(system), measure_.compile(system.motion());
+  multipliers_.compile(system), whole_.compile(system), measure_.compile(system.motion()), light_.compile(system);
   right_sides_.clear();
   for (const ProjectiveConstraint* constraint : system.constraints().all())
     if (const auto* side = dynamic_cast<const ProjectsRightSide*>(constraint); side && side->leavesMatrix()) {

@@ -4,6 +4,7 @@
 
 #include "components/integrators/multipliers.h"
 #include "components/integrators/uncoupled_constraint_correction.h"
+#include "components/integrators/whole_matrix.h"
 #include "framework/scene/node.h"
 #include "framework/simulation/integrator.h"
 

@@ -9,6 +9,7 @@
 #include "components/integrators/constraint_sweeps.h"
 #include "components/integrators/multipliers.h"
 #include "framework/scene/node.h"
+#include "framework/simulation/integrator.h"
 
 namespace stroma {
 

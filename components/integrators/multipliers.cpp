@@ -331,11 +331,10 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   changes_left_ = most_changes, mixing_.restart();
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
-  int least_round = 0;
   double size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
   // what forces of constraint take back of the free motion leaves its last digits, also where a body stands at the origin
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * size;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0, least_round = 0; round < most_rounds; ++round) {
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     findConditions();

@@ -106,6 +106,7 @@ double Newton::iterationsLeft() const {
 /// Where round-off is not little, `report.reason` becomes the clause that says so.
 bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& report) {
   report.reason.clear();
+  if (in_focus_) return false;
   const double attainable = problem.roundOff().residual;
   if (!(now <= 3 * attainable)) return false;
   report.newton_residual = now / scale_;
@@ -179,14 +180,14 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopTo
     if (!is_free && !problem.guess(direction_)) clear(direction_);
     if (!is_free) problem.goAlong(direction_);
   }
-  StepReport report = solveFixed(problem, solver);
+  StepReport report = solveAll(problem, solver);
   while (report.newton_converged && !report.failed() && problem.movesOn()) {
     const bool has_way = problem.hasWay();
     if (has_way) goAlong(problem, solver, report);
     if (report.stopped) return report;
     keeps_scale_ = enough_ > 0 && !has_way;  // what was solved roughly is solved on
     const StepReport before = report;
-    report = solveFixed(problem, solver);
+    report = solveAll(problem, solver);
     addCounts(before, report);
   }
   return report;
@@ -222,14 +223,14 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
     history_.clear();
     parts_ = std::numeric_limits<double>::infinity();
     best_norm_ = std::numeric_limits<double>::infinity();
-    if (!std::exchange(keeps_scale_, false)) scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
-    goToGuess(problem, now);
+    if (!std::exchange(keeps_scale_, false)) takeScale(problem, now);
+    if (!in_focus_) goToGuess(problem, now);
   }
   for (;;) {
     const int done = int(history_.size());
     history_.push_back(now);
     // what rests on something has next to no net force where the solve starts
-    if (done == 2 && !converged(now) && !stop_.isStopAsked()) scale_ = std::max(scale_, problem.loads());
+    if (done == 2 && !in_focus_ && !converged(now) && !stop_.isStopAsked()) scale_ = std::max(scale_, problem.loads());
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
     tellNewtonIterate(done, report.newton_residual, goal());
     if (!std::isfinite(now)) {

@@ -19,6 +19,7 @@ struct RoundOff {
 };
 
 /// Equations R(u) = 0 seen from a current iterate u, which the problem holds. Where there is an energy, R = -grad E.
+class LightBodies;
 class NonlinearProblem {
  public:
   virtual ~NonlinearProblem() = default;
@@ -61,6 +62,8 @@ class NonlinearProblem {
   /// The largest residual of parts that have a scale of their own, relative to that. A solve whose |R| is small goes on while this
   /// is not and halves.
   virtual double residualOfParts(ConstRows /*residual*/) const { return 0; }
+  virtual LightBodies* lightBodies() { return nullptr; }    ///< null: it makes no difference between them
+  virtual double weightOfForces() const { return 1; }  ///< R is that times forces
   virtual void unknownsChanged() = 0;                 ///< called after u was written
   virtual double displacementPerUnknown() const = 0;  ///< dx/du: 1, or seconds when u is a velocity
   virtual ConstRows positions() const = 0;            ///< x(u) [m]
@@ -146,6 +149,8 @@ class Newton {
 
  private:
   StepReport solveFixed(NonlinearProblem& problem, LinearSolver& solver);
+  StepReport solveAll(NonlinearProblem& problem, LinearSolver& solver);
+  void takeScale(NonlinearProblem& problem, double norm);
   void goAlong(NonlinearProblem& problem, LinearSolver& solver, StepReport& report);
   bool converged(double norm) const;
   bool isForParts(const NonlinearProblem& problem, double norm);
@@ -185,6 +190,7 @@ class Newton {
   double parts_ = 0;      ///< residualOfParts() at the last iteration that was made for these; infinity: none was
   bool was_slow_ = false, went_on_ = false;  ///< went on: with another tangent, whose first direction is to be found
   bool keeps_scale_ = false;  ///< see keepScale()
+  bool in_focus_ = false;     ///< one of the problem's bodies is solved for
   bool is_unsure_ = false;    ///< the direction is of a tangent that may have unstable directions that it need not have
 };
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <vector>
+
+#include "framework/algebra/linear_solver.h"
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+/// Bodies whose balance the |R| of all does not see, beside others that are decades heavier: a tissue of a gram in a frame of steel.
+/// Newton's method ends by |R|, and so after one linear solve for them. A state is a body here, R_b its rows. It is out of balance where
+///
+///   |R_b| > max(1e-2, 1000 tolerance) S_b   and   max |D^-1 R_b| > 1e-9 max |x_b|
+///
+/// with S_b the largest of |R_b| and |f_b| where the solve starts and of the loads on it, D the diagonal blocks of the tangent: what is
+/// less is round-off. Then it is solved on by itself: the residual is that of its rows alone, and the line search goes by the work,
+/// because the energy of all has no digits for it.
+class LightBodies {
+ public:
+  void compile(System& system);
+  /// A solve starts with R, which has the unit of `weight` times forces, and with the forces of System::f.
+  void begin(ConstRows residual, double weight);
+  /// The residual is that of one body from now on, the one most out of balance that has not been looked at since begin(). False: there
+  /// is none.
+  bool focus(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement);
+  void end() { in_focus_ = nullptr; }
+  /// The rows of all others become zero, in focus.
+  void narrow(Rows residual) const;
+  double scale() const { return in_focus_->scale; }               ///< S_b
+  const State& body() const { return *in_focus_->state; }
+
+ private:
+  struct Body {
+    const State* state;
+    Index first, count;
+    double scale = 0;
+    bool is_done = false;
+  };
+  System* system_ = nullptr;
+  std::vector<Body> bodies_;  ///< empty where there is one
+  Body* in_focus_ = nullptr;
+  Vector loads_;
+};
+
+}  // namespace stroma
