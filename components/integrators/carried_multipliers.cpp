@@ -55,14 +55,17 @@ void Multipliers::carryShare(double share, Rows out) {
 }
 
 void Multipliers::stepTaken() {
-  if (empty() || !carries_) return;
+  if (empty()) return;
+  swept_ = sweeping_;
+  if (!carries_) return;
   copy(carried_, last_);
   scale(1 / rule_.weight, last_);
 }
 
 void Multipliers::reset() {
   if (!empty()) clear(last_);
-  swept_.resize(0);
+  swept_.resize(0), sweeping_.resize(0);
+  not_swept_.clear();
 }
 
 void Multipliers::serialize(Archive& archive) {

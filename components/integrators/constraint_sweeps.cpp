@@ -5,16 +5,18 @@
 //
 // with the conditions g of the motion without forces and W of multipliers.h, s = regularizationTerm on the diagonal. A block is the
 // three rows of a pair of points or of a fixed one, and else a row. A sweep is the last where sum |W_bb dl_b| < tolerance, times the
-// number of rows with scaleTolerance; or with allVerified where no row moved by more than the tolerance; or the maxIterations-th. With
-// `sor` forces go that share of a sweep. Those of points begin where they ended in the step before, and others at zero, as those of
-// pairs of frames. How frames are turned to each other has a tolerance of its own: its movement counts as much as tolerance /
+// number of rows with scaleTolerance; or with allVerified where no row moved by more than the tolerance; or the maxIterations-th.
+// The run then ends there, as with any condition that does not hold. With keepsUnsettled it goes on and tells of it. With
+// `sor`, below 2, forces go that share of a sweep. Those of points begin where they ended in the step before, and others at zero,
+// as those of pairs of frames. How frames are turned to each other has a tolerance of its own: its movement counts as much as tolerance /
 // turnTolerance of others'.
 // resolutionMethod = UnbuiltGaussSeidel: all begin at zero. NonsmoothNonlinearConjugateGradient: a sweep is a step of steepest
 // descent, and directions are those of Fletcher and Reeves, begun again where changes grow.
 //
 // Without this component conditions hold to round-off, which is right. With the usual tolerance a chain of tied bodies is off by some
 // thousandths of its movement. It counts where an integrator has oneRound and all conditions are equal ones, as those of
-// BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers.
+// BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers. A step that has other
+// conditions makes no sweeps: all hold to round-off, and the integrator says so. A scene has one.
 //
 // Source: SOFA's GenericConstraintSolver. Silcowitz, Niebe, Erleben: A nonsmooth nonlinear conjugate gradient method for interactive
 // contact force problems (2010).

@@ -2,8 +2,10 @@
 // Forces of constraint by sweeps that end at a tolerance; constraint_sweeps.cpp.
 #pragma once
 #include <Eigen/Dense>
+#include <string>
 #include <vector>
 
+#include "framework/algebra/stop.h"
 #include "framework/scene/component.h"
 
 namespace stroma {
@@ -18,8 +20,12 @@ class ConstraintSweeps final : public Component {
     int width = 1;
     bool turns = false;  ///< how two frames are turned to each other
   };
-  /// l of g + W l = 0, from where l is. `impulse`: of a unit of l [s]. Gives how many sweeps.
-  int solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<Block>& blocks, double impulse, Eigen::VectorXd& l);
+  /// l of g + W l = 0, from where l is. `impulse`: of a unit of l [s]. Gives how many sweeps. One that is stopped ends early.
+  int solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<Block>& blocks, double impulse, StopToken stop,
+            Eigen::VectorXd& l);
+  /// What is to be said of the last solve(), which has not come to its tolerance; else empty.
+  const std::string& unsettled() const { return unsettled_; }
+  bool keepsUnsettled() const { return keeps_unsettled_; }
   /// Says of all in the scene of `asker` that they do not count, and why.
   static void tellIdle(const Component& asker, const std::string& why);
 
@@ -29,13 +35,17 @@ class ConstraintSweeps final : public Component {
     bool verified = true;   ///< no row by more than the tolerance
   };
   Sweep sweep(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, Eigen::VectorXd& l);
-  bool isOver(const Sweep& sweep, double tolerance) const { return all_verified_ ? sweep.verified : sweep.error < tolerance; }
-  int searchByGradients(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, Eigen::VectorXd& l);
+  bool isOver(const Sweep& sweep, double tolerance);
+  int search(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, StopToken stop, Eigen::VectorXd& l);
+  int searchByGradients(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, StopToken stop, Eigen::VectorXd& l);
 
   enum class Method : int { built, unbuilt, gradients } method_ = Method::built;
   int most_ = 1000;
   double tolerance_ = 1e-3, turn_tolerance_ = 1e-4, relaxation_ = 1, softness_ = 0;
-  bool scales_ = true, all_verified_ = false;
+  bool scales_ = true, all_verified_ = false, keeps_unsettled_ = false;
+  bool is_over_ = false;  ///< by the tolerance
+  double last_error_ = 0;  ///< of the last sweep
+  std::string unsettled_;
   Eigen::MatrixXd w_;  ///< with the softness
   Eigen::VectorXd old_, off_, change_, last_change_, way_;
 };

@@ -179,7 +179,7 @@ std::string ImplicitStep::doubtOfOneSolve(const std::string& path) const {
 
 std::string ImplicitStep::doubt(const std::string& path) const {
   const double gained = energy_.gained();
-  if (gained == 0) return doubtOfOneSolve(path);
+  if (gained == 0) return multipliers_.doubt().empty() ? doubtOfOneSolve(path) : multipliers_.doubt();
   return fmt::format("{} has gained {:.3g} J with no work done on it: newtonIterations=\"1\" makes its rule one {}, which "
                      "gains energy until the run explodes, because {}. newtonIterations=\"{}\", or 0, makes the solves that it needs",
                      path, gained, keeps_order_ ? "without bounds at large steps" : "of first order", approximation_, enough_solves_);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "components/integrators/constraint_sweeps.h"
 #include "components/integrators/multipliers.h"
@@ -18,8 +19,10 @@ void ConstraintSweeps::declare(DataTable& table) {
   table.add("turnTolerance", turn_tolerance_).help("of how two frames are turned to each other; 0: as of the rest").unit("rad").min(0);
   table.add("scaleTolerance", scales_).help("the tolerance is times the number of conditions");
   table.add("allVerified", all_verified_).help("no condition may move by more than the tolerance, in the place of their sum");
-  table.add("sor", relaxation_).help("share of a sweep that forces go").unit("-").min(0, false);
+  table.add("sor", relaxation_).help("share of a sweep that forces go").unit("-").min(0, false).max(2, false);
   table.add("regularizationTerm", softness_).help("by which conditions yield to impulses").unit("m/(N s)").min(0);
+  table.add("keepsUnsettled", keeps_unsettled_)
+      .help("forces that have not come to the tolerance in maxIterations sweeps count, as in SOFA, and the run goes on and tells of it");
   table.addChoice("resolutionMethod", method_,
                   {"ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient"})
       .help("sweeps that go on from the step before, that begin at zero, or as steps of conjugate gradients");
@@ -30,6 +33,12 @@ void ConstraintSweeps::tellIdle(const Component& asker, const std::string& why) 
   asker.node().root().collect(all);
   for (const ConstraintSweeps* each : all)
     each->warn(fmt::format("has no effect: {}", why), "EulerImplicitSolver with newtonIterations=\"1\" and oneRound");
+}
+
+bool ConstraintSweeps::isOver(const Sweep& sweep, double tolerance) {
+  last_error_ = sweep.error;
+  is_over_ = sweep.error == 0 || (all_verified_ ? sweep.verified : sweep.error < tolerance);
+  return is_over_;
 }
 
 ConstraintSweeps::Sweep ConstraintSweeps::sweep(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance,
@@ -57,15 +66,19 @@ ConstraintSweeps::Sweep ConstraintSweeps::sweep(const Eigen::VectorXd& g, const 
   return done;
 }
 
-int ConstraintSweeps::searchByGradients(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, Eigen::VectorXd& l) {
+int ConstraintSweeps::searchByGradients(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, StopToken stop,
+                                        Eigen::VectorXd& l) {
   old_ = l;
-  sweep(g, blocks, tolerance, l);
+  isOver(sweep(g, blocks, tolerance, l), tolerance);
   last_change_ = old_ - l;
   way_ = -last_change_;
+  if (last_change_.isZero(0)) return 1;
   for (int i = 1; i < most_; ++i) {
+    if (stop.isStopAsked()) return i;
     old_ = l;
     if (isOver(sweep(g, blocks, tolerance, l), tolerance)) return i + 1;
     change_ = old_ - l;
+    if (change_.isZero(0)) return is_over_ = true, i + 1;
     const double grown = change_.squaredNorm() / last_change_.squaredNorm();
     last_change_ = change_;
     if (grown > 1) {
@@ -79,12 +92,28 @@ int ConstraintSweeps::searchByGradients(const Eigen::VectorXd& g, const std::vec
 }
 
 int ConstraintSweeps::solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<Block>& blocks, double impulse,
-                            Eigen::VectorXd& l) {
+                            StopToken stop, Eigen::VectorXd& l) {
   const double tolerance = tolerance_ * (scales_ && !all_verified_ ? double(g.size()) : 1.0);
   w_ = w;
   w_.diagonal().array() += softness_ * impulse;
-  if (method_ == Method::gradients) return searchByGradients(g, blocks, tolerance, l);
+  is_over_ = false;
+  const int sweeps = method_ == Method::gradients ? searchByGradients(g, blocks, tolerance, stop, l)
+                                                  : search(g, blocks, tolerance, stop, l);
+  unsettled_.clear();
+  if (stop.isStopAsked()) return sweeps;
+  // where the round-off of sums is more than the tolerance, nothing comes nearer
+  const double round_off = 4 * std::numeric_limits<double>::epsilon() * (g.lpNorm<1>() + (w_.cwiseAbs() * l.cwiseAbs()).sum());
+  if (!is_over_ && !(last_error_ <= round_off))
+    unsettled_ = fmt::format("{} has made {} sweeps, the last of which still moved conditions by {:.3g} m in sum: the forces of Lagrangian "
+                             "constraints are not found to its tolerance of {:.3g} m. maxIterations lets it go on",
+                             path(), sweeps, last_error_, tolerance);
+  return sweeps;
+}
+
+int ConstraintSweeps::search(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, StopToken stop,
+                             Eigen::VectorXd& l) {
   for (int i = 1; i <= most_; ++i) {
+    if (stop.isStopAsked()) return i - 1;
     if (relaxation_ != 1) old_ = l;
     const Sweep done = sweep(g, blocks, tolerance, l);
     if (relaxation_ != 1) l = relaxation_ * l + (1 - relaxation_) * old_;
@@ -96,6 +125,8 @@ int ConstraintSweeps::solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, 
 ConstraintSweeps* Multipliers::findSweeps() const {
   std::vector<ConstraintSweeps*> found;
   system_->integrator().node().root().collect(found);
+  for (std::size_t i = 1; i < found.size(); ++i)
+    found[i]->warn(fmt::format("has no effect: {} stands before it", found.front()->path()), "one ConstraintSweeps in a scene");
   return found.empty() ? nullptr : found.front();
 }
 
@@ -129,21 +160,33 @@ bool Multipliers::isTurn(Index row) const {
 }
 
 /// False: they are not found by sweeps.
-bool Multipliers::sweepForces() {
-  const auto is_equal = [](const LagrangianRows::Row& row) { return row.kind == LagrangianRows::Kind::equal; };
-  if (!sweeps_ || !isOnce() || !std::ranges::all_of(rows_.rows(), is_equal)) return false;
-  blocks_.clear();
-  swept_.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
-  if (sweeps_->startsFromZero()) swept_.setZero();
+bool Multipliers::sweepForces(StopToken stop) {
+  if (!sweeps_ || !isOnce()) return false;
+  const auto other = std::ranges::find_if(rows_.rows(), [](const auto& row) { return row.kind != LagrangianRows::Kind::equal; });
+  if (other != rows_.rows().end()) {
+    if (not_swept_.empty()) not_swept_ = nameOf(std::size_t(other - rows_.rows().begin()));
+    return false;
+  }
+  is_swept_ = true, blocks_.clear();
+  sweeping_.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
+  if (sweeps_->startsFromZero()) sweeping_.setZero();
   for (std::size_t row = 0; row < rows_.rows().size(); row += std::size_t(blocks_.back().width)) {
     const auto entries = rows_.entriesOf(rows_.rows()[row]);
     const bool is_point = holdsPoint(row), is_pair_of_frames = is_point && entries.size() == 2 && isOfFrame(entries[0].row);
     blocks_.push_back({is_point ? 3 : 1, is_pair_of_frames && isTurn(entries[0].row)});
-    if (!is_point || is_pair_of_frames) swept_.segment(Eigen::Index(row), blocks_.back().width).setZero();
+    if (!is_point || is_pair_of_frames) sweeping_.segment(Eigen::Index(row), blocks_.back().width).setZero();
   }
-  solve_.rounds += sweeps_->solve(solve_.w, solve_.g, blocks_, rule_.weight, swept_);
-  solve_.l = swept_;
+  solve_.rounds += sweeps_->solve(solve_.w, solve_.g, blocks_, rule_.weight, stop, sweeping_);
+  solve_.l = sweeping_;
   return true;
+}
+
+/// Other forces than those that the scene asks for have been found.
+std::string Multipliers::doubt() const {
+  if (not_swept_.empty()) return {};
+  return fmt::format("{} had no effect in some steps: the conditions of {} are not all equal ones. All held to round-off there, which is "
+                     "right, without its tolerance",
+                     sweeps_->path(), not_swept_);
 }
 
 }  // namespace stroma

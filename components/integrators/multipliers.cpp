@@ -47,7 +47,8 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
   knows_forces_ = has_changed_ = false, bend_count_ = 0, times_left_ = 0;
-  spent_ = 0, redundant_.forget();
+  redundant_.forget();
+  spent_ = 0, is_swept_ = false, sweeping_ = swept_;
   copy(last_, carried_);
   scale(rule.weight, carried_);
   copy(system_->mappingChain().positions(system_->x), start_);
@@ -221,7 +222,7 @@ void Multipliers::expectForces() {
 }
 
 void Multipliers::findForces(StopToken stop) {
-  if (sweepForces()) return;
+  if (sweepForces(stop)) return;
   constexpr double of_thousand_rows = 1e9;
   solve_.enough = 0;
   const double budget = budget_ * of_thousand_rows;

@@ -93,6 +93,7 @@ class Multipliers {
   // ---- what an integrator that carries passes on ----
   ConstRows lastForces() const { return last_; }  ///< J^T l of the step before [N]
   void setLastForces(ConstRows forces) { copy(forces, last_); }
+  std::string doubt() const;
   void stepTaken();
   void reset();
   void serialize(Archive& archive);
@@ -153,7 +154,7 @@ class Multipliers {
   const State* stateOf(Index row) const;
   bool isOfFrame(Index row) const;
   bool isTurn(Index row) const;
-  bool sweepForces();
+  bool sweepForces(StopToken stop);
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
   bool isNoise(double step);
   bool isSpent(StepReport& report);
@@ -204,7 +205,9 @@ class Multipliers {
   Vector pushes_;                                          ///< right_side_ with what these take of it
   ConstraintSweeps* sweeps_ = nullptr;
   std::vector<ConstraintSweeps::Block> blocks_;
-  Eigen::VectorXd swept_;    ///< forces of the last step [N], where sweeps go on
+  Eigen::VectorXd swept_, sweeping_;  ///< forces of the last step [N], where sweeps go on, and of the present one
+  bool is_swept_ = false;             ///< so are forces of the present one
+  std::string not_swept_;             ///< a constraint that has kept sweeps from being made
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried
   Vector whole_, before_;  ///< what they change u by, now and a round ago

@@ -66,7 +66,12 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
                                            system_->integrator().path());
     return;
   }
-  if (isOnce()) return;
+  if (isOnce()) {
+    if (!is_swept_ || sweeps_->unsettled().empty()) return;
+    report.constraints_converged = sweeps_->keepsUnsettled();
+    report.constraint_reason = sweeps_->unsettled();
+    return;
+  }
   constexpr double still = 1e-6;  // of the place: what directions of forces still turn bodies by
   const double held = held_within * size + rounding + 1e-300;
   ConditionForces::Violation worst;

@@ -263,12 +263,13 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.
 bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
   ++report.newton_iterations;
-  if (!findDirection(problem, solver, forcingTerm(now), report)) return isLeftAsItWas(now, report), false;
+  const double before = now, tolerance = forcingTerm(now);
+  if (!findDirection(problem, solver, tolerance, report)) return isLeftAsItWas(now, report), false;
   if (isAtRest(problem)) return false;
+  const double step = searchSurely(problem, solver, tolerance, now, report);
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
-  const double before = now, slope = dot(residual_, direction_), step = search(problem, now);
   if (step == 0) {
-    report.stopped = stop_.isStopAsked();
+    report.stopped = report.stopped || stop_.isStopAsked();
     if (report.stopped || isLeftAsItWas(now, report)) return false;
     if (enough_ > 0) return report.reason.clear(), false;  // as good a place to go on from as any
     if (isAtRoundOff(problem, now, report)) return false;
@@ -279,7 +280,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
     return false;
   }
   const bool has_line = settings.use_energy && settings.line_search_iterations > 0 && !settings.stop_when_residual_grows;
-  if (step == 1 && has_line && problem.meetsBarriers()) goOn(problem, slope, now);
+  if (step == 1 && has_line && problem.meetsBarriers()) goOn(problem, dot(trial_, direction_), now);  // the residual of before
   if (settings.stop_when_residual_grows && now > before) {
     report.diverged = true, report.newton_converged = false;
     report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,

@@ -123,8 +123,8 @@ void keepToFree(const System& system, Rows d);
 /// has reached is kept if it goes downhill, else a growing multiple of the matrix's own diagonal is added (Levenberg)
 /// until the solve is usable. Before that `other`, where it is given and has one, puts another matrix in its place; x is
 /// then usable too, and a reason says so. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays
-/// visible. False when nothing helped, `report` then carries the sentence, or when it was stopped. `once`: false where the matrix is
-/// not definite, too, and nothing else is tried.
+/// visible. False when nothing helped, `report` then carries the sentence, or when it was stopped. `once`: false where the solve is
+/// not usable, and nothing else is tried.
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
                   StepReport& report, const std::function<SystemMatrix*()>& other = {}, bool once = false);
 
@@ -171,6 +171,7 @@ class Newton {
   void leaveBest(NonlinearProblem& problem, double norm, StepReport& report);
   void move(NonlinearProblem& problem, double step);
   double search(NonlinearProblem& problem, double& norm);
+  double searchSurely(NonlinearProblem& problem, LinearSolver& solver, double tolerance, double& norm, StepReport& report);
   double searchEnergy(NonlinearProblem& problem, double longest, double slope, double& norm);
   double lengthen(NonlinearProblem& problem, double step, double refused, double before, double slope, double& norm);
   void goOn(NonlinearProblem& problem, double slope, double& norm);
@@ -192,6 +193,7 @@ class Newton {
   bool was_slow_ = false, went_on_ = false;  ///< went on: with another tangent, whose first direction is to be found
   bool keeps_scale_ = false;  ///< see keepScale()
   bool in_focus_ = false;     ///< one of the problem's bodies is solved for
+  bool is_unsure_ = false;    ///< the direction is of a tangent that may have unstable directions that it need not have
 };
 
 }  // namespace stroma

@@ -55,7 +55,7 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
   if (isSolved(solve)) return true;
-  if (once && solve.stop != SolveStop::not_finite) return false;
+  if (once) return false;
   if (solve.stop != SolveStop::not_finite) {
     report.reason =
         fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
@@ -105,19 +105,29 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
   const auto solve = [&](bool once) {
     return solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report, std::ref(definite), once);
   };
-  const bool is_open = problem.hasUnsureTangent(), converged = report.linear_converged, at_limit = report.linear_at_limit;
-  bool found = solve(is_open);
-  // not every linear solver sees that a matrix is not definite
-  const bool is_bad = is_open && !report.stopped && !report.diverged && (!found || !(dot(residual_, direction_) > 0));
+  const bool converged = report.linear_converged, at_limit = report.linear_at_limit;
+  is_unsure_ = problem.hasUnsureTangent();
+  bool found = solve(is_unsure_);
+  // many solvers do not see that a matrix is not definite
+  const bool is_bad = is_unsure_ && !report.stopped && !(found && dot(residual_, direction_) > 0);
   if (is_bad) {
     problem.takeSureTangent();
-    report.linear_converged = converged, report.linear_at_limit = at_limit;
+    is_unsure_ = false, report.linear_converged = converged, report.linear_at_limit = at_limit;
     found = solve(false);
   }
   problem.keepToFree(direction_);
   if (switched) problem.useDefiniteTangent(false);
   went_on_ = false;
   return found;
+}
+
+/// The line search. Where it finds no decrease along the direction of a tangent that may be unstable, it has that of the sure one.
+double Newton::searchSurely(NonlinearProblem& problem, LinearSolver& solver, double tolerance, double& now, StepReport& report) {
+  const double step = search(problem, now);
+  if (step > 0 || !is_unsure_ || stop_.isStopAsked()) return step;
+  problem.takeSureTangent();
+  problem.residual(residual_);  // derivatives are those of the last one
+  return findDirection(problem, solver, tolerance, report) ? search(problem, now) : 0;
 }
 
 }  // namespace stroma

@@ -83,7 +83,8 @@ std::vector<std::string> UnconvergedSteps::warnings() const {
     warnings.push_back(
         fmt::format("{} of {} steps have no result; the first time: {}", without_result, steps, without_result_reason));
   if (kept > 0)
-    warnings.push_back(fmt::format("forces of contacts did not converge in {} of {} steps, which were kept; the first time: {}",
+    warnings.push_back(fmt::format("forces of contacts or constraints did not converge in {} of {} steps, which were kept; the first "
+                                   "time: {}",
                                    kept, steps, constraint_reason));
   if (constraints > 0)
     warnings.push_back(fmt::format("position constraints or contacts did not hold in {} of {} steps; the first time: {}",

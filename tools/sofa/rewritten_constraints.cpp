@@ -247,7 +247,10 @@ void Rewriting::addSweeps() {
     warn(solver->written->where, *solver, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
   if (!counts) return;
   const SourceLocation where = solver ? solver->written->where : scene_.root.where;
-  ComponentDescription sweeps{"ConstraintSweeps", {{"name", "sweeps_of_constraints", where}}, where, scene_.root.folder};
+  ComponentDescription sweeps{"ConstraintSweeps",
+                              {{"name", "sweeps_of_constraints", where}, {"keepsUnsettled", "1", where}},
+                              where,
+                              scene_.root.folder};
   const char* names[] = {"maxIterations", "maxIt", "tolerance", "scaleTolerance", "allVerified", "sor", "regularizationTerm",
                          "resolutionMethod"};
   for (const std::string name : names)
