@@ -349,3 +349,28 @@ def createScene(root):
     lines = [line for line in done.stdout.splitlines() if line.startswith("cells")]
     assert lines[2].startswith("cells 3 3 (6, 3)") and lines[3].startswith("cells 4 2 (5, 3)") and len(lines) == 8
     assert lines[-1].endswith(repr(root.body.state.position.value.sum()))
+
+
+def test_a_tool_stays_where_it_was_put_when_a_mesh_changes():
+    root, node = scene()
+    for word in ("CollisionPipeline", "BruteForceBroadPhase", "BVHNarrowPhase"):
+        root.addObject(word)
+    root.addObject("MinProximityIntersection", alarmDistance=0.5, contactDistance=0.01)
+    root.addObject("CollisionResponse", response="PenalityContactForceField")
+    tool = root.addChild("tool")
+    tool.addObject("MechanicalObject", name="state", position=[[5, 5, 5]])
+    tool.addObject("PointCollisionModel", moving=True, simulated=False)
+    Sofa.Simulation.init(root)
+    animate(root, 1)
+    tool.state.position.value = [[4, 4, 4]]
+    animate(root, 1)
+    node.modifier.removeTetrahedra([2])
+    assert tool.state.position.value.tolist() == [[4, 4, 4]]
+    animate(root, 1)
+    assert tool.state.position.value.tolist() == [[4, 4, 4]] and len(node.state.position.value) == 5
+    tool.state.position.value = [[3, 3, 3]]
+    animate(root, 1)
+    for _ in range(2):
+        Sofa.Simulation.reset(root)
+        assert tool.state.position.value.tolist() == [[5, 5, 5]] and len(node.state.position.value) == 6
+        animate(root, 1)

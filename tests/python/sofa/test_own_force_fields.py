@@ -105,3 +105,13 @@ def test_a_product_that_couples_nodes_later_is_told():
     root, _ = falling(Later, 150)
     with pytest.raises(Exception, match="addDForce.. couples nodes, and did not before"):
         animate(root, 5)
+
+
+@pytest.mark.parametrize("number", [12, -1, 0.5, float("nan")])
+def test_rows_that_the_matrix_does_not_have_are_told(number):
+    class Beyond(Rest):
+        def addKToMatrix(self, m, nodes, numbers):
+            return [(0, 0, -self.kept), (number, 1, 0)]
+    root, _ = falling(Beyond, 4)
+    with pytest.raises(ValueError, match=f"addKToMatrix.. names row or column {number:g} of a matrix of 12"):
+        animate(root, 1)

@@ -463,6 +463,12 @@ class Engine:
         sim._parts.clear()
         self._take(sim, mirror)
         self._pushed, self._waiting = pushed, waiting
+        for thing, _, _ in self._stood.values():  # where the scene has put them, and not where they started
+            self._put_still(thing, thing.findData("position")._s_raw)
+
+    def _put_still(self, thing, places):
+        if id(thing) in self._components:
+            _stroma.place_still(self.sim._engine, self.mirror.paths[id(thing)], places)
 
     # ---- steps ----
     def begin_step(self, dt):
@@ -529,10 +535,11 @@ class Engine:
         _events.call(self.root, "reset", only=_old_controller())
 
     def reset(self):
-        for thing, raw, start in self._stood.values():
+        stood = list(self._stood.values())
+        for thing, raw, start in stood:
             thing.findData("position")._s_raw = raw
-            if not self._remade and id(thing) in self._components:
-                _stroma.place_still(self.sim._engine, self.mirror.paths[id(thing)], start)
+            if not self._remade:
+                self._put_still(thing, start)
         self._stood.clear()
         if self._remade:  # the scene was made anew on the way: the start is that of the tree
             self._make_anew(from_start=True)
@@ -540,6 +547,8 @@ class Engine:
         if self._has_other_meshes:
             self._has_other_meshes = False
             self._look_again()
+            for thing, _, start in stood:  # the mesh of the start has its own states
+                self._put_still(thing, start)
         self.restarted()
 
 

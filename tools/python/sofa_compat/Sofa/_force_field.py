@@ -100,6 +100,9 @@ class _Implicit(_Explicit):
             from scipy import sparse
 
             rows, columns, values = given.reshape(-1, 3).T
+            for each in (rows, columns):
+                for number in each[(each != np.floor(each)) | (each < 0) | (each >= size)][:1]:
+                    raise ValueError(f"addKToMatrix() names row or column {number:g} of a matrix of {size}, whose first one is 0")
             return sparse.coo_matrix((values, (rows.astype(int), columns.astype(int))), shape=(size, size))
         return self._by_products(x, t)
 
