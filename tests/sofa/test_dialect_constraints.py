@@ -603,7 +603,7 @@ def the_first_constraint_solver_counts():
 @case
 def what_a_constraint_solver_does_is_told():
     run = tied('<GenericConstraintSolver tolerance="1e-5" maxIterations="77"/>', command="explain")
-    run.says("1e-05 m for each condition", "77 sweeps")
+    run.says("1e-05 for each condition", "77 sweeps")
     assert "GenericConstraintSolver" not in run.text.partition("accepted without effect")[2], run.text
     stop = EXACT + ('<MechanicalObject name="dofs" template="Vec1" position="0.5"/><UniformMass totalMass="2"/><StopperLagrangianConstraint '
                     'index="0" min="-1" max="1"/><GenericConstraintCorrection/>')

@@ -80,7 +80,8 @@ void addSweeps(const System& system, std::vector<PlanItem>& items) {
   };
   if (!isTrue(valueOf(integrator, "oneRound")))
     return items.push_back(itemFor("sweeps", **sweeps, PlanWhen::skipped, "skipped, " + integrator.path() + " has no oneRound"));
-  const char* per_row = isTrue(valueOf(**sweeps, "scaleTolerance")) && !isTrue(valueOf(**sweeps, "allVerified")) ? " for each condition" : "";
+  const bool is_scaled = isTrue(valueOf(**sweeps, "scaleTolerance")) && !isTrue(valueOf(**sweeps, "allVerified"));
+  const char* per_row = is_scaled ? " for each condition" : "";
   items.push_back(itemFor("sweeps", **sweeps, PlanWhen::each_step,
                           fmt::format("each step, forces of constraint that are found to {} m{}, by {} sweeps at most, where all are of "
                                       "equal conditions",
