@@ -6,7 +6,8 @@
 //   df_i/dx_i = -(t' n n^T + t/d (I - n n^T))
 //
 // d0 is the distance of no force, and p0 the depth of the potential -a d^-alpha + b d^-beta there. No pull is larger than fmax; pushes
-// are. At dmax the force jumps to zero, of which the energy knows nothing. c is `damping`. With aInit: masses that attract each
+// are. With p0 below 0 nodes pull from near and push from far.
+// At dmax the force jumps to zero, of which the energy knows nothing. c is `damping`. With aInit: masses that attract each
 // other, t = aInit alpha/d^2, with beta = 0. The work grows with the square of the number of nodes, and the matrix is full.
 //
 // Source: J. E. Jones, On the determination of molecular fields (1924); names, attributes and defaults are SOFA's. There the tangent
@@ -58,6 +59,7 @@ class LennardJones final : public NodeGroupField<2, PairTangent> {
     if (!(beta_ > alpha_)) throw ComponentError("beta is not above alpha: nothing would keep nodes apart", "beta=\"12\" with alpha=\"6\"");
     a_ = depth_ * std::pow(distance_, alpha_) / (1 - alpha_ / beta_), b_ = depth_ * std::pow(distance_, beta_) / (beta_ / alpha_ - 1);
     const double steepest = distance_ * std::pow((beta_ + 1) / (alpha_ + 1), 1 / (beta_ - alpha_));
+    if (depth_ < 0) last_ = whereEnough(distance_), first_ = 0;
     if (depth_ > 0 && attraction(steepest) > most_) first_ = whereMost(distance_, steepest), last_ = whereMost(steepest, 0);
   }
   ForceTraits traits() const override {
@@ -113,6 +115,15 @@ class LennardJones final : public NodeGroupField<2, PairTangent> {
     const double from = first_ > 0 ? potential(first_) : 0;
     if (d < last_) return from + most_ * (d - first_);
     return from + most_ * (last_ - first_) + potential(d) - potential(last_);
+  }
+  /// Where the attraction, which falls from d = 0 to none at `high`, is fmax.
+  double whereEnough(double high) const {
+    double low = 0;
+    for (int i = 0; i < 100; ++i) {
+      const double middle = (low + high) / 2;
+      (attraction(middle) > most_ ? low : high) = middle;
+    }
+    return high;
   }
   /// Where the attraction is fmax: from `low` on it rises until `high`, or (0) falls for ever.
   double whereMost(double low, double high) const {

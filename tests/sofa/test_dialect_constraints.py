@@ -566,4 +566,50 @@ def frames_that_attach_in_part():
             agree(two[k, 3:] * np.sign(two[k, 6]), q * np.sign(q[3]))
 
 
+TIED = (EXACT + '<MechanicalObject name="dofs" position="0 0 0  1 0 0  1 0 0  2 0 0  2 0 0  3 0 0"/><UniformMass totalMass="6"/><SpringForceField '
+        'spring="0 1 1e4 0 1  2 3 1e4 0 1  4 5 1e4 0 1"/><FixedLagrangianConstraint indices="0"/><BilateralLagrangianConstraint first_point="1 3" '
+        'second_point="2 4"/><GenericConstraintCorrection/>')
+
+
+def tied(solver, loop="<FreeMotionAnimationLoop/>", **options):
+    return Run(root(loop + solver + TIED), 20, **options)
+
+
+@case
+def constraint_solvers_as_scenes_write_them():
+    """Methods are words or SOFA's numbers. What no sweep can do is told of the solver that the scene has."""
+    solver = '<GenericConstraintSolver name="solver" maxIterations="1000" {}/>'
+    exact = tied(solver.format('tolerance="1e-12"')).x()
+    for number, word in enumerate(("ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient")):
+        by_word = tied(solver.format(f'tolerance="1e-4" resolutionMethod="{word}"')).x()
+        agree(tied(solver.format(f'tolerance="1e-4" resolutionMethod="{number}"')).x(), by_word, 1e-15)
+        differ(by_word, exact, 1e-9)
+    agree(tied(solver.format('tolerance="-1"')).x(), exact, 1e-9)
+    for wrong in ('resolutionMethod="3"', 'resolutionMethod="Jacobi"', 'sor="2.5"', 'regularizationTerm="-1"', 'tolerance="small"'):
+        run = tied(solver.format(wrong))
+        run.fails(2, "/solver." + wrong.split("=")[0])
+        assert "sweeps_of_constraints" not in run.text, run.text
+    tied(solver.format("").replace("1000", "0")).fails(2, "/solver.maxIterations", "1 or more")
+
+
+@case
+def the_first_constraint_solver_counts():
+    both = '<GenericConstraintSolver name="first" tolerance="1e-3"/><GenericConstraintSolver name="second" tolerance="1e-12"/>'
+    run = tied(both)
+    agree(run.x(), tied('<GenericConstraintSolver tolerance="1e-3"/>').x(), 1e-15)
+    run.says("/second: does not count", "/first")
+
+
+@case
+def what_a_constraint_solver_does_is_told():
+    run = tied('<GenericConstraintSolver tolerance="1e-5" maxIterations="77"/>', command="explain")
+    run.says("1e-05 for each condition", "77 sweeps")
+    assert "GenericConstraintSolver" not in run.text.partition("accepted without effect")[2], run.text
+    stop = EXACT + ('<MechanicalObject name="dofs" template="Vec1" position="0.5"/><UniformMass totalMass="2"/><StopperLagrangianConstraint '
+                    'index="0" min="-1" max="1"/><GenericConstraintCorrection/>')
+    run = Run(root('<FreeMotionAnimationLoop/><GenericConstraintSolver/>' + stop), 2)
+    run.says("depends on the order of constraints")
+    assert "contact" not in run.text, run.text
+
+
 main()

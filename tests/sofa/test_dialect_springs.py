@@ -629,6 +629,7 @@ def nodes_that_attract_each_other_and_keep_apart():
             '<LennardJonesForceField {}/>')
     ways = (("", molecules()), ('fmax="1.5" dmax="2.2" d0="0.95" p0="0.8" damping="0.3"', molecules(d0=0.95, p0=0.8, reach=2.2, most=1.5, c=0.3)),
             ('alpha="3" beta="7" fmax="100" dmax="9"', molecules(3, 7, reach=9, most=100)),
+            ('p0="-0.8" fmax="1.5" dmax="2.2"', molecules(p0=-0.8, reach=2.2, most=1.5)),
             ('aInit="0.7" alpha="1" beta="0" fmax="0.5" dmax="5"', field(lambda d: 0.7 / d ** 2, lambda d: 0, 1, 0, 5, 0.5, 0)))
     for words, forces in ways:
         expected = euler(x, np.eye(5), together(gravity(np.ones(5), [0, -10, 0]), forces), 30, 0.01, v=v)

@@ -2,8 +2,11 @@
 // The plan of a system: an item for each thing that acts, and for what could and does not.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "framework/algebra/direct_solver.h"
 #include "framework/mechanics/open_choices.h"
+#include "framework/scene/node.h"
 #include "framework/simulation/integrator.h"
 #include "tools/plan/plan.h"
 
@@ -26,6 +29,8 @@ std::string traitsText(const ForceTraits& traits) {
   if (!traits.conservative) say("not conservative");
   return text;
 }
+
+bool isTrue(const std::string& printed) { return printed == "true" || printed == "1"; }
 
 PlanItem itemFor(std::string kind, const Component& component, PlanWhen when, std::string says) {
   return {std::move(kind), component.path(), component.type(), when, std::move(says), {}, {}};
@@ -61,6 +66,28 @@ void addForces(const System& system, std::vector<PlanItem>& items) {
   if (system.forceFields().empty()) items.push_back({"forces", {}, {}, PlanWhen::skipped, "none but gravity", {}, {}});
 }
 
+/// Forces of constraint that end at a tolerance of the scene's.
+void addSweeps(const System& system, std::vector<PlanItem>& items) {
+  const Integrator& integrator = system.integrator();
+  if (system.actors().lagrangian_constraints.empty()) return;
+  std::vector<Component*> all;
+  integrator.node().root().collect(all);
+  const auto sweeps = std::ranges::find_if(all, [](const Component* each) { return each->type() == "ConstraintSweeps"; });
+  if (sweeps == all.end()) return;
+  const auto valueOf = [](const Component& component, const char* name) {
+    const Data* data = component.data().find(name);
+    return data ? data->print() : std::string();
+  };
+  if (!isTrue(valueOf(integrator, "oneRound")))
+    return items.push_back(itemFor("sweeps", **sweeps, PlanWhen::skipped, "skipped, " + integrator.path() + " has no oneRound"));
+  const bool is_scaled = isTrue(valueOf(**sweeps, "scaleTolerance")) && !isTrue(valueOf(**sweeps, "allVerified"));
+  const char* per_row = is_scaled ? " for each condition" : "";
+  items.push_back(itemFor("sweeps", **sweeps, PlanWhen::each_step,
+                          fmt::format("each step, forces of constraint that are found to {} m{}, by {} sweeps at most, where all are of "
+                                      "equal conditions",
+                                      valueOf(**sweeps, "tolerance"), per_row, valueOf(**sweeps, "maxIterations"))));
+}
+
 void addConstraints(const System& system, std::vector<PlanItem>& items) {
   const ConstraintSet& constraints = system.constraints();
   for (const ProjectiveConstraint* constraint : constraints.all()) {
@@ -90,6 +117,7 @@ void addConstraints(const System& system, std::vector<PlanItem>& items) {
     items.push_back(itemFor("constraint", dynamic_cast<const Component&>(*constraint), PlanWhen::each_step,
                             "each step, by forces that are found with it" + (choice.empty() ? choice : "; " + choice)));
   }
+  addSweeps(system, items);
   for (const PositionConstraint* constraint : system.actors().position_constraints)
     items.push_back(itemFor("position constraint", *constraint, PlanWhen::after_each_step,
                             "after each step; " + constraint->describe()));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/python/engine.h"
 
+#include <fmt/format.h>
+
 #include "tools/python/termination.h"
 #include "tools/session/drop_readers.h"
 #include "tools/session/given_changes.h"
@@ -65,8 +67,12 @@ void Engine::load(Diagnostics diagnostics, bool observed) {
   if (!observed) dropReaders(*simulation_);
 }
 
-/// States are others. Called before a step, without the interpreter's lock.
+/// States are others, and those that a program has placed start where the scene says: they go where they were put. Called before a
+/// step, without the interpreter's lock.
 void Engine::meshChanged() {
+  for (const auto& [path, places] : placed_)
+    if (auto* state = dynamic_cast<State*>(findComponent(simulation_->root(), path)); state && state->position.size() == places.size())
+      state->position = places;
   if (keeps_forces_)
     for (State* state : simulation_->states()) state->requestForce();
   forcesAreOld();
@@ -83,6 +89,9 @@ std::vector<std::string> Engine::changeMesh(const std::string& path, MeshChange 
 }
 
 void Engine::placeStill(const std::string& path, std::vector<Vec3> places) {
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (const Vec3& x = places[i]; !x.allFinite())
+      throw ComponentError(fmt::format("{}.position: node {} is put at ({}, {}, {})", path, i, x[0], x[1], x[2]), "finite numbers");
   dynamic_cast<State&>(component(path)).position = places;
   placed_[path] = std::move(places);
   forcesAreOld();

@@ -69,10 +69,15 @@ void LastSolve::conditions(const System& system, const LagrangianRows& rows, dou
   }
 }
 
-py::tuple LastSolve::equations(System& system) const {
+/// With each change of a mesh systems are others.
+static std::string sinceWhen(bool has_changed_meshes) {
+  return has_changed_meshes ? " since a mesh of the scene has changed" : " since it is watched";
+}
+
+py::tuple LastSolve::equations(System& system, bool has_changed_meshes) const {
   const auto found = systems_.find(system.matrix().identity().get());
   if (found == systems_.end() || found->second.matrix.rows() <= 0)
-    throw ComponentError(system.integrator().path() + " has solved no linear system since it is watched", "a step before");
+    throw ComponentError(system.integrator().path() + " has solved no linear system" + sinceWhen(has_changed_meshes), "a step before");
   if (!system.constraints().relations().empty() || !system.constraints().groups().empty())
     throw ComponentError(system.integrator().path() + " moves nodes that are tied: its matrix has theirs in the place of single nodes",
                          "a system without attached nodes");
@@ -85,10 +90,11 @@ py::tuple LastSolve::equations(System& system) const {
   return py::make_tuple(of_matrix, projectorsOf(system), threeColumns(kept.b), threeColumns(kept.x));
 }
 
-py::tuple LastSolve::gradients(const System& system) const {
+py::tuple LastSolve::gradients(const System& system, bool has_changed_meshes) const {
   const auto found = systems_.find(system.matrix().identity().get());
   if (found == systems_.end() || !found->second.has_gradients)
-    throw ComponentError(system.integrator().path() + " has looked for no forces of constraint since it is watched", "a step before");
+    throw ComponentError(system.integrator().path() + " has looked for no forces of constraint" + sinceWhen(has_changed_meshes),
+                         "a step before");
   const Equations& kept = found->second;
   return py::make_tuple(arrayOf(kept.row_starts), arrayOf(kept.columns), arrayOf(kept.gradients), kept.displacement);
 }

@@ -21,10 +21,10 @@ class LastSolve final : public SolveWatch {
   void conditions(const System& system, const LagrangianRows& rows, double displacement) override;
   /// (A, held, b, x): blocks of A as matrix_of() has them; the projectors P of its rows, shape (rows, 3, 3), with A = P A P where P is
   /// not the identity; b and x of shape (rows, 3). Throws ComponentError where no step has been watched.
-  py::tuple equations(System& system) const;
+  py::tuple equations(System& system, bool has_changed_meshes) const;
   /// (row starts, columns, values, displacement): J as compressed rows of numbers, 3 columns for each row of the system. On mapped rows
   /// J is that of their own motion, on independent ones that of all; held directions are in it.
-  py::tuple gradients(const System& system) const;
+  py::tuple gradients(const System& system, bool has_changed_meshes) const;
   bool keeps_matrices = false;  ///< A, b and x, which cost an assembly in each step
   /// Steps of this thread are watched as long as it lives.
   class Watching {

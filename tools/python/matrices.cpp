@@ -174,10 +174,10 @@ void bindMatrices(py::module_& module) {
   module.def("solution_of", &solutionOf);
   module.def("force_of", &forceOf);
   module.def("last_equations", [](const std::shared_ptr<Engine>& engine, const std::string& integrator) {
-    return lastSolveOf(*engine).equations(systemOf(*engine, integrator));
+    return lastSolveOf(*engine).equations(systemOf(*engine, integrator), engine->simulation().hasChangedMeshes());
   });
   module.def("last_gradients", [](const std::shared_ptr<Engine>& engine, const std::string& integrator) {
-    return lastSolveOf(*engine).gradients(systemOf(*engine, integrator));
+    return lastSolveOf(*engine).gradients(systemOf(*engine, integrator), engine->simulation().hasChangedMeshes());
   });
   // (rows, (path, first row, how many) of each state, mapped ones too)
   module.def("rows_of_states", [](const std::shared_ptr<Engine>& engine, const std::string& integrator) {

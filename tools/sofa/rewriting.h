@@ -133,6 +133,8 @@ class Rewriting {
   bool findsForcesOfConstraint(const Element& asker);
   void meanSkeleton(Element& constraint);
   void addSweeps();
+  const Element* findConstraintSolver(bool has_loop);
+  void warnOfTolerance(const Element* solver, const Element& loop);
   bool areForcesSwept();
   void meanPairs(Element& pairs, bool is_assembled);
   void meanSlidingPlane(Element& plane, bool is_assembled);

@@ -198,33 +198,93 @@ void Rewriting::meanConstraint(Element& element) {
   }
 }
 
+/// It answers contacts by forces of constraint.
+static bool answersByConstraint(const Element& each) {
+  return each.text("response").find("Constraint") != std::string::npos && !each.dropped;
+}
+
 /// All forces of constraint are of conditions that SOFA's sweeps take as equal ones, and one round finds them.
 bool Rewriting::areForcesSwept() {
   if (!hasForcesOfConstraint() || hasActuators()) return false;
   bool all = true;
   tree_->forEach([&all](Element& each) {
-    const bool answers = each.text("response").find("Constraint") != std::string::npos && !each.dropped;
     const Element* state = each.place->nearest("mechanical state");
     const bool of_numbers = each.is("UniformLagrangianConstraint") && state && state->text("template").starts_with("Vec1");
     const bool is_other = each.role() == "Lagrangian constraint" && !of_numbers &&
                           !isAnyOf(each.written->type, {"BilateralLagrangianConstraint", "FixedLagrangianConstraint"});
     const bool iterates = each.role() == "integrator" && !each.dropped &&
                           (!each.is("EulerImplicitSolver") || each.text("newtonIterations") != "1" || each.find("newtonSolver"));
-    all = all && !answers && !is_other && !iterates;
+    all = all && !answersByConstraint(each) && !is_other && !iterates;
   });
   return all;
 }
 
+/// What of a constraint solver its sweeps read: methods by SOFA's numbers too, and a tolerance below 0, which no sweep meets.
+static void addSwept(const AttributeDescription& given, const Element& solver, Diagnostics& diagnostics, ComponentDescription& sweeps) {
+  static const std::vector<std::string> methods = {"ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient"};
+  AttributeDescription taken = given;
+  const std::string text(trimmed(given.value)), &name = given.name;
+  const std::string path = solver.path() + "." + name;
+  if (text.starts_with("@") || given.typed) return sweeps.attributes.push_back(std::move(taken));
+  if (name == "resolutionMethod") {
+    const std::size_t number = text.size() == 1 ? std::size_t(text[0] - '0') : methods.size();
+    if (number < methods.size()) taken.value = methods[number];
+    if (!isAnyOf(taken.value = trimmed(taken.value), {methods[0], methods[1], methods[2]}))
+      return diagnostics.error(given.where, path, "'" + text + "' is no method", methods[0] + ", " + methods[1] + " or " + methods[2]);
+  }
+  const bool is_count = name.starts_with("maxIt");
+  if (is_count || isAnyOf(name, {"tolerance", "sor", "regularizationTerm"})) {
+    const std::vector<double> numbers = writtenNumbers(text);
+    if (numbers.size() != 1) return diagnostics.error(given.where, path, "'" + text + "' is no number", "a number");
+    const double number = numbers[0];
+    if (is_count && !(number >= 1))
+      return diagnostics.error(given.where, path, "without a sweep SOFA finds no forces, and no condition holds", "1 or more");
+    if (name == "sor" && !(number > 0 && number < 2))
+      return diagnostics.error(given.where, path, text + " lets sweeps go away from the forces", "a number above 0 and below 2");
+    if (name == "regularizationTerm" && !(number >= 0)) return diagnostics.error(given.where, path, text + " is below 0", "0 or more");
+    if (name == "tolerance" && number < 0) taken.value = "0";
+  }
+  sweeps.attributes.push_back(std::move(taken));
+}
+
+/// The constraint solver that counts: SOFA's loop takes the first one.
+const Element* Rewriting::findConstraintSolver(bool has_loop) {
+  const Element* solver = nullptr;
+  tree_->forEachPlace([&](Place& place) {
+    for (const auto& each : place.elements) {
+      if (!each->written->type.ends_with("ConstraintSolver")) continue;
+      if (solver && has_loop)
+        warn(each->written->where, *each, {}, "does not count: SOFA's loop takes one constraint solver, " + solver->path(),
+             "one constraint solver in a scene");
+      if (!solver) solver = each.get();
+    }
+  });
+  return solver;
+}
+
+/// Forces hold here where SOFA's search for them ends early.
+void Rewriting::warnOfTolerance(const Element* solver, const Element& loop) {
+  constexpr double tight = 1e-9;  // of a scene in metres or millimetres
+  const std::string tolerance = solver ? solver->text("tolerance") : "";
+  if (!hasForcesOfConstraint() || areForcesSwept() || (!tolerance.empty() && std::atof(tolerance.c_str()) <= tight)) return;
+  bool has_contacts = false;
+  tree_->forEach([&has_contacts](Element& each) { has_contacts = has_contacts || answersByConstraint(each); });
+  warn(solver ? solver->written->where : scene_.root.where, solver ? *solver : loop, "tolerance",
+       std::string("ends SOFA's search for forces of constraint before they hold, which depends on the order of ") +
+           (has_contacts ? "contacts: here they hold. What lies on several points may differ by some hundredths of its movement"
+                         : "constraints: here they hold"),
+       "a tolerance of 1e-9, with which both do nearly the same");
+}
+
 /// SOFA's search for forces of constraint ends at a tolerance. Without a solver for them its loop makes one with the defaults.
 void Rewriting::addSweeps() {
-  const Element *solver = nullptr, *loop = nullptr;
-  tree_->forEachPlace([&](Place& place) {
+  const Element* loop = nullptr;
+  tree_->forEachPlace([&loop](Place& place) {
     for (const auto& each : place.elements)
       if (each->written->type.ends_with("FreeMotionAnimationLoop")) loop = each.get();
-    for (const auto& each : place.elements)
-      if (!solver && each->written->type.ends_with("ConstraintSolver")) solver = each.get();
   });
   const bool has_loop = loop != nullptr;
+  const Element* solver = findConstraintSolver(has_loop);
   const std::string type = solver ? solver->written->type : "GenericConstraintSolver";
   bool has_conditions = false;
   tree_->forEach([&](Element& each) { has_conditions = has_conditions || each.role() == "Lagrangian constraint"; });
@@ -235,14 +295,9 @@ void Rewriting::addSweeps() {
   const bool is_soft = solver && std::atof(solver->text("regularizationTerm").c_str()) != 0;
   const bool counts = has_loop && areForcesSwept() && !isAnyOf(type, {"LCPConstraintSolver", "ImprovedJacobiConstraintSolver"}) &&
                       quirks_.use("one-iteration", solver ? solver->path() : tree_->root().path());
-  const bool is_unbuilt = type.starts_with("Unbuilt") || (solver && solver->text("resolutionMethod").starts_with("Unbuilt"));
-  const std::string tolerance = solver ? solver->text("tolerance") : "";
-  constexpr double tight = 1e-9;  // of a scene in metres or millimetres
-  if (has_loop && hasForcesOfConstraint() && !areForcesSwept() && (tolerance.empty() || std::atof(tolerance.c_str()) > tight))
-    warn(solver ? solver->written->where : scene_.root.where, solver ? *solver : *loop, "tolerance",
-         "ends SOFA's search for forces of constraint before they hold, which depends on the order of contacts: here they hold. What "
-         "lies on several points may differ by some hundredths of its movement",
-         "a tolerance of 1e-9, with which both do nearly the same");
+  const std::string method = solver ? solver->text("resolutionMethod") : "";
+  const bool is_unbuilt = type.starts_with("Unbuilt") || method.starts_with("Unbuilt") || method == "1";
+  if (loop) warnOfTolerance(solver, *loop);
   if (is_soft && (!counts || is_unbuilt))
     warn(solver->written->where, *solver, "regularizationTerm", "makes constraints soft in SOFA: here they hold");
   if (!counts) return;
@@ -255,7 +310,8 @@ void Rewriting::addSweeps() {
                          "resolutionMethod"};
   for (const std::string name : names)
     if (const AttributeDescription* given = solver ? solver->find(name) : nullptr; given && !(is_unbuilt && name == "regularizationTerm"))
-      sweeps.attributes.push_back(*given);
+      addSwept(*given, *solver, diagnostics_, sweeps);
+  std::erase(no_effect_, type);
   if (!turn_tolerance_.empty()) sweeps.attributes.push_back({"turnTolerance", turn_tolerance_, where});
   if (type.starts_with("Unbuilt")) sweeps.attributes.push_back({"resolutionMethod", "UnbuiltGaussSeidel", where});
   if (type.starts_with("NNCG")) sweeps.attributes.push_back({"resolutionMethod", "NonsmoothNonlinearConjugateGradient", where});

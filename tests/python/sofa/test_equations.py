@@ -285,3 +285,66 @@ def test_a_run_whose_equations_are_kept_has_the_bits_of_another_one(kind, monkey
             Sofa.Simulation.animate(root, 0.01)
         ends.append(np.array([*state.position.value.ravel(), *state.velocity.value.ravel()]))
     assert np.array_equal(*ends)
+
+
+def test_after_a_change_of_the_mesh_the_equations_are_those_of_a_step_with_it():
+    root = Sofa.Core.Node("root")
+    root.dt = H
+    node = root.addChild("body")
+    node.addObject("EulerImplicitSolver", name="ode")
+    node.addObject("SparseLDLSolver", name="linear")
+    node.addObject("TetrahedronSetTopologyContainer", name="mesh", position=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]],
+                   tetrahedra=[[0, 1, 2, 3], [1, 2, 3, 4]])
+    node.addObject("TetrahedronSetTopologyModifier", name="modifier")
+    node.addObject("MechanicalObject", name="state")
+    node.addObject("UniformMass", totalMass=1)
+    Sofa.Simulation.init(root)
+    with pytest.raises(RuntimeError, match="since it is watched"):
+        node.linear.A()
+    Sofa.Simulation.animate(root, H)
+    assert node.linear.A().shape == (15, 15)
+    node.modifier.removeTetrahedra([1])
+    with pytest.raises(RuntimeError, match="since a mesh of the scene has changed"):
+        node.linear.A()
+    Sofa.Simulation.animate(root, H)
+    assert node.linear.A().shape == (12, 12)
+
+
+def tied(tolerance, **options):
+    """Eight springs in a row, which are tied at their ends."""
+    n, root = 8, Sofa.Core.Node("root")
+    root.dt, root.gravity = 0.01, [0, -9.81, 0]
+    root.addObject("FreeMotionAnimationLoop")
+    root.addObject("GenericConstraintSolver", name="solver", tolerance=tolerance, maxIterations=1000, **options)
+    node = root.addChild("body")
+    node.addObject("EulerImplicitSolver")
+    node.addObject("SparseLDLSolver")
+    node.addObject("MechanicalObject", name="state", position=[[k // 2 + k % 2, 0, 0] for k in range(2 * n)])
+    node.addObject("UniformMass", totalMass=2 * n)
+    node.addObject("SpringForceField", spring=[number for k in range(n) for number in (2 * k, 2 * k + 1, 1e4, 0, 1)])
+    node.addObject("FixedLagrangianConstraint", indices=[0])
+    node.addObject("BilateralLagrangianConstraint", first_point=list(range(1, 2 * n - 1, 2)), second_point=list(range(2, 2 * n, 2)))
+    node.addObject("GenericConstraintCorrection")
+    Sofa.Simulation.init(root)
+    return root
+
+
+def gap(root, steps):
+    for _ in range(steps):
+        Sofa.Simulation.animate(root, 0.01)
+    x = root.body.state.position.value
+    return np.linalg.norm(x[1:-1:2] - x[2::2], axis=1).max()
+
+
+def test_a_tolerance_that_changes_in_a_run_counts():
+    root = tied(0.1)
+    assert gap(root, 10) > 1e-5
+    root.solver.tolerance = 1e-10
+    assert gap(root, 10) < 1e-9 and root.solver.tolerance.value == 1e-10
+    root.solver.tolerance, root.solver.resolutionMethod = 0.1, "UnbuiltGaussSeidel"
+    assert gap(root, 10) > 1e-5
+    root.solver.tolerance.value = 1e-10
+    assert gap(root, 10) < 1e-9
+    root.solver.sor = -1
+    with pytest.raises(RuntimeError, match="/solver.sor: -1"):
+        Sofa.Simulation.animate(root, 0.01)

@@ -384,3 +384,62 @@ def test_a_tool_stays_where_it_was_put_when_a_mesh_changes():
         Sofa.Simulation.reset(root)
         assert tool.state.position.value.tolist() == [[5, 5, 5]] and len(node.state.position.value) == 6
         animate(root, 1)
+
+
+def touched(root, node):
+    """A tool of a point that presses on the body, and a solver that finds the forces."""
+    for word in ("FreeMotionAnimationLoop", "CollisionPipeline", "BruteForceBroadPhase", "BVHNarrowPhase"):
+        root.addObject(word)
+    root.addObject("GenericConstraintSolver", name="solver", tolerance=1e-9, maxIterations=500)
+    root.addObject("MinProximityIntersection", alarmDistance=0.3, contactDistance=0.02)
+    root.addObject("CollisionResponse", response="FrictionContactConstraint", responseParams="mu=0.3")
+    node.addObject("LinearSolverConstraintCorrection")
+    surface = node.addChild("surface")
+    surface.addObject("TriangleSetTopologyContainer", name="tri")
+    surface.addObject("TriangleSetTopologyModifier")
+    surface.addObject("Tetra2TriangleTopologicalMapping", input="@../mesh", output="@tri")
+    for word in ("TriangleCollisionModel", "LineCollisionModel", "PointCollisionModel"):
+        surface.addObject(word)
+    tool = root.addChild("tool")
+    tool.addObject("MechanicalObject", name="state", position=[[5, 5, 5]])
+    tool.addObject("PointCollisionModel", simulated=False, moving=True)
+    return tool
+
+
+def test_a_placed_tool_touches_in_the_step_in_which_another_mesh_changes():
+    forces = []
+    for changes in (False, True):
+        root, node = scene()
+        root.gravity = [0, 0, 0]
+        tool = touched(root, node)
+        other = root.addChild("other")
+        other.addObject("EulerImplicitSolver")
+        other.addObject("SparseLDLSolver")
+        other.addObject("TetrahedronSetTopologyContainer", name="mesh", position=[[20 + x, y, z] for x, y, z in POSITION], tetrahedra=CELLS)
+        other.addObject("TetrahedronSetTopologyModifier")
+        other.addObject("MechanicalObject", name="state")
+        other.addObject("UniformMass", totalMass=1)
+        other.addObject("LinearSolverConstraintCorrection")
+        if changes:
+            other.addObject("TopologicalChangeProcessor", useDataInputs=True, timeToRemove=0.025, tetrahedraToRemove=[2])
+        Sofa.Simulation.init(root)
+        animate(root, 3)
+        tool.state.position.value = [[2.008, 1.006, 1.006]]
+        found = []
+        for _ in range(4):
+            animate(root, 1)
+            found.append(np.array(root.solver.constraintForces.value))
+        forces.append(found)
+        assert len(other.state.position.value) == 6 - changes
+    assert forces[0][0].max() > 0.1, "it presses in the step of the change"
+    for before, after in zip(*forces):
+        assert after == pytest.approx(before, rel=1e-6, abs=1e-9)
+
+
+def test_places_that_are_no_numbers_are_refused():
+    root, node = scene()
+    tool = touched(root, node)
+    Sofa.Simulation.init(root)
+    with pytest.raises(RuntimeError, match="/tool/state.position: node 0 is put at .nan, 4, 4."):
+        tool.state.position.value = [[np.nan, 4, 4]]
+    assert tool.state.position.value.tolist() == [[5, 5, 5]]

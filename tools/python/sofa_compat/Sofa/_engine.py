@@ -24,6 +24,9 @@ _FIELDS = {"vonMisesPerElement": "vonMises", "vonMisesPerNode": "vonMises"}
 #: attributes that say the same in several ways
 _ONE_OF = {"ConstantForceField": ("forces", "force", "totalForce")}
 
+#: what sweeps over constraints take of a constraint solver
+_OF_SWEEPS = {"maxIterations", "maxIt", "tolerance", "scaleTolerance", "allVerified", "sor", "regularizationTerm", "resolutionMethod"}
+
 #: force fields that read the rest positions in every step
 _READS_REST = {"BeamHookeLawForceField", "BeamHookeLawForceFieldRigid"}
 
@@ -194,6 +197,18 @@ class Engine:
             data._s_raw = before
             raise
         return None
+
+    def write_to_sweeps(self, solver, data, value):
+        """A constraint solver is no part of the engine: the dialect has put sweeps in its place, where forces end at its tolerance."""
+        if data._s_name not in _OF_SWEEPS or not solver.getClassName().endswith("ConstraintSolver") or id(solver) not in self.mirror.paths:
+            return
+        first = next(each for each in self.root._s_all_objects() if each.getClassName().endswith("ConstraintSolver"))
+        is_same = not isinstance(value, Data) and _values.to_text(value) == _values.to_text(data._s_raw)
+        if first is not solver or is_same or _found(self.sim.component, "/sweeps_of_constraints") is None:
+            return
+        if self._s_given:
+            return _messages.warn(f"{solver._s_place()}.{data._s_name}: the command has loaded the scene with another one, and goes on with it")
+        self.edited()
 
     def _place_still(self, thing, data, value):
         """Points that no integrator moves, and nothing follows, are put elsewhere without a new simulation: a tool that touches."""

@@ -174,6 +174,8 @@ class Object(Base):
                            "ConstantForceField instead")
         if engine is not None and data._s_name != "name" and engine.knows(self, data):
             return engine.write(self, data, value)
+        if engine is not None:
+            engine.write_to_sweeps(self, data, value)
         return super()._s_write(data, value)
 
     def _s_keeps(self, name):
