@@ -67,6 +67,7 @@ void DarcyFlow::setStep(double h, double storage, double permeability) {
     throw std::runtime_error(fmt::format("the fluid's matrix of a step of {:g} s has no factors: storage {:g} 1/Pa, permeability {:g}", h,
                                          storage, permeability));
   m.diagonal = m.solver.vectorD();
+  ++factorisations_;
 }
 
 void DarcyFlow::solve(Rows values) const {

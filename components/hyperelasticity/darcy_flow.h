@@ -22,6 +22,8 @@ class DarcyFlow {
   void solve(Rows values) const;
   /// Columns B, shape (columns, nodes), become a B' with B'^T B' = B^T A^-1 B, A the matrix of solve().
   void multiplyRoot(double* columns, std::size_t count) const;
+  /// How often the matrix has been factored: another number, another matrix.
+  long factorisations() const { return factorisations_; }
   /// Nanoseconds of solve(), from the numbers in the factor; 0 before there is one.
   double solveCost() const;
   double volume(Index node) const { return volume_[node]; }  ///< of M [m^3]
@@ -35,6 +37,7 @@ class DarcyFlow {
   std::vector<char> drained_;
   std::unique_ptr<Matrices> matrices_;
   double step_ = -1;
+  long factorisations_ = 0;
 };
 
 }  // namespace stroma

@@ -8,9 +8,13 @@
 namespace stroma::porous {
 
 struct DenseCoupling::Matrices {
-  Eigen::MatrixXd root;   ///< Y = A^-1/2 U, shape (nodes, 3 nodes): K_fluid = -Y^T Y
-  Eigen::MatrixXd fluid;  ///< -K_fluid, its lower triangle, shape (3 nodes, 3 nodes)
+  Eigen::MatrixXd gradients;  ///< U, shape (nodes, 3 nodes); a column has the neighbours of its node
+  Eigen::MatrixXd root;       ///< Y = A^-1/2 U: K_fluid = -Y^T Y
+  Eigen::MatrixXd fluid;      ///< -K_fluid, its lower triangle, shape (3 nodes, 3 nodes)
   bool multiplied = false;
+  Eigen::MatrixXd inverse;  ///< A^-1, shape (nodes, nodes), for the diagonal alone
+  long inverse_of = -1;     ///< DarcyFlow::factorisations() of it
+  std::vector<Index> neighbours;
 };
 
 DenseCoupling::DenseCoupling(const PorousCells& cells, const Sponge& sponge, Index first_row)
@@ -35,7 +39,7 @@ std::vector<Index> DenseCoupling::slots(const BlockMatrix& matrix) const {
 void DenseCoupling::update(ConstRows x, const DarcyFlow& flow) {
   Matrices& m = *matrices_;
   const auto n = Eigen::Index(nodes());
-  m.root.setZero(n, 3 * n);
+  m.gradients.setZero(n, 3 * n);
   for (std::size_t cell = 0; cell < cells_.count(); ++cell) {
     const auto of = cells_.nodes(cell);
     PorousCells::OfNodes<Vec3> now;
@@ -44,9 +48,9 @@ void DenseCoupling::update(ConstRows x, const DarcyFlow& flow) {
     const auto fraction = cells_.fractions(cell);
     for (std::size_t a = 0; a < of.size(); ++a)
       for (std::size_t i = 0; i < of.size(); ++i)
-        m.root.row(of[a]).segment<3>(3 * of[i]) += fraction[a] * area[i].transpose();
+        m.gradients.row(of[a]).segment<3>(3 * of[i]) += fraction[a] * area[i].transpose();
   }
-  flow.multiplyRoot(m.root.data(), 3 * std::size_t(n));
+  flow_ = &flow;
   m.multiplied = false;
 }
 
@@ -54,6 +58,8 @@ void DenseCoupling::assemble(double factor, const Index* slots, std::vector<doub
   const auto n = Eigen::Index(nodes());
   Matrices& m = *matrices_;
   if (!m.multiplied) {
+    m.root = m.gradients;
+    flow_->multiplyRoot(m.root.data(), 3 * std::size_t(n));
     m.fluid.setZero(3 * n, 3 * n);
     m.fluid.selfadjointView<Eigen::Lower>().rankUpdate(m.root.transpose());
     m.multiplied = true;
@@ -71,12 +77,26 @@ void DenseCoupling::assemble(double factor, const Index* slots, std::vector<doub
 }
 
 void DenseCoupling::assembleDiagonal(double factor, std::vector<double>& blocks) const {
-  const Eigen::MatrixXd& root = matrices_->root;
-  for (Eigen::Index i = 0; i < Eigen::Index(nodes()); ++i)
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c)
-        blocks[9 * std::size_t(first_row_ + i) + std::size_t(3 * r + c)] -=
-            factor * root.col(3 * i + r).dot(root.col(3 * i + c));
+  Matrices& m = *matrices_;
+  const auto n = Eigen::Index(nodes());
+  if (m.inverse_of != flow_->factorisations()) {
+    m.inverse.setIdentity(n, n);
+    flow_->multiplyRoot(m.inverse.data(), std::size_t(n));
+    m.inverse = (m.inverse.transpose() * m.inverse).eval();
+    m.inverse_of = flow_->factorisations();
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto of_node = m.gradients.middleCols<3>(3 * i);
+    m.neighbours.clear();
+    for (Eigen::Index a = 0; a < n; ++a)
+      if (of_node(a, 0) != 0 || of_node(a, 1) != 0 || of_node(a, 2) != 0) m.neighbours.push_back(Index(a));
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(blocks.data() + 9 * std::size_t(first_row_ + i));
+    for (const Index a : m.neighbours) {
+      Eigen::RowVector3d answer = Eigen::RowVector3d::Zero();
+      for (const Index b : m.neighbours) answer += m.inverse(a, b) * of_node.row(b);
+      block -= factor * (of_node.row(a).transpose() * answer);
+    }
+  }
 }
 
 }  // namespace stroma::porous

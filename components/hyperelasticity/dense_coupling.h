@@ -19,7 +19,8 @@ class DenseCoupling {
   ~DenseCoupling();
   void addPattern(BlockPattern& pattern) const;
   std::vector<Index> slots(const BlockMatrix& matrix) const;
-  /// Takes K_fluid at x, rows of the system, with the A of `flow`; the matrix is multiplied out when it is assembled.
+  /// Takes K_fluid at x, rows of the system, with the A of `flow`, which is kept by reference. The matrix is multiplied out when it is
+  /// assembled; its diagonal costs what the neighbours of each node cost.
   void update(ConstRows x, const DarcyFlow& flow);
   /// values (shape (blocks, 9)) += factor K_fluid; `slots`: those of slots().
   void assemble(double factor, const Index* slots, std::vector<double>& values);
@@ -32,6 +33,7 @@ class DenseCoupling {
   const PorousCells& cells_;
   const Sponge& sponge_;
   Index first_row_;
+  const DarcyFlow* flow_ = nullptr;
   std::unique_ptr<Matrices> matrices_;
 };
 

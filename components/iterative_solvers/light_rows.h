@@ -16,6 +16,9 @@ namespace stroma {
 /// D is that of the matrix solved: one diagonal for each matrix of which a solve has converged. A block that is not positive definite, or
 /// is singular but for round-off, counts as its largest |entry|: |r| over that is no more than the error. Rows with empty blocks are
 /// left out. Turns and places are measured together, each in its unit.
+///
+/// Nothing is looked at where an assembly costs more than 64 products, as of a body whose fluid couples all nodes, or is not known: there D
+/// costs as much as solves do.
 class LightRows {
  public:
   static constexpr double least_share = 1e-3;
@@ -23,7 +26,7 @@ class LightRows {
   bool areLeft(const SystemMatrix& matrix, double tolerance, ConstRows r, ConstRows x) {
     const double most = std::max(least_share, tolerance) * largest(x);
     const double left = largest(r);
-    if (left == 0) return false;
+    if (left == 0 || isDear(matrix)) return false;
     if (key_ != matrix.key()) take(matrix);
     if (!(bound_ * left > most)) return false;
     if (z_.count() != r.count) z_.resize(r.count);
@@ -67,6 +70,11 @@ class LightRows {
   }
 
  private:
+  static bool isDear(const SystemMatrix& matrix) {
+    constexpr double most_products = 64;
+    const double product = matrix.productCost();
+    return product > 0 && matrix.assemblyCost() > most_products * product;
+  }
   static double largest(ConstRows rows) {
     double most = 0;
 #pragma omp simd reduction(max : most)

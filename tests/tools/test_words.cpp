@@ -247,7 +247,7 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
       {"BoxConstraint", "write a BoxROI"},
       {"ShapeMatching", "ShapeMemoryForceField"},
       {"HyperReducedRestShapeSpringsForceField", "without HyperReduced"},
-      {"LennardJonesForceField", "ForceFieldVec3d"},
+      {"BuoyantForceField", "ForceFieldVec3d"},
       {"FCLCollisionMethod", "LocalMinDistance"},
       {"MeanComputation", "AverageCoord"},
       {"TransformEngine", "\nAttributes"},
