@@ -10,8 +10,8 @@
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/whole_matrix.h"
-#include "framework/algebra/solve_watch.h"
 #include "framework/mechanics/condition_roles.h"
+#include "framework/simulation/step_watch.h"
 
 namespace stroma {
 
@@ -344,7 +344,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     report.stopped = report.stopped || stop.isStopAsked();
     if (report.stopped) return;
     findConditions();
-    if (round == 0 && solveWatch()) solveWatch()->conditions(s, rows_, rule_.displacement);
+    if (round == 0 && stepWatch()) stepWatch()->constraintGradients(s, rows_, rule_.displacement);
     if (rows_.rows().empty() && !carries_) break;
     if (round == 0) expectForces();
     if (!prepareRound(round == 0, solver, matrix, stop, report)) return;

@@ -9,8 +9,8 @@
 #include "components/integrators/newton.h"
 #include "components/integrators/shifted_matrix.h"
 #include "components/integrators/whole_matrix.h"
-#include "framework/algebra/solve_watch.h"
 #include "framework/scene/spans.h"
+#include "framework/simulation/step_watch.h"
 
 namespace stroma {
 namespace {
@@ -20,7 +20,7 @@ SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, R
   const auto start = std::chrono::steady_clock::now();
   Span span("solve", &solver);
   const SolveReport solve = solveWhole(solver, matrix, b, x, terms);
-  if (solveWatch()) solveWatch()->solved(matrix, b, x);
+  if (stepWatch()) stepWatch()->solved(matrix, b, x);
   report.stopped = report.stopped || solve.stop == SolveStop::stopped;
   report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   span.count(solve.iterations);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "framework/algebra/solve_watch.h"
+#include "framework/algebra/linear_solver.h"
 
 #include <algorithm>
 
@@ -32,11 +32,6 @@ SolveReport LinearSolver::solveAll(SystemMatrix& matrix, std::span<const ConstRo
   for (std::size_t i = 0; i < b.size(); ++i)
     if (!all.add(solve(matrix, b[i], x[i], terms))) break;
   return all;
-}
-
-SolveWatch*& solveWatch() {
-  static thread_local SolveWatch* watch = nullptr;
-  return watch;
 }
 
 }  // namespace stroma

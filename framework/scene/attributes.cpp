@@ -6,8 +6,8 @@
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/common_attributes.h"
-#include "framework/scene/gravity.h"
 #include "framework/scene/files.h"
+#include "framework/scene/gravity.h"
 #include "framework/scene/instantiation.h"
 #include "framework/scene/overrides.h"
 #include "framework/scene/text.h"

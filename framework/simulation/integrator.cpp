@@ -5,6 +5,7 @@
 
 #include "framework/scene/node.h"
 #include "framework/scene/usual_component.h"
+#include "framework/simulation/step_watch.h"
 
 namespace stroma {
 
@@ -18,6 +19,11 @@ std::string Integrator::missingPartner() const {
   });
   if (has_one) return {};
   return usualComponent(movesInTime() ? Part::solver_in_time : Part::solver_that_chooses);
+}
+
+StepWatch*& stepWatch() {
+  static thread_local StepWatch* watch = nullptr;
+  return watch;
 }
 
 }  // namespace stroma

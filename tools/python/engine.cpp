@@ -48,7 +48,7 @@ std::vector<Override> overridesOf(const py::list& list) {
 }
 
 Engine::~Engine() {
-  if (last_solve_ && solveWatch() == last_solve_.get()) solveWatch() = nullptr;
+  if (last_solve_ && stepWatch() == last_solve_.get()) stepWatch() = nullptr;
   try {
     if (own_) own_->unload();
   } catch (const std::exception& error) {  // an observer could not write its end

@@ -52,7 +52,7 @@ void LastSolve::solved(SystemMatrix& matrix, ConstRows b, ConstRows x) {
   kept.b = numbersOf(b), kept.x = numbersOf(x);
 }
 
-void LastSolve::conditions(const System& system, const LagrangianRows& rows, double displacement) {
+void LastSolve::constraintGradients(const System& system, const LagrangianRows& rows, double displacement) {
   Equations& kept = systems_[system.matrix().identity().get()];
   kept.identity = system.matrix().identity();
   kept.row_starts.assign(1, 0), kept.columns.clear(), kept.gradients.clear();

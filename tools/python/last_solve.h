@@ -4,8 +4,8 @@
 #include <map>
 #include <memory>
 
-#include "framework/algebra/solve_watch.h"
 #include "tools/python/python.h"
+#include "framework/simulation/step_watch.h"
 
 namespace stroma {
 class System;
@@ -15,10 +15,10 @@ namespace stroma::python {
 
 /// Keeps A, b and x of the last linear solve that a step made for its motion, and the gradients J of Lagrangian constraints where
 /// the forces of that step got their directions. Solves that answer single forces of constraint are not among them.
-class LastSolve final : public SolveWatch {
+class LastSolve final : public StepWatch {
  public:
   void solved(SystemMatrix& matrix, ConstRows b, ConstRows x) override;
-  void conditions(const System& system, const LagrangianRows& rows, double displacement) override;
+  void constraintGradients(const System& system, const LagrangianRows& rows, double displacement) override;
   /// (A, held, b, x): blocks of A as matrix_of() has them; the projectors P of its rows, shape (rows, 3, 3), with A = P A P where P is
   /// not the identity; b and x of shape (rows, 3). Throws ComponentError where no step has been watched.
   py::tuple equations(System& system, bool has_changed_meshes) const;
@@ -29,12 +29,12 @@ class LastSolve final : public SolveWatch {
   /// Steps of this thread are watched as long as it lives.
   class Watching {
    public:
-    explicit Watching(SolveWatch* watch) : before_(solveWatch()) { solveWatch() = watch; }
-    ~Watching() { solveWatch() = before_; }
+    explicit Watching(StepWatch* watch) : before_(stepWatch()) { stepWatch() = watch; }
+    ~Watching() { stepWatch() = before_; }
     Watching(const Watching&) = delete;
 
    private:
-    SolveWatch* before_;
+    StepWatch* before_;
   };
 
  private:

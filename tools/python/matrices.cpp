@@ -188,7 +188,7 @@ void bindMatrices(py::module_& module) {
   });
   // of a step that somebody else makes in this thread
   module.def("watch_step", [](const std::shared_ptr<Engine>& engine, bool is_made) {
-    solveWatch() = is_made ? engine->lastSolve() : nullptr;
+    stepWatch() = is_made ? engine->lastSolve() : nullptr;
   });
   module.def("systems_of", [](const std::shared_ptr<Engine>& engine) {
     py::list out;
