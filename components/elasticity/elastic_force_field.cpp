@@ -8,7 +8,6 @@
 #include <cmath>
 #include <set>
 
-#include "components/elasticity/turning_kernels.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/names.h"
 
@@ -369,12 +368,12 @@ bool ElasticForceField::useExactTangent(bool exact) {
 }
 
 bool ElasticForceField::keepTurning(bool on) {
-  auto* const kernels = data().find("tangent")->isSet() ? nullptr : dynamic_cast<TurningKernels*>(method_.get());
+  auto* const kernels = data().find("tangent")->isSet() ? nullptr : dynamic_cast<TurnsStresses*>(method_.get());
   return kernels && kernels->keepTurning(on);
 }
 
 void ElasticForceField::addTurning(double part) {
-  if (auto* const kernels = dynamic_cast<TurningKernels*>(method_.get())) kernels->addTurning(part);
+  if (auto* const kernels = dynamic_cast<TurnsStresses*>(method_.get())) kernels->addTurning(part);
 }
 
 /// Measured on one core at 2.6 GHz with 8 lanes; in proportion for fewer. An element's own assembly is its scatter.

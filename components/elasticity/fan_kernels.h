@@ -19,16 +19,20 @@ void prefetch(const T* array, std::size_t at) {
   for (std::size_t line = 0; line < sizeof(T); line += 64) __builtin_prefetch(reinterpret_cast<const void*>(first + line));
 }
 
-/// df += factor K dx with the gradients of the tangents. The edges of a batch are gathered before the forces of the one before are
-/// added: the two touch no common number, so that a processor does both at once.
-template <class Storage>
-[[gnu::noinline]] void addFanProduct(const Storage& storage, ConstRows dx, double factor, Rows df) {
+/// 1/2 G/mu of each tetrahedron of a fan (turning.h).
+using FanTurning = Fanned<S3<Pack>>;
+
+/// df += what force(batch, i, d, f) gives for the edges d of tetrahedron i of a batch, by the tangents of the storage. The edges of a
+/// batch are gathered before the forces of the one before are added: the two touch no common number, so that a processor does both
+/// at once.
+template <class Storage, class Force>
+[[gnu::noinline]] void addFanProduct(const Storage& storage, ConstRows dx, const Force& force, Rows df) {
   constexpr Index tile = 32;  // the first batch of a tile waits for its edges
   constexpr Index ahead = 4;  // batches: one takes some 70 ns, memory 100 and more
   const bool is_beyond_cache = storage.tangent.size() * sizeof(storage.tangent[0]) > std::size_t(1) << 20;  // the second one
-  const Pack scale(factor);
   const auto& loop = storage.loop;
   loop.template forEachTile<tile>([&](Index first, Index count) __attribute__((flatten)) {
+    const Force own = force;  // its numbers in registers
     FanEdges kept[2];
     kept[0].gather(loop, first, dx);
     for (Index k = 0; k < count; ++k) {
@@ -39,36 +43,7 @@ template <class Storage>
 #pragma GCC unroll 2
       for (int i = 0; i < fan_size; ++i) {
         const V3<Pack> d[3] = {edges[0], edges[1 + i], edges[2 + i]};
-        const Tangent<Pack>& t = storage.tangent[first + k].of[i];
-        nodalForces(restoringStress(strainOf(d, t.g), scale * t.ratio, scale), t.g, f[i]);
-      }
-      sumOfBoth(f[0], f[1], sum);
-      loop.scatter(first + k, sum, df);
-    }
-  });
-}
-
-/// 1/2 G/mu of each tetrahedron of a fan (turning.h).
-using FanTurning = Fanned<S3<Pack>>;
-
-/// The same with `part` of what turning adds.
-template <class Storage>
-[[gnu::noinline]] void addTurningProduct(const Storage& storage, const Array<FanTurning>& turning, ConstRows dx, double factor,
-                                         double part, Rows df) {
-  constexpr Index tile = 32;
-  const Pack scale(factor), turns(factor * part);
-  const auto& loop = storage.loop;
-  loop.template forEachTile<tile>([&](Index first, Index count) __attribute__((flatten)) {
-    FanEdges kept[2];
-    kept[0].gather(loop, first, dx);
-    for (Index k = 0; k < count; ++k) {
-      const FanEdges& edges = kept[k % 2];
-      if (k + 1 < count) kept[(k + 1) % 2].gather(loop, first + k + 1, dx);
-      V3<Pack> f[fan_size][4], sum[fan_nodes];
-#pragma GCC unroll 2
-      for (int i = 0; i < fan_size; ++i) {
-        const V3<Pack> d[3] = {edges[0], edges[1 + i], edges[2 + i]};
-        turningProduct(storage.tangent[first + k].of[i], turning[first + k].of[i] * turns, scale, d, f[i]);
+        own(first + k, i, d, f[i]);
       }
       sumOfBoth(f[0], f[1], sum);
       loop.scatter(first + k, sum, df);
@@ -83,7 +58,7 @@ template <class Storage>
 ///   strainFrom(rest, tangent, d)     (mu V_0)^1/2 eps
 ///   stress_turns          turning.h holds for it; d_i are then the edges
 template <class Single>
-class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>>, public TurningKernels {
+class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>>, public TurnsStresses {
   using Model = FanOf<Single>;
   using Base = StoredKernels<StorageOf<Model>>;
   using Products = ProductLoops<Model>;
@@ -101,8 +76,17 @@ class FanKernels final : public StoredKernels<StorageOf<FanOf<Single>>>, public 
   }
   double energy(ConstRows x) const override { return ForceLoops<Model>::energy(storage_, x); }
   void addProduct(ConstRows dx, double factor, Rows df) const override {
-    if (!turns()) return addFanProduct(storage_, dx, factor, df);
-    addTurningProduct(storage_, turning_, dx, factor, part_, df);
+    const auto* tangents = storage_.tangent.data();
+    const Pack scale(factor), turned(factor * part_);
+    const auto warped = [=](Index batch, int i, const V3<Pack>(&d)[3], V3<Pack>(&f)[4]) {
+      const Tangent<Pack>& t = tangents[batch].of[i];
+      nodalForces(restoringStress(strainOf(d, t.g), scale * t.ratio, scale), t.g, f);
+    };
+    if (!turns()) return addFanProduct(storage_, dx, warped, df);
+    const auto turning = [=, of_fans = turning_.data()](Index batch, int i, const V3<Pack>(&d)[3], V3<Pack>(&f)[4]) {
+      turningProduct(tangents[batch].of[i], of_fans[batch].of[i] * turned, scale, d, f);
+    };
+    addFanProduct(storage_, dx, turning, df);
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
     if (!turns()) return Products::assemble(storage_, {}, factor, slots, values);

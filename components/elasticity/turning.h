@@ -10,7 +10,7 @@
 // Source: Smith, de Goes and Kim 2019 (the eigenvalues of turning); the form above is our own.
 #pragma once
 #include "components/elasticity/fan_blocks.h"
-#include "components/elasticity/turning_kernels.h"
+#include "framework/mechanics/turns_stresses.h"
 
 namespace stroma::tetrahedron {
 

@@ -40,6 +40,7 @@
 #include "framework/scene/factory.h"
 #include "framework/scene/load.h"
 #include "framework/scene/text.h"
+#include "framework/simulation/energies.h"
 #include "framework/simulation/expectation.h"
 #include "framework/simulation/simulation.h"
 
@@ -223,8 +224,7 @@ void Expect::compile(const Simulation& simulation) {
 
 void Expect::begin(const Simulation& simulation) {
   if (simulation.steps() == 0) {
-    start_ = 0;
-    for (const auto& system : simulation.systems()) start_ += system->kineticEnergy() + system->potentialEnergy(system->x);
+    start_ = energiesOf(simulation.systems()).total;
     scale_ = std::abs(start_);
     while (std::size_t(next_) < at_.size() && at_[std::size_t(next_)] <= simulation.time()) {
       ++next_;
@@ -267,13 +267,7 @@ std::vector<Value> Expect::values(const Simulation& simulation) const {
 double Expect::sceneValue(const Simulation& simulation) const {
   if (isWord("linear_iterations")) return most_[0];
   if (isWord("newton_iterations")) return most_[1];
-  double kinetic = 0, elastic = 0, gravity = 0, total = 0;
-  for (const auto& system : simulation.systems()) {
-    kinetic += system->kineticEnergy();
-    elastic += system->elasticEnergy(system->x);
-    gravity += system->gravityEnergy(system->x);
-    total += system->kineticEnergy() + system->potentialEnergy(system->x);
-  }
+  const auto [kinetic, elastic, gravity, total] = energiesOf(simulation.systems());
   if (isWord("kinetic_energy")) return kinetic;
   if (isWord("elastic_energy")) return elastic;
   if (isWord("gravity_energy")) return gravity;

@@ -22,6 +22,7 @@
 #include "components/output/table_file.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/written_units.h"
+#include "framework/simulation/energies.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
 
@@ -65,13 +66,7 @@ class EnergyMonitor final : public Observer {
 
  private:
   void write(const Simulation& simulation, double t, bool first) {
-    double kinetic = 0, elastic = 0, gravity = 0, total = 0;
-    for (const auto& system : simulation.systems()) {
-      kinetic += system->kineticEnergy();
-      elastic += system->elasticEnergy(system->x);
-      gravity += system->gravityEnergy(system->x);
-      total += system->kineticEnergy() + system->potentialEnergy(system->x);
-    }
+    const auto [kinetic, elastic, gravity, total] = energiesOf(simulation.systems());
     if (first) total_at_start_ = total;
     line_.clear();
     appendNumber(line_, t);

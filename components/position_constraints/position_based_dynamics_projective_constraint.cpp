@@ -26,7 +26,7 @@
 #include <Eigen/Dense>
 #include <charconv>
 
-#include "framework/fem/local_frame.h"
+#include "components/position_constraints/best_rotation.h"
 #include "framework/mechanics/position_constraint.h"
 #include "framework/scene/factory.h"
 
@@ -132,15 +132,6 @@ class PositionBasedDynamics final : public PositionConstraint {
     group.inverse = spread.inverse();
   }
 
-  static Mat3 rotationOf(const Mat3& a) {
-    const double scale = 1 / std::max(a.norm(), 1e-300);
-    const auto column = [&](int c) { return V3<double>{a(0, c) * scale, a(1, c) * scale, a(2, c) * scale}; };
-    const M3<double> r = local_frame::bestRotation(M3<double>{column(0), column(1), column(2)});
-    Mat3 out;
-    out << r.c0.x, r.c1.x, r.c2.x, r.c0.y, r.c1.y, r.c2.y, r.c0.z, r.c1.z, r.c2.z;
-    return out;
-  }
-
   void match(ConstRows x) {
     for (Index node = 0; node < state().size(); ++node) goals_now_[std::size_t(node)] = x[row(node)];
     for (int iteration = 0; iteration < iterations_; ++iteration) {
@@ -153,7 +144,7 @@ class PositionBasedDynamics final : public PositionConstraint {
         for (const Index node : group.nodes)
           a += (goals_now_[std::size_t(node)] - centre) * (state().rest_position[std::size_t(node)] - group.centre).transpose();
         Mat3 shape = Mat3::Zero();
-        if (affine_ != 1) shape += (1 - affine_) * rotationOf(a);
+        if (affine_ != 1) shape += (1 - affine_) * bestRotation(a);
         if (affine_ != 0) shape += affine_ * a * group.inverse;
         for (const Index node : group.nodes) {
           sums_[std::size_t(node)] += centre + shape * (state().rest_position[std::size_t(node)] - group.centre);

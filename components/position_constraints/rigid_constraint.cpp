@@ -33,23 +33,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "framework/fem/local_frame.h"
+#include "components/position_constraints/best_rotation.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/position_constraint.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
-
-/// The best rotation of A = sum p q^T, p current and q at rest.
-Mat3 bestRotation(const Mat3& a) {
-  const double scale = 1 / std::max(a.norm(), 1e-300);
-  const auto column = [&](int c) { return V3<double>{a(0, c) * scale, a(1, c) * scale, a(2, c) * scale}; };
-  const M3<double> r = local_frame::bestRotation(M3<double>{column(0), column(1), column(2)});
-  Mat3 out;
-  out << r.c0.x, r.c1.x, r.c2.x, r.c0.y, r.c1.y, r.c2.y, r.c0.z, r.c1.z, r.c2.z;
-  return out;
-}
 
 /// sum q x e of E = sum e q^T
 Vec3 axial(const Mat3& e) { return {e(2, 1) - e(1, 2), e(0, 2) - e(2, 0), e(1, 0) - e(0, 1)}; }

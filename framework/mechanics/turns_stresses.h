@@ -3,7 +3,8 @@
 
 namespace stroma {
 
-/// A force field whose stiffness leaves out how the stresses of its elements turn with them, and may be asked to add that.
+/// A force field, or the kernels of one, whose stiffness leaves out how the stresses of its elements turn with them, and may
+/// be asked to add that.
 class TurnsStresses {
  public:
   virtual ~TurnsStresses() = default;

@@ -140,16 +140,6 @@ void Instantiation::readAttributes(const ComponentDescription& description, Comp
   }
 }
 
-/// A word instead of a path, where the link has words.
-void Instantiation::checkWord(const AttributeDescription& attribute, const LinkBase& link, Component& component) {
-  if (std::find(link.words.begin(), link.words.end(), link.path) != link.words.end()) return;
-  std::string expected = "one of:";
-  for (const std::string& word : link.words) expected += (word == link.words[0] ? " " : ", ") + word;
-  fail(component,
-       {Severity::error, attribute.where, component.path() + "." + attribute.name,
-        inQuotes(link.path) + " is not a " + link.roleText(), expected + ", or a link (@name)", nearest(link.path, link.words)});
-}
-
 void Instantiation::readAttribute(const AttributeDescription& attribute, Component& component) {
   Data* data = findAttribute(attribute.name, component);
   if (!data) return unknownAttribute(attribute, component);
@@ -183,19 +173,6 @@ Data* Instantiation::findAttribute(const std::string& name, Component& component
   return nullptr;
 }
 
-void Instantiation::unknownAttribute(const AttributeDescription& attribute, Component& component) {
-  if (readCommonAttribute(attribute, component)) return;
-  if (isSwitchedOffOrVisual(attribute, component.type(), &component)) return;
-  std::vector<std::string> names = component.data().names();
-  names.insert(names.end(), commonAttributes().begin(), commonAttributes().end());
-  const std::string advice(adviceOn(attribute.name));
-  const std::string guess = advice.empty() ? nearest(attribute.name, names) : std::string();
-  fail(component,
-       {Severity::error, attribute.where, component.path() + "." + attribute.name,
-        component.type() + " has no attribute " + inQuotes(attribute.name),
-        !advice.empty() || !guess.empty() ? advice : "one of those that 'stroma doc " + component.type() + "' lists", guess});
-}
-
 bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, Component& component) {
   if (!contains(commonAttributes(), attribute.name)) return false;
   if (attribute.name == "name") {
@@ -207,19 +184,6 @@ bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, C
     checkTemplate(attribute, component);
   }
   return true;
-}
-
-/// There is one set of types: 3-vectors of doubles. SOFA's names for it, and those of its matrices, are accepted.
-void Instantiation::checkTemplate(const AttributeDescription& attribute, Component& component) {
-  Words words(attribute.value);
-  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-    if (contains(templateWords(), word) || word.starts_with("CompressedRowSparseMatrix")) continue;
-    return fail(component, {Severity::error, attribute.where, component.path() + ".template",
-                            "there is no template " + inQuotes(word) + " of " + component.type(),
-                            "Vec3 (or nothing: there is one); on linear solvers GraphScattered or "
-                            "CompressedRowSparseMatrixMat3x3",
-                            {}});
-  }
 }
 
 void Instantiation::findInputFile(const AttributeDescription& attribute, Data& data, Component& component) {
@@ -237,29 +201,6 @@ void Instantiation::findInputFile(const AttributeDescription& attribute, Data& d
     fail(component, {Severity::error, attribute.where, component.path() + "." + attribute.name,
                      "the file " + inQuotes(file.given) + " is not found", {},
                      searchedText(searched)});
-}
-
-/// After the links: what nobody gave, neither written nor linked. A component that was refused is passed over: it may
-/// have the attribute under a wrong name or with a wrong value, and one message is enough.
-void Instantiation::checkGiven(Component& component) {
-  if (component.hasFailed()) return;
-  const auto isGiven = [&](const Data& data) {
-    return data.isSet() || std::any_of(component.data_links_.begin(), component.data_links_.end(),
-                                       [&](const Component::DataLink& link) { return link.target == &data; });
-  };
-  for (const Data& data : component.data().all()) {
-    const std::string path = component.path() + "." + data.name();
-    const auto* output_file = data.isInputFile() ? nullptr : std::get_if<FileName*>(&data.pointer());
-    if (data.isRequired() && isGiven(data) && output_file && (*output_file)->empty())
-      fail(component, {Severity::error, component.where(), path, data.name() + " is empty", "the name of a file", {}});
-    if ((!data.isRequired() && !data.isPhysical()) || isGiven(data)) continue;
-    if (data.isRequired()) {
-      fail(component, {Severity::error, component.where(), path, data.name() + " is not given", data.typeText(), {}});
-    } else {
-      const std::string unit = data.unitText().empty() || data.unitText() == "-" ? "" : " " + data.unitText();
-      diagnostics_.warning(component.where(), path, data.name() + " is not given: the default " + data.defaultText() + unit + " is used");
-    }
-  }
 }
 
 }  // namespace stroma

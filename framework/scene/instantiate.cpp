@@ -2,7 +2,6 @@
 // The first and the last pass over a scene: the tree of components, and its initialisation.
 #include <algorithm>
 #include <filesystem>
-#include <unordered_map>
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/files.h"
@@ -118,23 +117,6 @@ void Instantiation::buildChild(const NodeDescription& description, const std::st
   }
 }
 
-void Instantiation::reportDuplicates(const NodeDescription& description, const Node& node) {
-  const auto check = [&](const auto& list, const char* what) {
-    std::unordered_map<std::string, const SourceLocation*> seen;
-    for (const auto& item : list) {
-      const std::string name = item.name();
-      if (name.empty()) continue;
-      const auto [first, is_new] = seen.emplace(name, &item.where);
-      if (is_new) continue;
-      diagnostics_.error(item.find("name")->where, joinPath(node.path(), name),
-                         std::string("another ") + what + " of this node has the same name, at " + first->second->text(),
-                         "a name of its own");
-    }
-  };
-  check(description.components, "component");
-  check(description.children, "child");
-}
-
 void Instantiation::makeComponent(const ComponentDescription& description, const std::string& name, Node& node) {
   if (hasNoEffect(description) && !factory_.find(description.type)) return noEffect(description.type);
   bool misspelt = false;
@@ -186,34 +168,6 @@ std::unique_ptr<Component> Instantiation::create(const ComponentDescription& des
     diagnostics_.error(description.where, path, error.what());
     return std::make_unique<UnknownComponent>();
   }
-}
-
-/// Reports the type. The component most likely meant is made in its place, to be marked as failed: what looks for that
-/// role finds it and stays silent.
-std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescription& description, const std::string& path) {
-  const std::string present(presentType(description.type));
-  if (present != description.type) {
-    diagnostics_.error(description.where, path, description.type + ", now called " + present + ", is not available", {},
-                       adviceOnMissingType(present));
-    return std::make_unique<UnknownComponent>();
-  }
-  for (const TypeRemoval& removal : typeRemovals()) {
-    if (removal.type != description.type) continue;
-    diagnostics_.error(description.where, path, description.type + " does not exist any more", {}, std::string(removal.advice));
-    return std::make_unique<UnknownComponent>();
-  }
-  const std::string nothing = "there is no component " + inQuotes(description.type);
-  if (std::string advice = adviceOnMissingType(description.type); !advice.empty())
-    return diagnostics_.error(description.where, path, nothing, {}, std::move(advice)), std::make_unique<UnknownComponent>();
-  std::vector<std::string> names{"Node", "include"};
-  names.insert(names.end(), acceptedWithoutEffect().begin(), acceptedWithoutEffect().end());
-  for (const Modules::IndexEntry& entry : modules_.index()) names.emplace_back(entry.type);
-  for (const ComponentEntry* entry : factory_.entries()) names.push_back(entry->type);
-  for (const TypeChange& change : typeChanges()) names.emplace_back(change.old_type);
-  const std::string guess(presentType(nearest(description.type, names)));
-  diagnostics_.error(description.where, path, nothing, "a name from 'stroma list'", guess);
-  if (!guess.empty() && guess != "Node" && guess != "include" && modules_.provide(guess)) return factory_.make(guess);
-  return std::make_unique<UnknownComponent>();
 }
 
 void Instantiation::noEffect(const std::string& what) {

@@ -10,6 +10,7 @@
 #include "framework/scene/node.h"
 #include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
+#include "framework/simulation/refusals.h"
 
 namespace stroma {
 
@@ -17,32 +18,6 @@ namespace {
 
 bool contains(const std::vector<State*>& states, const State* state) {
   return std::find(states.begin(), states.end(), state) != states.end();
-}
-
-void checkSecondMasses(const std::vector<Mass*>& masses) {
-  const auto isNamed = [](const Mass* mass) { return mass->data().find("mstate")->isSet(); };  // not one that is there by oversight
-  for (std::size_t i = 0; i < masses.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      if (&masses[i]->state() != &masses[j]->state()) continue;
-      if (!isNamed(masses[i]) && !isNamed(masses[j]))
-        throw ComponentError(fmt::format("{} has two masses: {} and {}", masses[i]->state().path(), masses[j]->path(), masses[i]->path()),
-                             "one of them, or mstate=\"@" + masses[i]->state().path() + "\" of the second where they add up");
-      masses[i]->warn(fmt::format("{} has the mass of {} too: they add up", masses[i]->state().path(), masses[j]->path()));
-    }
-}
-
-void checkMapping(const Actors& actors, std::size_t index) {
-  const Mapping& mapping = *actors.mappings[index];
-  for (std::size_t j = 0; j < index; ++j)
-    if (&mapping.output() == &actors.mappings[j]->output())
-      throw ComponentError(
-          fmt::format("two mappings place {}: {} and {}", mapping.output().path(), actors.mappings[j]->path(), mapping.path()),
-          "one mapping per state");
-  for (const ProjectiveConstraint* constraint : actors.constraints)
-    if (contains(constraint->states(), &mapping.output()))
-      throw ComponentError(fmt::format("{} holds nodes of {}, whose positions follow from {} by {}", constraint->path(),
-                                       mapping.output().path(), mapping.input().path(), mapping.path()),
-                           "constraints on the state that is mapped from");
 }
 
 // A mapping comes after the one that places its input.
@@ -131,8 +106,7 @@ Actors collectActors(const SystemMembers& members) {
     throw ComponentError(
         fmt::format("there is no mechanical state in {} or below, so there is nothing to move", members.integrator->node().path()),
         "a " + usualComponent(Part::state) + " in the integrator's node or below");
-  checkSecondMasses(actors.masses);
-  for (std::size_t i = 0; i < actors.mappings.size(); ++i) checkMapping(actors, i);
+  checkActors(actors);
   orderMappings(actors.mappings);
   findPassiveMappings(actors);
   orderStates(actors);

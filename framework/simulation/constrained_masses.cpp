@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Masses under the constraints of a system: which nodes need one, and the inverse that explicit steps use.
-#include <fmt/format.h>
-
 #include <algorithm>
 
-#include "framework/scene/usual_component.h"
 #include "framework/simulation/constraint_set.h"
+#include "framework/simulation/refusals.h"
 
 namespace stroma {
 
@@ -35,37 +33,12 @@ std::vector<char> rowsAlwaysHeld(const Actors& actors) {
   return held;
 }
 
-void requireDiagonalUnderMotion(const Actors& actors) {
-  const auto moving = std::find_if(actors.constraints.begin(), actors.constraints.end(),
-                                   [](const ProjectiveConstraint* c) { return c->prescribesMotion(); });
-  const auto alone = [&actors](const Mass* mass) {
-    return mass->leavesMovedAlone() || (mass->isDiagonal() && mass->state().firstRow() < actors.independent_rows);
-  };
-  if (moving != actors.constraints.end() && !std::all_of(actors.masses.begin(), actors.masses.end(), alone))
-    throw ComponentError(
-        (*moving)->path() + " moves nodes, and their inertia would not reach their neighbours through a mass that is not diagonal",
-        "a diagonal mass", "use " + usualComponent(Part::diagonal_mass) + ", or lumping=\"true\"");
-}
-
-void requireMassOf(const State& state, const Actors& actors, const std::vector<char>& held, const std::vector<double>& mass) {
-  const bool has_mass = std::any_of(actors.masses.begin(), actors.masses.end(), [&state](const Mass* m) { return &m->state() == &state; });
-  for (Index i = 0; i < state.size(); ++i) {
-    const std::size_t row = std::size_t(state.firstRow() + i);
-    if (held[row] || mass[row] > 0) continue;
-    if (!has_mass)
-      throw ComponentError(fmt::format("{} has no mass, so its motion is not defined", state.path()), "a mass in the state's node",
-                           "add <" + usualComponent(Part::mass) + " totalMass=\"1\"/>");
-    throw ComponentError(fmt::format("node {} of {} has a mass of {} kg, so its motion is not defined", i, state.path(), mass[row]),
-                         "a positive mass at every node that is not held");
-  }
-}
-
 }  // namespace
 
 // A mass on a mapped state gives mass to the nodes it is mapped from; which ones, only the mapping knows, so a state
 // with a mapped one below it is let through.
 void ConstraintSet::requireMass() const {
-  requireDiagonalUnderMotion(actors_);
+  checkMassesUnderMotion(actors_);
   const std::vector<char> held = rowsAlwaysHeld(actors_);
   const std::vector<double> mass = lumpedMass(actors_);
   for (const State* state : actors_.states) {
@@ -74,7 +47,7 @@ void ConstraintSet::requireMass() const {
       const std::vector<State*> inputs = mapping->inputs();
       return std::find(inputs.begin(), inputs.end(), state) != inputs.end();
     });
-    if (!feeds_mapping) requireMassOf(*state, actors_, held, mass);
+    if (!feeds_mapping) checkMassOf(*state, actors_, held, mass);
   }
 }
 

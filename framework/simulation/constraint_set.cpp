@@ -115,51 +115,6 @@ bool ConstraintSet::gatherRelations(double t_start, double t_end) {
   return !(gathered_relations_ == relations_.relations());
 }
 
-/// What ends with its component cannot be told from what an integrator knows of a body (turning inertia), and a sum of
-/// turns is none.
-void ConstraintSet::refuseTurningRows() const {
-  const auto kindOf = [this](Index row) { return actors_.motion.kindOf(row); };
-  for (const ProjectiveConstraint* constraint : all()) {
-    std::vector<Tie> ties;
-    LinearRelations relations;
-    constraint->addTies(ties);
-    constraint->addRelations(relations);
-    for (const LinearRelations::Term& term : relations.terms)
-      if (kindOf(term.row) == RowKind::turn)
-        throw ComponentError(
-            fmt::format("{} relates displacements, and {} is an orientation", constraint->path(), actors_.describeRow(term.row)),
-            "relations of points, centres of frames or numbers");
-    for (const Tie& tie : ties) {
-      if (kindOf(tie.a) != kindOf(tie.b))
-        throw ComponentError(fmt::format("{} ties {} and {}, which are of different types", constraint->path(),
-                                         actors_.describeRow(tie.a), actors_.describeRow(tie.b)),
-                             "nodes of one type, or points and the centres of frames");
-      if (kindOf(tie.a) == RowKind::turn && constraint->endTime() >= 0)
-        throw ComponentError(fmt::format("{} ties orientations and ends", constraint->path()), "no endTime");
-    }
-  }
-}
-
-void ConstraintSet::componentsChanged(double t, Rows v) {
-  const std::vector<Index> held_before = projector_of_row_;
-  const std::vector<NodeProjector> before = projectors_;
-  change_ = std::any_of(all().begin(), all().end(), [](const ProjectiveConstraint* constraint) {
-    return !constraint->isConstant() || constraint->endTime() >= 0;
-  });
-  refuseTurningRows();
-  reserve(t);
-  gather(t, t);
-  // what is newly held stops; directions that were held before keep the velocity that they were given
-  for (const NodeProjector& held : projectors_) {
-    const Index old = held_before[held.row];
-    const Mat3 free_before = old < 0 ? Mat3(Mat3::Identity()) : before[old].projector;
-    v[held.row] -= ((Mat3::Identity() - held.projector) * (free_before * v[held.row])).eval();
-  }
-  updateInverseMass();
-  if (!relations_.empty()) relations_.set(gathered_relations_, projectors_, groups_, relationWeights());
-  ++revision_;
-}
-
 void ConstraintSet::resume(const StepContext& last) { if (change_ && last.index > 0) gather(last.t, last.t_end); }
 
 void ConstraintSet::begin(const StepContext& context, ConstRows x, Rows v) {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "framework/scene/spans.h"
-#include "framework/simulation/integrator.h"
+#include "framework/simulation/refusals.h"
 
 namespace stroma {
 
@@ -65,24 +65,7 @@ void PositionCorrections::compile(const Actors& actors, const Integrator& integr
   actors_ = &actors;
   constraints_ = &constraints;
   if (empty()) return;
-  if (!integrator.movesInTime())
-    throw ComponentError(fmt::format("{} finds an equilibrium, and {} acts on motion", integrator.path(),
-                                     actors.position_constraints.front()->path()),
-                         "an integrator of dynamics, or no position constraint");
-  for (const PositionConstraint* constraint : actors.position_constraints)
-    if (constraint->state().firstRow() >= actors.independent_rows)
-      throw ComponentError(fmt::format("{} acts on {}, whose positions follow from another state by a mapping",
-                                       constraint->path(), constraint->state().path()),
-                           "position constraints on the state that is mapped from");
-  for (const PositionConstraint* constraint : actors.position_constraints)
-    if (!constraint->state().hasPointsOnly() && !(constraint->state().hasFrames() && constraint->takesFrames()))
-      throw ComponentError(fmt::format("{} acts on points, and {} has {}", constraint->path(), constraint->state().path(),
-                                       constraint->state().hasFrames() ? "rigid frames" : "numbers"),
-                           "position constraints on a state of points");
-  if (!constraints.relations().empty())
-    throw ComponentError(fmt::format("{} corrects positions after each step, and the corrections would break relations "
-                                     "between displacements", actors.position_constraints.front()->path()),
-                         "position constraints, or linear relations");
+  checkPositionConstraints(actors, integrator, constraints);
   mobility_.allocate(constraints.inverseLumpedMass());
   reference_.resize(actors.independent_rows);
   before_.resize(actors.independent_rows);

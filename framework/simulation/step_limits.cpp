@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/simulation/step_limits.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
-#include "framework/mechanics/right_side.h"
 #include "framework/scene/spans.h"
-#include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
@@ -126,36 +122,6 @@ void placeStart(System& system) {
       places->placeStart(system.x, system.independentRows(), [&](Rows ways) { system.constraints().project(ways); });
       system.mappingChain().positions(system.x);
     }
-}
-
-void checkStepLimits(const System& system) {
-  const auto& lagrangian = system.actors().lagrangian_constraints;
-  if (!lagrangian.empty() && !dynamic_cast<const FindsMultipliers*>(&system.integrator()))
-    throw ComponentError(fmt::format("{} does not find the forces of the constraint {}", system.integrator().type(),
-                                     dynamic_cast<const Component&>(*lagrangian.front()).path()),
-                         "an integrator that does: " + usualComponent(Part::integrator));
-  for (const ProjectiveConstraint* constraint : system.constraints().all())
-    if (const auto* side = dynamic_cast<const ProjectsRightSide*>(constraint);
-        side && side->leavesMatrix() && !dynamic_cast<const AsksRightSides*>(&system.integrator()))
-      throw ComponentError(
-          fmt::format("{} has inMatrix=\"false\", and {} projects no right side", constraint->path(), system.integrator().type()),
-          usualComponent(Part::integrator) + ", or no inMatrix");
-  const auto& fields = system.forceFields();
-  const auto limiter = std::find_if(fields.begin(), fields.end(), [](ForceField* f) { return dynamic_cast<StepLimiter*>(f) != nullptr; });
-  if (limiter == fields.end()) return;
-  const std::string path = (*limiter)->path();
-  const auto* heeds = dynamic_cast<const HeedsStepLimits*>(&system.integrator());
-  if (!heeds || !heeds->heedsStepLimits())
-    throw ComponentError(fmt::format("{} moves bodies without asking {} how far they may move before they pass through each other",
-                                     system.integrator().type(), path),
-                         "an implicit integrator or statics with Newton's method", heeds ? heeds->howToHeedStepLimits() : "");
-  if (!system.actors().position_constraints.empty())
-    throw ComponentError(fmt::format("{} moves positions after the step, where {} no longer sees to it that nothing passes "
-                                     "through anything",
-                                     system.actors().position_constraints.front()->path(), path),
-                         "contact or position constraints, not both");
-  for (ForceField* field : fields)
-    if (auto* each = dynamic_cast<StepLimiter*>(field)) each->checkStart(system.x);
 }
 
 }  // namespace stroma

@@ -10,7 +10,6 @@
 #include "framework/mechanics/frames.h"
 #include "framework/scene/node.h"
 #include "framework/scene/spans.h"
-#include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/step_limits.h"
 
@@ -67,22 +66,6 @@ void System::bindStates() {
     }
     first += state->size();
   }
-}
-
-void System::checkLinearSolver() const {
-  const LinearSolver* solver = linearSolver();
-  if (!solver) return;
-  if (const Index most = solver->mostRows(); independentRows() > most)
-    throw ComponentError(
-        fmt::format("{} nodes are too many for the dense matrix of {}", independentRows(), solver->path()),
-        fmt::format("at most {} nodes", most), usualComponent(Part::solver_of_equilibria));
-  if (!solver->needsSymmetric() || matrix_.symmetric()) return;
-  for (const ForceField* field : forceFields())
-    if (const ForceTraits traits = field->traits();
-        !traits.symmetric && (traits.has_stiffness || traits.velocity_dependent))
-      throw ComponentError(fmt::format("{} solves symmetric systems only, and the derivative of {} is not symmetric",
-                                       solver->path(), field->path()),
-                           "a solver for unsymmetric matrices");
 }
 
 LinearSolver* System::linearSolver() const { return integrator_.linearSolver(); }

@@ -27,6 +27,26 @@ void System::componentsChanged(const std::vector<Component*>& changed, double t)
   integrator_.compile(*this);
 }
 
+void ConstraintSet::componentsChanged(double t, Rows v) {
+  const std::vector<Index> held_before = projector_of_row_;
+  const std::vector<NodeProjector> before = projectors_;
+  change_ = std::any_of(all().begin(), all().end(), [](const ProjectiveConstraint* constraint) {
+    return !constraint->isConstant() || constraint->endTime() >= 0;
+  });
+  refuseTurningRows();
+  reserve(t);
+  gather(t, t);
+  // what is newly held stops; directions that were held before keep the velocity that they were given
+  for (const NodeProjector& held : projectors_) {
+    const Index old = held_before[held.row];
+    const Mat3 free_before = old < 0 ? Mat3(Mat3::Identity()) : before[old].projector;
+    v[held.row] -= ((Mat3::Identity() - held.projector) * (free_before * v[held.row])).eval();
+  }
+  updateInverseMass();
+  if (!relations_.empty()) relations_.set(gathered_relations_, projectors_, groups_, relationWeights());
+  ++revision_;
+}
+
 void System::gravityChanged() {
   has_gravity_ = false;
   computeGravity();

@@ -10,13 +10,7 @@ namespace stroma {
 
 Energies energiesOf(const Simulation& simulation) {
   simulation.complete();
-  Energies energies;
-  for (const auto& system : simulation.systems()) {
-    energies.kinetic += system->kineticEnergy();
-    energies.elastic += system->elasticEnergy(system->x);
-    energies.gravity += system->gravityEnergy(system->x);
-  }
-  return energies;
+  return energiesOf(simulation.systems());
 }
 
 void RunStatistics::add(const StepReport& report, double step_seconds) {

@@ -5,14 +5,12 @@
 #include <vector>
 
 #include "framework/scene/archive.h"
+#include "framework/simulation/energies.h"
 #include "framework/simulation/simulation.h"
 
 namespace stroma {
 
-/// Energies of all systems [J].
-struct Energies {
-  double kinetic = 0, elastic = 0, gravity = 0;
-};
+/// At the present of all nodes.
 Energies energiesOf(const Simulation& simulation);
 
 /// Steps of a run that relied on solves that ended before their tolerance. A run that goes on from a checkpoint still
