@@ -42,6 +42,7 @@ class AutomaticInverse final : public ApproximateInverse {
     const Way way = by_blocks_ ? Way::block_jacobi : now_.way;
     way == Way::multigrid ? multigrid_.apply(r, z) : way == Way::factors ? factors_->apply(r, z) : blocks_.apply(r, z);
   }
+  const BlockJacobiInverse* blockJacobi() const override { return by_blocks_ || now_.way == Way::block_jacobi ? &blocks_ : nullptr; }
   /// After follow(): the direct solver solves, and not an iteration.
   bool isDirect() const { return now_.way == Way::direct; }
   /// The matrix has no factors, or no hierarchy.

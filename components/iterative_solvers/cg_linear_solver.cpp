@@ -162,6 +162,7 @@ void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) {
   kept.bad_block = kept.jacobi.factor(kept.blocks);
   kept.jacobi_key = matrix.key();
   kept.is_scaled = may_scale && kept.bad_block < 0;
+  if (kept.bad_block < 0) kept.light.know(kept.jacobi_key, kept.blocks, kept.jacobi);
 }
 
 SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual) {

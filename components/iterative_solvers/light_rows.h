@@ -13,9 +13,9 @@ namespace stroma {
 ///
 ///   max |D^-1 r| > share max |x|,   share = max(1e-3, tolerance of the solve).
 ///
-/// D is that of the matrix solved: one diagonal for each matrix of which a solve has converged. A block that is not positive definite, or
-/// is singular but for round-off, counts as its largest |entry|: |r| over that is no more than the error. Rows with empty blocks are
-/// left out. Turns and places are measured together, each in its unit.
+/// D is that of the matrix solved: one diagonal for each matrix of which a solve has converged, or what the solver preconditions by. A
+/// block that is not positive definite, or is singular but for round-off, counts as its largest |entry|: |r| over that is no more than
+/// the error. Rows with empty blocks are left out. Turns and places are measured together, each in its unit.
 ///
 /// Nothing is looked at where an assembly costs more than 64 products, as of a body whose fluid couples all nodes, or is not known: there D
 /// costs as much as solves do.
@@ -30,11 +30,16 @@ class LightRows {
     if (key_ != matrix.key()) take(matrix);
     if (!(bound_ * left > most)) return false;
     if (z_.count() != r.count) z_.resize(r.count);
-    inverse_.apply(r, z_);
+    inverse_->apply(r, z_);
     return largest(z_) > most;
   }
   /// D^-1 of the matrix that areLeft() was last true for.
-  const cg::BlockJacobi& inverse() const { return inverse_; }
+  const cg::BlockJacobi& inverse() const { return *inverse_; }
+  /// D of the matrix with this key, and D^-1, as the solver preconditions by them. They stay where they are, and as they are until
+  /// the next call.
+  void know(const MatrixKey& key, const std::vector<double>& blocks, const cg::BlockJacobi& inverse) {
+    known_key_ = key, known_blocks_ = &blocks, known_inverse_ = &inverse;
+  }
 
   /// Solves by solve(limits), which goes on from x until |b - A x|, as it measures it, is at most limits.residual. Then to a tenth of
   /// that, and so on, while light rows are left in r = `left()`. What stops short of the limits of the scene has converged.
@@ -81,15 +86,25 @@ class LightRows {
     for (std::size_t i = 0; i < rows.doubles(); ++i) most = std::max(most, std::abs(rows.data[i]));
     return most;
   }
+  using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   void take(const SystemMatrix& matrix) {
+    key_ = matrix.key();
+    inverse_ = known_key_ == key_ && areClearlyDefinite(*known_blocks_) ? known_inverse_ : makeOwn(matrix);
+    bound_ = 3 * inverse_->largest();
+  }
+  const cg::BlockJacobi* makeOwn(const SystemMatrix& matrix) {
     matrix.diagonalBlocks(blocks_);
     for (std::size_t at = 0; at < blocks_.size(); at += 9) {
-      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(blocks_.data() + at);
+      Eigen::Map<Block> block(blocks_.data() + at);
       if (!isClearlyDefinite(block)) block = Mat3(sizeOf(block) * Mat3::Identity());
     }
-    inverse_.factor(blocks_);
-    bound_ = 3 * inverse_.largest();
-    key_ = matrix.key();
+    own_.factor(blocks_);
+    return &own_;
+  }
+  static bool areClearlyDefinite(const std::vector<double>& blocks) {
+    for (std::size_t at = 0; at < blocks.size(); at += 9)
+      if (!isClearlyDefinite(Eigen::Map<const Block>(blocks.data() + at))) return false;
+    return true;
   }
   /// What a block counts for that has no inverse to rely on: its largest |entry|, or so much that its row is left out. The cubes of both
   /// are numbers.
@@ -105,10 +120,14 @@ class LightRows {
     return a(0, 0) > least && minor > least * a(0, 0) && a.determinant() > least * minor;
   }
 
-  cg::BlockJacobi inverse_;  ///< D^-1
-  MatrixKey key_;            ///< of D
-  double bound_ = 0;         ///< on the largest |(D^-1 r)_i| / max |r_i|
-  std::vector<double> blocks_;
+  const cg::BlockJacobi* inverse_ = nullptr;  ///< D^-1: own_, or what is known
+  MatrixKey key_;                             ///< of D
+  double bound_ = 0;                          ///< on the largest |(D^-1 r)_i| / max |r_i|
+  cg::BlockJacobi own_;
+  std::vector<double> blocks_;  ///< of that
+  MatrixKey known_key_;
+  const std::vector<double>* known_blocks_ = nullptr;
+  const cg::BlockJacobi* known_inverse_ = nullptr;
   Vector z_;  ///< D^-1 r
 };
 

@@ -301,6 +301,8 @@ SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, 
     if (!is_first) blocks = &kept.light.inverse();
     return cg::preconditioned(multiply, precondition, note, limits, b, work, x, !is_first, is_first && by_inverse);
   };
+  if (const BlockJacobiInverse* known = inverse ? inverse->blockJacobi() : nullptr)
+    kept.light.know(known->key(), known->blocks(), known->inverse());
   const auto left = [&] { return work.r.rows(); };
   SolveReport report = kept.light.solveAll(matrix, {most, target(), terms_.stop, by_inverse}, relativeTarget(terms_), solve, left, x);
   report.relative_residual /= norm_b_;

@@ -8,6 +8,8 @@
 
 namespace stroma {
 
+class BlockJacobiInverse;
+
 /// B, symmetric and positive definite, close to A^-1 and cheap to apply: what preconditions conjugate gradients. One
 /// serves one matrix, which changes.
 class ApproximateInverse {
@@ -18,6 +20,8 @@ class ApproximateInverse {
   virtual bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) = 0;
   /// z = B r.
   virtual void apply(ConstRows r, Rows z) = 0;
+  /// What applies B where that is by the blocks of the diagonal; else null.
+  virtual const BlockJacobiInverse* blockJacobi() const { return nullptr; }
   /// Told after each solve how many iterations it took: what is kept over several matrices is renewed by it.
   virtual void solved(const SolveReport&) {}
   /// Iterations of one solve after which a new B would be the better choice: the solve then goes on with that, see giveUp().

@@ -24,6 +24,7 @@ inline Eigen::Map<RowBlock> blockAt(std::vector<double>& values, Index slot) {
 /// Follows the key of a matrix, so that an inverse is made again only when values may have changed.
 class FollowingInverse : public ApproximateInverse {
  public:
+  const MatrixKey& key() const { return key_; }  ///< of the matrix that it is of
   /// Brings the inverse up to date; false when the matrix has none, and the report says at which row.
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken) final {
     if (key_ == matrix.key()) {
@@ -85,6 +86,9 @@ class Jacobi final : public FollowingInverse {
 class BlockJacobiInverse final : public FollowingInverse {
  public:
   void apply(ConstRows r, Rows z) override { jacobi_.apply(r, z); }
+  const BlockJacobiInverse* blockJacobi() const override { return this; }
+  const std::vector<double>& blocks() const { return blocks_; }
+  const cg::BlockJacobi& inverse() const { return jacobi_; }
 
  protected:
   bool make(SystemMatrix& matrix, SolveReport& report) override {

@@ -294,7 +294,7 @@ TEST(LightRows, AreSeenByMinResInAnIndefiniteSystem) {
 class StoppingMatrix final : public SystemMatrix {
  public:
   mutable StopRequest request;
-  mutable int products = 0;
+  mutable int products = 0, diagonals = 0;
   StoppingMatrix() : inner(make()) {}
   MatrixKey key() const override { return {identity().get(), 1, 1}; }
   Index rows() const override { return 3; }
@@ -303,7 +303,10 @@ class StoppingMatrix final : public SystemMatrix {
     if (++products == 2) request.make();
   }
   const BlockMatrix& assemble() override { return inner.assemble(); }
-  void diagonalBlocks(std::vector<double>& blocks) const override { inner.diagonalBlocks(blocks); }
+  void diagonalBlocks(std::vector<double>& blocks) const override {
+    ++diagonals;
+    inner.diagonalBlocks(blocks);
+  }
   bool symmetric() const override { return true; }
   bool prefersAssembled(int) const override { return false; }
   std::string describeRow(Index row) const override { return inner.describeRow(row); }
@@ -331,6 +334,19 @@ TEST(LightRows, AreLeftBySolvesThatAreStopped) {
     b[0] = Vec3(1, -2, 3), b[1] = Vec3(1e-12, 0, 0);
     SolverInScene solver("<" + name + " tolerance='1e-6' iterations='1000'/>");
     EXPECT_EQ(solver.solver->solve(matrix, b, x, {.stop = StopToken(matrix.request)}).stop, SolveStop::stopped) << name;
+  }
+}
+
+/// The diagonal that preconditions tells what is left: it is not taken again.
+TEST(LightRows, AreSeenByTheBlocksThatPrecondition) {
+  for (const std::string type : {"CGLinearSolver", "PCGLinearSolver"}) {
+    StoppingMatrix matrix;
+    Vector b(3), x(3);
+    b[0] = Vec3(1, -2, 3), b[1] = Vec3(1e-12, 0, 0);
+    SolverInScene solver("<" + type + " preconditioner='block_jacobi' tolerance='1e-6' iterations='1000'/>");
+    EXPECT_TRUE(solved(solver.solver->solve(matrix, b, x, {}))) << type;
+    EXPECT_NEAR(x[1][0], 2. / 3, 4e-3) << type;
+    EXPECT_EQ(matrix.diagonals, 1) << type;
   }
 }
 
