@@ -150,7 +150,10 @@ void Multigrid::serialize(SystemMatrix& matrix, Archive& archive, bool never_cha
   archive.value("remade", is_remade);
   bool is_turned = exists && now_.turns;
   archive.value("turned", is_turned);
-  if (archive.isReading()) now_.hierarchy = nullptr, now_.turns = is_turned ? std::make_shared<Vector>() : nullptr;
+  if (archive.isReading()) {
+    now_.hierarchy = nullptr;
+    now_.turns = is_turned ? std::make_shared<Vector>() : nullptr;
+  }
   if (!exists) return;
   if (is_turned) archive.rows("turns", *now_.turns);
   if (archive.isReading()) return readHierarchy(matrix, archive, is_remade, is_current);

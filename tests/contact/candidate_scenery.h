@@ -45,6 +45,24 @@ inline std::set<std::pair<int, int>> edgesOf(const std::vector<Candidates::Cross
   return edges;
 }
 
+/// So many steps from x by wayFrom(x), free all the way and without crossings: nothing more is looked for than what is known.
+template <class WayFrom>
+void expectNothingIsLookedFor(Candidates& candidates, std::vector<Vec3>& x, int steps, WayFrom&& wayFrom) {
+  candidates.findAgain(x, 0.01, 0.1);
+  EXPECT_TRUE(candidates.crossings(x).empty());
+  const auto known = candidates.work().all();
+  EXPECT_GT(known, 0);
+  for (int step = 0; step < steps; ++step) {
+    const std::vector<Vec3> way = wayFrom(x);
+    candidates.stepBegins();
+    EXPECT_EQ(candidates.longestStep(x, way, {}), 1);
+    for (std::size_t v = 0; v < x.size(); ++v) x[v] += way[v];
+    candidates.findAgain(x, 0.01, 0.1);
+    EXPECT_TRUE(candidates.crossings(x).empty());
+  }
+  EXPECT_EQ(candidates.work().all(), known);
+}
+
 /// A step as long as every pair lets it be, each asked alone: none is brought nearer than a tenth of its distance. A pair may be left
 /// out of it that stays farther apart than a tenth of the reach. Beyond that round-off counts alone: 2e-12 of a size of one, of gaps
 /// from a ten-thousandth on. What comes straight on is at a tenth after its first advance, and round-off says whether that ends it.

@@ -229,21 +229,10 @@ TEST(Candidates, MotionAlongTogetherCostsNothing) {
   std::vector<Vec3> x = surfaces.rest;
   for (std::size_t v = 0; v < x.size(); ++v)
     if (surfaces.bodyOf(int(v)) == 1) x[v] += Vec3(3, 0, 0);
-  candidates.findAgain(x, 0.01, 0.1);
-  EXPECT_TRUE(candidates.crossings(x).empty());
-  const auto known = candidates.work().all();
-  EXPECT_GT(known, 0);
   std::vector<Vec3> way(x.size(), Vec3::Zero());
   for (std::size_t v = 0; v < x.size(); ++v)
     if (surfaces.moves(int(v))) way[v] = Vec3(0.1, 0.2, -0.3) + 1e-5 * Vec3(scene.number(), scene.number(), scene.number());
-  for (int step = 0; step < 100; ++step) {
-    candidates.stepBegins();
-    EXPECT_EQ(candidates.longestStep(x, way, {}), 1);
-    for (std::size_t v = 0; v < x.size(); ++v) x[v] += way[v];
-    candidates.findAgain(x, 0.01, 0.1);
-    EXPECT_TRUE(candidates.crossings(x).empty());
-  }
-  EXPECT_EQ(candidates.work().all(), known);
+  expectNothingIsLookedFor(candidates, x, 100, [&](const std::vector<Vec3>&) { return way; });
 }
 
 /// Two blocks that swing on their stands, well apart, each of them with itself: in a hundred steps contact looks at next to nothing

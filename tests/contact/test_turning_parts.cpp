@@ -101,21 +101,12 @@ TEST(TurningParts, TurningTogetherCostsNothing) {
   std::vector<Vec3> x = surfaces.rest;
   for (std::size_t v = 0; v < x.size(); ++v)
     if (surfaces.bodyOf(int(v)) == 1) x[v] += Vec3(1.3, 0, 0);
-  candidates.findAgain(x, 0.01, 0.1);
-  EXPECT_TRUE(candidates.crossings(x).empty());
-  const auto known = candidates.work().all();
-  EXPECT_GT(known, 0);
   const Mat3 turn = Eigen::AngleAxisd(0.05, Vec3(1, 2, -1).normalized()).toRotationMatrix();
-  for (int step = 0; step < 200; ++step) {
-    std::vector<Vec3> way(x.size());
-    for (std::size_t v = 0; v < x.size(); ++v) way[v] = turn * x[v] - x[v];
-    candidates.stepBegins();
-    EXPECT_EQ(candidates.longestStep(x, way, {}), 1);
-    for (std::size_t v = 0; v < x.size(); ++v) x[v] += way[v];
-    candidates.findAgain(x, 0.01, 0.1);
-    EXPECT_TRUE(candidates.crossings(x).empty());
-  }
-  EXPECT_EQ(candidates.work().all(), known);
+  expectNothingIsLookedFor(candidates, x, 200, [&](const std::vector<Vec3>& from) {
+    std::vector<Vec3> way(from.size());
+    for (std::size_t v = 0; v < from.size(); ++v) way[v] = turn * from[v] - from[v];
+    return way;
+  });
 }
 
 /// A bar that is bent to and fro by more than a right angle and turned besides. Its ends move by many times what its parts
