@@ -60,13 +60,17 @@ TEST(Turning, IsOfOneMethod) {
 /// Elements that are flat, inverted or crushed have finite products.
 TEST(Turning, IsFiniteInEveryShape) {
   FieldUnderTest t(tetrahedraScene("method=\"svd\""), "TetrahedronFEMForceField");
-  turningOf(t).addTurning(1);
+  TurnsStresses& turning = turningOf(t);
   const Mat3 mirror = Vec3(1, 1, -1).asDiagonal(), flat = Vec3(1, 1, 0).asDiagonal(), point = Mat3::Zero();
   for (const Mat3& map : {mirror, flat, point}) {
     t.rest();
     for (Index i = 0; i < t.x.count(); ++i) t.x[i] = map * Vec3(t.x[i]);
+    turning.addTurning(0);
+    const Vector warped = t.product(t.direction);
+    turning.addTurning(1);
     const Vector product = t.product(t.direction);
     EXPECT_TRUE(std::isfinite(dot(product, product)));
+    EXPECT_GT(relativeDifference(warped, product), 1e-2) << "nothing was added: " << map.diagonal().transpose();
   }
 }
 

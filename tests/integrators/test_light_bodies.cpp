@@ -124,5 +124,28 @@ TEST(LightBodies, AreForgottenWhereAForceThrows) {
   EXPECT_NEAR(simulation.states()[0]->x()[0].y(), -2, 1e-5);
 }
 
+/// A spring that is pressed to a tenth of its length makes the matrix of a step indefinite. What falls beside it falls as alone.
+TEST(LightBodies, FallBesideASpringInPressure) {
+  const auto point = [](const char* name, double mass) {
+    return fmt::format("<Node name=\"{}\"><MechanicalObject position=\"5 0 0\"/><UniformMass totalMass=\"{:g}\"/></Node>", name, mass);
+  };
+  const std::string spring = "<Node name=\"spring\"><MechanicalObject position=\"9 0 0  9.1 0 0\"/><UniformMass totalMass=\"0.02\"/>"
+                             "<FixedProjectiveConstraint indices=\"0\"/><SpringForceField springsIndices1=\"0\" springsIndices2=\"1\" "
+                             "lengths=\"1\" stiffness=\"5000\"/></Node>";
+  for (const std::string solver : {"<SparseLDLSolver/>", "<EigenSimplicialLLT/>",
+                                   "<PCGLinearSolver preconditioner=\"ssor\" tolerance=\"1e-10\"/>",
+                                   "<CGLinearSolver iterations=\"100\" tolerance=\"1e-10\"/>"}) {
+    SCOPED_TRACE(solver);
+    Simulation simulation =
+        simulationFromText("<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/>" + solver + point("light", 1e-9) +
+                           point("heavy", 1) + spring + "</Node>");
+    const StepReport report = simulation.step();
+    EXPECT_FALSE(report.diverged) << report.reason;
+    EXPECT_FALSE(report.linear_converged);  // and that is told
+    EXPECT_NEAR(simulation.states()[1]->v()[0].y(), -0.1, 1e-6);
+    EXPECT_NEAR(simulation.states()[0]->v()[0].y(), -0.1, 1e-4);  // where solves end by a residual
+  }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
