@@ -21,7 +21,7 @@ void ConditionedStatics::compile(System& system) {
                          "ConstraintContact instead of it, or EulerImplicitSolver");
   for (Vector* vector : {&start_, &way_, &load_}) vector->resize(system.independentRows());
   loads_.resize(system.allRows());
-  conditions_.compile(system, *this, multipliers_, load_);
+  conditions_.compile(system, *this, multipliers_, load_), bodies_.compile(system);
 }
 
 StepReport ConditionedStatics::solve(Newton& newton, LinearSolver& solver, StopToken stop,
