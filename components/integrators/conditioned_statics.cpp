@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "components/integrators/constraint_sweeps.h"
+#include "framework/simulation/integrator.h"
 #include "framework/simulation/step_limits.h"
 
 namespace stroma {
@@ -13,6 +15,7 @@ void ConditionedStatics::compile(System& system) {
   system_ = &system;
   multipliers_.compile(system);
   if (empty()) return;
+  ConstraintSweeps::tellIdle(system.integrator(), system.integrator().path() + " finds equilibria");
   whole_.compile(system), measure_.compile(system.motion());
   StepLimits limits;
   limits.compile(system);
