@@ -3,6 +3,10 @@
 // values below minSingularValue times the largest are left out, which gives the shortest least-squares solution of a
 // singular system.
 //
+// A body that is far lighter than others has singular values as small as those of a singular matrix. So S A S is taken apart, and
+// x = S (S A S)^+ S b. S is 1 but for rows and columns whose largest number is below the root of minSingularValue times the
+// largest of all: there it brings that number to the size of the others, by a power of two.
+//
 // The numbers are factored again only when the matrix may have changed. The residual of each solve is measured, and the
 // solve refined where it is above 1e-10 |b|.
 //
@@ -15,6 +19,7 @@
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "components/direct_solvers/dense_factor.h"
@@ -36,6 +41,7 @@ class SingularValues final : public DenseFactor {
   SolveStop factor(Index&, StopToken) override {
     if (!dense_.allFinite()) return SolveStop::breakdown;
     const int n = int(dense_.rows());
+    scaleLightRows();
     values_.resize(n);
     left_.resize(n, n);
     right_transposed_.resize(n, n);
@@ -53,14 +59,25 @@ class SingularValues final : public DenseFactor {
   }
   void apply(ConstRows b, Rows x) override {
     gather(b, all_);
+    all_.array() *= scale_.array();
     part_.noalias() = left_.leftCols(rank_).transpose() * all_;
     part_.array() /= values_.head(rank_).array();
     all_.noalias() = right_transposed_.topRows(rank_).transpose() * part_;
+    all_.array() *= scale_.array();
     scatter(all_, x);
   }
   double condition() const { return values_[0] / values_[values_.size() - 1]; }
 
  private:
+  void scaleLightRows() {
+    const Eigen::VectorXd size =
+        dense_.cwiseAbs().rowwise().maxCoeff().cwiseMax(dense_.cwiseAbs().colwise().maxCoeff().transpose());
+    const double most = size.maxCoeff();
+    scale_.setOnes(size.size());
+    for (Eigen::Index i = 0; i < size.size(); ++i)
+      if (size[i] > 0 && size[i] < std::sqrt(smallest_) * most) scale_[i] = std::ldexp(1.0, std::ilogb(most / size[i]) / 2);
+    dense_ = scale_.asDiagonal() * dense_ * scale_.asDiagonal();
+  }
   /// Overwrites dense_ unless only the size of `work` is asked for.
   void decompose(int n, double* work, int size, int* integers, int& info) {
     dgesdd_("A", &n, &n, dense_.data(), &n, values_.data(), left_.data(), &n, right_transposed_.data(), &n, work, &size,
@@ -70,6 +87,7 @@ class SingularValues final : public DenseFactor {
   double smallest_;
   int rank_ = 0;
   Eigen::VectorXd values_, all_, part_;  ///< singular values, falling; of all unknowns; of those in the rank
+  Eigen::VectorXd scale_;                ///< S, shape (unknowns)
   Eigen::MatrixXd left_, right_transposed_;
 };
 
@@ -85,7 +103,7 @@ class SVDLinearSolver final : public DirectSolver {
         .min(0)
         .max(1);
     table.add("conditionNumber", condition_)
-        .help("the largest over the smallest singular value of the matrix that was factored last")
+        .help("the largest over the smallest singular value of S A S, of the matrix that was factored last")
         .unit("-")
         .output();
     table.addVisualOnly("verbose");

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "components/integrators/constraint_sweeps.h"
+#include "framework/simulation/integrator.h"
 #include "framework/simulation/step_limits.h"
 
 namespace stroma {
@@ -13,6 +15,7 @@ void ConditionedStatics::compile(System& system) {
   system_ = &system;
   multipliers_.compile(system);
   if (empty()) return;
+  ConstraintSweeps::tellIdle(system.integrator(), system.integrator().path() + " finds equilibria");
   whole_.compile(system), measure_.compile(system.motion());
   StepLimits limits;
   limits.compile(system);
@@ -21,7 +24,7 @@ void ConditionedStatics::compile(System& system) {
                          "ConstraintContact instead of it, or EulerImplicitSolver");
   for (Vector* vector : {&start_, &way_, &load_}) vector->resize(system.independentRows());
   loads_.resize(system.allRows());
-  conditions_.compile(system, *this, multipliers_, load_);
+  conditions_.compile(system, *this, multipliers_, load_), bodies_.compile(system);
 }
 
 StepReport ConditionedStatics::solve(Newton& newton, LinearSolver& solver, StopToken stop,

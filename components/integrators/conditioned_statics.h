@@ -7,6 +7,7 @@
 #include "components/integrators/conditions_newton.h"
 #include "components/integrators/whole_matrix.h"
 #include "components/integrators/exact_tangent.h"
+#include "components/integrators/light_bodies.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -70,6 +71,7 @@ class ConditionedStatics final : public NonlinearProblem {
   Rows unknowns() override { return way_; }
   void unknownsChanged() override;
   double displacementPerUnknown() const override { return 1; }
+  LightBodies* lightBodies() override { return &bodies_; }
   ConstRows positions() const override { return x(); }
   void takeMeasure() override {
     if (system_->motion().turns()) measure_.take(tangent());
@@ -90,6 +92,7 @@ class ConditionedStatics final : public NonlinearProblem {
   ForceMeasure measure_;
   Multipliers multipliers_;
   ConditionsNewton conditions_;
+  LightBodies bodies_;
   Vector start_, way_;  ///< x0 and u
   Vector loads_;        ///< work space
   Vector load_;         ///< J^T l

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "components/integrators/light_bodies.h"
 #include "framework/simulation/step_progress.h"
 
 namespace stroma {
@@ -36,6 +37,7 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
   const int first = report.newton_iterations, most = settings.iterations;
   problem_->residual(residual_);
   problem_->takeMeasure();
+  if (LightBodies* const bodies = problem_->lightBodies()) bodies->begin(residual_, problem_->weightOfForces());
   for (double now = problem_->sizeOf(residual_);;) {
     if (history.empty()) scale_ = std::max(now, problem_->loadScale());
     scale_ = std::max(scale_, problem_->sizeOf(multipliers_->carried()));
@@ -59,8 +61,9 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
           swings_ ? fmt::format("goes to and fro by {:.2g} m, as constraints tolerate, after {} iterations", moved_, iterations_)
                   : fmt::format("stopped at its limit of {} iterations", most);
       report.reason = fmt::format("Newton's method with forces of constraint {} with a relative residual of {:.2g} "
-                                  "(tolerance {:.2g})",
-                                  how, report.newton_residual, settings.relative_residual);
+                                  "(tolerance {:.2g}){}",
+                                  how, report.newton_residual, settings.relative_residual,
+                                  left_ ? ", and " + left_->path() + " is out of balance by itself beside heavier bodies" : "");
       break;
     }
     if (!iterate(newton, solver, now, stop, report)) return report;
@@ -73,12 +76,23 @@ bool ConditionsNewton::isLittle(const NewtonSettings& settings, double residual)
 }
 
 /// The conditions hold, and what is left of the forces is little, or the round-off of positions.
-bool ConditionsNewton::isBalanced(const NewtonSettings& settings, double residual, StepReport& report) const {
+bool ConditionsNewton::isBalanced(const NewtonSettings& settings, double residual, StepReport& report) {
+  left_ = nullptr;
   if (!holds_) return false;
   const bool is_still = moved_ <= 4 * std::numeric_limits<double>::epsilon() * largest(problem_->positions());
   if (!isLittle(settings, residual) && !is_still) return false;
+  if (!is_still && !areBodiesBalanced(settings)) return false;
   report.linear_converged = true, report.linear_at_limit = false;  // its solves were means only
   return true;
+}
+
+/// |R + q| of all does not see one that is decades lighter than others.
+bool ConditionsNewton::areBodiesBalanced(const NewtonSettings& settings) {
+  LightBodies* const bodies = problem_->lightBodies();
+  if (!bodies || settings.absolute_residual != 0 || settings.fixed_count) return true;
+  left_ = bodies->outOfBalance(residual_, multipliers_->carried(), settings.relative_residual, problem_->weightOfForces(),
+                               problem_->tangent(), problem_->displacementPerUnknown());
+  return left_ == nullptr;
 }
 
 /// Where the conditions hold: `now` has not become half of the least for longer than mixing needs, and the way turns.

@@ -33,7 +33,8 @@ class ConditionsNewton {
   void goMixed(double& now);
   double residual();
   bool isLittle(const NewtonSettings& settings, double residual) const;
-  bool isBalanced(const NewtonSettings& settings, double residual, StepReport& report) const;
+  bool isBalanced(const NewtonSettings& settings, double residual, StepReport& report);
+  bool areBodiesBalanced(const NewtonSettings& settings);
 
   NonlinearProblem* problem_ = nullptr;
   Multipliers* multipliers_ = nullptr;
@@ -49,6 +50,7 @@ class ConditionsNewton {
   double least_ = 0;     ///< |R + q| of those that were half of all before them, with the conditions
   int least_at_ = 0;     ///< its iteration
   int iterations_ = 0;
+  const State* left_ = nullptr;  ///< out of balance by itself where all together are not
   Mixing mixing_;
 };
 

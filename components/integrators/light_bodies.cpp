@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <utility>
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton.h"
@@ -28,11 +29,25 @@ void LightBodies::begin(ConstRows residual, double weight) {
 }
 
 bool LightBodies::focus(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement) {
+  find(residual, tolerance, weight, tangent, displacement);
+  if (in_focus_) in_focus_->is_done = true;
+  return in_focus_ != nullptr;
+}
+
+const State* LightBodies::outOfBalance(ConstRows residual, ConstRows carried, double tolerance, double weight, SystemMatrix& tangent,
+                                       double displacement) {
+  for (Body& body : bodies_) body.scale = std::max(body.scale, norm(carried.segment(body.first, body.count)));
+  find(residual, tolerance, weight, tangent, displacement);
+  const Body* const found = std::exchange(in_focus_, nullptr);
+  return found ? found->state : nullptr;
+}
+
+void LightBodies::find(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement) {
   constexpr double least = 1e-2, looser = 1e3, round_off = 1e-9;
   const double share = std::max(least, looser * tolerance);
   const auto left = [&](const Body& body) { return body.is_done ? 0 : norm(residual.segment(body.first, body.count)); };
   const auto isOut = [&](const Body& body) { return left(body) > share * body.scale; };
-  if (std::ranges::none_of(bodies_, isOut)) return false;
+  if (std::ranges::none_of(bodies_, isOut)) return;
   if (loads_.count() != system_->allRows()) loads_.resize(system_->allRows());
   clear(loads_);
   for (const Mass* mass : system_->masses()) mass->addGravity(loads_);
@@ -54,8 +69,6 @@ bool LightBodies::focus(ConstRows residual, double tolerance, double weight, Sys
     if (!isOut(body) || !isSeen(body)) continue;
     if (!in_focus_ || left(body) * in_focus_->scale > left(*in_focus_) * body.scale) in_focus_ = &body;
   }
-  if (in_focus_) in_focus_->is_done = true;
-  return in_focus_ != nullptr;
 }
 
 void LightBodies::narrow(Rows residual) const {

@@ -24,6 +24,10 @@ class LightBodies {
   /// is none.
   bool focus(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement);
   void end() { in_focus_ = nullptr; }
+  /// One that is out of balance, the most; null: none. `carried`: forces in R that are found with it, as of constraints, which count
+  /// in S_b.
+  const State* outOfBalance(ConstRows residual, ConstRows carried, double tolerance, double weight, SystemMatrix& tangent,
+                            double displacement);
   /// The rows of all others become zero, in focus.
   void narrow(Rows residual) const;
   double scale() const { return in_focus_->scale; }               ///< S_b
@@ -36,6 +40,8 @@ class LightBodies {
     double scale = 0;
     bool is_done = false;
   };
+  void find(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement);
+
   System* system_ = nullptr;
   std::vector<Body> bodies_;  ///< empty where there is one
   Body* in_focus_ = nullptr;

@@ -2,6 +2,7 @@
 // The linear solves of Newton's method, and what is done where a matrix is not definite.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -37,6 +38,26 @@ std::string placeOf(const SolveReport& solve, const SystemMatrix& matrix) {
 /// A solve that ended for a reason that lies in the matrix has no result to rely on.
 bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
 
+std::string changeOf(const ShiftedMatrix& matrix, double shift) {
+  std::string change;
+  if (matrix.turned() > 0) change = fmt::format("; what is unstable in {} of its {} rows was turned over", matrix.turned(), matrix.rows());
+  return shift > 0 ? change + fmt::format("; {:g} times its diagonal was added", shift) : change;
+}
+
+/// Where blocks on the diagonal say what is unstable, with that turned over; else x stays as it is, and so it does where it does not help.
+bool solveStably(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, StepReport& report) {
+  ShiftedMatrix stable(matrix);
+  if (stable.turned() == 0) return false;
+  Vector found(x.count);
+  copy(x, found), clear(x);
+  const bool is_solved = isSolved(solveOnce(solver, stable, b, x, terms, report));
+  if (is_solved)
+    report.reason += changeOf(stable, 0);
+  else
+    copy(found, x);
+  return is_solved;
+}
+
 }  // namespace
 
 void keepToFree(const System& system, Rows d) {
@@ -60,10 +81,10 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
     report.reason =
         fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
     const double downhill = dot(b, x);
-    if (downhill > 0 && std::isfinite(downhill)) {
-      report.reason += "; the direction found before was used";
-      return true;
-    }
+    const bool goes_down = downhill > 0 && std::isfinite(downhill);
+    if (goes_down && (other || !solveStably(solver, matrix, b, x, terms, report))) report.reason += "; the direction found before was used";
+    if (report.stopped) return false;
+    if (goes_down) return true;
     if (SystemMatrix* const definite = other ? other() : nullptr) {
       clear(x);
       solve = solveOnce(solver, *definite, b, x, terms, report);
@@ -74,14 +95,13 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
       }
     }
     ShiftedMatrix shifted(matrix);
-    double shift = 1e-3;
-    for (int attempt = 0; attempt < 7; ++attempt, shift *= 10) {
+    for (double shift = shifted.turned() > 0 ? 0 : 1e-3; shift < 1e4; shift = std::max(1e-3, 10 * shift)) {
       shifted.setShift(shift);
       clear(x);
       solve = solveOnce(solver, shifted, b, x, terms, report);
       if (report.stopped) return false;
       if (isSolved(solve)) {
-        report.reason += fmt::format("; {:g} times its diagonal was added", shift);
+        report.reason += changeOf(shifted, shift);
         return true;
       }
     }

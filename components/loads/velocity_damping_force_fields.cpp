@@ -104,6 +104,9 @@ class DiagonalVelocityDampingForceField final : public VelocityDamping {
     const std::size_t nodes = rowCount() / std::size_t(state().rows_per_node);
     std::vector<double> all = given_;
     if (last_for_others_ && all.size() >= width && all.size() % width == 0) {
+      if (all.size() > width * nodes)
+        warn(fmt::format("dampingCoefficient has {} numbers for {} nodes: those beyond are left out", all.size(), nodes),
+             fmt::format("{} of each", width));
       while (all.size() < width * nodes) all.push_back(all[all.size() - width]);
       all.resize(width * nodes);
     }

@@ -125,16 +125,16 @@ SolveReport DirectSolver::finish(const BlockMatrix& a, ConstRows b, Rows x, Kept
 
 SolveReport DirectSolver::solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) {
   SolveReport report{.stop = SolveStop::zero_right_side};
+  const auto clearAll = [x] { std::for_each(x.begin(), x.end(), [](Rows each) { clear(each); }); };
   double size = 0;  // not finite where one is not
   for (const ConstRows& each : b) size += norm(each);
-  if (size == 0) std::for_each(x.begin(), x.end(), [](Rows each) { clear(each); });
-  if (size == 0) return report;
-  if (!std::isfinite(size)) return {.stop = SolveStop::not_finite, .iterations = 1, .relative_residual = 1};
+  if (size == 0) return clearAll(), report;
   Kept& kept = kept_.of(matrix);
-  report = {.iterations = 1, .relative_residual = 1};
-  if (!update(matrix, kept, report, terms.stop)) return report;
+  report = {.stop = SolveStop::not_finite, .iterations = 1, .relative_residual = 1};
+  if (!std::isfinite(size) || !update(matrix, kept, report, terms.stop)) return report;
   const BlockMatrix& a = matrix.assemble();
   kept.factors->applyAll(b, x);
+  if (terms.stop.isStopAsked()) return clearAll(), report.stop = SolveStop::stopped, report;  // factors given up solve nothing
   report = {.stop = SolveStop::zero_right_side, .factored = report.factored};
   for (std::size_t i = 0; i < b.size(); ++i) report.add(finish(a, b[i], x[i], kept));
   return report;

@@ -117,7 +117,7 @@ class AskingMatrix final : public SystemMatrix {
   }
   void diagonalBlocks(std::vector<double>& blocks) const override { inner_.diagonalBlocks(blocks); }
   MatrixKey key() const override { return inner_.key(); }
-  bool symmetric() const override { return false; }
+  bool symmetric() const override { return inner_.symmetric(); }
   bool prefersAssembled(int) const override { return true; }
   std::string describeRow(Index row) const override { return inner_.describeRow(row); }
 
@@ -141,10 +141,28 @@ TEST(StoppedFactorisation, AStopIsHeededBeforeTheSecondFactorisationOfAnUnsymmet
   SolverInScene solver("<SparseLDLSolver/>"), patient("<SparseLDLSolver/>");
   Vector x(520);
   const SolveReport report = solver.solver->solve(matrix, b, x, {.stop = StopToken(request)});
-  EXPECT_FALSE(report.usable()) << describe(report.stop);
+  EXPECT_EQ(report.stop, SolveStop::stopped) << describe(report.stop);
   EXPECT_EQ(norm(x), 0);
   EXPECT_EQ(patient.solve(stored, b, x).stop, SolveStop::converged);
   EXPECT_GT(norm(x), 0);
+}
+
+/// A stop is no word about the matrix, wherever it comes: not that it is not definite, nor that its solution is good.
+TEST(StoppedFactorisation, AStopBetweenFactorsAndSolutionsIsToldAsOne) {
+  for (const char* type : {"SparseLDLSolver precision=\"single\"", "SparseLDLSolver precision=\"double\"", "EigenSimplicialLLT"})
+    for (const std::size_t sides : {1, 5}) {
+      StoredMatrix stored = randomMatrix(40, 3, 0.5, 1);
+      StopRequest request;
+      AskingMatrix matrix(stored, request);
+      SolverInScene solver(element(type));
+      std::vector<Vector> b, x(sides);
+      for (std::size_t i = 0; i < sides; ++i) b.push_back(randomVector(40, int(i) + 1)), x[i].resize(40);
+      const std::vector<ConstRows> right(b.begin(), b.end());
+      const std::vector<Rows> solutions(x.begin(), x.end());
+      const SolveReport report = solver.solver->solveAll(matrix, right, solutions, {.stop = StopToken(request)});
+      EXPECT_EQ(report.stop, SolveStop::stopped) << type << ": " << describe(report.stop);
+      for (const Vector& each : x) EXPECT_EQ(norm(each), 0) << type;
+    }
 }
 
 }  // namespace STROMA_TEST_FILE

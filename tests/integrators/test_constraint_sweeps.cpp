@@ -89,6 +89,15 @@ TEST(ConstraintSweeps, OfWhichASceneHasTwoAreTheFirst) {
   expectContains(testing::internal::GetCapturedStderr(), "/two: has no effect: /one stands before it");
 }
 
+TEST(ConstraintSweeps, AreNotMadeInStaticsAndSaySo) {
+  std::string text = chain("<ConstraintSweeps tolerance='1'/>");
+  const std::string steps = "<EulerImplicitSolver newtonIterations=\"1\" oneRound=\"true\"/>";
+  text.replace(text.find(steps), steps.size(), "<StaticSolver/>");
+  testing::internal::CaptureStderr();
+  simulationFromText(text);
+  expectContains(testing::internal::GetCapturedStderr(), "/ConstraintSweeps: has no effect: /StaticSolver finds equilibria");
+}
+
 TEST(ConstraintSweeps, AreNotMadeForOtherConditionsAndSaySo) {
   Simulation alone = simulationFromText(chain("<ConstraintSweeps/>"));
   Simulation bead = simulationFromText(chain("<ConstraintSweeps/>", 10, "<SlidingLagrangianConstraint sliding_point='22' curve='20 21'/>"));

@@ -9,17 +9,18 @@ namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
 /// A block that is held at one end.
-std::string block(const std::string& name, const std::string& grid, double mass, double young, const std::string& method) {
+std::string block(const std::string& name, const std::string& grid, double mass, double young, const std::string& method,
+                  const std::string& more = {}) {
   return fmt::format("<Node name=\"{0}\"><RegularGridTopology {1}/><MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"{2:g}\"/>"
                      "<HexahedronFEMForceField youngModulus=\"{3:g}\" poissonRatio=\"0.3\" method=\"{4}\"/>"
-                     "<FixedProjectiveConstraint indices=\"0 9 18 27\"/></Node>",
-                     name, grid, mass, young, method);
+                     "<FixedProjectiveConstraint indices=\"0 9 18 27\"/>{5}</Node>",
+                     name, grid, mass, young, method, more);
 }
 
 /// The places of a soft beam after some steps, beside a frame of a ton or alone; its forces are in proportion to `scale`.
-std::vector<Vec3> beam(const std::string& integrator, double scale, bool beside_heavy) {
+std::vector<Vec3> beam(const std::string& integrator, double scale, bool beside_heavy, const std::string& more = {}) {
   const std::string solver = "<SparseLDLSolver/>";
-  std::string bodies = block("beam", "n=\"9 2 2\" min=\"0 0 0\" max=\"1 0.1 0.1\"", scale, 1e5 * scale, "polar");
+  std::string bodies = block("beam", "n=\"9 2 2\" min=\"0 0 0\" max=\"1 0.1 0.1\"", scale, 1e5 * scale, "polar", more);
   if (beside_heavy) bodies += block("frame", "n=\"9 2 2\" min=\"5 0 0\" max=\"6 1 1\"", 1e3, 1e9, "small");
   const std::string root = "<Node name=\"root\" dt=\"0.05\" gravity=\"0 -10 0\">";
   Simulation simulation = simulationFromText(root + integrator + solver + bodies + "</Node>");
@@ -42,6 +43,21 @@ TEST(LightBodies, AreInBalanceBesideHeavyOnes) {
       SCOPED_TRACE(fmt::format("{} {}", integrator, scale));
       const std::vector<Vec3> alone = beam(integrator, scale, false), beside = beam(integrator, scale, true);
       ASSERT_EQ(alone.size(), beside.size());
+      double off = 0, way = 0;
+      for (std::size_t i = 0; i < alone.size(); ++i)
+        off = std::max(off, (alone[i] - beside[i]).norm()), way = std::max(way, std::abs(alone[i].y()));
+      EXPECT_LT(off, 1e-3 * way);
+    }
+}
+
+/// A rod of a Lagrangian constraint in the beam.
+TEST(LightBodies, AreInBalanceWithForcesOfConstraint) {
+  for (const std::string integrator : {"<StaticSolver/>", "<EulerImplicitSolver newtonIterations=\"60\"/>",
+                                       "<BDFOdeSolver newtonIterations=\"60\"/>"})
+    for (const double scale : {1e-3, 1e-9}) {
+      SCOPED_TRACE(fmt::format("{} {}", integrator, scale));
+      const std::string rod = "<DistanceLagrangianConstraint first_point=\"4\" second_point=\"13\"/>";
+      const std::vector<Vec3> alone = beam(integrator, scale, false, rod), beside = beam(integrator, scale, true, rod);
       double off = 0, way = 0;
       for (std::size_t i = 0; i < alone.size(); ++i)
         off = std::max(off, (alone[i] - beside[i]).norm()), way = std::max(way, std::abs(alone[i].y()));
@@ -122,6 +138,29 @@ TEST(LightBodies, AreForgottenWhereAForceThrows) {
   EXPECT_EQ(report.newton_iterations, expected.newton_iterations);
   for (const std::size_t i : {0, 1}) EXPECT_EQ(simulation.states()[i]->x()[0].y(), undisturbed.states()[i]->x()[0].y());
   EXPECT_NEAR(simulation.states()[0]->x()[0].y(), -2, 1e-5);
+}
+
+/// A spring that is pressed to a tenth of its length makes the matrix of a step indefinite. What falls beside it falls as alone.
+TEST(LightBodies, FallBesideASpringInPressure) {
+  const auto point = [](const char* name, double mass) {
+    return fmt::format("<Node name=\"{}\"><MechanicalObject position=\"5 0 0\"/><UniformMass totalMass=\"{:g}\"/></Node>", name, mass);
+  };
+  const std::string spring = "<Node name=\"spring\"><MechanicalObject position=\"9 0 0  9.1 0 0\"/><UniformMass totalMass=\"0.02\"/>"
+                             "<FixedProjectiveConstraint indices=\"0\"/><SpringForceField springsIndices1=\"0\" springsIndices2=\"1\" "
+                             "lengths=\"1\" stiffness=\"5000\"/></Node>";
+  for (const std::string solver : {"<SparseLDLSolver/>", "<EigenSimplicialLLT/>",
+                                   "<PCGLinearSolver preconditioner=\"ssor\" tolerance=\"1e-10\"/>",
+                                   "<CGLinearSolver iterations=\"100\" tolerance=\"1e-10\"/>"}) {
+    SCOPED_TRACE(solver);
+    Simulation simulation =
+        simulationFromText("<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/>" + solver + point("light", 1e-9) +
+                           point("heavy", 1) + spring + "</Node>");
+    const StepReport report = simulation.step();
+    EXPECT_FALSE(report.diverged) << report.reason;
+    EXPECT_FALSE(report.linear_converged);  // and that is told
+    EXPECT_NEAR(simulation.states()[1]->v()[0].y(), -0.1, 1e-6);
+    EXPECT_NEAR(simulation.states()[0]->v()[0].y(), -0.1, 1e-4);  // where solves end by a residual
+  }
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -15,9 +15,17 @@
 namespace stroma {
 namespace STROMA_TEST_FILE {
 
+/// Zero; vectors of Eigen have any numbers at first.
+template <class T>
+T zero() {
+  T value{};
+  if constexpr (requires { value.setZero(); }) value.setZero();
+  return value;
+}
+
 template <class T>
 T parsed(const std::string& text) {
-  T value{};
+  T value = zero<T>();
   Data data("value", &value);
   const auto problem = data.parse(text, DataOrigin::written);
   EXPECT_FALSE(problem) << text << ": " << problem->text();
@@ -26,7 +34,7 @@ T parsed(const std::string& text) {
 }
 
 template <class T>
-Problem refused(const std::string& text, T before = {}) {
+Problem refused(const std::string& text, T before = zero<T>()) {
   T value = before;
   Data data("value", &value);
   const auto problem = data.parse(text, DataOrigin::written);

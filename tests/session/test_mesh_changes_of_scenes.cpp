@@ -268,6 +268,31 @@ TEST(ChangedScenes, ListsThatGoTogetherFollow) {
   }
 }
 
+/// Of 24 nodes: what 8 points remember is as long as a number of each node. Point 0 goes in the second one.
+TEST(ChangedScenes, PointsHeldByForcesOfConstraintStayWhereTheyAreHeld) {
+  const std::string held = "<FixedLagrangianConstraint name=\"l\" indices=\"";
+  expectSame(bar(held + "4 5 10 11 16 17 22 23\"/>" + knife), shortBar(held + "3 4 8 9 13 14 18 19\"/>", hexes));
+  expectSame(bar(held + "0 5 11 23\"/>" + knife), shortBar(held + "4 9 19\"/>", hexes));
+  const std::string rod = "<DistanceLagrangianConstraint name=\"l\" first_point=\"";
+  expectSame(bar(rod + "0 5 11\" second_point=\"3 2 6\" distances=\"3 3 5\"/>" + knife),
+             shortBar(rod + "4\" second_point=\"1\" distances=\"3\"/>", hexes));
+}
+
+TEST(ChangedScenes, TiesLetGoOfPointsThatGo) {
+  Session session;
+  session.loadText(twoBars("<BilateralLagrangianConstraint name=\"j\" object1=\"@A/s\" object2=\"@B/s\" first_point=\"12 13 15 23\" "
+                           "second_point=\"0 1 3 11\" rest_vector=\"0 0 0  0 0 0.1  0 0 0.2  0 0 0.3\"/>"),
+                   "two.xml");
+  const Seen seen = runFor(session, 6, "/A/s");
+  ASSERT_EQ(seen.report.end, RunEnd::done) << seen.report.reason;
+  const DataTable& data = findComponent(session.simulation().root(), "/j")->data();
+  const auto& mine = *std::get<std::vector<int>*>(data.find("first_point")->pointer());
+  EXPECT_EQ(*std::get<std::vector<int>*>(data.find("second_point")->pointer()), (std::vector<int>{1, 3, 11}));
+  EXPECT_EQ(data.find("rest_vector")->print(), "0 0 0.1 0 0 0.2 0 0 0.3");
+  ASSERT_EQ(mine.size(), 3u);
+  EXPECT_EQ(seen.rest[std::size_t(mine[0])], Vec3(1, 0, 1));
+}
+
 TEST(ChangedScenes, WhatActsOnNothingIsLeftOut) {
   expectSame(bar("<BoxROI name=\"r\" box=\"-0.1 -1 -1 0.1 2 2\"/><ConstantForceField indices=\"@r.indices\" force=\"0 1 0\"/>"
                  "<ConstantForceField indices=\"0\" totalForce=\"0 0 1\"/><FixedProjectiveConstraint indices=\"0\"/>"

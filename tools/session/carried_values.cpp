@@ -226,7 +226,13 @@ class Carrier {
   /// Numbers of rows, nodes or cells that have changed become those of the present ones; what is of none of them stays.
   bool follow(const Component& component, const Component& old, Archive::Entry& entry) const {
     const std::size_t count = entry.bytes.size() / sizeof(double);
-    if (entry.kind != Archive::Kind::real || count < 2) return true;
+    if (entry.kind != Archive::Kind::real || count == 0) return true;
+    if (const std::vector<EntriesLeft> left = entriesOf(component.path()); !left.empty()) {
+      if (left.size() > 1 || count % left[0].before != 0) return false;  // both bodies of a tie have changed
+      entry.bytes = sums(entry.bytes, alone(left[0].of), count / left[0].before);
+      return true;
+    }
+    if (count < 2) return true;
     if (dynamic_cast<const Integrator*>(&component)) return followSystem(component, entry, count);
     for (const auto& [shares, size] : tablesOf(component, old)) {
       if (size == 0 || count % size != 0) continue;
@@ -234,6 +240,14 @@ class Carrier {
       return true;
     }
     return true;
+  }
+
+  /// What each changed mesh has left of the lists in which a constraint names points.
+  std::vector<EntriesLeft> entriesOf(const std::string& path) const {
+    std::vector<EntriesLeft> found;
+    for (const ChangedMesh& mesh : meshes_)
+      if (const auto at = mesh.followed.entries.find(path); at != mesh.followed.entries.end()) found.push_back(at->second);
+    return found;
   }
 
   bool followSystem(const Component& integrator, Archive::Entry& entry, std::size_t count) const {

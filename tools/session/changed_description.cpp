@@ -178,7 +178,7 @@ class ChangedScene {
       const Data* named = component.data().find(link);
       return isOfMesh(named && named->link() && named->link()->target() ? named->link()->target() : stateOf(component));
     };
-    lists_.forEachChanged(component, is_of_mesh, [&](const Data& data, std::string text) {
+    EntriesLeft left = lists_.forEachChanged(component, is_of_mesh, [&](const Data& data, std::string text) {
       if (std::holds_alternative<std::vector<int>*>(data.pointer()) && trimmed(text).empty() &&
           std::count(done_.left_out.begin(), done_.left_out.end(), component.path()) == 0) {
         done_.left_out.push_back(component.path());
@@ -186,6 +186,7 @@ class ChangedScene {
       }
       noteAndPut(component, at.written(), data, std::move(text));
     });
+    if (component.roleText() == "Lagrangian constraint" && left.before > 0) done_.entries[component.path()] = std::move(left);
     if (const State* state = stateOf(component); isOfMesh(state)) writeTotals(component, *state, at.written());
   }
 

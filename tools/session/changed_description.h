@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The scene with another mesh, as a scene that could have been written so.
 #pragma once
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,11 +11,18 @@
 
 namespace stroma {
 
+/// Of lists of one length in which a Lagrangian constraint names points, and of which it remembers one thing each.
+struct EntriesLeft {
+  std::size_t before = 0;
+  std::vector<Index> of{};  ///< places before of those that stay
+};
+
 /// What a changed mesh has changed in a scene.
 struct Followed {
   std::vector<std::string> states{};   ///< paths of those on the mesh
   std::set<std::string> written{};     ///< "path.attribute", or "path." where all of a component is anew
   std::vector<std::string> left_out{}; ///< paths of components that act on nothing any more
+  std::map<std::string, EntriesLeft> entries{};  ///< by path
 };
 
 /// Puts the mesh of `edit` in the place of that of `topology` into `scene`, the description of `simulation`: as lists of nodes and cells.

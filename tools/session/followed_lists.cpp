@@ -29,6 +29,9 @@ const Together together[] = {
     {"ConstantForceField", {"indices", "forces"}},
     {"AttachProjectiveConstraint", {"indices1", "indices2"}},
     {"SpringForceField", {"springsIndices1", "springsIndices2", "lengths", "stiffness", "damping"}},
+    {"FixedLagrangianConstraint", {"indices"}},
+    {"BilateralLagrangianConstraint", {"first_point", "second_point", "rest_vector"}},
+    {"DistanceLagrangianConstraint", {"first_point", "second_point", "distances"}},
     {"RestShapeSpringsForceField", {"points", "external_points", "stiffness", "angularStiffness", "targets"}}};
 
 /// How many entries a list has; 0: it is no list.
@@ -234,7 +237,7 @@ std::string FollowedLists::valuesOf(const State& state, const char* attribute) c
 }
 
 std::set<std::string> FollowedLists::followTogether(const Component& component, const IsOfMesh& isOfMesh,
-                                                    const Put& put) const {
+                                                    const Put& put, EntriesLeft& left) const {
   const auto group = std::find_if(std::begin(together), std::end(together),
                                   [&](const Together& each) { return each.type == component.type(); });
   if (group == std::end(together) || edit_.points().areTheSame()) return {};
@@ -255,6 +258,7 @@ std::set<std::string> FollowedLists::followTogether(const Component& component, 
   std::vector<std::size_t> places;
   for (std::size_t k = 0; k < count; ++k)
     if (stays[k]) places.push_back(k);
+  left = {count, {places.begin(), places.end()}};
   std::set<std::string> done;
   for (const Data* data : numbers) {
     const std::vector<int>& list = *std::get<std::vector<int>*>(data->pointer());
@@ -302,8 +306,9 @@ void FollowedLists::followOne(const Component& component, const Data& data, cons
   put(data, std::to_string(now[std::size_t(**number)]));
 }
 
-void FollowedLists::forEachChanged(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const {
-  const std::set<std::string> done = followTogether(component, isOfMesh, put);
+EntriesLeft FollowedLists::forEachChanged(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const {
+  EntriesLeft left_of_lists;
+  const std::set<std::string> done = followTogether(component, isOfMesh, put, left_of_lists);
   for (const Data& data : component.data().all()) {
     if (namesOneNode(component.type(), data.name()) && isOfMesh(data)) followOne(component, data, put);
     if (!data.isSet() || data.isOutput() || data.link() || done.count(data.name()) || !isOfMesh(data)) continue;
@@ -333,6 +338,7 @@ void FollowedLists::forEachChanged(const Component& component, const IsOfMesh& i
     }
     put(data, entriesAt(data, places, of.width));
   }
+  return left_of_lists;
 }
 
 }  // namespace stroma

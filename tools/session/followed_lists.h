@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/mechanics/state.h"
+#include "tools/session/changed_description.h"
 #include "tools/session/list_kinds.h"
 
 namespace stroma {
@@ -26,8 +27,8 @@ class FollowedLists {
   /// The values of a list that has some for each node of `state`, for the nodes that there are now.
   std::string valuesOf(const State& state, const char* attribute) const;
   /// Calls `put` with each attribute of the component that is another one now. `isOfMesh`: whether an attribute means the
-  /// mesh. Throws ComponentError for one that cannot follow.
-  void forEachChanged(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const;
+  /// mesh. Returns what is left of its lists that go together. Throws ComponentError for one that cannot follow.
+  EntriesLeft forEachChanged(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const;
 
  private:
   /// What is left of a list of numbers: the places in the list before, and the numbers now.
@@ -45,8 +46,8 @@ class FollowedLists {
   };
   Valued valued(const Component& component, const Data& data, std::size_t count) const;
   void followOne(const Component& component, const Data& data, const Put& put) const;
-  /// Lists that go together; returns the names of those that it has looked at.
-  std::set<std::string> followTogether(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const;
+  /// Lists that go together; returns the names of those that it has looked at, and what is left of them.
+  std::set<std::string> followTogether(const Component& component, const IsOfMesh& isOfMesh, const Put& put, EntriesLeft& left) const;
   void nameExternal(const Component& component, const IsOfMesh& isOfMesh, const std::vector<std::size_t>& places,
                     const Put& put) const;
   static std::vector<std::size_t> numbersLost(const Data& data, bool is_of_mesh, const std::vector<Index>& now);

@@ -100,6 +100,10 @@ MeshChangesMade makeAll(Simulation& simulation, Factory& factory, Modules& modul
     for (const std::string& path : meshes[i].followed.left_out)
       notes.push_back(fmt::format("{}: all that it acts on has gone at t = {:.6g} s, and it is left out from now on", path,
                                   simulation.time()));
+    for (const auto& [path, left] : meshes[i].followed.entries)
+      if (!left.of.empty() && left.of.size() < left.before)
+        notes.push_back(fmt::format("{}: {} of {} points that it names have gone at t = {:.6g} s, and it holds the others from now on",
+                                    path, left.before - left.of.size(), left.before, simulation.time()));
   }
   std::unique_ptr<Simulation> changed = loaded(std::move(scene), simulation.root(), factory, modules);
   addWarnings(simulation, *changed, notes);
