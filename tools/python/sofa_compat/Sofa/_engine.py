@@ -26,7 +26,10 @@ _ONE_OF = {"ConstantForceField": ("forces", "force", "totalForce")}
 
 #: what sweeps over constraints take of a constraint solver
 _OF_SWEEPS = {"maxIterations", "maxIt", "tolerance", "scaleTolerance", "allVerified", "sor", "regularizationTerm", "resolutionMethod"}
+#: their methods by SOFA's numbers
+_METHODS = ("ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient")
 
+_SPRINGS_TO_REST = "RestShapeSpringsForceField"
 #: force fields that read the rest positions in every step
 _READS_REST = {"BeamHookeLawForceField", "BeamHookeLawForceFieldRigid"}
 
@@ -196,19 +199,38 @@ class Engine:
         except RuntimeError:
             data._s_raw = before
             raise
+        finally:
+            self._lead_again(thing, data)
         return None
+
+    def _lead_again(self, thing, data):
+        """Springs of other points pull these to where the scene has put the rest shape."""
+        state = thing._s_node().getMechanicalState() if data._s_name == "points" else None
+        component = self._components.get(id(thing))
+        if state is not None and id(state) in self._rest and component is not None and component.type == _SPRINGS_TO_REST:
+            self._lead(state, self._states[id(state)], self._rest[id(state)])
 
     def write_to_sweeps(self, solver, data, value):
         """A constraint solver is no part of the engine: the dialect has put sweeps in its place, where forces end at its tolerance."""
         if data._s_name not in _OF_SWEEPS or not solver.getClassName().endswith("ConstraintSolver") or id(solver) not in self.mirror.paths:
             return
-        first = next(each for each in self.root._s_all_objects() if each.getClassName().endswith("ConstraintSolver"))
-        is_same = not isinstance(value, Data) and _values.to_text(value) == _values.to_text(data._s_raw)
-        if first is not solver or is_same or _found(self.sim.component, "/sweeps_of_constraints") is None:
+        sweeps = _found(self.sim.component, "/sweeps_of_constraints")
+        if sweeps is None or not _is_first(self.root, solver):
             return
-        if self._s_given:
-            return _messages.warn(f"{solver._s_place()}.{data._s_name}: the command has loaded the scene with another one, and goes on with it")
-        self.edited()
+        if isinstance(value, Data) or _values.is_link_text(value):
+            return self.edited(f"{solver._s_place()}.{data._s_name}")
+        if data._s_name == "regularizationTerm" and "Unbuilt" in sweeps.get("resolutionMethod"):
+            return None  # as in SOFA, whose method of this name has none
+        text = _values.to_text(value).strip()
+        if data._s_name == "resolutionMethod" and text in ("0", "1", "2"):
+            text = _METHODS[int(text)]
+        if data._s_name == "tolerance" and text.startswith("-"):
+            text = "0"  # which no sweep meets either
+        try:
+            sweeps.set(data._s_name, text)
+        except stroma.SceneError as error:
+            raise ValueError(str(error).replace("/sweeps_of_constraints", solver.getPathName())) from None
+        return None
 
     def _place_still(self, thing, data, value):
         """Points that no integrator moves, and nothing follows, are put elsewhere without a new simulation: a tool that touches."""
@@ -225,6 +247,8 @@ class Engine:
     def _set(self, thing, data, value):
         """What is read only where a scene is loaded, as a region of nodes that a load has taken, takes a new simulation."""
         try:
+            if data._s_name == "points" and self._components[id(thing)].type == _SPRINGS_TO_REST:
+                self._components[id(thing)].set("targets", "")  # of the points before
             self._components[id(thing)].set(data._s_name, _plain(value))
         except stroma.LoadNeeded:
             self._waiting.add(id(thing.findData(data._s_name)))
@@ -284,7 +308,7 @@ class Engine:
         readers = 0
         for key, component in self._components.items():
             spring = self.mirror.things[key]
-            if component.type != "RestShapeSpringsForceField" or spring._s_node() is not thing._s_node():
+            if component.type != _SPRINGS_TO_REST or spring._s_node() is not thing._s_node():
                 continue
             if component.get("external_rest_shape"):
                 continue
@@ -574,6 +598,11 @@ def _old_controller():
     return PythonScriptController
 
 
+def _is_first(root, solver):
+    """The constraint solver that counts."""
+    return next(each for each in root._s_all_objects() if each.getClassName().endswith("ConstraintSolver")) is solver
+
+
 def _dense(rows):
     """A copy. By columns: rows of three with a gap behind them take NumPy six times as long."""
     if rows.flags.c_contiguous:
@@ -612,7 +641,8 @@ def check(root):
     """Raises for what a scene writes in Python and the engine has no door for."""
     from ._scene_file import SceneFileError
 
-    found = [(*each._s_where, f"{type(each).__name__} is {each._s_what}, which Stroma does not have")
+    found = [(*each._s_where, f"{type(each).__name__} is {each._s_what}: SofaPython3 has no class that does this in Python, and neither has "
+              "Stroma (a force field, a mapping, a controller or a DataEngine can be written)")
              for each in root._s_all_objects() if isinstance(each, Unavailable)]
     if found:
         raise SceneFileError(found)
