@@ -155,3 +155,62 @@ def test_what_it_cannot_take_is_told_by_its_own_name(name, value):
     with pytest.raises(ValueError, match=rf"test_written_in_steps\.py:\d+: .*/solver\.{name}"):
         root.solver.findData(name).value = value
     animate(root, 1)
+
+
+# ---- others whose values are taken at once ----
+def muscle(parameters=(1000, 1e4)):
+    root = Sofa.Core.Node("root")
+    root.gravity, root.dt = [0, -9.81, 0], 0.01
+    body = root.addChild("body")
+    body.addObject("EulerImplicitSolver")
+    body.addObject("SparseLDLSolver")
+    body.addObject("RegularGridTopology", name="grid", n=[5, 3, 3], min=[0, 0, 0], max=[1, 0.3, 0.3])
+    body.addObject("TetrahedronSetTopologyContainer", name="cells")
+    body.addObject("TetrahedronSetTopologyModifier")
+    body.addObject("Hexa2TetraTopologicalMapping", input="@grid", output="@cells")
+    body.addObject("MechanicalObject", name="state", src="@grid")
+    body.addObject("UniformMass", totalMass=0.2)
+    body.addObject("TetrahedronHyperelasticityFEMForceField", name="law", materialName="NeoHookean", ParameterSet=list(parameters))
+    body.addObject("FixedProjectiveConstraint", indices=list(range(0, 45, 5)))
+    return root
+
+
+def rod(rest=0.0):
+    root = Sofa.Core.Node("root")
+    root.gravity, root.dt = [0, -9.81, 0], 0.01
+    body = root.addChild("body")
+    body.addObject("EulerImplicitSolver", rayleighStiffness=0.1)
+    body.addObject("SparseLDLSolver")
+    body.addObject("MechanicalObject", name="state", position=[[0, 0, 0]] * 3, rest_position=[[0, 0, rest]] * 3)
+    body.addObject("UniformMass", totalMass=0.1)
+    body.addObject("BeamHookeLawForceField", length=[1, 1, 1], radius=0.1, youngModulus=1e5, poissonRatio=0.4)
+    return root
+
+
+OTHERS = {"muscle": (muscle, "body.law.ParameterSet", (3000, 1e4)), "rod": (rod, "body.state.rest_position", 0.2)}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_so_do_laws_and_rods(name):
+    scene, path, value = OTHERS[name]
+    ends = []
+    for when in ("before", "after", "never"):
+        root = scene(value) if when == "before" else scene()
+        Sofa.Simulation.init(root)
+        made = root._s_running.sim
+        if when == "after":
+            root[path].value = [[0, 0, value]] * 3 if name == "rod" else list(value)
+        animate(root, 10)
+        assert root._s_running.sim is made, "the scene was loaded again"
+        ends.append(np.array(root.body.state.position.value))
+    assert np.abs(ends[0] - ends[1]).max() < 1e-12
+    assert np.abs(ends[0] - ends[2]).max() > 1e-6
+
+
+def test_what_is_told_of_a_value_is_told_once(capfd):
+    root = muscle()
+    Sofa.Simulation.init(root)
+    for step in range(5):
+        root.body.law.ParameterSet.value = [1000 + step, 1e4]
+        animate(root, 1)
+    assert capfd.readouterr().err.count("the cells lock at Poisson's ratio") <= 1

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A scene as it runs: the engine under a tree of nodes."""
 import gc
+import re
 import weakref
 
 import numpy as np
@@ -17,6 +18,8 @@ from ._objects import DataEngine, Object, Unavailable
 #: values of a state that steps change
 _STATE = {"position", "velocity", "rest_position", "force", "free_position", "free_velocity", "reset_position", "reset_velocity",
           "lambda"}
+
+_NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 #: data of force fields that are fields of cells here; of nodes they are means over the cells around
 _FIELDS = {"vonMisesPerElement": "vonMises", "vonMisesPerNode": "vonMises"}
@@ -76,9 +79,15 @@ class Engine:
 
     def tell(self):
         """What was found when the scene was loaded, and was not told before."""
-        for each in () if self._s_given else self.sim.problems:
-            if each.severity == "warning" and each.text not in self._told:
-                self._told.add(each.text)
+        self._tell(() if self._s_given else self.sim.problems)
+
+    def _tell(self, problems):
+        """Each once of a component, whatever numbers are in it: a controller may change one in each step."""
+        known = set(self._told)
+        for each in problems:
+            key = each.path, _NUMBER.sub("#", str(each.message))
+            if each.severity == "warning" and key not in known:
+                self._told.add(key)
                 _messages.warn(str(each.text).replace(": warning: ", ": ", 1))
 
     def _take(self, simulation, mirror):
@@ -249,7 +258,7 @@ class Engine:
         try:
             if data._s_name == "points" and self._components[id(thing)].type == _SPRINGS_TO_REST:
                 self._components[id(thing)].set("targets", "")  # of the points before
-            self._components[id(thing)].set(data._s_name, _plain(value))
+            self._tell(self._components[id(thing)].set(data._s_name, _plain(value)))
         except stroma.LoadNeeded:
             self._waiting.add(id(thing.findData(data._s_name)))
             self.edited(f"{thing._s_place()}.{data._s_name}")
@@ -317,7 +326,8 @@ class Engine:
             readers += 1
         if any(each._s_type in _READS_REST for each in thing._s_node()._s_objects):
             thing.findData("rest_position")._s_raw = rest
-            self.edited(f"{thing._s_place()}.rest_position")
+            if not _stroma.lead_rest(self.sim._engine, self.mirror.paths[id(thing)], rest):
+                self.edited(f"{thing._s_place()}.rest_position")
         elif not readers:
             _messages.warn(f"{thing._s_place()}.rest_position: nothing in this node reads it while the scene runs")
 
