@@ -69,6 +69,7 @@ class Engine:
         self._has_other_meshes = False  # than the tree says
         self._stood = {}  # states that nothing moves and the scene has put elsewhere: what it wrote of them at first, and their start
         self._asleep = {}  # positions and velocities of states in nodes that are switched off, which go on from there
+        self.inertias = {}  # of frames that answer by themselves, where the last step began
         self._placed, self._places = None, []  # states that are written to while the scene is told that it is initialised; their start
         if simulation is None:
             mirror = Mirror(root)
@@ -238,7 +239,7 @@ class Engine:
         try:
             sweeps.set(data._s_name, text)
         except stroma.SceneError as error:
-            raise ValueError(str(error).replace("/sweeps_of_constraints", solver.getPathName())) from None
+            raise stroma.SceneError(str(error).replace("/sweeps_of_constraints", solver.getPathName())) from None
         return None
 
     def _place_still(self, thing, data, value):
@@ -365,9 +366,6 @@ class Engine:
         return found[1]
 
     def compliance(self, solver):
-        refused = self.without_compliance()
-        if refused:
-            raise RuntimeError(f"{solver._s_place()}: W() is not offered {refused}")
         self._watch(solver)
         return _equations.compliance(self, solver, _stroma)
 
@@ -393,11 +391,16 @@ class Engine:
                 found.append((component, np.size(component.get("forces"))))
         return found
 
-    def without_compliance(self):
-        """Why there is no W, or empty."""
-        if any(each.type == "UncoupledConstraintCorrection" for each in self._components.values()):
-            return "with an UncoupledConstraintCorrection, which has a compliance of its own"
-        return ""
+    def uncoupled(self):
+        """(path of its state, component, object) of each correction whose nodes answer by a compliance of their own."""
+        found = []
+        for key, component in self._components.items():
+            if component.type == "UncoupledConstraintCorrection":
+                thing = self.mirror.things[key]
+                link = thing.findData("mstate")
+                state = link.getLinkedBase() if link is not None and link.isSet() else thing._s_node().getMechanicalState()
+                found.append((self.mirror.paths[id(state)], component, thing))
+        return found
 
     def of_constraints(self, name):
         """What a constraint solver of SOFA tells of the last step: of the search for the forces, where there was one."""
@@ -527,6 +530,7 @@ class Engine:
         self._hand_on()
         if self._restart:
             self._make_anew()
+        self.inertias = _equations.inertias(self) if self._watches else {}
         if self._s_given and self._tells_gradients:
             _stroma.watch_step(self.sim._engine, True)
 
