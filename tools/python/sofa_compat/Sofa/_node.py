@@ -105,6 +105,8 @@ class Node(Base):
             return _messages.warn(f"{self._s_place()}.{data._s_name}: {value!r} is not a number: SOFA keeps {data.value}")
         was_active = data._s_name != "activated" or self.isActive()
         super()._s_write(data, value)
+        if data._s_name in ("activated", "is_activated"):
+            self._s_tell_root([self])
         engine = self._s_engine()
         if engine is not None and data._s_name == "activated" and was_active != self.isActive():
             engine.edited(f"{self._s_place()}.activated")
