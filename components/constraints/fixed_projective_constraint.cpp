@@ -25,6 +25,7 @@ class FixedProjectiveConstraint final : public HeldNodes {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
+    table.find("fixAll")->recompiled();
     table.add("activate_projectVelocity", project_velocity_).help("also set the velocity of the nodes to zero");
     declareMatrix(table);
     table.addVisualOnly("coordinates");

@@ -29,7 +29,9 @@ class PartialFixedProjectiveConstraint final : public HeldNodes {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
+    table.find("fixAll")->recompiled();
     table.add("fixedDirections", directions_)
+        .recompiled()
         .help("for x, y and z, of frames also for the turns about them, or for each number: 1 held, 0 free");
     table.add("projectVelocity", project_velocity_)
         .alias("activate_projectVelocity")

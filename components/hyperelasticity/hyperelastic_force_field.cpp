@@ -43,7 +43,7 @@ void HyperelasticForceField::declareLaw(DataTable& table) {
   std::set<std::string> names;
   for (const HyperelasticLaw& law : hyperelasticLaws()) names.insert(law.name);
   table.add("materialName", material_name_).physical().help(fmt::format("the law: {}", fmt::join(names, ", ")));
-  table.add("ParameterSet", parameter_set_).help("the law's parameters by position, instead of by name");
+  table.add("ParameterSet", parameter_set_).recompiled().help("the law's parameters by position, instead of by name");
   table.add("youngModulus", young_modulus_)
       .recompiled()
       .unit("Pa")

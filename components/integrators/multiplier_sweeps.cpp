@@ -14,17 +14,18 @@
 namespace stroma {
 
 void ConstraintSweeps::declare(DataTable& table) {
-  table.add("maxIterations", most_).alias("maxIt").help("sweeps at most").unit("-").min(1);
-  table.add("tolerance", tolerance_).help("movement of the conditions in a sweep at which it is the last").unit("m").min(0);
+  table.add("maxIterations", most_).atOnce().alias("maxIt").help("sweeps at most").unit("-").min(1);
+  table.add("tolerance", tolerance_).atOnce().help("movement of the conditions in a sweep at which it is the last").unit("m").min(0);
   table.add("turnTolerance", turn_tolerance_).help("of how two frames are turned to each other; 0: as of the rest").unit("rad").min(0);
-  table.add("scaleTolerance", scales_).help("the tolerance is times the number of conditions");
-  table.add("allVerified", all_verified_).help("no condition may move by more than the tolerance, in the place of their sum");
-  table.add("sor", relaxation_).help("share of a sweep that forces go").unit("-").min(0, false).max(2, false);
-  table.add("regularizationTerm", softness_).help("by which conditions yield to impulses").unit("m/(N s)").min(0);
+  table.add("scaleTolerance", scales_).atOnce().help("the tolerance is times the number of conditions");
+  table.add("allVerified", all_verified_).atOnce().help("no condition may move by more than the tolerance, in the place of their sum");
+  table.add("sor", relaxation_).atOnce().help("share of a sweep that forces go").unit("-").min(0, false).max(2, false);
+  table.add("regularizationTerm", softness_).atOnce().help("by which conditions yield to impulses").unit("m/(N s)").min(0);
   table.add("keepsUnsettled", keeps_unsettled_)
       .help("forces that have not come to the tolerance in maxIterations sweeps count, as in SOFA, and the run goes on and tells of it");
   table.addChoice("resolutionMethod", method_,
                   {"ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient"})
+      .atOnce()
       .help("sweeps that go on from the step before, that begin at zero, or as steps of conjugate gradients");
 }
 

@@ -18,7 +18,7 @@ void Actuator::declareValue(DataTable& table, const char* way, const char* force
   table.add("impulses", impulses_).help(fmt::format("the {} and its bounds are those of a whole step, times dt, as in SoftRobots", force));
   std::vector<std::string> words{way, force};
   if (!way_first) std::swap(words[0], words[1]);
-  table.addChoice("valueType", imposed_, words).help("what value is");
+  table.addChoice("valueType", imposed_, words).recompiled().help("what value is");
 }
 
 double Actuator::written(const char* attribute, double value, double otherwise) const {

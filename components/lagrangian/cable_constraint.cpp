@@ -47,11 +47,12 @@ class Cable final : public Actuator {
     table.add("hasPullPoint", has_pull_).help("false: it ends at the first of indices");
     table.add("method", method_).help("point: forces act on the points themselves");
     declareValue(table, "displacement", "force", true, "displacement [m] or force [N]");
-    table.add("minForce", least_force_).help("least tension; 0: it does not push. Without it, none").unit("N");
-    table.add("maxForce", most_force_).help("largest tension; without it, none").unit("N");
-    table.add("maxPositiveDisp", most_way_).help("largest displacement; without it, none").unit("m");
-    table.add("maxNegativeDisp", least_way_).help("largest displacement the other way; without it, none").unit("m");
+    table.add("minForce", least_force_).recompiled().help("least tension; 0: it does not push. Without it, none").unit("N");
+    table.add("maxForce", most_force_).recompiled().help("largest tension; without it, none").unit("N");
+    table.add("maxPositiveDisp", most_way_).recompiled().help("largest displacement; without it, none").unit("m");
+    table.add("maxNegativeDisp", least_way_).recompiled().help("largest displacement the other way; without it, none").unit("m");
     table.add("maxDispVariation", change_)
+        .recompiled()
         .help("largest change of the imposed displacement in a step; without it, none")
         .unit("m")
         .min(0);

@@ -47,15 +47,17 @@ class SurfacePressure final : public Actuator {
     table.add("quads", quads_).help("of the surface, each bilinear");
     declareValue(table, "volumeGrowth", "pressure", false, "pressure [Pa] or growth of the volume since the start [m^3]");
     table.add("flipNormal", flip_).help("normals point the other way");
-    table.add("minPressure", least_pressure_).help("least pressure; without it, none").unit("Pa");
-    table.add("maxPressure", most_pressure_).help("largest pressure; without it, none").unit("Pa");
-    table.add("minVolumeGrowth", least_growth_).help("least growth; without it, none").unit("m^3");
-    table.add("maxVolumeGrowth", most_growth_).help("largest growth; without it, none").unit("m^3");
+    table.add("minPressure", least_pressure_).recompiled().help("least pressure; without it, none").unit("Pa");
+    table.add("maxPressure", most_pressure_).recompiled().help("largest pressure; without it, none").unit("Pa");
+    table.add("minVolumeGrowth", least_growth_).recompiled().help("least growth; without it, none").unit("m^3");
+    table.add("maxVolumeGrowth", most_growth_).recompiled().help("largest growth; without it, none").unit("m^3");
     table.add("maxPressureVariation", pressure_change_)
+        .recompiled()
         .help("largest change of the imposed pressure in a step; without it, none")
         .unit("Pa")
         .min(0);
     table.add("maxVolumeGrowthVariation", growth_change_)
+        .recompiled()
         .help("largest change of the imposed growth in a step; without it, none")
         .unit("m^3")
         .min(0);

@@ -33,7 +33,7 @@ class ConstantForceField final : public DeadLoad {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("indices", indices_).help("loaded nodes; every node when not given");
+    table.add("indices", indices_).recompiled().help("loaded nodes; every node when not given");
     table.add("emptyMeansAll", empty_is_all_).help("an empty list of indices stands for all nodes, as in SOFA");
     table.add("forces", forces_).recompiled().help("force on each listed node, or one for all of them").unit("N");
     table.add("force", force_).recompiled().help("the same force on each listed node").unit("N").shorthand();
@@ -104,17 +104,18 @@ class ConstantForceField final : public DeadLoad {
     }
     if (data().find("force")->isSet()) check(force_, "force"), forces_ = force_;
     check(forces_, "forces");
-    if (forces_.size() == width)
-      while (forces_.size() < width * nodes_.size()) forces_.push_back(forces_[forces_.size() - width]);
-    if (forces_.size() != width * nodes_.size())
-      throw ComponentError(fmt::format("forces has {} values for {} nodes", forces_.size() / width, nodes_.size()),
+    std::vector<double> all = forces_;  // the attribute stays as it is written: other indices may be as many others
+    if (all.size() == width)
+      while (all.size() < width * nodes_.size()) all.push_back(all[all.size() - width]);
+    if (all.size() != width * nodes_.size())
+      throw ComponentError(fmt::format("forces has {} values for {} nodes", all.size() / width, nodes_.size()),
                            fmt::format("1 value or {}", nodes_.size()));
-    for (const double number : forces_)
+    for (const double number : all)
       if (!std::isfinite(number)) throw ComponentError("a force is not finite", "finite numbers");
     total_force_.assign(width, 0);
-    for (std::size_t i = 0; i < forces_.size(); ++i) total_force_[i % width] += forces_[i];
+    for (std::size_t i = 0; i < all.size(); ++i) total_force_[i % width] += all[i];
     loads_.clear();
-    const double* at = forces_.data();
+    const double* at = all.data();
     for (const Index node : nodes_)
       for (Index k = 0; k < Index(rows); ++k, at += numbers ? 1 : 3)
         loads_.emplace_back(node * Index(rows) + k, numbers ? Vec3(at[0], 0, 0) : Vec3(at[0], at[1], at[2]));

@@ -34,7 +34,7 @@ class LinearForceField final : public DeadLoad, public LocalLoad {
     ForceField::declare(table);
     table.add("points", points_).alias("indices").help("loaded nodes").required();
     table.add("keyTimes", times_).alias("times").help("times, ascending").unit("s").required();
-    table.add("forces", forces_).help("force on each of points at each of keyTimes").unit("N").required();
+    table.add("forces", forces_).recompiled().help("force on each of points at each of keyTimes").unit("N").required();
     for (const char* drawing : {"arrowSizeCoef", "showArrowSize"}) table.addVisualOnly(drawing);
   }
 

@@ -28,7 +28,7 @@ class PlaneForceField final : public PenaltyField {
  public:
   void declare(DataTable& table) override {
     PenaltyField::declare(table);
-    table.add("normal", normal_).help("normal of the plane, to the side that is left free").unit("-");
+    table.add("normal", normal_).recompiled().help("normal of the plane, to the side that is left free").unit("-");
     table.add("d", offset_).atOnce().help("distance of the plane from the origin along the normal").unit("m");
     table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0).physical();
     table.add("maxForce", largest_force_).atOnce().help("largest force on a node; 0: not limited").unit("N").min(0);

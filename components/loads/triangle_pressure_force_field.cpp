@@ -36,7 +36,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
  public:
   void declare(DataTable& table) override {
     SurfaceLoad::declare(table);
-    table.add("pressure", pressure_).help("force per area at rest, of a fixed direction").unit("Pa");
+    table.add("pressure", pressure_).recompiled().help("force per area at rest, of a fixed direction").unit("Pa");
     table.add("cauchyStress", given_stress_).help("xx xy yy zx yz zz of a stress that acts on the normals").unit("Pa");
     table.add("triangleList", list_).help("loaded triangles of the mesh").required();
     table.add("allowEmpty", allow_empty_).help("a list without triangles is no error: nothing is loaded");

@@ -45,7 +45,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("points", points_).alias("indices").help("nodes with a spring; every node when not given");
+    table.add("points", points_).alias("indices").recompiled().help("nodes with a spring; every node when not given");
     table.add("emptyMeansAll", empty_is_all_).help("an empty list of points stands for all nodes, as in SOFA");
     table.add("firstForOthers", first_for_others_)
         .help("of several values the first is that of points without one, and those beyond are left out, as in SOFA");
@@ -96,10 +96,10 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
       throw ComponentError(
           fmt::format("pivot_points are of rigid bodies, and the nodes of {} are points", state().path()),
           "points, or external_points of another state");
-    spreadValues(stiffness_constants_, "stiffness");
+    constants_ = spreadValues(stiffness_constants_, "stiffness");
     if (state().hasFrames() && !data().find("angularStiffness")->isSet())
       warn(fmt::format("angularStiffness is not given: the default {:g} N m is used", angular_stiffness_[0]));
-    spreadValues(angular_stiffness_, "angularStiffness");
+    turn_constants_ = spreadValues(angular_stiffness_, "angularStiffness");
     if (directions_.size() == 7 && state().hasFrames()) directions_.pop_back();  // SOFA's have one for each number of a frame
     const std::size_t count = directions_.size();
     if (count != 3 && !(count == 6 && state().hasFrames()))
@@ -177,7 +177,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
                      state().nodes()));
     return false;
   }
-  void spreadValues(std::vector<double>& values, const char* attribute) const {
+  /// One for each point. What is written stays: other points may be as many others.
+  std::vector<double> spreadValues(std::vector<double> values, const char* attribute) const {
     const std::size_t given = values.size(), count = nodes_.size();
     if (first_for_others_ && given > 1 && given != count) {
       warn(fmt::format("{} has {} values for {} points: {}", attribute, given, count,
@@ -185,11 +186,12 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
       values.resize(count, values.front());
     }
     spread(values, count, attribute, "points");
+    return values;
   }
   double constantOf(std::size_t target) const {
-    return stiffness_constants_[target / (targets_.size() / nodes_.size())];
+    return constants_[target / (targets_.size() / nodes_.size())];
   }
-  double angularOf(std::size_t i) const { return directions_.size() == 3 || directions_[3] ? angular_stiffness_[i] : 0; }
+  double angularOf(std::size_t i) const { return directions_.size() == 3 || directions_[3] ? turn_constants_[i] : 0; }
   bool isOfNumbers() const { return state().kindOf(0) == RowKind::value; }
   std::vector<int> nodeNumbers() const {
     std::vector<int> numbers(nodes_.begin(), nodes_.end());
@@ -266,6 +268,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
   Link<State> external_{"mechanical state"};
 
   std::vector<Index> nodes_, external_nodes_;  ///< shape (points)
+  std::vector<double> constants_, turn_constants_;  ///< shape (points)
   std::vector<Vec3> targets_;                  ///< [m], shape (points)
   std::vector<Quaternion> turns_;              ///< of frames, shape (points)
   Mat3 active_ = Mat3::Zero();

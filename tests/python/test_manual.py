@@ -45,7 +45,7 @@ def test_every_example(folder):
     for type in sorted(stroma.types()):
         example = EXAMPLE.search(stroma.type_info(type).manual)
         if not example:
-            assert type in ("PythonForceField", "PythonConstraint"), f"{type} has no example"
+            assert type in ("PythonForceField", "PythonConstraint", "PythonMapping"), f"{type} has no example"
             continue
         (folder / "example.xml").write_text(example.group(1))
         try:

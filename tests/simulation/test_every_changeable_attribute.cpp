@@ -23,6 +23,8 @@ std::string chosenValue(const std::string& name) {
   if (name.starts_with("SpringForceField.springsIndices")) return "2 0";
   if (name.ends_with("LagrangianConstraint.activate")) return "false";
   if (name == "RestShapeSpringsForceField.targets") return "0.1 0 0  1 0 0.2  2 0.3 0";
+  if (name == "RestShapeSpringsForceField.points") return "2 1 0";
+  if (name == "SurfacePressureConstraint.maxVolumeGrowth") return "-0.01";
   if (name == "BarrierContact.offset") return "0 0 0.16";  // it has been thrown out of reach
   if (name.ends_with("Contact.offset")) return "0 0 -0.05";  // towards the body it would start too near
   if (name == "BeamHookeLawForceField.innerRadius" || name == "BeamInterpolation.innerRadius") return "0.005";
@@ -39,6 +41,16 @@ std::string exception(const std::string& name) {
       {"BoxROI.box", "no step reads the selection; see LiveAttributes"},
       {"BoxROI.orientedBox", "no step reads the selection"},
       {"InterventionalRadiologyController.controlledInstrument", "there is one rod"},
+      {"CableConstraint.maxForce", "the cable has been pulled at once, and hangs loose"},
+      {"CableConstraint.maxPositiveDisp", "bounds an imposed force, and the example imposes a displacement"},
+      {"CableConstraint.maxNegativeDisp", "bounds an imposed force, and the example imposes a displacement"},
+      {"CableConstraint.maxDispVariation", "the imposed displacement stays as it is"},
+      {"SurfacePressureConstraint.maxPressureVariation", "the imposed pressure stays as it is"},
+      {"SurfacePressureConstraint.maxVolumeGrowthVariation", "the example imposes a pressure"},
+      {"HexahedronHyperelasticityFEMForceField.ParameterSet", "the example gives parameters by name"},
+      {"QuadraticTetrahedronHyperelasticityFEMForceField.ParameterSet", "the example gives parameters by name"},
+      {"TetrahedronHyperelasticityFEMForceField.ParameterSet", "the example gives parameters by name"},
+      {"TrianglePressureForceField.pressure", "the example gives cauchyStress"},
       {"CGLinearSolver.threshold", "only a solve that breaks down meets it"},
       {"ConstantForceField.force", "the example gives totalForce"},
       {"ConstantForceField.forces", "the example gives totalForce"},
@@ -93,6 +105,14 @@ std::vector<std::string> nearbyValues(const Data& data) {
     }
     if (auto* const* point = std::get_if<Vec3*>(&pointer)) print(*point, Vec3(factor * **point + Vec3(0.1, 0.2, 0.3)));
   }
+  if (auto* const* is = std::get_if<bool*>(&pointer)) print(*is, !**is);
+  if (auto* const* each = std::get_if<std::vector<bool>*>(&pointer))
+    for (std::size_t i = 0; i < (*each)->size(); ++i) {
+      std::vector<bool> other = **each;
+      other[i] = !other[i];
+      print(*each, other);
+    }
+  if (const auto* choice = std::get_if<ChoiceRef>(&pointer)) values.insert(values.end(), choice->words.begin(), choice->words.end());
   for (const int number : {2, 1})
     if (auto* const* whole = std::get_if<int*>(&pointer)) print(*whole, number);
   if (auto* const* nodes = std::get_if<std::vector<int>*>(&pointer)) {

@@ -7,13 +7,48 @@
 
 namespace stroma {
 
+namespace {
+
+/// In the place of a path, of a record that has been given up.
+constexpr const char* given_up = "more than a record keeps";
+/// A program that writes in each step makes no more of it: some 10,000 numbers, or a few lists of a large body.
+constexpr std::size_t most_bytes = std::size_t(4) << 20;
+
+std::size_t bytesOf(const RunEvent& event) {
+  const auto* edit = std::get_if<AttributeEdit>(&event.what);
+  return sizeof(RunEvent) + (edit ? edit->path.size() + edit->attribute.size() + edit->text.size() : 0);
+}
+
+/// Looks now and then, and with long texts oftener.
+bool isTooMuch(const std::vector<RunEvent>& events) {
+  if (events.size() % 256 != 0 && !(events.size() % 16 == 0 && bytesOf(events.back()) > 4096)) return false;
+  std::size_t sum = 0;
+  for (const RunEvent& event : events) sum += bytesOf(event);
+  return sum > most_bytes;
+}
+
+/// What nobody can do again leaves nothing else to keep.
+bool isGivenUp(const std::vector<RunEvent>& events) {
+  return !events.empty() && std::holds_alternative<StateChange>(events.front().what);
+}
+
+}  // namespace
+
 void refuseAgain(const StateChange& change) {
+  if (change.state == given_up)
+    throw ComponentError("a program has set attributes so often that no record has all of it", "a run that few changes are made to");
   throw ComponentError("the positions of " + change.state + " were set by a program, and no record has the numbers",
                        "a run that only inputs and attributes have changed");
 }
 
-void RunLog::record(long step, AttributeEdit edit) { events_.push_back({step, std::move(edit)}); }
-void RunLog::record(long step, StateChange change) { events_.push_back({step, std::move(change)}); }
+void RunLog::record(long step, AttributeEdit edit) {
+  if (isGivenUp(events_)) return;
+  events_.push_back({step, std::move(edit)});
+  if (isTooMuch(events_)) record(step, StateChange{given_up});
+}
+void RunLog::record(long step, StateChange change) {
+  if (!isGivenUp(events_)) events_ = {{step, std::move(change)}};
+}
 void RunLog::clear() { events_.clear(); }
 void RunLog::replaceBy(std::vector<RunEvent> events) { events_ = std::move(events); }
 

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A force field that a Python object plays: slow, and as simple as NumPy. The object is found by the number that the
-// attribute `played` holds (stroma/played.py). Its methods get arrays of their own, (n, 3), of the nodes of the state:
+// attribute `played` holds (stroma/played.py). Its methods get arrays of their own, (n, 3), of the nodes of the state; of frames
+// (n, 7) positions, (n, 6) velocities and forces:
 //
 //   force(x, v, t) -> (n, 3) [N]       energy(x) -> J, where there is one
-//   stiffness(x, v, t) -> dF/dx as (rows, columns, blocks), blocks (m, 3, 3), of the nodes of the state; none: K = 0
+//   stiffness(x, v, t) -> dF/dx as (rows, columns, blocks), blocks (m, 3, 3), of the rows of the state; none: K = 0
+//
+// A node is a row, a frame two: its centre and its turn.
 //
 // An exception in a method ends the step, which is not taken, and comes out of Simulation.step() with its traceback.
 #include <fmt/format.h>
 
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/frames.h"
 #include "framework/scene/factory.h"
 #include "tools/python/played.h"
 
@@ -41,17 +45,13 @@ class PythonForceField final : public ForceField {
   double energy(ConstRows x) const override {
     if (!has_energy_) return 0;
     const py::gil_scoped_acquire lock;
-    return object_.attr("energy")(ownRows(x)).cast<double>();
+    return object_.attr("energy")(ownRows(x, true)).cast<double>();
   }
   void addForce(ConstRows x, ConstRows v, Rows f) override {
     const py::gil_scoped_acquire lock;
-    x_ = ownRows(x), v_ = ownRows(v);
+    x_ = ownRows(x, true), v_ = ownRows(v, false);
     is_fresh_ = false;
-    const Array force(object_.attr("force")(x_, v_, t_));
-    if (force.ndim() != 2 || force.shape(0) != state().size() || force.shape(1) != 3)
-      throw py::value_error(fmt::format("the force of {} is no array of shape ({}, 3)", path(), state().size()));
-    for (Index i = 0; i < state().size(); ++i)
-      f[state().firstRow() + i] += Vec3(force.data() + 3 * i);
+    putNumbers(state(), Array(object_.attr("force")(x_, v_, t_)), false, state().segment(f), true, "the force of " + path());
     if (!rows_.empty()) bringUp();  // its blocks may be others: they may change here only
   }
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
@@ -88,23 +88,19 @@ class PythonForceField final : public ForceField {
     }
   }
 
+ protected:
+  bool takesAllRows() const override { return true; }
+
  private:
-  /// This state's rows, copied: no array of Python leads into a vector of a solver.
-  Array ownRows(ConstRows all) const {
-    const ConstRows own = state().segment(all);
-    Array out({py::ssize_t(own.count), py::ssize_t(3)});
-    for (Index i = 0; i < own.count; ++i) std::copy_n(own.data + std::size_t(i) * row_doubles, 3, out.mutable_data() + 3 * i);
-    return out;
-  }
+  Array ownRows(ConstRows all, bool places) const { return numbersOf(state(), state().segment(all), places); }
   /// The stiffness at the x of the last force, asked for once.
   void bringUp() const {
     if (is_fresh_) return;
     const py::gil_scoped_acquire lock;
     if (!x_) {  // before the first force: of the pattern
-      Array rest({py::ssize_t(state().size()), py::ssize_t(3)}), still({py::ssize_t(state().size()), py::ssize_t(3)});
-      for (Index i = 0; i < state().size(); ++i)
-        for (int c = 0; c < 3; ++c) rest.mutable_at(i, c) = state().position[std::size_t(i)][c], still.mutable_at(i, c) = 0;
-      x_ = rest, v_ = still;
+      Vector start(state().size()), still(state().size());
+      for (Index i = 0; i < state().size(); ++i) placeRow(state().kindOf(i), state().position[std::size_t(i)], start, i);
+      x_ = numbersOf(state(), start.rows(), true), v_ = numbersOf(state(), still.rows(), false);
     }
     const py::tuple given = object_.attr("stiffness")(x_, v_, t_);
     const Indices rows(given[0]), columns(given[1]);
@@ -117,7 +113,7 @@ class PythonForceField final : public ForceField {
     for (py::ssize_t i = 0; i < rows.size(); ++i) {
       for (const Index node : {rows.data()[i], columns.data()[i]})
         if (node < 0 || node >= state().size())
-          throw py::index_error(fmt::format("the stiffness of {} has node {}, and the state has {}", path(), node, state().size()));
+          throw py::index_error(fmt::format("the stiffness of {} has row {}, and the state has {}", path(), node, state().size()));
       new_rows.push_back(state().firstRow() + rows.data()[i]);
       new_columns.push_back(state().firstRow() + columns.data()[i]);
       blocks_.push_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(blocks.data() + 9 * i));
@@ -145,6 +141,7 @@ class PythonForceField final : public ForceField {
 void registerPlayed(Factory& factory) {
   factory.add<PythonForceField>("PythonForceField", "a force that a Python object computes");
   registerPlayedConstraint(factory);
+  registerPlayedMapping(factory);
 }
 
 }  // namespace stroma::python

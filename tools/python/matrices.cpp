@@ -48,6 +48,12 @@ MatrixFactors factorsOf(const std::string& kind) {
   return factors;
 }
 
+/// Masses turn with their frames: at the present orientations.
+void takeTurns(const System& system) {
+  for (Mass* mass : system.actors().masses)
+    if (mass->turns()) mass->update(system.mappingChain().positions(system.x));
+}
+
 /// Of all rows, before constraints; K and C of the present x and v.
 BlockMatrix unconstrained(System& system, const MatrixFactors& factors) {
   if (!system.mappingChain().empty())
@@ -77,6 +83,7 @@ System& withForces(Engine& engine, const std::string& integrator) {
                          "an integrator that makes it in steps");
   Vector force(system.allRows());
   system.computeForce(system.x, system.v, force);
+  takeTurns(system);
   return system;
 }
 
@@ -102,6 +109,7 @@ py::tuple partOf(const std::shared_ptr<Engine>& engine, const std::string& path)
       system->matrix().termsChanged();  // places in its blocks are looked up again
       return py::make_tuple(tupleOf(matrix), part->state().firstRow(), part->state().size());
     };
+    takeTurns(*system);
     for (Mass* mass : actors.masses)
       if (mass == &component) return made(mass, [&](BlockMatrix& matrix) { mass->addTo(1, matrix); });
     for (ForceField* field : actors.force_fields) {

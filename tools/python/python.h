@@ -52,6 +52,8 @@ void registerPlayed(Factory& factory);
 
 // ---- constraint.cpp ----
 void registerPlayedConstraint(Factory& factory);
+/// PythonMapping: so are mappings.
+void registerPlayedMapping(Factory& factory);
 
 void bindErrors(py::module_& module);
 void bindCatalogue(py::module_& module);

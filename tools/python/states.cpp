@@ -157,6 +157,20 @@ bool placeStill(const std::shared_ptr<Engine>& engine, const std::string& path, 
   return true;
 }
 
+/// Where a state of points or numbers is at rest, for what reads that in each step. False for others.
+bool leadRest(const std::shared_ptr<Engine>& engine, const std::string& path, const Array& places) {
+  Simulation& simulation = engine->between();
+  auto* const state = dynamic_cast<State*>(&engine->component(path));
+  if (!state || state->hasFrames()) return false;
+  const py::ssize_t width = widthOf(*state, true);
+  if (places.ndim() != 2 || places.shape(0) != state->nodes() || places.shape(1) != width) return false;
+  for (std::size_t i = 0; i < state->rest_position.size(); ++i)
+    state->rest_position[i] = width == 3 && state->hasPointsOnly() ? Vec3(places.data() + 3 * i) : Vec3(places.data()[i], 0, 0);
+  for (const auto& system : simulation.systems()) system->integrator().sceneChanged();
+  engine->forcesAreOld();
+  return true;
+}
+
 template <class Cells>
 void addCells(py::dict& out, const char* name, const Cells& cells) {
   if (cells.empty()) return;
@@ -215,6 +229,7 @@ void bindStates(py::module_& module) {
       .def("set", &set, py::arg("x") = py::none(), py::arg("v") = py::none())
       .def("mesh", &meshOf);
   module.def("place_still", &placeStill);
+  module.def("lead_rest", &leadRest);
   module.def("states_of", &statesOf);
   module.def("request_forces", [](const std::shared_ptr<Engine>& engine) { engine->requestForces(); });
 }

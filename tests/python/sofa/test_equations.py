@@ -345,6 +345,56 @@ def test_a_tolerance_that_changes_in_a_run_counts():
     assert gap(root, 10) > 1e-5
     root.solver.tolerance.value = 1e-10
     assert gap(root, 10) < 1e-9
-    root.solver.sor = -1
     with pytest.raises(RuntimeError, match="/solver.sor: -1"):
-        Sofa.Simulation.animate(root, 0.01)
+        root.solver.sor = -1
+    Sofa.Simulation.animate(root, 0.01)
+
+
+# ---- nodes that answer by themselves ----
+def alone(template, **correction):
+    """A body that is held by forces of constraint; of frames one with three moments of inertia, which is turned."""
+    root = Sofa.Core.Node("root")
+    root.dt, root.gravity = H, [0, -9.81, 0]
+    root.addObject("FreeMotionAnimationLoop")
+    root.addObject("GenericConstraintSolver", name="solver", tolerance=1e-12, maxIterations=1000)
+    node = root.addChild("body")
+    node.addObject("EulerImplicitSolver")
+    node.addObject("SparseLDLSolver", name="linear")
+    if template == "Rigid3":
+        half = np.sqrt(0.5)
+        node.addObject("MechanicalObject", name="state", template="Rigid3", position=[[0, 0, 0, half, 0, 0, half]])
+        node.addObject("UniformMass", name="mass", vertexMass="2 1 [0.2 0 0 0 0.3 0 0 0 0.4]")
+        points = node.addChild("points")
+        points.addObject("MechanicalObject", name="points", position=[[0.5, 0, 0]])
+        points.addObject("RigidMapping")
+        points.addObject("CableConstraint", indices=[0], pullPoint=[0, 3, 4], value=0.01)
+    else:
+        node.addObject("MechanicalObject", name="state", position=[[0, 0, 0], [1, 0, 0]])
+        node.addObject("UniformMass", name="mass", totalMass=3)
+        node.addObject("SpringForceField", spring=[0, 1, 500, 0, 1])
+        node.addObject("CableConstraint", indices=[1], pullPoint=[1, 2, 0], value=0.01)
+    node.addObject("UncoupledConstraintCorrection", **correction)
+    return root, node
+
+
+@pytest.mark.parametrize("template, correction, expected", [
+    ("Vec3", {"defaultCompliance": 0.01}, 0.01), ("Vec3", {"compliance": [0.1, 0.02]}, 0.02), ("Vec3", {}, 1e-5), ("Rigid3", {}, None),
+    ("Rigid3", {"compliance": [0.5, 3, 0, 0, 4, 0, 5]}, None)])
+def test_w_of_nodes_that_answer_by_themselves(template, correction, expected):
+    root, node = alone(template, **correction)
+    Sofa.Simulation.init(root)
+    # in SOFA inertia stays in the axes of the world
+    if template == "Rigid3":
+        assert node.mass.assembleMMatrix().toarray() == pytest.approx(np.diag([2, 2, 2, 0.4, 0.6, 0.8]), abs=1e-12)
+    Sofa.Simulation.animate(root, H)
+    if template == "Rigid3":  # n . (1/m + [r]^T I^-1 [r]) n, with the point at r = (1/2, 0, 0)
+        way = np.array([0, 3, 4]) - [0.5, 0, 0]
+        arm = np.array([0.5, 0, 0])
+        if correction:
+            mass, inverse = 0.5, np.diag([3.0, 4.0, 5.0])
+        else:
+            mass, inverse = 0.5, np.diag([1 / 0.4, 1 / 0.6, 1 / 0.8])
+        way = way / np.linalg.norm(way)
+        turned = np.cross(arm, way)
+        expected = mass + turned @ inverse @ turned
+    assert root.solver.W() == pytest.approx(H * np.array([[expected]]), rel=5e-3)

@@ -276,3 +276,69 @@ def test_a_prefab_makes_parts_of_its_body_rigid_before_it_has_a_parent(tmp_path)
     assert np.abs(moved[start[:, 0] < -0.9]).max() < 1e-9 and moved[start[:, 0] > 1.9][:, 1].max() < -1e-5
     ends = np.array(body.dofs.position.value)[start[:, 0] > 1.9]
     np.testing.assert_allclose(np.linalg.norm(ends[0] - ends[-1]), np.sqrt(2), rtol=1e-12)
+
+
+def test_rods_of_cosserat_stand_in():
+    """By the names of now and of before; against the closed form of a rod that a moment bends to an arc."""
+    import Sofa
+    from cosserat.CosseratBase import CosseratBase
+    from cosserat.cosseratObject import Cosserat
+    from useful.header import addHeader, addSolverNode
+    from useful.params import BeamGeometryParameters, BeamPhysicsParameters, Parameters
+
+    ends = []
+    for words in ("now", "before", "dict"):
+        root = Sofa.Core.Node("root")
+        root.gravity, root.dt = [0, 0, 0], 0.1
+        addHeader(root)
+        solvers = addSolverNode(root, rayleighStiffness=0.2, rayleighMass=1)
+        if words == "dict":
+            rod = Cosserat(parent=solvers, radius=0.5, youngModulus=1e4, poissonRatio=0.4, rayleighStiffness=0.2, cosseratGeometry={
+                "init_pos": [0, 0, 0], "tot_length": 20, "nbSectionS": 4, "nbFramesF": 8, "beamMass": 0.01})
+        else:
+            geometry = {"beam_length": 20.0, "nb_section": 4, "nb_frames": 8} if words == "now" else {
+                "beamLength": 20.0, "nbSection": 4, "nbFrames": 8}
+            physics = {"young_modulus": 1e4, "poisson_ratio": 0.4, "beam_mass": 0.01, "beam_radius": 0.5} if words == "now" else {
+                "youngModulus": 1e4, "poissonRatio": 0.4, "beamMass": 0.01, "beamRadius": 0.5}
+            rod = CosseratBase(parent=solvers, params=Parameters(beam_geo_params=BeamGeometryParameters(**geometry),
+                                                                 beamPhysicsParams=BeamPhysicsParameters(**physics)))
+        solvers.addChild(rod)
+        rod.cosseratFrame.addObject("ConstantForceField", indices=[8], forces=[[0, 0, 0, 0, 0, 30]])
+        Sofa.Simulation.init(root)
+        for _ in range(200):
+            Sofa.Simulation.animate(root, 0.1)
+        ends.append(np.array(rod.cosseratFrame.FramesMO.position.value[-1]))
+    bending = 30 / (1e4 * np.pi / 4 * 0.5 ** 4)
+    expected = [np.sin(20 * bending) / bending, (1 - np.cos(20 * bending)) / bending, 0]
+    for end in ends:
+        assert np.abs(end[:3] - expected).max() < 1e-3
+
+
+def test_a_wrong_parameter_of_a_rod_is_told():
+    from useful.params import BeamGeometryParameters
+
+    with pytest.raises(TypeError, match="BeamGeometryParameters has no 'beamLenth'"):
+        BeamGeometryParameters(beamLenth=1.0)
+
+
+def test_rings_of_a_tube_stand_in():
+    from splib3.topology import Remeshing_functions, remeshing
+
+    assert Remeshing_functions is remeshing
+    points = [[x, np.cos(a), np.sin(a)] for a in np.linspace(0, 2 * np.pi, 9)[:-1] for x in (2.0, 0.0, 1.0)]
+    rings, numbers = remeshing.ordering_cylinder(*remeshing.circle_detection_axis(points, 0, tolerance=0.1), axis=0)
+    assert [len(ring) for ring in rings] == [8, 8, 8]
+    assert all(points[number] == point for ring, of_ring in zip(rings, numbers) for point, number in zip(ring, of_ring))
+    around = np.unwrap([np.arctan2(point[2], point[1]) for point in rings[1]])
+    assert len(set(np.sign(np.diff(around)))) == 1  # one way round
+    sides = [[numbers[k][i], numbers[k][(i + 1) % 8], numbers[k + 1][(i + 1) % 8], numbers[k + 1][i]] for k in range(2) for i in range(8)]
+    surface = (remeshing.quad_2_triangles(sides) + remeshing.invers_normal(remeshing.close_surface(numbers[0]))
+               + remeshing.close_surface(numbers[2]))
+    edges = [edge for a, b, c in surface for edge in ((a, b), (b, c), (c, a))]
+    passed = [(edge[1], edge[0]) in edges for edge in edges]
+    assert len(surface) == 44 and all(passed)  # closed, and all triangles turn the same way
+    ordered, before, cells = remeshing.remesh_from_axis(points, surface, 0)
+    assert all([before[at] for at in cell] == old for cell, old in zip(cells, surface))
+    assert [point[0] for point in ordered] == sorted(point[0] for point in points)
+    with pytest.raises(IndexError, match="the cells name points"):
+        remeshing.reindex_mesh([0, 1], [[0, 5]])

@@ -122,10 +122,11 @@ class _Seen:
         return float(self.field.energy(x))
 
     def stiffness(self, x, v, t):
-        rows, columns, blocks = blocks_of(self.field.stiffness(x, v, t), len(x))
+        matrix, nodes = self.field.stiffness(x, v, t), len(v) * v.shape[1] // 3 if v.shape[1] in (3, 6) else v.size
+        rows, columns, blocks = blocks_of(matrix, nodes) if v.shape[1] in (3, 6) else _of_numbers(matrix)
         if not self.is_looked_at:  # once: a solver for symmetric matrices would be wrong without a word
             self.is_looked_at = True
-            if not _is_symmetric(rows, columns, blocks, len(x)):
+            if not _is_symmetric(rows, columns, blocks, nodes):
                 raise ValueError(f"the stiffness of {type(self.field).__name__} is not symmetric: say so, symmetric = False")
         return rows, columns, blocks
 
@@ -205,6 +206,16 @@ def _is_symmetric(rows: Any, columns: Any, blocks: Any, nodes: int) -> bool:
     other = numpy.einsum("mi,mij,mj", b[rows], blocks, a[columns])
     size = numpy.einsum("mi,mij,mj", abs(a[rows]), abs(numpy.asarray(blocks)), abs(b[columns]))
     return not abs(one - other) > 1e-9 * size  # one without a value ends the step anyhow
+
+
+def _of_numbers(matrix: Any) -> tuple:
+    """The same of a state of numbers, which has a row for each."""
+    from scipy.sparse import coo_matrix
+    sparse = coo_matrix(matrix)
+    sparse.sum_duplicates()
+    blocks = numpy.zeros((sparse.nnz, 3, 3))
+    blocks[:, 0, 0] = sparse.data
+    return sparse.row, sparse.col, blocks
 
 
 def blocks_of(matrix: Any, nodes: int) -> tuple:

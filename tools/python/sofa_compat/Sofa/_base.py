@@ -69,6 +69,7 @@ class Base:
         put(self, "_s_where", caller())
         put(self, "_s_version", next(_versions))
         put(self, "_s_revision", 0)
+        put(self, "_s_shape", 0)
         return self
 
     # ---- the name and the place ----
@@ -133,12 +134,14 @@ class Base:
     def _s_changed(self):
         """It has other values: what was computed from them is computed again."""
         object.__setattr__(self, "_s_version", next(_versions))
-        self._s_tell_root([self])
+        self._s_tell_root([self], False)
 
-    def _s_tell_root(self, changed):
-        """The tree is another one, by objects that came, went or changed."""
+    def _s_tell_root(self, changed, is_other_tree=True):
+        """Objects came, went or have other values."""
         root = self.getRoot()
         object.__setattr__(root, "_s_revision", next(_versions))
+        if is_other_tree:
+            object.__setattr__(root, "_s_shape", next(_versions))
         register = root.__dict__.get("_s_register")
         if register is not None:
             register.fresh.update((id(each), each) for each in changed)
@@ -304,7 +307,7 @@ class Base:
 
     # ---- attributes of Python ----
     def __getattr__(self, name):
-        if name.startswith("__") or name in ("_s_running", "_s_revision", "_s_version", "_s_data"):
+        if name.startswith("__") or name in ("_s_running", "_s_revision", "_s_shape", "_s_version", "_s_data"):
             raise AttributeError(name)
         found = link_path_of(self) if name == "linkpath" else self._s_attribute(name)
         if found is None:

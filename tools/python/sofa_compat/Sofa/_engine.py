@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A scene as it runs: the engine under a tree of nodes."""
 import gc
+import re
 import weakref
 
 import numpy as np
@@ -18,6 +19,8 @@ from ._objects import DataEngine, Object, Unavailable
 _STATE = {"position", "velocity", "rest_position", "force", "free_position", "free_velocity", "reset_position", "reset_velocity",
           "lambda"}
 
+_NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
+
 #: data of force fields that are fields of cells here; of nodes they are means over the cells around
 _FIELDS = {"vonMisesPerElement": "vonMises", "vonMisesPerNode": "vonMises"}
 
@@ -26,7 +29,10 @@ _ONE_OF = {"ConstantForceField": ("forces", "force", "totalForce")}
 
 #: what sweeps over constraints take of a constraint solver
 _OF_SWEEPS = {"maxIterations", "maxIt", "tolerance", "scaleTolerance", "allVerified", "sor", "regularizationTerm", "resolutionMethod"}
+#: their methods by SOFA's numbers
+_METHODS = ("ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient")
 
+_SPRINGS_TO_REST = "RestShapeSpringsForceField"
 #: force fields that read the rest positions in every step
 _READS_REST = {"BeamHookeLawForceField", "BeamHookeLawForceFieldRigid"}
 
@@ -63,6 +69,7 @@ class Engine:
         self._has_other_meshes = False  # than the tree says
         self._stood = {}  # states that nothing moves and the scene has put elsewhere: what it wrote of them at first, and their start
         self._asleep = {}  # positions and velocities of states in nodes that are switched off, which go on from there
+        self.inertias = {}  # of frames that answer by themselves, where the last step began
         self._placed, self._places = None, []  # states that are written to while the scene is told that it is initialised; their start
         if simulation is None:
             mirror = Mirror(root)
@@ -73,9 +80,15 @@ class Engine:
 
     def tell(self):
         """What was found when the scene was loaded, and was not told before."""
-        for each in () if self._s_given else self.sim.problems:
-            if each.severity == "warning" and each.text not in self._told:
-                self._told.add(each.text)
+        self._tell(() if self._s_given else self.sim.problems)
+
+    def _tell(self, problems):
+        """Each once of a component, whatever numbers are in it: a controller may change one in each step."""
+        known = set(self._told)
+        for each in problems:
+            key = each.path, _NUMBER.sub("#", str(each.message))
+            if each.severity == "warning" and key not in known:
+                self._told.add(key)
                 _messages.warn(str(each.text).replace(": warning: ", ": ", 1))
 
     def _take(self, simulation, mirror):
@@ -196,19 +209,38 @@ class Engine:
         except RuntimeError:
             data._s_raw = before
             raise
+        finally:
+            self._lead_again(thing, data)
         return None
+
+    def _lead_again(self, thing, data):
+        """Springs of other points pull these to where the scene has put the rest shape."""
+        state = thing._s_node().getMechanicalState() if data._s_name == "points" else None
+        component = self._components.get(id(thing))
+        if state is not None and id(state) in self._rest and component is not None and component.type == _SPRINGS_TO_REST:
+            self._lead(state, self._states[id(state)], self._rest[id(state)])
 
     def write_to_sweeps(self, solver, data, value):
         """A constraint solver is no part of the engine: the dialect has put sweeps in its place, where forces end at its tolerance."""
         if data._s_name not in _OF_SWEEPS or not solver.getClassName().endswith("ConstraintSolver") or id(solver) not in self.mirror.paths:
             return
-        first = next(each for each in self.root._s_all_objects() if each.getClassName().endswith("ConstraintSolver"))
-        is_same = not isinstance(value, Data) and _values.to_text(value) == _values.to_text(data._s_raw)
-        if first is not solver or is_same or _found(self.sim.component, "/sweeps_of_constraints") is None:
+        sweeps = _found(self.sim.component, "/sweeps_of_constraints")
+        if sweeps is None or not _is_first(self.root, solver):
             return
-        if self._s_given:
-            return _messages.warn(f"{solver._s_place()}.{data._s_name}: the command has loaded the scene with another one, and goes on with it")
-        self.edited()
+        if isinstance(value, Data) or _values.is_link_text(value):
+            return self.edited(f"{solver._s_place()}.{data._s_name}")
+        if data._s_name == "regularizationTerm" and "Unbuilt" in sweeps.get("resolutionMethod"):
+            return None  # as in SOFA, whose method of this name has none
+        text = _values.to_text(value).strip()
+        if data._s_name == "resolutionMethod" and text in ("0", "1", "2"):
+            text = _METHODS[int(text)]
+        if data._s_name == "tolerance" and text.startswith("-"):
+            text = "0"  # which no sweep meets either
+        try:
+            sweeps.set(data._s_name, text)
+        except stroma.SceneError as error:
+            raise stroma.SceneError(str(error).replace("/sweeps_of_constraints", solver.getPathName())) from None
+        return None
 
     def _place_still(self, thing, data, value):
         """Points that no integrator moves, and nothing follows, are put elsewhere without a new simulation: a tool that touches."""
@@ -225,7 +257,9 @@ class Engine:
     def _set(self, thing, data, value):
         """What is read only where a scene is loaded, as a region of nodes that a load has taken, takes a new simulation."""
         try:
-            self._components[id(thing)].set(data._s_name, _plain(value))
+            if data._s_name == "points" and self._components[id(thing)].type == _SPRINGS_TO_REST:
+                self._components[id(thing)].set("targets", "")  # of the points before
+            self._tell(self._components[id(thing)].set(data._s_name, _plain(value)))
         except stroma.LoadNeeded:
             self._waiting.add(id(thing.findData(data._s_name)))
             self.edited(f"{thing._s_place()}.{data._s_name}")
@@ -284,7 +318,7 @@ class Engine:
         readers = 0
         for key, component in self._components.items():
             spring = self.mirror.things[key]
-            if component.type != "RestShapeSpringsForceField" or spring._s_node() is not thing._s_node():
+            if component.type != _SPRINGS_TO_REST or spring._s_node() is not thing._s_node():
                 continue
             if component.get("external_rest_shape"):
                 continue
@@ -293,7 +327,8 @@ class Engine:
             readers += 1
         if any(each._s_type in _READS_REST for each in thing._s_node()._s_objects):
             thing.findData("rest_position")._s_raw = rest
-            self.edited(f"{thing._s_place()}.rest_position")
+            if not _stroma.lead_rest(self.sim._engine, self.mirror.paths[id(thing)], rest):
+                self.edited(f"{thing._s_place()}.rest_position")
         elif not readers:
             _messages.warn(f"{thing._s_place()}.rest_position: nothing in this node reads it while the scene runs")
 
@@ -331,9 +366,6 @@ class Engine:
         return found[1]
 
     def compliance(self, solver):
-        refused = self.without_compliance()
-        if refused:
-            raise RuntimeError(f"{solver._s_place()}: W() is not offered {refused}")
         self._watch(solver)
         return _equations.compliance(self, solver, _stroma)
 
@@ -359,11 +391,16 @@ class Engine:
                 found.append((component, np.size(component.get("forces"))))
         return found
 
-    def without_compliance(self):
-        """Why there is no W, or empty."""
-        if any(each.type == "UncoupledConstraintCorrection" for each in self._components.values()):
-            return "with an UncoupledConstraintCorrection, which has a compliance of its own"
-        return ""
+    def uncoupled(self):
+        """(path of its state, component, object) of each correction whose nodes answer by a compliance of their own."""
+        found = []
+        for key, component in self._components.items():
+            if component.type == "UncoupledConstraintCorrection":
+                thing = self.mirror.things[key]
+                link = thing.findData("mstate")
+                state = link.getLinkedBase() if link is not None and link.isSet() else thing._s_node().getMechanicalState()
+                found.append((self.mirror.paths[id(state)], component, thing))
+        return found
 
     def of_constraints(self, name):
         """What a constraint solver of SOFA tells of the last step: of the search for the forces, where there was one."""
@@ -493,6 +530,7 @@ class Engine:
         self._hand_on()
         if self._restart:
             self._make_anew()
+        self.inertias = _equations.inertias(self) if self._watches else {}
         if self._s_given and self._tells_gradients:
             _stroma.watch_step(self.sim._engine, True)
 
@@ -574,6 +612,11 @@ def _old_controller():
     return PythonScriptController
 
 
+def _is_first(root, solver):
+    """The constraint solver that counts."""
+    return next(each for each in root._s_all_objects() if each.getClassName().endswith("ConstraintSolver")) is solver
+
+
 def _dense(rows):
     """A copy. By columns: rows of three with a gap behind them take NumPy six times as long."""
     if rows.flags.c_contiguous:
@@ -612,7 +655,8 @@ def check(root):
     """Raises for what a scene writes in Python and the engine has no door for."""
     from ._scene_file import SceneFileError
 
-    found = [(*each._s_where, f"{type(each).__name__} is {each._s_what}, which Stroma does not have")
+    found = [(*each._s_where, f"{type(each).__name__} is {each._s_what}: SofaPython3 has no class that does this in Python, and neither has "
+              "Stroma (a force field, a mapping, a controller or a DataEngine can be written)")
              for each in root._s_all_objects() if isinstance(each, Unavailable)]
     if found:
         raise SceneFileError(found)

@@ -226,5 +226,66 @@ def compliance(engine, solver, stroma):
         matrix, _, _, free = _whole(engine, integrator, stroma)
         own = (gradients[:, :matrix.shape[0]] @ free).tocsr()
         if own.shape[0]:
-            blocks.append(displacement * (own @ linalg.splu(matrix.tocsc()).solve(own.T.toarray())))
+            blocks.append(displacement * (own @ (free @ _answers(engine, integrator, matrix, own.T.toarray(), linalg, stroma))))
     return sparse.block_diag(blocks).toarray() if blocks else np.zeros((0, 0))
+
+
+def _answers(engine, integrator, matrix, pushes, linalg, stroma):
+    """What pushes, a column each, change velocities by: A^-1, and of nodes that answer by themselves their own compliance."""
+    _, states = stroma.rows_of_states(engine.sim._engine, integrator)
+    places = {path: _numbers_of(engine, path, first, size) for path, first, size in states}
+    alone = [(places[path], _own_compliance(engine, path, component, thing)) for path, component, thing in engine.uncoupled()
+             if path in places and places[path].max(initial=-1) < matrix.shape[0]]
+    rest = np.array(pushes)
+    for numbers, _ in alone:
+        rest[numbers] = 0
+    answers = linalg.splu(matrix.tocsc()).solve(rest)
+    for numbers, compliance in alone:
+        width = compliance.shape[1]
+        answers[numbers] = np.einsum("nij,njc->nic", compliance, pushes[numbers].reshape(-1, width, pushes.shape[1])).reshape(len(numbers), -1)
+    return answers
+
+
+def _given_compliance(component, thing, nodes, has_frames):
+    """Of each node, or of all frames 7 numbers; None: that of its mass."""
+    given, default = np.ravel(component.get("compliance")), component.get("defaultCompliance")
+    data = thing._s_data.get("defaultCompliance")
+    has_default = data is not None and data._s_raw is not None
+    if has_frames:
+        return given if given.size == 7 else np.array([default, 1, 0, 0, 1, 0, 1]) if has_default else None
+    if given.size == nodes:
+        return given
+    return np.full(nodes, default if has_default or not given.size else given[0])
+
+
+def _own_compliance(engine, path, component, thing):
+    """Shape (nodes, width, width)."""
+    state = engine.sim.state(path)
+    has_frames = state.kind == "frames"
+    given = _given_compliance(component, thing, state.nodes, has_frames)
+    if not has_frames:
+        return given[:, None, None] * np.eye(3 if state.kind == "points" else state.x.shape[1])
+    if given is None:
+        if path not in engine.inertias:
+            raise RuntimeError(f"{thing._s_place()}: W() is not offered where masses follow frames that answer by themselves, without a "
+                               "compliance of 7 numbers")
+        return np.linalg.inv(engine.inertias[path])
+    c, xx, xy, xz, yy, yz, zz = given
+    one = np.zeros((6, 6))
+    one[:3, :3], one[3:, 3:] = c * np.eye(3), [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    return np.tile(one, (state.nodes, 1, 1))
+
+
+def inertias(engine):
+    """Of frames whose masses say how they answer by themselves, (nodes, 6, 6), where a step begins."""
+    found = {}
+    for path, component, thing in engine.uncoupled():
+        state = engine.sim.state(path)
+        if state.kind != "frames" or _given_compliance(component, thing, state.nodes, True) is not None:
+            continue
+        node = path.rpartition("/")[0]
+        masses = [each for each in engine._components.values() if each.role == "mass"]
+        if all(each.path.rpartition("/")[0] == node or not each.path.startswith(node + "/") for each in masses):
+            whole = sum(engine.sim.matrix_of(each).toarray() for each in masses if each.path.rpartition("/")[0] == node)
+            found[path] = np.stack([whole[6 * i:6 * i + 6, 6 * i:6 * i + 6] for i in range(state.nodes)])
+    return found

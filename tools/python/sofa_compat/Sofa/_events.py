@@ -7,15 +7,20 @@ from ._objects import Object
 def listeners(root):
     """Objects of Python in active nodes, in the order of the tree. Nothing below a node that is switched off hears. Kept until the tree
     is another one: there are many events in a step, and many more objects that hear none."""
-    kept, revision = root.__dict__.get("_s_listeners"), root._s_revision
-    if kept is None or kept[0] != revision:
-        kept = revision, list(_listening(root, set()))
+    kept = root.__dict__.get("_s_listeners")
+    if kept is None or kept[0] != (root._s_revision if kept[2] else root._s_shape):
+        linked = []
+        found = list(_listening(root, set(), linked))
+        kept = root._s_revision if linked else root._s_shape, found, bool(linked)
         object.__setattr__(root, "_s_listeners", kept)
     return kept[1]
 
 
-def _listening(node, seen):
+def _listening(node, seen, linked):
+    """`linked`: gets nodes that other data switch on and off."""
     active = node._s_data.get("activated")
+    if active is not None and not isinstance(active._s_raw, (bool, int, type(None))):
+        linked.append(node)
     if id(node) in seen or (active is not None and active._s_raw is not None and not active.value):
         return
     seen.add(id(node))
@@ -23,7 +28,7 @@ def _listening(node, seen):
         if not each._s_type:
             yield each
     for child in list(node._s_children):
-        yield from _listening(child, seen)
+        yield from _listening(child, seen, linked)
 
 
 def _hears(thing):

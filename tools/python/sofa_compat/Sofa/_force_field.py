@@ -34,6 +34,26 @@ class Rows(np.ndarray):
         return False
 
 
+def told(thing, call, *values):
+    """What a method of a scene gives. A command that steps by itself tells of an error, and gets None."""
+    try:
+        return call(*values)
+    except Exception as error:
+        if not tells:
+            raise
+        tells[0](error, _place(thing, error))
+        return None
+
+
+def _place(thing, error):
+    """Of a method that takes other values than SOFA gives."""
+    for name in ("addForce", "addDForce", "addKToMatrix", "apply", "applyJ", "applyJT"):
+        code = getattr(getattr(type(thing), name, None), "__code__", None)
+        if f"{name}()" in str(error) and code is not None:
+            return code.co_filename, code.co_firstlineno
+    return None
+
+
 class _Explicit(stroma.ForceField):
     """Without a derivative."""
 
@@ -46,29 +66,12 @@ class _Explicit(stroma.ForceField):
     def _parameters(self, t):
         return {"kFactor": 1.0, "bFactor": 0.0, "mFactor": 0.0, "time": t, "dt": self.field.getRoot().getDt()}
 
-    def _asked(self, call, *values):
-        try:
-            return call(*values)
-        except Exception as error:
-            if not tells:
-                raise
-            tells[0](error, self._place(error))
-            return None
-
-    def _place(self, error):
-        """Of a method that takes other values than SOFA gives."""
-        for name in ("addForce", "addDForce", "addKToMatrix"):
-            code = getattr(getattr(type(self.field), name, None), "__code__", None)
-            if f"{name}()" in str(error) and code is not None:
-                return code.co_filename, code.co_firstlineno
-        return None
-
     def force(self, x, v, t):
-        out = self._asked(self._force, x, v, t)
-        return np.full_like(x, np.nan) if out is None else out
+        out = told(self.field, self._force, x, v, t)
+        return np.full_like(v, np.nan) if out is None else out
 
     def _force(self, x, v, t):
-        out = np.zeros_like(x)
+        out = np.zeros_like(v)
         self.has_forced = True
         self.field.addForce(self._parameters(t), Rows(out), Rows(np.array(x)), Rows(np.array(v)))
         return out
@@ -81,14 +84,14 @@ class _Implicit(_Explicit):
     is_apart = None  # whether addDForce() couples no nodes; None: not known
 
     def stiffness(self, x, v, t):
-        matrix = self._asked(self._stiffness, x, v, t)
-        return np.full((len(x), 3, 3), np.nan) if matrix is None else matrix
+        matrix = told(self.field, self._stiffness, x, v, t)
+        return np.full((v.size, v.size), np.nan) if matrix is None else matrix
 
     def _stiffness(self, x, v, t):
-        field, size = self.field, x.size
+        field, size = self.field, v.size
         if not self.has_forced:  # what addForce() keeps for its derivative
             self._force(x, v, t)
-        given = field.addKToMatrix(self._parameters(t), len(x), x.shape[1]) if self.has_matrix else None
+        given = field.addKToMatrix(self._parameters(t), len(v), v.shape[1]) if self.has_matrix else None
         if given is not None:
             given = np.asarray(given, float)
             if given.shape == (size, size, 1):
@@ -104,7 +107,7 @@ class _Implicit(_Explicit):
                 for number in each[(each != np.floor(each)) | (each < 0) | (each >= size)][:1]:
                     raise ValueError(f"addKToMatrix() names row or column {number:g} of a matrix of {size}, whose first one is 0")
             return sparse.coo_matrix((values, (rows.astype(int), columns.astype(int))), shape=(size, size))
-        return self._by_products(x, t)
+        return self._by_products(v, t)
 
     def _product(self, way, t):
         """K p, by addDForce()."""
@@ -118,20 +121,21 @@ class _Implicit(_Explicit):
     def _by_products(self, x, t):
         """A block for each node where each moves alone, as in most forces that scenes write. Else a column for each number."""
         if type(self.field).addDForce is _base().addDForce:
-            return np.zeros((len(x), 3, 3))
-        if self.is_apart is not False:
+            return _nothing(x)
+        if self.is_apart is not False and x.shape[1] == 3:
             blocks = self._blocks(x, t)
             if blocks is not None:
                 self.is_apart = True
                 return blocks
             if self.is_apart and x.size > _PROBED:
                 raise ValueError(f"addDForce() couples nodes, and did not before: addKToMatrix() gives the derivative of {len(x)} nodes")
+        if self.is_apart is not False:
             self.is_apart = False
             if x.size > _PROBED:
                 _messages.warn(f"{self.field._s_place()}: addDForce() is not used for {len(x)} nodes that it couples, and the force is that "
                                "at the start of each step: addKToMatrix() gives the derivative as a matrix")
         if x.size > _PROBED:
-            return np.zeros((len(x), 3, 3))
+            return _nothing(x)
         return np.stack([self._product(unit.reshape(x.shape), t).ravel() for unit in np.eye(x.size)], axis=1)
 
     def _blocks(self, x, t):
@@ -140,6 +144,13 @@ class _Implicit(_Explicit):
         way = np.random.default_rng(0).normal(size=x.shape)
         expected, found = np.einsum("nij,nj->ni", blocks, way), self._product(way, t)
         return None if np.abs(found - expected).max() > 1e-9 * np.abs(found).max() else blocks
+
+
+def _nothing(rows):
+    """A matrix of zeros."""
+    from scipy import sparse
+
+    return np.zeros((len(rows), 3, 3)) if rows.shape[1] == 3 else sparse.csr_matrix((rows.size, rows.size))
 
 
 def _base():

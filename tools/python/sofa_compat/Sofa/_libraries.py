@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Stand-ins for libraries that scenes import: stlib3 and splib3 of SOFA's plugin STLIB, softrobots of its plugin for soft robots.
+"""Stand-ins for libraries that scenes import: stlib3 and splib3 of SOFA's plugin STLIB, softrobots of its plugin for soft robots,
+cosserat and useful of the one for rods.
 
 They have the functions that build most scenes, in the folder `libraries`, and are found last: a library on PYTHONPATH counts before
 them. The names of Python 2, stlib and splib, are the same modules.
@@ -13,7 +14,7 @@ import sys
 from . import _messages
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "libraries")
-_PLUGINS = {"stlib3": "STLIB", "splib3": "STLIB", "softrobots": "SoftRobots"}
+_PLUGINS = {"stlib3": "STLIB", "splib3": "STLIB", "softrobots": "SoftRobots", "cosserat": "Cosserat", "useful": "Cosserat"}
 _OLD = {"stlib": "stlib3", "splib": "splib3"}
 
 

@@ -10,6 +10,7 @@ from . import _messages, _values
 from ._base import Base
 from ._carving import CarvingManager
 from ._data import Data
+from ._mapping import Mapping, Played as PlayedMapping
 from ._objects import ForceField, Object
 
 _LONG = 64  # numbers that are handed on as an array
@@ -104,6 +105,8 @@ class Mirror:
                 self._add(each, copy)
             elif isinstance(each, ForceField) and not self._keep_loaders:
                 self._add_force_field(each, copy)
+            elif isinstance(each, Mapping) and not self._keep_loaders:
+                self._add_mapping(each, copy)
         self._add_mover(node, copy)
         for child in self._children_of(node):
             if id(child) not in seen:
@@ -149,7 +152,7 @@ class Mirror:
     def _is_held(self, node):
         """Another state is mapped from the one here: the dialect holds it (tools/sofa/rewritten_bodies.cpp)."""
         below = [child for child in node._s_children if self._place_of(child) is node]
-        return self._has_integrator and any(_of_role(child, "mapping") and _of_role(child, "mechanical state") for child in below)
+        return self._has_integrator and any(any(map(_is_mapping, child._s_objects)) and _of_role(child, "mechanical state") for child in below)
 
     def _add_force_field(self, field, copy):
         """One that the scene writes in Python."""
@@ -160,6 +163,16 @@ class Mirror:
         played = _force_field.played(field, nodes)
         self._played.append(played)
         copy.add("PythonForceField", name=_clean(field._s_name), where=field._s_where).set("played", played.number, where=field._s_where)
+
+    def _add_mapping(self, mapping, copy):
+        """The same of one of those."""
+        states = {name: self._path_to(mapping._s_state(name)) for name in ("input", "output") if mapping._s_state(name) is not None}
+        played = PlayedMapping(mapping=mapping) if len(states) == 2 else None
+        self._played.append(played)
+        component = copy.add("PythonMapping", name=_clean(mapping._s_name), where=mapping._s_where)
+        for name, value in {**states, "played": played and played.number}.items():
+            if value is not None:
+                component.set(name, value, where=mapping._s_where)
 
     def _value(self, thing, data):
         raw = data._s_raw
@@ -229,8 +242,12 @@ _ACTING = {"collision model", "mass", "force field", "projective constraint", "p
 
 def _acts(node, acting):
     """Whether a state here has forces, masses, constraints or surfaces that touch others, on it or below, or follows another."""
-    return any(each._s_type and each._s_facts.role == "mapping" for each in node._s_objects) or any(
+    return any(_is_mapping(each) for each in node._s_objects) or any(
         each._s_type and each._s_facts.role in acting for each in node._s_all_objects())
+
+
+def _is_mapping(thing):
+    return isinstance(thing, Mapping) or bool(thing._s_type and thing._s_facts.role == "mapping")
 
 
 def _looks_for_contacts(thing):

@@ -5,6 +5,7 @@ import numpy as np
 from . import _boxes, _catalogue, _messages, _values
 from ._base import Base, _versions, caller
 from ._data import Data
+from ._mapping import Mapping
 from ._objects import ForceField, Object, take
 
 _CONTEXT = {"gravity": np.array([0.0, -9.81, 0.0]), "dt": 0.01, "time": 0.0, "animate": False, "activated": True, "sleeping": False,
@@ -104,6 +105,8 @@ class Node(Base):
             return _messages.warn(f"{self._s_place()}.{data._s_name}: {value!r} is not a number: SOFA keeps {data.value}")
         was_active = data._s_name != "activated" or self.isActive()
         super()._s_write(data, value)
+        if data._s_name in ("activated", "is_activated"):
+            self._s_tell_root([self])
         engine = self._s_engine()
         if engine is not None and data._s_name == "activated" and was_active != self.isActive():
             engine.edited(f"{self._s_place()}.activated")
@@ -236,7 +239,7 @@ class Node(Base):
     def _s_came_or_went(self, thing):
         """A controller is no part of the simulation: it only hears events from now on, or no more."""
         object.__setattr__(thing, "_s_version", next(_versions))
-        if thing._s_type or isinstance(thing, ForceField):
+        if thing._s_type or isinstance(thing, (ForceField, Mapping)):
             return self._s_edited([thing])
         if self._s_engine() is not None and thing._s_parents:
             thing.init()
@@ -438,7 +441,7 @@ class Node(Base):
         return found[index] if 0 <= index < len(found) else None
 
     def getMechanicalMapping(self, *_):
-        return self._s_first_of("mapping")
+        return self._s_first_of("mapping") or next((each for each in self._s_objects if isinstance(each, Mapping)), None)
 
     def getODESolver(self, *_):
         return self._s_first_of("integrator")

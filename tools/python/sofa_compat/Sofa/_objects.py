@@ -406,17 +406,13 @@ class ForceField(Object):
 
 
 class Unavailable(Object):
-    """A class of SOFA that scenes derive from and that the engine has no door for."""
+    """A class that a scene derives from, and that SofaPython3 lets nobody derive from either: what it calls comes to no Python."""
 
     _s_what = ""
 
 
 class Mass(Unavailable):
     _s_what = "a mass written in Python"
-
-
-class Mapping(Unavailable):
-    _s_what = "a mapping written in Python"
 
 
 class Constraint(Unavailable):

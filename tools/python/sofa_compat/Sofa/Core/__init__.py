@@ -2,7 +2,7 @@
 """Sofa.Core: nodes, objects, data and what scenes derive from."""
 from types import SimpleNamespace
 
-from .. import _objects
+from .. import _mapping, _objects
 from .._base import Base, LinkPath  # noqa: F401
 from .._contacts import ContactListener  # noqa: F401
 from .._data import Data, DataContainer, DataDict, DataString, DataVectorString, Writing  # noqa: F401
@@ -36,7 +36,8 @@ _PLAYED = {"ForceField": "force field", "Mass": "mass", "Mapping": "mapping", "C
 _ROLES = {"MechanicalState": "mechanical state", "State": "mechanical state", "Topology": "topology", "MeshTopology": "topology",
           "TopologyContainer": "topology", "LinearSolver": "linear solver", "OdeSolver": "integrator", "MeshLoader": "mesh loader",
           "Loader": "mesh loader", "ProjectiveConstraintSet": "projective constraint", "CollisionModel": "collision model"}
-ForceField, Mass, Mapping, Constraint = (_class(name, role, getattr(_objects, name)) for name, role in _PLAYED.items())
+ForceField, Mass, Mapping, Constraint = (_class(name, role, _mapping.Mapping if name == "Mapping" else getattr(_objects, name))
+                                         for name, role in _PLAYED.items())
 BaseForceField, BaseMass, BaseMapping, BaseConstraint = ForceField, Mass, Mapping, Constraint
 
 
