@@ -223,6 +223,7 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
         "maxMaxIterations", "use_rotations", "draw_rotations", "init_MaxIter", "init_Tolerance",
         "init_Threshold", "solverName"}},
       {"CorotationalFEMForceField", {"elementStiffness", "computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
+      {"ThinCellsFEMForceField", {"elementStiffness", "computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
       {"HyperelasticityFEMForceField", {"computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
       {"LinearSmallStrainFEMForceField", {"elementStiffness", "computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
       {"BeamFEMForceField", {"beamsData", "useSymmetricAssembly"}}, {"MeshMatrixMass", {"printMass"}},

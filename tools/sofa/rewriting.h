@@ -38,6 +38,7 @@ class Rewriting {
   void fillParts(Element& field);
   void meanVoxels(Element& field);  // rewritten_masses.cpp
   void makeChains();                // rewritten_shapes.cpp
+  void meanThinCells(Element& field);
   void meanJoint(Element& joint);   // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
