@@ -162,6 +162,7 @@ class Rewriting {
 
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
+  void meanLists(Element& mass);
   void addToOthers(Element& mass);
   void warnOfWeight(const Element& mass, const Element& state);
   void shareMass(Element& mass, const Element& state);
