@@ -94,6 +94,12 @@ std::string indicesIn(const std::string& text, std::string& strange) {
   return joined;
 }
 
+/// Not of other whole numbers, such as a localRange.
+bool isListOfIndices(const Data& data) {
+  const auto has = [&](const char* word) { return data.name().find(word) != std::string::npos; };
+  return std::holds_alternative<std::vector<int>*>(data.pointer()) && (has("ndices") || has("ndex") || has("oint"));
+}
+
 /// What ends SOFA's reading of a list of numbers, or empty; lists of matrices have brackets and commas there too.
 std::string stopOf(const Data& data, const std::string& text) {
   const bool is_list = std::visit(
@@ -217,7 +223,7 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
     warn(attribute.where, element, attribute.name, "is computed by the component: what is written does not count");
     return false;
   }
-  if (std::holds_alternative<std::vector<int>*>(data.pointer()) && !attribute.typed) {
+  if (isListOfIndices(data) && !attribute.typed) {
     std::string strange;
     const std::string indices = indicesIn(text, strange);
     if (!strange.empty())
