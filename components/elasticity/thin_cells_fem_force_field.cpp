@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ThinCellsFEMForceField: linear elastic edges, triangles or quads as parts of a body of one thickness, each with its rotation taken
-// out.
+// ThinCellsFEMForceField: linear elastic edges, triangles or quads as parts of a body of one thickness, with or without rotations.
 //
 //   f = R K (X - c_0 - R^T (x - c)),   df = -R K R^T dx,   K = sum over points of w t sqrt(det J^T J) B^T D B
 //   J = sum_a X_a dN_a/dxi,   dN_a/dX = J (J^T J)^-1 dN_a/dxi,   eps_ij = (du_i/dX_j + du_j/dX_i)/2,   sigma = lambda tr(eps) I + 2 mu eps
@@ -10,9 +9,9 @@
 // mu is E / (2 (1 + nu)). Across a cell only shear resists: a sheet has no stiffness of its own against bending.
 // Edges and triangles have one point, quads the three (sqrt(2/3), 0), (-1/sqrt 6, +-1/sqrt 2).
 //
-// rotation="nodes": R is the best fit of the nodes. "frame": that of the first edge and the plane of the first three nodes.
-// "none": R = I; then it is linear, and a body that turns is strained. With a rotation forces are none of an energy: those of one
-// cell turn it by about the square of the strain.
+// rotation="none": R = I, linear; a body that turns is strained. "nodes": R is the best fit of the nodes; "frame": that of the first
+// edge and the plane of the first three nodes. With a rotation forces are none of an energy, and df, which holds R, resists turns out
+// of the plane that the force does not: Newton's method is slow there. Both are SOFA's.
 // TriangularFEMForceField is the better membrane (plane stress, a thickness, balanced torques) and SpringForceField the better line.
 // It is SOFA's CorotationalFEMForceField or LinearSmallStrainFEMForceField with template="Vec3,Triangle", Vec3,Quad or Vec3,Edge,
 // which have thickness="1".
@@ -63,8 +62,8 @@ class ThinCells final : public NodeGroupField<most_corners, CellTangent> {
     ForceField::declare(table);
     topology_.declare(table, "mesh that holds the cells");
     table.addChoice("cells", kind_, {"triangles", "quads", "edges"}).help("which cells of the mesh");
-    table.addChoice("rotation", rotation_, {"nodes", "frame", "none"})
-        .help("taken out of a cell: the best fit of its nodes, that of its first edge and plane, or none");
+    table.addChoice("rotation", rotation_, {"none", "nodes", "frame"})
+        .help("taken out of a cell: none, the best fit of its nodes, or that of its first edge and plane");
     table.add("youngModulus", young_).recompiled().help("Young's modulus: one for all, or one for each cell").unit("Pa").min(0).physical();
     table.add("poissonRatio", poisson_)
         .recompiled()
@@ -139,7 +138,7 @@ class ThinCells final : public NodeGroupField<most_corners, CellTangent> {
 
  private:
   enum class Cells { triangles, quads, edges };
-  enum class Rotation { nodes, frame, none };
+  enum class Rotation { none, nodes, frame };
   using Corners = std::array<Vec3, most_corners>;
 
   template <class List>
@@ -241,7 +240,7 @@ class ThinCells final : public NodeGroupField<most_corners, CellTangent> {
 
   TopologyLink topology_;
   Cells kind_ = Cells::triangles;
-  Rotation rotation_ = Rotation::nodes;
+  Rotation rotation_ = Rotation::none;
   std::vector<double> young_{1000}, poisson_{0.3};
   double thickness_ = 1;
   bool plane_stress_ = false, first_for_others_ = false;

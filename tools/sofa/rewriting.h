@@ -81,6 +81,7 @@ class Rewriting {
   // ---- rewritten_attributes.cpp ----
   void rewriteAttributes(Element& element);
   bool keepsAttribute(Element& element, AttributeDescription& attribute);
+  void readList(const Element& element, const Data& data, AttributeDescription& attribute, const std::string& text);
   bool keepsValue(Element& element, Data& data, AttributeDescription& attribute);
   bool keepsUnknown(Element& element, const AttributeDescription& attribute);
   void tellUnread(const Element& element);

@@ -200,6 +200,19 @@ static bool mendsPoissonRatio(std::string_view type) {
   return std::find(all.begin(), all.end(), type) != all.end();
 }
 
+/// A list as SOFA reads it, where that is not how it is read here.
+void Rewriting::readList(const Element& element, const Data& data, AttributeDescription& attribute, const std::string& text) {
+  if (attribute.typed) return;
+  if (const std::string stop = stopOf(data, text); !stop.empty())
+    warn(attribute.where, element, attribute.name, "SOFA reads its numbers up to " + inQuotes(stop) + " alone: here all of them count");
+  if (!isListOfIndices(data)) return;
+  std::string strange;
+  const std::string indices = indicesIn(text, strange);
+  if (!strange.empty())
+    warn(attribute.where, element, attribute.name, inQuotes(strange) + " is no whole number: SOFA has 0 of it, and so has this scene");
+  if (!strange.empty() || text.find('-') != text.npos) attribute.value = indices;
+}
+
 bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& attribute) {
   if (attribute.name == "poissonRatio" && mendsPoissonRatio(element.written->type) && !attribute.value.starts_with("@")) {
     std::string mended;
@@ -223,15 +236,7 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
     warn(attribute.where, element, attribute.name, "is computed by the component: what is written does not count");
     return false;
   }
-  if (isListOfIndices(data) && !attribute.typed) {
-    std::string strange;
-    const std::string indices = indicesIn(text, strange);
-    if (!strange.empty())
-      warn(attribute.where, element, attribute.name, inQuotes(strange) + " is no whole number: SOFA has 0 of it, and so has this scene");
-    if (!strange.empty() || text.find('-') != text.npos) attribute.value = indices;
-  }
-  if (const std::string stop = attribute.typed ? "" : stopOf(data, text); !stop.empty())
-    warn(attribute.where, element, attribute.name, "SOFA reads its numbers up to " + inQuotes(stop) + " alone: here all of them count");
+  readList(element, data, attribute, text);
   std::optional<Problem> problem = data.parse(attribute.value, DataOrigin::written);
   if (!problem && attribute.typed) return true;
   if (!problem) {  // a stream does not know fractions
