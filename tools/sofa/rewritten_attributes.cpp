@@ -263,8 +263,7 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
     attribute.value = "0.45";
     return true;
   }
-  std::string range = data.rangeText();
-  if (!range.empty() && problem->message.find("outside the range") != std::string::npos) return true;  // refused later
+  if (!data.rangeText().empty() && problem->message.find("outside the range") != std::string::npos) return true;  // refused later
   if (std::holds_alternative<Vec3*>(data.pointer())) {
     attribute.value = readByStream(text, data.defaultText());
     warn(attribute.where, element, attribute.name, problem->message + ": SOFA has " + attribute.value + " of it, and so has this scene");
