@@ -4,7 +4,7 @@
 //   P_i = I - n n^T, n = direction / |direction|
 //
 // The component of the velocity along `direction` does not change. The nodes are those of `indices` or, when dmin and
-// dmax are given, those with dmin < n.X < dmax in their initial position X.
+// dmax are given, those with dmin < n.X < dmax in their initial position X. With ignoreMissing both count, and there may be none.
 //
 // Source: the attributes are SOFA's.
 //
@@ -16,6 +16,8 @@
 //   <FixedPlaneProjectiveConstraint direction="1 1 0" dmin="-0.1" dmax="0.9"/>
 // </Node>
 #include <fmt/format.h>
+
+#include <set>
 
 #include "components/constraints/held_nodes.h"
 #include "framework/scene/factory.h"
@@ -37,20 +39,26 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
     const Vec3 normal = direction_.normalized();
     setProjectors({Mat3::Identity() - normal * normal.transpose()});
     const bool between = data().find("dmin")->isSet() || data().find("dmax")->isSet();
-    if (!between) return HeldNodes::init();
-    if (data().find("indices")->isSet() || data().find("fixAll")->isSet())
+    const bool is_listed = data().find("indices")->isSet() || data().find("fixAll")->isSet();
+    if (!between && (is_listed || !ignoresMissing())) return HeldNodes::init();
+    if (is_listed && !ignoresMissing())
       throw ComponentError("the nodes are given both by indices and by dmin and dmax", "one of them");
-    ProjectiveConstraint::init();  // NOLINT(bugprone-parent-virtual-call): HeldNodes would ask for indices
-    std::vector<Index> found;
-    for (Index i = 0; i < state().size(); ++i) {
-      const double d = normal.dot(state().position[i]);
-      if (d > lowest_ && d < highest_) found.push_back(i);
+    if (is_listed)
+      HeldNodes::init();
+    else
+      ProjectiveConstraint::init();  // NOLINT(bugprone-parent-virtual-call): HeldNodes would ask for indices
+    std::set<Index> found;
+    if (is_listed) found.insert(nodes().begin(), nodes().end());
+    for (Index i = 0; i < state().nodes(); ++i) {
+      const double d = normal.dot(state().position[i * state().rows_per_node]);
+      if (d > lowest_ && d < highest_) found.insert(i);
     }
-    if (found.empty())
+    if (found.empty() && !ignoresMissing())
       throw ComponentError(
           fmt::format("no node of {} lies between the planes {:g} and {:g}", state().path(), lowest_, highest_),
           "dmin < direction.x < dmax for some nodes");
-    setNodes(std::move(found));
+    if (found.empty()) warn("no node is held");
+    setNodes({found.begin(), found.end()});
   }
 
  private:

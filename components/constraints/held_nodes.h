@@ -30,6 +30,7 @@ class HeldNodes : public ProjectiveConstraint, public ProjectsRightSide {
   Index row(std::size_t i) const { return state().firstRow() + nodes_[i]; }
   /// Where a movement of the nodes started, rows of the nodes or empty. Read for other nodes it is empty: theirs begins anew.
   void serializeStart(Archive& archive, std::vector<Vec3>& start) const;
+  bool ignoresMissing() const { return ignore_missing_; }
   /// Replaces the nodes that init() found.
   void setNodes(std::vector<Index> nodes) { nodes_ = std::move(nodes); }
 

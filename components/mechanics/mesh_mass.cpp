@@ -86,6 +86,7 @@ void MeshMass::declare(DataTable& table) {
       .unit("kg")
       .min(0, false);
   table.add("vertexMass", vertex_mass_).help("mass of each node, one for all or one per node").unit("kg").min(0, false);
+  table.add("lastForOthers", last_for_others_).help("nodes beyond the end of vertexMass have its last value, as in SOFA");
   table.add("computeMassOnRest", compute_on_rest_)
       .help("take volumes from the rest positions, not from the initial ones");
   table.addChoice("cells", which_cells_, {"all", "first"})
@@ -115,7 +116,8 @@ void MeshMass::init() {
   source_ = chooseSource();
   if (source_ == Source::nodes) {
     const std::size_t nodes = std::size_t(state().nodes());
-    if (vertex_mass_.size() == 1) vertex_mass_.resize(nodes, vertex_mass_[0]);
+    const bool is_short = !vertex_mass_.empty() && vertex_mass_.size() < nodes;
+    if (is_short && (vertex_mass_.size() == 1 || last_for_others_)) vertex_mass_.resize(nodes, vertex_mass_.back());
     if (vertex_mass_.size() != nodes)
       throw ComponentError(
           fmt::format("vertexMass has {} values for the {} nodes of {}", vertex_mass_.size(), nodes, state().path()),

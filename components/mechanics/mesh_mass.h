@@ -65,6 +65,7 @@ class MeshMass : public Mass {
 
   std::vector<double> mass_density_{1}, vertex_mass_;
   double total_mass_ = 1;
+  bool last_for_others_ = false;
   TopologyLink topology_;
   Link<State> geometry_state_{"mechanical state"};
 

@@ -21,8 +21,8 @@
 //
 // With matrix="edges" it has entries at vertices and along edges only, as in SOFA: a hexahedron V/20 at each vertex and V/40
 // along each of its 12 edges, a quad A/8 and A/16, simplices what they have anyway. Gravity, and the diagonal with lumping,
-// take 2.5 times the entry of a vertex in volumes and twice that on surfaces. That of hexahedra is not definite, and it is
-// not consistent: it is there to repeat SOFA's results.
+// take 2.5 times the entry of a vertex in volumes and twice that on surfaces, also where vertexMass gives it. That of hexahedra is not
+// definite, and it is not consistent: it is there to repeat SOFA's results.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -70,11 +70,11 @@ class MeshMatrixMass final : public MeshMass {
     if (!edge_mass_.empty() && !isNodal())
       throw ComponentError("edgeMass has no meaning without the masses of the nodes",
                            "vertexMass beside it, without massDensity and totalMass");
-    if (!edge_mass_.empty()) {
+    if (!edge_mass_.empty() && !(lumping_ && form_ == Form::edges)) {
       buildFromEdges();
     } else if (isNodal()) {
       lumping_ = true;
-      row_sums_ = nodalMasses();
+      row_sums_ = weightsOfNodes();
     } else {
       build();
     }
@@ -219,6 +219,8 @@ class MeshMatrixMass final : public MeshMass {
 
   void buildAlongEdges() {
     CellMatrix matrix;
+    if (!cells().empty() && cells()[0].kind->dimension == 1)
+      warn("the mass lies on lines: with matrix=\"edges\" it has SOFA's form, and SOFA's MeshMatrixMass has none on lines", "DiagonalMass");
     for (std::size_t c = 0; c < cells().size(); ++c) {
       const auto [kind, nodes] = cells()[c];
       const double mass = massOf(c, matrix);
@@ -231,6 +233,17 @@ class MeshMatrixMass final : public MeshMass {
         for (const auto& [row, column] : {std::pair(nodes[i], nodes[j]), std::pair(nodes[j], nodes[i])})
           matrix_.at(row, column) += shares.edge * mass;
     }
+  }
+
+  /// vertexMass, or what SOFA takes of it.
+  std::vector<double> weightsOfNodes() {
+    std::vector<double> weights = nodalMasses();
+    if (form_ != Form::edges) return weights;
+    const Mesh& m = mesh();
+    const bool is_volume = !m.hexahedra.empty() || !m.tetrahedra.empty(), is_surface = !m.quads.empty() || !m.triangles.empty();
+    const CellKind& kind = is_volume ? cell_kinds::tetrahedron : is_surface ? cell_kinds::triangle : cell_kinds::edge;
+    for (double& weight : weights) weight *= sharesOf(kind).weight;
+    return weights;
   }
 
   /// M from vertexMass and edgeMass.
@@ -258,6 +271,7 @@ class MeshMatrixMass final : public MeshMass {
         row_sums_[row] += mass;
       }
     }
+    if (form_ == Form::edges) row_sums_ = weightsOfNodes();
   }
 
   void findPairs() {

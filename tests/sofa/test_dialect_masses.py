@@ -7,7 +7,7 @@ import numpy as np
 
 from dialect import (CUBE, EXACT, PLACES, X4_TEXT, Run, agree, case, differ, fallen, falls, main, node, numbers_of, root, shapes_at,
                      voxels)
-from reference import euler, gravity, load, stiffness, together
+from reference import euler, gravity, load, springs, stiffness, together
 
 
 @case
@@ -348,6 +348,42 @@ def masses_of_one_state_add_up():
     Run(root(scene), 1).says("added-masses: several masses of one state add up (/UniformMass2)")
     Run(root(scene), 1, args=["--without-quirk", "added-masses"]).fails(2, "/dofs has two masses: ")
     Run.of_native(root(scene), 1).fails(2, "/dofs has two masses: ")
+
+
+@case
+def lists_of_masses():
+    """Of vertexMass MeshMatrixMass takes 2.5 times (on surfaces twice) for lumped matrices and for weights, and nothing without lumping
+    or edgeMass; DiagonalMass repeats its last and has one density; UniformMass has one mass."""
+    x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    pairs = list(itertools.combinations(range(4), 2))
+    given, along = np.array([1.0, 2, 3, 4]), np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    coupled = np.diag(given)
+    for (a, b), m in zip(pairs, along):
+        coupled[a, b] = coupled[b, a] = m
+    lists = f'vertexMass="{numbers_of(given)}"'
+    edges = f' edgeMass="{numbers_of(along)}"'
+    volume, surface = 'tetrahedra="0 1 2 3"', 'triangles="0 1 2  1 3 2"'
+    listed = ' edges="' + " ".join(f"{a} {b}" for a, b in pairs) + '"'
+    whole = 1 / 20 * (np.eye(4) + 1)
+    for mesh, mass, matrix, weights, words in (
+            (volume, f'MeshMatrixMass {lists} lumping="1"', np.diag(2.5 * given), 2.5 * given, ()),
+            (surface, f'MeshMatrixMass {lists} lumping="1"', np.diag(2 * given), 2 * given, ()),
+            (volume + listed, f"MeshMatrixMass {lists}{edges}", coupled, 2.5 * given, ()),
+            (volume, f'MeshMatrixMass {lists}{edges} lumping="1"', np.diag(2.5 * given), 2.5 * given, ()),
+            (volume, f"MeshMatrixMass {lists}", whole, np.full(4, 0.25), ("does not count in SOFA",)),
+            (volume, 'MeshMatrixMass vertexMass="3" lumping="1"', np.eye(4) / 4, np.full(4, 0.25), ("asks for one for each node",)),
+            (volume, 'DiagonalMass vertexMass="1 2"', np.diag([1.0, 2, 2, 2]), np.array([1.0, 2, 2, 2]), ()),
+            (volume, 'DiagonalMass massDensity="12 5"', np.eye(4) / 2, np.full(4, 0.5), ("reads the first",)),
+            (volume, 'UniformMass vertexMass="2 3 4 5"', 2 * np.eye(4), np.full(4, 2.0), ("reads the first",))):
+        forces = together(gravity(weights, [0, -10, 0]), load({3: [0, 0, 1]}), springs(pairs, x, 50.0))
+        expected = euler(x, matrix, forces, 10, 0.01)
+        run = Run(root(EXACT + f'<MeshTopology position="{numbers_of(x)}" {mesh}/><MechanicalObject name="dofs"/><{mass}/>'
+                       '<ConstantForceField indices="3" forces="0 0 1"/><SpringForceField spring="' +
+                       "  ".join(f"{a} {b} {50 / np.linalg.norm(x[a] - x[b])!r} 0 {np.linalg.norm(x[a] - x[b])!r}" for a, b in pairs) + '"/>'), 10)
+        run.says(*words)
+        agree(run.x() - x, expected - x, 1e-8)
+    line = '<MeshTopology position="0 0 0  1 0 0" edges="0 1"/><MechanicalObject name="dofs"/><MeshMatrixMass massDensity="1"/>'
+    Run(root(EXACT + line), 1).says("SOFA's MeshMatrixMass has none on lines")
 
 
 main()

@@ -160,6 +160,107 @@ def plates_of_rectangles():
     differ(Run(scene, 20, args=["--without-quirk", "membrane-shape"]).x(), moment, 1e-5)
 
 
+def thin_cells(cells, rest, E, nu, turn, plane_stress=False):
+    """f = R K (X - c0 - R^T (x - c)), df = -R K R^T dx, with the three-dimensional strains of the gradients in the cell."""
+    mu, lam = E / 2 / (1 + nu), E * nu / (1 + nu) / (1 - nu if plane_stress else 1 - 2 * nu)
+    D = np.diag([2 * mu] * 3 + [mu] * 3)
+    D[:3, :3] += lam
+    corners = len(cells[0])
+
+    def slopes(p):
+        if corners == 2:
+            return np.array([[-0.5], [0.5]])
+        if corners == 3:
+            return np.array([[-1, -1], [1, 0], [0, 1]], float)
+        at = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], float)
+        return np.array([[a * (1 + b * p[1]) / 4, b * (1 + a * p[0]) / 4] for a, b in at])
+    points = {2: [((0,), 2)], 3: [((0, 0), 0.5)],
+              4: [((np.sqrt(2 / 3), 0), 4 / 3), ((-6**-0.5, -2**-0.5), 4 / 3), ((-6**-0.5, 2**-0.5), 4 / 3)]}[corners]
+    matrices = []
+    for cell in cells:
+        K = np.zeros((3 * corners, 3 * corners))
+        for p, weight in points:
+            J = rest[list(cell)].T @ slopes(p)
+            g = slopes(p) @ np.linalg.inv(J.T @ J) @ J.T
+            B = np.zeros((6, 3 * corners))
+            for a, (i, j, k) in enumerate(g):
+                B[:, 3 * a:3 * a + 3] = [[i, 0, 0], [0, j, 0], [0, 0, k], [j, i, 0], [0, k, j], [k, 0, i]]
+            K += weight * np.sqrt(np.linalg.det(J.T @ J)) * B.T @ D @ B
+        matrices.append(K)
+
+    def field(x, v):
+        f, whole = np.zeros_like(x), np.zeros((x.size, x.size))
+        for cell, K in zip(cells, matrices):
+            now, then = x[list(cell)], rest[list(cell)]
+            R = turn(now, then)
+            away = (now - now.mean(axis=0)) @ R - (then - then.mean(axis=0))
+            f[list(cell)] -= (K @ away.ravel()).reshape(-1, 3) @ R.T
+            T = np.kron(np.eye(corners), R)
+            at = [3 * i + c for i in cell for c in range(3)]
+            whole[np.ix_(at, at)] -= T @ K @ T.T
+        return f, whole
+    return field
+
+
+def fit(now, then):
+    """The rotation that fits nodes best; of a line, one that takes it along."""
+    u, s, vt = np.linalg.svd((now - now.mean(axis=0)).T @ (then - then.mean(axis=0)))
+    return u @ np.diag([1, 1, np.linalg.det(u) * np.linalg.det(vt)]) @ vt
+
+
+def first_edge(now, then):
+    def axes(x):
+        first, normal = x[1] - x[0], np.cross(x[1] - x[0], x[2] - x[0])
+        first, normal = first / np.linalg.norm(first), normal / np.linalg.norm(normal)
+        return np.array([first, np.cross(normal, first), normal]).T
+    return axes(now) @ axes(then).T
+
+
+@case
+def cells_without_a_thickness():
+    """Fields of any kind of cell on edges, triangles and quads: Hooke's law of space for the gradients in the cell."""
+    x = np.array([[0, 0, 0], [1, 0, 0.1], [2, 0.1, 0], [0, 1, 0], [1.1, 1, 0], [2, 1.2, 0.2]])
+    kinds = {"Triangle": ("triangles", [(0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4)]), "Quad": ("quads", [(0, 1, 4, 3), (1, 2, 5, 4)]),
+             "Edge": ("edges", [(0, 1), (1, 2), (1, 4), (4, 5), (3, 4), (0, 4), (2, 5), (0, 3)])}
+    still = lambda now, then: np.eye(3)
+    ways = [("LinearSmallStrain", kind, "", still) for kind in kinds]
+    ways += [("Corotational", "Triangle", "", first_edge), ("Corotational", "Triangle", 'rotationMethod="stable_polar"', fit),
+             ("Corotational", "Triangle", 'rotationMethod="identity"', still), ("Corotational", "Quad", "", fit),
+             ("Corotational", "Edge", "", fit)]
+    fallen_sheet = []
+    for name, kind, more, turn in ways:
+        word, cells = kinds[kind]
+        mesh = f'<MeshTopology position="{numbers_of(x)}" {word}="{" ".join(str(i) for cell in cells for i in cell)}"/>'
+        rest = (EXACT + mesh + '<MechanicalObject name="dofs"/><UniformMass totalMass="3"/><FixedConstraint indices="0 3"/>')
+        forces = together(gravity(0.5 * np.ones(6), [0, -10, 0]), thin_cells(cells, x, 2e3, 0.3, turn), load({5: [0, 0, 30]}))
+        expected = euler(x, 0.5 * np.eye(6), forces, 20, 0.01, held=[0, 3])
+        for words in (f'template="Vec3,{kind}"', f'elementType="{kind}"', f'dofType="Vec3d" elementType="{kind}"'):
+            scene = root(rest + f'<{name}FEMForceField {words} {more} youngModulus="2000" poissonRatio="0.3" computeForceStrategy='
+                                '"parallel"/><ConstantForceField indices="5" forces="0 0 30"/>')
+            agree(Run(scene, 20).x() - x, expected - x, 1e-8)
+        fallen_sheet.append(expected)
+    for one, other in itertools.combinations(fallen_sheet[:6], 2):
+        if one is not fallen_sheet[0] or other is not fallen_sheet[5]:  # identity is the linear one
+            differ(one, other, 1e-4)
+
+
+@case
+def cells_in_a_plane():
+    """Bodies in a plane have the law of a sheet."""
+    x = np.array([[0, 0, 0], [1, 0, 0], [2, 0.1, 0], [0, 1, 0], [1.1, 1, 0], [2, 1.2, 0]])
+    for kind, word, cells in (("Triangle", "triangles", [(0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4)]),
+                              ("Quad", "quads", [(0, 1, 4, 3), (1, 2, 5, 4)])):
+        flat = " ".join(f"{a} {b}" for a, b, _ in x)
+        mesh = f'<MeshTopology position="{numbers_of(x)}" {word}="{" ".join(str(i) for cell in cells for i in cell)}"/>'
+        scene = root(EXACT + mesh + f'<MechanicalObject name="dofs" template="Vec2" position="{flat}"/><UniformMass totalMass="3"/>'
+                     f'<CorotationalFEMForceField template="Vec2,{kind}" youngModulus="2000 1000" poissonRatio="0.3"/>'
+                     '<FixedConstraint indices="0 3"/>')
+        young = [2e3, 1e3] + [2e3] * (len(cells) - 2)  # beyond the list's end the first
+        fields = [thin_cells([cell], x, E, 0.3, fit, plane_stress=True) for cell, E in zip(cells, young)]
+        expected = euler(x, 0.5 * np.eye(6), together(gravity(0.5 * np.ones(6), [0, -10, 0]), *fields), 20, 0.01, held=[0, 3])
+        agree(Run(scene, 20).x() - x, expected - x, 1e-8)
+
+
 @case
 def surfaces_without_inner_edges_do_not_bend():
     """Nor do surfaces without cells of the kind: there is no spring, as in SOFA."""

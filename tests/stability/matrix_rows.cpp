@@ -347,7 +347,7 @@ std::vector<Row> makeRows() {
                                   "method=\"small\" tangent=\"warped\""})
         addExample(out, type, variant);
     } else if (component->data().find("dampingRatio") || type == "TriangularTensorMassForceField" ||
-               type == "QuadBendingFEMForceField") {  // of surfaces
+               type == "QuadBendingFEMForceField" || type == "ThinCellsFEMForceField") {  // of surfaces
       addExample(out, type);
     } else if (type == "TriangularAnisotropicFEMForceField") {
       addExample(out, type, "transverseYoungModulus=\"5e3\"");

@@ -38,6 +38,7 @@ class Rewriting {
   void fillParts(Element& field);
   void meanVoxels(Element& field);  // rewritten_masses.cpp
   void makeChains();                // rewritten_shapes.cpp
+  void meanThinCells(Element& field);
   void meanJoint(Element& joint);   // rewritten_shapes.cpp
   void splitPlasticity(Element& field);
   void divideSteps();
@@ -80,6 +81,7 @@ class Rewriting {
   // ---- rewritten_attributes.cpp ----
   void rewriteAttributes(Element& element);
   bool keepsAttribute(Element& element, AttributeDescription& attribute);
+  void readList(const Element& element, const Data& data, AttributeDescription& attribute, const std::string& text);
   bool keepsValue(Element& element, Data& data, AttributeDescription& attribute);
   bool keepsUnknown(Element& element, const AttributeDescription& attribute);
   void tellUnread(const Element& element);
@@ -161,6 +163,7 @@ class Rewriting {
 
   // ---- rewritten_masses.cpp ----
   void meanMass(Element& element);
+  void meanLists(Element& mass);
   void addToOthers(Element& mass);
   void warnOfWeight(const Element& mass, const Element& state);
   void shareMass(Element& mass, const Element& state);

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/common_attributes.h"
@@ -63,6 +64,55 @@ std::string numbersIn(std::string text, bool whole_numbers, std::size_t most, st
   std::string joined;
   for (const std::string& number : numbers) joined += (joined.empty() ? "" : " ") + number;
   return joined;
+}
+
+/// A whole number, or 0 as SOFA has of a word that is none; `strange` is then that word.
+long long indexOf(std::string_view word, std::string& strange) {
+  long long value = 0;
+  const char* first = word.data() + (word.starts_with("+") ? 1 : 0);
+  const auto [end, code] = std::from_chars(first, word.data() + word.size(), value);
+  if (code == std::errc() && end == word.data() + word.size() && value >= 0) return value;
+  if (strange.empty()) strange = word;
+  return 0;
+}
+
+/// The indices that SOFA has of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither.
+std::string indicesIn(const std::string& text, std::string& strange) {
+  constexpr long long longest = 100000000;
+  std::string joined, whole;
+  for (std::istringstream words(text); words >> whole;) {  // a comma is a part of a word
+    const std::string_view word = whole;
+    const auto dash = word.find('-', 1), second = dash == word.npos ? word.npos : word.find('-', dash + 2);
+    const long long from = indexOf(word.substr(0, dash), strange);
+    long long to = from, by = 1;
+    if (dash != word.npos) to = indexOf(word.substr(dash + 1, second == word.npos ? second : second - dash - 1), strange);
+    if (second != word.npos) by = indexOf(word.substr(second + 1), strange);
+    by = std::max(by, 1LL) * (to < from ? -1 : 1);
+    if (std::abs(to - from) > longest) return {};
+    for (long long i = from; by > 0 ? i <= to : i >= to; i += by) joined += (joined.empty() ? "" : " ") + std::to_string(i);
+  }
+  return joined;
+}
+
+/// Not of other whole numbers, such as a localRange.
+bool isListOfIndices(const Data& data) {
+  const auto has = [&](const char* word) { return data.name().find(word) != std::string::npos; };
+  return std::holds_alternative<std::vector<int>*>(data.pointer()) && (has("ndices") || has("ndex") || has("oint"));
+}
+
+/// What ends SOFA's reading of a list of numbers, or empty; lists of matrices have brackets and commas there too.
+std::string stopOf(const Data& data, const std::string& text) {
+  const bool is_list = std::visit(
+      [](const auto& pointer) {
+        using Pointer = std::decay_t<decltype(pointer)>;
+        if constexpr (!requires { pointer->resize(1); }) return false;
+        else return !std::is_same_v<Pointer, std::string*> && !std::is_same_v<Pointer, std::vector<std::string>*> &&
+                    !std::is_same_v<Pointer, std::vector<bool>*> && !std::is_same_v<Pointer, std::vector<int>*>;
+      },
+      data.pointer());
+  static const std::vector<std::string_view> of_matrices = {"vertexMass", "inertia", "rotation", "cluster", "affine", "scale", "weights"};
+  const auto at = text.find_first_of(",;[](){}");
+  return !is_list || contains(of_matrices, data.name()) || at == text.npos ? std::string() : text.substr(at, 1);
 }
 
 template <class T>
@@ -150,6 +200,19 @@ static bool mendsPoissonRatio(std::string_view type) {
   return std::find(all.begin(), all.end(), type) != all.end();
 }
 
+/// A list as SOFA reads it, where that is not how it is read here.
+void Rewriting::readList(const Element& element, const Data& data, AttributeDescription& attribute, const std::string& text) {
+  if (attribute.typed) return;
+  if (const std::string stop = stopOf(data, text); !stop.empty())
+    warn(attribute.where, element, attribute.name, "SOFA reads its numbers up to " + inQuotes(stop) + " alone: here all of them count");
+  if (!isListOfIndices(data)) return;
+  std::string strange;
+  const std::string indices = indicesIn(text, strange);
+  if (!strange.empty())
+    warn(attribute.where, element, attribute.name, inQuotes(strange) + " is no whole number: SOFA has 0 of it, and so has this scene");
+  if (!strange.empty() || text.find('-') != text.npos) attribute.value = indices;
+}
+
 bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& attribute) {
   if (attribute.name == "poissonRatio" && mendsPoissonRatio(element.written->type) && !attribute.value.starts_with("@")) {
     std::string mended;
@@ -173,6 +236,7 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
     warn(attribute.where, element, attribute.name, "is computed by the component: what is written does not count");
     return false;
   }
+  readList(element, data, attribute, text);
   std::optional<Problem> problem = data.parse(attribute.value, DataOrigin::written);
   if (!problem && attribute.typed) return true;
   if (!problem) {  // a stream does not know fractions
@@ -199,15 +263,14 @@ bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& a
     attribute.value = "0.45";
     return true;
   }
-  std::string range = data.rangeText();
-  if (!range.empty() && problem->message.find("outside the range") != std::string::npos) return true;  // refused later
+  if (!data.rangeText().empty() && problem->message.find("outside the range") != std::string::npos) return true;  // refused later
   if (std::holds_alternative<Vec3*>(data.pointer())) {
     attribute.value = readByStream(text, data.defaultText());
     warn(attribute.where, element, attribute.name, problem->message + ": SOFA has " + attribute.value + " of it, and so has this scene");
     return true;
   }
   warn(attribute.where, element, attribute.name,
-       problem->message + ": SOFA keeps the default, and so does this scene (" + data.defaultText() + ")");
+       problem->message + ": SOFA keeps the default, and so does this scene");
   return false;
 }
 

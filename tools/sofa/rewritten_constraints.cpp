@@ -186,9 +186,6 @@ void Rewriting::meanConstraint(Element& element) {
   if (element.is("AttachProjectiveConstraint") && !integrator)
     warn(element.written->where, element, {}, "ties bodies of a solver each: SOFA moves each freely and takes means after a step");
   if (holdsNothing(element)) return;
-  if (element.is("FixedPlaneProjectiveConstraint") && element.find("indices") && element.writes("dmin") &&
-      element.text("dmin") == element.text("dmax"))
-    element.remove("dmin"), element.remove("dmax");
   if (element.is("FixedPlaneProjectiveConstraint")) meanSlidingPlane(element, integrator && moves && isAssembled(*integrator));
   const bool all = saysYes(element.text("fixAll"));
   if (!all && !element.find("indices") && holdsFirstNode(element.written->type) &&

@@ -43,6 +43,7 @@ void Rewriting::meanMass(Element& element) {
   if (saysYes(element.text("separateGravity")))
     warn(element.written->where, element, "separateGravity",
          "is not followed: SOFA adds gravity to velocities after positions have moved, and this is a force in the step");
+  meanLists(element);
   setDefault(element, "cells", "first");
   const bool couples =
       (type == "MeshMatrixMass" && !saysYes(element.text("lumping"))) || type == "FEMMass" || element.place->has("mapping");
@@ -51,6 +52,35 @@ void Rewriting::meanMass(Element& element) {
   const Element* mesh = isAnyOf(type, {"DiagonalMass", "MeshMatrixMass"}) ? meshOf(element) : nullptr;
   const bool are_boxes = mesh && isAnyOf(mesh->written->type, {"RegularGridTopology", "SparseGridTopology"}) && !placesNodes(element);
   if (mesh && !are_boxes && mayLoadQuads(element)) setQuirk(element, "edge-mass", "shares", "equal");
+}
+
+/// Lists of masses and densities: how many numbers SOFA takes of them.
+void Rewriting::meanLists(Element& mass) {
+  const bool is_sparse = mass.is("MeshMatrixMass");
+  const Element* state = mass.place->nearest("mechanical state");
+  const bool of_points = state && (state->text("template").empty() || state->text("template").starts_with("Vec"));
+  const std::vector<double> masses = writtenNumbers(mass.text("vertexMass"));
+  if (mass.is("UniformMass") && of_points && mass.writes("vertexMass") && masses.size() > 1) {
+    warn(mass.find("vertexMass")->where, mass, "vertexMass", "is one number in SOFA, which reads the first of these");
+    mass.set("vertexMass", printReal(masses[0]));
+  }
+  if (!is_sparse && !mass.is("DiagonalMass")) return;
+  const std::vector<double> densities = writtenNumbers(mass.text("massDensity"));
+  if (!is_sparse) setDefault(mass, "lastForOthers", "true");
+  if (!is_sparse && mass.writes("massDensity") && densities.size() > 1) {
+    warn(mass.find("massDensity")->where, mass, "massDensity", "is one number in SOFA, which reads the first of these");
+    mass.set("massDensity", printReal(densities[0]));
+  }
+  const AttributeDescription* given = mass.find("vertexMass");
+  if (!is_sparse || !given || mass.find("totalMass") || mass.find("massDensity")) return;
+  const bool couples = mass.find("edgeMass"), is_one = mass.writes("vertexMass") && masses.size() == 1;
+  if (!is_one && (couples || saysYes(mass.text("lumping")))) return;
+  warn(given->where, mass, "vertexMass",
+       std::string(is_one ? "is one number, and SOFA asks for one for each node" : "without lumping or edgeMass does not count in SOFA") +
+           ": the total mass is 1, as there",
+       is_one ? "" : "lumping=\"true\"");
+  mass.remove("vertexMass"), mass.remove("edgeMass");
+  mass.set("totalMass", "1");
 }
 
 /// A second mass of a state has to name it here.

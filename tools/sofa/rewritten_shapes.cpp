@@ -2,7 +2,8 @@
 // Parts that are one component in SOFA and another here.
 // ShapeMatching is there an engine that follows a state as it moves: here what draws nodes to its goals matches the shapes itself.
 // MultiAdaptiveBeamMapping fills the edges of its node there: here a topological mapping does. A TrianglePressureForceField chooses its
-// triangles between two planes there: here a region does.
+// triangles between two planes there: here a region does. Fields of any kind of cell are one component there: here those of edges,
+// triangles and quads are another.
 #include <algorithm>
 #include <cstdlib>
 
@@ -39,7 +40,35 @@ void Rewriting::matchShapes() {
   });
 }
 
+/// The kind of cells that a field names: by its template, or by SOFA's newer attributes of the two parts of one.
+void Rewriting::meanThinCells(Element& field) {
+  if (!isAnyOf(field.written->type, {"CorotationalFEMForceField", "LinearSmallStrainFEMForceField"})) return;
+  std::string word = field.text("template");
+  if (const std::string kind = field.text("elementType"); !kind.empty() && word.find(',') == std::string::npos)
+    word = (field.find("dofType") ? field.text("dofType") : word.empty() ? "Vec3" : word) + "," + kind;
+  for (const char* name : {"elementType", "dofType"}) field.remove(name);
+  if (word.empty()) return;
+  field.set("template", word);
+  const bool turns = field.written->type == "CorotationalFEMForceField";
+  for (const auto& [kind, cells] : {std::pair("Edge", "edges"), {"Triangle", "triangles"}, {"Quad", "quads"}}) {
+    if (!word.ends_with(std::string(",") + kind)) continue;
+    const bool is_frame = turns && cells == std::string_view("triangles") && word.starts_with("Vec3");
+    const std::string way = !turns ? "identity" : field.find("rotationMethod") ? field.text("rotationMethod") : is_frame ? "triangle" : "";
+    if (way == "polar")
+      warn(field.find("rotationMethod")->where, field, "rotationMethod",
+           "has no defined factor of a flat cell in SOFA: here it is stable_polar");
+    tree_->retype(field, "ThinCellsFEMForceField");
+    for (const char* name : {"template", "rotationMethod", "method"}) field.remove(name);
+    field.set("cells", cells);
+    field.set("rotation", way == "identity" ? "none" : way == "triangle" ? "frame" : "nodes");
+    if (word.starts_with("Vec2")) field.set("planeStress", "true");
+    setDefault(field, "firstForOthers", "true"), setDefault(field, "thickness", "1");
+    return;
+  }
+}
+
 void Rewriting::makeChains() {
+  tree_->forEach([this](Element& element) { meanThinCells(element); });
   std::vector<std::pair<Element*, Element*>> chains;
   tree_->forEach([&](Element& element) {
     if (!element.is("MultiAdaptiveBeamMapping")) return;
