@@ -53,6 +53,12 @@ std::string ContactField::choice() const {
   return text;
 }
 
+/// Of a term in the caches; its sixteen blocks look for their places. Never nothing, which would be a field whose cost is not known.
+ForceField::Cost ContactField::cost() const {
+  const double terms = 1 + double(terms_.size() + friction_.terms().size());
+  return {50 * terms, 800 * terms};
+}
+
 double ContactField::lentEnergy(ConstRows x) const {
   gather(x, law_.moved);
   return friction_.energy(x_, start_, law_.moved - moved_at_start_);

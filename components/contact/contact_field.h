@@ -21,6 +21,7 @@ class ContactField : public ForceField, public OpenChoices, public LendsEnergy, 
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override;
   void addStiffness(double factor, BlockMatrix& matrix) const override;
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
+  Cost cost() const override;
   /// With friction, whose pressures and directions stay in a solve.
   bool lendsEnergy() const override { return friction_.acts(); }
   double lentEnergy(ConstRows x) const override;

@@ -49,7 +49,9 @@ void AutomaticInverse::solved(const SolveReport& report) {
   if (now_.way == Way::factors) factors_->solved(part, 1);
   if (leaves_ || rows_ < few_nodes || !may_change_) return;
   const double decades = std::min(-std::log10(start_), -std::log10(target_));
-  now_.decades = now_.decades == 0 ? decades : now_.decades + (decades - now_.decades) / 4;
+  // loose and strict solves take turns in Newton's method: a mean of few would choose at the moment that flatters a way most
+  const double share = std::clamp(1.0 / now_.solves, 1.0 / 16, 0.25);
+  now_.decades = now_.decades == 0 ? decades : now_.decades + (decades - now_.decades) * share;
   factored_ = factored_ || report.factored;
   const double cost = (isDirect() ? direct() : report.iterations * iteration(now_.way)) + turning(now_.way);
   if (now_.way == Way::factors && report.stop == SolveStop::iteration_limit) return void(now_.given_up += cost);

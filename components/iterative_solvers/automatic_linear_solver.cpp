@@ -278,6 +278,7 @@ bool AutomaticLinearSolver::iterateWithFactors(SystemMatrix& matrix, ConstRows b
       report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x);
       report.relative_residual /= norm_b_;
       if (report.stop != SolveStop::stopped) inverse.solved(report, 1);
+      EquilibriumChoice::acceptEnough(relativeTarget(terms), report);
     } else {
       report = prepared, report.relative_residual = 1, report.iterations = 0;
     }
@@ -303,8 +304,7 @@ SolveReport AutomaticLinearSolver::solveByFactors(SystemMatrix& matrix, ConstRow
     clear(x);
   }
   SolveReport again = factors().solve(matrix, b, x, terms);
-  again.iterations += report.iterations;
-  again.factored = again.factored || report.factored;
+  again.iterations += report.iterations, again.factored = again.factored || report.factored;
   return again;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
 #include <string>
 
 #include "components/iterative_solvers/solver_costs.h"
@@ -56,6 +57,11 @@ struct EquilibriumChoice {
   static constexpr double strict = 0.01;
   /// And one by former factors: Newton's method then takes about as many iterations as with factors of each matrix.
   static constexpr double by_former = 1e-4;
+  /// Where such a solve has come to an end before that, but to what Newton's method has asked for: that is not thrown away for new factors.
+  static void acceptEnough(double asked, SolveReport& report) {
+    const bool is_enough = report.stop == SolveStop::iteration_limit && report.relative_residual <= std::min(asked, strict);
+    if (is_enough) report.stop = SolveStop::converged;
+  }
   /// What is solved loosely can move a body to where its matrix is not definite, which a better solve would not have done. Solves are
   /// strict once that has happened. Where strict ones have led there too, they are of no use.
   void noteDefinite(const SolveReport& report);

@@ -70,7 +70,7 @@ struct IterationCosts {
   /// Of former factors, or of a hierarchy: each node with what surrounds it, for each matrix.
   static double turns(double rows, double blocks) { return 140 * rows + 4 * blocks; }
   /// Times as much where the hierarchy needs patches: two to three times the iterations, each 1.4 to 3 times as dear.
-  static constexpr double with_patches = 4;
+  static constexpr double with_patches = 4.5;
   /// Less where the levels fit into the caches.
   static double cycle(double rows, double blocks) {
     const double megabytes = 50e-6 * blocks;

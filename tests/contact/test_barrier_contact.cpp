@@ -389,6 +389,26 @@ TEST(BarrierContact, NamesWhatHasNoGap) {
   EXPECT_EQ(worstAt(0, Vec3(0, 0, 0.01)), "") << "it remembers nothing";
 }
 
+/// Whoever chooses a solver knows what products take, with and without pairs that touch; a contact of unknown cost would hide it.
+TEST(BarrierContact, WhatItsProductsCostIsKnown) {
+  const auto costs = [&](double gap, bool has_contact) {
+    Simulation simulation = simulationFromText(contactScene(
+        bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {4, 4, 4}), "<FixedProjectiveConstraint indices=\"0 1 2 3 4 5\"/>", "", 1e5) +
+            bodyNode("b", boxOf(Vec3(0, 0, 1 + gap), Vec3(1, 1, 2 + gap), {4, 4, 4}), "", "", 1e5) +
+            (has_contact ? contact("contactDistance=\"0.02\"") : ""),
+        0.001, Vec3(0, 0, -9.81)));
+    simulation.step();
+    const SystemMatrix& matrix = simulation.systems()[0]->matrix();
+    return std::pair(matrix.productCost(), matrix.assemblyCost());
+  };
+  const auto bodies = costs(0.5, false), apart = costs(0.5, true), touching = costs(0.015, true);
+  EXPECT_GT(bodies.first, 0);
+  EXPECT_NEAR(apart.first, bodies.first, 0.02 * bodies.first);
+  EXPECT_NEAR(apart.second, bodies.second, 0.1 * bodies.second);
+  EXPECT_GT(touching.first, apart.first);
+  EXPECT_GT(touching.second, apart.second);
+}
+
 /// What the check of a start has found out is what a run that begins again finds out: the bits and the numbers of queries are the same.
 TEST(BarrierContact, BeginsAgainAsItBegan) {
   Simulation simulation = simulationFromText(contactScene(

@@ -375,6 +375,20 @@ TEST(EquilibriumChoice, DearSolvesByMultigridPayForFactors) {
   EXPECT_EQ(solvesUntilDear(1000, false), 1000) << "factors that do not fit into the memory";
 }
 
+/// What former factors leave when they have cost enough is not thrown away where Newton's method has asked for no more.
+TEST(EquilibriumChoice, WhatIsGoodEnoughForNewtonsMethodIsKept) {
+  const auto isKept = [](SolveStop stop, double left, double asked) {
+    SolveReport report;
+    report.stop = stop, report.relative_residual = left;
+    EquilibriumChoice::acceptEnough(asked, report);
+    return report.stop == SolveStop::converged;
+  };
+  EXPECT_TRUE(isKept(SolveStop::iteration_limit, 3e-4, 0.1));
+  EXPECT_FALSE(isKept(SolveStop::iteration_limit, 3e-4, 1e-4));
+  EXPECT_FALSE(isKept(SolveStop::iteration_limit, 0.05, 0.1)) << "loose solves lead astray";
+  EXPECT_FALSE(isKept(SolveStop::not_definite, 3e-4, 0.1));
+}
+
 /// Iterations with former factors are what these have saved, and a share of what factors of each matrix take. A body that they do not
 /// serve pays that share at most.
 TEST(FormerFactorAccount, FactorsThatDoNotServeCostLittle) {
