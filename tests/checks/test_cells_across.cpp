@@ -91,7 +91,8 @@ TEST(CellsAcross, HexahedraThatAreLongAreStiffByTheirLength) {
   for (const int along : {80, 40, 20, 10}) {
     const std::string scene = fmt::format(
         R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>
-  <RegularGridTopology n="{} 3 3" min="0 0 0" max="40 1 1"/><MechanicalObject/><HexahedronFEMForceField name="fem" method="small" youngModulus="1000" poissonRatio="0"/>
+  <RegularGridTopology n="{} 3 3" min="0 0 0" max="40 1 1"/><MechanicalObject/>
+  <HexahedronFEMForceField name="fem" method="small" youngModulus="1000" poissonRatio="0"/>
   <BoxROI name="wall" box="-1 -1 -1 1e-6 2 2"/><BoxROI name="end" box="39.999 -1 -1 50 2 2"/>
   <FixedProjectiveConstraint indices="@wall.indices"/>
   <SurfaceTractionForceField min="39.9 -1 -1" max="50 2 2" traction="0 0 -1e-6"/></Node>)",
