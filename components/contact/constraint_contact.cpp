@@ -82,11 +82,12 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void expectForces(std::span<double> forces, std::span<double> yields) const override {
     kept_forces_.expect(gaps_, law_.surfaces, x_, rowsOfEach(), forces, yields);
   }
-  /// Where conditions between rigid bodies do not come to hold their directions stay.
+  /// Where conditions between rigid bodies do not come to hold their directions stay; where they do not then either, they are let go.
   bool changeConditions(ConstRows, std::span<const double> forces, std::span<const double>) override {
-    const bool changes = !gaps_.keepsDirections() && kept_forces_.isOff(gaps_, law_, x_, rowsOfEach(), forces, friction_, toleratedError());
-    if (changes) gaps_.keepDirections();
-    return changes;
+    const bool keeps = gaps_.keepsDirections();
+    if (!keeps && !kept_forces_.isOff(gaps_, law_, x_, rowsOfEach(), forces, friction_, toleratedError())) return false;
+    keeps ? gaps_.letGoDirections() : gaps_.keepDirections();
+    return true;
   }
   std::string choice() const override {
     return fmt::format("{}, which keep a gap of {:.4g} m{}", namesOf(law_, bodies_, self_), law_.range,

@@ -89,6 +89,7 @@ class KeptGaps {
   void look(const BarrierLaw& law, const std::vector<Vec3>& x);
   /// Of those that count at the last x, from now on in the step.
   void keepDirections();
+  void letGoDirections() { keeps_directions_ = false; }
   bool keepsDirections() const { return keeps_directions_; }
   /// How far the step to the last x is from being proved [m]; 0: it is.
   double unproved() const { return unproved_; }

@@ -65,11 +65,15 @@ void Multipliers::forgetChanged() {
   }
 }
 
-/// Where directions of what shares its forces turn to and fro, they stay from now on. True: they do so first.
+/// Where directions of what shares its forces turn to and fro they stay. Where that does not lead to an end they are let go, and stay
+/// from another place on. True: either begins here.
 bool Multipliers::keepDirections(int round) {
-  constexpr int few = 4, many = 20;
-  if (carries_ || keeps_ || yields_.empty() || round < (redundant_.areSwept() ? few : many)) return false;
-  return keeps_ = changeConditions(true);
+  constexpr int few = 2, many = 20, most = 25;
+  kept_since_ = std::min(kept_since_, round);
+  if (carries_ || yields_.empty() || round - kept_since_ < (keeps_ ? most : redundant_.areSwept() ? few : many)) return false;
+  if (!changeConditions(true)) return false;
+  keeps_ = !keeps_, kept_since_ = round;
+  return true;
 }
 
 /// J^T of rows that may have a force, where they were found: they are few of those that may come near in a step.

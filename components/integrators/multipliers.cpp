@@ -259,7 +259,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   System& s = *system_;
   copy(s.independent(s.x), free_), clear(whole_);
   bool is_mixed = is_left_ = false;
-  changes_left_ = most_changes, mixing_.restart(), keeps_ = false;
+  changes_left_ = most_changes, mixing_.restart(), keeps_ = false, kept_since_ = 0;
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
   double size = largest(s.independent(s.x)) + rule_.displacement * largest(change);

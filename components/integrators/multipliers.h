@@ -168,6 +168,7 @@ class Multipliers {
   System* system_ = nullptr;
   Rule rule_;
   bool carries_ = false, keeps_ = false;  ///< keeps_: directions of rounds before
+  int kept_since_ = 0;                    ///< the round since when, or since when not
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
   ConditionForces solve_;                  ///< W, g and l
