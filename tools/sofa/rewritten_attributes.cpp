@@ -66,21 +66,33 @@ std::string numbersIn(std::string text, bool whole_numbers, std::size_t most, st
   return joined;
 }
 
-/// A whole number, or 0 as SOFA has of a word that is none; `strange` is then that word.
-long long indexOf(std::string_view word, std::string& strange) {
-  long long value = 0;
+/// Words that SOFA's lists of indices have 0 of: the first one that is no number at all, and the first one whose numbers count here.
+struct StrangeWords {
+  std::string none, counted;
+};
+
+/// A whole number, also one that is written as a fraction is; else 0.
+long long indexOf(std::string_view word, StrangeWords& strange) {
+  double value = 0;
   const char* first = word.data() + (word.starts_with("+") ? 1 : 0);
   const auto [end, code] = std::from_chars(first, word.data() + word.size(), value);
-  if (code == std::errc() && end == word.data() + word.size() && value >= 0) return value;
-  if (strange.empty()) strange = word;
-  return 0;
+  constexpr double largest = 1e9;
+  const bool is_number = code == std::errc() && end == word.data() + word.size();
+  const bool is_whole = is_number && value >= 0 && value < largest && value == std::floor(value);
+  if (is_whole && word.find_first_of(".eE") == word.npos) return static_cast<long long>(value);
+  std::string& kind = is_whole ? strange.counted : strange.none;
+  if (kind.empty()) kind = word;
+  return is_whole ? static_cast<long long>(value) : 0;
 }
 
-/// The indices that SOFA has of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither.
-std::string indicesIn(const std::string& text, std::string& strange) {
+/// The indices of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither.
+std::string indicesIn(std::string text, StrangeWords& strange) {
   constexpr long long longest = 100000000;
   std::string joined, whole;
-  for (std::istringstream words(text); words >> whole;) {  // a comma is a part of a word
+  for (std::istringstream words(text); strange.counted.empty() && words >> whole;)
+    if (whole.find_first_of(",;[](){}") != whole.npos) strange.counted = whole;
+  std::replace_if(text.begin(), text.end(), [](char c) { return std::string_view(",;[](){}").find(c) != std::string_view::npos; }, ' ');
+  for (std::istringstream words(text); words >> whole;) {
     const std::string_view word = whole;
     const auto dash = word.find('-', 1), second = dash == word.npos ? word.npos : word.find('-', dash + 2);
     const long long from = indexOf(word.substr(0, dash), strange);
@@ -206,11 +218,13 @@ void Rewriting::readList(const Element& element, const Data& data, AttributeDesc
   if (const std::string stop = stopOf(data, text); !stop.empty())
     warn(attribute.where, element, attribute.name, "SOFA reads its numbers up to " + inQuotes(stop) + " alone: here all of them count");
   if (!isListOfIndices(data)) return;
-  std::string strange;
+  StrangeWords strange;
   const std::string indices = indicesIn(text, strange);
-  if (!strange.empty())
-    warn(attribute.where, element, attribute.name, inQuotes(strange) + " is no whole number: SOFA has 0 of it, and so has this scene");
-  if (!strange.empty() || text.find('-') != text.npos) attribute.value = indices;
+  if (!strange.none.empty())
+    warn(attribute.where, element, attribute.name, inQuotes(strange.none) + " is no whole number: SOFA has 0 of it, and so has this scene");
+  if (!strange.counted.empty())
+    warn(attribute.where, element, attribute.name, "SOFA has 0 of a word like " + inQuotes(strange.counted) + ": here its numbers count");
+  if (!strange.none.empty() || !strange.counted.empty() || text.find('-') != text.npos) attribute.value = indices;
 }
 
 bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& attribute) {
