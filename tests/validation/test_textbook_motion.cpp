@@ -170,9 +170,9 @@ TEST(TextbookMotion, ABarSwingsFromTheHorizontal) {
   }
 }
 
-/// Mandel's plate between rigid plates that are pressed together from t = 0 on; the fluid leaves at its sides, x = a, and the pressure in the
-/// middle first rises above what the load gave it. p = 2 p_0 sum sin b (1 - cos b)/(b - sin b cos b) exp(-b^2 c t/a^2) over the roots of
-/// tan b = b (1 - nu)/(1/2 - nu), p_0 = F/(2 a), for an incompressible fluid (Abousleiman and others 1996).
+/// Mandel's plate between rigid plates that are pressed together from t = 0 on; the fluid leaves at its sides, x = a, and the pressure in
+/// the middle first rises above what the load gave it. p = 2 p_0 sum sin b (1 - cos b)/(b - sin b cos b) exp(-b^2 c t/a^2) over the roots
+/// of tan b = b (1 - nu)/(1/2 - nu), p_0 = F/(2 a), for an incompressible fluid (Abousleiman and others 1996).
 TEST(TextbookMotion, MandelsPlate) {
   constexpr double a = 0.01, b = 0.002, modulus = 1e5, nu = 0.2, permeability = 1e-13, load = 0.01, q = (1 - nu) / (0.5 - nu);
   constexpr int steps = 160;
