@@ -26,6 +26,7 @@ bool solvesPatiently(Newton& newton, Equilibrium& problem, Rows x, Vector& good,
     const int parts = report.load_parts;
     is_over ? addCounts(std::exchange(report, last), report) : addCounts(last, report);
     report.load_parts = parts;
+    if (!is_over) report.reason += "; once more in one go: " + last.reason + " (a larger newton_iterations goes on)";
   }
   newton.settings.patience = patience;
   if (!is_over) copy(reached, good), copy(reached, x);

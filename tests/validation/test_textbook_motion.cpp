@@ -170,5 +170,50 @@ TEST(TextbookMotion, ABarSwingsFromTheHorizontal) {
   }
 }
 
+/// Mandel's plate between rigid plates that are pressed together from t = 0 on; the fluid leaves at its sides, x = a, and the pressure in
+/// the middle first rises above what the load gave it. p = 2 p_0 sum sin b (1 - cos b)/(b - sin b cos b) exp(-b^2 c t/a^2) over the roots
+/// of tan b = b (1 - nu)/(1/2 - nu), p_0 = F/(2 a), for an incompressible fluid (Abousleiman and others 1996).
+TEST(TextbookMotion, MandelsPlate) {
+  constexpr double a = 0.01, b = 0.002, modulus = 1e5, nu = 0.2, permeability = 1e-13, load = 0.01, q = (1 - nu) / (0.5 - nu);
+  constexpr int steps = 160;
+  const double consolidation = permeability * modulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), unit = a * a / consolidation;
+  const auto exact = [&](double time) {
+    double sum = 0;
+    for (int i = 0; i < 40; ++i) {
+      double low = i * pi + 1e-3, high = (i + 0.5) * pi - 1e-9;
+      for (int k = 0; k < 60; ++k) {
+        const double middle = (low + high) / 2;
+        (std::tan(middle) < q * middle ? low : high) = middle;
+      }
+      sum += 2 * std::sin(low) * (1 - std::cos(low)) / (low - std::sin(low) * std::cos(low)) * std::exp(-low * low * time / unit);
+    }
+    return sum;
+  };
+  const Mesh mesh = block(10, 1, 1, [&](const Vec3& u) -> Vec3 { return {a * u.x(), b * u.y(), a * u.z()}; });
+  std::string relations;
+  for (int node = 23; node < 44; ++node) relations += fmt::format("22 {} ", node);
+  Simulation simulation = simulationFromText(fmt::format(
+      R"(<Node name="root" dt="{}" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>{}<MechanicalObject/>
+  <HexahedronHyperelasticityFEMForceField materialName="StVenantKirchhoff" youngModulus="{}" poissonRatio="{}"/>
+  <HexahedronPorousForceField name="fluid" coupling="implicit" fluidFraction="0.8" bulkModulus="0.1" limitModulus="1e8" permeability="{}"
+  drainedIndices="10 21 32 43"/><PartialFixedProjectiveConstraint indices="0 11 22 33" fixedDirections="1 0 0"/>
+  <PartialFixedProjectiveConstraint fixAll="true" fixedDirections="0 1 0"/>
+  <PartialFixedProjectiveConstraint indices="0-21" fixedDirections="0 0 1"/>
+  <LinearRelationProjectiveConstraint coefficients="1 -1" directions="0 0 1" indices="{}"/>
+  <ConstantForceField indices="22" totalForce="0 0 {}"/></Node>)",
+      0.5 * unit / steps, cells(mesh), modulus, nu, permeability, relations, -load * b));
+  double highest = 0;
+  for (const double at : {0.05, 0.1, 0.2, 0.4}) {
+    while (simulation.time() < (at - 1e-9) * unit) step(simulation);
+    const Component* fluid = findComponent(simulation.root(), "/fluid");
+    const auto& pressures = *std::get<std::vector<double>*>(fluid->data().find("pressure")->pointer());
+    const double pressure = pressures[0] / (load / (2 * a));
+    std::printf("t = %.2f a^2/c: p/p_0 = %.4f (%.4f)\n", at, pressure, exact(at * unit));
+    EXPECT_NEAR(pressure, exact(at * unit), 4e-3);
+    highest = std::max(highest, pressure);
+  }
+  EXPECT_GT(highest, 1.09);
+}
+
 }  // namespace
 }  // namespace stroma::test
