@@ -379,7 +379,7 @@ void BarrierContact::startObstacles() {
 
 void BarrierContact::serialize(Archive& archive) {
   law_.candidates.serialize(archive);
-  archive.list("start", start_);
+  archive.list("start", start_), archive.value("new_pairs", has_new_pairs_);
   serializePlace(archive, "moved", law_.moved);
   serializePlace(archive, "began", moved_at_start_);
   serializePlace(archive, "arrived", arrived_);

@@ -307,3 +307,32 @@ def test_forces_on_frames_and_on_numbers(solver):
     Sofa.Simulation.init(root)
     animate(root, 50)
     assert np.abs(state.position.value.ravel() - [implicit(1, 50, 1, 0), implicit(2, 50, 1, 0)]).max() < 1e-12
+
+
+class Doubled(Sofa.Core.Mapping_Vec3d_Vec3d):
+    def apply(self, m, out, given):
+        with out.writeableArray() as written:
+            written[:] = 2 * given.value
+
+    applyJ = apply
+
+    def applyJT(self, m, out, given):
+        with out.writeableArray() as written:
+            written[:] += 2 * given.value
+
+
+@pytest.mark.parametrize("is_mapped", [True, False])
+def test_a_mapping_passes_forces_on_only_where_it_says_so(is_mapped):
+    root = Sofa.Core.Node("root")
+    root.gravity, root.dt = [0, 0, 0], 0.01
+    root.addObject("EulerImplicitSolver")
+    root.addObject("SparseLDLSolver")
+    root.addObject("MechanicalObject", name="dofs", position=[[1, 0, 0]])
+    root.addObject("UniformMass", totalMass=1)
+    child = root.addChild("child")
+    child.addObject("MechanicalObject", name="dofs", position=[[2, 0, 0]])
+    child.addObject(Doubled(name="map", input="@../dofs", output="@dofs", mapForces=is_mapped))
+    child.addObject("ConstantForceField", force=[0, 3, 0])
+    Sofa.Simulation.init(root)
+    animate(root, 1)
+    assert root.dofs.velocity.value[0][1] == pytest.approx(0.06 if is_mapped else 0, abs=1e-12)

@@ -173,6 +173,9 @@ class Mirror:
         for name, value in {**states, "played": played and played.number}.items():
             if value is not None:
                 component.set(name, value, where=mapping._s_where)
+        for name in ("mapForces", "mapMasses"):  # what they mean is the dialect's
+            if mapping.findData(name)._s_raw is not None:
+                component.set(name, _values.to_text(mapping.findData(name)._s_raw), where=mapping._s_where)
 
     def _value(self, thing, data):
         raw = data._s_raw
