@@ -323,7 +323,7 @@ std::vector<Value> Expect::listValues() const {
   std::vector<Value> all;
   const std::size_t count = numbers.flat.size() / numbers.width;
   const auto add = [&](std::size_t i) {
-    if (i >= count) return;
+    if (i >= count) return all.push_back({std::nan(""), fmt::format("{}[{}], of a list of {},", of_, i, count)});
     const double* at = numbers.flat.data() + i * numbers.width;
     const std::string name = count > 1 ? fmt::format("{}[{}]", of_, i) : of_;
     if (numbers.width == 3 && axis_ != Axis::all) return appendVector({at[0], at[1], at[2]}, int(axis_), name, Vec3::Zero(), all);

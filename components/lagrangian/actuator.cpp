@@ -44,8 +44,10 @@ void Actuator::takeKeyTimes() {
   keys_ = {};
   if (key_times_.empty()) return;
   if (data().find("valueIndex")->isSet()) throw ComponentError("keyTimes and valueIndex are given together", "one of them");
+  if (was_keyed_ && values_.size() == 1) return;  // set by a run, and read again because something else has changed
   keys_.assign(key_times_, values_, "keyTimes", "value");
   keys_.check();
+  was_keyed_ = true;
 }
 
 void Actuator::bound(const Bounds& way, const Bounds& force) {
@@ -70,7 +72,10 @@ double Actuator::largestValue() const {
 
 void Actuator::constrainedStepBegins(ConstRows x, double t_end) {
   time_ = t_end;
-  if (isKeyed()) keys_.assign(key_times_, values_, "keyTimes", "value");  // a run may have changed them
+  if (!key_times_.empty() && values_.size() != 1) {  // a run may have changed them
+    keys_.assign(key_times_, values_, "keyTimes", path() + ".value");
+    keys_.check();
+  }
   if (!is_measured_) startAt(measureAtStart(x));
   plan();
 }

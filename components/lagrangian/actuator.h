@@ -79,6 +79,7 @@ class Actuator : public PairConstraint {
   int index_ = 0;
   std::vector<double> key_times_;
   KeyTimes<double> keys_;
+  bool was_keyed_ = false;  ///< as the scene was written
   double time_ = 0;  ///< end of the step under way
   bool impulses_ = false;
   Imposed imposed_ = Imposed::first, force_is_ = Imposed::second;

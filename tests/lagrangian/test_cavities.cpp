@@ -87,6 +87,12 @@ TEST(Cavities, AVolumeFollowsKeyTimes) {
   EXPECT_NEAR(volume(), 1.15, 1e-10);
   run(simulation, 15);
   EXPECT_NEAR(volume(), 1.1, 1e-10) << "after the last";
+  simulation.setAttribute("/SurfacePressureConstraint", "value", "0.05");
+  simulation.setAttribute("/SurfacePressureConstraint", "maxVolumeGrowth", "1");  // all that is written is read again
+  run(simulation, 5);
+  EXPECT_NEAR(volume(), 1.05, 1e-10) << "one number is that of all times";
+  simulation.setAttribute("/SurfacePressureConstraint", "value", "0 0.1");
+  EXPECT_THROW(simulation.step(), std::exception) << "two numbers for three times";
   expectContains(problemsOf(cavity(R"(keyTimes="0 1" value="0 1 2")")), "value");
   expectContains(problemsOf(cavity(R"(keyTimes="0 1" value="0 1" valueIndex="1")")), "keyTimes and valueIndex are given together");
   expectContains(problemsOf(cavity(R"(keyTimes="1 0" value="0 1")")), "keyTimes");
