@@ -123,10 +123,8 @@ void ElasticForceField::declare(DataTable& table) {
   table.addChoice("tangent", tangent_, {"warped", "exact"})
       .help("stiffness: R K R^T, or the exact derivative of the force");
   table.addChoice("dilatation", dilatation_, {"auto", "local", "mean"})
-      .help(
-          "volume change: that at each integration point, or its mean (over a hexahedron, around a node of "
-          "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean above "
-          "0.45 for tetrahedra, from 0.4 on for others");
+      .help("volume change: that at each integration point, or its mean (over a hexahedron, around a node of tetrahedra), which does "
+            "not lock at Poisson ratios near 1/2; auto: the mean above 0.45 for tetrahedra, from 0.4 on for others");
   table.addChoice("polarOf", polar_of_, {"gradient", "edges", "nodes"})
       .help("method polar or svd: what matrix's polar factor turns a cell, F or (SOFA) that of edges or sum (x - c)(X - C)^T of nodes");
   table.add("reducedIntegration", reduced_).help("prisms by two points, as in SOFA, for method small or polarOf nodes");
