@@ -9,8 +9,32 @@
 #include <map>
 
 #include "components/elasticity/elastic_force_field.h"
+#include "components/elasticity/incompatible_modes.h"
 
 namespace stroma {
+
+// ---- what cells can have ----
+
+std::unique_ptr<ElasticElements> ElasticForceField::newElements() const {
+  std::unique_ptr<ElasticElements> elements = make_elements_();
+  if (auto* const hexahedra = dynamic_cast<HasIncompatibleModes*>(elements.get()); hexahedra && incompatible_)
+    hexahedra->useIncompatibleModes(LameOf(constants_));
+  return elements;
+}
+
+void ElasticForceField::checkIncompatibleModes() const {
+  const auto refuse = [](const std::string& problem, const std::string& instead) {
+    throw ComponentError(problem, instead + ", or incompatibleModes=\"false\"");
+  };
+  if (!dynamic_cast<const HasIncompatibleModes*>(elements_.get()))
+    refuse(fmt::format("a {} has no incompatible modes", kind_word_), "hexahedra");
+  if (variant_.method == ElasticMethod::green)
+    refuse("method green has no incompatible modes: they are condensed out of linear cells", "method small, large, polar or svd");
+  if (update_b_)
+    refuse("incompatible modes are condensed out of cells at rest: B cannot be updated", "updateStiffnessMatrix=\"false\"");
+  if (polar_of_ != PolarOf::gradient)
+    refuse("incompatible modes turn with the gradient of a cell", "polarOf=\"gradient\"");
+}
 
 ConstRows ElasticForceField::ownRows(ConstRows x) const {
   return {x.data + std::size_t(state().firstRow()) * row_doubles, state().size()};

@@ -123,13 +123,13 @@ void ElasticForceField::declare(DataTable& table) {
   table.addChoice("tangent", tangent_, {"warped", "exact"})
       .help("stiffness: R K R^T, or the exact derivative of the force");
   table.addChoice("dilatation", dilatation_, {"auto", "local", "mean"})
-      .help(
-          "volume change: that at each integration point, or its mean (over a hexahedron, around a node of "
-          "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean above "
-          "0.45 for tetrahedra, from 0.4 on for others");
+      .help("volume change: that at each integration point, or its mean (over a hexahedron, around a node of tetrahedra), which does "
+            "not lock at Poisson ratios near 1/2; auto: the mean above 0.45 for tetrahedra, from 0.4 on for others");
   table.addChoice("polarOf", polar_of_, {"gradient", "edges", "nodes"})
       .help("method polar or svd: what matrix's polar factor turns a cell, F or (SOFA) that of edges or sum (x - c)(X - C)^T of nodes");
   table.add("reducedIntegration", reduced_).help("prisms by two points, as in SOFA, for method small or polarOf nodes");
+  if (std::any_of(kinds.begin(), kinds.end(), [](const ElasticKind& kind) { return kind.word == "Hexahedron"; }))
+    table.add("incompatibleModes", incompatible_).help("hexahedra bend by nine numbers more, which are condensed out of each cell");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
@@ -179,7 +179,7 @@ void ElasticForceField::chooseKind(const Topology& topology) {
   if (reduced_ && !found[0]->make_reduced)
     throw ComponentError(fmt::format("there is no reduced integration of {}", found[0]->plural), "reducedIntegration=\"false\"");
   make_elements_ = reduced_ ? found[0]->make_reduced : found[0]->make;
-  elements_ = make_elements_();
+  elements_ = newElements();
   kind_word_ = lowerCase(found[0]->word);
 }
 
@@ -291,6 +291,7 @@ void ElasticForceField::checkVariant() const {
   if (method == ElasticMethod::green && isSet("tangent") && !variant_.exact_tangent)
     throw ComponentError("method green turns nothing: it has no warped tangent", "tangent=\"exact\"");
   if (variant_.mean_dilatation) checkMeanDilatation();
+  if (incompatible_) checkIncompatibleModes();
   if (plastic_max_threshold_ > 0) throw ComponentError("plasticity is not available", "plasticMaxThreshold=\"0\"");
 }
 
@@ -357,7 +358,7 @@ bool ElasticForceField::useExactTangent(bool exact) {
   if (!has_other || variant_.exact_tangent == exact) return has_other;
   variant_.exact_tangent = exact;
   if (!other_method_) {
-    other_elements_ = make_elements_();
+    other_elements_ = newElements();
     other_elements_->bind(*mesh_, state().rest_position, variant_);
     other_method_ = makeMethod(*other_elements_);
   }

@@ -64,6 +64,10 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices, public
   /// Throws ComponentError for combinations of attributes that mean nothing together.
   void checkVariant() const;
   void checkMeanDilatation() const;
+  /// Throws ComponentError for what does not go with incompatible modes.
+  void checkIncompatibleModes() const;
+  /// Those of the kind, with what this field chooses before their bind().
+  std::unique_ptr<ElasticElements> newElements() const;
   /// Of automatic: by Poisson's ratio, where the method has a mean. True when it is another than before.
   bool chooseDilatation();
   /// What depends on the material alone.
@@ -93,7 +97,7 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices, public
   Assembling assembling_ = Assembling::automatic;
   Dilatation dilatation_ = Dilatation::automatic;
   PolarOf polar_of_ = PolarOf::gradient;
-  bool reduced_ = false;
+  bool reduced_ = false, incompatible_ = false;
   double plastic_max_threshold_ = 0;
 
   /// Of the topology, which owns it.

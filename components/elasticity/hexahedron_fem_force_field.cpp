@@ -34,6 +34,12 @@
 // counts with the root of its weight times the one at rest. Near nu = 1/2 take tangent = exact with it: the pressure
 // acts on how the gradients turn, which a warped tangent leaves out, and Newton's method stalls.
 //
+// incompatibleModes gives each cell nine numbers more, with which it bends: corners alone keep edges straight, so that few cells over
+// a height are far too stiff, and flat cells worse. They are condensed out of a cell at rest, K = K_uu - K_ua K_aa^-1 K_au, and
+// f = -R K (R^T x - X): hexahedron_incompatible.h has the formulas. Boxes cost what they do without. Source: E. Wilson, R. Taylor, W.
+// Doherty, J. Ghaboussi, Incompatible displacement models (1973); R. Taylor, P. Beresford, E. Wilson, A non-conforming element for
+// stress analysis (1976), after which cells of any shape pass the patch test. With dilatation = mean they are twelve.
+//
 // Cell fields for exporters: vonMises [Pa], J (the smallest of the eight Gauss points), strain (6 per cell: xx yy zz xy
 // yz zx, the mean of sym(R^T F) - I for every variant, of E for green, in the axes of the rest shape), stress (Cauchy's
 // [Pa], six numbers too, in the axes of the world), principalStress and principalStrain (three of a cell, the largest first).
@@ -50,9 +56,12 @@
 //   <FixedProjectiveConstraint indices="@held.indices"/>
 // </Node>
 #include <algorithm>
+#include <optional>
 
 #include "components/elasticity/elastic_force_field.h"
+#include "components/elasticity/hexahedron_incompatible.h"
 #include "components/elasticity/hexahedron_kernels.h"
+#include "components/elasticity/incompatible_modes.h"
 #include "components/elasticity/point_elements.h"
 #include "framework/scene/factory.h"
 
@@ -61,7 +70,7 @@ using namespace stroma::hexahedron;
 
 namespace {
 
-class Hexahedra final : public PointElements<Hexahedra> {
+class Hexahedra final : public PointElements<Hexahedra>, public HasIncompatibleModes {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.hexahedra.size()); }
   const CellKind& kind() const override { return cell_kinds::hexahedron; }
@@ -71,6 +80,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
     polar_of_ = what;
     return true;
   }
+  void useIncompatibleModes(const LameOf& lame) override { material_of_modes_ = lame; }
 
   std::unique_ptr<ElementKernels> make(Index first_row, const LameOf& lame) const override {
     return withOwnMatrix(variant_, makeMethod({*shapes_, first_row, lame}));
@@ -80,7 +90,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
   Nanoseconds cost() const override {
     const double lanes = 8. / pack_lanes;
     const bool green = variant_.method == ElasticMethod::green;
-    return {(green ? 60 : variant_.exact_tangent ? 150 : shapes_->useBoxes() ? 18 : 44) * lanes, 850};
+    return {(green ? 60 : variant_.exact_tangent ? 150 : shapes_->useBoxes() ? 18 : material_of_modes_ ? 130 : 44) * lanes, 850};
   }
 
   // ---- for PointElements ----
@@ -99,10 +109,17 @@ class Hexahedra final : public PointElements<Hexahedra> {
     const PointValues<double> now = atPoints(m), rest = atPoints(shape.modes);
     const Mat3 frame = toEigen(shape.frame);
     const Mat3 r = rotationOf(toEigen(meanEdges(m)) * toEigen(meanEdges(shape.modes)).inverse(), frame);
+    std::optional<IncompatibleModes> modes;
+    IncompatibleModes::Own own;
+    if (material_of_modes_) {
+      modes.emplace(shape.modes, (*material_of_modes_)(e), variant_.mean_dilatation);
+      own = modes->settled(rotatedBack(fromEigen(r), m) - shape.modes);
+    }
     for (int p = 0; p < 8; ++p) {
       const Mat3 j0 = toEigen(Columns<double>(rest, p).matrix());
       const Mat3 f = toEigen(Columns<double>(now, p).matrix()) * j0.inverse() * frame.transpose();
-      const Mat3 turned = frame * r.transpose() * f;
+      Mat3 turned = frame * r.transpose() * f;
+      if (modes) turned += frame * modes->gradient(own, p) * frame.transpose();
       const bool green = variant_.method == ElasticMethod::green;
       use(green ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
                 : Mat3((turned + turned.transpose()) / 2 - Mat3::Identity()),
@@ -112,6 +129,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
 
  private:
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
+    if (material_of_modes_) return incompatibleKernels(elements);
     const bool boxes = shapes_->useBoxes();
     if (variant_.method == ElasticMethod::green)
       return boxes ? makeGreen<BoxShape>(elements) : makeGreen<PointShape>(elements);
@@ -141,6 +159,7 @@ class Hexahedra final : public PointElements<Hexahedra> {
   }
 
   PolarOf polar_of_ = PolarOf::gradient;
+  std::optional<LameOf> material_of_modes_;  ///< where there are any
   std::unique_ptr<HexahedronShapes> shapes_;
 };
 

@@ -281,6 +281,15 @@ TEST(ForceFieldContract, VariantsWithoutMeaningAreRefused) {
       expectRefused(body, "method=\"polar\" updateStiffnessMatrix=\"true\"",
                     "does not exist for a quadratic tetrahedron");
   }
+  for (const std::size_t hexahedra : {1, 2}) {
+    const auto expectOfModes = [&](const std::string& attributes, const std::string& words) {
+      expectRefused(elasticBodies()[hexahedra], "incompatibleModes=\"true\" " + attributes, words);
+    };
+    expectOfModes("method=\"green\"", "method green has no incompatible modes");
+    expectOfModes("method=\"svd\" updateStiffnessMatrix=\"true\"", "B cannot be updated");
+    expectOfModes("method=\"polar\" polarOf=\"edges\"", "polarOf=\"gradient\"");
+  }
+  expectRefused(bodyOfTetrahedra(), "incompatibleModes=\"true\"", "incompatibleModes");
   for (const char* method : {"nodal", "green"})
     expectRefused(bodyOfTetrahedra(), "dilatation=\"mean\" method=\"" + std::string(method) + "\"",
                   "has no mean dilatation");

@@ -123,6 +123,12 @@ void addElasticVariants(std::vector<Row>& out, Cells cells) {
   for (const std::string& update : quadratic ? std::vector<std::string>{""} : std::vector<std::string>{"", "B"})
     addBlock(out, cells, type, "polar" + (update.empty() ? "" : " " + update) + " mean dilatation",
              fmt::format("method=\"polar\" updateStiffnessMatrix=\"{}\" dilatation=\"mean\"", update != ""));
+  if (type != "HexahedronFEMForceField") return;
+  for (const std::string method : {"small", "large", "polar", "svd"})
+    for (const std::string tangent : {"warped", "exact"})
+      if (method != "small" || tangent == "warped")
+        addBlock(out, cells, type, method + (tangent == "exact" ? " exact" : "") + " incompatible modes",
+                 fmt::format("method=\"{}\" tangent=\"{}\" incompatibleModes=\"true\"", method, tangent));
 }
 
 /// Every number of the attributes `name` (a pattern) times `factor`.

@@ -276,8 +276,14 @@ struct ElasticBody {
               update > 0 || word == "green" || ((tetrahedra || quadratic) && (word == "polar" || word == "svd"));
           variants.push_back(v);
           if (word == "nodal" || (word == "green" && tetrahedra)) continue;
-          v.name += " mean dilatation", v.attributes += " dilatation=\"mean\"";
-          variants.push_back(v);
+          Variant mean = v, modes = v;
+          mean.name += " mean dilatation", mean.attributes += " dilatation=\"mean\"";
+          variants.push_back(mean);
+          if (tetrahedra || quadratic || update > 0 || word == "green") continue;
+          for (Variant* base : {&modes, &mean}) {
+            base->name += " incompatible modes", base->attributes += " incompatibleModes=\"true\"";
+            variants.push_back(*base);
+          }
         }
     }
     return variants;

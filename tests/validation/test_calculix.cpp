@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Statics against an independent program: CalculiX (ccx) on the same mesh, with the same nodal loads, held directions
 // and moved nodes. Its elements C3D4 and C3D8 are the linear tetrahedron and the trilinear hexahedron with 2x2x2 Gauss
-// points and nothing else (C3D8I adds modes, C3D8R has one point): the single distorted element below is the proof.
+// points and nothing else (C3D8R has one point): the single distorted element below is the proof. C3D8I has incompatible modes. Of cells
+// that are no parallelepipeds it fails the patch test (by 6 % on MacNeal and Harder's), so that they say nothing about ours.
 // With NLGEOM and *ELASTIC its law is Green's strain against the second Piola-Kirchhoff stress, our method green.
 // ccx prints seven digits.
 #include <fmt/format.h>
@@ -23,9 +24,10 @@ namespace {
 struct Comparison {
   double young = 0, poisson = 0;
   bool large = false;  ///< Green's strain
+  bool modes = false;  ///< incompatible modes of hexahedra
 };
 
-void writeCells(std::ofstream& deck, const Mesh& mesh, const Vector& rest) {
+void writeCells(std::ofstream& deck, const Mesh& mesh, const Vector& rest, bool modes) {
   const auto volume = [&](Index a, Index b, Index c, Index d) {
     return Vec3(rest[b] - rest[a]).cross(Vec3(rest[c] - rest[a])).dot(Vec3(rest[d] - rest[a]));
   };
@@ -44,7 +46,7 @@ void writeCells(std::ofstream& deck, const Mesh& mesh, const Vector& rest) {
       deck << "\n";
     }
   };
-  write("C3D8", mesh.hexahedra), write("C3D6", mesh.prisms);
+  write(modes ? "C3D8I" : "C3D8", mesh.hexahedra), write("C3D6", mesh.prisms);
 }
 
 /// Forces and stresses in the deck are in this part of N and Pa: ccx takes a residual below 1e-6 for zero.
@@ -62,7 +64,7 @@ void writeDeck(Simulation& simulation, const Mesh& mesh, const Comparison& what,
   deck << "*NODE,NSET=ALL\n";
   for (Index i = 0; i < state.size(); ++i)
     deck << fmt::format("{},{:.12e},{:.12e},{:.12e}\n", i + 1, rest[i].x(), rest[i].y(), rest[i].z());
-  writeCells(deck, mesh, rest);
+  writeCells(deck, mesh, rest, what.modes);
   deck << fmt::format("*MATERIAL,NAME=M\n*ELASTIC\n{},{}\n*SOLID SECTION,ELSET=BODY,MATERIAL=M\n", what.young * units,
                       what.poisson);
   deck << (what.large ? "*STEP,NLGEOM,INC=1000\n*CONTROLS,PARAMETERS=FIELD\n1e-10,1e-8\n*STATIC\n0.2,1\n"
@@ -175,8 +177,9 @@ struct Case {
   Specimen specimen;
   bool tetrahedra, distorted, large;
   double poisson;
+  bool modes = false;
   std::string name() const {
-    return fmt::format("{}_{}_{}_{}_nu{:g}", specimen.name, tetrahedra ? "tetrahedra" : "hexahedra",
+    return fmt::format("{}_{}_{}_{}_nu{:g}", specimen.name, tetrahedra ? "tetrahedra" : modes ? "incompatible" : "hexahedra",
                        distorted ? "distorted" : "regular", large ? "green" : "small", 100 * poisson);
   }
 };
@@ -203,7 +206,9 @@ std::vector<Case> cases() {
     for (const bool tetrahedra : {true, false})
       for (const bool distorted : {false, true})
         for (const bool large : {false, true})
-          for (const double poisson : {0., 0.3, 0.45}) out.push_back({specimen, tetrahedra, distorted, large, poisson});
+          for (const double poisson : {0., 0.3, 0.45})
+            for (const bool modes : {false, true})
+              if (!modes || (!tetrahedra && !large)) out.push_back({specimen, tetrahedra, distorted, large, poisson, modes});
   return out;
 }
 
@@ -221,7 +226,8 @@ std::string scene(const Case& tested) {
         Vec3 p(i, j, k);
         const bool inner = i > 0 && j > 0 && k > 0 && i + 1 < n[0] && j + 1 < n[1] && k + 1 < n[2];
         const Vec3 noise(uniform(random), uniform(random), uniform(random));
-        if (tested.distorted && (inner || n[0] == 2)) p += noise;
+        if (tested.modes && tested.distorted) p.y() += 0.3 * p.x();  // parallelepipeds
+        else if (tested.distorted && (inner || n[0] == 2)) p += noise;
         for (int c = 0; c < 3; ++c) position += fmt::format("{} ", p[c] * tested.specimen.size[c] / (n[c] - 1));
         if (i + 1 == n[0] || j + 1 == n[1] || k + 1 == n[2]) continue;
         const int first = (k * n[1] + j) * n[0] + i, row = n[0], layer = n[0] * n[1];
@@ -236,18 +242,19 @@ std::string scene(const Case& tested) {
   <MeshTopology name="mesh" position="{}" hexahedra="{}"/>
   <Node name="body"><StaticSolver newton_iterations="100" relative_residual_tolerance_threshold="1e-10"/><SparseLDLSolver/>
     {}<MechanicalObject/><DiagonalMass massDensity="1000"/>
-    <{}FEMForceField method="{}" dilatation="local" tangent="exact" youngModulus="{}" poissonRatio="{}"/>{}
+    <{}FEMForceField method="{}" dilatation="local" tangent="exact" youngModulus="{}" poissonRatio="{}"{}/>{}
   </Node></Node>)",
                      g.x(), g.y(), g.z(), position, cells, body, tested.tetrahedra ? "Tetrahedron" : "Hexahedron",
-                     tested.large ? "green" : "small", young_modulus, tested.poisson, tested.specimen.constraints);
+                     tested.large ? "green" : "small", young_modulus, tested.poisson,
+                     tested.modes ? " incompatibleModes=\"true\"" : "", tested.specimen.constraints);
 }
 
 class CalculiXBlocks : public testing::TestWithParam<Case> {};
 
 TEST_P(CalculiXBlocks, HaveTheSameDisplacements) {
   Simulation simulation = simulationFromText(scene(GetParam()));
-  expectAgreement(simulation, "/body/cells", {young_modulus, GetParam().poisson, GetParam().large});
-  if (IsSkipped() || GetParam().specimen.name != "cube") return;
+  expectAgreement(simulation, "/body/cells", {young_modulus, GetParam().poisson, GetParam().large, GetParam().modes});
+  if (IsSkipped() || GetParam().specimen.name != "cube" || (GetParam().modes && GetParam().distorted)) return;
   const State& state = *simulation.states().at(0);
   const Vec3 corner = state.x()[state.size() - 1];
   EXPECT_LT((corner - Vec3(0.088, 0.08, 0.0654)).norm(), 1e-12) << "the plate is not where it was to go";

@@ -246,7 +246,7 @@ Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector
 
 std::string tooCoarseForBending(const Slenderness& body, bool hexahedra, const BendingLaw& law) {
   constexpr double share_tetrahedra = 3, limit = 0.03;  // measured on cantilevers under their weight of 4 and 8 cubes over the height
-  if (!body.isSlender() || !(body.cells > 0)) return {};
+  if (!body.isSlender() || !(body.cells > 0) || law.has_incompatible_modes) return {};
   const double nu = law.poisson_ratio, n = body.cells, shear = 1 / (2 * (1 + nu));
   const double volume = law.has_mean_dilatation ? 0 : 1.1 * nu * nu / (1 - 2 * nu);
   const double cubes = hexahedra ? shear + volume : share_tetrahedra;  // times 1 / n^2
@@ -256,17 +256,23 @@ std::string tooCoarseForBending(const Slenderness& body, bool hexahedra, const B
   const bool are_long = is_known && body.step * n > 1.5;
   return fmt::format(
       "{:.2g} {} lie over a thickness of {:.3g} in a body of {:.3g}{}: coarse for bending, where it is some {:.0f} % too "
-      "stiff. {} over the thickness{} are within 3 %{}",
+      "stiff. {} over the thickness{} are within 3 %{}{}",
       n, hexahedra ? "hexahedra" : "tetrahedra", body.thickness, body.extent,
       are_long ? fmt::format(", and are {:.3g} long", body.step * body.thickness) : "", 100 * error / (1 + error),
       std::ceil(std::sqrt(cubes / limit)), are_long ? ", as long as high," : "",
-      hexahedra ? "" : "; so are fewer hexahedra, which bend better");
+      hexahedra ? "" : "; so are fewer hexahedra, which bend better",
+      hexahedra && law.may_have_them ? ", and so are these with incompatibleModes=\"true\"" : "");
 }
 
 bool hasMeanDilatation(const ForceField& field) {
   const Data* dilatation = field.data().find("dilatation");
   const auto* open = dynamic_cast<const OpenChoices*>(&field);
   return dilatation && (dilatation->print() == "mean" || (open && open->choice().find("mean") != std::string::npos));
+}
+
+bool hasIncompatibleModes(const ForceField& field) {
+  const Data* modes = field.data().find("incompatibleModes");
+  return modes && modes->print() == "true";
 }
 
 /// An axis along which every node of a state is held, or zero.
@@ -311,8 +317,19 @@ static std::string jumpOfDilatation(const ForceField& field, const Slenderness& 
                      hexahedra ? "some" : "up to", 100 * jump, from);
 }
 
+static bool mayHaveIncompatibleModes(const ForceField& field) {
+  const auto is = [&](const char* name, const char* word) {
+    const Data* data = field.data().find(name);
+    return data && data->print() == word;
+  };
+  return is("incompatibleModes", "false") && is("updateStiffnessMatrix", "false") && is("polarOf", "gradient") &&
+         !is("method", "green") && !is("method", "green_lagrange");
+}
+
 static BendingLaw bendingLawOf(const ForceField& field) {
-  BendingLaw law{.has_mean_dilatation = hasMeanDilatation(field)};
+  BendingLaw law{.has_mean_dilatation = hasMeanDilatation(field),
+                 .has_incompatible_modes = hasIncompatibleModes(field),
+                 .may_have_them = mayHaveIncompatibleModes(field)};
   const Data* ratio = field.data().find("poissonRatio");
   const auto* list = ratio ? std::get_if<std::vector<double>*>(&ratio->pointer()) : nullptr;
   if (list && !(*list)->empty()) law.poisson_ratio = *std::max_element((*list)->begin(), (*list)->end());

@@ -28,15 +28,20 @@ Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector
 struct BendingLaw {
   double poisson_ratio = 0.3;
   bool has_mean_dilatation = false;
+  bool has_incompatible_modes = false;  ///< cells that bend by themselves
+  bool may_have_them = false;           ///< where it has none
 };
 /// A sentence where linear cells of a slender body make it more than 3 % too stiff in bending, or empty. Edges of hexahedra stay
 /// straight: over a cell of length a a curvature k adds the shear k s, s from its middle. Its energy over that of bending is
 /// G a^2 / (E h^2), however many cells lie over the thickness h. A volume change at each point adds about 1.1 nu^2/(1 - 2 nu) / n^2
 /// with n cells over it. Of tetrahedra the error is about 3 / n^2.
+/// Hexahedra with incompatible modes have neither error.
 std::string tooCoarseForBending(const Slenderness& body, bool hexahedra, const BendingLaw& law = {});
 
 /// Whether a field's volume change is one per cell or around nodes.
 bool hasMeanDilatation(const ForceField& field);
+/// Whether its cells have incompatible modes, so that their corners alone do not say how they are strained.
+bool hasIncompatibleModes(const ForceField& field);
 
 /// The kind of cells that a force field has a law for, with a stress in each; null: it has none.
 const CellKind* kindOfLaw(const ForceField& field);

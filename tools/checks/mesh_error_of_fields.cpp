@@ -86,7 +86,7 @@ void visitCells(const ForceField& field, Visit&& visit) {
 }  // namespace
 
 std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
-  if (!isMembrane(field) && !kindOfLaw(field)) return {};
+  if ((!isMembrane(field) && !kindOfLaw(field)) || hasIncompatibleModes(field)) return {};
   const std::vector<Vec3>& rest = field.state().rest_position;
   const std::vector<Vec3> now = positionsOf(field.state(), x);
   if (now == rest) return {};
