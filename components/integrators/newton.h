@@ -120,14 +120,14 @@ struct NewtonSettings {
 void keepToFree(const System& system, Rows d);
 
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
-/// has reached is kept if it goes downhill. Else what is unstable in blocks of the diagonal is turned over, and then a growing multiple
-/// of the matrix's own diagonal is added (Levenberg) until the solve is usable. Before that `other`, where it is given and has one,
-/// puts another matrix in its place. Without it x is a result, and blocks are turned over before a direction is kept. x is then
+/// has reached is kept if it goes downhill. Else a growing multiple of the matrix's own diagonal is added (Levenberg) until the solve
+/// is usable. Before that `other`, where it is given and has one, puts another matrix in its place. `result`, where x is the result of a
+/// linear step and not only a direction, is the system: what is unstable is first turned over, see ShiftedMatrix. x is then
 /// usable too, and a reason says so. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays
 /// visible. False when nothing helped, `report` then carries the sentence, or when it was stopped. `once`: false where the solve is
 /// not usable, and nothing else is tried.
-bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                  StepReport& report, const std::function<SystemMatrix*()>& other = {}, bool once = false);
+bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, StepReport& report,
+                  const std::function<SystemMatrix*()>& other = {}, bool once = false, const System* result = nullptr);
 
 class Newton {
  public:

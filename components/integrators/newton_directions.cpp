@@ -38,24 +38,30 @@ std::string placeOf(const SolveReport& solve, const SystemMatrix& matrix) {
 /// A solve that ended for a reason that lies in the matrix has no result to rely on.
 bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
 
-std::string changeOf(const ShiftedMatrix& matrix, double shift) {
+using Turns = ShiftedMatrix::Turns;
+
+std::string changeOf(const ShiftedMatrix& matrix, double shift, bool is_result) {
   std::string change;
   if (matrix.turned() > 0) change = fmt::format("; what is unstable in {} of its {} rows was turned over", matrix.turned(), matrix.rows());
-  return shift > 0 ? change + fmt::format("; {:g} times its diagonal was added", shift) : change;
+  if (shift > 0) change += fmt::format("; {:g} times its diagonal was added", shift);
+  return shift > 0 && is_result ? change + ", which weakens the forces of the step" : change;
 }
 
-/// Where blocks on the diagonal say what is unstable, with that turned over; else x stays as it is, and so it does where it does not help.
-bool solveStably(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, StepReport& report) {
-  ShiftedMatrix stable(matrix);
-  if (stable.turned() == 0) return false;
+/// With what is unstable turned over; where that does not help, x stays as it is.
+bool solveStably(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, StepReport& report,
+                 const System& system) {
   Vector found(x.count);
-  copy(x, found), clear(x);
-  const bool is_solved = isSolved(solveOnce(solver, stable, b, x, terms, report));
-  if (is_solved)
-    report.reason += changeOf(stable, 0);
-  else
-    copy(found, x);
-  return is_solved;
+  copy(x, found);
+  for (const Turns turns : {Turns::unstable_blocks, Turns::unstable_rows}) {
+    ShiftedMatrix stable(matrix, turns, &system);
+    if (stable.turned() == 0) continue;
+    clear(x);
+    const bool is_solved = isSolved(solveOnce(solver, stable, b, x, terms, report));
+    if (is_solved) report.reason += changeOf(stable, 0, true);
+    if (is_solved || report.stopped) return is_solved;
+  }
+  copy(found, x);
+  return false;
 }
 
 }  // namespace
@@ -66,7 +72,7 @@ void keepToFree(const System& system, Rows d) {
 }
 
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                  StepReport& report, const std::function<SystemMatrix*()>& other, bool once) {
+                  StepReport& report, const std::function<SystemMatrix*()>& other, bool once, const System* result) {
   clear(x);
   SolveReport solve = solveOnce(solver, matrix, b, x, terms, report);
   report.linear_stop = solve.stop;
@@ -81,10 +87,12 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
     report.reason =
         fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
     const double downhill = dot(b, x);
-    const bool goes_down = downhill > 0 && std::isfinite(downhill);
-    if (goes_down && (other || !solveStably(solver, matrix, b, x, terms, report))) report.reason += "; the direction found before was used";
+    if (result && solveStably(solver, matrix, b, x, terms, report, *result)) return true;
     if (report.stopped) return false;
-    if (goes_down) return true;
+    if (downhill > 0 && std::isfinite(downhill)) {
+      report.reason += "; the direction found before was used";
+      return true;
+    }
     if (SystemMatrix* const definite = other ? other() : nullptr) {
       clear(x);
       solve = solveOnce(solver, *definite, b, x, terms, report);
@@ -94,14 +102,15 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
         return true;
       }
     }
-    ShiftedMatrix shifted(matrix);
-    for (double shift = shifted.turned() > 0 ? 0 : 1e-3; shift < 1e4; shift = std::max(1e-3, 10 * shift)) {
+    ShiftedMatrix shifted(matrix, result ? Turns::unstable_rows : Turns::none, result);
+    double shift = 1e-3;
+    for (int attempt = 0; attempt < 7; ++attempt, shift *= 10) {
       shifted.setShift(shift);
       clear(x);
       solve = solveOnce(solver, shifted, b, x, terms, report);
       if (report.stopped) return false;
       if (isSolved(solve)) {
-        report.reason += changeOf(shifted, shift);
+        report.reason += changeOf(shifted, shift, result);
         return true;
       }
     }

@@ -163,5 +163,63 @@ TEST(LightBodies, FallBesideASpringInPressure) {
   }
 }
 
+/// A chain in pressure that nothing holds falls as a whole, and what is beside it falls where it is held, too: what makes the matrix of a
+/// step definite resists no common movement.
+TEST(LightBodies, FallInPressure) {
+  for (const std::string solver : {"<SparseLDLSolver/>", "<CGLinearSolver/>", "<PCGLinearSolver preconditioner=\"ssor\"/>",
+                                   "<AutomaticLinearSolver/>"})
+    for (const int nodes : {2, 3, 10})
+      for (const bool is_held : {false, true}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", solver, nodes, is_held));
+        std::string places, first, second;
+        for (int i = 0; i < nodes; ++i) places += fmt::format("{:g} 0 0 ", 0.1 * i);
+        for (int i = 1; i < nodes; ++i) first += fmt::format("{} ", i - 1), second += fmt::format("{} ", i);
+        Simulation simulation = simulationFromText(fmt::format(
+            "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/>{}<Node name=\"chain\"><MechanicalObject "
+            "position=\"{}\"/><UniformMass totalMass=\"{:g}\"/>{}<SpringForceField springsIndices1=\"{}\" springsIndices2=\"{}\" "
+            "lengths=\"1\" stiffness=\"5000\"/></Node><Node name=\"other\"><MechanicalObject position=\"0 5 0\"/>"
+            "<UniformMass totalMass=\"1\"/></Node></Node>",
+            solver, places, 0.01 * nodes, is_held ? "<FixedProjectiveConstraint indices=\"0\"/>" : "", first, second));
+        const StepReport report = simulation.step();
+        EXPECT_FALSE(report.linear_converged);
+        double sum = 0;
+        for (Index i = 0; i < nodes; ++i) sum += simulation.states()[0]->v()[i].y();
+        if (!is_held) EXPECT_NEAR(sum / nodes, -0.1, 1e-9);
+        EXPECT_NEAR(simulation.states()[1]->v()[0].y(), -0.1, 1e-9);
+      }
+}
+
+/// A chain of masses in flight whose springs are pressed: what is between its masses takes nothing of the impulse of gravity.
+TEST(FreeBodies, InPressureKeepTheImpulseOfForces) {
+  struct Case {
+    int count;
+    double stiffness;  ///< at 7.4 N/m no block of a node alone is unstable, only the pair is
+    Vec3 along;
+    const char* held;
+  };
+  const Vec3 x(0.1, 0, 0), askew(0.06, 0.08, 0);
+  const char* guided = "<PartialFixedProjectiveConstraint indices=\"0\" fixedDirections=\"1 0 1\"/>";
+  for (const Case& chain : {Case{2, 5000, x, ""}, Case{3, 5000, x, ""}, Case{10, 5000, askew, ""}, Case{2, 7.4, x, ""},
+                            Case{3, 5000, x, guided}}) {
+    std::string positions, first, second, lengths;
+    for (int i = 0; i < chain.count; ++i) positions += fmt::format("{:g} {:g} 0  ", i * chain.along.x(), i * chain.along.y());
+    for (int i = 0; i + 1 < chain.count; ++i) first += fmt::format("{} ", i), second += fmt::format("{} ", i + 1), lengths += "1 ";
+    for (const char* solver : {"<SparseLDLSolver/>", "<CGLinearSolver/>", "<PCGLinearSolver/>"}) {
+      SCOPED_TRACE(fmt::format("{} masses, {} N/m, {}, {}", chain.count, chain.stiffness, solver, chain.held));
+      Simulation simulation = simulationFromText(fmt::format(
+          "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/>{}<MechanicalObject position=\"{}\"/>"
+          "<UniformMass totalMass=\"{:g}\"/>{}<SpringForceField springsIndices1=\"{}\" springsIndices2=\"{}\" lengths=\"{}\" "
+          "stiffness=\"{:g}\"/></Node>",
+          solver, positions, 0.01 * chain.count, chain.held, first, second, lengths, chain.stiffness));
+      const StepReport report = simulation.step();
+      EXPECT_FALSE(report.diverged) << report.reason;
+      if (chain.stiffness > 10) EXPECT_FALSE(report.linear_converged) << "the matrix is definite";
+      double sum = 0;
+      for (int i = 0; i < chain.count; ++i) sum += simulation.states()[0]->v()[i].y();
+      EXPECT_NEAR(sum / chain.count, -0.1, 1e-5) << report.reason;
+    }
+  }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
