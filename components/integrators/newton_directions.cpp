@@ -46,7 +46,7 @@ std::string changeOf(const ShiftedMatrix& matrix, double shift) {
 
 /// Where blocks on the diagonal say what is unstable, with that turned over; else x stays as it is, and so it does where it does not help.
 bool solveStably(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, StepReport& report) {
-  ShiftedMatrix stable(matrix);
+  ShiftedMatrix stable(matrix, true);
   if (stable.turned() == 0) return false;
   Vector found(x.count);
   copy(x, found), clear(x);
@@ -94,7 +94,7 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
         return true;
       }
     }
-    ShiftedMatrix shifted(matrix);
+    ShiftedMatrix shifted(matrix, !other);
     for (double shift = shifted.turned() > 0 ? 0 : 1e-3; shift < 1e4; shift = std::max(1e-3, 10 * shift)) {
       shifted.setShift(shift);
       clear(x);

@@ -15,13 +15,14 @@ namespace stroma {
 
 /// A + T + shift * D. T turns over what is unstable in rows whose block on the diagonal has eigenvalues below zero. First between nodes:
 /// the part P of a block A_ij that has eigenvalues above zero, as of a spring in pressure, gets a spring of 2 P between i and j. It
-/// resists no common movement, so that what is free keeps its momentum. What is then left below zero on the diagonal, eigenvalues l with
-/// vectors e, as of springs to what is held, gets sum 2 |l| e e^T; all of it where there is no matrix, but products alone. So a spring in
-/// pressure becomes one in tension, and rows that are stable, beside stable ones, stay as they are. D is the mean size of the numbers on
-/// each row's diagonal; A is positive definite once the shift is large enough.
+/// resists no common movement, so that what is free keeps its momentum. Then what is below zero in the sum of the row, eigenvalues l with
+/// vectors e, as of springs to what is held, gets sum 2 |l| e e^T, and so does what is left on the diagonal: all of it where there is no
+/// matrix, but products alone. So a spring in pressure becomes one in tension, and rows that are stable, beside stable ones, stay as they
+/// are. D is the mean size of the numbers on each row's diagonal; A is positive definite once the shift is large enough.
 class ShiftedMatrix final : public MatrixView {
  public:
-  explicit ShiftedMatrix(SystemMatrix& base) : MatrixView(base) {
+  /// `between`: also between nodes. What is solved for is then a result, else a direction, which all on the diagonal makes shorter.
+  ShiftedMatrix(SystemMatrix& base, bool between) : MatrixView(base) {
     std::vector<double> blocks;
     base.diagonalBlocks(blocks);
     scale_.resize(std::size_t(base.rows()));
@@ -29,10 +30,10 @@ class ShiftedMatrix final : public MatrixView {
       // sizes, not their sum: the diagonal of an indefinite block can sum to nothing
       scale_[i] = (std::abs(blocks[9 * i]) + std::abs(blocks[9 * i + 4]) + std::abs(blocks[9 * i + 8])) / 3;
       const Mat3 block = evenPart(Eigen::Map<const Mat3>(blocks.data() + 9 * i));
-      if (block.allFinite() && partOf(-block)) turned_.push_back({Index(i), block});
+      if (block.allFinite() && partOf(-block)) turned_.push_back({Index(i), block, Mat3::Zero()});
     }
-    if (!turned_.empty()) turnBetween();
-    for (Turned& each : turned_) each.block = 2 * partOf(-each.block).value_or(Mat3::Zero());
+    if (between && !turned_.empty()) turnBetween();
+    for (Turned& each : turned_) each.block = each.ground + 2 * partOf(-each.block).value_or(Mat3::Zero());
   }
   /// Some block had something unstable.
   std::size_t turned() const { return turned_.size(); }
@@ -73,14 +74,15 @@ class ShiftedMatrix final : public MatrixView {
   }
   MatrixKey key() const override {
     MatrixKey key = base_.key();
-    key.shift = turned_.empty() ? shift_ : -1 - shift_;  // another one than A without a shift, too
+    constexpr double any_shift = 1e6;
+    key.shift = turned_.empty() ? shift_ : -1 - shift_ - (between_.empty() ? 0 : any_shift);  // another one than A without a shift, too
     return key;
   }
 
  private:
   struct Turned {
     Index row;
-    Mat3 block;
+    Mat3 block, ground;
   };
 
   struct Between {
@@ -95,7 +97,7 @@ class ShiftedMatrix final : public MatrixView {
     if (!(found.eigenvalues()[2] > 1e-14 * block.cwiseAbs().maxCoeff())) return std::nullopt;  // they rise
     return Mat3(found.eigenvectors() * found.eigenvalues().cwiseMax(0).asDiagonal() * found.eigenvectors().transpose());
   }
-  /// turned_ has the diagonal blocks of unstable rows, before and after.
+  /// turned_ has the diagonal blocks of unstable rows, before and after. The sum of a row is what resists its movement with all others.
   void turnBetween() {
     const BlockMatrix* a = nullptr;
     try {
@@ -105,18 +107,23 @@ class ShiftedMatrix final : public MatrixView {
     }
     std::vector<Turned*> of_row(std::size_t(rows()), nullptr);
     for (Turned& each : turned_) of_row[std::size_t(each.row)] = &each;
-    for (Turned& each : turned_)
+    for (Turned& each : turned_) {
+      Mat3 sum = Mat3::Zero();
       for (Index slot = a->rowStart()[std::size_t(each.row)]; slot < a->rowStart()[std::size_t(each.row) + 1]; ++slot) {
         const Index other = a->columns()[std::size_t(slot)];
-        Turned* const also = of_row[std::size_t(other)];
-        if (other == each.row || (also && other < each.row)) continue;
         const Mat3 block = evenPart(Eigen::Map<const Mat3>(a->values().data() + 9 * std::size_t(slot)));
+        Turned* const also = of_row[std::size_t(other)];
+        sum += block;
+        if (other == each.row || (also && other < each.row)) continue;
         const std::optional<Mat3> part = block.allFinite() ? partOf(block) : std::nullopt;
         if (!part) continue;
         between_.push_back({each.row, other, 2 * *part});
         each.block += 2 * *part;
         if (also) also->block += 2 * *part;
       }
+      if (sum.allFinite()) each.ground = 2 * partOf(-sum).value_or(Mat3::Zero());
+    }
+    for (Turned& each : turned_) each.block += each.ground;
   }
   /// A row whose own diagonal vanishes still needs a shift, of the size of what else is in it. That is seen by products with
   /// numbers of either sign, two because what is in a row may cancel in one. The mean of all rows is no measure: it would hold what

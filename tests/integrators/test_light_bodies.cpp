@@ -163,26 +163,30 @@ TEST(LightBodies, FallBesideASpringInPressure) {
   }
 }
 
-/// A chain in pressure that nothing holds falls as a whole: what makes the matrix of a step definite resists no common movement.
+/// A chain in pressure that nothing holds falls as a whole, and what is beside it falls where it is held, too: what makes the matrix of a
+/// step definite resists no common movement.
 TEST(LightBodies, FallInPressure) {
   for (const std::string solver : {"<SparseLDLSolver/>", "<CGLinearSolver/>", "<PCGLinearSolver preconditioner=\"ssor\"/>",
                                    "<AutomaticLinearSolver/>"})
-    for (const int nodes : {2, 3, 10}) {
-      SCOPED_TRACE(fmt::format("{} {}", solver, nodes));
-      std::string places, first, second;
-      for (int i = 0; i < nodes; ++i) places += fmt::format("{:g} 0 0 ", 0.1 * i);
-      for (int i = 1; i < nodes; ++i) first += fmt::format("{} ", i - 1), second += fmt::format("{} ", i);
-      Simulation simulation = simulationFromText(
-          fmt::format("<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/>{}<MechanicalObject position=\"{}\"/>"
-                      "<UniformMass totalMass=\"{:g}\"/><SpringForceField springsIndices1=\"{}\" springsIndices2=\"{}\" lengths=\"1\" "
-                      "stiffness=\"5000\"/></Node>",
-                      solver, places, 0.01 * nodes, first, second));
-      const StepReport report = simulation.step();
-      EXPECT_FALSE(report.linear_converged);
-      double sum = 0;
-      for (Index i = 0; i < nodes; ++i) sum += simulation.states()[0]->v()[i].y();
-      EXPECT_NEAR(sum / nodes, -0.1, 1e-9);
-    }
+    for (const int nodes : {2, 3, 10})
+      for (const bool is_held : {false, true}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", solver, nodes, is_held));
+        std::string places, first, second;
+        for (int i = 0; i < nodes; ++i) places += fmt::format("{:g} 0 0 ", 0.1 * i);
+        for (int i = 1; i < nodes; ++i) first += fmt::format("{} ", i - 1), second += fmt::format("{} ", i);
+        Simulation simulation = simulationFromText(fmt::format(
+            "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/>{}<Node name=\"chain\"><MechanicalObject "
+            "position=\"{}\"/><UniformMass totalMass=\"{:g}\"/>{}<SpringForceField springsIndices1=\"{}\" springsIndices2=\"{}\" "
+            "lengths=\"1\" stiffness=\"5000\"/></Node><Node name=\"other\"><MechanicalObject position=\"0 5 0\"/>"
+            "<UniformMass totalMass=\"1\"/></Node></Node>",
+            solver, places, 0.01 * nodes, is_held ? "<FixedProjectiveConstraint indices=\"0\"/>" : "", first, second));
+        const StepReport report = simulation.step();
+        EXPECT_FALSE(report.linear_converged);
+        double sum = 0;
+        for (Index i = 0; i < nodes; ++i) sum += simulation.states()[0]->v()[i].y();
+        if (!is_held) EXPECT_NEAR(sum / nodes, -0.1, 1e-9);
+        EXPECT_NEAR(simulation.states()[1]->v()[0].y(), -0.1, 1e-9);
+      }
 }
 
 }  // namespace STROMA_TEST_FILE
