@@ -637,10 +637,13 @@ def words_that_are_no_indices():
             '<FixedConstraint indices="{}"/>')
     for text, held, word in (("1,2 3", [0, 3], "1,2"), ("[1, 2]", [0], "[1,"), ("-1 2", [0, 2], "-1"), ("1.0 4", [0, 4], "1.0"),
                              ("1 - 3", [0, 1, 3], "-"), ("2 x 1e0", [0, 2], "x"),
-                             ("3-1", [1, 2, 3], ""), ("0-4-2", [0, 2, 4], ""), ("+1 4-2-2", [1, 2, 4], "")):
+                             ("3-", [0, 1, 2, 3], "3-"), ("3-1", [1, 2, 3], ""), ("0-4-2", [0, 2, 4], ""), ("+1 4-2-2", [1, 2, 4], "")):
         run = Run(root(EXACT + body.format(text)), 10)
         run.says(*([f"'{word}' is no whole number: SOFA has 0 of it"] if word else []))
         agree(run.x()[:, 1], [0 if i in held else fallen(10) for i in range(5)])
+    run = Run(root(EXACT + body.format("0-200000001")), 10)
+    run.says("'0-200000001' is cut to 2000001 numbers")
+    agree(run.x()[:, 1], [0] * 5)
     scene = root(EXACT + BODY + '<ConstantForceField indices="0 1" forces="0,1,0"/>')
     Run(scene, 1).says("/ConstantForceField1.forces: SOFA reads its numbers up to ',' alone")
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Attributes as SOFA reads them: words for its bools, brackets, numbers with something behind them; what it declares
 // without effect, what it reads and we do not, and what it does not know either.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -72,13 +74,16 @@ long long indexOf(std::string_view word, std::string& strange) {
   const char* first = word.data() + (word.starts_with("+") ? 1 : 0);
   const auto [end, code] = std::from_chars(first, word.data() + word.size(), value);
   if (code == std::errc() && end == word.data() + word.size() && value >= 0) return value;
-  if (strange.empty()) strange = word;
+  if (strange.empty()) strange = word.empty() ? " " : word;
   return 0;
 }
 
-/// The indices that SOFA has of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither.
-std::string indicesIn(const std::string& text, std::string& strange) {
-  constexpr long long longest = 100000000;
+/// Of a range. What is written of it is still a text that a native scene may have.
+constexpr long long longest = 2000000;
+
+/// The indices that SOFA has of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither. `cut` is a range that
+/// has been cut to the longest.
+std::string indicesIn(const std::string& text, std::string& strange, std::string& cut) {
   std::string joined, whole;
   for (std::istringstream words(text); words >> whole;) {  // a comma is a part of a word
     const std::string_view word = whole;
@@ -87,8 +92,9 @@ std::string indicesIn(const std::string& text, std::string& strange) {
     long long to = from, by = 1;
     if (dash != word.npos) to = indexOf(word.substr(dash + 1, second == word.npos ? second : second - dash - 1), strange);
     if (second != word.npos) by = indexOf(word.substr(second + 1), strange);
+    if (strange == " ") strange = whole;  // nothing after a dash
     by = std::max(by, 1LL) * (to < from ? -1 : 1);
-    if (std::abs(to - from) > longest) return {};
+    if (std::abs(to - from) > longest) cut = whole, to = from + (to < from ? -longest : longest);
     for (long long i = from; by > 0 ? i <= to : i >= to; i += by) joined += (joined.empty() ? "" : " ") + std::to_string(i);
   }
   return joined;
@@ -206,8 +212,9 @@ void Rewriting::readList(const Element& element, const Data& data, AttributeDesc
   if (const std::string stop = stopOf(data, text); !stop.empty())
     warn(attribute.where, element, attribute.name, "SOFA reads its numbers up to " + inQuotes(stop) + " alone: here all of them count");
   if (!isListOfIndices(data)) return;
-  std::string strange;
-  const std::string indices = indicesIn(text, strange);
+  std::string strange, cut;
+  const std::string indices = indicesIn(text, strange, cut);
+  if (!cut.empty()) warn(attribute.where, element, attribute.name, inQuotes(cut) + fmt::format(" is cut to {} numbers", longest + 1));
   if (!strange.empty())
     warn(attribute.where, element, attribute.name, inQuotes(strange) + " is no whole number: SOFA has 0 of it, and so has this scene");
   if (!strange.empty() || text.find('-') != text.npos) attribute.value = indices;
