@@ -50,7 +50,10 @@ class MultiAdaptiveBeamTopologicalMapping final : public TopologicalMapping {
     const MovesRods* mover = link_.get();
     for (Node* here = &node(); !mover && !link_.target() && here; here = here->parent())
       for (const auto& other : here->components())
-        if (auto* each = dynamic_cast<MovesRods*>(other.get()); each && !mover) mover = each, other->ensureReady();
+        if (auto* each = dynamic_cast<MovesRods*>(other.get()); each && !mover) {
+          mover = each;
+          other->ensureReady();
+        }
     if (!mover)
       throw ComponentError("there is nothing that pushes rods", "ircontroller=\"@...\", an InterventionalRadiologyController");
     const int edges = count_ > 0 ? count_ : mover->contactEdges(false), needed = mover->contactEdges(true);

@@ -106,7 +106,10 @@ MostNodes mostNodesOnWay(std::vector<PushedRod> rods, std::size_t moving, const 
   constexpr int places = 200;
   MostNodes most;
   const double start = rods[moving].tip, goal = rods[moving].shape->length();
-  for (int i = 0; i <= places; ++i) rods[moving].tip = start + (goal - start) * i / places, look(rods, sampling, most);
+  for (int i = 0; i <= places; ++i) {
+    rods[moving].tip = start + (goal - start) * i / places;
+    look(rods, sampling, most);
+  }
   return most;
 }
 

@@ -41,7 +41,6 @@ class CollisionModel : public Component, public DrawnSolids {
   double restDistance(const Part& p, const Part& q) const;  ///< [m], radii taken off
   double contactDistance() const { return contact_distance_; }
   double contactStiffness() const { return stiffness_; }
-  bool isActive() const { return active_; }
   bool isInGroup(int number) const;
   const std::string& response() const { return response_; }  ///< empty: that of the scene
   State& state() const { return *state_; }

@@ -110,7 +110,7 @@ void CondensedIntegrator::readCompliance(std::size_t known) {
 void CondensedIntegrator::prepareSlots(const System& system, const double* u) {
   CondensedConditions& c = conditions_;
   const auto count = Eigen::Index(c.nodes.size());
-  c.c = c.stored;
+  c.c = c.stored.topLeftCorner(3 * count, 3 * count);  // where there is no slot, nobody has read any, and those of before are there
   if (!touches_.empty()) {
     Eigen::MatrixXd& at = c.touched;
     at.resize(Eigen::Index(touches_.size()), 3 * count);

@@ -81,8 +81,16 @@ void LinearRange::measure(const Patch& patch, double t, Peaks& peaks) const {
   const double n1 = g1.dot(patch.normal), n2 = g2.dot(patch.normal);
   const double turn = std::sqrt((yx - xy) * (yx - xy) / 4 + n1 * n1 + n2 * n2);
   const double strain = std::abs(xx + yy) / 2 + std::sqrt((xx - yy) * (xx - yy) + (xy + yx) * (xy + yx)) / 2;
-  if (turn > peaks.turn) peaks.turn = turn, peaks.time_of_turn = t, peaks.turned = patch.rows;
-  if (strain > peaks.strain) peaks.strain = strain, peaks.time_of_strain = t, peaks.strained = patch.rows;
+  if (turn > peaks.turn) {
+    peaks.turn = turn;
+    peaks.time_of_turn = t;
+    peaks.turned = patch.rows;
+  }
+  if (strain > peaks.strain) {
+    peaks.strain = strain;
+    peaks.time_of_strain = t;
+    peaks.strained = patch.rows;
+  }
 }
 
 // While a load rises all are looked at each time that the displacements have grown by a twentieth, seldom in a long

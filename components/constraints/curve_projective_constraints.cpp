@@ -84,7 +84,10 @@ class CurveMovement : public HeldNodes, public StartVelocity {
     const OnCurve here = at(std::clamp(u, 0., 1.));
     if (late_) {
       if (u < 0 && !sameTime(t, begin_)) return;
-      for (std::size_t i = 0; i < nodes().size(); ++i) x[row(i)] = here.x, v[row(i)] = velocityOfSofa(u, lag, end_ - begin_);
+      for (std::size_t i = 0; i < nodes().size(); ++i) {
+        x[row(i)] = here.x;
+        v[row(i)] = velocityOfSofa(u, lag, end_ - begin_);
+      }
       return;
     }
     const bool stands = (u < 0 && !sameTime(t, begin_)) || (u > 1 && !sameTime(t, end_) && outside_ == Outside::hold);

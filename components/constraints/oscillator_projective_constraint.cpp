@@ -91,7 +91,10 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint, public
     for (const Index node : given_.empty() ? rows : std::vector<Index>()) {
       const Vec3& mean = state().position[std::size_t(node)];
       oscillators_.push_back({node, mean, translation_ + rotation_.cross(mean - centre_), pulsation_, phase_});
-      if (frames) oscillators_.back().mean_turn = state().position[std::size_t(node + 1)], oscillators_.back().swing = rotation_;
+      if (frames) {
+        oscillators_.back().mean_turn = state().position[std::size_t(node + 1)];
+        oscillators_.back().swing = rotation_;
+      }
     }
   }
 

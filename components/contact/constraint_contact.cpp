@@ -11,8 +11,8 @@
 // What sticks does not creep. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb): condensed
 // bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for each
 // condition. Distances and normals are those of the end of the step. Gaps and slides that are off by `toleratedError`, a thousandth
-// of contactDistance by default, hold; mostly they are off by round-off. Edges whose bend is not higher
-// than that count as flat (kept_gaps.h). Forces of a pair are equal and opposite.
+// of contactDistance by default, hold; mostly they are off by round-off. Up to ten times as much is told at the end of a run. Edges
+// whose bend is not higher count as flat (kept_gaps.h). Forces of a pair are equal and opposite.
 //
 // Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
 // in the last step, as its speed would take it, or as an eighth of the mean edge. Each step is proved besides (kept_gaps.h): every
@@ -65,8 +65,8 @@ using namespace contact;
 
 constexpr double of_edge = 0.125;  ///< as far as pairs are looked for at least
 
-class ConstraintContact final : public Component, public LagrangianConstraint, public SharesForces, public HearsSteps,
-                                public DrawnObstacles, public OpenChoices {
+class ConstraintContact final : public Component, public LagrangianConstraint, public SharesForces, public ChangesConditions,
+                                public HearsSteps, public DrawnObstacles, public OpenChoices {
  public:
   std::string roleText() const override { return "contact"; }
   void declare(DataTable& table) override;
@@ -82,13 +82,20 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void expectForces(std::span<double> forces, std::span<double> yields) const override {
     kept_forces_.expect(gaps_, law_.surfaces, x_, rowsOfEach(), forces, yields);
   }
+  /// Where conditions between rigid bodies do not come to hold their directions stay; where they do not then either, they are let go.
+  bool changeConditions(ConstRows, std::span<const double> forces, std::span<const double>) override {
+    const bool keeps = gaps_.keepsDirections();
+    if (!keeps && !kept_forces_.isOff(gaps_, law_, x_, rowsOfEach(), forces, friction_, toleratedError())) return false;
+    keeps ? gaps_.letGoDirections() : gaps_.keepDirections();
+    return true;
+  }
   std::string choice() const override {
     return fmt::format("{}, which keep a gap of {:.4g} m{}", namesOf(law_, bodies_, self_), law_.range,
                        friction_ > 0 ? fmt::format(", friction {:g}", friction_) : "");
   }
   void addShapes(std::vector<Shape>& shapes) const override { contact::addShapes(law_, shapes); }
   Vec3 shapesMovedBy() const override { return moved_at_start_; }
-  Tolerance tolerance() const override { return {toleratedError(), toleratedError()}; }
+  Tolerance tolerance() const override { return {toleratedError(), toldError()}; }
   void reset() override;
   void serialize(Archive& archive) override;
 
@@ -106,6 +113,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void expectWays(double dt, const Vec3& way);
   std::size_t rowsOfEach() const { return friction_ > 0 ? 3 : 1; }
   double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
+  double toldError() const { return 10 * toleratedError(); }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
   Link<State> mstate_{"mechanical state"};
@@ -318,7 +326,7 @@ void ConstraintContact::expectWays(double dt, const Vec3& way) {
 void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {
   law_.surfaces.gather(x, law_.moved, x_);
   gaps_.look(law_, x_);
-  addRows(gaps_, law_, x_, friction_, toleratedError(), rows);
+  addRows(gaps_, law_, x_, friction_, toldError(), rows);
 }
 
 void ConstraintContact::takeForces(std::span<const double> forces) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "framework/scene/archive.h"
@@ -99,6 +100,21 @@ void KeptForces::expect(const KeptGaps& gaps, const Surfaces& surfaces, const st
     forces[each * i] = std::max(0.0, gap.n.dot(force));
     if (each == 3) forces[each * i + 1] = gap.tangent.dot(force), forces[each * i + 2] = gap.n.cross(gap.tangent).dot(force);
   }
+}
+
+bool KeptForces::isOff(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, std::size_t each,
+                       std::span<const double> forces, double friction, double tolerated) const {
+  constexpr double all = 0.999;  // of what friction can be
+  for (std::size_t i = 0; i < gaps.all().size(); ++i) {
+    const KeptGap& gap = gaps.all()[i];
+    if (!gap.counts || !isRigid(gap, law.surfaces)) continue;
+    const double* l = forces.data() + each * i;
+    if (gap.gap < -tolerated || (l[0] > 0 && gap.gap > tolerated)) return true;
+    if (each == 1 || !(std::hypot(l[1], l[2]) < all * friction * l[0])) continue;
+    const Vec3 slid = gaps.slide(gap, law, x);
+    if ((slid - gap.n * gap.n.dot(slid)).norm() > tolerated) return true;
+  }
+  return false;
 }
 
 void KeptForces::serialize(Archive& archive) {

@@ -175,7 +175,7 @@ void KeptGaps::compile(const BarrierLaw& law, double tolerated, const std::vecto
 
 bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double way) {
   copyPlaces(x, start_);
-  moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr;
+  moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr, keeps_directions_ = false;
   if (!law.candidates.areFarther(x, law.candidates.reach + 2 * way)) law.candidates.find(x, way);
   all_.clear(), watched_.clear(), watched_vertices_.clear(), flush_.begin();
   if (!law.candidates.pairs().empty()) return true;
@@ -243,6 +243,7 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
     gap.counts = gap.acts = gap.acts || (is_left && gap.gap < -allowance(gap, law, x, tolerated_));
   }
   ignoreDoubles();
+  if (keeps_directions_) putBackDirections(law, x);
 }
 
 void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
@@ -269,7 +270,12 @@ void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
 double KeptGaps::smallest(const BarrierLaw& law, const std::vector<Vec3>& x) {
   double least = std::numeric_limits<double>::infinity();
   for (const KeptGap& gap : all_)
-    if (!gap.is_bound) least = std::min(least, gap.gap);
+    if (!gap.is_bound && !(keeps_directions_ && gap.pair && gap.counts)) least = std::min(least, gap.gap);
+  for (const KeptGap& gap : all_)
+    if (keeps_directions_ && gap.pair && gap.counts && !gap.is_aligned) {
+      KeptGap there = gap;
+      there.look(law, start_, x, true), least = std::min(least, there.gap);
+    }
   for (KeptGap& gap : all_)
     if (gap.is_bound && !gap.is_aligned && gap.gap < least) gap.look(law, start_, x, true), least = std::min(least, gap.gap);
   if (!std::isfinite(least) && !all_.empty()) least = std::ranges::min(all_, {}, &KeptGap::gap).gap;
@@ -360,7 +366,7 @@ void KeptGaps::ignoreDoubles() {
     for (std::size_t k = 0; k < 4; ++k)
       if (std::abs(gap.c[k]) > none) key[k] = gap.v[k];
     std::sort(key.begin(), key.end());
-    keys_.push_back({key, i});
+    keys_.push_back({key, keeps_directions_ && !kept_[i].is_any, i});
   }
   std::sort(keys_.begin(), keys_.end());
   for (std::size_t k = 1; k < keys_.size(); ++k)

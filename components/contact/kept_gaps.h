@@ -13,6 +13,9 @@
 // Nearly parallel edges have none, because their distance has no one direction; the ways of all of them are looked at.
 // A condition is made when its pair first comes nearer than the gap that is kept, and lasts for the step. Of pairs with the same
 // closest points one counts. Faces of rigid bodies that lie flat on each other have one direction (flush_faces.h).
+//
+// Directions of small gaps turn far by small ways, and where many bodies meet they may turn to and fro for ever. Then those that count
+// stay for the rest of the step (kept_directions.cpp): its forces have the directions of a place nearby.
 #pragma once
 #include <compare>
 
@@ -84,6 +87,10 @@ class KeptGaps {
   void addPairs(const BarrierLaw& law, const ExpectedWays& ways);
   /// All of them at x, while obstacles are where they will be at the end of the step.
   void look(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// Of those that count at the last x, from now on in the step.
+  void keepDirections();
+  void letGoDirections() { keeps_directions_ = false; }
+  bool keepsDirections() const { return keeps_directions_; }
   /// How far the step to the last x is from being proved [m]; 0: it is.
   double unproved() const { return unproved_; }
   /// Of the pairs whose way is not free the first that touches; null: none.
@@ -102,6 +109,7 @@ class KeptGaps {
   void add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways);
   void lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x);
   void ignoreDoubles();
+  void putBackDirections(const BarrierLaw& law, const std::vector<Vec3>& x);
   bool isWithin(const BarrierLaw& law, const std::vector<Vec3>& x);
   double beyond(const BarrierLaw& law, const std::vector<Vec3>& x);
   template <class Visit>
@@ -112,6 +120,7 @@ class KeptGaps {
   /// The vertices of the closest points of a gap.
   struct Key {
     std::array<int, 4> vertices;
+    bool is_new;  ///< beside those whose directions are kept
     std::size_t gap;
     auto operator<=>(const Key&) const = default;
   };
@@ -125,6 +134,19 @@ class KeptGaps {
   Vec3 moved_at_start_ = Vec3::Zero();
   std::vector<double> first_;  ///< of each vertex, the part of its way to its first touch; above 1: none
   std::vector<Key> keys_;
+  /// Of each gap, with keepDirections(); `is_any`: it has counted.
+  struct Directions {
+    bool is_any = false, is_of_place = false;  ///< is_of_place: so is the gap
+    int times = 0;  ///< they have been taken anew
+    std::array<double, 4> c{};
+    Vec3 n = Vec3::Zero();
+    double upright = 1, more = 0;  ///< more: than the gap along them [m]
+    KeptGap::Flush flush = KeptGap::Flush::no;
+    void take(const KeptGap& gap);
+  };
+  std::vector<Directions> kept_;
+  bool keeps_directions_ = false;
+  int looks_ = 0;  ///< since then
   FlushFaces flush_;
   std::vector<char> rigid_;  ///< of each body
   double way_ = 0, unproved_ = 0, tolerated_ = 0;

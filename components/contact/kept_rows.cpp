@@ -6,7 +6,7 @@
 namespace stroma::contact {
 
 // Nodes with a weight of zero have a gradient too: the conditions read where they are.
-void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, double friction, double tolerated,
+void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, double friction, double told,
              LagrangianRows& rows) {
   const Surfaces& s = law.surfaces;
   const auto add = [&](const KeptGap& gap, const Vec3& along) {
@@ -39,7 +39,7 @@ void addRows(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3
   rows.begin(LagrangianRows::Kind::given, 0);  // a condensed body then knows where all of them are
   for (const int v : gaps.watchedVertices())
     if (s.moves(v)) rows.add(s.rows[std::size_t(v)], Vec3::Zero());
-  const double unproved = gaps.unproved() > 0 ? gaps.unproved() + tolerated : 0;
+  const double unproved = gaps.unproved() > 0 ? gaps.unproved() + told : 0;
   rows.begin(LagrangianRows::Kind::push, -unproved);  // no force helps where it is below zero; its nodes are for messages
   if (const Candidate* pair = gaps.notFree())
     for (const int v : pair->v)

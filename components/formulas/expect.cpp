@@ -6,6 +6,8 @@
 //   PATH.displacement, .position, .velocity    of the nodes of a state, at `nodes` or all; `axis` x, y, z, all three, or norm
 //   PATH.volume                                of the cells of a state's mesh, or behind its closed surface [m^3]
 //   PATH.NAME                                  any attribute of numbers of any component; `nodes` are then places in its list
+//   PATH.stress, .vonMises, .J ...             fields of the cells of a force field: the numbers of each cell one after another,
+//                                              so that number k of cell c is at place 6 c + k of a stress (xx yy zz xy yz zx)
 //   kinetic_energy, elastic_energy, gravity_energy, total_energy    of the scene [J]
 //   energy_drift                               |E - E_0| over the largest |E|, kinetic energy or |E_0| so far, E the total
 //   linear_iterations, newton_iterations       of the step that takes most
@@ -151,6 +153,7 @@ class Expect final : public Observer, public Expectation {
   enum class Axis : int { all, x, y, z, norm } axis_ = Axis::all;
   bool isWord(const char* word) const { return of_ == word; }
   std::vector<Value> values(const Simulation& simulation) const;
+  void findNumbers(const Simulation& simulation);
   std::vector<Value> nodeValues() const;
   std::vector<Value> listValues() const;
   double volume() const;
@@ -167,6 +170,8 @@ class Expect final : public Observer, public Expectation {
 
   const State* state_ = nullptr;
   const Component* owner_ = nullptr;
+  const ForceField* field_ = nullptr;  ///< of a field of cells
+  const System* system_ = nullptr;     ///< that it acts in
   std::string name_;  ///< behind the dot
   double start_ = 0, scale_ = 0;
   std::array<double, 2> most_{};  ///< iterations, linear and of Newton's method
@@ -182,7 +187,7 @@ void Expect::declare(DataTable& table) {
   table.add("is", is_).help("a formula of t, x, y and z that it equals");
   table.add("below", below_).help("a formula that it stays below");
   table.add("above", above_).help("a formula that it stays above");
-  table.add("nodes", nodes_).help("nodes, or places in a list; all when not given").min(0);
+  table.add("nodes", nodes_).help("nodes, or places in a list, of cells too; all when not given").min(0);
   table.addChoice("axis", axis_, {"all", "x", "y", "z", "norm"}).help("of nodes and lists of vectors: what of them is compared");
   table.addChoice("when", always_, {"end", "always"}).help("after the last step, or after each");
   table.add("at", at_).help("times, ascending: at the first step that reaches each, instead").unit("s");
@@ -211,15 +216,26 @@ void Expect::compile(const Simulation& simulation) {
   name_ = of_.substr(dot + 1);
   const bool of_nodes = name_ == "displacement" || name_ == "position" || name_ == "velocity" || name_ == "volume";
   state_ = of_nodes ? dynamic_cast<const State*>(owner_) : nullptr;
-  const Data* data = owner_->data().find(name_);
-  if (!state_ && (!data || !numbersOf(*data)))
-    throw ComponentError(fmt::format("{} has no numbers called {}", owner_->path(), inQuotes(name_)), "an attribute of numbers",
-                         nearest(name_, owner_->data().names()));
+  if (!state_) findNumbers(simulation);
   if (state_ && name_ == "volume" && !topologyOf(*state_)) throw ComponentError(state_->path() + " has no mesh, so it has no volume");
   if (state_ && name_ != "volume")
     for (const int node : nodes_)
       if (node >= state_->nodes())
         throw ComponentError(fmt::format("there is no node {}", node), fmt::format("0 to {}", state_->nodes() - 1));
+}
+
+/// An attribute, or a field of cells.
+void Expect::findNumbers(const Simulation& simulation) {
+  if (const Data* data = owner_->data().find(name_); data && numbersOf(*data)) return;
+  std::vector<std::string> names = owner_->data().names(), fields;
+  if (const auto* field = dynamic_cast<const ForceField*>(owner_)) fields = field->cellFields();
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields())
+      if (field == owner_ && std::find(fields.begin(), fields.end(), name_) != fields.end()) field_ = field, system_ = system.get();
+  names.insert(names.end(), fields.begin(), fields.end());
+  if (!field_)
+    throw ComponentError(fmt::format("{} has no numbers called {}", owner_->path(), inQuotes(name_)),
+                         "an attribute of numbers, or a field of cells", nearest(name_, names));
 }
 
 void Expect::begin(const Simulation& simulation) {
@@ -260,6 +276,7 @@ void Expect::end(const Simulation& simulation) {
 
 std::vector<Value> Expect::values(const Simulation& simulation) const {
   if (!owner_) return {{sceneValue(simulation), of_}};
+  if (field_) simulation.complete();
   if (!state_) return listValues();
   return name_ == "volume" ? std::vector<Value>{{volume(), of_}} : nodeValues();
 }
@@ -297,11 +314,16 @@ std::vector<Value> Expect::nodeValues() const {
 }
 
 std::vector<Value> Expect::listValues() const {
-  const Numbers numbers = *numbersOf(*owner_->data().find(name_));
+  Numbers numbers;
+  if (field_) {
+    field_->cellField(name_, system_->x, numbers.flat);
+  } else {
+    numbers = *numbersOf(*owner_->data().find(name_));
+  }
   std::vector<Value> all;
   const std::size_t count = numbers.flat.size() / numbers.width;
   const auto add = [&](std::size_t i) {
-    if (i >= count) return;
+    if (i >= count) return all.push_back({std::nan(""), fmt::format("{}[{}], of a list of {},", of_, i, count)});
     const double* at = numbers.flat.data() + i * numbers.width;
     const std::string name = count > 1 ? fmt::format("{}[{}]", of_, i) : of_;
     if (numbers.width == 3 && axis_ != Axis::all) return appendVector({at[0], at[1], at[2]}, int(axis_), name, Vec3::Zero(), all);

@@ -78,7 +78,10 @@ class HyperelasticityFEMForceField final : public HyperelasticForceField {
 
 void HyperelasticityFEMForceField::chooseKind() {
   std::vector<std::string> words, plurals;
-  for (const CellKind* each : served) words.push_back(fmt::format("Vec3,{}", each->word)), plurals.emplace_back(each->plural);
+  for (const CellKind* each : served) {
+    words.push_back(fmt::format("Vec3,{}", each->word));
+    plurals.emplace_back(each->plural);
+  }
   const auto comma = template_.find(',');
   const std::string vector = template_.substr(0, comma), wanted = comma == std::string::npos ? "" : template_.substr(comma + 1);
   const auto is_wanted = [&](const CellKind* each) { return each->word == wanted; };

@@ -60,7 +60,9 @@ void ImplicitStep::takeBack(StepReport& report) {
 /// Of points that have passed a corner; what is taken back has passed none.
 void ImplicitStep::turnVelocities(StopToken stop, StepReport& report) {
   const bool stands = !report.failed() && (report.newton_converged || newton_.settings.keep_unconverged);
-  if (stands && multipliers_.turnVelocities(*solver_, tangent(), stop, report)) takeChange();
+  if (!stands || multipliers_.empty()) return;
+  copy(v(), work_);
+  if (multipliers_.turnVelocities(*solver_, tangent(), stop, report)) axpy(1, v(), change_), axpy(-1, work_, change_);
 }
 
 void ImplicitStep::takeChange() {

@@ -51,14 +51,29 @@ void Multipliers::takeDirection(std::size_t row) {
   axpy(rule_.old_share, start_directions_[row], direction);
 }
 
-/// Rows with the gradients that they had a round before keep what answers to them.
+/// Rows with the gradients that they had a round before keep what answers to them. What they turn with moves on.
 void Multipliers::forgetChanged() {
   const auto &rows = rows_.rows(), &old = old_rows_.rows();
+  const bool stands = system_->mappingChain().isLinear();
   is_answered_.resize(rows.size(), false);
+  std::size_t constraint = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
+    while (i >= ends_[constraint]) ++constraint;
     const auto now = rows_.entriesOf(rows[i]);
-    if (rows.size() != old.size() || !std::ranges::equal(now, old_rows_.entriesOf(old[i]))) is_answered_[i] = false;
+    const bool keeps = stands || dynamic_cast<const SharesForces*>(system_->actors().lagrangian_constraints[constraint]);
+    if (!keeps || rows.size() != old.size() || !std::ranges::equal(now, old_rows_.entriesOf(old[i]))) is_answered_[i] = false;
   }
+}
+
+/// Where directions of what shares its forces turn to and fro they stay. Where that does not lead to an end they are let go, and stay
+/// from another place on. True: either begins here.
+bool Multipliers::keepDirections(int round) {
+  constexpr int few = 2, many = 20, most = 25;
+  kept_since_ = std::min(kept_since_, round);
+  if (carries_ || yields_.empty() || round - kept_since_ < (keeps_ ? most : redundant_.areSwept() ? few : many)) return false;
+  if (!changeConditions(true)) return false;
+  keeps_ = !keeps_, kept_since_ = round;
+  return true;
 }
 
 /// J^T of rows that may have a force, where they were found: they are few of those that may come near in a step.
@@ -103,7 +118,7 @@ void Multipliers::aim() {
 /// because where that goes to and fro only rounds to the end are left.
 bool Multipliers::leavesDirections() {
   constexpr int most = 4;
-  return keepsDirections() && times_left_++ < most;
+  return carries_ && keepsDirections() && times_left_++ < most;
 }
 
 /// Rows that hold or push. Of constraints whose conditions may change the speeds are to end. Others keep the mean of the step, which is
@@ -113,7 +128,7 @@ std::vector<Multipliers::Held> Multipliers::findHeld(ConstRows moves) const {
   const auto& constraints = system_->actors().lagrangian_constraints;
   std::size_t row = 0;
   for (std::size_t i = 0; i < constraints.size(); ++i) {
-    const bool changes = dynamic_cast<const ChangesConditions*>(constraints[i]) != nullptr;
+    const bool changes = dynamic_cast<const ChangesConditions*>(constraints[i]) && !dynamic_cast<const SharesForces*>(constraints[i]);
     for (; row < ends_[i]; ++row) {
       const LagrangianRows::Row& each = rows_.rows()[row];
       const double l = solve_.l[Eigen::Index(row)];

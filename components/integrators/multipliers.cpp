@@ -127,84 +127,6 @@ bool Multipliers::answerAsked(LinearSolver& solver, SystemMatrix& matrix, StopTo
   return true;
 }
 
-/// A^-1 J^T, of what is not known
-bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
-  if (carries_) aimAtNew();
-  const std::size_t count = rows_.rows().size();
-  responses_.resize(std::max(responses_.size(), count));
-  is_answered_.resize(count, false);
-  new_answers_.clear(), asked_.clear(), answers_.clear();
-  const auto isAlike = [&](std::size_t i) { return like_[i] != 0 && is_answered_[i - 1]; };
-  for (std::size_t i = 0; i < count; ++i) {
-    if (isIdle(i) || is_answered_[i]) continue;
-    if (!isAlike(i)) ask(directions_[i], responses_[i]);
-    is_answered_[i] = true, new_answers_.push_back(i);
-  }
-  if (new_answers_.empty()) return true;
-  has_new_answers_ = true;
-  if (!answerAsked(solver, matrix, stop, report)) return false;
-  for (const std::size_t i : new_answers_) {
-    Vector& response = responses_[i];
-    if (!isAlike(i)) {
-      takeBendsFrom(response);
-      continue;
-    }
-    if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
-    copy(responses_[i - 1], response);
-    scale(like_[i], response);
-  }
-  return true;
-}
-
-/// W. Along directions that stay it is what it was while the same rows are alive.
-void Multipliers::couple() {
-  const auto& rows = rows_.rows();
-  std::swap(live_, coupled_);
-  live_.clear();
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (!isIdle(i)) live_.push_back(i);
-  if (!std::exchange(has_new_answers_, false) && keepsDirections() && live_ == coupled_ && own_.size() == rows.size()) return;
-  const auto count = Eigen::Index(live_.size());
-  const double factor = rule_.weight * rule_.displacement;
-  solve_.w.resize(count, count);
-  own_.assign(rows.size(), 0);
-  if (couplesByDirections()) findReached();
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Vector& response = responses_[live_[std::size_t(i)]];
-    if (couplesByDirections()) {
-      for (Eigen::Index j = 0; j < count; ++j) solve_.w(j, i) = factor * alongReached(std::size_t(j), response);
-    } else {
-      const ConstRows along = system_->mappingChain().direction(response);
-      for (Eigen::Index j = 0; j < count; ++j) {
-        double sum = 0;
-        for (const auto& [at, gradient] : rows_.entriesOf(rows[live_[std::size_t(j)]])) sum += gradient.dot(along[at]);
-        solve_.w(j, i) = factor * sum;
-      }
-    }
-    own_[live_[std::size_t(i)]] = solve_.w(i, i);
-  }
-}
-
-/// Where the directions of rows of W are not zero: of two rigid bodies, of however many there are.
-void Multipliers::findReached() {
-  reached_.clear(), first_reached_.assign(1, 0);
-  for (const std::size_t row : live_) {
-    const ConstRows direction = directions_[row];
-    for (Index at = 0; at < direction.count; ++at)
-      if (!direction[at].isZero(0)) reached_.push_back(at);
-    first_reached_.push_back(reached_.size());
-  }
-}
-
-/// The direction of a row of W with a response.
-double Multipliers::alongReached(std::size_t number, ConstRows response) const {
-  const ConstRows direction = directions_[live_[number]];
-  double sum = 0;
-  for (std::size_t k = first_reached_[number]; k < first_reached_[number + 1]; ++k)
-    sum += direction[reached_[k]].dot(response[reached_[k]]);
-  return sum;
-}
-
 /// Where the search of a correction begins.
 void Multipliers::expectForces() {
   const std::size_t count = rows_.rows().size();
@@ -230,7 +152,7 @@ void Multipliers::findForces(StopToken stop) {
   const bool goes_on = solve_.searches > searches_before_;
   const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w,
                                          solve_.g,     solve_.sizes, yields_,
-                                         allowed_,     carries_ ? at_rest : 0, goes_on, budget - spent_};
+                                         allowed_,     carries_ ? at_rest : 0, goes_on, !carries_ && !isOnce(), budget - spent_};
   if (!yields_.empty()) {
     if (redundant_.find(problem, solve_.l, stop))
       solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
@@ -253,12 +175,15 @@ void Multipliers::give() {
     constraints[i]->takeForces({solve_.l.data() + begin, ends_[i] - begin});
 }
 
-/// Which conditions there are may depend on the forces that have been found.
-bool Multipliers::changeConditions() {
+/// Which conditions there are may depend on the forces that have been found. `shared`: of those that share them, else of all others.
+bool Multipliers::changeConditions(bool shared) {
   const ConstRows x = system_->mappingChain().positions(system_->x);
-  if (!ChangesConditions::changeAny(system_->actors().lagrangian_constraints, ends_, x, solve_.l.data(), own_.data())) return false;
-  --changes_left_;
-  return has_changed_ = true;
+  asked_to_change_ = system_->actors().lagrangian_constraints;
+  for (LagrangianConstraint*& each : asked_to_change_)
+    if ((dynamic_cast<const SharesForces*>(each) != nullptr) != shared) each = nullptr;
+  if (!ChangesConditions::changeAny(asked_to_change_, ends_, x, solve_.l.data(), own_.data())) return false;
+  if (!shared) --changes_left_, has_changed_ = true;
+  return true;
 }
 
 /// As those of cables and cavities.
@@ -317,7 +242,7 @@ void Multipliers::leaveOutForces() {
 bool Multipliers::prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   const bool follows_turns = !system_->mappingChain().isLinear();  // as mapped points do
   if (!is_first && !follows_turns && rows_.hasGradientsOf(old_rows_)) return true;
-  if (is_first || (!carries_ && follows_turns))
+  if (is_first || (!carries_ && !keeps_ && follows_turns))
     is_answered_.clear();
   else if (!carries_)
     forgetChanged();
@@ -334,16 +259,16 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   System& s = *system_;
   copy(s.independent(s.x), free_), clear(whole_);
   bool is_mixed = is_left_ = false;
-  changes_left_ = most_changes, mixing_.restart();
+  changes_left_ = most_changes, mixing_.restart(), keeps_ = false, kept_since_ = 0;
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
   double size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
   // what forces of constraint take back of the free motion leaves its last digits, also where a body stands at the origin
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * size;
   for (int round = 0, least_round = 0; round < most_rounds; ++round) {
-    report.stopped = report.stopped || stop.isStopAsked();
-    if (report.stopped) return;
+    if (report.stopped = report.stopped || stop.isStopAsked(); report.stopped) return;
     findConditions();
+    if (holdsAlready(round, step)) break;
     if (round == 0 && stepWatch()) stepWatch()->constraintGradients(s, rows_, rule_.displacement);
     if (rows_.rows().empty() && !carries_) break;
     if (round == 0) expectForces();
@@ -371,12 +296,12 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     const bool goes_on = std::isfinite(step) && step > close * size + rounding && !is_idle && !is_left_;
     // forces that turn much in a step swing; directions of few that nothing rubs are found by a few mixed iterates, but noise is not mixed
     is_mixed = is_mixed || (round > 3 && step > 0.5 * last) || (round > 0 && !carries_ && areFewAndSmooth());
-    if (goes_on && is_mixed && !isNoise(step) && round + 1 < most_rounds) mixing_.next(before_, whole_);
+    if (goes_on && is_mixed && !keeps_ && !isNoise(step) && round + 1 < most_rounds) mixing_.next(before_, whole_);
     apply(change);
     size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
     const bool is_last = round + 1 == most_rounds;
     if (goes_on && !isOnce() && !is_last) continue;
-    if (is_left_ || !std::isfinite(step) || !changeConditions()) break;
+    if (is_left_ || !std::isfinite(step) || !changeConditions(false)) break;
     mixing_.restart(), least = std::numeric_limits<double>::infinity(), is_left_ = carries_;
     if (is_last) changes_left_ = 0;
     if (is_left_ || changes_left_ == 0) break;

@@ -103,11 +103,11 @@ class Multipliers {
   double likeRowBefore(std::size_t row) const;
   bool isIdle(std::size_t row) const;
   /// Where rows say the same W has to be symmetric: its conditions are those along the directions of forces, too.
-  bool keepsDirections() const { return carries_ && !yields_.empty(); }
+  bool keepsDirections() const { return (carries_ || keeps_) && !yields_.empty(); }
   /// W is J^T of rows with their responses: the same, and cheap for rows of few bodies.
-  bool couplesByDirections() const { return !yields_.empty() && (carries_ || rule_.old_share == 0); }
+  bool couplesByDirections() const { return !yields_.empty() && (carries_ || keeps_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
-  bool changeConditions();
+  bool changeConditions(bool shared);
   /// A row that turnVelocities() looks at, and the speed that it takes.
   struct Held {
     std::size_t row;
@@ -126,6 +126,8 @@ class Multipliers {
   bool isAimed(std::size_t row) const { return row < is_aimed_.size() && is_aimed_[row]; }
   void aimAtNew();
   bool leavesDirections();
+  bool keepDirections(int round);
+  bool holdsAlready(int round, double& step);
   void takeBends();
   double shareOf(const LagrangianRows::Bend& bend) const;
   bool respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
@@ -135,6 +137,7 @@ class Multipliers {
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
   void findReached();
+  void findMoved(ConstRows response);
   double alongReached(std::size_t number, ConstRows response) const;
   void expectForces();
   void findForces(StopToken stop);
@@ -164,7 +167,8 @@ class Multipliers {
 
   System* system_ = nullptr;
   Rule rule_;
-  bool carries_ = false;
+  bool carries_ = false, keeps_ = false;  ///< keeps_: directions of rounds before
+  int kept_since_ = 0;                    ///< the round since when, or since when not
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
   ConditionForces solve_;                  ///< W, g and l
@@ -184,6 +188,10 @@ class Multipliers {
   bool has_new_answers_ = false;             ///< since that
   std::vector<Index> reached_;               ///< rows in which directions of rows of W are not zero
   std::vector<std::size_t> first_reached_;   ///< of each row of W, in reached_
+  std::vector<std::vector<std::size_t>> reaches_;  ///< of each row of directions: rows of W whose direction is not zero there
+  std::vector<std::size_t> moved_;                 ///< work space, as are
+  std::vector<long> marks_;
+  long mark_ = 0;
   std::vector<double> own_;                ///< of each row: its diagonal of W
   std::vector<double> allowed_;            ///< by how much each row may be off; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
@@ -218,6 +226,7 @@ class Multipliers {
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
   bool has_changed_ = false;  ///< conditions have, in the step
+  std::vector<LagrangianConstraint*> asked_to_change_;  ///< work space
   static constexpr int most_changes = 100;  ///< of conditions by their forces, each with rounds of its own
   int changes_left_ = most_changes;         ///< 0: they have not come to an end
   double budget_ = 100;     ///< of spent_ [a thousand rows' cube]

@@ -39,6 +39,20 @@ bool Multipliers::isNoise(double step) {
   return !yields_.empty() && redundant_.areSwept() && step <= most * leastTolerance(false);
 }
 
+/// Where rounds begin: the forces of the one before hold where they have led, and others along directions that stay would be no better.
+bool Multipliers::holdsAlready(int round, double& step) {
+  if (keepDirections(round)) {
+    is_answered_.clear();
+    return false;
+  }
+  if (round == 0 || carries_ || !(keeps_ || isNoise(step))) return false;
+  constexpr int many = 12;  // bodies that jam leave what is told
+  if (keeps_) leastTolerance(round > many);
+  if (solve_.worst(rows_.rows(), allowed_).off > 0) return false;
+  step = 0;
+  return true;
+}
+
 /// True, and the step has failed: its budget is spent.
 bool Multipliers::isSpent(StepReport& report) {
   if (!is_spent_) return false;

@@ -10,7 +10,7 @@ namespace stroma {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
-  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, budget] = problem;
+  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, comes_again, budget] = problem;
   const auto count = Eigen::Index(live.size());
   double most = 0;
   for (Eigen::Index k = 0; k < count; ++k)
@@ -239,6 +239,7 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
   const bool is_dear = was_swept || !findRoots(dear);
   if (!is_dear && findNear(problem)) return take(problem, l);
   if ((is_dear || isSingular()) && sweepToLaws(problem, some, is_dear ? enough : well, was_swept)) return take(problem, l);
+  if (is_dear && problem.comes_again) return is_swept_ = take(problem, l);
   if (is_dear) findRoots(none);
   if (findInside(problem)) return take(problem, l);
   if (!isSingular()) return false;

@@ -42,6 +42,7 @@ class RedundantForces {
     const std::vector<double>&sizes, &yields, &allowed;  ///< allowed: as of ConditionForces::solve()
     double at_rest;  ///< forces that are off by less than this part of it are not searched for again
     bool goes_on;    ///< l has been found in this step, where bodies were a little elsewhere
+    bool comes_again;  ///< what the forces lead to is looked at, and they are searched for again from there
     double budget;   ///< of `spent`; beyond it the search ends
   };
   /// l: where the search begins and ends. False: these are not such conditions, or nothing better was found; l is as it was.
@@ -115,7 +116,7 @@ class RedundantForces {
   bool sweepToLaws(const Problem& problem, int most, double enough, bool stands);
   void sweepOnce();
   static double goalOf(int sweeps, double most);
-  double sweep(const Problem& problem, int most, double enough, Eigen::VectorXd& q);
+  double sweep(const Problem& problem, int most, double enough, double at_once, Eigen::VectorXd& q);
   double farthest(const Problem& problem, const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   void note(const Eigen::VectorXd& q);
   bool take(const Problem& problem, Eigen::VectorXd& l);

@@ -149,14 +149,15 @@ double RedundantForces::goalOf(int sweeps, double most) {
 }
 
 /// At least one, whose forces are within their cones, from q; q becomes the best place. What it is off by, as farthest().
-double RedundantForces::sweep(const Problem& problem, int most, double enough, VectorXd& q) {
+/// `at_once`: no less is asked for.
+double RedundantForces::sweep(const Problem& problem, int most, double enough, double at_once, VectorXd& q) {
   Sweeps& s = sweeps_;
   s.pack(*this);
   s.at = q;
   conditions(s.at, s.r);
   s.way.setZero(q.size()), s.r_way.setZero(q.size());
   double least = none;
-  for (int k = 0, turn = 0; k < most && least > goalOf(k, enough) && !isOver(); ++k) {
+  for (int k = 0, turn = 0; k < most && least > std::max(goalOf(k, enough), at_once) && !isOver(); ++k) {
     s.step = s.at, s.r_step = s.r;
     sweepOnce();
     const double off = farthest(problem, s.at, s.r);
@@ -174,18 +175,19 @@ double RedundantForces::sweep(const Problem& problem, int most, double enough, V
 /// Forces of `most` sweeps from the best place, which becomes that where they end. False: rows are off by more than `enough` of what they
 /// may. `stands`: those of the round before are such.
 bool RedundantForces::sweepToLaws(const Problem& problem, int most, double enough, bool stands) {
-  constexpr double still = 0.1;
+  constexpr double still = 0.1, part = 0.02;
   if (problem.allowed.empty()) return false;
   VectorXd& q = work_.found;
   q = best_;
   conditions(q, work_.noted);
   double off = farthest(problem, q, work_.noted);
   has_stood_ = stands && off <= still;
-  if (!has_stood_) off = sweep(problem, most, enough, q);
+  const double at_once = problem.comes_again ? part * off : 0;  // bodies are elsewhere before the next
+  if (!has_stood_) off = sweep(problem, most, enough, at_once, q);
   best_ = q;
   conditions(q, work_.noted);
   off_ = offOf(q, work_.noted);
-  return is_swept_ = off <= std::max(enough, stands ? still : 0);
+  return is_swept_ = off <= std::max({enough, at_once, stands ? still : 0});
 }
 
 /// By how much the row that is farthest from its law is off, of what it may. Round-off of the largest condition is always allowed.

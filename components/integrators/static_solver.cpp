@@ -19,8 +19,8 @@
 //
 // and s grows to 1 by parts that become smaller by 4 where one fails and larger by 2 after each that does not: at s = 0 the
 // start is in balance whatever acts on it. Parts end at a relative residual of 1e-4, the last one at the step's own. The run
-// tells how many steps were divided. No part is smaller than `smallest_part`: then the step says under how much of its loads
-// the last equilibrium is, and leaves that, or with moved nodes is taken back.
+// tells how many steps were divided. No part is smaller than `smallest_part`: then the step is tried once more in one go (patient_solve.h).
+// Where that fails, too, it says under how much of its loads the last equilibrium is, and leaves that, or with moved nodes is taken back.
 //
 // Before that, a solve that fails or gets no further with the approximate tangent of a force field (tangent="warped") is tried
 // with the exact one, from the best iterate and then from where it began. One that gets on by a factor above 0.1, with more than
@@ -64,6 +64,7 @@
 #include "components/integrators/free_body.h"
 #include "components/integrators/lent_energy.h"
 #include "components/integrators/newton_solver.h"
+#include "components/integrators/patient_solve.h"
 #include "components/integrators/sleep.h"
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "components/integrators/usual_forcing.h"
@@ -184,15 +185,13 @@ void StaticSolver::compile(System& system) {
 
 /// False, with the sentence, when a body has no equilibrium where the step starts; or when it is asked to stop.
 bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& report) {
-  problem_.giveUp();
-  problem_.setShare(1);
+  problem_.giveUp(), problem_.setShare(1);
   problem_.residual(force_);
   report.stopped = stop.isStopAsked();
   if (report.stopped) return false;
   const std::string sentence = freeBody(system, force_);
   checked_revision_ = revisionOfHolds(system);
-  is_checked_ = sentence.empty();
-  report.stopped = stop.isStopAsked();
+  is_checked_ = sentence.empty(), report.stopped = stop.isStopAsked();
   if (is_checked_ || report.stopped) return !report.stopped;
   report.reason = sentence, report.diverged = true;
   if (!conditioned_.empty())
@@ -293,8 +292,7 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
     const double share = std::min(1.0, done + part);
     StepContext end = context;
     if (share < 1) end.t_end = context.t + share * context.dt;
-    newton_.settings.relative_residual =
-        share < 1 ? std::max(part_residual, settings_.relative_residual) : settings_.relative_residual;
+    newton_.settings.relative_residual = share < 1 ? std::max(part_residual, settings_.relative_residual) : settings_.relative_residual;
     problem_.setShare(share);
     copy(x, good_);
     StepReport attempt = solveWithFallback(system, end);
@@ -302,8 +300,7 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
     addCounts(report, attempt);
     report = attempt;
     report.load_parts = parts;
-    if (report.stopped) return report;
-    if (good && share == 1) return report;
+    if (report.stopped || (good && share == 1)) return report;
     if (good) {
       done = share, part *= 2;
       continue;
@@ -315,8 +312,10 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
     if (done == 0) problem_.setShare(1), problem_.keepStartForce();
   }
   if (report.load_parts == 1) return report;
-  copy(good_, x);
-  problem_.setShare(1);
+  newton_.settings.relative_residual = settings_.relative_residual;
+  const auto in_one_go = [&] { return solveWithFallback(system, context); };
+  if (settings_.use_energy && solvesPatiently(newton_, problem_, x, good_, report, in_one_go)) return report;
+  copy(good_, x), problem_.setShare(1);
   problem_.residual(force_);  // forces are those of the state that is left
   // moved nodes go to the end of a step whatever it has reached: the rest cannot stay behind
   report.diverged = (failed.diverged && done == 0) || system.constraints().hasPrescribed();
@@ -357,8 +356,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   if (dot(d, d) <= 1e-30 * dot(x, x)) return false;
   // f + K d on all rows: the free ones see the prescribed displacement
   system.computeForceAndProduct(system.x, system.v, displacement_, {.stiffness = 1}, moved_v_);
-  copy(system.independent(moved_v_), force_);
-  clear(moved_v_);
+  copy(system.independent(moved_v_), force_), clear(moved_v_);
   problem_.leaveOut(force_);
   if (!conditioned_.empty() && !is_free_) conditioned_.addCarried(force_);
   system.constraints().project(force_);
@@ -378,8 +376,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
     }
   }
   if (!std::isfinite(energy)) {
-    report.newton_converged = false;
-    report.reason = "the prescribed motion of the step crushes elements at once";
+    report.newton_converged = false, report.reason = "the prescribed motion of the step crushes elements at once";
   }
   return true;
 }

@@ -62,7 +62,11 @@ class VariationalSymplecticSolver final : public Integrator {
     if (sleep_.stepTaken(context.dt)) return;
     potential_ = new_potential_;
     started_ = true;
-    if (goes_by_positions_) copy(new_momentum_, momentum_), copy(new_velocity_, left_velocity_), has_momentum_ = true;
+    if (goes_by_positions_) {
+      copy(new_momentum_, momentum_);
+      copy(new_velocity_, left_velocity_);
+      has_momentum_ = true;
+    }
     implicit_.stepTaken();
   }
   void sceneChanged() override { sleep_.wake(); }

@@ -108,15 +108,24 @@ double AutomaticInverse::solveByFormer(double each, double renewal) const {
   return best;
 }
 
+/// So many iterations by block Jacobi, which assembles a matrix for them where that costs less. A way that multiplies by elements does
+/// not hide that.
+double AutomaticInverse::byJacobi(double iterations) const {
+  const double by_products = iterations * iteration(Way::block_jacobi);
+  if (now_.blocks == 0 || !matrix_->prefersAssembled(int(iterations))) return by_products;
+  const double product = BlockMatrix::productCost(blocks(), true);
+  return std::min(by_products, assembly() / perMatrix() + iterations * (product + IterationCosts::vectors(rows_)));
+}
+
 /// One of the usual kind, with its share of what comes before.
 double AutomaticInverse::solve(Way way) const {
   const double rate = now_.rates[at(way)], each = iteration(way);
-  if (way == Way::block_jacobi) return std::max(1.0, rate * decades()) * each;
+  if (way == Way::block_jacobi) return byJacobi(std::max(1.0, rate * decades()));
   if (way == Way::multigrid)
     return (rate > 0 ? std::max(1.0, rate * decades()) : multigrid_start + now_.expected_rate * decades()) * each + turning(way) +
            renewing();
   const double factors = isConstant() ? 0 : factorisation() / perMatrix();
-  if (way == Way::direct) return direct() + factors;
+  if (way == Way::direct) return isUnlikeItsFactors() ? std::numeric_limits<double>::infinity() : direct() + factors;
   if (now_.factor_solves > 0) return now_.with_factors / now_.factor_solves;
   return solveByFormer(each, factors) + turning(way);
 }
@@ -130,9 +139,8 @@ double AutomaticInverse::byFresh() const {
 /// By factors of each matrix. Where those take many iterations too, what multiplies is not what was factored (terms that are not
 /// assembled, a matrix that is not symmetric), and former ones serve as well.
 double AutomaticInverse::solveByOwn() const {
-  constexpr double most_own_rate = 1;
   if (now_.way != Way::factors || perMatrix() >= several) return solve(Way::direct);
-  if (now_.fresh_rate > most_own_rate) return std::numeric_limits<double>::infinity();
+  if (isUnlikeItsFactors()) return std::numeric_limits<double>::infinity();
   return byFresh();
 }
 
@@ -150,7 +158,7 @@ void AutomaticInverse::estimateFactors() {
 
 void AutomaticInverse::notePattern() {
   const BlockMatrix& pattern = matrix_->pattern();
-  now_.blocks = pattern.blocks(), now_.expected_rate = expectedMultigridRate(pattern);
+  now_.blocks = pattern.blocks(), now_.expected_rate = expectedMultigridRate(pattern, matrix_->positions());
 }
 
 /// Takes the pattern of the matrix, and some milliseconds: for those whose factors might be worth their cost.
@@ -190,7 +198,9 @@ AutomaticInverse::Way AutomaticInverse::cheapest(double present, double left) co
 bool AutomaticInverse::findCheaper(double rate, double left) {
   if (now_.changes >= most_changes || isRefused()) return false;
   const double again = now_.way == Way::multigrid ? renewing() : 0;
-  const double present = std::max(1.0, rate * decades()) * iteration(now_.way) + turning(now_.way) + again;
+  const double iterations = std::max(1.0, rate * decades());
+  const double each = now_.way == Way::block_jacobi ? byJacobi(iterations) : iterations * iteration(now_.way);
+  const double present = each + turning(now_.way) + again;
   estimateFactors();
   Way way = cheapest(present, left);
   if (way == Way::multigrid && now_.blocks == 0)

@@ -42,7 +42,9 @@ void AutomaticInverse::solved(const SolveReport& report) {
   const double wanted = -std::log10(target_ / from), reached = -std::log10(part.relative_residual);
   const double gained = leaves_ ? std::max(0.25, reached) : std::clamp(reached, 0.5, std::max(0.5, wanted));
   if (!renews_) noteRate(isDirect() ? 0 : report.iterations, gained);
-  if (now_.way == Way::factors && (factored_ || report.factored)) now_.fresh_rate = report.iterations / gained;
+  constexpr int most_refinements = 20;  // of a direct solve
+  const bool is_refined = isDirect() && report.iterations > most_refinements;
+  if (is_refined || (now_.way == Way::factors && (factored_ || report.factored))) now_.fresh_rate = report.iterations / gained;
   if (now_.way == Way::multigrid) multigrid_.solved(part), ++(renews_ ? now_.renewals : now_.multigrid_solves);
   if (renews_)  // what more than a hierarchy that is not aged would have taken
     now_.wasted += std::max(0.0, report.iterations - now_.rates[at(now_.way)] * gained) * iteration(now_.way);
@@ -53,7 +55,8 @@ void AutomaticInverse::solved(const SolveReport& report) {
   const double share = std::clamp(1.0 / now_.solves, 1.0 / 16, 0.25);
   now_.decades = now_.decades == 0 ? decades : now_.decades + (decades - now_.decades) * share;
   factored_ = factored_ || report.factored;
-  const double cost = (isDirect() ? direct() : report.iterations * iteration(now_.way)) + turning(now_.way);
+  const double by_factors = direct() + (is_refined ? report.iterations * iteration(Way::factors) : 0);
+  const double cost = (isDirect() ? by_factors : report.iterations * iteration(now_.way)) + turning(now_.way);
   if (now_.way == Way::factors && report.stop == SolveStop::iteration_limit) return void(now_.given_up += cost);
   judge(cost + std::exchange(now_.given_up, 0));
 }

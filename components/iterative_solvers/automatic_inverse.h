@@ -83,6 +83,8 @@ class AutomaticInverse final : public ApproximateInverse {
   static constexpr double worth_changing = 1.15, worth_by_drifts = 1.25;
   /// Solves that share a matrix: a direct solver is made for them.
   static constexpr double several = 2;
+  /// Iterations for a decade by factors of the very matrix.
+  static constexpr double most_own_rate = 1;
   /// In a row. An iteration of Newton's method tries up to nine matrices until one is definite.
   static constexpr int most_refusals = 20;
 
@@ -135,6 +137,9 @@ class AutomaticInverse final : public ApproximateInverse {
   double direct() const;
   double blocks() const { return now_.blocks > 0 ? double(now_.blocks) : IterationCosts::usual_blocks * rows_; }
   double solve(Way way) const;
+  double byJacobi(double iterations) const;
+  /// Factors of the very matrix take many iterations: what multiplies is not what was factored.
+  bool isUnlikeItsFactors() const { return now_.fresh_rate > most_own_rate; }
   double byFresh() const;
   double solveByOwn() const;
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }

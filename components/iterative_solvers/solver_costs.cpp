@@ -20,6 +20,24 @@ namespace {
 // fitted to plates of 17 to 101 nodes by 3 to 5.
 constexpr double flops_each = 135, entries_each = 81;
 constexpr double nanosecond = 1e-9;
+/// The q of expectedMultigridRate(): a node's farthest neighbour is across a cell, and its nearest along the shortest side. Of every
+/// eighth node.
+double stretchOf(const BlockMatrix& pattern, ConstRows x) {
+  constexpr Index each = 8;
+  constexpr double most = 3;
+  if (x.count != pattern.rows()) return 1;
+  double sum = 0, nodes = 0;
+  for (Index row = 0; row < x.count; row += each) {
+    double nearest = std::numeric_limits<double>::max(), farthest = 0;
+    for (Index s = pattern.rowStart()[row]; s < pattern.rowStart()[row + 1]; ++s) {
+      const double square = (x[pattern.columns()[s]] - x[row]).squaredNorm();
+      if (square > 0) nearest = std::min(nearest, square), farthest = std::max(farthest, square);
+    }
+    if (farthest > 0) sum += std::clamp(std::sqrt(farthest / (3 * nearest)), 1.0, most), ++nodes;
+  }
+  return nodes > 0 && std::isfinite(sum) ? sum / nodes : 1;
+}
+
 /// Numbers that fit into half of the machine's memory.
 double mostEntries() {
   const double bytes = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
@@ -73,7 +91,7 @@ FactorCounts fewest(const BlockMatrix& pattern, const FactorCounts& counted, con
   return isWide(pattern) ? counted : fewer(counted, factorCountsOf(extents));
 }
 
-double expectedMultigridRate(const BlockMatrix& pattern) {
+double expectedMultigridRate(const BlockMatrix& pattern, ConstRows positions) {
   constexpr double of_tetrahedra = 2, tetrahedral_blocks = 13, hexahedral_blocks = 21, of_quadratic = 3.1;
   constexpr Index linear_row = 48;  // a corner of quadratic tetrahedra has 65 neighbours, one of hexahedra 27
   constexpr Index least_part = 20;  // an eighth of their nodes are corners; a hub of springs is one node
@@ -82,7 +100,8 @@ double expectedMultigridRate(const BlockMatrix& pattern) {
     wide += pattern.rowStart()[row + 1] - pattern.rowStart()[row] > linear_row;
   if (least_part * wide > pattern.rows()) return of_quadratic;
   const double like_hexahedra = (double(pattern.blocks()) / pattern.rows() - tetrahedral_blocks) / (hexahedral_blocks - tetrahedral_blocks);
-  return of_tetrahedra + (least_multigrid_rate - of_tetrahedra) * std::clamp(like_hexahedra, 0.0, 1.0);
+  const double hexahedral = std::clamp(like_hexahedra, 0.0, 1.0), stretched = stretchOf(pattern, positions) - 1;
+  return of_tetrahedra + 0.55 * stretched + (least_multigrid_rate - of_tetrahedra + 0.55 * stretched) * hexahedral;
 }
 
 bool factorsFit(double entries) { return entries <= mostEntries(); }

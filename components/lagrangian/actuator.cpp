@@ -15,6 +15,9 @@ void Actuator::declareValue(DataTable& table, const char* way, const char* force
   force_is_ = way_first ? Imposed::second : Imposed::first;
   table.add("value", values_).atOnce().help(help + "; of several the one of valueIndex");
   table.add("valueIndex", index_).help("which of value").min(0);
+  table.add("keyTimes", key_times_)
+      .help("times, ascending, at which value has its numbers, one for each; linear between, constant before the first and after the last")
+      .unit("s");
   table.add("impulses", impulses_).help(fmt::format("the {} and its bounds are those of a whole step, times dt, as in SoftRobots", force));
   std::vector<std::string> words{way, force};
   if (!way_first) std::swap(words[0], words[1]);
@@ -34,6 +37,17 @@ void Actuator::init() {
   if (index_ > 0 && index_ >= int(values_.size()))
     throw ComponentError(fmt::format("valueIndex is {}, and value has {} numbers", index_, values_.size()),
                          fmt::format("0 to {}", std::max<int>(0, int(values_.size()) - 1)));
+  takeKeyTimes();
+}
+
+void Actuator::takeKeyTimes() {
+  keys_ = {};
+  if (key_times_.empty()) return;
+  if (data().find("valueIndex")->isSet()) throw ComponentError("keyTimes and valueIndex are given together", "one of them");
+  if (was_keyed_ && values_.size() == 1) return;  // set by a run, and read again because something else has changed
+  keys_.assign(key_times_, values_, "keyTimes", "value");
+  keys_.check();
+  was_keyed_ = true;
 }
 
 void Actuator::bound(const Bounds& way, const Bounds& force) {
@@ -46,10 +60,22 @@ void Actuator::bound(const Bounds& way, const Bounds& force) {
 
 double Actuator::value() const {
   if (values_.empty()) return 0;
+  if (isKeyed()) return keys_.at(time_);
   return values_[std::min(std::size_t(index_), values_.size() - 1)];
 }
 
-void Actuator::constrainedStepBegins(ConstRows x, double) {
+double Actuator::largestValue() const {
+  double largest = std::abs(value());
+  for (std::size_t i = 0; isKeyed() && i < values_.size(); ++i) largest = std::max(largest, std::abs(values_[i]));
+  return largest;
+}
+
+void Actuator::constrainedStepBegins(ConstRows x, double t_end) {
+  time_ = t_end;
+  if (!key_times_.empty() && values_.size() != 1) {  // a run may have changed them
+    keys_.assign(key_times_, values_, "keyTimes", path() + ".value");
+    keys_.check();
+  }
   if (!is_measured_) startAt(measureAtStart(x));
   plan();
 }

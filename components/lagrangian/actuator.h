@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "components/lagrangian/pair_constraint.h"
+#include "framework/mechanics/key_times.h"
 
 namespace stroma::lagrangian {
 
@@ -43,7 +44,8 @@ class Actuator : public PairConstraint {
   /// In init(): throws ComponentError where least is above most.
   void bound(const Bounds& way, const Bounds& force);
   bool imposesForce() const { return imposed_ == force_is_; }
-  double value() const;
+  double value() const;         ///< at the end of the step under way
+  double largestValue() const;  ///< of all its key times
   // ---- of one that has several ways, with the one value and the bounds of all ----
   /// The conditions on a way s - start; `add` adds sign * ds/dx to the last row.
   template <class Add>
@@ -69,9 +71,16 @@ class Actuator : public PairConstraint {
   };
   enum class Imposed : int { first, second };  ///< of the words of valueType
   void plan();
+  void takeKeyTimes();
+  /// A single number that a run has set is the value at all times.
+  bool isKeyed() const { return !key_times_.empty() && key_times_.size() == values_.size(); }
 
   std::vector<double> values_{0};
   int index_ = 0;
+  std::vector<double> key_times_;
+  KeyTimes<double> keys_;
+  bool was_keyed_ = false;  ///< as the scene was written
+  double time_ = 0;  ///< end of the step under way
   bool impulses_ = false;
   Imposed imposed_ = Imposed::first, force_is_ = Imposed::second;
   std::string way_word_, force_word_;

@@ -80,7 +80,7 @@ class Cable final : public Actuator {
   }
   void constrainedStepBegins(ConstRows x, double t_end) override {
     Actuator::constrainedStepBegins(x, t_end);
-    start_length_ = -start_;
+    start_length_ = 0 - start_;  // no -0 where nothing has been measured yet
   }
   void takeForces(std::span<const double> forces) override {
     Actuator::takeForces(forces);
@@ -93,7 +93,7 @@ class Cable final : public Actuator {
   void serialize(Archive& archive) override {
     Actuator::serialize(archive);
     archive.value("length", length_);
-    start_length_ = -start_;
+    start_length_ = 0 - start_;
   }
 
  protected:

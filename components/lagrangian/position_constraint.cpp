@@ -125,8 +125,8 @@ class Position final : public Actuator {
   void checkTurns() const {
     if (imposesForce()) return;
     for (const Direction& each : along_)
-      if (const double most = std::numbers::pi * each.turns.norm(); each.moves.isZero(0) && std::abs(value()) > most)
-        throw ComponentError(fmt::format("value is {:g}, and a frame is found to turn by {:.4g} at most", value(), most),
+      if (const double most = std::numbers::pi * each.turns.norm(); each.moves.isZero(0) && largestValue() > most)
+        throw ComponentError(fmt::format("value is {:g}, and a frame is found to turn by {:.4g} at most", largestValue(), most),
                              fmt::format("-{0:.4g} to {0:.4g}", most));
   }
 

@@ -147,7 +147,10 @@ class OscillatingTorsion final : public NodeGroupField<1> {
   void addTriangle(const Triangle& triangle) {
     std::array<double, 3> d;
     std::array<Vec3, 3> p;
-    for (std::size_t i = 0; i < 3; ++i) p[i] = state().rest_position[std::size_t(triangle[i])], d[i] = fromAxis(p[i]).norm();
+    for (std::size_t i = 0; i < 3; ++i) {
+      p[i] = state().rest_position[std::size_t(triangle[i])];
+      d[i] = fromAxis(p[i]).norm();
+    }
     const double area = (p[1] - p[0]).cross(p[2] - p[0]).norm() / 2, middle = (d[0] + d[1] + d[2]) / 3;
     for (std::size_t i = 0; i < 3; ++i) {
       const double one = (d[i] + d[(i + 1) % 3]) / 2, other = (d[i] + d[(i + 2) % 3]) / 2, between = (d[i] + one + other) / 3;

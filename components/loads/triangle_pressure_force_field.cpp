@@ -7,7 +7,8 @@
 //
 // The first is a dead load: it follows neither the area nor the normal. The second is the traction sigma n of a body
 // with the Cauchy stress sigma on the current surface; uniform on a closed one, it has no resultant and no moment.
-// cauchyStress lists xx xy yy zx yz zz. tangent (of the second) is exact, or its symmetric part, which is approximate.
+// cauchyStress lists xx xy yy zx yz zz. tangent (of the second) is exact, or its symmetric part, which is approximate;
+// useTangentStiffness="false": none, as in SOFA.
 //
 // Source: the names and attributes are SOFA's, but tangent.
 //
@@ -41,6 +42,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
     table.add("triangleList", list_).help("loaded triangles of the mesh").required();
     table.add("allowEmpty", allow_empty_).help("a list without triangles is no error: nothing is loaded");
     table.add("useConstantForce", constant_).help("load by pressure and the area at rest, else by cauchyStress");
+    table.add("useTangentStiffness", use_tangent_).help("false: the stress has no stiffness");
     table.addVisualOnly("showForces");
   }
 
@@ -55,7 +57,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
           fmt::format("with useConstantForce=\"{}\" the load is {}, which is not given", constant_, needed),
           fmt::format("{}, or useConstantForce=\"{}\" and {}", needed, !constant_, other));
     setFaces(listedTriangles(surfaceMesh()));
-    has_tangent = !constant_;
+    has_tangent = !constant_ && use_tangent_;
     if (constant_) {
       distribute();
       return;
@@ -117,7 +119,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
   Vec3 pressure_ = Vec3::Zero();
   std::vector<double> given_stress_;
   std::vector<int> list_;
-  bool constant_ = true;
+  bool constant_ = true, use_tangent_ = true;
   Mat3 stress_ = Mat3::Zero();
   std::vector<Vec3> forces_;  ///< shape (triangles)
 };

@@ -189,7 +189,10 @@ DiscreteCosseratMapping::Strains DiscreteCosseratMapping::strainsIn(ConstRows ro
 void DiscreteCosseratMapping::addTo(Rows rows, std::size_t section, const Strains& strains) const {
   const Index first = rowOf(section);
   if (!stretches()) return void(rows[first] += strains.curvature);
-  for (Index c = 0; c < 3; ++c) rows[first + c][0] += strains.curvature[c], rows[first + 3 + c][0] += strains.stretch[c];
+  for (Index c = 0; c < 3; ++c) {
+    rows[first + c][0] += strains.curvature[c];
+    rows[first + 3 + c][0] += strains.stretch[c];
+  }
 }
 
 void DiscreteCosseratMapping::bend(Span& span, const Vec3& start, const Mat3& axes, const Strains& strains) const {

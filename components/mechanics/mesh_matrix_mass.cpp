@@ -81,7 +81,7 @@ class MeshMatrixMass final : public MeshMass {
     if (isQuadratic()) masses_.assign(row_sums_.size(), 0.), addLumped(masses_);
     checkMasses(lumped());
     std::vector<double> diagonal = lumped();
-    for (Index i = 0; !lumping_ && i < state().size(); ++i) diagonal[i] = matrix_.at(i, i);
+    for (Index i = 0; !lumping_ && i < state().size(); ++i) diagonal[i] = matrix_.valueAt(i, i);
     if (lumping_) matrix_ = {};
     finish(std::move(diagonal));
   }

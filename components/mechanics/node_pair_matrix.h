@@ -31,6 +31,12 @@ struct NodePairMatrix {
     const auto begin = columns.begin() + start[std::size_t(row)], end = columns.begin() + start[std::size_t(row) + 1];
     return values[std::size_t(std::lower_bound(begin, end, column) - columns.begin())];
   }
+  /// 0 where there is no such pair, as of a node without cells.
+  double valueAt(Index row, Index column) const {
+    const auto begin = columns.begin() + start[std::size_t(row)], end = columns.begin() + start[std::size_t(row) + 1];
+    const auto at = std::lower_bound(begin, end, column);
+    return at != end && *at == column ? values[std::size_t(at - columns.begin())] : 0;
+  }
   bool empty() const { return values.empty(); }
   /// Row by row: 12 bytes and 6 flops for each pair. Rows of the state, as many as the matrix has.
   void addProduct(ConstRows p, double factor, Rows out) const {

@@ -11,7 +11,8 @@
 // `attributes` are words `component.attribute` or `label=component.attribute`, of a component of this node or above, or at a path:
 // contact.wrenches, /body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt. Of lists with a
 // value for each node it has those of the chosen ones, or of all where no `indices` are given; of others all numbers. Lines begin when
-// there is something. States have none: their attributes are what they start with.
+// there is something. States have none: their attributes are what they start with. Fields of cells are named the same way, as
+// tissue.stress (xx yy zz xy yz zx of Cauchy's stress) or tissue.vonMises: of `cells`, one after another, or of all.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -26,6 +27,7 @@
 #include <memory>
 
 #include "components/output/table_file.h"
+#include "framework/mechanics/force_field.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/load.h"
@@ -46,6 +48,7 @@ class Monitor final : public Observer {
     table.add("ExportVelocities", export_v_).help("write <fileName>_v.txt");
     table.add("ExportForces", export_f_).help("write <fileName>_f.txt");
     table.add("attributes", words_).help("what other components compute, as contact.wrenches: write <fileName>_wrenches.txt");
+    table.add("cells", cells_).help("cells of whose fields, as tissue.stress among attributes, numbers are written; empty: all").min(0);
     table.add("fileName", file_name_).help("start of the names of the files; the component's name when not given");
     for (const char* drawing :
          {"showPositions", "showVelocities", "showForces", "showTrajectories", "PositionsColor", "VelocitiesColor",
@@ -65,7 +68,13 @@ class Monitor final : public Observer {
       warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true, or attributes");
   }
 
-  void compile(const Simulation&) override {
+  void compile(const Simulation& simulation) override {
+    for (const auto& each : watched_)
+      for (const auto& system : simulation.systems())
+        if (const auto all = system->forceFields(); each->field && std::find(all.begin(), all.end(), each->field) != all.end())
+          each->system = system.get();
+    for (const auto& each : watched_)
+      if (each->field && !cells_.empty()) numbersOfCells(*each);  // refuses what is no cell
     if (!state_->isBound())
       throw ComponentError(fmt::format("no integrator moves the state {}", state_->path()),
                            "an integrator in the state's node or above");
@@ -79,20 +88,25 @@ class Monitor final : public Observer {
     if (export_v_) is_new = open(v_file_, "v", "velocities" + unit("m/s")) || is_new;
     if (export_f_) is_new = open(f_file_, "f", "forces" + unit("N")) || is_new;
     for (const auto& each : watched_) {
-      const std::string& si_unit = each->data->unitText();
-      const std::string head =
-          fmt::format("# {}{} of {}\n# column 1: time{}; then its numbers, of lists for all nodes those of {}{}\n",
-                      each->data->name(), si_unit.empty() || si_unit == "-" ? "" : unit(si_unit.c_str()), each->owner->path(),
-                      time_unit_, nodes_.empty() ? "all" : "nodes ", fmt::join(nodes_, " "));
+      const std::string si_unit = each->data ? each->data->unitText() : "";
+      const std::vector<int>& chosen = each->field ? cells_ : nodes_;
+      const std::string head = fmt::format(
+          "# {}{} of {}\n# column 1: time{}; then its numbers, of lists for all {} those of {}{}\n", each->name,
+          si_unit.empty() || si_unit == "-" ? "" : unit(si_unit.c_str()), each->owner->path(), time_unit_,
+          each->field ? "cells" : "nodes", chosen.empty() ? "all" : each->field ? "cells " : "nodes ", fmt::join(chosen, " "));
       is_new = each->file.open(fileOf(each->label.c_str()), goes_on_, head) || is_new;
     }
     if (!is_new) return;
     if (export_f_)
       for (const auto& system : simulation.systems()) system->computeForce(system->x, system->v, system->f);
+    if (readsCells()) simulation.complete();
     write(simulation.time());
   }
 
-  void afterStep(const Simulation&, const StepContext& context) override { write(context.t_end); }
+  void afterStep(const Simulation& simulation, const StepContext& context) override {
+    if (readsCells()) simulation.complete();
+    write(context.t_end);
+  }
   void end(const Simulation&) override {
     for (TableFile* file : {&x_file_, &v_file_, &f_file_}) file->close();
     for (const auto& each : watched_) each->file.close();
@@ -111,7 +125,7 @@ class Monitor final : public Observer {
     for (const auto& each : watched_) files.push_back(fileOf(each->label.c_str()));
     return files;
   }
-  bool readsAllNodes(const StepContext&) const override { return false; }
+  bool readsAllNodes(const StepContext&) const override { return readsCells(); }
   void addWatchedNodes(const State& state, std::vector<Index>& nodes) const override {
     if (&state == state_)
       for (const int node : nodes_) nodes.push_back(node * state.rows_per_node);
@@ -127,16 +141,22 @@ class Monitor final : public Observer {
   }
 
  private:
-  /// An attribute of another component.
+  /// An attribute of another component, or a field of the cells of a force field.
   struct Watched {
-    std::string label;
+    std::string label, name;
     const Component* owner;
     const Data* data;
-    TableFile file;
+    const ForceField* field;
+    TableFile file{};
+    const System* system = nullptr;
   };
+  bool readsCells() const {
+    return std::any_of(watched_.begin(), watched_.end(), [](const auto& each) { return each->field; });
+  }
   void watch(const std::string& word);
   Component* componentAt(const std::string& path) const;
   void writeLine(Watched& watched, double t);
+  std::vector<double> numbersOfCells(const Watched& watched) const;
 
   std::string stem() const { return file_name_.empty() ? name() : file_name_.found; }
   std::string fileOf(const char* ending) const { return fmt::format("{}_{}.txt", stem(), ending); }
@@ -173,7 +193,7 @@ class Monitor final : public Observer {
   }
 
   Link<State> mstate_{"mechanical state"};
-  std::vector<int> nodes_;
+  std::vector<int> nodes_, cells_;
   bool export_x_ = false, export_v_ = false, export_f_ = false;
   std::vector<std::string> words_;
   FileName file_name_;
@@ -194,6 +214,12 @@ Component* Monitor::componentAt(const std::string& path) const {
   return nullptr;
 }
 
+bool holdsNumbers(const DataPointer& at) {
+  return std::holds_alternative<std::vector<Vec3>*>(at) || std::holds_alternative<std::vector<double>*>(at) ||
+         std::holds_alternative<std::vector<int>*>(at) || std::holds_alternative<double*>(at) || std::holds_alternative<int*>(at) ||
+         std::holds_alternative<Vec3*>(at);
+}
+
 void Monitor::watch(const std::string& word) {
   const std::size_t equals = word.find('='), begin = equals == std::string::npos ? 0 : equals + 1, dot = word.rfind('.');
   if (dot == std::string::npos || dot < begin)
@@ -208,20 +234,39 @@ void Monitor::watch(const std::string& word) {
     throw ComponentError(fmt::format("attributes: {} is a state, whose attributes are what it starts with", owner->path()),
                          "ExportPositions, ExportVelocities or ExportForces, of another state with mstate=\"@path\"");
   const Data* data = owner->data().find(attribute);
-  if (!data)
-    throw ComponentError(fmt::format("attributes: {} has no '{}'", owner->path(), attribute), "an attribute that it computes",
-                         nearest(attribute, owner->data().names()));
-  const DataPointer& at = data->pointer();
-  if (!std::holds_alternative<std::vector<Vec3>*>(at) && !std::holds_alternative<std::vector<double>*>(at) &&
-      !std::holds_alternative<std::vector<int>*>(at) && !std::holds_alternative<double*>(at) && !std::holds_alternative<int*>(at) &&
-      !std::holds_alternative<Vec3*>(at))
+  const auto* field = data ? nullptr : dynamic_cast<const ForceField*>(owner);
+  const std::vector<std::string> fields = field ? field->cellFields() : std::vector<std::string>();
+  if (!data && std::find(fields.begin(), fields.end(), attribute) == fields.end()) {
+    std::vector<std::string> names = owner->data().names();
+    names.insert(names.end(), fields.begin(), fields.end());
+    throw ComponentError(fmt::format("attributes: {} has no '{}'", owner->path(), attribute),
+                         "an attribute that it computes, or a field of its cells", nearest(attribute, names));
+  }
+  if (data && !holdsNumbers(data->pointer()))
     throw ComponentError(fmt::format("attributes: {} of {} is a {}", attribute, owner->path(), data->typeText()),
                          "numbers or vectors");
   const std::string label = begin > 0 ? word.substr(0, equals) : attribute;
   if (label == "x" || label == "v" || label == "f" ||
       std::any_of(watched_.begin(), watched_.end(), [&](const auto& other) { return other->label == label; }))
     throw ComponentError(fmt::format("attributes: two files would be {}", fileOf(label.c_str())), "label=component.attribute");
-  watched_.push_back(std::make_unique<Watched>(label, owner, data));
+  watched_.push_back(std::make_unique<Watched>(Watched{label, attribute, owner, data, field}));
+}
+
+/// Of the chosen cells, one after another.
+std::vector<double> Monitor::numbersOfCells(const Watched& watched) const {
+  std::vector<double> all, chosen;
+  if (!watched.system) return {};
+  watched.field->cellField(watched.name, watched.system->x, all);
+  if (cells_.empty()) return all;
+  const std::size_t width = watched.field->cellFieldShape(watched.name).width;
+  for (const int cell : cells_) {
+    const std::size_t first = std::size_t(cell) * width;
+    if (first + width > all.size())
+      throw ComponentError(fmt::format("cells: {} has no cell {}", watched.owner->path(), cell),
+                           fmt::format("0 to {}", all.size() / width - 1));
+    chosen.insert(chosen.end(), all.begin() + std::ptrdiff_t(first), all.begin() + std::ptrdiff_t(first + width));
+  }
+  return chosen;
 }
 
 void Monitor::writeLine(Watched& watched, double t) {
@@ -236,13 +281,17 @@ void Monitor::writeLine(Watched& watched, double t) {
     if (nodes_.empty() || Index(list->size()) != state_->nodes()) return std::for_each(list->begin(), list->end(), add), void();
     for (const int node : nodes_) add((*list)[std::size_t(node)]);
   };
-  const DataPointer& at = watched.data->pointer();
-  if (const auto* number = std::get_if<double*>(&at)) add(**number);
-  if (const auto* number = std::get_if<int*>(&at)) add(**number);
-  if (const auto* point = std::get_if<Vec3*>(&at)) add(**point);
-  if (const auto* list = std::get_if<std::vector<Vec3>*>(&at)) addList(*list);
-  if (const auto* list = std::get_if<std::vector<double>*>(&at)) addList(*list);
-  if (const auto* list = std::get_if<std::vector<int>*>(&at)) addList(*list);
+  if (watched.field) {
+    for (const double number : numbersOfCells(watched)) add(number);
+  } else {
+    const DataPointer& at = watched.data->pointer();
+    if (const auto* number = std::get_if<double*>(&at)) add(**number);
+    if (const auto* number = std::get_if<int*>(&at)) add(**number);
+    if (const auto* point = std::get_if<Vec3*>(&at)) add(**point);
+    if (const auto* list = std::get_if<std::vector<Vec3>*>(&at)) addList(*list);
+    if (const auto* list = std::get_if<std::vector<double>*>(&at)) addList(*list);
+    if (const auto* list = std::get_if<std::vector<int>*>(&at)) addList(*list);
+  }
   if (line_.empty()) return;
   std::string whole;
   appendNumber(whole, t);

@@ -139,7 +139,11 @@ double PlaneConstraint::correctPositions(const PositionStep& step, Rows x, Rows 
       const Index at = row(nodes_[i]);
       const double depth = distances_[p] - normals_[p].dot(x[at]);
       if (!(depth > 0)) continue;
-      if (depth > worst) worst = worst_depth_ = depth, worst_node_ = nodes_[i] / state().rows_per_node, worst_plane_ = p;
+      if (depth > worst) {
+        worst = worst_depth_ = depth;
+        worst_node_ = nodes_[i] / state().rows_per_node;
+        worst_plane_ = p;
+      }
       const Vec3 push = depth * contact(step, i, p).along;
       x[at] += push;
       reference[at] += push;

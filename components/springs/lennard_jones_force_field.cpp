@@ -60,7 +60,10 @@ class LennardJones final : public NodeGroupField<2, PairTangent> {
     a_ = depth_ * std::pow(distance_, alpha_) / (1 - alpha_ / beta_), b_ = depth_ * std::pow(distance_, beta_) / (beta_ / alpha_ - 1);
     const double steepest = distance_ * std::pow((beta_ + 1) / (alpha_ + 1), 1 / (beta_ - alpha_));
     if (depth_ < 0) last_ = whereEnough(distance_), first_ = 0;
-    if (depth_ > 0 && attraction(steepest) > most_) first_ = whereMost(distance_, steepest), last_ = whereMost(steepest, 0);
+    if (depth_ > 0 && attraction(steepest) > most_) {
+      first_ = whereMost(distance_, steepest);
+      last_ = whereMost(steepest, 0);
+    }
   }
   ForceTraits traits() const override {
     ForceTraits traits;

@@ -48,7 +48,7 @@ class SpringForceField final : public SpringField {
     declareDamping(table);
     table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
     table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
-    table.add("spring", all_in_one_).help("five numbers per spring: node, node, stiffness, damping, rest length");
+    table.add("spring", all_in_one_).recompiled().help("five numbers per spring: node, node, stiffness, damping, rest length");
     table.add("springsIndices1", indices1_).recompiled().alias("indices1").help("first node of each spring");
     table.add("springsIndices2", indices2_).recompiled().alias("indices2").help("second node of each spring");
     table.add("lengths", lengths_).recompiled().alias("length").help("length at rest").unit("m").min(0);
@@ -60,7 +60,7 @@ class SpringForceField final : public SpringField {
         .min(0);
     table.add("elongationOnly", elongation_only_).help("no force while the spring is shorter than at rest");
     table.add("compressionOnly", compression_only_).help("no force while the spring is longer than at rest");
-    table.add("enabled", enabled_).help("false: the spring is left out");
+    table.add("enabled", enabled_).recompiled().help("false: the spring is left out");
     table.add("explicitForce", explicit_force_).help("the springs are no part of the matrix: not stable for stiff ones");
   }
 

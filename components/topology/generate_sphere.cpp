@@ -110,7 +110,10 @@ class GenerateSphere final : public Component {
           for (const auto& order : orders) {
             std::array<Place, 4> places;
             places[0] = {i, j, k};
-            for (std::size_t s = 0; s < 3; ++s) places[s + 1] = places[s], ++places[s + 1][std::size_t(order[s])];
+            for (std::size_t s = 0; s < 3; ++s) {
+              places[s + 1] = places[s];
+              ++places[s + 1][std::size_t(order[s])];
+            }
             const auto lies_in = [](const Place& p) { return p[0] >= p[1] && p[1] >= p[2]; };
             if (std::all_of(places.begin(), places.end(), lies_in)) addCell(places, corners, face);
           }

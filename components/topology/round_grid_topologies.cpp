@@ -112,7 +112,10 @@ class RoundGrid : public Topology {
     Mesh faces;
     faces.position = mesh_.position;
     if (n_[2] > 1) addGridFaces(n_, faces);
-    for (const Quad& q : mesh_.quads) faces.triangles.push_back({q[0], q[1], q[2]}), faces.triangles.push_back({q[0], q[2], q[3]});
+    for (const Quad& q : mesh_.quads) {
+      faces.triangles.push_back({q[0], q[1], q[2]});
+      faces.triangles.push_back({q[0], q[2], q[3]});
+    }
     if (edges_) mesh_.edges = faces.allEdges();
     if (!triangles_) return;
     if (n_[2] > 1) mesh_.quads = faces.quads;

@@ -7,6 +7,7 @@
 #include "tests/support/meshes.h"
 #include "tests/support/scene_text.h"
 #include "tools/checks/cells_across.h"
+#include "tools/checks/mesh_error.h"
 
 namespace stroma::test {
 namespace {
@@ -76,6 +77,42 @@ TEST(CellsAcross, StoutBodiesAndFineMeshesAreNotBlamed) {
   EXPECT_EQ(tooCoarseForBending(slenderness(std::vector<Tetrahedron>{}, {}), false), "");
 }
 
+std::string notesOf(const std::string& scene) {
+  const Simulation simulation = simulationFromText(scene);
+  Diagnostics diagnostics;
+  noteCoarseCells(simulation, diagnostics);
+  return diagnostics.text();
+}
+
+/// A beam of 40 x 1 x 1 without lateral contraction under a small shear at its end, two hexahedra over its height and cells of length a:
+/// 1 + a^2/2 times too stiff in bending (their straight edges shear), however many lie over the height. Both notes say so: the one of
+/// the mesh beforehand, and that of the shape by the jumps of its strain.
+TEST(CellsAcross, HexahedraThatAreLongAreStiffByTheirLength) {
+  for (const int along : {80, 40, 20, 10}) {
+    const std::string scene = fmt::format(
+        R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>
+  <RegularGridTopology n="{} 3 3" min="0 0 0" max="40 1 1"/><MechanicalObject/>
+  <HexahedronFEMForceField name="fem" method="small" youngModulus="1000" poissonRatio="0"/>
+  <BoxROI name="wall" box="-1 -1 -1 1e-6 2 2"/><BoxROI name="end" box="39.999 -1 -1 50 2 2"/>
+  <FixedProjectiveConstraint indices="@wall.indices"/>
+  <SurfaceTractionForceField min="39.9 -1 -1" max="50 2 2" traction="0 0 -1e-6"/></Node>)",
+        along + 1);
+    Simulation simulation = simulationFromText(scene);
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(!report.failed() && !report.unsolved) << report.reason;
+    const System& system = *simulation.systems()[0];
+    const double exact = 1e-6 * 64000 / (3 * 1000. / 12) + 1e-6 * 40 / (500 * 5. / 6), length = 40. / along;
+    const double withheld = 1 - (1 - system.x[system.allRows() - 1].z()) / exact, expected = 1 - 1 / (1 + length * length / 2);
+    EXPECT_NEAR(withheld, expected, 0.01) << along;
+    const std::string said = notesOf(scene), start = "where it is some ";
+    ASSERT_NE(said.find(start), std::string::npos) << said;
+    EXPECT_NEAR(std::stod(said.substr(said.find(start) + start.size())) / 100, withheld, 0.01) << said;
+    const auto error = meshErrorOf(*system.forceFields()[0], system.x);
+    ASSERT_TRUE(error);
+    EXPECT_NEAR(error->share(), withheld, 0.03) << along;
+  }
+}
+
 /// A bar of 4 x 1 x 1 with `cells` over its height, drawn down at its end.
 std::string bar(int cells, bool hexahedra, double ratio, const std::string& dilatation) {
   const std::string kind = hexahedra ? "Hexahedron" : "Tetrahedron",
@@ -88,13 +125,6 @@ std::string bar(int cells, bool hexahedra, double ratio, const std::string& dila
   poissonRatio="{}" dilatation="{}"/><BoxROI name="wall" box="-1 -1 -1 1e-6 2 2"/><BoxROI name="end" box="3.999 -1 -1 5 2 2"/>
   <FixedProjectiveConstraint indices="@wall.indices"/><ConstantForceField indices="@end.indices" totalForce="0 0 -0.001"/></Node></Node>)",
       4 * cells + 1, cells + 1, cells + 1, tetrahedra, kind, ratio, dilatation);
-}
-
-std::string notesOf(const std::string& scene) {
-  const Simulation simulation = simulationFromText(scene);
-  Diagnostics diagnostics;
-  noteCoarseCells(simulation, diagnostics);
-  return diagnostics.text();
 }
 
 double deflection(const std::string& scene) {

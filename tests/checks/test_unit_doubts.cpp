@@ -212,6 +212,16 @@ TEST_F(UnitDoubts, TheStiffestFieldBearsTheWeight) {
       << "alone it does not";
 }
 
+/// Of a law with several moduli the one whose value is printed is named.
+TEST_F(UnitDoubts, TheModulusThatIsToldIsTheStiffest) {
+  const auto problems = problemsOf(R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>
+  <RegularGridTopology n="3 3 3" min="0 0 0" max="0.02 0.02 0.02"/><MechanicalObject/><UniformMass totalMass="1"/>
+  <HexahedronHyperelasticityFEMForceField materialName="MooneyRivlin" c1="2e4" c2="1e4" k0="2e8"/>
+  <FixedProjectiveConstraint indices="0 1 2 3"/></Node>)");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_NE(problems[0].message.find("k0 200 MPa"), std::string::npos) << problems[0].message;
+}
+
 TEST_F(UnitDoubts, ALoaderOfAnotherMeshIsNotNamed) {
   std::filesystem::create_directory_symlink(STROMA_SOURCE_DIR "/scenes", folder_ / "scenes");
   const auto warnings = problemsOf(R"(<Node name="root" gravity="0 -9.81 0">

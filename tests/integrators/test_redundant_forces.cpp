@@ -41,7 +41,7 @@ struct Plate {
   }
   bool find(RedundantForces& forces, const std::vector<LagrangianRows::Row>& of) {
     constexpr double no_limit = std::numeric_limits<double>::infinity();
-    return forces.find({of, live, w, g, sizes, yields, allowed, 0, false, no_limit}, l, {});
+    return forces.find({of, live, w, g, sizes, yields, allowed, 0, false, false, no_limit}, l, {});
   }
 };
 

@@ -71,6 +71,33 @@ TEST(Cavities, QuadsBearAlikeOnTheirCorners) {
     }
 }
 
+/// What is imposed follows key times, until a program says otherwise.
+TEST(Cavities, AVolumeFollowsKeyTimes) {
+  const auto cavity = [](const std::string& value) {
+    return sceneOf(R"(<MechanicalObject position="0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1"/><UniformMass totalMass="1"/>
+      <RestShapeSpringsForceField stiffness="100"/>
+      <SurfacePressureConstraint quads="0 3 2 1  4 5 6 7  0 1 5 4  3 7 6 2  0 4 7 3  1 2 6 5" valueType="volumeGrowth" )" + value + "/>",
+                   0.01, "0 0 0", "<EulerImplicitSolver rayleighMass=\"20\"/>");
+  };
+  Simulation simulation = simulationFromText(cavity(R"(keyTimes="0 0.1 0.2" value="0 0.2 0.1")"));
+  const auto volume = [&] { return numberOf(simulation, "SurfacePressureConstraint", "cavityVolume"); };
+  run(simulation, 5);
+  EXPECT_NEAR(volume(), 1.1, 1e-10);
+  run(simulation, 10);
+  EXPECT_NEAR(volume(), 1.15, 1e-10);
+  run(simulation, 15);
+  EXPECT_NEAR(volume(), 1.1, 1e-10) << "after the last";
+  simulation.setAttribute("/SurfacePressureConstraint", "value", "0.05");
+  simulation.setAttribute("/SurfacePressureConstraint", "maxVolumeGrowth", "1");  // all that is written is read again
+  run(simulation, 5);
+  EXPECT_NEAR(volume(), 1.05, 1e-10) << "one number is that of all times";
+  simulation.setAttribute("/SurfacePressureConstraint", "value", "0 0.1");
+  EXPECT_THROW(simulation.step(), std::exception) << "two numbers for three times";
+  expectContains(problemsOf(cavity(R"(keyTimes="0 1" value="0 1 2")")), "value");
+  expectContains(problemsOf(cavity(R"(keyTimes="0 1" value="0 1" valueIndex="1")")), "keyTimes and valueIndex are given together");
+  expectContains(problemsOf(cavity(R"(keyTimes="1 0" value="0 1")")), "keyTimes");
+}
+
 /// A closed surface: points and triangles, wound outwards.
 struct Surface {
   std::vector<Vec3> points;

@@ -179,6 +179,35 @@ TEST_F(Output, AMonitorOfAttributesAloneNeedsNoNodes) {
   expectContains(problemsOf(body("indices='' attributes='contact.smallestGap'")), "indices lists no node");
 }
 
+/// A block that is drawn out by a tenth with held sides: (lambda + 2 mu) e along, lambda e across, in each of its cells.
+TEST_F(Output, MonitorWritesFieldsOfCells) {
+  const auto body = [](const std::string& monitor) {
+    return R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>
+      <RegularGridTopology n="3 2 2" min="0 0 0" max="2 1 1"/>
+      <MechanicalObject/><HexahedronFEMForceField name="fem" method="small" youngModulus="1000" poissonRatio="0.25"/>
+      <PartialFixedProjectiveConstraint fixAll="true" fixedDirections="0 1 1"/><FixedProjectiveConstraint indices="0 3 6 9"/>
+      <LinearMovementProjectiveConstraint indices="2 5 8 11" keyTimes="0 1" movements="0 0 0 0.2 0 0"/><Monitor name="m" )" +
+           monitor + "/></Node>";
+  };
+  Simulation simulation = simulationFromText(body("cells='1' attributes='fem.stress all=fem.J'"));
+  simulation.begin();
+  simulation.step();
+  simulation.end();
+  const auto stress = columns("m_stress.txt"), all = columns("m_all.txt");
+  ASSERT_EQ(stress.size(), 2u);
+  ASSERT_EQ(stress[1].size(), 1u + 6u);
+  const double expected[] = {120, 40, 40, 0, 0, 0};
+  for (std::size_t k = 0; k < 6; ++k) {
+    EXPECT_NEAR(stress[0][k + 1], 0, 1e-9);
+    EXPECT_NEAR(stress[1][k + 1], expected[k], 1e-6) << k;
+  }
+  EXPECT_EQ(all[1].size(), 2u);
+  EXPECT_NEAR(all[1][1], 1.1, 1e-9);
+  EXPECT_EQ(problemsOf(body("attributes='fem.vonMises'")), "");
+  expectContains(problemsOf(body("attributes='fem.stres'")), "did you mean 'stress'");
+  expectContains(problemsOf(body("cells='2' attributes='fem.stress'")), "has no cell 2");
+}
+
 /// Particles tell no units; what the scene declares is written.
 TEST_F(Output, MonitorNamesTheUnitsOfTheScene) {
   const auto headOf = [](const std::string& file) {

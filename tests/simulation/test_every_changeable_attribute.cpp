@@ -51,6 +51,7 @@ std::string exception(const std::string& name) {
       {"QuadraticTetrahedronHyperelasticityFEMForceField.ParameterSet", "the example gives parameters by name"},
       {"TetrahedronHyperelasticityFEMForceField.ParameterSet", "the example gives parameters by name"},
       {"TrianglePressureForceField.pressure", "the example gives cauchyStress"},
+      {"SpringForceField.spring", "the example lists springs by their ends"},
       {"CGLinearSolver.threshold", "only a solve that breaks down meets it"},
       {"ConstantForceField.force", "the example gives totalForce"},
       {"ConstantForceField.forces", "the example gives totalForce"},

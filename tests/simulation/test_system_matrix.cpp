@@ -234,9 +234,9 @@ TEST(SystemMatrix, ChoosesTheCheaperForm) {
     Simulation simulation(sceneFromText(scene(field)));
     return simulation.systems()[0]->matrix().prefersAssembled(products);
   };
-  // 19 blocks at 1.2 ns are 23 ns per product; to keep a half of them takes 2.5 of these after each assembly
+  // 19 blocks at 0.9 ns are 17 ns per product; to keep a half of them takes 2.5 of these after each assembly
   EXPECT_FALSE(prefers("<TestSprings/>", 1000)) << "costs are not known";
-  EXPECT_FALSE(prefers("<TestSprings productCost='20' assemblyCost='100'/>", 1000)) << "a block product costs more";
+  EXPECT_FALSE(prefers("<TestSprings productCost='15' assemblyCost='100'/>", 1000)) << "a block product costs more";
   EXPECT_TRUE(prefers("<TestSprings productCost='155' assemblyCost='1000'/>", 20));
   EXPECT_FALSE(prefers("<TestSprings productCost='155' assemblyCost='1000'/>", 7));
   EXPECT_TRUE(prefers("<TestLinearNet productCost='155' assemblyCost='1000'/>", 8)) << "assembled once for all steps";

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Loads in SOFA's dialect: pressures, planes, ellipsoids, forces over time.
 Usage: test_dialect_loads.py STROMA [WORD]."""
+import itertools
+
 import numpy as np
 
 from dialect import BODY, EXACT, TWO, Run, agree, case, differ, fallen, falls, main, node, numbers_of, root
-from reference import euler, gravity, load, together
+from reference import euler, gravity, load, springs, together
 
 
 @case
@@ -77,6 +79,50 @@ def planes_whose_direction_is_taken_as_it_is():
     oblique = nodes + '<FixedPlaneProjectiveConstraint indices="0" direction="0 0.6 0.8"/>'
     assert "is along no axis: in SOFA's assembled matrix" in Run(root(EXACT + oblique), 1).text
     assert "is along no axis" not in Run(root('<EulerImplicitSolver/><CGLinearSolver/>' + oblique), 1).text
+
+
+@case
+def planes_beside_nodes_and_without_any():
+    nodes = '<MechanicalObject name="dofs" position="0 0 0  0 0.4 0  0 0.6 0"/><UniformMass totalMass="3"/>'
+    plane = '<FixedPlaneProjectiveConstraint direction="0 1 0" {}/>'
+    for more, held in (('indices="2" dmin="-0.1" dmax="0.1"', [0, 2]), ('indices="1"', [1]), ('indices="1" dmin="0" dmax="0.0"', [1]), ("", []),
+                       ('dmin="5" dmax="6"', []), ('dmin="0.5" dmax="-0.5"', []), ('dmin="-0.5"', [])):
+        run = Run(root(EXACT + nodes + plane.format(more)), 5)
+        agree(run.x()[:, 1], [y if i in held else y + fallen(5) for i, y in enumerate((0, 0.4, 0.6))])
+        assert ("no node is held" in run.text) == (not held), run.text
+
+
+@case
+def stresses_on_triangles():
+    """f_a = sigma (x1 - x0) x (x2 - x0) / 6 at each corner, and nothing in the tangent; one of pressure and stress counts."""
+    x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.3]])
+    sigma = np.array([[30, 5, 2], [5, -20, 4], [2, 4, 50.0]])
+
+    def stress(x, v):
+        f = np.zeros_like(x)
+        for a, b, c in ((0, 1, 2), (1, 3, 2)):
+            f[[a, b, c]] += sigma @ np.cross(x[b] - x[a], x[c] - x[a]) / 6
+        return f, np.zeros((12, 12))
+    pairs = list(itertools.combinations(range(4), 2))
+    lengths = [np.linalg.norm(x[a] - x[b]) for a, b in pairs]
+    body = (f'<MeshTopology position="{numbers_of(x)}" triangles="0 1 2  1 3 2"/><MechanicalObject name="dofs"/><UniformMass totalMass="2"/>'
+            '<FixedConstraint indices="0"/><SpringForceField spring="' +
+            "  ".join(f"{a} {b} {300 / length!r} 0 {length!r}" for (a, b), length in zip(pairs, lengths)) + '"/>')
+    load_of = ' triangleList="0 1" useConstantForce="{}" cauchyStress="30 5 -20 2 4 50"'
+    forces = together(gravity(0.5 * np.ones(4), [0, -10, 0]), springs(pairs, x, 300.0), stress)
+    expected = euler(x, 0.5 * np.eye(4), forces, 20, 0.01, held=[0])
+    scene = root(EXACT + body + f'<TrianglePressureForceField pressure="9 9 9"{load_of.format(0)}/>')
+    run = Run(scene, 20)
+    run.says("pressure: does not count without useConstantForce")
+    agree(run.x() - x, expected - x, 1e-9)
+    differ(Run(scene, 20, args=["--without-quirk", "torsion-tangent"]).x(), expected, 1e-5)
+    run = Run(root(EXACT + body + f'<TrianglePressureForceField pressure="0 0 0"{load_of.format(1)}/>'), 20)
+    run.says("cauchyStress: does not count with useConstantForce")
+    still = euler(x, 0.5 * np.eye(4), together(gravity(0.5 * np.ones(4), [0, -10, 0]), springs(pairs, x, 300.0)), 20, 0.01, held=[0])
+    agree(run.x() - x, still - x, 1e-9)
+    run = Run(root(EXACT + body + '<TrianglePressureForceField triangleList="0 1" useConstantForce="0" pressure="0 9 0"/>'), 20)
+    run.says("has no cauchyStress")
+    agree(run.x() - x, still - x, 1e-9)
 
 
 @case

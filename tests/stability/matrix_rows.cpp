@@ -115,12 +115,12 @@ void addElasticVariants(std::vector<Row>& out, Cells cells) {
   addBlock(out, cells, type, "green", "method=\"green\"");
   if (cells == Cells::tetrahedra) addBlock(out, cells, type, "nodal", "method=\"nodal\"");
   for (const std::string method : {"large", "polar", "svd"})
-    for (const std::string update : quadratic ? std::vector<std::string>{""} : std::vector<std::string>{"", "B", "BV"})
+    for (const std::string& update : quadratic ? std::vector<std::string>{""} : std::vector<std::string>{"", "B", "BV"})
       for (const std::string tangent : {"warped", "exact"})
         addBlock(out, cells, type, method + (update.empty() ? "" : " " + update) + (tangent == "exact" ? " exact" : ""),
                  fmt::format("method=\"{}\" updateStiffnessMatrix=\"{}\" updateVolume=\"{}\" tangent=\"{}\"", method,
                              update != "", update == "BV", tangent));
-  for (const std::string update : quadratic ? std::vector<std::string>{""} : std::vector<std::string>{"", "B"})
+  for (const std::string& update : quadratic ? std::vector<std::string>{""} : std::vector<std::string>{"", "B"})
     addBlock(out, cells, type, "polar" + (update.empty() ? "" : " " + update) + " mean dilatation",
              fmt::format("method=\"polar\" updateStiffnessMatrix=\"{}\" dilatation=\"mean\"", update != ""));
 }

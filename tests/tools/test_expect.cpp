@@ -48,6 +48,10 @@ TEST_F(Expectations, WhatIsNotMetHasTheNumbers) {
   misses(R"xml(<Expect of="/dofs.displacement" axis="norm" below="0.1" when="always"/>)xml", "expected below 0.1");
 }
 
+TEST_F(Expectations, APlaceThatAListDoesNotHaveIsAFailure) {
+  misses(R"xml(<Expect of="/mass.totalMass" nodes="0 7" above="0"/>)xml", "/mass.totalMass[7], of a list of 1, is nan");
+}
+
 TEST_F(Expectations, ATimeThatIsNotReachedIsAFailure) {
   misses(R"xml(<Expect of="/dofs.displacement" axis="x" is="0" at="0.1 0.5"/>)xml",
          "was not compared at t = 0.5: the run ended at 0.2");

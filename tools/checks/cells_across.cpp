@@ -9,6 +9,7 @@
 #include <limits>
 #include <sstream>
 
+#include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/mesh/cell_tables.h"
@@ -62,6 +63,7 @@ std::vector<Side> sidesOf(const std::vector<Cell>& cells, int faces) {
 
 struct Line {
   double length, cells;
+  double step = 0;  ///< length of its first cell along the body
 };
 
 Vec3 middle(const Side& side, const std::vector<Vec3>& position) {
@@ -72,6 +74,47 @@ Vec3 middle(const Side& side, const std::vector<Vec3>& position) {
   return sum / count;
 }
 
+/// The side of the same hexahedron that has no node in common with this one.
+const Side* oppositeOf(const Side& side, const std::vector<Side>& sides) {
+  for (std::size_t f = 0; f < 6; ++f) {
+    const Side& other = sides[std::size_t(side.at.cell) * 6 + f];
+    if (std::none_of(other.sorted.begin(), other.sorted.end(), [&](Index n) {
+          return std::find(side.sorted.begin(), side.sorted.end(), n) != side.sorted.end();
+        }))
+      return &other;
+  }
+  return nullptr;
+}
+
+/// How far cells go on from a side of one, out of it. A ring has no end.
+double reachFrom(const Side& side, const std::vector<Side>& sides, const std::vector<Vec3>& position) {
+  constexpr int most = 500;
+  const Side* out = &side;
+  for (int count = 0; count < most; ++count) {
+    if (out->across.cell < 0) return (middle(*out, position) - middle(side, position)).norm();
+    out = oppositeOf(sides[std::size_t(out->across.cell) * 6 + std::size_t(out->across.face)], sides);
+    if (!out) return 0;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Length of the cell of a side along the one of its two other directions in which the body goes farther.
+double stepAlong(const Side& start, const std::vector<Hexahedron>&, const std::vector<Side>& sides, const std::vector<Vec3>& position) {
+  const Side* back = oppositeOf(start, sides);
+  double farthest = 0, step = 0;
+  for (std::size_t f = 0; back && f < 6; ++f) {
+    const Side& side = sides[std::size_t(start.at.cell) * 6 + f];
+    if (side.at.face == start.at.face || side.at.face == back->at.face) continue;
+    const Side* other = oppositeOf(side, sides);
+    if (!other) return 0;
+    const double own = (middle(side, position) - middle(*other, position)).norm();
+    const double reach = own + reachFrom(side, sides, position) + reachFrom(*other, sides, position);
+    if (reach > farthest) farthest = reach, step = own;
+  }
+  return step;
+}
+double stepAlong(const Side&, const std::vector<Tetrahedron>&, const std::vector<Side>&, const std::vector<Vec3>&) { return 0; }
+
 /// Through opposite faces.
 Line lineFrom(const Side& start, const std::vector<Hexahedron>& cells, const std::vector<Side>& sides,
               const std::vector<Vec3>& position) {
@@ -79,15 +122,7 @@ Line lineFrom(const Side& start, const std::vector<Hexahedron>& cells, const std
   double count = 0;
   while (count < double(cells.size())) {
     ++count;
-    const std::size_t first = std::size_t(side->at.cell) * 6;
-    const Side* opposite = nullptr;
-    for (std::size_t f = 0; f < 6; ++f) {
-      const Side& other = sides[first + f];
-      const bool apart = std::none_of(other.sorted.begin(), other.sorted.end(), [&](Index n) {
-        return std::find(side->sorted.begin(), side->sorted.end(), n) != side->sorted.end();
-      });
-      if (apart) opposite = &other;
-    }
+    const Side* opposite = oppositeOf(*side, sides);
     if (!opposite) return {0, 0};
     if (opposite->across.cell < 0) return {(middle(*opposite, position) - middle(start, position)).norm(), count};
     side = &sides[std::size_t(opposite->across.cell) * 6 + std::size_t(opposite->across.face)];
@@ -183,13 +218,20 @@ Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& pos
   std::vector<double> lengths;
   std::vector<Line> short_lines;
   for (std::size_t i = 0; i < boundary.size(); i += stride) {
-    const Line line = lineFrom(*boundary[i], cells, sides, position);
-    if (line.cells > 0) lengths.push_back(line.length);
-    if (line.cells > 0 && line.length < 0.3 * out.extent) short_lines.push_back(line);
+    Line line = lineFrom(*boundary[i], cells, sides, position);
+    if (!(line.cells > 0)) continue;
+    lengths.push_back(line.length);
+    if (line.length >= 0.3 * out.extent) continue;
+    line.step = stepAlong(*boundary[i], cells, sides, position);
+    short_lines.push_back(line);
   }
   out.typical = median(lengths);
   const Line thin = thinnest(short_lines, std::tuple_size_v<Cell> == 8);
   out.thickness = thin.length, out.cells = thin.cells;
+  std::vector<double> steps;  // of lines like the thin one
+  for (const Line& line : short_lines)
+    if (line.cells == thin.cells && line.length < 1.2 * thin.length) steps.push_back(line.step / line.length);
+  out.step = median(steps);
   return out;
 }
 
@@ -202,19 +244,29 @@ Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector
   return measure(cells, position, held);
 }
 
-std::string tooCoarseForBending(const Slenderness& body, bool hexahedra) {
-  // measured on cantilevers under their weight of 4 and 8 cubes over the height, at Poisson's ratios 0.3 to 0.499
-  constexpr double share_hexahedra = 1.2, share_tetrahedra = 3, limit = 0.03;
-  const double share = hexahedra ? share_hexahedra : share_tetrahedra;
+std::string tooCoarseForBending(const Slenderness& body, bool hexahedra, const BendingLaw& law) {
+  constexpr double share_tetrahedra = 3, limit = 0.03;  // measured on cantilevers under their weight of 4 and 8 cubes over the height
   if (!body.isSlender() || !(body.cells > 0)) return {};
-  const double n = body.cells, error = share / (n * n);
+  const double nu = law.poisson_ratio, n = body.cells, shear = 1 / (2 * (1 + nu));
+  const double volume = law.has_mean_dilatation ? 0 : 1.1 * nu * nu / (1 - 2 * nu);
+  const double cubes = hexahedra ? shear + volume : share_tetrahedra;  // times 1 / n^2
+  const bool is_known = hexahedra && body.step > 0;
+  const double error = is_known ? shear * body.step * body.step + volume / (n * n) : cubes / (n * n);
   if (error < limit) return {};
-  const double too_stiff = error / (1 + error);
+  const bool are_long = is_known && body.step * n > 1.5;
   return fmt::format(
-      "{:.2g} {} lie over a thickness of {:.3g} in a body of {:.3g}: coarse for bending, where it is some {:.0f} % too "
-      "stiff. {} over the thickness are within 3 %{}",
-      n, hexahedra ? "hexahedra" : "tetrahedra", body.thickness, body.extent, 100 * too_stiff,
-      std::ceil(std::sqrt(share / limit)), hexahedra ? "" : "; so are fewer hexahedra, which bend better");
+      "{:.2g} {} lie over a thickness of {:.3g} in a body of {:.3g}{}: coarse for bending, where it is some {:.0f} % too "
+      "stiff. {} over the thickness{} are within 3 %{}",
+      n, hexahedra ? "hexahedra" : "tetrahedra", body.thickness, body.extent,
+      are_long ? fmt::format(", and are {:.3g} long", body.step * body.thickness) : "", 100 * error / (1 + error),
+      std::ceil(std::sqrt(cubes / limit)), are_long ? ", as long as high," : "",
+      hexahedra ? "" : "; so are fewer hexahedra, which bend better");
+}
+
+bool hasMeanDilatation(const ForceField& field) {
+  const Data* dilatation = field.data().find("dilatation");
+  const auto* open = dynamic_cast<const OpenChoices*>(&field);
+  return dilatation && (dilatation->print() == "mean" || (open && open->choice().find("mean") != std::string::npos));
 }
 
 /// An axis along which every node of a state is held, or zero.
@@ -259,6 +311,14 @@ static std::string jumpOfDilatation(const ForceField& field, const Slenderness& 
                      hexahedra ? "some" : "up to", 100 * jump, from);
 }
 
+static BendingLaw bendingLawOf(const ForceField& field) {
+  BendingLaw law{.has_mean_dilatation = hasMeanDilatation(field)};
+  const Data* ratio = field.data().find("poissonRatio");
+  const auto* list = ratio ? std::get_if<std::vector<double>*>(&ratio->pointer()) : nullptr;
+  if (list && !(*list)->empty()) law.poisson_ratio = *std::max_element((*list)->begin(), (*list)->end());
+  return law;
+}
+
 /// Cells of the kind of its law, in a mesh of its state.
 static std::string coarsenessOf(const ForceField& field, const CellKind& kind, const Vec3& held) {
   const std::vector<Vec3>& rest = field.state().rest_position;
@@ -268,7 +328,7 @@ static std::string coarsenessOf(const ForceField& field, const CellKind& kind, c
     const bool hexahedra = kind.type == CellType::hexahedron && !mesh.hexahedra.empty();
     if (!hexahedra && (kind.type != CellType::tetrahedron || mesh.tetrahedra.empty())) continue;
     const Slenderness body = hexahedra ? slenderness(mesh.hexahedra, rest, held) : slenderness(mesh.tetrahedra, rest, held);
-    const std::string coarse = tooCoarseForBending(body, hexahedra);
+    const std::string coarse = tooCoarseForBending(body, hexahedra, bendingLawOf(field));
     return coarse.empty() ? coarse : coarse + jumpOfDilatation(field, body, hexahedra);
   }
   return {};

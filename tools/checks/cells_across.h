@@ -13,6 +13,7 @@ struct Slenderness {
   double extent = 0;     ///< longest side of the box around the cells [m]
   double thickness = 0;  ///< length of a thin one among the lines that are short beside the extent [m]: of a wall
   double cells = 0;      ///< number of cells along it
+  double step = 0;       ///< of hexahedra along it: how long they are along the body, over the thickness; 0: unknown
   /// Long beside its thickness, so that it bends. A cube is not, nor are most organs.
   bool isSlender() const { return typical > 0 && typical < 0.3 * extent; }
 };
@@ -23,9 +24,19 @@ Slenderness slenderness(const std::vector<Hexahedron>& cells, const std::vector<
 Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& position,
                         const Vec3& held = Vec3::Zero());
 
-/// A sentence where linear cells over the thickness of a slender body are so few that it is more than 3 % too stiff in
-/// bending, or empty. Straight edges add a shear to bending: the error is about share / n^2 with n cells.
-std::string tooCoarseForBending(const Slenderness& body, bool hexahedra);
+/// What a law says of a change of volume.
+struct BendingLaw {
+  double poisson_ratio = 0.3;
+  bool has_mean_dilatation = false;
+};
+/// A sentence where linear cells of a slender body make it more than 3 % too stiff in bending, or empty. Edges of hexahedra stay
+/// straight: over a cell of length a a curvature k adds the shear k s, s from its middle. Its energy over that of bending is
+/// G a^2 / (E h^2), however many cells lie over the thickness h. A volume change at each point adds about 1.1 nu^2/(1 - 2 nu) / n^2
+/// with n cells over it. Of tetrahedra the error is about 3 / n^2.
+std::string tooCoarseForBending(const Slenderness& body, bool hexahedra, const BendingLaw& law = {});
+
+/// Whether a field's volume change is one per cell or around nodes.
+bool hasMeanDilatation(const ForceField& field);
 
 /// The kind of cells that a force field has a law for, with a stress in each; null: it has none.
 const CellKind* kindOfLaw(const ForceField& field);

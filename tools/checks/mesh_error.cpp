@@ -167,8 +167,10 @@ class Recovery {
     if (change_.is_mean) own[6] = mean_[c];
     Strain recovered = Strain::Zero();
     for (std::size_t a = 0; a < cell.size(); ++a) recovered += shapes[a] * at_node_[std::size_t(cell[a])];
-    sum.error += modulus_[c] * point.weight * size * (recovered - own).squaredNorm();
-    sum.strain += modulus_[c] * point.weight * size * own.squaredNorm();
+    const double weight = modulus_[c] * point.weight * size;
+    sum.error += weight * (recovered - own).squaredNorm();
+    sum.strain += weight * own.squaredNorm();
+    sum.continuous += weight * recovered.squaredNorm(), sum.common += weight * recovered.dot(own);
     sum.largest = std::max(sum.largest, own.squaredNorm());
   }
 
@@ -285,6 +287,7 @@ StrainError estimate(const std::vector<Cell>& cells, const std::vector<Vec3>& re
   for (auto& [material, its] : materials) {
     const StrainError part = Recovery<Cell>(std::move(its.first), std::move(its.second), bulk, change, rest, now).error();
     sum.error += part.error, sum.strain += part.strain;
+    sum.continuous += part.continuous, sum.common += part.common;
     sum.largest = std::max(sum.largest, part.largest);
   }
   return sum;

@@ -2,6 +2,7 @@
 // How far cells are from the body that they stand for, from the deformed shape alone: strains that jump between cells are not
 // those of a body.
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,12 +11,18 @@
 
 namespace stroma {
 
-/// e^2 and U^2: of the error of the strain and of the strain, squared and integrated over the cells [m^3].
+/// With the strain E of the cells and a continuous one E* made of it, integrated over the cells [m^3].
 struct StrainError {
-  double error = 0, strain = 0;
-  double largest = 0;  ///< |E|^2 of the point that is strained most
-  /// The estimated share of the work of loads that the mesh withholds: so much too stiff is it where loads are given.
-  double share() const { return strain > 0 ? error / (error + strain) : 0; }
+  double error = 0, strain = 0;       ///< |E* - E|^2 and |E|^2
+  double continuous = 0, common = 0;  ///< |E*|^2 and E* . E
+  double largest = 0;                 ///< |E|^2 of the point that is strained most
+  /// The estimated share of the work of loads that the mesh withholds: so much too stiff is it where loads are given, 1 - U_h/U. Loads do
+  /// the same work on E as on the body's own strain, (E_body, E) = |E|^2. A coarse mesh shows the shape of that, not its size: with
+  /// E_body = c E*, c from that equation, U_h/U is the squared cosine of the angle between E and E*.
+  double share() const {
+    if (!(strain > 0)) return 0;
+    return continuous > 0 ? std::max(0., 1 - common / strain * (common / continuous)) : 1;
+  }
 };
 
 /// What stands for tr(E): near Poisson's ratio 1/2 only that which the law resists tells how much.

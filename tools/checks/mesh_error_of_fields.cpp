@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
@@ -35,12 +34,6 @@ std::vector<double> modulusOf(const ForceField& field, std::size_t cells) {
 /// Of triangles with stiffness in their plane; they have no stress for exporters.
 bool isMembrane(const ForceField& field) {
   return field.type().find("Triang") != std::string::npos && field.type().find("FEM") != std::string::npos;
-}
-
-bool hasMeanDilatation(const ForceField& field) {
-  const Data* dilatation = field.data().find("dilatation");
-  const auto* open = dynamic_cast<const OpenChoices*>(&field);
-  return dilatation && (dilatation->print() == "mean" || (open && open->choice().find("mean") != std::string::npos));
 }
 
 /// K/(2 mu), or what stands for it in plane stress; zero where it is not known, and with a mean dilatation for tetrahedra, which have
@@ -107,7 +100,7 @@ std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
 }
 
 std::vector<std::string> meshErrors(const Simulation& simulation) {
-  constexpr double limit = 0.03;
+  constexpr double limit = 0.03, most = 0.999;
   simulation.complete();
   const UnitSystem units = unitsOf(simulation.scene());
   std::vector<std::string> sentences;
@@ -118,8 +111,9 @@ std::vector<std::string> meshErrors(const Simulation& simulation) {
       const auto own = meshErrorOf(*field, system->x);
       const double energy = own ? std::abs(field->energy(system->x)) : 0;
       if (!own || !std::isfinite(energy)) continue;
-      all += energy, error += own->share() * energy;
-      if (own->share() * energy > greatest) greatest = own->share() * energy, worst = field;
+      const double share = std::min(own->share(), most), withheld = share / (1 - share) * energy;  // of what the body's own would be
+      all += energy + withheld, error += withheld;
+      if (withheld > greatest) greatest = withheld, worst = field;
     }
     if (!worst || error <= limit * all) continue;
     bool are_stiff = false, is_quadratic = false;

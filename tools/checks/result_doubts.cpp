@@ -58,7 +58,10 @@ std::vector<std::string> unansweredForces(const System& system, ConstRows v_befo
     Vec3 sum = Vec3::Zero();
     double sizes = 0;
     for (const Index row : rows)
-      if (system.motion().kindOf(row) == RowKind::place) sum += Vec3(force[row]), sizes += Vec3(force[row]).norm();
+      if (system.motion().kindOf(row) == RowKind::place) {
+        sum += Vec3(force[row]);
+        sizes += Vec3(force[row]).norm();
+      }
     if (sum.norm() <= 1e-9 * sizes) continue;
     sentences.push_back(fmt::format(
         "{} at t = {:.6g} s: the nodes that follow pull with ({:.3g} {:.3g} {:.3g}) N, together {:.3g} N, and "

@@ -68,7 +68,11 @@ class HelpText {
     } else if (is_indented && mode_ == Mode::item) {
       text_ += line;
     } else if (is_indented) {
-      if (mode_ != Mode::lines) close(), out_ += ".RS 2\n.nf\n", mode_ = Mode::lines;
+      if (mode_ != Mode::lines) {
+        close();
+        out_ += ".RS 2\n.nf\n";
+        mode_ = Mode::lines;
+      }
       out_ += escaped(line.substr(2)) + "\n";
     } else {
       if (mode_ != Mode::paragraph) close();

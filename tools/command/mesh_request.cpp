@@ -162,7 +162,10 @@ void refuseIdle(const Values& values, const MeshRequest& request) {
     refuse("free-volume", "images, whose voxels give a volume (a surface is kept as it is)");
   else
     refuse("feature-angle", "surfaces, whose edges can be kept (images and voxels have none)");
-  if (request.toVtu()) refuse("name", ".msh files (a .vtu file has numbers only)"), refuse("msh22", ".msh files");
+  if (request.toVtu()) {
+    refuse("name", ".msh files (a .vtu file has numbers only)");
+    refuse("msh22", ".msh files");
+  }
 }
 
 MeshRequest readRequest(const Values& values) {

@@ -25,7 +25,10 @@ Vec3 LabelImage::bodySize() const {
       for (Index x = 0; x < size[0]; ++x, ++voxel) {
         if (*voxel == 0) continue;
         const std::array<Index, 3> at{x, y, z};
-        for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], at[k]), high[k] = std::max(high[k], at[k]);
+        for (std::size_t k = 0; k < 3; ++k) {
+          low[k] = std::min(low[k], at[k]);
+          high[k] = std::max(high[k], at[k]);
+        }
       }
   const Vec3 voxels(high[0] - low[0] + 1, high[1] - low[1] + 1, high[2] - low[2] + 1);
   return steps.colwise().norm().transpose().cwiseProduct(voxels);

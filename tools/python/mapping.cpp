@@ -3,6 +3,7 @@
 // arrays of their own, of the nodes of the two states: (n, 3) of points, (n, 7) and (n, 6) of frames, and so on (played.h).
 //
 //   apply(x, t) -> x of the child          applyJ(v) -> J v         applyJT(f) -> J^T f         all at the x of the last apply()
+//   size(width of the parent, width of the child): numbers of a node, told once before all others
 //   jacobian() -> J as (rows of the child, rows of the parent, blocks (m, 3, 3)), always of the same pairs of rows
 //
 // The force on the child keeps its direction in the tangent, and masses on it press outwards in no turn: dJ/dx is not asked for.
@@ -32,6 +33,7 @@ class PythonMapping final : public Mapping {
     parent_->ensureReady(), child_->ensureReady();
     const py::gil_scoped_acquire lock;
     object_ = playedObject(number_);
+    object_.attr("size")(widthOf(*parent_, true), widthOf(*child_, true));
   }
   State& input() const override { return *parent_; }
   State& output() const override { return *child_; }

@@ -42,7 +42,7 @@ const std::vector<Quirk>& allQuirks() {
       {"one-sided-turns", "springs that turn frames, teeth and joints do not balance their torques; held turns go on as velocities"},
       {"unturned-springs", "springs that turn frames back have a tangent that leaves out how their torques turn"},
       {"edge-bending", "bending springs have a stiffness that depends on the size of the triangles, not that of a plate"},
-      {"torsion-tangent", "forces about an axis, springs of polynomials and quadratic ones have a tangent that is not their derivative"},
+      {"torsion-tangent", "forces about an axis, stresses on triangles, springs of polynomials have a tangent that is no derivative"},
       {"exact-borders", "what lies on the border of a region or of a load's box is compared exactly, without room for round-off"},
       {"split-quads", "a pressure on quads is that on two triangles of each, and has no stiffness"},
       {"first-node", "constraints without indices hold node 0"},

@@ -109,6 +109,7 @@ class Rewriting {
   void meanConstantForce(Element& load);
   void meanPlane(Element& plane);
   void meanLayer(Element& load);
+  void meanStress(Element& load);
   void includeLast(Element& element);
   void checkOneBody(Element& field);
   void warnOfTangents(const Element& field);

@@ -68,33 +68,45 @@ std::string numbersIn(std::string text, bool whole_numbers, std::size_t most, st
   return joined;
 }
 
-/// A whole number, or 0 as SOFA has of a word that is none; `strange` is then that word.
-long long indexOf(std::string_view word, std::string& strange) {
-  long long value = 0;
+/// Words that SOFA's lists of indices have 0 of: the first one that is no number at all, and the first one whose numbers count here.
+/// And a range that is cut.
+struct StrangeWords {
+  std::string none, counted, cut;
+};
+
+/// A whole number, also one that is written as a fraction is; else 0.
+long long indexOf(std::string_view word, StrangeWords& strange) {
+  double value = 0;
   const char* first = word.data() + (word.starts_with("+") ? 1 : 0);
   const auto [end, code] = std::from_chars(first, word.data() + word.size(), value);
-  if (code == std::errc() && end == word.data() + word.size() && value >= 0) return value;
-  if (strange.empty()) strange = word.empty() ? " " : word;
-  return 0;
+  constexpr double largest = 1e9;
+  const bool is_number = code == std::errc() && end == word.data() + word.size();
+  const bool is_whole = is_number && value >= 0 && value < largest && value == std::floor(value);
+  if (is_whole && word.find_first_of(".eE") == word.npos) return static_cast<long long>(value);
+  std::string& kind = is_whole ? strange.counted : strange.none;
+  if (kind.empty()) kind = word.empty() ? " " : word;
+  return is_whole ? static_cast<long long>(value) : 0;
 }
 
 /// Of a range. What is written of it is still a text that a native scene may have.
 constexpr long long longest = 2000000;
 
-/// The indices that SOFA has of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither. `cut` is a range that
-/// has been cut to the longest.
-std::string indicesIn(const std::string& text, std::string& strange, std::string& cut) {
+/// The indices of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither.
+std::string indicesIn(std::string text, StrangeWords& strange) {
   std::string joined, whole;
-  for (std::istringstream words(text); words >> whole;) {  // a comma is a part of a word
+  for (std::istringstream words(text); strange.counted.empty() && words >> whole;)
+    if (whole.find_first_of(",;[](){}") != whole.npos) strange.counted = whole;
+  std::replace_if(text.begin(), text.end(), [](char c) { return std::string_view(",;[](){}").find(c) != std::string_view::npos; }, ' ');
+  for (std::istringstream words(text); words >> whole;) {
     const std::string_view word = whole;
     const auto dash = word.find('-', 1), second = dash == word.npos ? word.npos : word.find('-', dash + 2);
     const long long from = indexOf(word.substr(0, dash), strange);
     long long to = from, by = 1;
     if (dash != word.npos) to = indexOf(word.substr(dash + 1, second == word.npos ? second : second - dash - 1), strange);
     if (second != word.npos) by = indexOf(word.substr(second + 1), strange);
-    if (strange == " ") strange = whole;  // nothing after a dash
+    if (strange.none == " ") strange.none = whole;  // nothing after a dash
     by = std::max(by, 1LL) * (to < from ? -1 : 1);
-    if (std::abs(to - from) > longest) cut = whole, to = from + (to < from ? -longest : longest);
+    if (std::abs(to - from) > longest) strange.cut = whole, to = from + (to < from ? -longest : longest);
     for (long long i = from; by > 0 ? i <= to : i >= to; i += by) joined += (joined.empty() ? "" : " ") + std::to_string(i);
   }
   return joined;
@@ -212,12 +224,15 @@ void Rewriting::readList(const Element& element, const Data& data, AttributeDesc
   if (const std::string stop = stopOf(data, text); !stop.empty())
     warn(attribute.where, element, attribute.name, "SOFA reads its numbers up to " + inQuotes(stop) + " alone: here all of them count");
   if (!isListOfIndices(data)) return;
-  std::string strange, cut;
-  const std::string indices = indicesIn(text, strange, cut);
-  if (!cut.empty()) warn(attribute.where, element, attribute.name, inQuotes(cut) + fmt::format(" is cut to {} numbers", longest + 1));
-  if (!strange.empty())
-    warn(attribute.where, element, attribute.name, inQuotes(strange) + " is no whole number: SOFA has 0 of it, and so has this scene");
-  if (!strange.empty() || text.find('-') != text.npos) attribute.value = indices;
+  StrangeWords strange;
+  const std::string indices = indicesIn(text, strange);
+  if (!strange.cut.empty())
+    warn(attribute.where, element, attribute.name, inQuotes(strange.cut) + fmt::format(" is cut to {} numbers", longest + 1));
+  if (!strange.none.empty())
+    warn(attribute.where, element, attribute.name, inQuotes(strange.none) + " is no whole number: SOFA has 0 of it, and so has this scene");
+  if (!strange.counted.empty())
+    warn(attribute.where, element, attribute.name, "SOFA has 0 of a word like " + inQuotes(strange.counted) + ": here its numbers count");
+  if (!strange.none.empty() || !strange.counted.empty() || text.find('-') != text.npos) attribute.value = indices;
 }
 
 bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& attribute) {

@@ -89,8 +89,24 @@ void Rewriting::makeChains() {
   }
 }
 
+/// Of pressure and cauchyStress one counts in SOFA, which gives a stress no stiffness.
+void Rewriting::meanStress(Element& load) {
+  const bool is_stress = saysNo(load.text("useConstantForce"));
+  const char* unread = is_stress ? "pressure" : "cauchyStress";
+  if (const AttributeDescription* given = load.find(unread)) {
+    warn(given->where, load, unread, is_stress ? "does not count without useConstantForce: cauchyStress acts"
+                                               : "does not count with useConstantForce: pressure acts");
+    load.remove(unread);
+  }
+  if (!is_stress) return;
+  load.dropped = trimmed(load.text("cauchyStress")).empty();
+  if (load.dropped) return warn(load.written->where, load, {}, "has no cauchyStress, which is zero in SOFA then: it does nothing");
+  setQuirk(load, "torsion-tangent", "useTangentStiffness", "false");
+}
+
 /// Triangles between two planes; the planes choose where dmin and dmax differ.
 void Rewriting::meanLayer(Element& load) {
+  meanStress(load);
   if (load.find("normal") && !load.find("dmin") && !load.find("dmax"))
     load.remove("normal"), noEffect("TrianglePressureForceField.normal without dmin and dmax");
   if (!load.writes("normal") || !load.writes("dmin") || !load.writes("dmax")) return;

@@ -82,7 +82,8 @@ void addModuli(const ForceField& field, WrittenBody& body) {
     if (data.unitText() != "Pa" || data.isOutput() || !list || (*list)->empty() || data.name() == "pressure") continue;
     const double largest = *std::max_element((*list)->begin(), (*list)->end());
     if (!(largest > 0)) continue;
-    stiffest = std::max(stiffest, largest), found.push_back({&field, &data});
+    found.insert(largest > stiffest ? found.begin() : found.end(), {&field, &data});
+    stiffest = std::max(stiffest, largest);
     for (const double value : **list)
       if (value > 0) body.softest = std::min(body.softest, value);
   }

@@ -23,7 +23,7 @@ struct Modulus {
 /// An elastic body in the scene's own numbers: a state with all fields on it. The components live as long as the scene.
 struct WrittenBody {
   const State* state;
-  std::vector<Modulus> moduli;                       ///< the stiffest field's first
+  std::vector<Modulus> moduli;                       ///< the stiffest first
   const Mass* mass;                                  ///< null: it has none, or none whose volume is known
   const Data* mass_data;                             ///< that gives the mass
   std::array<double, body_quantities.size()> value;  ///< of moduli the largest; 0: unknown, or none

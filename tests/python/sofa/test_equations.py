@@ -148,8 +148,6 @@ def test_what_is_not_there_is_told():
     Sofa.Simulation.init(root)
     with pytest.raises(Exception, match="has solved no linear system since it is watched"):
         node.linear.A()
-    with pytest.raises(AttributeError, match=r"dfree\(\) is not offered"):
-        held_by_lagrange(Sofa.Core.Node("root"), 0).solver.dfree()
 
 
 SCENE = """import Sofa
@@ -398,3 +396,51 @@ def test_w_of_nodes_that_answer_by_themselves(template, correction, expected):
         turned = np.cross(arm, way)
         expected = mass + turned @ inverse @ turned
     assert root.solver.W() == pytest.approx(H * np.array([[expected]]), rel=5e-3)
+
+
+# ---- what constraints would measure without their forces ----
+def measured(kind, is_free):
+    """A step of a body with one constraint, whose force is its own or, where it is free, none."""
+    root = Sofa.Core.Node("root")
+    root.dt, root.gravity = H, [0.3, -9.81, 0.2]
+    root.addObject("FreeMotionAnimationLoop")
+    root.addObject("GenericConstraintSolver", name="solver", tolerance=1e-14, maxIterations=1000)
+    node = root.addChild("body")
+    node.addObject("EulerImplicitSolver")
+    node.addObject("SparseLDLSolver")
+    node.addObject("MechanicalObject", name="state", position=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    node.addObject("UniformMass", totalMass=4)
+    node.addObject("SpringForceField", spring=[0, 1, 100, 0, 1, 0, 2, 100, 0, 1, 0, 3, 100, 0, 1, 1, 2, 50, 0, 1.5])
+    node.addObject("GenericConstraintCorrection")
+    if kind == "cable":
+        given = dict(valueType="force", value=0) if is_free else dict(valueType="displacement", value=0.003)
+        node.addObject("CableConstraint", name="held", indices=[2], pullPoint=[0, 5, 0], **given)
+    elif kind == "cavity":
+        given = dict(valueType="pressure", value=0) if is_free else dict(valueType="volumeGrowth", value=0.0006)
+        node.addObject("SurfacePressureConstraint", name="held", triangles=[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], **given)
+    elif not is_free:
+        node.addObject("FixedLagrangianConstraint", name="held", indices=[1])
+    Sofa.Simulation.init(root)
+    Sofa.Simulation.animate(root, H)
+    if kind == "fixed":
+        way = node.state.position.value[1] - [1, 0, 0]
+    else:
+        way = np.ravel(node.held.displacement.value if kind == "cable" else node.held.volumeGrowth.value)
+    return root, np.array(way, dtype=float)
+
+
+@pytest.mark.parametrize("kind", ["cable", "cavity", "fixed"])
+def test_dfree_is_what_a_step_without_the_forces_measures(kind):
+    root, way = measured(kind, False)
+    _, free = measured(kind, True)
+    found = root.solver.dfree()
+    assert found == pytest.approx(free, abs=2e-3 * np.abs(way - free).max())  # the way is curved a little
+    assert np.abs(way - free).max() > 1e-3 or kind == "cavity"
+
+
+def test_dfree_is_refused_beside_contacts():
+    root, _ = sliding_box(0)
+    for _ in range(8):
+        Sofa.Simulation.animate(root, 0.01)
+    with pytest.raises(RuntimeError, match=r"dfree\(\) is offered for cables"):
+        root.solver.dfree()

@@ -425,3 +425,32 @@ print(*load())
     done = subprocess.run([sys.executable, str(tmp_path / "run.py"), str(tmp_path)], capture_output=True, text=True, cwd=tmp_path,
                           env=dict(os.environ), timeout=PATIENCE)
     assert done.stdout.split("\n")[:-1] == ["3 3", "4 4", "3 3", "1", "4 4", "4 4", "4 4"], done.stdout + done.stderr
+
+
+class Row(Sofa.Prefab):
+    prefabParameters = [{"name": "count", "type": "int", "help": "of nodes", "default": 3},
+                        {"name": "place", "type": "Vec3d", "help": "of all", "default": [0.0, 0.0, 0.0]}]
+
+    def init(self):
+        for number in range(self.count.value):
+            self.addChild(f"part{number}").addObject("MechanicalObject", name="state", position=[self.place.value])
+
+
+def test_a_prefab_follows_the_data_that_give_its_parameters():
+    root = Sofa.Core.Node("root")
+    root.addData("many", type="int", value=2)
+    row = root.addChild(Row("row", count=root.many, place=[1, 2, 3]))
+    assert len(row.children) == 2 and row.part1.state.position.value.tolist() == [[1, 2, 3]]
+    root.many.value = 4
+    assert len(row.children) == 4
+    row.count.value = 1
+    assert len(row.children) == 1
+    row.count.setParent(root.many)
+    assert len(row.children) == 4
+
+
+def test_a_wrong_argument_of_a_prefab_is_told(capfd):
+    Row(name="row", cuont=4)
+    assert "Row has no parameter 'cuont'; did you mean 'count'?" in capfd.readouterr().err
+    with pytest.raises(ValueError, match="'many' is no int"):
+        Row(name="row", count="many")

@@ -187,11 +187,24 @@ def rod(rest=0.0):
     return root
 
 
-OTHERS = {"muscle": (muscle, "body.law.ParameterSet", (3000, 1e4)), "rod": (rod, "body.state.rest_position", 0.2)}
+def chain(springs=(0, 1, 100, 1, 1)):
+    root = Sofa.Core.Node("root")
+    root.gravity, root.dt = [0, -9.81, 0], 0.01
+    body = root.addChild("body")
+    body.addObject("EulerImplicitSolver")
+    body.addObject("SparseLDLSolver")
+    body.addObject("MechanicalObject", name="state", position=[[0, 0, 0], [1, 0, 0], [2, 0.5, 0]])
+    body.addObject("UniformMass", totalMass=3)
+    body.addObject("SpringForceField", name="springs", spring=list(springs))
+    return root
+
+
+OTHERS = {"chain": (chain, "body.springs.spring", (0, 1, 100, 1, 1, 1, 2, 300, 0, 0.5)),
+          "muscle": (muscle, "body.law.ParameterSet", (3000, 1e4)), "rod": (rod, "body.state.rest_position", 0.2)}
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_so_do_laws_and_rods(name):
+def test_so_do_laws_rods_and_springs(name):
     scene, path, value = OTHERS[name]
     ends = []
     for when in ("before", "after", "never"):

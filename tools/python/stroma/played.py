@@ -52,6 +52,8 @@ class ForceField(Played):
 
         node.add(Pull(k=5.0, at=0.0), name="pull")
 
+    Of frames x is (n, 7), v and the force (n, 6); of numbers they have a column for each of a node.
+
     Override stiffness() for implicit steps that see its derivative, and energy() where there is one. Without a stiffness the
     force is taken as it is at the start of a step: explicit, and stable only as long as that is small. A force that does not
     depend on t may say so: time_dependent = False."""

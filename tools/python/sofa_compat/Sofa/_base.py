@@ -267,6 +267,8 @@ class Base:
 
         data._s_raw = followed_paths(self, data, value) if isinstance(value, (str, list, tuple)) and len(value) else value
         self._s_changed()
+        for prefab in list(self.__dict__.get("_s_followers", {}).get(data._s_name, ())):
+            prefab._s_source_changed()
         return None
 
     # ---- links ----

@@ -95,8 +95,30 @@ class ConstraintSolver(Object):
         return np.array(self.findData("constraintForces").value)
 
     def dfree(self):
-        raise AttributeError(f"{self._s_place()}: dfree() is not offered: what cables and cavities are asked for is a part of their "
-                             "conditions here. W() and lambda_force() are there")
+        """What the rows of W() would measure after a step without these forces, to first order in how far they move: of a cable what is
+        pulled in, of a cavity the growth of its volume, of tied and fixed nodes how far they are off."""
+        engine = self._s_engine()
+        if engine is None:
+            raise RuntimeError(f"{self._s_place()}: there is no dfree before the scene is initialised and a step is made")
+        compliance = self.W()
+        return _measured(engine, self) - compliance @ self.lambda_force()
+
+
+#: what a constraint measures, of those with a force for one condition; None: nothing, as it holds
+_MEASURED = {"CableConstraint": "displacement", "SurfacePressureConstraint": "volumeGrowth", "BilateralLagrangianConstraint": None,
+             "FixedLagrangianConstraint": None}
+
+
+def _measured(engine, solver):
+    """Of each row, after the last step."""
+    found = [np.zeros(0)]
+    for component, count in engine.constraint_counts():
+        if count and component.type not in _MEASURED:
+            raise RuntimeError(f"{solver._s_place()}: dfree() is offered for cables, cavities, tied and fixed nodes, and not for "
+                               f"{component.path}, a {component.type}")
+        name = _MEASURED.get(component.type)
+        found.append(np.zeros(count) if name is None else np.full(count, float(component.get(name))))
+    return np.concatenate(found)
 
 
 class Equations:

@@ -60,16 +60,20 @@ class _Side:
         if template == "Rigid2":
             raise ValueError(f"{state._s_place()}: a mapping in Python is not from or to Rigid2 here: Rigid3 has its numbers")
         self.places = np.array(state.findData("position").value, dtype=float)
-        self.nodes, self.seen = len(self.places), 2 if template == "Vec2" else None  # in columns of three
-        self.width = {"Rigid3": 6, "Vec3": 3, "Vec2": 3}.get(template) or self.places.shape[1]
-        self.is_place, self.has_frames = template in ("Rigid3", "Vec3", "Vec2"), template == "Rigid3"
+        self.nodes, self.is_flat, self.has_frames = len(self.places), template == "Vec2", template == "Rigid3"
+        self.seen = None  # columns, of those that the engine has
+
+    def size(self, width):
+        """As the engine has its nodes: those of a plane as points or as two numbers."""
+        self.seen = 2 if self.is_flat and width == 3 else None
+        self.width, self.is_place = 6 if self.has_frames else width, self.has_frames or width == 3
 
     def shown(self, array):
         return Rows(array if self.seen is None else array[:, :self.seen])
 
     def full(self, places):
         """In the engine's columns."""
-        return places if self.seen is None or places.shape[1] == 3 else np.pad(places, ((0, 0), (0, 1)))
+        return np.pad(places, ((0, 0), (0, 1))) if self.seen and places.shape[1] == 2 else places
 
     def row_and_number(self, numbers):
         return (numbers // 3, numbers % 3) if self.is_place else (numbers, np.zeros_like(numbers))
@@ -81,9 +85,14 @@ class _Seen:
     def __init__(self, played):
         self.mapping = mapping = played.mapping
         self.start, self.end = (_Side(mapping._s_state(name)) for name in ("input", "output"))
-        self.places = self.end.full(self.end.places)  # of the child, after the last apply()
+        self.places = self.end.places  # of the child, after the last apply()
         self.is_looked_at = False
         self.is_apart, self.pairs = None, None
+
+    def size(self, of_start, of_end):
+        self.start.size(of_start)
+        self.end.size(of_end)
+        self.places = self.end.full(self.places)
 
     def _parameters(self):
         root = self.mapping.getRoot()

@@ -361,14 +361,23 @@ def _stamp(data):
     return hash(value.tobytes() if isinstance(value, np.ndarray) else _values.to_text(value))
 
 
+def _each(data):
+    """Data, also those in lists."""
+    for given in data:
+        for each in given if isinstance(given, (list, tuple)) else (given,):
+            if not isinstance(each, Data):
+                raise TypeError(f"an engine's inputs and outputs are data, and not a {type(each).__name__}")
+            yield each
+
+
 class DataEngine(Object):
     """Computes data from data: `update` is called when the scene is initialised, and before each step when an input changed."""
 
     def addInput(self, *data):
-        self.__dict__.setdefault("_s_inputs", []).extend(data)
+        self.__dict__.setdefault("_s_inputs", []).extend(_each(data))
 
     def addOutput(self, *data):
-        self.__dict__.setdefault("_s_outputs", []).extend(data)
+        self.__dict__.setdefault("_s_outputs", []).extend(_each(data))
 
     def update(self):
         pass

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Prefabs: nodes with parameters, which a class of the scene fills."""
+import weakref
+
+from . import _messages, _values
+from ._base import _kind_of
+from ._data import Data
 from ._node import Node
 
 
@@ -15,9 +20,21 @@ class RawPrefab(Node):
         if name == "name":
             self.setName(self._s_given.get("name", default) or self._s_name)
             return self.findData("name")
-        data = self.addData(name, value=self._s_given.get(name, default), type=type, help=help, group=group)
+        given = self._s_given.get(name, default)
+        kind = _kind_of(type, given)
+        if isinstance(given, str) and isinstance(kind, (int, float)) and not len(_values.numbers_of(given)) and given.lower() not in (
+                "true", "false"):
+            raise ValueError(f"{self._s_place()}.{name}: '{given}' is no {type}")
+        data = self.addData(name, value=given, type=type, help=help, group=group)
         self._s_parameters.append(name)
+        self._s_follow_source(given)
         return data
+
+    def _s_follow_source(self, source):
+        """It is filled anew when data that give a parameter its value have another one."""
+        while isinstance(source, Data):
+            source._s_owner.__dict__.setdefault("_s_followers", {}).setdefault(source._s_name, weakref.WeakSet()).add(self)
+            source = source._s_raw
 
     def setSourceTracking(self, *_):
         pass
@@ -38,7 +55,12 @@ class RawPrefab(Node):
 
     def _s_write(self, data, value):
         super()._s_write(data, value)
-        if data._s_name in self.__dict__.get("_s_parameters", ()) and self.__dict__.get("_s_filled"):
+        if data._s_name in self.__dict__.get("_s_parameters", ()):
+            self._s_follow_source(value)
+            self._s_source_changed()
+
+    def _s_source_changed(self):
+        if self.__dict__.get("_s_filled"):
             self.doReInit()
 
 
@@ -62,8 +84,17 @@ class Prefab(RawPrefab):
         for each in self.prefabData:
             self.addData(each["name"], value=values.get(each["name"], each.get("default")), type=each.get("type"),
                          help=each.get("help", ""), group=each.get("group", ""))
+        self._s_tell_of_mistakes(values)
         self.init()
         object.__setattr__(self, "_s_filled", True)
+
+    def _s_tell_of_mistakes(self, values):
+        """Other arguments are those of the class itself, unless they are nearly the name of a parameter."""
+        names = [*self._s_parameters, *(each["name"] for each in self.prefabData)]
+        for name in values:
+            near = _messages.nearest(name, names) if name not in (*names, "name", "parent", "parents") else ""
+            if near:
+                _messages.warn(f"{self._s_place()}: {type(self).__name__} has no parameter '{name}'; did you mean '{near}'?")
 
     def definePrefabParameters(self, *_):
         pass
