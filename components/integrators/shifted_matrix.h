@@ -87,6 +87,11 @@ class ShiftedMatrix final : public MatrixView {
  private:
   struct Turned {
     Index row;
+    Mat3 block, ground;
+  };
+
+  struct Between {
+    Index a, b;
     Mat3 block;
   };
   struct Pair {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Attributes as SOFA reads them: words for its bools, brackets, numbers with something behind them; what it declares
 // without effect, what it reads and we do not, and what it does not know either.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -67,8 +69,9 @@ std::string numbersIn(std::string text, bool whole_numbers, std::size_t most, st
 }
 
 /// Words that SOFA's lists of indices have 0 of: the first one that is no number at all, and the first one whose numbers count here.
+/// And a range that is cut.
 struct StrangeWords {
-  std::string none, counted;
+  std::string none, counted, cut;
 };
 
 /// A whole number, also one that is written as a fraction is; else 0.
@@ -81,13 +84,15 @@ long long indexOf(std::string_view word, StrangeWords& strange) {
   const bool is_whole = is_number && value >= 0 && value < largest && value == std::floor(value);
   if (is_whole && word.find_first_of(".eE") == word.npos) return static_cast<long long>(value);
   std::string& kind = is_whole ? strange.counted : strange.none;
-  if (kind.empty()) kind = word;
+  if (kind.empty()) kind = word.empty() ? " " : word;
   return is_whole ? static_cast<long long>(value) : 0;
 }
 
+/// Of a range. What is written of it is still a text that a native scene may have.
+constexpr long long longest = 2000000;
+
 /// The indices of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither.
 std::string indicesIn(std::string text, StrangeWords& strange) {
-  constexpr long long longest = 100000000;
   std::string joined, whole;
   for (std::istringstream words(text); strange.counted.empty() && words >> whole;)
     if (whole.find_first_of(",;[](){}") != whole.npos) strange.counted = whole;
@@ -99,8 +104,9 @@ std::string indicesIn(std::string text, StrangeWords& strange) {
     long long to = from, by = 1;
     if (dash != word.npos) to = indexOf(word.substr(dash + 1, second == word.npos ? second : second - dash - 1), strange);
     if (second != word.npos) by = indexOf(word.substr(second + 1), strange);
+    if (strange.none == " ") strange.none = whole;  // nothing after a dash
     by = std::max(by, 1LL) * (to < from ? -1 : 1);
-    if (std::abs(to - from) > longest) return {};
+    if (std::abs(to - from) > longest) strange.cut = whole, to = from + (to < from ? -longest : longest);
     for (long long i = from; by > 0 ? i <= to : i >= to; i += by) joined += (joined.empty() ? "" : " ") + std::to_string(i);
   }
   return joined;
@@ -220,6 +226,8 @@ void Rewriting::readList(const Element& element, const Data& data, AttributeDesc
   if (!isListOfIndices(data)) return;
   StrangeWords strange;
   const std::string indices = indicesIn(text, strange);
+  if (!strange.cut.empty())
+    warn(attribute.where, element, attribute.name, inQuotes(strange.cut) + fmt::format(" is cut to {} numbers", longest + 1));
   if (!strange.none.empty())
     warn(attribute.where, element, attribute.name, inQuotes(strange.none) + " is no whole number: SOFA has 0 of it, and so has this scene");
   if (!strange.counted.empty())
