@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import Sofa
+import stroma
 from playing import animate
 
 SOLVERS = {"SparseLDLSolver": {}, "CGLinearSolver": {"iterations": 100, "tolerance": 1e-14, "threshold": 1e-14}}
@@ -256,3 +257,35 @@ def test_forces_on_frames_and_on_numbers(solver):
     Sofa.Simulation.init(root)
     animate(root, 50)
     assert np.abs(state.position.value.ravel() - [implicit(1, 50, 1, 0), implicit(2, 50, 1, 0)]).max() < 1e-12
+
+
+class Far(stroma.played.Played):
+    """Whose Jacobian has a row that no state has."""
+
+    component = "PythonMapping"
+
+    class _kind:
+        def __init__(self, played):
+            self.played = played
+
+        def apply(self, x):
+            return x.copy()
+
+        applyJ = applyJT = apply
+
+        def jacobian(self):
+            return np.array([0, self.played.row], np.int32), np.array([0, 1], np.int32), np.stack([np.eye(3), np.eye(3)])
+
+
+@pytest.mark.parametrize("row, wrong", [(1, False), (2, True), (-1, True)])
+def test_a_jacobian_of_rows_that_no_state_has_is_refused(tmp_path, row, wrong):
+    far = Far(row=row)
+    scene = tmp_path / "far.xml"
+    scene.write_text(f"""<Node name="root" dt="0.01" gravity="0 -9.81 0"><EulerImplicitSolver/><SparseLDLSolver/>
+      <MechanicalObject position="0 0 0  1 0 0"/><UniformMass vertexMass="1"/><Node name="child"><MechanicalObject position="0 0 0  1 0 0"/>
+      <PythonMapping played="{far.number}"/><RestShapeSpringsForceField stiffness="100"/></Node></Node>""")
+    if not wrong:
+        stroma.load(scene, observers=False, quiet=True).step()
+        return
+    with pytest.raises(IndexError, match=f"has row {row}, and /child"):
+        stroma.load(scene, observers=False, quiet=True).step()
