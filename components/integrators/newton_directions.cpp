@@ -95,6 +95,7 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
       }
     }
     ShiftedMatrix shifted(matrix);
+    if (other) shifted.holdLightRows();  // x is a direction of Newton's method
     for (double shift = shifted.turned() > 0 ? 0 : 1e-3; shift < 1e4; shift = std::max(1e-3, 10 * shift)) {
       shifted.setShift(shift);
       clear(x);

@@ -28,6 +28,12 @@ class ShiftedMatrix final : public MatrixView {
   }
   /// Some block had something unstable.
   std::size_t turned() const { return turned_.size(); }
+  /// Rows far lighter than the mean, as those of turns of slender beams, are shifted by a part of it too: directions of Newton's method
+  /// then do not run away along them. Where x is a result this would hold what is light.
+  void holdLightRows() {
+    const double mean = meanOfScale();
+    for (double& value : scale_) value = std::max(value, 1e-3 * mean);
+  }
   void setShift(double shift) {
     if (shift > 0 && shift_ == 0) widenScale();
     shift_ = shift;
@@ -73,13 +79,17 @@ class ShiftedMatrix final : public MatrixView {
     if (!(below[0] < -1e-14 * even.cwiseAbs().maxCoeff())) return;  // eigenvalues rise; round-off is not unstable
     turned_.push_back({row, found.eigenvectors() * (-2 * below).asDiagonal() * found.eigenvectors().transpose()});
   }
+  double meanOfScale() const {
+    double mean = 0;
+    for (const double value : scale_) mean += value / double(scale_.size());
+    return mean;
+  }
   /// A row whose own diagonal vanishes still needs a shift, of the size of what else is in it. That is seen by products with
   /// numbers of either sign, two because what is in a row may cancel in one. The mean of all rows is no measure: it would hold what
   /// is light.
   void widenScale() {
     Vector signs(rows()), product(rows());
-    double mean = 0;
-    for (const double value : scale_) mean += value / double(scale_.size());
+    const double mean = meanOfScale();
     std::vector<double> sizes(scale_.size());
     std::uint32_t state = 1;
     for (int probe = 0; probe < 2; ++probe) {
