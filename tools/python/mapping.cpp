@@ -62,9 +62,11 @@ class PythonMapping final : public Mapping {
     if (blocks.ndim() != 3 || blocks.shape(0) != rows.size() || rows.size() != columns.size() || blocks.shape(1) != 3 ||
         blocks.shape(2) != 3)
       throw py::value_error(path() + ": a Jacobian is rows (m,), columns (m,) and blocks (m, 3, 3)");
-    for (py::ssize_t i = 0; i < rows.size(); ++i)
+    for (py::ssize_t i = 0; i < rows.size(); ++i) {
+      checkRow(rows.data()[i], *child_), checkRow(columns.data()[i], *parent_);
       out.push_back({child_->firstRow() + rows.data()[i], parent_->firstRow() + columns.data()[i],
                      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(blocks.data() + 9 * i)});
+    }
   }
   void addCurvature(ConstRows, Rows) const override {}
   void addGeometricProduct(ConstRows, ConstRows, double, Rows) const override {}
@@ -72,6 +74,11 @@ class PythonMapping final : public Mapping {
   void addGeometricStiffness(ConstRows, double, BlockMatrix&) const override {}
 
  private:
+  void checkRow(Index row, const State& state) const {
+    if (row < 0 || row >= state.size())
+      throw py::index_error(fmt::format("the Jacobian of {} has row {}, and {} has {}", path(), row, state.path(), state.size()));
+  }
+
   int number_ = 0;
   Link<State> input_{"mechanical state"}, output_{"mechanical state"};
   State *parent_ = nullptr, *child_ = nullptr;

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import Sofa
+import stroma
 from playing import animate
 
 SOLVERS = {"SparseLDLSolver": {}, "CGLinearSolver": {"iterations": 100, "tolerance": 1e-14, "threshold": 1e-14}}
