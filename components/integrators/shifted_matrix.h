@@ -87,11 +87,6 @@ class ShiftedMatrix final : public MatrixView {
  private:
   struct Turned {
     Index row;
-    Mat3 block, ground;
-  };
-
-  struct Between {
-    Index a, b;
     Mat3 block;
   };
   struct Pair {
