@@ -639,11 +639,13 @@ def words_that_are_no_indices():
     for text, held, said, word in (("-1 2", [0, 2], none, "-1"), ("1 - 3", [0, 1, 3], none, "-"), ("2 x 1e-1", [0, 1, 2], none, "x"),
                                    ("1,2 3", [1, 2, 3], counted, "1,2"), ("[1, 2]", [1, 2], counted, "[1,"),
                                    ("2 1.0 4", [1, 2, 4], counted, "1.0"),
-                                   ("3-1", [1, 2, 3], "", ""), ("0-4-2", [0, 2, 4], "", ""), ("+1 4-2-2", [1, 2, 4], "", "")):
+                                   ("3-", [0, 1, 2, 3], none, "-"), ("3-1", [1, 2, 3], "", ""),
+                                   ("0-4-2", [0, 2, 4], "", ""), ("+1 4-2-2", [1, 2, 4], "", "")):
         run = Run(root(EXACT + body.format(text)), 10)
         run.says(said.format(word))
         assert said or "SOFA has 0" not in run.text, run.text
         agree(run.x()[:, 1], [0 if i in held else fallen(10) for i in range(5)])
+    Run(root(EXACT + body.format("1 0-99999999")), 1).fails(2, "with '0-99999999' these are more than ten million indices")
     scene = root(EXACT + BODY + '<ConstantForceField indices="0 1" forces="0,1,0"/>')
     Run(scene, 1).says("/ConstantForceField1.forces: SOFA reads its numbers up to ',' alone")
 

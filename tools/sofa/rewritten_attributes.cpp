@@ -69,6 +69,7 @@ std::string numbersIn(std::string text, bool whole_numbers, std::size_t most, st
 /// Words that SOFA's lists of indices have 0 of: the first one that is no number at all, and the first one whose numbers count here.
 struct StrangeWords {
   std::string none, counted;
+  std::string too_long;  ///< a range that is not read, and the list with it
 };
 
 /// A whole number, also one that is written as a fraction is; else 0.
@@ -81,13 +82,14 @@ long long indexOf(std::string_view word, StrangeWords& strange) {
   const bool is_whole = is_number && value >= 0 && value < largest && value == std::floor(value);
   if (is_whole && word.find_first_of(".eE") == word.npos) return static_cast<long long>(value);
   std::string& kind = is_whole ? strange.counted : strange.none;
-  if (kind.empty()) kind = word;
+  if (kind.empty()) kind = word.empty() ? "-" : word;  // behind a dash is nothing
   return is_whole ? static_cast<long long>(value) : 0;
 }
 
-/// The indices of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither.
+/// The indices of a list: numbers, ranges a-b and a-b-step, and 0 for each word that is neither. Not more than a large scene has nodes.
 std::string indicesIn(std::string text, StrangeWords& strange) {
-  constexpr long long longest = 100000000;
+  constexpr long long most = 10000000;
+  long long count = 0;
   std::string joined, whole;
   for (std::istringstream words(text); strange.counted.empty() && words >> whole;)
     if (whole.find_first_of(",;[](){}") != whole.npos) strange.counted = whole;
@@ -100,7 +102,7 @@ std::string indicesIn(std::string text, StrangeWords& strange) {
     if (dash != word.npos) to = indexOf(word.substr(dash + 1, second == word.npos ? second : second - dash - 1), strange);
     if (second != word.npos) by = indexOf(word.substr(second + 1), strange);
     by = std::max(by, 1LL) * (to < from ? -1 : 1);
-    if (std::abs(to - from) > longest) return {};
+    if ((count += std::abs(to - from) / std::abs(by) + 1) > most) return strange.too_long = whole, std::string();
     for (long long i = from; by > 0 ? i <= to : i >= to; i += by) joined += (joined.empty() ? "" : " ") + std::to_string(i);
   }
   return joined;
@@ -220,6 +222,9 @@ void Rewriting::readList(const Element& element, const Data& data, AttributeDesc
   if (!isListOfIndices(data)) return;
   StrangeWords strange;
   const std::string indices = indicesIn(text, strange);
+  if (!strange.too_long.empty())
+    diagnostics_.error(attribute.where, element.path() + "." + attribute.name,
+                       "with " + inQuotes(strange.too_long) + " these are more than ten million indices", "indices of nodes");
   if (!strange.none.empty())
     warn(attribute.where, element, attribute.name, inQuotes(strange.none) + " is no whole number: SOFA has 0 of it, and so has this scene");
   if (!strange.counted.empty())
