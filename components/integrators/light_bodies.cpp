@@ -28,7 +28,7 @@ void LightBodies::compile(System& system) {
 void LightBodies::begin(ConstRows residual, double weight) {
   in_focus_ = nullptr;
   for (Body& body : bodies_) {
-    body.is_done = body.is_found = false;
+    body.is_done = body.is_found = false, body.carried = 0;
     body.scale = std::max(norm(residual.segment(body.first, body.count)), weight * norm(system_->f.rows().segment(body.first, body.count)));
   }
 }
@@ -41,7 +41,7 @@ bool LightBodies::focus(ConstRows residual, double tolerance, double weight, Sys
 
 const State* LightBodies::outOfBalance(ConstRows residual, ConstRows carried, double tolerance, double weight, SystemMatrix& tangent,
                                        double displacement) {
-  for (Body& body : bodies_) body.scale = std::max(body.scale, norm(carried.segment(body.first, body.count)));
+  for (Body& body : bodies_) body.carried = norm(carried.segment(body.first, body.count));
   find(residual, boundWithConditions(tolerance), weight, tangent, displacement);
   const Body* const found = std::exchange(in_focus_, nullptr);
   return found ? found->state : nullptr;
@@ -50,20 +50,20 @@ const State* LightBodies::outOfBalance(ConstRows residual, ConstRows carried, do
 double LightBodies::left(ConstRows residual) const {
   double sum = 0;
   for (const Body& body : bodies_)
-    if (body.is_found && body.scale > 0) sum += std::pow(norm(residual.segment(body.first, body.count)) / body.scale, 2);
+    if (body.is_found && body.size() > 0) sum += std::pow(norm(residual.segment(body.first, body.count)) / body.size(), 2);
   return std::sqrt(sum);
 }
 
 bool LightBodies::areLittle(ConstRows residual, double tolerance) const {
   return std::ranges::none_of(bodies_, [&](const Body& body) {
-    return body.is_found && norm(residual.segment(body.first, body.count)) > boundWithConditions(tolerance) * body.scale;
+    return body.is_found && norm(residual.segment(body.first, body.count)) > boundWithConditions(tolerance) * body.size();
   });
 }
 
 void LightBodies::find(ConstRows residual, double share, double weight, SystemMatrix& tangent, double displacement) {
   constexpr double round_off = 1e-9;
   const auto left = [&](const Body& body) { return body.is_done ? 0 : norm(residual.segment(body.first, body.count)); };
-  const auto isOut = [&](const Body& body) { return left(body) > share * body.scale; };
+  const auto isOut = [&](const Body& body) { return left(body) > share * body.size(); };
   if (std::ranges::none_of(bodies_, isOut)) return;
   if (loads_.count() != system_->allRows()) loads_.resize(system_->allRows());
   clear(loads_);
@@ -85,7 +85,7 @@ void LightBodies::find(ConstRows residual, double share, double weight, SystemMa
   for (Body& body : bodies_) {
     if (!isOut(body) || !isSeen(body)) continue;
     body.is_found = true;
-    if (!in_focus_ || left(body) * in_focus_->scale > left(*in_focus_) * body.scale) in_focus_ = &body;
+    if (!in_focus_ || left(body) * in_focus_->size() > left(*in_focus_) * body.size()) in_focus_ = &body;
   }
 }
 

@@ -37,7 +37,7 @@ class LightBodies {
   bool areLittle(ConstRows residual, double tolerance) const;
   /// The rows of all others become zero, in focus.
   void narrow(Rows residual) const;
-  double scale() const { return in_focus_->scale; }               ///< S_b
+  double scale() const { return in_focus_->size(); }              ///< S_b
   const State& body() const { return *in_focus_->state; }
 
  private:
@@ -45,6 +45,8 @@ class LightBodies {
     const State* state;
     Index first, count;
     double scale = 0;
+    double carried = 0;  ///< of forces of constraint at the last outOfBalance(), which may be far less than on the way there
+    double size() const { return scale > carried ? scale : carried; }  ///< S_b
     bool is_done = false;
     bool is_found = false;  ///< out of balance since begin()
   };
