@@ -21,7 +21,12 @@ void ConditionsNewton::compile(System& system, NonlinearProblem& problem, Multip
 
 double ConditionsNewton::residual() {
   problem_->residual(residual_);
-  return problem_->sizeOf(residual_);
+  return size();
+}
+
+double ConditionsNewton::size() const {
+  const LightBodies* const bodies = problem_->lightBodies();
+  return std::hypot(problem_->sizeOf(residual_), bodies ? scale_ * bodies->left(residual_) : 0);
 }
 
 StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopToken stop, StepReport report) {
@@ -31,25 +36,26 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
   least_ = std::numeric_limits<double>::infinity(), least_at_ = 0;
   clear(way_);
   mixing_.restart();
-  holds_ = false;
+  holds_ = false, left_ = nullptr;
   std::vector<double>& history = newton.history();
   history.clear();
   const int first = report.newton_iterations, most = settings.iterations;
   problem_->residual(residual_);
   problem_->takeMeasure();
   if (LightBodies* const bodies = problem_->lightBodies()) bodies->begin(residual_, problem_->weightOfForces());
-  for (double now = problem_->sizeOf(residual_);;) {
-    if (history.empty()) scale_ = std::max(now, problem_->loadScale());
+  for (double now;;) {
+    const double of_all = problem_->sizeOf(residual_);
+    if (history.empty()) scale_ = std::max(of_all, problem_->loadScale());
     scale_ = std::max(scale_, problem_->sizeOf(multipliers_->carried()));
-    history.push_back(now);
-    report.newton_residual = scale_ > 0 ? now / scale_ : now;
+    history.push_back(of_all);
+    report.newton_residual = scale_ > 0 ? of_all / scale_ : of_all;
     tellNewtonIterate(report.newton_iterations, report.newton_residual, settings.relative_residual);
-    if (!std::isfinite(now)) {
+    if (!std::isfinite(of_all)) {
       report.diverged = true;
       report.reason = "the force is not finite in Newton's method with forces of constraint";
       return report;
     }
-    if (isBalanced(settings, now, report)) break;
+    if (isBalanced(settings, of_all, report)) break;
     report.stopped = stop.isStopAsked();
     if (report.stopped) return report;
     constexpr int most_left = 25;  // beyond a fixed number, for conditions that no forces along their directions have held
@@ -62,10 +68,10 @@ StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopTok
                   : fmt::format("stopped at its limit of {} iterations", most);
       report.reason = fmt::format("Newton's method with forces of constraint {} with a relative residual of {:.2g} "
                                   "(tolerance {:.2g}){}",
-                                  how, report.newton_residual, settings.relative_residual,
-                                  left_ ? ", and " + left_->path() + " is out of balance by itself beside heavier bodies" : "");
+                                  how, report.newton_residual, settings.relative_residual, tellLeft(settings));
       break;
     }
+    now = size();
     if (!iterate(newton, solver, now, stop, report)) return report;
   }
   return report;
@@ -75,9 +81,14 @@ bool ConditionsNewton::isLittle(const NewtonSettings& settings, double residual)
   return residual <= settings.relative_residual * scale_ || residual <= settings.absolute_residual;
 }
 
+bool ConditionsNewton::isAllLittle(const NewtonSettings& settings) {
+  if (!isLittle(settings, problem_->sizeOf(residual_))) return false;
+  const LightBodies* const bodies = problem_->lightBodies();
+  return !bodies || bodies->areLittle(residual_, settings.relative_residual) || areBodiesBalanced(settings);
+}
+
 /// The conditions hold, and what is left of the forces is little, or the round-off of positions.
 bool ConditionsNewton::isBalanced(const NewtonSettings& settings, double residual, StepReport& report) {
-  left_ = nullptr;
   if (!holds_) return false;
   const bool is_still = moved_ <= 4 * std::numeric_limits<double>::epsilon() * largest(problem_->positions());
   if (!isLittle(settings, residual) && !is_still) return false;
@@ -90,12 +101,24 @@ bool ConditionsNewton::isBalanced(const NewtonSettings& settings, double residua
 bool ConditionsNewton::areBodiesBalanced(const NewtonSettings& settings) {
   LightBodies* const bodies = problem_->lightBodies();
   if (!bodies || settings.absolute_residual != 0 || settings.fixed_count) return true;
-  left_ = bodies->outOfBalance(residual_, multipliers_->carried(), settings.relative_residual, problem_->weightOfForces(),
-                               problem_->tangent(), problem_->displacementPerUnknown());
-  return left_ == nullptr;
+  const double before = bodies->left(residual_);
+  const State* const left = bodies->outOfBalance(residual_, multipliers_->carried(), settings.relative_residual,
+                                                 problem_->weightOfForces(), problem_->tangent(), problem_->displacementPerUnknown());
+  if (!left) return true;
+  left_ = left;
+  // what was measured without it is of another size
+  if (bodies->left(residual_) > before) mixing_.restart(), least_ = std::numeric_limits<double>::infinity();
+  return false;
 }
 
-/// Where the conditions hold: `now` has not become half of the least for longer than mixing needs, and the way turns.
+std::string ConditionsNewton::tellLeft(const NewtonSettings& settings) const {
+  const LightBodies* const bodies = problem_->lightBodies();
+  if (!left_ || bodies->areLittle(residual_, settings.relative_residual)) return {};
+  return fmt::format(", and bodies beside heavier ones are out of balance by {:.2g} of the forces on them, {} the most",
+                     bodies->left(residual_), left_->path());
+}
+
+/// Where the conditions hold: `now`, of size(), has not become half of the least for longer than mixing needs, and the way turns.
 void ConditionsNewton::noteSwing(double now) {
   constexpr int long_enough = 12;
   constexpr double part = 1e-4;  // of the scale
@@ -106,7 +129,7 @@ void ConditionsNewton::noteSwing(double now) {
             moved_ <= multipliers_->leastTolerance(false);
 }
 
-/// `now`: |R + q|, before and after. False: failed, as the report says.
+/// `now`: size(), before and after. False: failed, as the report says.
 bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now, StopToken stop, StepReport& report) {
   ++report.newton_iterations, ++iterations_;
   const bool held = holds_;
@@ -135,7 +158,7 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
   }
   // what ends is left where the conditions hold
   const bool is_last = iterations_ >= newton.settings.iterations && moved_ <= longest_;
-  if (isLittle(newton.settings, now) || swings_ || is_last || newton.settings.fixed_count) return true;
+  if (isAllLittle(newton.settings) || swings_ || is_last || newton.settings.fixed_count) return true;
   if (moved_ > longest_) goShare(longest_ / moved_), now = residual();
   constexpr int first_mixed = 4;
   if (iterations_ > first_mixed && longest_ > 0) {

@@ -11,7 +11,12 @@
 // least for twelve iterations, the way turns, and it is shorter than what all conditions tolerate
 // (LagrangianConstraint::tolerance()), the method ends and says with which residual: it has not converged. At its limit it leaves
 // what the last correction found.
+//
+// A body that is decades lighter than others is out of balance where the |R + q| of all is little (light_bodies.h). From where one is
+// found, |R + q| is the root of |R + q|^2 + s^2 sum (|R_b + q_b| / S_b)^2, with the scale s of all, in all that is said here.
 #pragma once
+#include <string>
+
 #include "components/integrators/multipliers.h"
 #include "components/integrators/newton.h"
 
@@ -32,7 +37,10 @@ class ConditionsNewton {
   void goShare(double share);
   void goMixed(double& now);
   double residual();
+  double size() const;
+  std::string tellLeft(const NewtonSettings& settings) const;
   bool isLittle(const NewtonSettings& settings, double residual) const;
+  bool isAllLittle(const NewtonSettings& settings);  ///< and of each light body
   bool isBalanced(const NewtonSettings& settings, double residual, StepReport& report);
   bool areBodiesBalanced(const NewtonSettings& settings);
 
@@ -50,7 +58,7 @@ class ConditionsNewton {
   double least_ = 0;     ///< |R + q| of those that were half of all before them, with the conditions
   int least_at_ = 0;     ///< its iteration
   int iterations_ = 0;
-  const State* left_ = nullptr;  ///< out of balance by itself where all together are not
+  const State* left_ = nullptr;  ///< out of balance by itself where all together were not, the last time
   Mixing mixing_;
 };
 

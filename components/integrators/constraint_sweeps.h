@@ -26,7 +26,7 @@ class ConstraintSweeps final : public Component {
   /// What is to be said of the last solve(), which has not come to its tolerance; else empty.
   const std::string& unsettled() const { return unsettled_; }
   bool keepsUnsettled() const { return keeps_unsettled_; }
-  /// Says of all in the scene of `asker` that they do not count, and why.
+  /// Says of all in the scene of `asker` that they do not count, and why: once for each reason.
   static void tellIdle(const Component& asker, const std::string& why);
 
  private:
@@ -45,7 +45,7 @@ class ConstraintSweeps final : public Component {
   bool scales_ = true, all_verified_ = false, keeps_unsettled_ = false;
   bool is_over_ = false;  ///< by the tolerance
   double last_error_ = 0;  ///< of the last sweep
-  std::string unsettled_;
+  std::string unsettled_, idle_;  ///< why it was told last that it does not count
   Eigen::MatrixXd w_;  ///< with the softness
   Eigen::VectorXd old_, off_, change_, last_change_, way_;
 };

@@ -5,12 +5,17 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton.h"
 
 namespace stroma {
+
+/// Of S_b, by which a body is in balance: alone, and where forces of constraint are found with it.
+static double boundAlone(double tolerance) { return std::max(1e-2, 1e3 * tolerance); }
+static double boundWithConditions(double tolerance) { return std::max(1e-5, 1e3 * tolerance); }
 
 void LightBodies::compile(System& system) {
   system_ = &system;
@@ -23,30 +28,42 @@ void LightBodies::compile(System& system) {
 void LightBodies::begin(ConstRows residual, double weight) {
   in_focus_ = nullptr;
   for (Body& body : bodies_) {
-    body.is_done = false;
+    body.is_done = body.is_found = false, body.carried = 0;
     body.scale = std::max(norm(residual.segment(body.first, body.count)), weight * norm(system_->f.rows().segment(body.first, body.count)));
   }
 }
 
 bool LightBodies::focus(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement) {
-  find(residual, tolerance, weight, tangent, displacement);
+  find(residual, boundAlone(tolerance), weight, tangent, displacement);
   if (in_focus_) in_focus_->is_done = true;
   return in_focus_ != nullptr;
 }
 
 const State* LightBodies::outOfBalance(ConstRows residual, ConstRows carried, double tolerance, double weight, SystemMatrix& tangent,
                                        double displacement) {
-  for (Body& body : bodies_) body.scale = std::max(body.scale, norm(carried.segment(body.first, body.count)));
-  find(residual, tolerance, weight, tangent, displacement);
+  for (Body& body : bodies_) body.carried = norm(carried.segment(body.first, body.count));
+  find(residual, boundWithConditions(tolerance), weight, tangent, displacement);
   const Body* const found = std::exchange(in_focus_, nullptr);
   return found ? found->state : nullptr;
 }
 
-void LightBodies::find(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement) {
-  constexpr double least = 1e-2, looser = 1e3, round_off = 1e-9;
-  const double share = std::max(least, looser * tolerance);
+double LightBodies::left(ConstRows residual) const {
+  double sum = 0;
+  for (const Body& body : bodies_)
+    if (body.is_found && body.size() > 0) sum += std::pow(norm(residual.segment(body.first, body.count)) / body.size(), 2);
+  return std::sqrt(sum);
+}
+
+bool LightBodies::areLittle(ConstRows residual, double tolerance) const {
+  return std::ranges::none_of(bodies_, [&](const Body& body) {
+    return body.is_found && norm(residual.segment(body.first, body.count)) > boundWithConditions(tolerance) * body.size();
+  });
+}
+
+void LightBodies::find(ConstRows residual, double share, double weight, SystemMatrix& tangent, double displacement) {
+  constexpr double round_off = 1e-9;
   const auto left = [&](const Body& body) { return body.is_done ? 0 : norm(residual.segment(body.first, body.count)); };
-  const auto isOut = [&](const Body& body) { return left(body) > share * body.scale; };
+  const auto isOut = [&](const Body& body) { return left(body) > share * body.size(); };
   if (std::ranges::none_of(bodies_, isOut)) return;
   if (loads_.count() != system_->allRows()) loads_.resize(system_->allRows());
   clear(loads_);
@@ -67,7 +84,8 @@ void LightBodies::find(ConstRows residual, double tolerance, double weight, Syst
   };
   for (Body& body : bodies_) {
     if (!isOut(body) || !isSeen(body)) continue;
-    if (!in_focus_ || left(body) * in_focus_->scale > left(*in_focus_) * body.scale) in_focus_ = &body;
+    body.is_found = true;
+    if (!in_focus_ || left(body) * in_focus_->size() > left(*in_focus_) * body.size()) in_focus_ = &body;
   }
 }
 

@@ -15,6 +15,9 @@ namespace stroma {
 /// with S_b the largest of |R_b| and |f_b| where the solve starts and of the loads on it, D the diagonal blocks of the tangent: what is
 /// less is round-off. Then it is solved on by itself: the residual is that of its rows alone, and the line search goes by the work,
 /// because the energy of all has no digits for it.
+///
+/// With forces of constraint all are solved at once, and what is left falls by factors and not by squares: there the first bound is
+/// max(1e-5, 1000 tolerance) S_b. A body that was once out of balance counts by itself from then on: |R_b| / S_b beside the |R| of all.
 class LightBodies {
  public:
   void compile(System& system);
@@ -28,9 +31,13 @@ class LightBodies {
   /// in S_b.
   const State* outOfBalance(ConstRows residual, ConstRows carried, double tolerance, double weight, SystemMatrix& tangent,
                             double displacement);
+  /// The root of the sum of (|R_b| / S_b)^2 over those that were out of balance since begin(); 0: there are none.
+  double left(ConstRows residual) const;
+  /// None of them is out of balance by the first bound.
+  bool areLittle(ConstRows residual, double tolerance) const;
   /// The rows of all others become zero, in focus.
   void narrow(Rows residual) const;
-  double scale() const { return in_focus_->scale; }               ///< S_b
+  double scale() const { return in_focus_->size(); }              ///< S_b
   const State& body() const { return *in_focus_->state; }
 
  private:
@@ -38,9 +45,12 @@ class LightBodies {
     const State* state;
     Index first, count;
     double scale = 0;
+    double carried = 0;  ///< of forces of constraint at the last outOfBalance(), which may be far less than on the way there
+    double size() const { return scale > carried ? scale : carried; }  ///< S_b
     bool is_done = false;
+    bool is_found = false;  ///< out of balance since begin()
   };
-  void find(ConstRows residual, double tolerance, double weight, SystemMatrix& tangent, double displacement);
+  void find(ConstRows residual, double share, double weight, SystemMatrix& tangent, double displacement);
 
   System* system_ = nullptr;
   std::vector<Body> bodies_;  ///< empty where there is one

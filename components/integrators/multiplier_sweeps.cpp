@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "components/integrators/constraint_sweeps.h"
 #include "components/integrators/multipliers.h"
@@ -32,8 +33,9 @@ void ConstraintSweeps::declare(DataTable& table) {
 void ConstraintSweeps::tellIdle(const Component& asker, const std::string& why) {
   std::vector<ConstraintSweeps*> all;
   asker.node().root().collect(all);
-  for (const ConstraintSweeps* each : all)
-    each->warn(fmt::format("has no effect: {}", why), "EulerImplicitSolver with newtonIterations=\"1\" and oneRound");
+  for (ConstraintSweeps* each : all)
+    if (std::exchange(each->idle_, why) != why)
+      each->warn(fmt::format("has no effect: {}", why), "EulerImplicitSolver with newtonIterations=\"1\" and oneRound");
 }
 
 bool ConstraintSweeps::isOver(const Sweep& sweep, double tolerance) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What forces of constraint change the nodes of a state by as if none were tied to another; uncoupled_constraint_correction.cpp.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "framework/simulation/system.h"
@@ -17,7 +18,7 @@ class UncoupledConstraintCorrection final : public Component {
   void takeMasses(const System& system);
   /// Of the state's rows: what impulses along `direction` change velocities by. Vectors of the system.
   void respond(ConstRows direction, Rows response) const;
-  /// Says of those in the scene of `integrator` that the matrix answers instead, and why.
+  /// Says of those in the scene of `integrator` that the matrix answers instead, and why: once for each reason.
   static void tellIdle(const Component& integrator, const std::string& why);
 
  private:
@@ -29,6 +30,7 @@ class UncoupledConstraintCorrection final : public Component {
   std::vector<double> compliance_, each_;  ///< as given; of each node, or of a frame 7
   double default_compliance_ = 1e-5;
   bool by_rule_ = true;
+  std::string idle_;                       ///< why it was told last that the matrix answers
   std::vector<Mat3> inverses_;             ///< of frames: of each row, shape (state's rows)
   std::vector<Mat3> couplings_;            ///< of each frame: what torques change the velocity of its centre by; empty: nothing
   Vector unit_, momentum_;                 ///< work space, where masses follow frames

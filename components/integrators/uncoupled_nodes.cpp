@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <utility>
 
 #include "components/integrators/uncoupled_constraint_correction.h"
 #include "framework/mechanics/frames.h"
@@ -53,9 +54,10 @@ void UncoupledConstraintCorrection::init() {
 void UncoupledConstraintCorrection::tellIdle(const Component& integrator, const std::string& why) {
   std::vector<UncoupledConstraintCorrection*> all;
   integrator.node().root().collect(all);
-  for (const UncoupledConstraintCorrection* each : all)
-    each->warn(fmt::format("has no effect: {} {}, and forces of constraint are found with its matrix", integrator.path(), why),
-               "EulerImplicitSolver with newtonIterations=\"1\", or no correction");
+  for (UncoupledConstraintCorrection* each : all)
+    if (std::exchange(each->idle_, why) != why)
+      each->warn(fmt::format("has no effect: {} {}, and forces of constraint are found with its matrix", integrator.path(), why),
+                 "EulerImplicitSolver with newtonIterations=\"1\", or no correction");
 }
 
 void UncoupledConstraintCorrection::takeMasses(const System& system) {

@@ -6,6 +6,7 @@
 #include "components/iterative_solvers/solver_costs.h"
 #include "components/iterative_solvers/symmetric_blocks.h"
 #include "framework/algebra/per_matrix.h"
+#include "framework/scene/spans.h"
 
 namespace stroma {
 
@@ -57,7 +58,9 @@ class KrylovSolver : public LinearSolver {
   }
   /// out = A p
   void product(const SystemMatrix& matrix, ConstRows p, Rows out) const {
-    halved_ ? halved_->multiply(p, out) : assembled_ ? assembled_->multiply(p, out) : matrix.multiply(p, out);
+    if (!assembled_) return matrix.multiply(p, out);  // whose parts are heard
+    const Span span("product", this);
+    halved_ ? halved_->multiply(p, out) : assembled_->multiply(p, out);
   }
   /// Nanoseconds of that, estimated; 0: not known.
   double productCost(const SystemMatrix& matrix) const {

@@ -2,7 +2,7 @@
 // A mapping that a Python object plays. The object is found by the number that the attribute `played` holds. Its methods get and give
 // arrays of their own, of the nodes of the two states: (n, 3) of points, (n, 7) and (n, 6) of frames, and so on (played.h).
 //
-//   apply(x, t) -> x of the child          applyJ(v) -> J v         applyJT(f) -> J^T f         all at the x of the last apply()
+//   apply(x) -> x of the child          applyJ(v) -> J v         applyJT(f) -> J^T f         all at the x of the last apply()
 //   size(width of the parent, width of the child): numbers of a node, told once before all others
 //   jacobian() -> J as (rows of the child, rows of the parent, blocks (m, 3, 3)), always of the same pairs of rows
 //
