@@ -41,7 +41,8 @@ TEST(ListKinds, AreKnownOfEachListOfWholeNumbers) {
       ++known;
   });
   EXPECT_GT(known, 60);
-  EXPECT_EQ(unknown, (std::set<std::string>{"cells", "localRange", "pivot_points"})) << "those of these names are refused where a mesh changes";
+  EXPECT_EQ(unknown, (std::set<std::string>{"cells", "localRange", "pivot_points"}))
+      << "those of these names are refused where a mesh changes";
 }
 
 TEST(ListKinds, NodesThatAConstraintNamesOneByOneFollow) {
