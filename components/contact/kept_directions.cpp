@@ -18,7 +18,8 @@ void KeptGaps::keepDirections() {
 }
 
 void KeptGaps::Directions::take(const KeptGap& gap) {
-  n = times > 0 ? Vec3((times * n + gap.n).normalized()) : gap.n;
+  const Vec3 sum = times * n + gap.n;  // none where they are opposite, as on both sides of a face
+  n = times > 0 && sum.norm() > 1e-6 ? Vec3(sum.normalized()) : gap.n;
   if (is_any) ++times;
   is_of_place = !is_any, is_any = true;
   c = gap.c, upright = gap.upright, flush = gap.flush, more = 0;

@@ -261,7 +261,7 @@ std::string tooCoarseForBending(const Slenderness& body, bool hexahedra, const B
       are_long ? fmt::format(", and are {:.3g} long", body.step * body.thickness) : "", 100 * error / (1 + error),
       std::ceil(std::sqrt(cubes / limit)), are_long ? ", as long as high," : "",
       hexahedra ? "" : "; so are fewer hexahedra, which bend better",
-      hexahedra && law.may_have_them ? ", and so are these with incompatibleModes=\"true\"" : "");
+      hexahedra && law.may_have_them ? "; where edges are parallel these bend far better with incompatibleModes=\"true\"" : "");
 }
 
 bool hasMeanDilatation(const ForceField& field) {

@@ -35,7 +35,7 @@ struct BendingLaw {
 /// straight: over a cell of length a a curvature k adds the shear k s, s from its middle. Its energy over that of bending is
 /// G a^2 / (E h^2), however many cells lie over the thickness h. A volume change at each point adds about 1.1 nu^2/(1 - 2 nu) / n^2
 /// with n cells over it. Of tetrahedra the error is about 3 / n^2.
-/// Hexahedra with incompatible modes have neither error.
+/// Nothing is said of hexahedra with incompatible modes: those with parallel edges have no such shear, others much of it.
 std::string tooCoarseForBending(const Slenderness& body, bool hexahedra, const BendingLaw& law = {});
 
 /// Whether a field's volume change is one per cell or around nodes.
