@@ -101,13 +101,13 @@ bool ConditionsNewton::isBalanced(const NewtonSettings& settings, double residua
 bool ConditionsNewton::areBodiesBalanced(const NewtonSettings& settings) {
   LightBodies* const bodies = problem_->lightBodies();
   if (!bodies || settings.absolute_residual != 0 || settings.fixed_count) return true;
-  const double before = bodies->left(residual_);
+  const std::size_t before = bodies->found();
   const State* const left = bodies->outOfBalance(residual_, multipliers_->carried(), settings.relative_residual,
                                                  problem_->weightOfForces(), problem_->tangent(), problem_->displacementPerUnknown());
   if (!left) return true;
   left_ = left;
   // what was measured without it is of another size
-  if (bodies->left(residual_) > before) mixing_.restart(), least_ = std::numeric_limits<double>::infinity();
+  if (bodies->found() > before) mixing_.restart(), least_ = std::numeric_limits<double>::infinity();
   return false;
 }
 

@@ -47,6 +47,8 @@ const State* LightBodies::outOfBalance(ConstRows residual, ConstRows carried, do
   return found ? found->state : nullptr;
 }
 
+std::size_t LightBodies::found() const { return std::size_t(std::ranges::count_if(bodies_, &Body::is_found)); }
+
 double LightBodies::left(ConstRows residual) const {
   double sum = 0;
   for (const Body& body : bodies_)

@@ -33,6 +33,8 @@ class LightBodies {
                             double displacement);
   /// The root of the sum of (|R_b| / S_b)^2 over those that were out of balance since begin(); 0: there are none.
   double left(ConstRows residual) const;
+  /// How many were out of balance since begin().
+  std::size_t found() const;
   /// None of them is out of balance by the first bound.
   bool areLittle(ConstRows residual, double tolerance) const;
   /// The rows of all others become zero, in focus.
