@@ -151,7 +151,7 @@ void ConstraintContact::declare(DataTable& table) {
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   table.add("friction", friction_).help("Coulomb's coefficient mu").unit("-").min(0);
   table.add("toleratedError", tolerated_error_)
-      .help("gaps and slides that are off by no more hold; 0: a thousandth of contactDistance")
+      .help("gaps and slides that are off by no more hold, up to ten times it are told, beyond that the run ends; 0: contactDistance/1000")
       .unit("m")
       .min(0);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");

@@ -129,7 +129,7 @@ void ElasticForceField::declare(DataTable& table) {
       .help("method polar or svd: what matrix's polar factor turns a cell, F or (SOFA) that of edges or sum (x - c)(X - C)^T of nodes");
   table.add("reducedIntegration", reduced_).help("prisms by two points, as in SOFA, for method small or polarOf nodes");
   if (std::any_of(kinds.begin(), kinds.end(), [](const ElasticKind& kind) { return kind.word == "Hexahedron"; }))
-    table.add("incompatibleModes", incompatible_).help("hexahedra bend by nine numbers more, which are condensed out of each cell");
+    table.add("incompatibleModes", incompatible_).help("hexahedra bend by nine numbers more, twelve with a mean; condensed beforehand");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
