@@ -20,7 +20,7 @@ class ElementKernels {
   virtual double energy(ConstRows x) const = 0;
   /// df += factor * K dx
   virtual void addProduct(ConstRows dx, double factor, Rows df) const = 0;
-  /// Takes the constants of the elements anew, and leaves everything else. False: the kernels have to be made anew.
+  /// Recomputes the constants of the elements, and leaves everything else. False: the kernels have to be rebuilt.
   virtual bool refill() { return false; }
   /// Marks the blocks that assemble() adds to.
   virtual void addPattern(BlockPattern& pattern) const = 0;

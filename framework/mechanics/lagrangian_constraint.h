@@ -60,26 +60,26 @@ class LagrangianRows {
   std::vector<Bend> bends_;
 };
 
-/// A component besides, whose conditions hold at the end of a step by forces of constraint. An integrator that knows the
-/// matrix A of its step finds them: A c = dt J^T l, J the gradients (condition_forces.h).
+/// A role beside others: its conditions hold at the end of a step by constraint forces. An integrator that knows the
+/// matrix A of its step solves for them: A c = dt J^T l, J the gradients (condition_forces.h).
 class LagrangianConstraint {
  public:
   virtual ~LagrangianConstraint() = default;
   virtual std::vector<State*> constrainedStates() const = 0;
-  /// A step to t_end [s] starts at x: which conditions there are is settled for it.
+  /// A step to t_end [s] starts at x: chooses the conditions for this step.
   virtual void constrainedStepBegins(ConstRows /*x*/, double /*t_end*/) {}
   /// Appends the conditions at x, always as many in a step.
   virtual void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const = 0;
   /// The forces l of its rows in the step that has been made [N].
   virtual void takeForces(std::span<const double> /*forces*/) {}
-  /// By how much its conditions may be off at the end of a step [m]: `held` is not worth a word, `kept` is told.
+  /// Tolerances of its conditions at the end of a step [m]: up to `held` silently, up to `kept` with a warning.
   struct Tolerance {
     double held = 0, kept = 0;
   };
   virtual Tolerance tolerance() const { return {}; }
 };
 
-/// Of each row, those of a constraint up to its `ends`; empty where there is none. `kept`: of what is told too.
+/// The tolerance of each row, those of a constraint up to its `ends`; empty without any. `kept`: the one with a warning.
 inline void findTolerances(const std::vector<LagrangianConstraint*>& constraints, const std::vector<std::size_t>& ends, bool kept,
                            std::vector<double>& of_rows) {
   of_rows.clear();

@@ -29,11 +29,11 @@ class Mass : public Component {
   /// Row sums of M [kg], by which gravity acts.
   virtual const std::vector<double>& rowSums() const { return lumped(); }
   virtual bool isDiagonal() const = 0;
-  /// True where the inertia of nodes that a constraint moves is not to reach their neighbours.
+  /// True if the inertia of nodes moved by a constraint must not act on their neighbours.
   bool leavesMovedAlone() const { return moved_alone_; }
   /// out += factor * M p. The default uses lumped().
   virtual void addProduct(ConstRows p, double factor, Rows out) const;
-  /// Whether it has each of so many rows, and setProduct().
+  /// Whether it covers each of so many rows, and has setProduct().
   virtual bool setsProducts(Index /*rows*/) const { return false; }
   /// out = factor * M p
   virtual void setProduct(ConstRows, double, Rows) const {}

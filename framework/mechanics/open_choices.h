@@ -4,7 +4,7 @@
 
 namespace stroma {
 
-/// What a force field decides where a scene leaves it open, and what an integrator may decide for it.
+/// What a force field decides where the scene leaves it open, and what an integrator may decide for it.
 class OpenChoices {
  public:
   virtual ~OpenChoices() = default;
@@ -15,7 +15,7 @@ class OpenChoices {
   /// ForceField::patternRevision() grow. False, and nothing changes, for a field that has no other stiffness.
   virtual bool useExactTangent(bool) { return false; }
   /// Takes a stiffness without unstable directions from the next addForce() on, or again the one that the scene asks for.
-  /// False, and nothing changes, for a field that has none.
+  /// Returns false and changes nothing if the field has no such stiffness.
   virtual bool useDefiniteTangent(bool) { return false; }
 };
 

@@ -61,7 +61,7 @@ class PositionConstraint : public Component {
   virtual void compile() {}
   /// The start of a correction: positions and velocities are those of the integrator.
   virtual void begin(const PositionStep&) {}
-  /// Makes x satisfy this constraint. Returns by how much it did not, in units of its tolerance: at most 1 is good.
+  /// Makes x satisfy this constraint. Returns the violation before that, in units of its tolerance: at most 1 is good.
   /// `reference` are the positions from which the change of v is taken; a correction that is not to enter v is made to
   /// both.
   virtual double correctPositions(const PositionStep& step, Rows x, Rows reference) = 0;
@@ -75,7 +75,7 @@ class PositionConstraint : public Component {
   virtual bool takesFrames() const { return false; }
 
  protected:
-  /// What positions of these nodes cannot tell apart [m]: 8 eps of the largest coordinate. No tolerance is smaller.
+  /// The resolution of positions of these nodes [m]: 8 eps of the largest coordinate. No tolerance is smaller.
   double roundOff(ConstRows x, const std::vector<Index>& nodes) const;
 
   Link<State> mstate_{"mechanical state"};

@@ -33,7 +33,7 @@ class Component {
   /// time: what reset() forgets. With the values read back, a run goes on with the bits of one that never stopped.
   /// Archive::isReading() tells the direction. Throws std::runtime_error when the values read are those of another scene.
   virtual void serialize(Archive&) {}
-  /// An attribute declared recompiled() has a new value while the scene runs: checks it and makes anew what init()
+  /// An attribute declared recompiled() has a new value while the scene runs: checks it and recomputes what init()
   /// derived from attributes. Compiled roles (force fields, masses) are compiled again afterwards, and what serialize()
   /// knows is kept. Throws ComponentError. Whatever is thrown, the old value is put back and this is called once more.
   virtual void recompile() { init(); }
@@ -51,7 +51,7 @@ class Component {
   const std::string& type() const { return type_; }
   const std::string& name() const { return name_; }
   const SourceLocation& where() const { return where_; }
-  bool isMadeForAnother() const { return is_made_for_another_; }  ///< nobody wrote it, see missingPartner()
+  bool isMadeForAnother() const { return is_made_for_another_; }  ///< not in the scene, see missingPartner()
   std::string path() const;  ///< "/liver/fem"
   Node& node() const { return *node_; }
   DataTable& data() { return data_; }
@@ -109,7 +109,7 @@ class Component {
   std::vector<DataLink> data_links_;
 };
 
-/// Thrown when a component needs another that has already been reported as broken: nothing more to say.
+/// Thrown when a component needs another one that has already been reported: no second message follows.
 class DependencyFailed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -45,7 +45,7 @@ enum class DataOrigin { by_default, written, linked, by_override };
 enum class ChangeEffect {
   restart,    ///< the scene has to be loaded with the new value; so for all that declare nothing else
   at_once,    ///< steps read the member itself: the next one has the new value
-  recompile,  ///< Component::recompile() makes anew what was derived from it, and nothing else is loaded again
+  recompile,  ///< Component::recompile() recomputes what was derived from it, and nothing else is loaded again
 };
 
 /// One attribute. Filled by the fluent calls below inside Component::declare().

@@ -8,13 +8,13 @@
 
 namespace stroma {
 
-/// A change of one attribute: looked up and checked by the constructor, made by apply(). Every refusal is a
+/// A change of one attribute: looked up and checked by the constructor, made by apply(). Every rejection is a
 /// ComponentError that says what would be needed, and leaves the scene as it was.
 class LiveEdit {
  public:
-  /// The refusal of what only another load can change.
+  /// The error for an attribute that can only change by loading the scene again.
   struct NeedsLoad : ComponentError { using ComponentError::ComponentError; };
-  /// `path` names a component or a node, as in `--set`. Refuses what does not exist (with the nearest name) and what
+  /// `path` names a component or a node, as in `--set`. Rejects what does not exist (with the nearest name) and what
   /// only a restart can change.
   LiveEdit(Node& root, const std::string& path, const std::string& attribute);
 
@@ -22,7 +22,7 @@ class LiveEdit {
   Component* component() const { return component_; }
   /// The node whose attribute it is; null for an attribute of a component.
   const Node* node() const { return node_; }
-  /// What is made anew: the component, if its attribute asks for that, and in order those with links to it, which must allow it.
+  /// What is rebuilt: the component, if its attribute asks for that, then in order those with links to it, which must allow it.
   const std::vector<Component*>& recompiled() const { return recompiled_; }
   bool changesTimeStep() const { return !component_ && attribute_ == "dt"; }
   bool changesGravity() const { return !component_ && attribute_ == "gravity"; }
@@ -34,7 +34,7 @@ class LiveEdit {
   };
   Value value() const;  ///< the present one
 
-  /// Parses with the attribute's table and makes anew what recompiled() says. Warnings and notes go to `messages`.
+  /// Parses with the attribute's table and rebuilds what recompiled() says. Warnings and notes go to `messages`.
   void apply(const Value& value, Diagnostics& messages);
 
   /// As long as this lives, warnings and notes of a component go to `messages`, and then where they went before.

@@ -52,8 +52,8 @@ class OutputFile {
 /// Makes the folder of a file when it is missing. Throws OutputError.
 void makeFolderOf(const std::string& path);
 
-/// Throws the OutputError that checkWritable() would, as far as it can be known with nothing written. What only the
-/// attempt shows (a quota, a file system of its own rules) is not.
+/// Throws the OutputError that checkWritable() would, as far as that is known without writing. It misses what only an
+/// attempt shows (a quota, a special file system).
 void checkAccess(const std::string& path, bool is_replaced = false);
 
 /// checkAccess(); makes the folder; throws OutputError when the file cannot be opened for writing, or its disk is full.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a profile hears of a run: where a piece of work begins and ends, and whose it is. As a rule nobody listens: a span is
-// then two tests of one pointer.
+// What a profile records of a run: where a piece of work begins and ends, and which component it belongs to. Without a listener
+// a span costs two tests of one pointer.
 #pragma once
 namespace stroma {
 class Component;

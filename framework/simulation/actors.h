@@ -44,7 +44,7 @@ Actors collectActors(const SystemMembers& members);
 /// by their traits.
 void compileActors(Actors& actors);
 
-/// The lists that follow from what force fields are, made anew.
+/// Rebuilds the lists that depend on the traits of the force fields.
 void sortByTraits(Actors& actors);
 
 }  // namespace stroma

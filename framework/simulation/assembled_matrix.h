@@ -28,11 +28,11 @@ class AssembledMatrix {
   /// The matrix with its pattern; values are those of the last assemble().
   const BlockMatrix& pattern();
   bool hasPattern() const { return matrix_.rows() > 0; }
-  /// Grows when the pattern may have changed: force fields say so, or the terms are others.
+  /// Grows when the pattern may have changed: a force field reports it, or the terms have changed.
   long patternRevision() const { return actors_.patternRevision() + terms_revision_; }
-  /// What the terms are made of is another: the pattern too may be.
+  /// The composition of the terms has changed, and with it perhaps the pattern.
   void termsChanged() { ++terms_revision_; }
-  /// The terms that do not change have other values.
+  /// The values of constant terms have changed.
   void forgetConstantPart() { constant_part_.clear(); }
   /// Forgets the pattern and its memory, but for the number of its blocks.
   void dropPattern() { matrix_ = BlockMatrix(); }

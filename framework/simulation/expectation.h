@@ -12,7 +12,7 @@ class Expectation {
   virtual ~Expectation() = default;
   virtual void stepMade(const StepReport&) {}  ///< before its afterStep()
   virtual long comparisons() const = 0;  ///< so far
-  /// A sentence with the numbers of the first that was not as expected; empty when all were.
+  /// A sentence with the numbers of the first comparison that failed; empty if none did.
   virtual std::string failure() const = 0;
 };
 

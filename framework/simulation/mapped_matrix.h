@@ -16,7 +16,7 @@ class MappedMatrix {
   BlockMatrix& full() { return full_; }
   /// An empty matrix with the pattern of J^T A J.
   BlockMatrix reducedPattern() const;
-  /// Takes the mappings' Jacobians anew, where they are not constant.
+  /// Updates the mappings' Jacobians where they are not constant.
   void updateJacobian(const std::vector<Mapping*>& mappings);
   /// out = J^T full() J
   void reduce(BlockMatrix& out) const;

@@ -20,7 +20,7 @@ class MechanicalMatrix final : public SystemMatrix {
   explicit MechanicalMatrix(const System& system);
   /// This matrix with these factors; they stay until others are set.
   MechanicalMatrix& withFactors(const MatrixFactors& factors);
-  void valuesChanged();  ///< of terms that count as constant, in the same pattern
+  void valuesChanged();  ///< of terms taken as constant, in the same pattern
   void termsChanged();   ///< in what they are made of: nothing that was kept holds
   void serialize(Archive& archive);  ///< see Component::serialize()
 

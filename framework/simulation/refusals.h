@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is refused of a scene that is whole as it is written. The engine says when each is looked at; tools/faults looks and
-// has the sentences.
+// Scenes that are well-formed but cannot be simulated. The engine says when each check runs; tools/faults makes the checks
+// and has the messages.
 #pragma once
 #include <vector>
 
@@ -20,14 +20,14 @@ void checkMassesUnderMotion(const Actors& actors);
 /// Rows of `state` that may move (not `held`) and have no mass [kg]; both lists of shape (independent rows).
 void checkMassOf(const State& state, const Actors& actors, const std::vector<char>& held, const std::vector<double>& mass);
 
-// ---- of the integrators of a scene: told to `diagnostics` ----
+// ---- of the integrators of a scene: reported to `diagnostics` ----
 /// `integrator` stands below `above`, which moves its bodies already.
 void refuseNested(const Integrator& integrator, const Integrator& above, Diagnostics& diagnostics);
 /// `actor` acts on `state`, which no integrator moves, and on others.
 void refuseUnmoved(const Component& actor, const State& state, Diagnostics& diagnostics);
-/// No integrator moves `state`. `actor`: what acts on it, or null: then it is fine for a marker, and only a note.
+/// No integrator moves `state`. `actor`: what acts on it, or null: it may then be a marker, and this is only a note.
 void tellUnmoved(const State& state, const Component* actor, Diagnostics& diagnostics);
-/// `actor` couples `a` and `b`, so that `mine` moves the bodies of `other` too: where these are not alike.
+/// `actor` couples `a` and `b`, so that `mine` moves the bodies of `other` too: reports where the two differ.
 void tellDifference(const Component& actor, const State& a, const State& b, const Integrator& mine, const Integrator& other,
                     Diagnostics& diagnostics);
 /// Solvers that no integrator uses.

@@ -15,7 +15,7 @@ namespace stroma {
 class RelationClusters {
  public:
   /// Relations under these projectors and groups; `inverse_mass` [1/kg], shape (rows) or empty. In a cluster
-  /// where a row has none, zero, all rows are alike.
+  /// where one is zero (no mass), all rows weigh the same.
   void set(const LinearRelations& relations, const std::vector<NodeProjector>& projectors, const NodeGroups& groups,
            const std::vector<double>& inverse_mass);
   bool empty() const { return relations_.count() == 0; }
@@ -27,11 +27,11 @@ class RelationClusters {
   void project(Rows vector) const;
   /// The same in the metric of the masses: a -= E N a.
   void projectAcceleration(Rows a) const;
-  /// Moves velocities along E to where C v = 0; what held nodes do counts.
+  /// Moves velocities along E until C v = 0, the velocities of fixed nodes included.
   void correctVelocities(Rows v) const;
   /// The same for positions: C (x - rest) = 0.
   void correctPositions(Rows x) const;
-  /// The relation that is farthest from holding, and by how much [m]: |C u| over |C|. -1: there is none.
+  /// The relation with the largest violation, and its size [m]: |C u| over |C|. -1: there is none.
   struct Violation {
     Index relation = -1;
     double distance = 0;

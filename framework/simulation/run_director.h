@@ -6,7 +6,7 @@ namespace stroma {
 
 class Simulation;
 
-/// Does things to a run by itself, before its steps: a replay.
+/// Changes a run from inside, before its steps: a replay.
 class RunDirector {
  public:
   virtual ~RunDirector() = default;
@@ -18,7 +18,7 @@ class RunDirector {
   virtual void restart() = 0;
   /// Inputs with lower numbers are its own.
   virtual long firstFreeNumber() const = 0;
-  /// How many of its doings are done: a checkpoint has it.
+  /// How many of its actions are done: stored in checkpoints.
   virtual std::size_t done() const = 0;
   virtual void goOnFrom(std::size_t done) = 0;
 };

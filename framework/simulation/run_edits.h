@@ -46,7 +46,7 @@ class RunEdits {
   RunClock& clock_;
   RunLog& log_;
   RunWatch& watch_;
-  /// One per attribute that has changed, in the order of their last changes: made anew in this order they leave the same
+  /// One per attribute that has changed, in the order of their last changes: applied in this order they leave the same
   /// values, also where one attribute follows another by a link.
   std::vector<Edit> edits_;
 };

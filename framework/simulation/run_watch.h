@@ -7,7 +7,7 @@
 
 namespace stroma {
 
-/// What the steps of a run have shown that no single state shows: for who doubts its result.
+/// What the steps of a run have shown that no single state shows: for checks of the result.
 class RunWatch {
  public:
   void compile(const Systems& systems);

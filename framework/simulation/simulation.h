@@ -31,7 +31,7 @@ class Simulation {
   long steps() const { return clock_.steps(); }
   Node& root() const { return *scene_.root; }
   const Scene& scene() const { return scene_; }
-  /// Warnings and notes of the scene, for who looks further at what was loaded.
+  /// Warnings and notes of the scene, for tools that check it further.
   Diagnostics& diagnostics() { return scene_.diagnostics; }
   const Systems& systems() const { return systems_; }
   std::vector<State*> states() const;  ///< those a system moves, in document order
@@ -81,9 +81,9 @@ class Simulation {
   /// The scene before its meshes changed, for its description and its edits; null: they have not.
   const Simulation* first() const { return first_.get(); }
 
-  /// Changes an attribute while the scene runs, as it was declared: at once, or by making the component anew. `path`
+  /// Changes an attribute while the scene runs, as it was declared: at once, or by recompiling the component. `path`
   /// names a component or a node (gravity, dt). The next step has the new value; x, v and histories stay. What needs a
-  /// restart, what an integrator has computed beforehand and what the attribute does not allow is refused: a
+  /// restart, what an integrator has precomputed and what the attribute does not allow is rejected: a
   /// ComponentError with a sentence, and nothing has changed, whatever was thrown on the way. Returns warnings and
   /// notes. reset() keeps the new value.
   Diagnostics setAttribute(const std::string& path, const std::string& attribute, const std::string& text) {
@@ -104,7 +104,7 @@ class Simulation {
 
   // ---- positions and velocities from outside, between steps ----
   /// Rows of x and v of `state`, as many as it has; without data they stay. What constraints hold stays where it is, and
-  /// mapped states follow. Integrators and linear solvers begin anew, as at the start of a run; histories keep what they
+  /// mapped states follow. Integrators and linear solvers restart, as at the start of a run; histories keep what they
   /// remember, as if the body had been moved in no time. Returns how many rows constraints kept from where they were to be.
   /// Throws ComponentError, and nothing has changed: in the middle of a step, numbers that are not finite, a state that
   /// follows another or that is moved by a matrix computed beforehand, bodies that would overlap.
@@ -129,7 +129,7 @@ class Simulation {
 
   /// A 64-bit hash over the bits of all x and v: the same for any number of threads.
   std::uint64_t stateHash() const;
-  // ---- for who doubts the result ----
+  // ---- for checks of the result ----
   const Snapshots& snapshots() const { return snapshots_; }
   const RunWatch& watch() const { return watch_; }
 

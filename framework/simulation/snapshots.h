@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The systems of a run, and x and v of each at moments that it may go back to.
+// The systems of a run, and the x and v of each that it can return to.
 #pragma once
 #include <memory>
 #include <vector>

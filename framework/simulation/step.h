@@ -15,11 +15,11 @@ struct StepContext {
   StopToken stop{};  ///< a step that is asked to stop is given up, and never half made
 };
 
-/// What a step did. Not converging is said here, not in a log.
+/// What a step did. Non-convergence is reported here, not in a log.
 struct StepReport {
   bool diverged = false;  ///< the state is not usable: the run stops
-  bool stopped = false;   ///< StepContext::stop came before the end of the step: nor is it then, and nothing is wrong
-  bool unsolved = false;  ///< statics have not reached their equilibrium, or a history is at fault: no result
+  bool stopped = false;   ///< StepContext::stop was requested: the state is not usable either, but nothing is wrong
+  bool unsolved = false;  ///< statics did not reach equilibrium, or a history reports a fault: no result
   std::string reason;     ///< a sentence, when diverged or not converged
   int newton_iterations = 0;
   int load_parts = 0;         ///< of statics: into how many parts the step was divided, those that failed included
@@ -29,7 +29,7 @@ struct StepReport {
   double linear_residual = 0;  ///< relative, of the last linear solve
   bool linear_converged = true;
   SolveStop linear_stop = SolveStop::converged;
-  bool linear_at_limit = false;  ///< a solve ended at its limit of iterations, or where round-off kept it
+  bool linear_at_limit = false;  ///< a solve ended at its iteration limit, or stagnated at round-off
   double newton_residual = 0;    ///< relative, where a Newton method ran
   bool newton_converged = true;
   int constraint_sweeps = 0;          ///< turns of the position constraints, for positions and for velocities

@@ -6,12 +6,12 @@
 
 namespace stroma {
 
-/// An observer that looks at the start of each step too and may refuse it: what the step would have to take into account and
-/// cannot. It changes nothing.
+/// An observer that also looks at the start of each step and may reject it, if the step would have to account for something that
+/// it cannot. It changes nothing.
 class StepGuard {
  public:
   virtual ~StepGuard() = default;
-  /// A sentence, or empty: the step may be made.
+  /// Why the step is rejected; empty if it may be made.
   virtual std::string refusal(const StepContext& context) = 0;
 };
 

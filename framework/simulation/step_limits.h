@@ -21,18 +21,18 @@ class StepLimits {
   bool bends() const { return !empty() && !system_->mappingChain().isLinear(); }
   /// The same on a way that goTo(s) puts the system's positions on; it ends with goTo(0).
   double longest(ConstRows dx, double factor, bool is_carried, bool goes_along, const std::function<void(double)>& goTo);
-  /// Something that was held fixed in the solve that has ended has moved on: it is to be made again. Obstacles have gone on as far
-  /// as bodies let them where they are.
+  /// A lagged quantity was updated after the last solve, which has to be repeated. Obstacles have advanced as far as the bodies
+  /// let them.
   bool moveOn();
-  /// The same while obstacles wait for goAlong().
+  /// The same while obstacles are waiting for goAlong().
   bool solvesAgain();
   /// See StepLimiter.
   bool hasWay() const {
     return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->hasWay(); });
   }
-  /// out = what the way of obstacles adds to forces; shape (allRows()), of which the independent rows count.
+  /// out = what the way of obstacles adds to forces; shape (allRows()), of which only the independent rows are used.
   void push(Rows out) const;
-  /// Obstacles go as far as bodies let them where they are.
+  /// Obstacles advance as far as the bodies let them.
   void goAlong();
   void goAlong(double s) {
     for (StepLimiter* limiter : limiters_) limiter->goAlong(s);
@@ -57,13 +57,13 @@ class StepLimits {
   std::vector<double> bend_;
 };
 
-// ---- told by the system and the simulation ----
+// ---- called by the system and the simulation ----
 void tellStepBegins(const System& system, ConstRows x, double t, double t_end);
-/// What lies in one another after a step, or empty.
+/// A sentence on what intersects after a step, or empty.
 std::string overlapIn(System& system);
-/// Moves what cannot start where it is (mechanics/step_limiter.h).
+/// Moves bodies out of an invalid start (mechanics/step_limiter.h).
 void placeStart(System& system);
-/// Throws ComponentError when an integrator does not ask how far it may step, or something else moves positions too.
+/// Throws ComponentError if an integrator does not ask how far it may step, or something else moves positions too.
 void checkStepLimits(const System& system);
 
 }  // namespace stroma

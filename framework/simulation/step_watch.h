@@ -6,7 +6,7 @@ namespace stroma {
 
 class LagrangianRows;
 
-/// Sees the equations of the steps that a thread makes, for whoever asks for those of the last one. It changes nothing.
+/// Sees the equations of the steps that a thread makes, for callers that ask for the last ones. It changes nothing.
 struct StepWatch {
   virtual ~StepWatch() = default;
   virtual void solved(SystemMatrix& matrix, ConstRows b, ConstRows x) = 0;

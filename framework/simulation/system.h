@@ -89,7 +89,7 @@ class System final {
   bool hasCurvedInertia() const { return !curved_masses_.empty(); }
 
   // ---- changes between steps ----
-  /// These components have been made anew: compiles again those that act here, and the integrator, and what followed
+  /// These components have been recompiled: compiles again those that act here, and the integrator, and what followed
   /// from them. `t`: the present time [s].
   void componentsChanged(const std::vector<Component*>& changed, double t);
   void gravityChanged();
