@@ -52,17 +52,17 @@ class DirectSolver : public LinearSolver {
   SolveReport solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) override;
   bool answersLookup() const override;
 
-  /// The factors of the matrix as it is now. Null when it has none, or was stopped; the report then says why and where.
+  /// The factors of the current matrix. Null if it cannot be factored, or was stopped; the report then says why and where.
   /// They stay where they are, with their numbers, until the next call with this matrix.
   Factorisation* factor(SystemMatrix& matrix, SolveReport& report, StopToken stop);
 
  protected:
   virtual std::unique_ptr<Factorisation> makeFactorisation(bool symmetric) const = 0;
-  /// Told after each factorisation, for outputs.
+  /// Called after each factorisation, for outputs.
   virtual void noteFactored(const Factorisation&) {}
-  /// What factors without one right digit mean.
+  /// What it means if the factors have no correct digit.
   virtual SolveStop uselessFactor() const { return SolveStop::breakdown; }
-  /// True when what they give is wanted all the same, as the solution of least squares.
+  /// True if their result is wanted all the same, as a least-squares solution.
   virtual bool givesLeastSquares() const { return false; }
 
  private:

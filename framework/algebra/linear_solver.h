@@ -11,8 +11,8 @@
 
 namespace stroma {
 
-/// Which matrix, in which pattern and with which values. Equal keys mean equal numbers: what was made from the one (an
-/// analysis, factors, an inverse diagonal) is right for the other.
+/// Identifies a matrix, its pattern and its values. Equal keys mean equal numbers: what was computed for one (an
+/// analysis, factors, an inverse diagonal) is valid for the other.
 struct MatrixKey {
   const void* matrix = nullptr;  ///< SystemMatrix::identity(); null: no matrix
   long pattern = 0;              ///< the owner's count of patterns
@@ -54,7 +54,7 @@ class SystemMatrix {
   /// Where the nodes of the rows are, near enough to tell how the matrix has turned since another one; nothing (count
   /// 0) when rows are not nodes in space.
   virtual ConstRows positions() const { return {}; }
-  /// Every row is a place that nothing ties to others: what belongs to one may turn alone.
+  /// Every row is a place that is not tied to others: its block may be rotated independently.
   virtual bool isOfLooseNodes() const { return positions().count > 0; }
   virtual bool hasTurns() const { return false; }  ///< some rows are turns: a residual holds forces and torques
   virtual std::string describeRow(Index row) const = 0;  ///< path of the component to blame for it, for messages
@@ -87,20 +87,20 @@ struct SolveReport {
   bool factored = false;         ///< a factorisation was made in this solve
   Index row = -1;                ///< the row where a factorisation broke down, -1 otherwise
   bool usable() const { return stop != SolveStop::not_finite && stop != SolveStop::not_definite && stop != SolveStop::stopped; }
-  /// Of one more right side with the same matrix: `stop` is the worst of all. False: no other one has a solution either.
+  /// Adds the report of another right side with the same matrix: `stop` becomes the worst of all. False: stop solving.
   bool add(const SolveReport& one);
 };
 
-/// What the caller of one solve says besides the equations.
+/// What the caller of one solve passes besides the equations.
 struct SolveTerms {
-  /// The |b - A x| / |b| that it is content with: solvers by products stop there where their own tolerance asks for more.
-  /// 0: their tolerance.
+  /// The |b - A x| / |b| that suffices: iterative solvers stop there even if their own tolerance is tighter.
+  /// 0: their own tolerance.
   double relative_residual = 0;
   StopToken stop{};  ///< a solve that is asked to stop ends within a product or a supernode, without a solution
 };
 
-/// Solves A x = b for any number of integrators. What it keeps between calls (factors, work space, a last solution) it
-/// keeps for each matrix: see PerMatrix.
+/// Solves A x = b for any number of integrators. What is kept between calls (factors, work space, a last solution) is
+/// kept per matrix: see PerMatrix.
 class LinearSolver : public Component {
  public:
   std::string roleText() const override { return "linear solver"; }
@@ -114,9 +114,9 @@ class LinearSolver : public Component {
   /// Before a step, and after one that is not taken: what serializeFor() knows is then again what it was.
   virtual void keepFor(SystemMatrix& /*matrix*/) {}
   virtual void takeBackFor(SystemMatrix& /*matrix*/) {}
-  /// True for solvers that need a symmetric matrix; System refuses the pairing at compile time with a sentence.
+  /// True for solvers that need a symmetric matrix; System rejects the pairing at compile time with an error.
   virtual bool needsSymmetric() const = 0;
-  /// Rows of the largest matrix that it takes; System refuses the pairing likewise.
+  /// Rows of the largest matrix that it takes; System rejects larger ones likewise.
   virtual Index mostRows() const { return std::numeric_limits<Index>::max(); }
 };
 

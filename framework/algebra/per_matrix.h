@@ -8,8 +8,8 @@
 
 namespace stroma {
 
-/// What a solver keeps for each matrix that it serves: factors, work space, a last solution. Looked up once per solve,
-/// among one entry in the usual case. What belongs to a matrix that has died is freed when the next new one comes, at
+/// What a solver keeps for each matrix: factors, work space, a last solution. Looked up once per solve,
+/// usually in a list of one. The entry of a destroyed matrix is freed when the next new one comes, at
 /// the latest with the solver.
 template <class Kept>
 class PerMatrix {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The elements of a mesh under one method, behind one interface: chosen once, called once a mesh. model_kernels.h makes
+// The elements of a mesh with one method, behind one interface: chosen once, called once per mesh. model_kernels.h builds
 // it from an element's mathematics.
 #pragma once
 #include <vector>
@@ -24,7 +24,7 @@ class ElementKernels {
   virtual bool refill() { return false; }
   /// Marks the blocks that assemble() adds to.
   virtual void addPattern(BlockPattern& pattern) const = 0;
-  /// What assemble() wants for a matrix with this pattern.
+  /// The slots that assemble() needs for a matrix with this pattern.
   virtual std::vector<Index> slots(const BlockMatrix& matrix) const = 0;
   /// values (shape (blocks, 9) of the matrix that `slots` were made for) += factor * K.
   virtual void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const = 0;

@@ -8,8 +8,8 @@ namespace stroma {
 
 class State;
 
-/// Implemented by force fields that join pairs of nodes, so that who draws a scene can show them: the mesh of a body does
-/// not have them.
+/// Implemented by force fields that join pairs of nodes, so that a viewer can draw them: they are not in the mesh of a
+/// body.
 class DrawnSegments {
  public:
   /// Two nodes, each of its state. The states may be those of two systems, or one that nothing moves.
@@ -27,7 +27,7 @@ class DrawnSegments {
   virtual void addSegments(std::vector<Segment>& segments) const = 0;
 };
 
-/// Implemented by what makes a body solid to others: who draws a scene shows it even where nothing moves it.
+/// Implemented by components that make a body solid to others: a viewer draws it even where nothing moves it.
 class DrawnSolids {
  public:
   struct Sphere {
@@ -39,7 +39,7 @@ class DrawnSolids {
   virtual void addSolids(std::vector<const State*>& bodies, std::vector<Sphere>& spheres) const = 0;
 };
 
-/// Implemented by what has solids that no state has: obstacles, which move together.
+/// Implemented by components with solids that belong to no state: obstacles, which move together.
 class DrawnObstacles {
  public:
   struct Shape {

@@ -8,7 +8,7 @@ namespace stroma {
 
 struct CellKind;
 
-/// What a force field is, so that the plan can skip work. A trait that is forgotten promises nothing.
+/// The properties of a force field, so that the plan can skip work. A trait that is not set promises nothing.
 struct ForceTraits {
   bool linear = false;              ///< force is affine in x
   bool constant_stiffness = false;  ///< K does not change: assemble and factor once
@@ -20,9 +20,9 @@ struct ForceTraits {
   bool time_dependent = false;      ///< setTime() changes the force
   bool forces_balance = false;      ///< internal: forces sum to zero and vanish at the rest shape
   bool torques_balance = false;     ///< internal: torques sum to zero too
-  bool has_rest_shape = false;      ///< a body far larger than at rest has burst; so where forces_balance
+  bool has_rest_shape = false;      ///< a body far larger than at rest has burst; implied by forces_balance
   bool lagged = false;              ///< depends on a quantity from before the step
-  bool decided_outside = false;     ///< a program decides on it, and may change it without an edit
+  bool decided_outside = false;     ///< controlled by a program, which may change it without an edit
   bool undamped = false;            ///< stiffness of contact: an integrator's rayleighStiffness leaves K out
 };
 
@@ -79,7 +79,7 @@ class ForceField : public Component {
   /// A sentence on the worst element at x, for a report of divergence ("tetrahedron 12 (nodes 3 4 8 9): J = -0.3"),
   /// or empty.
   virtual std::string worstElement(ConstRows) const { return {}; }
-  /// A sentence on why x lies outside what the field's law is made for, or empty. Asked at the end of a run.
+  /// A sentence on why x is outside the range of validity of the law, or empty. Asked at the end of a run.
   virtual std::string doubt(ConstRows) const { return {}; }
   /// Named per-cell fields for output ("vonMises", "J"): computed only when an observer asks. Empty name list: none.
   virtual std::vector<std::string> cellFields() const { return {}; }

@@ -5,10 +5,10 @@
 
 namespace stroma {
 
-/// A component whose forces depend on more of the past than x and v: viscous stresses, fluid pressures. What it
-/// remembers is state, as x and v are. Forces are evaluated any number of times in a step (Newton iterations, line
-/// searches, stages) and must not change it; it moves on once, in stepEnded(). A step that is taken back therefore
-/// leaves it as it was, and nobody has to roll it back. Component::reset() goes back to the start;
+/// A component whose forces depend on more of the past than x and v: viscous stresses, fluid pressures. Its history
+/// is state, as x and v are. Forces are evaluated any number of times in a step (Newton iterations, line
+/// searches, stages) and must not change it; it is updated once, in stepEnded(). A rejected step therefore
+/// leaves it as it was, and needs no rollback. Component::reset() goes back to the start;
 /// Component::serialize() stores it.
 class History {
  public:
@@ -16,10 +16,10 @@ class History {
   /// The step to time t [s] stands: x and v of the states are its result. Called for every step that is kept, when all
   /// systems have made theirs.
   virtual void stepEnded(double t) = 0;
-  /// Empty, or a sentence: why the step that has ended is no result, although every equation of it was solved. Asked in
-  /// statics only: with inertia bodies may swing, and integrators know when they do so too fast.
+  /// Empty, or a sentence: why the last step is not a valid result although all its equations were solved. Asked in
+  /// statics only: with inertia bodies may oscillate, and integrators detect when they do so too fast.
   virtual std::string fault() const { return {}; }
-  /// What is remembered, to look at.
+  /// The history, read only.
   virtual const std::vector<double>& history() const = 0;
 };
 

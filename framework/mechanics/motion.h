@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How the rows of positions move by increments: x of points and of numbers adds, orientations turn. The only place that
-// knows it.
+// How increments move the rows of positions: points and numbers add, orientations rotate. No other code depends
+// on the difference.
 #pragma once
 #include <vector>
 

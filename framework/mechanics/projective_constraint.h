@@ -65,7 +65,7 @@ class ProjectiveConstraint : public Component {
   /// True when held velocities are also set to zero, not only kept from changing.
   virtual bool projectsVelocity() const { return false; }
 
-  /// Appends rows that follow others which do not feel it: the forces on these rows are received by nobody.
+  /// Appends rows that follow others one way: forces on them are not passed on to the rows that they follow.
   virtual void addUnansweredRows(std::vector<Index>&) const {}
 
   /// Positions [m] and velocities [m/s] before the first step, where they are not those of the states; `t`: the start.

@@ -32,8 +32,8 @@ class State : public Component {
   ConstRows segment(ConstRows all) const { return all.segment(first_row_, size()); }
   Rows x() const { return segment(x_); }
   Rows v() const { return segment(v_); }
-  /// The net force at the end of the step [N], for observers that called requestForce() in their init(): it takes an
-  /// evaluation of its own, so that what stands here otherwise is the force of no instant.
+  /// The net force at the end of the step [N], for observers that called requestForce() in their init(). It takes an
+  /// extra evaluation: without a request this is not the force at any one instant.
   ConstRows f() const {
     assert(force_requested_ && "requestForce() comes before the first step");
     return segment(f_);

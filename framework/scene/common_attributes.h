@@ -6,11 +6,11 @@
 
 namespace stroma {
 
-/// Attributes of every component that SOFA keeps for itself. `name`, `src` and `template` have a meaning here.
+/// Attributes that every component of SOFA has. Only `name`, `src` and `template` have a meaning here.
 const std::vector<std::string>& commonAttributes();
 /// Those of a Node.
 const std::vector<std::string>& nodeAttributes();
-/// What `template` may say: there is one set of types. Words that begin with CompressedRowSparseMatrix may stand there too.
+/// Valid values of `template`: there is one set of types. Words that begin with CompressedRowSparseMatrix are accepted too.
 const std::vector<std::string>& templateWords();
 
 }  // namespace stroma

@@ -15,9 +15,9 @@ struct AttributeDescription {
   std::string name;
   std::string value;
   SourceLocation where;
-  /// Where the file writes the value that an override stands for; no line when it writes none.
+  /// Where the file has the value that an override replaces; no line if it has none.
   SourceLocation overridden{};
-  /// The value itself, where a program gave one that is not printed and read again; the text above is then empty.
+  /// The value itself, if a program gave one without printing it; the text above is then empty.
   std::shared_ptr<const Data> typed{};
 };
 
@@ -47,8 +47,8 @@ struct NodeDescription {
 /// A file of a scene as it was read.
 struct SceneFileText {
   std::string file, text;
-  bool is_on_disk = true;  ///< read from there, and not given by a program
-  bool is_prefab = false;  ///< of an element that a file stands for
+  bool is_on_disk = true;  ///< false for text given by a program
+  bool is_prefab = false;  ///< the file of a prefab element
 };
 
 struct SceneDescription {

@@ -10,7 +10,7 @@
 
 namespace stroma {
 
-/// What the factory knows of a component type.
+/// What the factory knows about a component type.
 struct ComponentEntry {
   std::string type;    ///< the name in a scene
   std::string help;    ///< one line

@@ -29,7 +29,7 @@ class Instantiation {
   };
 
   // ---- instantiate.cpp: the tree ----
-  /// Opens what RequiredPlugin names by path, in the whole tree, before any component is made.
+  /// Opens the modules that RequiredPlugin names by path, in the whole tree, before any component is made.
   void prepare(const NodeDescription& node);
   void openPlugins(const ComponentDescription& component);
   /// Attributes, components and children of one node, in the order of the file.
@@ -57,7 +57,7 @@ class Instantiation {
   void findInputFile(const AttributeDescription& attribute, Data& data, Component& component);
   bool isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
                              const Component* component);
-  /// Required and physical attributes that nothing set.
+  /// Reports required and physical attributes that were not set.
   void checkGiven(Component& component);
 
   // ---- links.cpp ----
@@ -68,7 +68,7 @@ class Instantiation {
   void resolveSrc(const PendingLink& link);
   void linkData(const PendingLink& link, Component& source, const Data& from);
 
-  /// Reports, and marks the component so that what needs it stays silent.
+  /// Reports the error and marks the component, so that its dependents add no further message.
   void fail(Component& component, Problem problem);
   void initialise(const Node& node);
   void release(const Node& node);
@@ -80,7 +80,7 @@ class Instantiation {
   std::vector<PendingLink> pending_;
 };
 
-/// Stands where a component could not be made, so that links to it do not raise a second message.
+/// Placeholder for a component that could not be made, so that links to it cause no second message.
 class UnknownComponent final : public Component {
  public:
   void declare(DataTable&) override {}

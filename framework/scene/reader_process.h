@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Files that are read by libraries of others are read in a process of their own: a fault that a damaged file finds there
-// ends that process, and becomes an ordinary error of ours. It may use memory and time for a file of that size, no more.
+// Third-party libraries read files in a separate process: a crash on a damaged file ends that process only, and
+// becomes an ordinary error here. Its memory and time are limited by the size of the file.
 #pragma once
 #include <string>
 
@@ -12,11 +12,11 @@ namespace stroma {
 struct ReaderProgram {
   std::string name;     ///< in moduleFolder(), or a path
   std::string reader;   ///< who reads there, for messages: "VTK's reader"
-  std::string missing;  ///< why the program may not be there, and what helps
+  std::string missing;  ///< why the program may be missing, and what to do
 };
 
-/// Runs the program on a file and returns what it hands over. Throws ComponentError: what it complains of, or how it
-/// ended. May be called from any thread; ends when the program does.
+/// Runs the program on a file and returns its result. Throws ComponentError with its error, or with how it
+/// ended. May be called from any thread; returns when the program ends.
 ValueLists readInOwnProcess(const ReaderProgram& program, const std::string& file, const Texts& arguments = {});
 
 // ---- in the program ----
@@ -27,8 +27,8 @@ using ReadFunction = ValueLists (*)(const std::string& file, const Texts& argume
 /// All of main().
 int runReader(int argc, char** argv, ReadFunction read);
 
-/// To be called by `read` when it knows the format: reading may take `memory_per_byte` bytes for each of the file's, on
-/// top of what a program takes anyway, and computing time by its size.
+/// To be called by `read` when it knows the format: limits memory to `memory_per_byte` bytes per byte of the file, on top
+/// of a program's usual memory, and computing time by the file's size.
 void limitReader(double file_bytes, double memory_per_byte);
 
 }  // namespace stroma

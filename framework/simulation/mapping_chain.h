@@ -26,8 +26,8 @@ class MappingChain {
   /// all rows; zero in independent rows.
   void curve(ConstRows v, Rows a) const;
 
-  /// Where to add forces on all rows whose sum out += J^T f is wanted: `out` itself without mappings, else work space
-  /// that is zero. To be handed to finishProduct().
+  /// Where to add forces on all rows for out += J^T f: `out` itself without mappings, else zeroed work space. To be passed
+  /// to finishProduct().
   Rows beginSum(Rows out) const;
   /// out += J^T all of a product with `p` (on all rows), on independent rows; nothing to do without mappings. With k times the
   /// stiffness each mapping that is not linear adds the turning of the force on its child, (J^T f)' = J^T K J + dJ^T/dx f.

@@ -11,11 +11,11 @@ namespace stroma {
 
 class Simulation;
 
-/// Reads after a step; changes nothing. What no observer asks for is not computed.
+/// Reads after a step and changes nothing. Values that no observer asks for are not computed.
 class Observer : public Component {
  public:
   std::string roleText() const override { return "observer"; }
-  /// Called at load, when everything that moves is compiled: refuses what begin() or afterStep() could not do. Writes
+  /// Called at load, when everything that moves is compiled: rejects what begin() or afterStep() could not do. Writes
   /// nothing. Throws ComponentError.
   virtual void compile(const Simulation&) {}
   virtual void begin(const Simulation&) {}  ///< at t = 0, before the first step
@@ -24,7 +24,7 @@ class Observer : public Component {
   /// The files that it writes, or replaces, as it stands now: what the scene reads must not be among them, nor what another
   /// observer writes, and all must be writable before the first step. Of a series, those that are there and the next.
   virtual std::vector<std::string> files() const { return {}; }
-  /// They are written under another name first, which takes a folder that can be written in.
+  /// They are written under another name first, which needs a writable folder.
   virtual bool replacesFiles() const { return false; }
   /// False when after this step it reads no other nodes than those of addWatchedNodes(). Asked before afterStep(), for
   /// integrators that bring the others to the present only when somebody reads them.

@@ -28,9 +28,9 @@ class PrescribedMotion {
   void aim(const StepContext& context, ConstRows x, Rows v);
   /// Writes positions and velocities at time t [s] of what has a prescribed motion in this step.
   void place(const StepContext& context, double t, Rows x, Rows v) const;
-  /// Throws ComponentError when nodes that never move have no place; `start`: the time [s] before the first step.
+  /// Throws ComponentError if fixed nodes have conflicting positions; `start`: the time [s] before the first step.
   void check(double start, ConstRows x, ConstRows v);
-  /// Empty, or a sentence: a node is to be at places without a common point. Of this step.
+  /// Empty, or a sentence: prescribed positions of a node conflict in this step.
   const std::string& misplaced() const { return misplaced_; }
   void forgetMisplaced() { misplaced_.clear(); }
 

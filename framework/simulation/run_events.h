@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What people do to a run, and the record of it.
+// Changes made to a run from outside, and the record of them.
 #pragma once
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace stroma {
 
-/// An input that began, is another now, or (without `input`) ended.
+/// An input that began, changed, or (without `input`) ended.
 struct InputChange {
   long number = 0;  ///< of Simulation::addInput()
   std::optional<Input> input{};
@@ -34,7 +34,7 @@ struct RunEvent {
   std::variant<InputChange, AttributeEdit, StateChange> what;
 };
 
-/// All that was done to a run from outside.
+/// All changes made to a run from outside.
 class RunLog {
  public:
   const std::vector<RunEvent>& events() const { return events_; }

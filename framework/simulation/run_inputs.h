@@ -12,7 +12,7 @@
 
 namespace stroma {
 
-/// The forces from outside that act on a run, by number. What is done to them is recorded.
+/// The forces from outside that act on a run, by number. Changes to them are recorded.
 class RunInputs {
  public:
   RunInputs(const std::unique_ptr<Node>& root, const Systems& systems, const RunClock& clock, RunLog& log, RunWatch& watch);
@@ -23,11 +23,11 @@ class RunInputs {
   long add(const Input& input);
   void change(long number, const Input& input);
   void remove(long number);
-  /// Begins, or changes, the one with this number.
+  /// Adds the input with this number, or replaces it.
   void set(long number, const Input& input);
   bool has(long number) const { return inputs_.count(number) > 0; }
 
-  /// None acts any more, and the next number is this one. Nothing is recorded.
+  /// Removes all inputs and sets the next number. Nothing is recorded.
   void drop(long next_number);
   /// add() gives no number below this one.
   void reserve(long next_number) { next_ = std::max(next_, next_number); }

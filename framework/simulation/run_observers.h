@@ -8,7 +8,7 @@
 
 namespace stroma {
 
-/// Those who see the steps of a run. See Simulation, which says when.
+/// The observers of a run. Simulation says when they are called.
 class RunObservers {
  public:
   explicit RunObservers(const Simulation& simulation, const Systems& systems);

@@ -26,10 +26,10 @@ class SharedPlacements {
 
   /// To be called when motion `constraint` has placed its nodes in x [m] and v [m/s].
   void note(int constraint, ConstRows x, ConstRows v);
-  /// A node that has no place.
+  /// A node with conflicting prescribed positions.
   struct Conflict {
     Index row = -1;       ///< -1: there is none
-    int a = 0, b = 0;     ///< two motions that it cannot both follow
+    int a = 0, b = 0;     ///< two conflicting motions
     double distance = 0;  ///< [m], to where a puts it
   };
   /// Puts the nodes where all motions noted agree; returns the worst conflict.

@@ -36,7 +36,7 @@ class Simulation {
   const Systems& systems() const { return systems_; }
   std::vector<State*> states() const;  ///< those a system moves, in document order
   const std::vector<Observer*>& observers() const { return observers_.all(); }
-  /// From now on nothing observes: for runs that must not write files. Before begin().
+  /// Drops all observers: for runs that must not write files. Before begin().
   void dropObservers() { observers_.clear(); }
 
   /// From now on `observer` sees the end of each step, and first the present instant, by begin(), when the run has
@@ -45,21 +45,21 @@ class Simulation {
   /// The observer sees its end() if the run has begun. No effect when it does not observe.
   void removeObserver(Observer& observer) { observers_.remove(observer); }
 
-  /// Throws SceneError when files of observers could not be written as things stand, with every one of them and nothing
-  /// written: what can be known of begin() before it.
+  /// Throws SceneError, listing all of them, if files of observers could not be written as things stand. Writes
+  /// nothing: what can be known of begin() before it.
   void checkOutputs() const { observers_.checkOutputs(); }
   /// Observers see t = 0. Called by the first step when the caller has not. Throws OutputError when one of their files
   /// cannot be written; none has been changed then, unless a disk is full.
   void begin() { observers_.begin(); }
-  /// One step. When it diverges, the states and what integrators remember are those of the last good step, and the
-  /// report says why. So are they when it is asked to stop before its end.
+  /// One step. If it diverges, the states and the memory of integrators are those of the last good step, and the
+  /// report says why. The same holds if it is asked to stop before its end.
   /// Throws OutputError after the step when an observer cannot write; all others have seen the step then. What
   /// a director throws is thrown before the step, which is not made.
   StepReport step(StopToken stop = {});
   /// Some integrators compute nodes that nobody reads only on demand. Off (the default): every step ends with
-  /// complete(). On: who reads x or v after a step calls complete() before; observers have it done for them.
+  /// complete(). On: call complete() before reading x or v after a step; for observers this is done automatically.
   void computeOnDemand(bool on) { observers_.computeOnDemand(on); }
-  /// Brings every node to the present.
+  /// Brings every node up to date.
   void complete() const { stroma::complete(systems_); }
   /// Observers see the end. Throws OutputError when one cannot write; all others have ended then.
   void end() { observers_.end(); }
@@ -112,18 +112,18 @@ class Simulation {
   /// A step is under way: nothing may be changed.
   bool isStepping() const { return stepping_; }
 
-  // ---- all that was done to the run from outside: inputs and attributes ----
+  // ---- all changes made to the run from outside: inputs and attributes ----
   /// What was done since the start of the run, in order: done again to the same scene, as loaded, it repeats the run bit
   /// for bit. What was refused is not in it; of several targets, forces or balls of one input before the same step it
   /// has the last. After reset() it starts with the edits that stay, at step 0. After restore() it starts with what the
   /// checkpoint has, edits at step 0 and inputs at its step: it repeats what follows in the same scene, restored from
   /// the same checkpoint.
   const std::vector<RunEvent>& events() const { return log_.events(); }
-  /// Throws ComponentError when the event cannot be, whatever the scene will be like then.
+  /// Throws ComponentError if the event is invalid in any state of the scene.
   void check(const RunEvent& event) const;
   /// Does it now. An input that has ended already may end again.
   void make(const RunEvent& event);
-  /// From now on it does things before the steps; null: nobody does.
+  /// Sets the director, which is called before each step; null: none.
   void setDirector(std::unique_ptr<RunDirector> director);
   RunDirector* director() const { return director_.get(); }
 
@@ -146,7 +146,7 @@ class Simulation {
   void takeBack(std::size_t failed);
   /// The system puts its own step back, and no other has to.
   bool isLean(std::size_t index) const { return systems_.size() == 1 && systems_[index]->integrator().stateOwner(); }
-  /// The step stands for `history`; its fault makes a step without time unsolved.
+  /// The step is final for `history`; its fault makes a static step unsolved.
   void endHistory(History& history, const StepContext& context, StepReport& report) const;
 
   /// Owns the tree that all pointers of the systems lead into.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What can be said about a system: where its state or a step went wrong.
+// Messages about a system: where its state or a step went wrong.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace stroma {
 
-/// Looks for states that are no result.
+/// Detects invalid states.
 class FaultWatch {
  public:
   /// `system` outlives this.
