@@ -93,7 +93,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
   std::vector<Face> listedTriangles(const Mesh& mesh) const {
     if (list_.empty() && !allow_empty_)
       throw ComponentError("triangleList lists no triangle", "at least one",
-                           "when a selection is linked here, check that its box holds triangles");
+                           "if a selection is linked here, check that its box contains triangles");
     if (list_.empty()) warn("triangleList lists no triangle: there is no load");
     std::vector<Face> faces;
     for (std::size_t i = 0; i < list_.size(); ++i) {

@@ -71,7 +71,7 @@ class MeshSubsetEngine final : public MeshEngine {
     table.add("hexahedra", part_.hexahedra).help("hexahedra of them").output();
   }
   void init() override {
-    if (indices_.empty()) warn("indices names no node", "check that the selection linked here holds nodes");
+    if (indices_.empty()) warn("indices names no node", "check that the selection linked here contains nodes");
     part_ = Mesh();
     std::vector<Index> number(from_.position.size(), -1);
     for (const int node : indices_) {

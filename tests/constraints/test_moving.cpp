@@ -410,7 +410,7 @@ TEST(MovingConstraints, SayWhatIsWrong) {
   for (const std::string integrator : {"EulerExplicitSolver", "StaticSolver"})
     expectContains(problemsOf(chain("<" + integrator + "/>",
                                     "<ProjectToLineProjectiveConstraint indices='0' direction='1 0 0' inMatrix='false'/>")),
-                   integrator + " projects no right side");
+                   integrator + " does not project the right side");
 }
 
 }  // namespace

@@ -336,10 +336,10 @@ TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
   Diagnostics told;
   warnOfLaggedForces(early, told);
   ASSERT_EQ(told.problems().size(), 1u);
-  EXPECT_TRUE(says(told.problems()[0].text(), "from before the step"));
+  EXPECT_TRUE(says(told.problems()[0].text(), "lags by one step"));
   EXPECT_EQ(doubtsText(early), "");
   for (const std::string rule : {"<BDFOdeSolver order='2'/>", "<NewmarkImplicitSolver/>", "<TrapezoidalRuleSolver/>"}) {
-    EXPECT_TRUE(says(sponge(rule, "semi_implicit"), "from before the step")) << rule;
+    EXPECT_TRUE(says(sponge(rule, "semi_implicit"), "lags by one step")) << rule;
     EXPECT_EQ(sponge(rule, "implicit"), "") << rule;
   }
   for (const std::string rule : {"<BDFOdeSolver order='1'/>", "<EulerImplicitSolver/>"})

@@ -130,7 +130,7 @@ TEST_F(Command, AConstraintThatDoesNotHoldEndsTheRun) {
   const Finished run = stroma("run behind.xml -n 5 --quiet --json report.json");
   EXPECT_EQ(run.code, 3) << run.err;
   EXPECT_TRUE(has(run.err, "not converged: ")) << run.err;
-  EXPECT_TRUE(has(run.err, "held there")) << run.err;
+  EXPECT_TRUE(has(run.err, "fixed there")) << run.err;
   const auto report = nlohmann::json::parse(readText(folder_ / "report.json"));
   EXPECT_EQ(report["outcome"], "not converged");
   EXPECT_TRUE(has(report["reason"].get<std::string>(), "node 0 is 0.5 behind plane 0"));
