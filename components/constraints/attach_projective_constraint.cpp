@@ -101,26 +101,26 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
-    table.addLink("object1", object1_).help("state of indices1; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of indices2; that of object1 when not given");
+    table.addLink("object1", object1_).help("state of indices1; the one of this node by default");
+    table.addLink("object2", object2_).help("state of indices2; that of object1 by default");
     table.add("indices1", indices1_).help("nodes of object1, one for each pair").required();
     table.add("indices2", indices2_).help("nodes of object2, one for each pair").required();
     table.add("twoWay", two_way_)
         .help(
-            "both ends share mass and forces; false, as in SOFA without it: the second follows and the first feels "
-            "nothing");
+            "both ends share mass and forces; false, SOFA's default: the second follows without acting on the first");
     table.addChoice("meet", meet_, {"leader", "halfway"})
         .help("where points go that follow without being felt: where those go that they follow, or halfway there, as in SOFA");
     table.add("inMatrix", in_matrix_)
         .help("with twoWay, of points, false: both ends are free in the matrix of an implicit step of one linear solve, whose right side "
               "has their mean, and meet after it: SOFA's way with assembled matrices");
-    table.add("positionFactor", position_factor_).help("of the way to what is followed, with meet=halfway").unit("-").min(0).max(1);
+    table.add("positionFactor", position_factor_).help("fraction of the way to the followed node, with meet=halfway")
+        .unit("-").min(0).max(1);
     table.add("velocityFactor", velocity_factor_).help("of the change of both velocities, with meet=halfway").unit("-").min(0).max(1);
     table.add("responseFactor", response_factor_).help("of the change of both right sides, with inMatrix=false").unit("-").min(0).max(1);
-    table.add("constraintFactor", pair_factors_).help("of all three, one for each pair; 1 when not given").unit("-").min(0).max(1);
+    table.add("constraintFactor", pair_factors_).help("of all three, one for each pair; 1 by default").unit("-").min(0).max(1);
     table.add("lastPos", last_place_).help("where a pair comes free that goes along lastDir").unit("m");
-    table.add("lastDir", last_way_).help("zero: pairs stay together wherever they go").unit("-");
-    table.add("clamp", clamp_).help("the second node of a pair that is past lastPos stays there, and is not free");
+    table.add("lastDir", last_way_).help("zero: pairs are never released").unit("-");
+    table.add("clamp", clamp_).help("the second node of a pair past lastPos stays there instead of being released");
     table.add("minDistance", min_distance_).help("pairs farther apart are free; -1: none is").unit("m");
     table.add("freeRotations", free_turns_).help("frames share centres, and turn by themselves");
     table.add("lastFreeRotation", last_free_turn_).help("the frame of the last pair turns by itself");
@@ -145,10 +145,10 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
       farthest = std::max(farthest, (state().position[leaders_[i]] - second_->position[followers_[i]]).norm());
     }
     if (!data().find("twoWay")->isSet())
-      inform("twoWay is not given: both ends feel each other; in SOFA the second follows and the first feels nothing");
+      inform("twoWay is not given: both ends act on each other; in SOFA the second follows without acting on the first");
     else if (!two_way_)
       inform(
-          fmt::format("{} feels nothing of what follows it: the force that holds the nodes of {} is received by nobody",
+          fmt::format("{} is not affected by the nodes that follow it: the force on the nodes of {} is not transmitted",
                       state().path(), second_->path()));
     if (farthest > 0)
       inform(fmt::format("attached nodes lie up to {:.3g} m apart: they are brought together", farthest));

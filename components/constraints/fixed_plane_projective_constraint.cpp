@@ -30,8 +30,8 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
     table.add("direction", direction_).help("normal of the plane").unit("-").required();
-    table.add("dmin", lowest_).help("with dmax: hold the nodes between two planes").unit("m");
-    table.add("dmax", highest_).help("with dmin: hold the nodes between two planes").unit("m");
+    table.add("dmin", lowest_).help("with dmax: fix the nodes between two planes").unit("m");
+    table.add("dmax", highest_).help("with dmin: fix the nodes between two planes").unit("m");
   }
 
   void init() override {
@@ -55,7 +55,7 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
     }
     if (found.empty() && !ignoresMissing())
       throw ComponentError(
-          fmt::format("no node of {} lies between the planes {:g} and {:g}", state().path(), lowest_, highest_),
+          fmt::format("no node of {} is between the planes {:g} and {:g}", state().path(), lowest_, highest_),
           "dmin < direction.x < dmax for some nodes");
     if (found.empty()) warn("no node is held");
     setNodes({found.begin(), found.end()});

@@ -29,7 +29,7 @@ class FixedRotation final : public HeldNodes {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
-    table.find("indices")->help("frames that do not turn; every frame when not given");
+    table.find("indices")->help("frames that do not turn; every frame by default");
     table.add("FixedXRotation", held_[0]).help("no turn about x");
     table.add("FixedYRotation", held_[1]).help("no turn about y");
     table.add("FixedZRotation", held_[2]).help("no turn about z");
@@ -45,7 +45,7 @@ class FixedRotation final : public HeldNodes {
     if (!state().hasFrames())
       throw ComponentError("the nodes of " + state().path() + " have no orientation", "a state of template Rigid3");
     if (!held_[0] && !held_[1] && !held_[2])
-      warn("no axis is held: the constraint does nothing", "FixedXRotation, FixedYRotation or FixedZRotation");
+      warn("no axis is fixed: the constraint has no effect", "FixedXRotation, FixedYRotation or FixedZRotation");
     Mat3 free = Mat3::Identity();
     for (int axis = 0; axis < 3; ++axis)
       if (held_[axis]) free(axis, axis) = 0;

@@ -56,7 +56,7 @@ class LinearMovement : public HeldNodes, public StartVelocity {
     movement_.declare(table, "movements", "displacement (or position) of the nodes at each of keyTimes", "m");
     table.add("relativeMovements", relative_).help("movements are displacements, else positions");
     table.addChoice("outside", outside_, {"free", "hold"})
-        .help("what happens to the nodes before the first and after the last key time");
+        .help("state of the nodes before the first and after the last key time");
     table.add("late", late_).help("in a step the nodes go where they were to be at its start, with velocities of then, as SOFA's");
     table.addVisualOnly("showMovement");
   }
@@ -66,7 +66,7 @@ class LinearMovement : public HeldNodes, public StartVelocity {
     holdAllRows();
     movement_.compile(state());
     if (outside_ == Outside::free && !data().find("outside")->isSet())
-      inform(fmt::format("the nodes are free before t = {:g} s and after t = {:g} s; outside=\"hold\" keeps them",
+      inform(fmt::format("the nodes are free before t = {:g} s and after t = {:g} s; outside=\"hold\" fixes them",
                          movement_.first(), movement_.last()));
     start_.reserve(nodes().size() * std::size_t(heldRows()));
   }
@@ -166,7 +166,7 @@ class PartialLinearMovementProjectiveConstraint final : public LinearMovement {
     LinearMovement::init();
     setProjectors(freeDirections(directions_, state(), "movedDirections"));
     if (std::none_of(directions_.begin(), directions_.end(), [](bool moved) { return moved; }))
-      warn("movedDirections moves no direction: the constraint does nothing", "write 1 for each direction to move");
+      warn("movedDirections selects no direction: the constraint has no effect", "write 1 for each direction to move");
     if (!corner_shares_.empty()) findShares();
   }
 

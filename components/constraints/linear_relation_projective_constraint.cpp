@@ -65,14 +65,14 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
-    table.addLink("object1", object1_).help("state of indices; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of indices2; that of object1 when not given");
+    table.addLink("object1", object1_).help("state of indices; the one of this node by default");
+    table.addLink("object2", object2_).help("state of indices2; that of object1 by default");
     table.add("indices", own_.indices).help("nodes: as many for each relation as there are coefficients").required();
     table.add("coefficients", own_.coefficients).unit("-").help("c_j, those of one relation").required();
     table.add("directions", own_.directions)
         .unit("-")
         .help("d_j, one for each coefficient or one for all; not given: the relation holds in x, y and z");
-    table.add("indices2", common_.indices).help("nodes of object2 that take part in every relation");
+    table.add("indices2", common_.indices).help("nodes of object2 that are part of every relation");
     table.add("coefficients2", common_.coefficients).unit("-").help("C_k, one for each of indices2");
     table.add("directions2", common_.directions).unit("-").help("D_k, one for each of indices2 or one for all");
   }
@@ -174,7 +174,7 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
       farthest = std::max(farthest, std::abs(off) / std::sqrt(square));
     }
     if (farthest > 0)
-      inform(fmt::format("nodes start up to {:.3g} m from where the relations hold: they are moved there", farthest));
+      inform(fmt::format("nodes start up to {:.3g} m from positions that satisfy the relations: they are moved there", farthest));
   }
 
   /// All relations of row `of_node` of the nodes, with `along` of a term's direction in its place.

@@ -4,7 +4,7 @@
 //   v(t) = w(t),   x(t) = x(t_0) + integral of w from t_0 to t
 //
 // with t_0 the start of the first step in which the velocities hold. Positions and velocities are exact at the end of
-// every step. `coordinates` lists the axes that are driven (0, 1, 2; all when not given). Before the first key time the
+// every step. `coordinates` lists the axes that are driven (0, 1, 2; all by default). Before the first key time the
 // nodes are free, and after the last too, unless continueAfterEnd keeps the last velocity.
 //
 // With late="true", for points, the way is a sum over the steps of h from t_i and the velocity that of a step's start, as SOFA's:
@@ -45,11 +45,11 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
     velocity_.declare(table, "velocities", "velocity of the nodes at each of keyTimes", "m/s");
-    table.add("coordinates", axes_).help("axes that are driven (0, 1, 2, of frames to 5); all when not given");
+    table.add("coordinates", axes_).help("axes that are driven (0, 1, 2, of frames to 5); all by default");
     table.add("ahead", ahead_)
         .help("by how much nodes that are driven from the start of a simulation are ahead of where they start, as SOFA's")
         .unit("m");
-    table.add("late", late_).help("in a step the nodes go on with the velocity of its start, as SOFA's; of points only");
+    table.add("late", late_).help("in a step the nodes keep the velocity of its start, as in SOFA; for points only");
     table.add("continueAfterEnd", continue_).help("keep the last velocity after the last key time");
   }
 

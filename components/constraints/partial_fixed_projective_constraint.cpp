@@ -32,16 +32,16 @@ class PartialFixedProjectiveConstraint final : public HeldNodes {
     table.find("fixAll")->recompiled();
     table.add("fixedDirections", directions_)
         .recompiled()
-        .help("for x, y and z, of frames also for the turns about them, or for each number: 1 held, 0 free");
+        .help("for x, y and z, for frames also rotations about them, or for each number: 1 fixed, 0 free");
     table.add("projectVelocity", project_velocity_)
         .alias("activate_projectVelocity")
-        .help("also set the velocity along the held directions to zero");
+        .help("also set the velocity along the fixed directions to zero");
   }
 
   void init() override {
     HeldNodes::init();
     if (std::none_of(directions_.begin(), directions_.end(), [](bool held) { return held; }))
-      warn("fixedDirections holds no direction: the constraint does nothing", "write 1 for each direction to hold");
+      warn("fixedDirections selects no direction: the constraint has no effect", "write 1 for each direction to fix");
     setProjectors(freeDirections(directions_, state(), "fixedDirections"));
   }
   bool projectsVelocity() const override { return project_velocity_; }

@@ -103,7 +103,7 @@ void BDFOdeSolver::compile(System& system) {
     throw ComponentError("startFrom=\"predicted\" of " + path() + " is not for frames whose inertia turns with them",
                          "startFrom=\"state\", or UniformMass turns=\"false\"", "startFrom=\"state\"");
   if (start_from_ == StartFrom::predicted && implicit_.isLimited())
-    throw ComponentError("startFrom=\"predicted\" of " + path() + " moves bodies before it looks what is in their way",
+    throw ComponentError("startFrom=\"predicted\" of " + path() + " moves bodies before it checks for contact",
                          "startFrom=\"state\" with contact that nothing passes", "startFrom=\"state\"");
   if (start_from_ == StartFrom::state && rest_below_ > 0)
     throw ComponentError("restBelow of " + path() + " is of steps that begin where velocities lead", "startFrom=\"predicted\" with it",

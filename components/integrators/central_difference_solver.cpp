@@ -84,7 +84,7 @@ void CentralDifferenceSolver::declare(DataTable& table) {
   table.add("rayleighMass", rayleigh_mass_).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
   table.addChoice("firstStep", first_step_, {"half", "whole"})
       .help("half: the first velocity is that at the start of the step; whole: that half a step before, as in SOFA");
-  table.add("dampsHeld", damps_held_).help("rayleighMass slows the velocity of held nodes down too, as in SOFA");
+  table.add("dampsHeld", damps_held_).help("rayleighMass also slows down the velocity of fixed nodes, as in SOFA");
   declareLinearSolver(table, false);
   velocity_damping_.declare(table);
   sleep_.declare(table);

@@ -80,12 +80,12 @@ void EulerImplicitSolver::declare(DataTable& table) {
   table.add("trapezoidalScheme", trapezoidal_)
       .help("trapezoidal rule (second order, no damping) instead of backward Euler");
   table.add("moveByNewVelocity", by_new_velocity_)
-      .help("with trapezoidalScheme: positions move by h times the new velocity, as in SOFA, which is of first order");
+      .help("with trapezoidalScheme: positions move by h times the new velocity, as in SOFA, with first order");
   table.add("allowMassless", implicit_.allows_massless)
-      .help("nodes without mass are moved by stiffness alone, where they otherwise are refused; not with trapezoidalScheme");
+      .help("nodes without mass are moved by stiffness alone instead of being an error; not with trapezoidalScheme");
   table.add("ownInMatrix", implicit_.own_in_matrix)
-      .help("rayleighStiffness of force fields and rayleighMass of masses are in the matrix alone and not in the forces, as in SOFA: they "
-            "slow changes of velocity down");
+      .help("rayleighStiffness of force fields and rayleighMass of masses are in the matrix only and not in the forces, as in SOFA: "
+            "they resist changes of velocity");
   table.add("oneRound", implicit_.one_round)
       .help("forces of Lagrangian constraints have the directions of the motion without them, as in SOFA, and not those of the "
             "end of the step; with one linear solve per step");
@@ -98,7 +98,7 @@ void EulerImplicitSolver::declare(DataTable& table) {
 void EulerImplicitSolver::init() {
   theta_ = trapezoidal_ ? 0.5 : 1;
   if (trapezoidal_ && implicit_.allows_massless)
-    throw ComponentError("nodes without mass have no motion by the trapezoidal rule: they would swing for ever",
+    throw ComponentError("nodes without mass would oscillate forever with the trapezoidal rule",
                          "trapezoidalScheme=\"false\", or no allowMassless");
   if (first_order_ && (implicit_.rayleigh_mass != 0 || implicit_.rayleigh_stiffness != 0 || velocity_damping_.rate != 0))
     warn("rayleighMass, rayleighStiffness and vdamping have no effect with firstOrder: there is no inertia to damp",

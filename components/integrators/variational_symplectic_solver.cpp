@@ -125,7 +125,7 @@ void VariationalSymplecticSolver::declare(DataTable& table) {
   table.add("steps", implicit_.newton_settings.iterations).help("largest number of Newton iterations").unit("-").min(1);
   implicit_.declareDamping(table);
   table.add("byPositions", by_positions_)
-      .help("newtonError is the change of positions relative to their size, and damping is in the matrix alone, as in SOFA");
+      .help("newtonError is the change of positions relative to their size, and damping is in the matrix only, as in SOFA");
   table.add("explicitIntegration", is_explicit_).help("symplectic Euler instead of the implicit midpoint rule");
   table.add("computeHamiltonian", computes_hamiltonian_).help("compute hamiltonianEnergy after each step");
   table.add("hamiltonianEnergy", hamiltonian_).help("kinetic and potential energy after the step").unit("J").output();

@@ -47,7 +47,7 @@ class Sliding final : public PairConstraint, public ChangesConditions {
     table.add("sliding_point", point_).help("point of object1 that slides");
     table.add("axis_1", axis_1_).help("point of object2 where the line begins");
     table.add("axis_2", axis_2_).help("point of object2 where it ends");
-    table.add("curve", curve_).help("points of object2 in order along a curve; axis_1 and axis_2 when not given");
+    table.add("curve", curve_).help("points of object2 in order along a curve; axis_1 and axis_2 by default");
   }
   void init() override {
     PairConstraint::init();

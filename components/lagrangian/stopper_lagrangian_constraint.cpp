@@ -63,5 +63,5 @@ class Stopper final : public PairConstraint {
 }  // namespace stroma::lagrangian
 
 STROMA_COMPONENT(stopper_lagrangian_constraint) {
-  factory.add<stroma::lagrangian::Stopper>("StopperLagrangianConstraint", "a number that stays between two bounds");
+  factory.add<stroma::lagrangian::Stopper>("StopperLagrangianConstraint", "a scalar that stays between two bounds");
 }

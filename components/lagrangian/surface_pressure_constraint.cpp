@@ -41,7 +41,7 @@ class SurfacePressure final : public Actuator {
  public:
   void declare(DataTable& table) override {
     declareOneState(table);
-    table.find("forces")->help("what goes with the volume: the pressure of the last step").unit("Pa");
+    table.find("forces")->help("the pressure in the last step").unit("Pa");
     topology_.declare(table, "mesh with the triangles and quads of the surface");
     table.add("triangles", triangles_).help("of the surface; with quads those of the mesh when neither is given");
     table.add("quads", quads_).help("of the surface, each bilinear");

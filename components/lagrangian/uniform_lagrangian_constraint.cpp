@@ -34,7 +34,7 @@ class Uniform final : public PairConstraint {
  public:
   void declare(DataTable& table) override {
     declareOneState(table);
-    table.add("constrainToRestPos", to_rest_).help("numbers and points stay at rest, not at zero");
+    table.add("constrainToRestPos", to_rest_).help("scalars and points stay at their rest value, not at zero");
     table.addVisualOnly("iterative");
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
@@ -57,5 +57,5 @@ class Uniform final : public PairConstraint {
 }  // namespace stroma::lagrangian
 
 STROMA_COMPONENT(uniform_lagrangian_constraint) {
-  factory.add<stroma::lagrangian::Uniform>("UniformLagrangianConstraint", "numbers and points that stay zero, as mapped distances");
+  factory.add<stroma::lagrangian::Uniform>("UniformLagrangianConstraint", "scalars and points that stay zero, such as mapped distances");
 }

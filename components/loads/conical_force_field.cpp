@@ -36,7 +36,7 @@ class ConicalForceField final : public PenaltyField {
     table.add("coneCenter", tip_).atOnce().help("the tip").unit("m");
     table.add("coneHeight", height_).help("from the tip along the axis to the cap").unit("m").required();
     table.add("coneAngle", angle_).help("between the axis and the side").unit("degree").min(0, false).max(90);
-    table.add("towardsTip", towards_tip_).help("what is too far from the tip is drawn to it and not damped, as in SOFA");
+    table.add("towardsTip", towards_tip_).help("nodes too far from the tip are drawn to it without damping, as in SOFA");
     table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0).physical();
   }
   void init() override {

@@ -33,8 +33,8 @@ class ConstantForceField final : public DeadLoad {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("indices", indices_).recompiled().help("loaded nodes; every node when not given");
-    table.add("emptyMeansAll", empty_is_all_).help("an empty list of indices stands for all nodes, as in SOFA");
+    table.add("indices", indices_).recompiled().help("loaded nodes; every node by default");
+    table.add("emptyMeansAll", empty_is_all_).help("an empty list of indices means all nodes, as in SOFA");
     table.add("forces", forces_).recompiled().help("force on each listed node, or one for all of them").unit("N");
     table.add("force", force_).recompiled().help("the same force on each listed node").unit("N").shorthand();
     table.add("totalForce", total_force_).recompiled().help("force shared equally by the listed nodes").unit("N");

@@ -53,7 +53,7 @@ class Ellipsoid : public PenaltyField {
     PenaltyField::init();
     radii_ = radii;
     if (!(radii_.minCoeff() > 0)) throw ComponentError(std::string(attribute) + " is not positive", "positive lengths");
-    if (signed_stiffness_ == 0) warn("the stiffness is zero: the component does nothing");
+    if (signed_stiffness_ == 0) warn("the stiffness is zero: the component has no effect");
     stiffness_constant_ = std::abs(signed_stiffness_);
   }
   Depth depth(const Vec3& x) const override {
@@ -79,7 +79,7 @@ class EllipsoidForceField final : public Ellipsoid {
     Ellipsoid::declare(table);
     table.add("vradius", given_radii_).help("half lengths of the axes").unit("m").required();
     table.addChoice("depth", depth_of_, {"distance", "ratio"})
-        .help("what the stiffness multiplies: the distance to first order, or SOFA's ratio of lengths, less one");
+        .help("factor of the stiffness: the distance to first order, or SOFA's ratio of lengths minus one");
   }
   void init() override {
     by_ratio_ = depth_of_ == DepthOf::ratio;

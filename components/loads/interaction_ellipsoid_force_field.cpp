@@ -61,12 +61,12 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
         .unit("N/m")
         .physical();
     table.add("damping", damping_constant_).help("force over velocity and depth").unit("N s/m^2").min(0);
-    table.add("object2_forces", answers_).help("the frame feels what it does to the points");
+    table.add("object2_forces", answers_).help("the reaction of the points acts on the frame");
     table.add("explicitDamping", explicit_).help("damping has no part in derivatives, as in SOFA");
     table.add("explicitForce", explicit_force_).help("the forces are no part of the matrix: not stable for stiff ones");
     table.add("onCentre", on_centre_).help("the frame gets no torque, and points are damped as if it stood still, as in SOFA");
     table.addChoice("depth", depth_of_, {"distance", "ratio"})
-        .help("what the stiffness multiplies: the distance to first order, or SOFA's ratio of lengths, less one");
+        .help("factor of the stiffness: the distance to first order, or SOFA's ratio of lengths minus one");
     for (const char* name : {"color", "draw"}) table.addVisualOnly(name);
   }
 
@@ -80,7 +80,7 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
       throw ComponentError(fmt::format("center has {} and vradius {} vectors", centres_.size(), radii_.size()), "as many of each");
     for (const Vec3& radii : radii_)
       if (!(radii.minCoeff() > 0)) throw ComponentError("vradius is not positive", "positive lengths");
-    if (signed_stiffness_ == 0) warn("the stiffness is zero: the component does nothing");
+    if (signed_stiffness_ == 0) warn("the stiffness is zero: the component has no effect");
   }
 
   std::vector<State*> states() const override { return {&state(), points_.get()}; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// OscillatingTorsionPressureForceField: a part of a surface that is turned to and fro about an axis by a moment, as by a plate
+// OscillatingTorsionPressureForceField: a part of a surface twisted back and forth about an axis by a moment, as by a plate
 // glued to it.
 //
 //   M(t) = moment cos(2 pi frequency t + phase)
@@ -49,7 +49,7 @@ class OscillatingTorsion final : public NodeGroupField<1> {
     ForceField::declare(table);
     topology_.declare(table, "surface");
     table.add("moment", moment_).atOnce().help("largest moment about the axis").unit("N m").required();
-    table.add("frequency", frequency_).atOnce().help("turns to and fro in a second").unit("1/s").min(0);
+    table.add("frequency", frequency_).atOnce().help("oscillations per second").unit("1/s").min(0);
     table.add("phase", phase_).atOnce().help("of the moment at t = 0").unit("rad");
     table.add("penalty", penalty_).atOnce().help("force over the distance from the turned shape").unit("N/m").physical().min(0);
     table.add("axis", axis_).help("axis of the turn").unit("-");
@@ -174,5 +174,5 @@ class OscillatingTorsion final : public NodeGroupField<1> {
 
 STROMA_COMPONENT(oscillating_torsion_pressure_force_field) {
   factory.add<stroma::OscillatingTorsion>("OscillatingTorsionPressureForceField",
-                                          "a part of a surface that is turned to and fro about an axis");
+                                          "a part of a surface twisted back and forth about an axis");
 }

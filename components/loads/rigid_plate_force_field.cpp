@@ -50,7 +50,7 @@ class RigidPlateForceField final : public NodeGroupField<2, PairTangent> {
         .recompiled()
         .help("distance of the face from the plate's node, along normal")
         .unit("m");
-    table.add("indices", indices_).help("nodes that feel the plate; every node when not given");
+    table.add("indices", indices_).help("nodes in contact with the plate; every node by default");
     table.add("stiffness", stiffness_constant_)
         .recompiled()
         .help("force on a node over its depth behind the face")

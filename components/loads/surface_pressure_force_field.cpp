@@ -105,7 +105,7 @@ void SurfacePressureForceField::declare(DataTable& table) {
       .unit("-");
   table.addChoice("quads", quads_, {"bilinear", "halves"})
       .help("of quads the exact forces of a bilinear face, or (SOFA) those of its triangles 0 1 2 and 0 2 3, without a stiffness");
-  table.add("pulseMode", pulse_).help("the pressure goes to and fro between pressureLowerBound and pressure");
+  table.add("pulseMode", pulse_).help("the pressure oscillates between pressureLowerBound and pressure");
   table.add("pressureLowerBound", lower_bound_).help("the other end of the pulse").unit("Pa");
   table.add("pressureSpeed", speed_).help("change of the pressure in pulseMode").unit("Pa/s").min(0);
   table.add("keyTimes", key_times_)
@@ -168,7 +168,7 @@ void SurfacePressureForceField::checkTimes() {
     keys_.check();
     return;
   }
-  if (pressure_ == 0) warn("the pressure is zero: the component does nothing", "pressure or keyPressures");
+  if (pressure_ == 0) warn("the pressure is zero: the component has no effect", "pressure or keyPressures");
   if (!pulse_) return;
   if (!isSet("pressureSpeed")) {
     speed_ = std::abs(pressure_);

@@ -58,7 +58,7 @@ class TaitSurfacePressureForceField final : public SurfaceLoad {
     setFaces(std::move(faces));
     stress_is_fixed = false;
     if (!isClosed())
-      throw ComponentError(fmt::format("the surface is open at the edge of nodes {}, so it holds no volume", openEdge()),
+      throw ComponentError(fmt::format("the surface is open at the edge of nodes {}, so it encloses no volume", openEdge()),
                            "a closed surface");
     for (const double in : {0., injected_})
       if (volume_ = restVolume() + in; !(volume_ > 0))

@@ -43,7 +43,7 @@ class TorsionForceField final : public NodeGroupField<1> {
         .required();
     table.add("axis", axis_).recompiled().help("direction of the axis").unit("-").required();
     table.add("origin", origin_).recompiled().help("a point of the axis").unit("m");
-    table.addChoice("tangent", tangent_, {"none", "transverse"}).help("none, or what SOFA takes for the derivative");
+    table.addChoice("tangent", tangent_, {"none", "transverse"}).help("none, or SOFA's approximation of the derivative");
   }
 
   void init() override {
@@ -54,7 +54,7 @@ class TorsionForceField final : public NodeGroupField<1> {
     const double length = axis_.norm();
     if (!(length > 0) || !std::isfinite(length)) throw ComponentError("axis has no direction", "a vector that is not zero");
     direction_ = axis_ / length;
-    if (torque_ == 0) warn("the torque is zero: the component does nothing");
+    if (torque_ == 0) warn("the torque is zero: the component has no effect");
   }
 
   ForceTraits traits() const override {

@@ -40,7 +40,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
     table.add("pressure", pressure_).recompiled().help("force per area at rest, of a fixed direction").unit("Pa");
     table.add("cauchyStress", given_stress_).help("xx xy yy zx yz zz of a stress that acts on the normals").unit("Pa");
     table.add("triangleList", list_).help("loaded triangles of the mesh").required();
-    table.add("allowEmpty", allow_empty_).help("a list without triangles is no error: nothing is loaded");
+    table.add("allowEmpty", allow_empty_).help("an empty list of triangles is not an error: nothing is loaded");
     table.add("useConstantForce", constant_).help("load by pressure and the area at rest, else by cauchyStress");
     table.add("useTangentStiffness", use_tangent_).help("false: the stress has no stiffness");
     table.addVisualOnly("showForces");

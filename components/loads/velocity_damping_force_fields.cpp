@@ -36,7 +36,7 @@ class VelocityDamping : public NodeGroupField<1> {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("indices", indices_).help("damped nodes; every node when not given");
+    table.add("indices", indices_).help("damped nodes; every node by default");
   }
   void init() override {
     ForceField::init();

@@ -8,7 +8,7 @@
 // are. Forces on the points are those on the curve: a load between two nodes bends the beams as it does in closed form.
 //
 // `points` has (l, y, z) for each node, l the length of the rod from its handle on; without useCurvAbs the number of the beam plus s.
-// They are the positions of the nodes when not given. Nodes on a part of a rod that is not out are where it comes in. As a rod is
+// They are the positions of the nodes by default. Nodes on a part of a rod that is not out are where it comes in. As a rod is
 // pushed, nodes stay where they are on it.
 //
 // Source: names, attributes and formulas are those of the plug-in BeamAdapter for SOFA, which turns the offsets of places on the
@@ -44,8 +44,8 @@ class AdaptiveBeamMapping final : public PointsOnBeams {
  public:
   void declare(DataTable& table) override {
     FrameMapping::declare(table);
-    table.addLink("interpolation", link_).help("the beams; those of a node above when not given");
-    table.add("points", points_).help("places on the rod: length, and offsets along y and z; the positions of the nodes when not given")
+    table.addLink("interpolation", link_).help("the beams; those of a node above by default");
+    table.add("points", points_).help("places on the rod: length, and offsets along y and z; the positions of the nodes by default")
         .unit("m");
     table.add("useCurvAbs", by_length_).help("the first number of a point is a length of the rod, not the number of a beam");
     table.add("nbPointsPerBeam", per_beam_).help("SOFA's; only 0 is supported").unit("-");

@@ -56,7 +56,7 @@ class ArticulatedSystemMapping final : public CurvedMapping {
     CurvedMapping::declare(table);
     table.find("input")->alias("input1");
     table.addLink("input2", input2_)
-        .help("state of the frame that the root is; without it the root stays where it starts");
+        .help("state with the frame of the root; without it the root is fixed");
     table.add("indexInput2", root_index_).help("that frame").min(0);
     declareGeometricStiffness(table, geometric_, false);
     for (const char* name : {"container", "indexFromEnd"}) table.addVisualOnly(name);
@@ -180,7 +180,7 @@ void ArticulatedSystemMapping::order(std::vector<Limb> limbs) {
         std::find_if(limbs.begin(), limbs.end(), [&](const Limb& limb) { return placed[std::size_t(limb.parent)]; });
     if (next == limbs.end() || placed[std::size_t(next->child)])
       throw ComponentError(next == limbs.end()
-                               ? fmt::format("frame {} hangs on nothing that leads to frame 0", limbs[0].parent)
+                               ? fmt::format("frame {} is not connected to frame 0", limbs[0].parent)
                                : fmt::format("two articulations place frame {}", next->child),
                            "a tree of frames from frame 0 on");
     placed[std::size_t(next->child)] = 1;
@@ -191,7 +191,7 @@ void ArticulatedSystemMapping::order(std::vector<Limb> limbs) {
   }
   const auto lost = std::find(placed.begin(), placed.end(), 0);
   if (lost != placed.end())
-    throw ComponentError(fmt::format("nothing places frame {}", lost - placed.begin()),
+    throw ComponentError(fmt::format("frame {} has no joint", lost - placed.begin()),
                          "an ArticulationCenter for each frame but 0");
   axes_.assign(joints_.size(), Vec3::Zero()), places_ = slides_ = axes_;
   centres_.assign(std::size_t(output().nodes()), Vec3::Zero());

@@ -66,7 +66,7 @@ class BarycentricMapping final : public WeightedMapping {
   void declare(DataTable& table) override {
     WeightedMapping::declare(table);
     table.addLink("input_topology", input_topology_)
-        .help("mesh whose cells hold the points; the one of the state that is followed when not given");
+        .help("mesh whose cells contain the points; by default that of the parent state");
     table.addLink("output_topology", output_topology_).help("SOFA's; without effect: the points are those of output");
     table.addChoice("foundBy", found_by_, {"nearest", "centres"})
         .help("which cell a point outside of all belongs to: the nearest, or the one with the nearest centre, as in SOFA");
@@ -90,7 +90,7 @@ class BarycentricMapping final : public WeightedMapping {
         by_centres ? embedByCentres(*topology, body, points, size) : embedPoints(*topology, body, points, size);
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (!std::isfinite(found[i].distance))
-        throw ComponentError(fmt::format("no cell can hold point {}: all have no volume where it is looked for", i),
+        throw ComponentError(fmt::format("no cell can contain point {}: all have no volume where it is searched", i),
                              "a body whose cells have volumes where it starts", "useRestPosition=\"true\"");
       std::vector<Weight> weights;
       for (std::size_t a = 0; a < found[i].nodes.size(); ++a) weights.push_back({found[i].nodes[a], found[i].weights[a]});

@@ -180,7 +180,7 @@ class EdgeMapping : public PairMapping {
   void declare(DataTable& table) override {
     PairMapping::declare(table);
     table.addLink("topology", topology_)
-        .help("mesh whose edges are the pairs; that of this node or the nearest above when not given");
+        .help("mesh whose edges are the pairs; that of this node or the nearest above by default");
   }
 
  protected:
@@ -199,7 +199,7 @@ class DistanceMapping : public EdgeMapping {
  public:
   void declare(DataTable& table) override {
     EdgeMapping::declare(table);
-    table.add("restLengths", lengths_).unit("m").help("L of each pair; the distances at the start when not given");
+    table.add("restLengths", lengths_).unit("m").help("L of each pair; the distances at the start by default");
     table.add("computeDistance", whole_).help("L is zero: the numbers are the distances");
     for (const char* name : {"showObjectScale", "showColor"}) table.addVisualOnly(name);
   }
@@ -267,7 +267,7 @@ class DistanceFromTarget final : public PairMapping {
     PairMapping::declare(table);
     table.add("indices", indices_).help("points whose distances are meant").required();
     table.add("targetPositions", targets_).unit("m").help("from where, one for each").required();
-    table.add("restLengths", lengths_).unit("m").help("L of each; the distances at the start when not given");
+    table.add("restLengths", lengths_).unit("m").help("L of each; the distances at the start by default");
     for (const char* name : {"showObjectScale", "showColor"}) table.addVisualOnly(name);
   }
   void init() override {

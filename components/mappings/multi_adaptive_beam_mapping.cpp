@@ -54,7 +54,7 @@ class MultiAdaptiveBeamMapping final : public PointsOnBeams {
  public:
   void declare(DataTable& table) override {
     FrameMapping::declare(table);
-    table.addLink("ircontroller", link_).help("what pushes the rods; the one of a node above when not given");
+    table.addLink("ircontroller", link_).help("what pushes the rods; the one of a node above by default");
     table.find("ircontroller")->alias("controller");
     table.add("useCurvAbs", by_length_).help("SOFA's; only true is supported");
     table.addVisualOnly("parallelMapping");
@@ -91,7 +91,7 @@ class MultiAdaptiveBeamMapping final : public PointsOnBeams {
     };
     nodes_ = listOf("CurvAbs"), points_ = listOf("collisionCurvAbs");
     if (!nodes_ || !points_)
-      throw ComponentError("there is nothing that pushes rods", "ircontroller=\"@...\", an InterventionalRadiologyController");
+      throw ComponentError("there is no controller that pushes rods", "ircontroller=\"@...\", an InterventionalRadiologyController");
     const auto* pusher = dynamic_cast<const ProjectiveConstraint*>(mover);
     if (pusher && &pusher->state() != &input())
       throw ComponentError(fmt::format("{} pushes frames of {}", mover->path(), pusher->state().path()),

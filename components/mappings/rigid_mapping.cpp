@@ -52,17 +52,17 @@ class RigidMapping : public FrameMapping {
     table.add("indexFromEnd", from_end_).help("count index from the last frame: 0 is the last");
     table.add("rigidIndexPerPoint", index_per_point_).help("frame that carries each point");
     table.add("mayMiscount", may_miscount_)
-        .help("rigidIndexPerPoint of another number of values than points does not count, with a warning, as in SOFA");
+        .help("rigidIndexPerPoint with another number of values than points is ignored with a warning, as in SOFA");
     table.add("repartition", shares_).help("how many points each frame carries, in their order; one number: each as many");
     if (of_frames_)
       table.add("initialPoints", initial_frames_)
           .unit("-")
           .inValuesOf(7)
-          .help("x y z and x y z w of each frame in the axes of what carries it; the positions of the child when not given");
+          .help("x y z and x y z w of each frame in the axes of its parent frame; the positions of the child by default");
     else
       table.add("initialPoints", initial_points_)
           .unit("m")
-          .help("places of the points in the axes of their frames; the positions of the child when not given");
+          .help("places of the points in the axes of their frames; the positions of the child by default");
     table.add("globalToLocalCoords", from_space_).help("the positions of the child are places in space at the start");
     table.add("useX0", use_rest_).help("the rest positions of the child in place of its positions");
     table.add("resizes", resizes_).help("a child of another number of nodes gets as many as initialPoints has, as in SOFA");
@@ -153,7 +153,7 @@ class RigidMapping : public FrameMapping {
       const std::string problem = fmt::format("rigidIndexPerPoint has {} values for {} points", index_per_point_.size(), points);
       if (!fits && !may_miscount_) throw ComponentError(problem, "one for each");
       if (!fits)
-        warn(problem + fmt::format(": it does not count, as in SOFA, and frame {} carries all", frames[0]), "one for each");
+        warn(problem + fmt::format(": it is ignored, as in SOFA, and frame {} carries all points", frames[0]), "one for each");
       else
         frames.assign(index_per_point_.begin(), index_per_point_.end());
     }

@@ -38,13 +38,13 @@ class SkinningMapping final : public FrameMapping {
   void declare(DataTable& table) override {
     FrameMapping::declare(table);
     table.add("nbRef", counts_).help("frames of a point, one number for all or one for each").min(1);
-    table.add("indices", indices_).help("frames of the points, nbRef for each; the nearest ones when not given");
+    table.add("indices", indices_).help("frames of the points, nbRef for each; the nearest ones by default");
     table.add("weight", weights_).help("weights of `indices`").unit("-");
     table.add("initPos", initial_points_)
         .unit("m")
-        .help("places of the points in space at the start; the positions of the child when not given");
+        .help("places of the points in space at the start; the positions of the child by default");
     table.add("fromRest", from_rest_)
-        .help("points are bound to the frames as they rest, not as they start; of frames as near the last ones count");
+        .help("points are bound to the frames at rest, not at the start; of equally near frames the last ones are used");
     for (const char* name : {"showFromIndex", "showWeights"}) table.addVisualOnly(name);
   }
 

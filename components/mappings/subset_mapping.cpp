@@ -42,10 +42,10 @@ class SubsetMapping final : public WeightedMapping {
     table.add("first", first_).help("the first of a range of them").min(0);
     table.add("last", last_).help("the last of the range").min(0);
     table.add("radius", radius_)
-        .help("how far a node may be from the one it follows, when neither is given")
+        .help("largest distance of a node from the one it follows, if neither is given")
         .unit("m")
         .min(0);
-    table.add("ignoreNotFound", may_stay_).help("a node that is further than radius from all others stays where it starts");
+    table.add("ignoreNotFound", may_stay_).help("a node farther than radius from all others stays where it starts");
   }
 
   void init() override {
@@ -66,7 +66,7 @@ class SubsetMapping final : public WeightedMapping {
       for (Index row = first; row < first + output().rows_per_node; ++row) staying_.push_back(row), addNode({});
     }
     if (!staying_.empty())
-      inform(fmt::format("{} nodes of {} are near none that they could follow: they stay where they are",
+      inform(fmt::format("{} nodes of {} are not near any node that they could follow: they stay where they are",
                          Index(staying_.size()) / output().rows_per_node, output().path()));
   }
 

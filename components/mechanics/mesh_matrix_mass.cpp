@@ -59,7 +59,7 @@ class MeshMatrixMass final : public MeshMass {
     table.addChoice("matrix", form_, {"consistent", "edges", "pairs"})
         .help("the integrals, or SOFA's entries at vertices and edges, or at all pairs of the corners of a hexahedron");
     table.add("cellFactors", cell_factors_)
-        .help("factor of the mass of each cell, or of each of its 8, 64, ... parts (x fastest) with matrix pairs; 1 when not given")
+        .help("factor of the mass of each cell, or of each of its 8, 64, ... parts (x fastest) with matrix pairs; 1 by default")
         .unit("-")
         .min(0);
     table.addVisualOnly("printMass");

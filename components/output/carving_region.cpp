@@ -51,7 +51,7 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
     table.add("offset", offset_).atOnce().unit("m").help("of the region from where it is else: a hand that leads a tool");
     table.add("begin", begin_).unit("s").help("when the region is where it is given, and carves first");
     table.add("end", end_).unit("s").help("when it carves last; below begin: it does not end");
-    table.add("moved", moved_).output().unit("m").help("how far the region has come from where it is given");
+    table.add("moved", moved_).output().unit("m").help("displacement of the region from its given position");
     table.add("every", every_).unit("s").min(0).help("time between looks; 0: every step");
   }
 
@@ -153,5 +153,5 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
 }  // namespace stroma
 
 STROMA_COMPONENT(carving_region) {
-  factory.add<stroma::CarvingRegion>("CarvingRegion", "takes away the cells that come into a box or a ball");
+  factory.add<stroma::CarvingRegion>("CarvingRegion", "removes cells that enter a box or a ball");
 }

@@ -42,14 +42,14 @@ namespace {
 class Monitor final : public Observer {
  public:
   void declare(DataTable& table) override {
-    table.addLink("mstate", mstate_).help("state to watch; the one of this node when not given");
+    table.addLink("mstate", mstate_).help("state to watch; the one of this node by default");
     table.add("indices", nodes_).help("nodes to watch; with attributes alone, those of which lists for all nodes are written; empty: all");
     table.add("ExportPositions", export_x_).help("write <fileName>_x.txt");
     table.add("ExportVelocities", export_v_).help("write <fileName>_v.txt");
     table.add("ExportForces", export_f_).help("write <fileName>_f.txt");
     table.add("attributes", words_).help("what other components compute, as contact.wrenches: write <fileName>_wrenches.txt");
     table.add("cells", cells_).help("cells of whose fields, as tissue.stress among attributes, numbers are written; empty: all").min(0);
-    table.add("fileName", file_name_).help("start of the names of the files; the component's name when not given");
+    table.add("fileName", file_name_).help("prefix of the file names; the component's name by default");
     for (const char* drawing :
          {"showPositions", "showVelocities", "showForces", "showTrajectories", "PositionsColor", "VelocitiesColor",
           "ForcesColor", "TrajectoriesColor", "sizeFactor", "showMinThreshold", "TrajectoriesPrecision"})
@@ -231,7 +231,7 @@ void Monitor::watch(const std::string& word) {
   if (!owner)
     throw ComponentError(fmt::format("attributes: there is no component '{}'", path), "a name in this node or above, or a path");
   if (dynamic_cast<const State*>(owner))
-    throw ComponentError(fmt::format("attributes: {} is a state, whose attributes are what it starts with", owner->path()),
+    throw ComponentError(fmt::format("attributes: {} is a state, whose attributes are initial values", owner->path()),
                          "ExportPositions, ExportVelocities or ExportForces, of another state with mstate=\"@path\"");
   const Data* data = owner->data().find(attribute);
   const auto* field = data ? nullptr : dynamic_cast<const ForceField*>(owner);

@@ -40,7 +40,7 @@ namespace {
 class WriteState final : public Observer {
  public:
   void declare(DataTable& table) override {
-    table.addLink("mstate", mstate_).help("state to write; the one of this node when not given");
+    table.addLink("mstate", mstate_).help("state to write; the one of this node by default");
     table.add("filename", file_name_).help("file to write; compressed when it ends in .gz").required();
     table.add("writeX", write_x_).help("write positions");
     table.add("writeX0", write_x0_).help("write rest positions");
@@ -51,8 +51,7 @@ class WriteState final : public Observer {
         .unit("s")
         .min(0)
         .help(
-            "time between writes after the last of `time`; 0: every step if "
-            "`time` is empty, else nothing more");
+            "time between writes after the last of `time`; 0: every step if `time` is empty, else none");
     table.add("DOFsX", nodes_x_).help("nodes whose positions are written; all when empty");
     table.add("DOFsV", nodes_v_).help("nodes whose velocities are written; all when empty");
   }

@@ -176,7 +176,7 @@ class ProximityROI final : public Engine {
     table.add("N", most_).help("how many nodes at most").min(1).required();
     table.add("position", position_)
         .alias("rest_position")
-        .help("nodes; those of the state of the node or above when not given")
+        .help("nodes; those of the state of the node or above by default")
         .unit("m");
     table.add("indices", indices_).alias("pointIndices").help("the nearest nodes, as the heap of them has them").output();
     table.add("pointsInROI", points_).help("their positions").unit("m").output();

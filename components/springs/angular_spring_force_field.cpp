@@ -41,7 +41,7 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("indices", indices_).help("frames, each but the first held to the one with the number before").required();
+    table.add("indices", indices_).help("frames, each except the first coupled to the previous one").required();
     table.add("angularStiffness", constants_)
         .recompiled()
         .help("torque over the angle, one per frame or one for all")

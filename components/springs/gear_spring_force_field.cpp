@@ -107,8 +107,8 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.addLink("object1", object1_).help("state of the first wheels; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second wheels; the one of the first when not given");
+    table.addLink("object1", object1_).help("state of the first wheels; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second wheels; the one of the first by default");
     table.add("spring", text_).help("the pairs of wheels, in the words above").required();
     table.add("oneSided", one_sided_).help("pivots feel no torque of the teeth, as in SOFA");
     table.add("explicitDamping", explicit_damping_).help("KD is no part of the matrix, as in SOFA: not stable for large ones");

@@ -41,9 +41,9 @@ class LennardJones final : public NodeGroupField<2, PairTangent> {
     table.add("dmax", reach_).help("distance from which on nodes do not feel each other").unit("m").min(0, false);
     table.add("fmax", most_).help("the largest attraction").unit("N").min(0);
     table.add("damping", damping_per_speed_).help("damping of each pair").unit("N s/m").min(0);
-    table.add("aInit", gravity_).help("attraction of masses, G m_1 m_2, in the place of the rest").unit("N m^2");
+    table.add("aInit", gravity_).help("gravitational attraction G m_1 m_2, instead of the other terms").unit("N m^2");
     table.add("explicitDamping", is_explicit_).help("damping is no part of the matrix, as in SOFA");
-    table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: what SOFA takes for the derivative");
+    table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: SOFA's approximation of the derivative");
   }
 
   void init() override {
@@ -56,7 +56,7 @@ class LennardJones final : public NodeGroupField<2, PairTangent> {
       if (gravity_ > 0) first_ = 0, last_ = std::sqrt(gravity_ / most_);
       return;
     }
-    if (!(beta_ > alpha_)) throw ComponentError("beta is not above alpha: nothing would keep nodes apart", "beta=\"12\" with alpha=\"6\"");
+    if (!(beta_ > alpha_)) throw ComponentError("beta is not above alpha: nothing would repel nodes", "beta=\"12\" with alpha=\"6\"");
     a_ = depth_ * std::pow(distance_, alpha_) / (1 - alpha_ / beta_), b_ = depth_ * std::pow(distance_, beta_) / (beta_ / alpha_ - 1);
     const double steepest = distance_ * std::pow((beta_ + 1) / (alpha_ + 1), 1 / (beta_ - alpha_));
     if (depth_ < 0) last_ = whereEnough(distance_), first_ = 0;

@@ -45,8 +45,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("points", points_).alias("indices").recompiled().help("nodes with a spring; every node when not given");
-    table.add("emptyMeansAll", empty_is_all_).help("an empty list of points stands for all nodes, as in SOFA");
+    table.add("points", points_).alias("indices").recompiled().help("nodes with a spring; every node by default");
+    table.add("emptyMeansAll", empty_is_all_).help("an empty list of points means all nodes, as in SOFA");
     table.add("firstForOthers", first_for_others_)
         .help("of several values the first is that of points without one, and those beyond are left out, as in SOFA");
     table.add("stiffness", stiffness_constants_)
@@ -58,9 +58,9 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     table.addLink("external_rest_shape", external_).help("state whose nodes are the targets");
     table.add("external_points", external_points_).help("its nodes, one for each point");
     table.add("requiredPoints", required_points_)
-        .help("these must be nodes of the state, or the springs do nothing, as SOFA's external_points of no other body");
+        .help("these must be nodes of the state, or the springs have no effect, as SOFA's external_points without another body");
     table.add("pivot_points", pivot_points_)
-        .help("of rigid bodies only: a node here is a point and turns about nothing");
+        .help("for rigid bodies only: the nodes here are points without orientation");
     table.add("activeDirections", directions_).help("for x, y and z: 1 pulled, 0 free");
     table.add("angularStiffness", angular_stiffness_)
         .recompiled()
@@ -71,7 +71,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
         .help("of the torques on frames: how they change, or -a I as in SOFA");
     table.add("targets", given_targets_)
         .recompiled()
-        .help("where points are pulled to, in place of their rest positions: 3 numbers each, of frames 7")
+        .help("targets of the points instead of their rest positions: 3 numbers each, for frames 7")
         .unit("m");
     for (const char* name : {"drawSpring", "springColor", "recompute_indices"}) table.addVisualOnly(name);
   }
@@ -81,7 +81,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     const bool is_given = data().find("points")->isSet();
     const bool takes_all = points_.empty() && empty_is_all_;
     if (is_given && takes_all)
-      warn(fmt::format("points lists no node: all {} nodes of {} are held", state().nodes(), state().path()));
+      warn(fmt::format("points is empty: springs act on all {} nodes of {}", state().nodes(), state().path()));
     if (is_given && !takes_all) {
       nodes_ = checkedNodesInOrder(points_, state(), "points");
     } else {
@@ -173,7 +173,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     const auto outside = std::find_if(required_points_.begin(), required_points_.end(),
                                       [this](int point) { return point < 0 || point >= state().nodes(); });
     if (outside == required_points_.end()) return true;
-    warn(fmt::format("requiredPoints names node {} of {}, which has {} nodes: the springs do nothing", *outside, state().path(),
+    warn(fmt::format("requiredPoints names node {} of {}, which has {} nodes: the springs have no effect", *outside, state().path(),
                      state().nodes()));
     return false;
   }
@@ -219,8 +219,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     }
     if (other)
       inform(fmt::format(
-          "the springs pull {} alone: {} does not feel them, and its nodes are where they were when the step began. "
-          "SpringForceField between the two acts on both",
+          "the springs only pull {}: there is no reaction on {}, whose nodes are taken at the start of the step. SpringForceField "
+          "between the two acts on both",
           state().path(), other->path()));
     if (other && other->hasFrames() != state().hasFrames())
       throw ComponentError(fmt::format("the nodes of {} and {} are of different types", other->path(), state().path()),

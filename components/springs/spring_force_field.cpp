@@ -46,8 +46,8 @@ class SpringForceField final : public SpringField {
   void declare(DataTable& table) override {
     ForceField::declare(table);
     declareDamping(table);
-    table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
+    table.addLink("object1", object1_).help("state of the first ends; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends by default");
     table.add("spring", all_in_one_).recompiled().help("five numbers per spring: node, node, stiffness, damping, rest length");
     table.add("springsIndices1", indices1_).recompiled().alias("indices1").help("first node of each spring");
     table.add("springsIndices2", indices2_).recompiled().alias("indices2").help("second node of each spring");
@@ -136,7 +136,7 @@ class SpringForceField final : public SpringField {
       springs[s].elongation_only = elongation_only[s], springs[s].compression_only = compression_only[s];
       if (enabled[s]) kept.push_back(springs[s]);
     }
-    if (kept.empty()) warn("no spring is enabled: the component does nothing");
+    if (kept.empty()) warn("no spring is enabled: the component has no effect");
     return kept;
   }
 

@@ -91,12 +91,12 @@ class TriangularSprings final : public NodeGroupField<3> {
     table.add("poissonRatio", poisson_).recompiled().help("Poisson's ratio").unit("-").min(-1, false).max(0.5).physical();
     table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false).physical();
     table.add("dampingRatio", damping_ratio_).recompiled().help("damping over stiffness").unit("s").min(0);
-    table.add("useAngularSprings", angular_).help("false: the sides resist by themselves alone");
+    table.add("useAngularSprings", angular_).help("false: the sides resist independently");
     if constexpr (!Sides::holds_area)
-      table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: what SOFA takes for the derivative");
+      table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: SOFA's approximation of the derivative");
     table.add("explicitDamping", explicit_).help("damping adds to the tension and to no df/dv, as in SOFA");
     if constexpr (Sides::holds_area)
-      table.add("compressible", resists_).help("a triangle that loses area is held open by more");
+      table.add("compressible", resists_).help("a triangle that loses area becomes stiffer");
   }
 
   void init() override {

@@ -34,8 +34,8 @@ class VectorSpringForceField final : public NodeGroupField<2, PairTangent>, publ
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
+    table.addLink("object1", object1_).help("state of the first ends; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends by default");
     topology_.declare(table, "mesh whose edges are the springs");
     table.add("useTopology", on_edges_).help("a spring on each edge of the mesh; else on each pair of nodes of equal number");
     table.add("stiffness", stiffness_constant_).recompiled().help("force over the change of the vector").unit("N/m").min(0).physical();

@@ -10,7 +10,7 @@ namespace stroma {
 void FactorOverTime::declare(DataTable& table, const std::string& what, Sign sign) {
   table.add("times", times_).help("times at which " + what + " is given, ascending").unit("s");
   auto& factors =
-      table.add("factors", factors_).help("factor on " + what + " at each of the times, linear between them; 1 when not given").unit("-");
+      table.add("factors", factors_).help("factor on " + what + " at each of the times, linear between them; 1 by default").unit("-");
   if (sign == Sign::positive) factors.min(0, false);
   table.add("period", period_).help("repeats times and factors; 0: the last factor is kept").unit("s").min(0);
 }

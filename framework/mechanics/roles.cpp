@@ -13,7 +13,7 @@ namespace stroma {
 namespace {
 
 void declareState(DataTable& table, Link<State>& link) {
-  table.addLink("mstate", link).help("mechanical state to act on; the one of this node or the nearest above when not given");
+  table.addLink("mstate", link).help("mechanical state to act on; the one of this node or the nearest above by default");
 }
 
 void declareRayleigh(DataTable& table, const char* name, double& factor, const std::string& help, const char* unit) {

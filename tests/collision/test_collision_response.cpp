@@ -270,7 +270,7 @@ TEST(CollisionResponse, ParametersThatNothingReadsAreSaid) {
   EXPECT_EQ(with("mu=0.3&amp;tol=1e-3"), "");
   expectContains(with("mu=much"), "responseParams has \"mu=much\"");
   expectContains(with("0.3"), "responseParams has \"0.3\"");
-  expectContains(with("friction=0.3"), "which nothing reads");
+  expectContains(with("friction=0.3"), "which is not a parameter");
   expectContains(with("mu=-1"), "mu is -1");
 }
 
@@ -289,7 +289,7 @@ TEST(CollisionResponse, WordsOfRulesAreChecked) {
 
 TEST(CollisionResponse, ASurfaceWithoutAMeshIsRefused) {
   for (const char* model : {"<TriangleCollisionModel/>", "<LineCollisionModel/>"})
-    expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", model), near_half)), "no mesh says what this surface is made of");
+    expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", model), near_half)), "there is no mesh for this surface");
   EXPECT_EQ(problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<TriangleCollisionModel active=\"0\"/>"), near_half)), "");
 }
 

@@ -409,7 +409,7 @@ TEST(AttachedStatics, WhatOneWayLeavesOutIsSaid) {
   ASSERT_EQ(doubtsOf(moving).size(), 1u);
   expectContains(doubtsOf(moving)[0], "together 3e+04 N");
   expectContains(simulationFromText(column.scene(statics, "", "")).scene().diagnostics.text(),
-                 "twoWay is not given: both ends feel each other");
+                 "twoWay is not given: both ends act on each other");
 }
 
 TEST(AttachedStatics, WhatIsNotHeldIsFoundInTheCoupledSystem) {
