@@ -1,38 +1,40 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// AttachProjectiveConstraint: pairs of nodes, of two bodies or of one, that are one node from then on.
+// AttachProjectiveConstraint: pairs of nodes, of two bodies or of one, that become one node.
 //
-// Both ends of a pair have one velocity, and their masses and forces add up, exactly: with P the mean over the pair, the
-// step solves P (m M + k K + c C) P. Two bodies attached at matching nodes are the merged body. Ends that lie apart at the
-// start are brought together at their mass-weighted mean, and so are their velocities; in directions in which another constraint
-// holds one end, where that end is.
+// Both ends of a pair have one velocity, and their masses and forces add up, exactly: with P the mean over the pair, the step
+// solves P (m M + k K + c C) P. Two bodies attached at matching nodes are the merged body. Ends with different initial
+// positions are moved to their mass-weighted mean, and so are their velocities; in directions in which another constraint
+// fixes one end, to that end.
 //
-// twoWay="false" (the default of SOFA): the nodes of indices2 follow those of indices1, which feel nothing. Positions and
-// velocities coincide at the end of every step; inside a step the follower moves with the velocity that the other had at
-// its start. The weight of a body that hangs or rests on its followers alone is then carried by nobody: a run says how
-// large the force is that the attachment took.
+// twoWay="false" (the default of SOFA): the nodes of indices2 follow those of indices1, without reaction on these. Positions
+// and velocities coincide at the end of every step; inside a step the follower moves with the velocity that the other had at
+// its start. The weight of a body that hangs or rests only on its followers is then not transmitted: a run reports the size of
+// the missing force.
 //
-// There meet="halfway" does as SOFA does with points: in a step the follower goes on with its velocity; then
+// With twoWay="false", meet="halfway" does what SOFA does with points: in a step the follower keeps its velocity; then
 //
 //   c = (v2 - v1) velocityFactor k / 2,  v1 += c,  v2 -= c,   x2 -= (x2 - x1) positionFactor k / 2
 //
-// with k the pair's constraintFactor. What is followed feels that: half of its acceleration is lost. With twoWay points that start
-// apart are put where the first is; with inMatrix="false" the right side of the step has b1 += c, b2 -= c, with responseFactor.
+// with k the pair's constraintFactor. This affects the followed node: it loses half of its acceleration. With twoWay, points
+// that start apart are moved to the first one; with inMatrix="false" the right side of the step has b1 += c, b2 -= c, with
+// responseFactor.
 //
-// A pair is free while (x1 - lastPos) . lastDir > 0; with clamp its second node is then held at lastPos. A pair is free too while its
-// nodes are farther apart than minDistance. Of followers and of inMatrix="false" alone: what feels the other is one node for good.
+// A pair is released while (x1 - lastPos) . lastDir > 0; with clamp its second node is then fixed at lastPos. A pair is also
+// released while its nodes are farther apart than minDistance. This holds for followers and inMatrix="false" only: two-way
+// pairs are permanent.
 //
 // Rigid frames that are attached are one body: the sum of their masses and inertias, with one orientation, their mean at the
-// start. A frame and a point share the frame's centre. With freeRotations frames share centres alone, with lastFreeRotation those of
-// the last pair, the one before a pair that is free. With restRotations a follower has, against what it follows, the turn that
-// takes the way to the node after it at rest, in its own axes, to x.
+// start. A frame and a point share the frame's centre. With freeRotations frames share only their centres, with
+// lastFreeRotation only those of the last pair, the one before a released pair. With restRotations a follower is rotated
+// against the followed frame by the rotation that takes the rest direction to the next node, in its own axes, to x.
 //
-// Where one body is meshed finer, pairs of nodes join its surface at single nodes and leave the rest of it free: it is then too
-// soft, and a warning says so. Stiff springs between all nodes of the finer surface and points that a BarycentricMapping places in
-// the other body hold it whole.
+// If one body has a finer mesh, pairs of nodes join its surface at single nodes and leave the rest free: the joint is then too
+// soft, and a warning is printed. To join the whole surface, use stiff springs between all nodes of the finer surface and
+// points that a BarycentricMapping embeds in the other body.
 //
-// Node indices1[i] of object1 is joined to node indices2[i] of object2; without the objects both are of the state of
-// this node. Bodies that have an integrator each move in one system, by the first of them, and a warning says where the
-// integrators differ. A node may be attached to several others.
+// Node indices1[i] of object1 is attached to node indices2[i] of object2; without the objects both belong to the state of this
+// node. Bodies with separate integrators move in one system, by the first of them, and a warning says where the integrators
+// differ. A node may be attached to several others.
 //
 // Source: the attributes are SOFA's; there a two-way pair shares positions but not its inertia.
 //

@@ -8,8 +8,8 @@
 // HermiteSplineProjectiveConstraint: a cubic from X0 to X1 with the tangents dX0 and dX1 there, run through by w(u):
 //   x(w) = H00(w) X0 + H10(w) dX0 + H01(w) X1 + H11(w) dX1,   w(u) = H10(u) a + H01(u) + H11(u) b
 //   H00 = 2 w^3 - 3 w^2 + 1,  H10 = w^3 - 2 w^2 + w,  H01 = 3 w^2 - 2 w^3,  H11 = w^3 - w^2
-//   a and b, the second numbers of SX0 and SX1, are the speeds of w at the ends. With 0, as when they are not given, the nodes
-//   start from rest and come to rest.
+//   a and b, the second numbers of SX0 and SX1, are the speeds of w at the ends. With 0, the default,
+//   the nodes start from rest and come to rest.
 //
 // All listed nodes are at the same place. Positions and velocities are exact at the end of every step. Before BeginTime and
 // after EndTime the nodes are free, as in SOFA; with outside="hold" they stay where the curve begins and ends.

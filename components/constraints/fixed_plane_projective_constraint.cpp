@@ -3,8 +3,9 @@
 //
 //   P_i = I - n n^T, n = direction / |direction|
 //
-// The component of the velocity along `direction` does not change. The nodes are those of `indices` or, when dmin and
-// dmax are given, those with dmin < n.X < dmax in their initial position X. With ignoreMissing both count, and there may be none.
+// The component of the velocity along `direction` does not change. The nodes are those of `indices` or, when dmin and dmax are
+// given, those with dmin < n.X < dmax in their initial position X. With ignoreMissing both selections are used, and both may
+// be empty.
 //
 // Source: the attributes are SOFA's.
 //

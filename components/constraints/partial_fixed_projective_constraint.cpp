@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// PartialFixedProjectiveConstraint: nodes that are held along some of the axes.
+// PartialFixedProjectiveConstraint: nodes that are fixed along some of the axes.
 //
 //   P_i = diag(1 - d_x, 1 - d_y, 1 - d_z), d = fixedDirections
 //
 // A rigid frame has six: x, y and z of its centre, and of its turn about fixed axes. Of nodes that are numbers there is one
-// for each. The components of the velocity along the held axes do not change; projectVelocity sets them to zero. Two constraints
-// on one node leave it the directions that both leave free. From `endTime` on the nodes are free.
+// for each. The components of the velocity along the fixed axes do not change; projectVelocity sets them to zero. With two
+// constraints on one node it is free in the directions that both leave free. From `endTime` on the nodes are free.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

@@ -8,12 +8,12 @@
 //
 // With keepCentreDifference the difference of the centres of frames at the start stays too, in fixed axes, whatever rest_vector is.
 //
-// DistanceLagrangianConstraint: pairs that keep their distance d, that of the start when `distances` does not give it.
+// DistanceLagrangianConstraint: pairs that keep their distance d, the initial one unless `distances` gives it.
 //
 //   |x_second - x_first| - d = 0,   one row for each pair
 //
-// Forces are found with the matrix of the step (components/integrators/multipliers.h), in turns until the conditions hold
-// to round-off, and are equal and opposite: momentum is kept. `forces` has them row by row.
+// Forces are found with the matrix of the step (components/integrators/multipliers.h), in rounds until the conditions hold to
+// round-off, and are equal and opposite: momentum is conserved. `forces` has them row by row.
 //
 // Source: the names and attributes of the first are SOFA's.
 //

@@ -7,9 +7,9 @@
 //   valueType displacement: L = L_0 - value, and T is what that takes, between minForce and maxForce where they are given
 //   valueType force:        T = value, while -maxNegativeDisp <= L_0 - L <= maxPositiveDisp where they are given
 //
-// At minForce L may be less than L_0 - value (with 0 it hangs loose: a cable that may not push), at maxForce more. At
-// maxPositiveDisp T is less than value, at -maxNegativeDisp more. maxDispVariation bounds by how much the imposed
-// displacement differs from that of the step before.
+// At minForce L may be less than L_0 - value (with 0 the cable is slack and does not push), at maxForce more. At
+// maxPositiveDisp T is less than value, at -maxNegativeDisp more. maxDispVariation bounds the change of the imposed
+// displacement from one step to the next.
 //
 // T and the displacement L_0 - L are `force` and `displacement`. Neither depends on the time step: T is a force, and the
 // condition holds at the end of every step. Without pullPoint (hasPullPoint off) the cable ends at its first point.

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// PositionConstraint: points or rigid frames that are moved along directions, by a way or by a force.
+// PositionConstraint: points or rigid frames that are moved along directions, by a displacement or by a force.
 //
 //   s = w d . (x - x_0),   for each point and each direction d in use; x_0 where the scene starts, w its weight
 //   s = w (d . (c - c_0) + r . log(q q_0^-1)),   of a frame: d and r are the halves of one of six directions
 //   valueType displacement: s = value, and f is what that takes, between minForce and maxForce where they are given
 //   valueType force:        f = value, while -maxNegativeDisp <= s <= maxPositiveDisp where they are given
 //
-// The force on a point or a centre is f w d, and the torque f w r where a frame turns about r alone; elsewhere it is that of the
-// work f ds. One value and one pair of bounds stand for all points and directions, and each has a force of its own: `forces` has
-// all, `force` and `displacement` are those of the first. They do not depend on the time step. Along r ways are angles [rad], at most
-// pi either way, and forces are torques [N m]: bounds of both kinds at once are numbers of both.
+// The force on a point or a centre is f w d, and the torque f w r where a frame turns about r alone; elsewhere it is that of
+// the work f ds. One value and one pair of bounds apply to all points and directions, and each has its own force: `forces` has
+// all, `force` and `displacement` are those of the first. They do not depend on the time step. Along r displacements are
+// angles [rad] between -pi and pi, and forces are torques [N m]; with directions of both kinds the same bounds are used for
+// both.
 //
 // Source: the names and attributes are those of SOFA's plugin SoftRobots, where forces are f times the time step.
 //

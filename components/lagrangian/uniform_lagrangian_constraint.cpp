@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// UniformLagrangianConstraint: everything that a state holds stays zero, by forces that can be read.
+// UniformLagrangianConstraint: all values of a state stay zero, by forces that can be read.
 //
 //   x = 0,   with one row for each number of the state, three for each point; with constrainToRestPos x = its rest position
 //
-// Of a state that follows by a mapping it makes a constraint of what the mapping computes: distances that follow by DistanceMapping
-// stay what they were at rest, so that its edges are rods. The force of a row is then the tension of a rod.
+// For a mapped state it constrains the quantity that the mapping computes: distances from a DistanceMapping keep their rest
+// values, so that its edges are rods. The force of a row is then the tension of a rod.
 //
 // Source: the name is SOFA's.
 //

@@ -2,8 +2,8 @@
 // ConicalForceField: a cone that keeps nodes inside, closed by the part of a sphere around its tip.
 //
 // With y = x - coneCenter, n the direction of coneHeight, H its length, alpha = coneAngle between the axis and the side, and
-// r, a the lengths of y across and along n, a node is inside where r cos(alpha) <= a sin(alpha) and |y| <= H. The depth g of
-// one that is not is its distance from there: from the side, from the cap, from the tip, or from the rim where these meet.
+// r, a the lengths of y across and along n, a node is inside where r cos(alpha) <= a sin(alpha) and |y| <= H. The depth g of a
+// node outside is its distance from this region: from the side, the cap, the tip, or the rim between side and cap.
 //
 //   E = k/2 g^2,   f = -k g grad g - c g v,   df/dx = -k (grad g grad g^T + g H_g),   df/dv = -c g I
 //

@@ -7,10 +7,10 @@
 //   E = k/2 g^2,   F = -k g R grad g - d g u,   u = v - v_c - w x r,   r = x - c,   k = |stiffness|, d = damping
 //   on the point F, on the frame -F and the torque -r x F
 //
-// `center` and `vradius` have three numbers for each ellipsoid, in the axes of the frame. Of several the one counts for which
-// sum y_j^2/r_j^2 is least: a point is outside when it is outside of all. The tangent is the symmetric part of the derivative,
-// without the turning of r and of the damping. With object2_forces="false" the frame feels nothing, and what the points feel
-// as it moves is no part of the tangent.
+// `center` and `vradius` have three numbers for each ellipsoid, in the axes of the frame. If there are several, the one with
+// the smallest sum y_j^2/r_j^2 is used: a point is outside if it is outside all of them. The tangent is the symmetric part of
+// the derivative, without the rotation of r and of the damping. With object2_forces="false" there is no reaction on the frame,
+// and the tangent ignores its motion.
 //
 // Source: names and attributes are SOFA's. There g is the number sqrt(q) - 1 (depth="ratio", as EllipsoidForceField has it), the
 // frame gets the force at its centre and no torque, the damping is that of the point's own velocity (onCentre), and the forces

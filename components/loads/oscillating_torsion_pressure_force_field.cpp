@@ -5,10 +5,10 @@
 //   M(t) = moment cos(2 pi frequency t + phase)
 //   f_i = penalty (R(alpha) X_i - x_i) + m w_i t_i/d_i,   alpha = sum d_i angle_i / sum d_i
 //
-// X_i and x_i are the places of a node of the part at rest and now, d_i its present distance from the axis through `center`,
-// angle_i how far it has turned about it, and t_i the direction in which it turns. The first term keeps the part in its shape,
-// turned by alpha as a whole. m is what that term lacks of M(t), so that all forces together have the moment M(t) about the
-// axis. The weights w_i sum to 1 and grow with the third power of the distance and with the area around a node.
+// X_i and x_i are the rest and current positions of a node of the part, d_i its current distance from the axis through
+// `center`, angle_i its rotation about it, and t_i the direction of this rotation. The first term keeps the shape of the part,
+// rotated by alpha as a whole. m makes up the difference of that term from M(t), so that all forces together have the moment
+// M(t) about the axis. The weights w_i sum to 1 and grow with the third power of the distance and with the area around a node.
 //
 // The part: the triangles of triangleList; or those whose corners have all dmin < X.axis < dmax; or all.
 //

@@ -6,9 +6,8 @@
 // The moment of each about the axis is tau times the square of its distance. On a rigid frame the same force acts at its
 // centre, and besides the torque tau u on its orientation.
 //
-// The forces follow the nodes and have no potential: their energy is not counted, and a node that nothing holds is driven
-// round and outward. Their derivative is tau [u], which is skew: no symmetric matrix has a part of it, and an implicit step
-// takes the forces as they are at the shape that it evaluates.
+// The forces follow the nodes and have no potential: they are not part of the energy, and an unsupported node spirals outward.
+// Their derivative tau [u] is skew: it has no symmetric part, and an implicit step uses the forces at the evaluated shape.
 //
 // Source: the name and attributes are SOFA's, which takes tau (I - u u^T) for the derivative: tangent="transverse".
 //

@@ -5,9 +5,9 @@
 //                               E = -sum f_a . x_a, K = 0
 //   useConstantForce = false:   f_a = sigma A_a, A_a = (x_1 - x_0) x (x_2 - x_0) / 6; no potential
 //
-// The first is a dead load: it follows neither the area nor the normal. The second is the traction sigma n of a body
-// with the Cauchy stress sigma on the current surface; uniform on a closed one, it has no resultant and no moment.
-// cauchyStress lists xx xy yy zx yz zz. tangent (of the second) is exact, or its symmetric part, which is approximate;
+// The first is a dead load: it does not follow the area or the normal. The second is the traction sigma n of a body with the
+// Cauchy stress sigma on the current surface; uniform on a closed one, it has no resultant and no moment. cauchyStress lists
+// xx xy yy zx yz zz. tangent (of the second) is exact, or its symmetric part, which is approximate;
 // useTangentStiffness="false": none, as in SOFA.
 //
 // Source: the names and attributes are SOFA's, but tangent.

@@ -3,8 +3,8 @@
 //
 //   M = m I,  m = vertexMass, or totalMass / (number of nodes)
 //
-// `vertexMass` wins when both are given. With `indices` or `localRange` only these nodes have mass. On a mesh with
-// cells of different sizes the density is then not uniform: DiagonalMass and MeshMatrixMass make it so.
+// `vertexMass` takes precedence if both are given. With `indices` or `localRange` only these nodes have mass. On a mesh with
+// cells of different sizes the density is not uniform: use DiagonalMass or MeshMatrixMass for that.
 //
 // A rigid frame (template Rigid3) has also an inertia about its centre, `inertia` [kg m^2], in its own axes J0; in fixed
 // axes it is J = R J0 R^T, and its momentum J w changes with the torque alone:

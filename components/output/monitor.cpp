@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Monitor: positions, velocities and forces of chosen nodes over time, and what other components compute, in columns for gnuplot.
+// Monitor: positions, velocities and forces of selected nodes over time, and outputs of other components, in columns for
+// gnuplot.
 //
 // One text file for each quantity asked for: <fileName>_x.txt (positions), <fileName>_v.txt (velocities),
 // <fileName>_f.txt (net force of all force fields and of gravity at that instant, which takes one evaluation more per
@@ -8,11 +9,12 @@
 // each node in the order of `indices`. The first line is the start, then one per step. Numbers have the fewest digits
 // that read back to the same bits. To plot the height of the first node: `plot "tip_x.txt" using 1:3 with lines`.
 //
-// `attributes` are words `component.attribute` or `label=component.attribute`, of a component of this node or above, or at a path:
-// contact.wrenches, /body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt. Of lists with a
-// value for each node it has those of the chosen ones, or of all where no `indices` are given; of others all numbers. Lines begin when
-// there is something. States have none: their attributes are what they start with. Fields of cells are named the same way, as
-// tissue.stress (xx yy zz xy yz zx of Cauchy's stress) or tissue.vonMises: of `cells`, one after another, or of all.
+// `attributes` are words `component.attribute` or `label=component.attribute`, of a component of this node or above, or at a
+// path: contact.wrenches, /body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt. From
+// lists with a value for each node it writes those of the selected nodes, or of all if no `indices` are given; from others all
+// numbers. The first line is written when there are values. Attributes of states are not accepted, because they are initial
+// values. Cell fields are named in the same way, as tissue.stress (Cauchy stress xx yy zz xy yz zx) or tissue.vonMises: for
+// `cells`, one after another, or for all.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// LennardJonesForceField: all nodes of a state pull at each other from afar and push from near.
+// LennardJonesForceField: all nodes of a state attract each other at large and repel at small distances.
 //
 //   t(d) = a alpha d^(-alpha-1) - b beta d^(-beta-1),   a = p0 d0^alpha / (1 - alpha/beta),   b = p0 d0^beta / (beta/alpha - 1)
 //   f_i = (t(d) n + c (v_j - v_i)) for each j with d < dmax,   d = |x_j - x_i|,   n = (x_j - x_i)/d
 //   df_i/dx_i = -(t' n n^T + t/d (I - n n^T))
 //
-// d0 is the distance of no force, and p0 the depth of the potential -a d^-alpha + b d^-beta there. No pull is larger than fmax; pushes
-// are. With p0 below 0 nodes pull from near and push from far.
-// At dmax the force jumps to zero, of which the energy knows nothing. c is `damping`. With aInit: masses that attract each
-// other, t = aInit alpha/d^2, with beta = 0. The work grows with the square of the number of nodes, and the matrix is full.
+// d0 is the distance of zero force, and p0 the depth of the potential -a d^-alpha + b d^-beta there. fmax bounds attraction,
+// not repulsion. With p0 below 0 near nodes attract and far ones repel each other. At dmax the force jumps to zero, which the
+// energy does not include. c is `damping`. With aInit: masses that attract each other, t = aInit alpha/d^2, with beta = 0. The
+// work grows with the square of the number of nodes, and the matrix is full.
 //
 // Source: J. E. Jones, On the determination of molecular fields (1924); names, attributes and defaults are SOFA's. There the tangent
 // (rough) lacks t/d (I - n n^T), and damping is no part of the matrix (explicitDamping).

@@ -17,8 +17,8 @@
 //
 // a force without a corner at l = 0. It is radial, and its energy is the integral of |f| over l (by Gauss's rule).
 //
-// polynomialDegree says how many of the coefficients polynomialStiffness each spring has, one after the other; where it does
-// not have a number for each spring, all have the first polynomial. Without points every node has a spring.
+// polynomialDegree is the number of coefficients in polynomialStiffness for each spring, one after the other; if it does not
+// have a number for each spring, all have the first polynomial. Without points every node has a spring.
 //
 // Source: names and attributes are SOFA's. There the tangent (rough) is -(P'(|e|)/L n n^T + P(|e|)/l (I - n n^T)) whether a spring
 // resists or not, and of springs to rest positions -P/m I and, on the diagonal alone,

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// RestShapeSpringsForceField: nodes pulled to where they rest, or to the nodes of another body.
+// RestShapeSpringsForceField: nodes pulled to their rest positions, or to the nodes of another body.
 //
 //   E = sum k_i/2 |D (x_i - t_i)|^2,   f_i = -k_i D (x_i - t_i),   K = -k_i D
 //
 // with D the diagonal matrix of activeDirections. The targets t are the rest positions of the nodes or, with
-// external_rest_shape, the positions of its nodes (external_points, else those with the numbers of `points`) at the
-// start of each step. The springs do not act on that other body. `targets` gives them as numbers, and may change while the
-// scene runs: a body is led by them.
+// external_rest_shape, the positions of its nodes (external_points, else those with the numbers of `points`) at the start of
+// each step. The springs do not act on that other body. `targets` gives them as numbers, and can be changed during a run to
+// guide a body.
 //
-// A rigid frame is also turned back, by a torque along the shortest turn th from its target orientation q_t to q:
+// A rigid frame also gets a restoring torque along the shortest rotation th from its target orientation q_t to q:
 //
 //   E = sum a_i/2 |th_i|^2,   exp(th_i) = q_i q_t^-1,   torque = -a_i th_i
 //   K = -a_i (I + c [th]^2), the symmetric part, with c as in dexp^-1;   a = angularStiffness
 //
 // With turnTangent="unturned" K = -a_i I, as in SOFA.
 //
-// `stiffness` has a value for each point or one for all; with firstForOthers points without a value take the first. Without
+// `stiffness` has a value for each point or one for all; with firstForOthers points without a value use the first. Without
 // `points` every node has a spring.
 //
 // Source: the attributes are SOFA's.

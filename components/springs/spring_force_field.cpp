@@ -5,18 +5,18 @@
 //
 //   E = k/2 (L - L0)^2,   f_a = -f_b = (k (L - L0) + c u) n
 //
-// The tangent is the exact derivative, but for the turning of n in the damping force. A spring whose ends meet has no
-// direction: with L0 = 0 its force is -k d, which needs none; with L0 > 0 it has no force until the ends part.
-// elongationOnly springs do nothing while L < L0, and compressionOnly ones while L > L0. A compressed spring's tangent is
+// The tangent is the exact derivative, except for the rotation of n in the damping force. A spring whose ends meet has no
+// direction: with L0 = 0 its force is -k d, which needs none; with L0 > 0 it has no force until the ends separate.
+// elongationOnly springs have no force while L < L0, and compressionOnly ones while L > L0. A compressed spring's tangent is
 // indefinite, as its equilibrium is.
 //
 // The springs are given by `springsIndices1`, `springsIndices2` and `lengths`, or all in one by `spring`, five numbers
 // each: i j k c L0. Node i belongs to `object1`, node j to `object2`; without them both are of the state of this node.
 // `stiffness`, `damping`, `lengths`, `elongationOnly`, `compressionOnly` and `enabled` have a value for each spring or one for all.
 //
-// With `explicitForce` the springs are no part of the matrix of a step. A step that makes one linear system then has the forces of
-// its start, equal and opposite on both bodies: momentum is kept, and stiff springs need small steps. SOFA does so where it
-// solves for each body alone.
+// With `explicitForce` the springs are not in the matrix of a step. A step with one linear solve then has the forces at its
+// start, equal and opposite on both bodies: momentum is conserved, and stiff springs need small steps. SOFA does so where it
+// solves for each body separately.
 //
 // Source: the attributes are SOFA's (StiffSpringForceField is an older name).
 //

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// VectorSpringForceField: springs that remember a vector between their ends, not a length: they resist turning too.
+// VectorSpringForceField: springs with a rest vector between their ends, not a rest length: they also resist rotation.
 //
 //   f_a = -f_b = k (x_b - x_a - r) + c (v_b - v_a),   E = k/2 |x_b - x_a - r|^2,   K of (a, a): -k I
 //
-// With useTopology there is one on each edge of the mesh, and r is the vector of the rest shape. Else node i of object1 is drawn to
-// node i of object2, r = 0. The force is linear.
+// With useTopology there is one on each edge of the mesh, and r is the vector of the rest shape. Otherwise node i of object1
+// is pulled to node i of object2, r = 0. The force is linear.
 //
 // Source: names, attributes and defaults are SOFA's. There the viscosity is no part of the matrix: explicitDamping.
 //
