@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// DistanceMapping: numbers that are the lengths of pairs of points, and what is like it.
+// DistanceMapping and similar mappings: numbers that are distances between pairs of points.
 //
 //   DistanceMapping        y_e = |x_b - x_a| - L_e        for each edge of a mesh
 //   SquareDistanceMapping  y_e = |x_b - x_a|^2
 //   DistanceMultiMapping   y_e = |x_b - x_a| - L_e        between points of several states
 //   DistanceFromTarget     y_i = |x_i - target_i| - L_i
 //
-// The child has one number for each (template Vec1). L is restLengths, else the distance where the scene starts; with
-// computeDistance it is zero. Of a frame it is the centre. Forces f on the numbers act along the pairs,
+// The child has one number for each (template Vec1). L is restLengths, by default the initial distance; with computeDistance
+// it is zero. For a frame the centre is used. Forces f on the numbers act along the pairs,
 //
 //   f_b = -f_a = n f,   n = (x_b - x_a)/d,   geometric stiffness f/d (I - n n^T)
 //
 // and 2 (x_b - x_a) f and 2 f I for squares. geometricStiffness: None leaves it out, Exact has all of it, Stabilized (the
-// default) only that of tensions, f < 0, which resists.
+// default) only that of tensions, f < 0, which is stabilising.
 //
 // Edges are those of `topology`, else of the mesh of this node or the nearest above that has any. For DistanceMultiMapping
 // they join the points of indexPairs, each a state of input and a node there.

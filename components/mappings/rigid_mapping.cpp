@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// RigidMapping: points, or frames, that are fixed in rigid frames.
+// RigidMapping: points, or frames, attached to rigid frames.
 //
 //   x_i = c + q p_i,   v_i = c' + omega x (q p_i);   force on the frame: sum f_i, torque sum (q p_i) x f_i
 //
-// with c and q the centre and the orientation of the frame `index` of the state that is followed (counted from the last one
-// with indexFromEnd), or of the frame that rigidIndexPerPoint lists for each point, or repartition by how many points in a row.
-// p_i, the place of the point in the axes of its frame, is initialPoints, or the position of the child as the scene gives it,
-// or with useX0 its rest position. With globalToLocalCoords these are places in space where the scene starts (useX0: at rest).
-// A child without positions has as many points as initialPoints.
+// with c and q the centre and the orientation of the frame `index` of the parent state (counted from the last one with
+// indexFromEnd), or of the frame that rigidIndexPerPoint lists for each point, or repartition by the number of points in a
+// row. p_i, the position of the point in the axes of its frame, is initialPoints, or the position of the child as the scene
+// gives it, or with useX0 its rest position. With globalToLocalCoords these are positions in space at the start (useX0: at
+// rest). A child without positions has as many points as initialPoints.
 //
-// A child of frames (template Rigid3) is carried in the same way, each at p_i and turned by the orientation that the scene
-// gives; RigidRigidMapping is another name for that, whose initialPoints are frames: x y z and a quaternion x y z w.
+// A child of frames (template Rigid3) is carried in the same way, each at p_i and rotated by the orientation that the scene
+// gives; RigidRigidMapping is another name for this, with initialPoints that are frames: x y z and a quaternion x y z w.
 //
-// geometricStiffness: the torque of f_i changes as the frame turns, by (dw x r) x f. Exact has it in the tangent, without
-// the part 1/2 [torque], which is zero for all torques of a frame in equilibrium together: the tangent is then symmetric.
-// Stabilized has what resists of that: of each frame the part with eigenvalues that draw it back.
+// geometricStiffness: the torque of f_i changes as the frame rotates, by (dw x r) x f. Exact has it in the tangent, without
+// the part 1/2 [torque], which vanishes for the sum of torques on a frame in equilibrium: the tangent is then symmetric.
+// Stabilized has only the stabilising part of it: for each frame that with restoring eigenvalues.
 //
 // Source: the names and attributes are SOFA's, whose Exact is not symmetric.
 //

@@ -3,10 +3,10 @@
 //
 //   x_i = sum_j w_ij (c_j + q_j p_ij),   sum_j w_ij = 1
 //
-// p_ij is the place of point i in the axes of frame j where the scene starts. The frames of a point are its nbRef nearest ones,
-// with weights proportional to 1/d^2, d the distance of the frame's centre (a point on a centre follows it alone, and of frames as
-// near the first one counts, with fromRest the last one); or those of `indices`, nbRef for each point, with `weight` for each.
-// Known as linear blend skinning. `nbRef` may also list a number for each point.
+// p_ij is the initial position of point i in the axes of frame j. The frames of a point are its nbRef nearest ones, with
+// weights proportional to 1/d^2, d the distance of the frame's centre (a point on a centre follows only that frame, and of
+// equally near frames the first one is used, with fromRest the last one); or those of `indices`, nbRef for each point, with
+// `weight` for each. Known as linear blend skinning. `nbRef` may also list a number for each point.
 //
 // Source: the name and the attributes are SOFA's, which has the frames as they rest (fromRest).
 //

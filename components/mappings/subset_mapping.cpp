@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// SubsetMapping: the nodes of a state are some of another one's.
+// SubsetMapping: the nodes of a state are a subset of those of another one.
 //
 //   x_c = x_p(c),   v_c = v_p(c),   f_p(c) += f_c
 //
@@ -7,7 +7,8 @@
 // node's initial position, which must be within `radius` of it. With the first two a state may be without positions: it gets
 // those of the nodes that it follows.
 //
-// ignoreNotFound: a node that is near none stays where it starts, and what acts on it is lost. Without it, it is an error.
+// ignoreNotFound: a node that is not near any other stays at its initial position, and forces on it are lost. Otherwise this
+// is an error.
 //
 // Source: the attributes are SOFA's, whose nodes that are not found stay in both cases.
 //
