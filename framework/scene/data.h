@@ -56,6 +56,7 @@ class Data {
   // ---- declaration (each returns *this) ----
   Data& help(std::string text);                    ///< one line; every attribute has one
   Data& unit(std::string text);                    ///< "Pa", "m", "s"; "-" for a pure number
+  Data& unitOrNumber(const std::string& text);     ///< one of both, see settleUnit()
   Data& alias(std::string other);                  ///< another accepted name (SOFA's)
   Data& min(double value, bool inclusive = true);  ///< applies to every number of the value
   Data& max(double value, bool inclusive = true);
@@ -75,6 +76,8 @@ class Data {
   const std::vector<std::string>& aliases() const { return aliases_; }
   const std::string& helpText() const { return help_; }
   const std::string& unitText() const { return unit_; }
+  /// Of unitOrNumber() what is meant, once that is known. False: values were written in another unit.
+  bool settleUnit(const std::string& text);
   bool isRequired() const { return required_; }
   bool isPhysical() const { return physical_; }
   bool isOutput() const { return output_; }
@@ -104,6 +107,7 @@ class Data {
  private:
   friend class DataTable;
   std::optional<Problem> checkRange() const;
+  void closeUnit(std::string_view written);
 
   std::string name_, help_, unit_, default_;
   std::vector<std::string> aliases_;
