@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Forces on small groups of nodes (a node, the two ends of a spring, a triangle): products, assembly and diagonals of
-// their derivatives. A component evaluates energy and force, and leaves one tangent a group.
+// their derivatives. A component evaluates energy and force, and stores one tangent per group.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace stroma {
 
-/// A derivative of the forces of N nodes with a block of its own for each pair of nodes.
+/// The derivative of the forces of N nodes, with one block per pair of nodes.
 template <int N>
 struct DenseTangent {
   std::array<Mat3, std::size_t(N) * N> blocks;  ///< row-major
@@ -26,7 +26,7 @@ struct DenseTangent {
   }
 };
 
-/// The same for two nodes with opposite forces that depend on the difference of the nodes: k = df_i/dx_i.
+/// The same for two nodes with opposite forces that depend only on their difference: k = df_i/dx_i.
 struct PairTangent {
   Mat3 k;
   void setZero() { k.setZero(); }
@@ -39,8 +39,8 @@ struct PairTangent {
 };
 
 /// Base of force fields on groups of N nodes. Derived classes call setGroups() or setNodes() in compile() and write stiffness_ (and
-/// damping_, when they asked for it) in addForce(). Where a tangent costs more than the force, addForce() calls
-/// outdateTangents() instead, and computeTangents() writes stiffness_ when somebody asks for it: explicit steps do not.
+/// damping_ if requested) in addForce(). If a tangent costs more than the force, addForce() calls outdateTangents()
+/// instead, and computeTangents() writes stiffness_ on demand: explicit steps never ask for it.
 template <int N, class Tangent = DenseTangent<N>>
 class NodeGroupField : public ForceField {
  public:
@@ -106,7 +106,7 @@ class NodeGroupField : public ForceField {
     tangents_outdated_ = false;
     return stiffness_;
   }
-  /// N, or less where a tangent says so: the rest of its group repeats a row.
+  /// N, or less if the tangent says so: the rest of its group then repeats a row.
   static int nodesOf(const Tangent& tangent) {
     if constexpr (requires { tangent.corners; }) return tangent.corners;
     return N;

@@ -11,7 +11,7 @@
 
 namespace stroma {
 
-/// Bounds on what a scene file may contain: beyond them a sentence, not memory.
+/// Limits on the size of a scene: exceeding them is an error, before memory runs out.
 struct ReadLimits {
   std::size_t file_bytes = 64u << 20;
   std::size_t attribute_bytes = 16u << 20;

@@ -7,22 +7,22 @@
 
 namespace stroma {
 
-/// The matrix of a system with mappings. Masses and force fields add to full(), over all rows; reduce() makes
-/// J^T A J over the independent rows, J the product of the mappings' Jacobians, row by row.
+/// The matrix of a system with mappings. Masses and force fields add to full(), over all rows. reduce() computes
+/// J^T A J over the independent rows, where J is the product of the mappings' Jacobians.
 class MappedMatrix {
  public:
-  /// `pattern`: blocks over all rows, those of geometric stiffnesses included. `mappings`: parents first, applied.
+  /// `pattern`: blocks over all rows, including geometric stiffnesses. `mappings`: parents first, already applied.
   void prepare(BlockPattern&& pattern, const std::vector<Mapping*>& mappings, Index independent_rows);
   BlockMatrix& full() { return full_; }
   /// An empty matrix with the pattern of J^T A J.
   BlockMatrix reducedPattern() const;
-  /// Takes the mappings' Jacobians anew, where they are not constant.
+  /// Updates the Jacobians of mappings that are not constant.
   void updateJacobian(const std::vector<Mapping*>& mappings);
   /// out = J^T full() J
   void reduce(BlockMatrix& out) const;
 
  private:
-  /// A row of J: how much of which independent row.
+  /// An entry of J: a block and its independent row.
   struct Term {
     Index row = 0;
     Mat3 block = Mat3::Identity();
