@@ -54,7 +54,7 @@ class SystemMatrix {
   /// Positions of the nodes of the rows, accurate enough to estimate how the matrix has rotated since an earlier one; empty
   /// (count 0) if rows are not nodes in space.
   virtual ConstRows positions() const { return {}; }
-  /// Every row is a place that nothing ties to others: what belongs to one may turn alone.
+  /// Every row is a place that is not tied to others: its block may be rotated independently.
   virtual bool isOfLooseNodes() const { return positions().count > 0; }
   virtual bool hasTurns() const { return false; }  ///< some rows are orientations: a residual has forces and torques
   virtual std::string describeRow(Index row) const = 0;  ///< path of the component behind this row, for messages

@@ -53,17 +53,17 @@ class ConditionForces {
 
   long searches = 0, steps = 0, rounds = 0;  ///< totals of solve(): calls, Newton steps, interior-point iterations
   double spent = 0, budget = std::numeric_limits<double>::infinity();
-  double enough = 0;          ///< of unsettled(): nothing better is searched for where l begins with no more
-  double contradiction = 0;   ///< twice what a search has left; nothing is searched for below it. 0 where a step starts
+  double enough = 0;          ///< of unsettled(): no search is made if the initial l has no more
+  double contradiction = 0;   ///< twice the residual that a search has left; no search is made below it. 0 at the start of a step
   Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
   Eigen::VectorXd g;          ///< the conditions without forces, shape (rows); solve() adds forces that are given
-  Eigen::VectorXd l;          ///< forces [N], shape (rows); where the search begins
+  Eigen::VectorXd l;          ///< forces [N], shape (rows); on entry the initial guess
   std::vector<double> sizes;  ///< lengths of the gradients: what moves less than round-off of this is held
 
-  /// A stop is heeded within it; forces are then those of the best place so far. `allowed`: by how much each row may be off [m];
-  /// what is off by a thousandth of it is not searched for again. Empty: nothing is allowed.
+  /// It can be stopped, and the forces are then those of the best iterate. `allowed`: the tolerance of each row [m];
+  /// rows within a thousandth of it start no search. Empty: no tolerance.
   void solve(const std::vector<Row>& rows, StopToken stop = {}, const std::vector<double>& allowed = {});
-  /// By how much the functions above are off, of the largest condition that does not hold without forces.
+  /// The largest residual of the functions above, over the conditions that do not hold without forces.
   double unsettled() const { return unsettled_; }
   /// The functions above, where the rows of the last solve() have come to (Row::value). `allowed`: by how much each row may be
   /// off without being looked at; empty: nothing.

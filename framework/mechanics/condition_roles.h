@@ -15,7 +15,7 @@ struct ChangesConditions {
   /// The conditions hold at x with these forces, whose compliances are `answers` [m/N]. Returns true if it switches to others;
   /// their number stays the same.
   virtual bool changeConditions(ConstRows x, std::span<const double> forces, std::span<const double> answers) = 0;
-  /// Of all that have rows up to `ends`.
+  /// For all constraints, with rows up to `ends`.
   static bool changeAny(auto& all, const std::vector<std::size_t>& ends, ConstRows x, const double* forces, const double* answers) {
     bool have_changed = false;
     for (std::size_t i = 0, begin = 0; i < ends.size(); begin = ends[i++])

@@ -25,7 +25,7 @@ struct Problem {
   SourceLocation where;
   std::string path;        ///< path in the tree: "/liver/fem.method"
   std::string message;     ///< what is wrong
-  std::string expected;    ///< what would have been right
+  std::string expected;    ///< what was expected
   std::string suggestion;  ///< the nearest right name or the fix
 
   /// One line: "file:line:column: error: /path: message (expected ...; did you mean ...?)".

@@ -29,7 +29,7 @@ class Instantiation {
   };
 
   // ---- instantiate.cpp: the tree ----
-  /// Opens what RequiredPlugin names by path, in the whole tree, before any component is made.
+  /// Opens the modules that RequiredPlugin names by path, in the whole tree, before any component is made.
   void prepare(const NodeDescription& node);
   void openPlugins(const ComponentDescription& component);
   /// Attributes, components and children of one node, in the order of the file.
@@ -57,7 +57,7 @@ class Instantiation {
   void findInputFile(const AttributeDescription& attribute, Data& data, Component& component);
   bool isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
                              const Component* component);
-  /// Required and physical attributes that nothing set.
+  /// Reports required and physical attributes that were not set.
   void checkGiven(Component& component);
 
   // ---- links.cpp ----

@@ -25,7 +25,7 @@ struct Override {
   static Override parse(const std::string& text);  ///< throws std::invalid_argument with a sentence
 };
 
-/// Writes them to the present owner of the archive, or reads them.
+/// Writes them to the current owner of the archive, or reads them.
 void visitEdits(Archive& archive, std::vector<Override>& edits);
 
 /// XML text to plain data. Problems go to `diagnostics`; what could be read is returned.

@@ -19,7 +19,7 @@ struct ServiceInfo {
 /// The folder of the modules, stroma/ beside the framework library; empty when it cannot be found.
 std::string moduleFolder();
 
-/// What brings a part that is missing (a module, service, reader or program by its name): the command that builds it where
+/// How to get a missing part (a module, service, reader or program by its name): the command that builds it where
 /// moduleFolder() is that of a build, the package that has it where it was installed from packages, else `otherwise`.
 std::string howToGet(const std::string& part, const std::string& otherwise);
 

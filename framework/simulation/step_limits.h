@@ -24,7 +24,7 @@ class StepLimits {
   /// True if something that was fixed during the solve has changed, so the solve must be repeated. Obstacles have advanced as
   /// far as the present positions of bodies allow.
   bool moveOn();
-  /// The same while obstacles wait for goAlong().
+  /// The same while obstacles are waiting for goAlong().
   bool solvesAgain();
   /// See StepLimiter.
   bool hasWay() const {
