@@ -19,9 +19,11 @@ class MappedMatrix {
   /// Takes the mappings' Jacobians anew, where they are not constant.
   void updateJacobian(const std::vector<Mapping*>& mappings);
   /// out = J^T full() J
-  void reduce(BlockMatrix& out) const;
+  void reduce(BlockMatrix& out);
 
  private:
+  /// Adds to out[row][column]; `place` is its slot the last time, or -1.
+  static void add(BlockMatrix& out, Index row, Index column, const Mat3& block, Index& place);
   /// A row of J: how much of which independent row.
   struct Term {
     Index row = 0;
@@ -31,6 +33,7 @@ class MappedMatrix {
   BlockMatrix full_;
   std::vector<std::vector<Term>> jacobian_;  ///< shape (all rows)
   std::vector<JacobianBlock> blocks_;
+  std::vector<Index> places_;  ///< of what reduce() adds, in its order: nothing is searched for in the next one
 };
 
 }  // namespace stroma
