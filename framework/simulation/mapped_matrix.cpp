@@ -12,6 +12,13 @@ void MappedMatrix::prepare(BlockPattern&& pattern, const std::vector<Mapping*>& 
   jacobian_.assign(full_.rows(), {});
   for (Index row = 0; row < independent_rows; ++row) jacobian_[row] = {Term{row, Mat3::Identity()}};
   updateJacobian(mappings);
+  sums_ = {};
+  for (Index row = 0; row < full_.rows(); ++row)
+    for (Index slot = full_.rowStart()[row]; slot < full_.rowStart()[row + 1]; ++slot) {
+      const Index column = full_.columns()[slot];
+      const bool is_own = row < independent_rows && column < independent_rows;
+      (is_own ? sums_.own : sums_.mapped) += jacobian_[row].size() * jacobian_[column].size();
+    }
 }
 
 // The row of a mapped node: its blocks times the rows of their parents, terms of one independent row summed.
