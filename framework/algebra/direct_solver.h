@@ -55,6 +55,9 @@ class DirectSolver : public LinearSolver {
   /// The factors of the current matrix. Null if it has none or was stopped; the report then says why and where. They stay
   /// valid and unchanged until the next call with this matrix.
   Factorisation* factor(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  /// Gives the factors of `former`, which are not needed any more, to a matrix that has none so far: its pattern is analysed only where
+  /// it is another one, and numbers go to the same memory.
+  void handOver(SystemMatrix& former, SystemMatrix& matrix);
 
  protected:
   virtual std::unique_ptr<Factorisation> makeFactorisation(bool symmetric) const = 0;
