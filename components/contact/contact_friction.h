@@ -72,7 +72,7 @@ class Friction {
   }
   bool isEased() const { return acts() && slip > wanted_slip_; }
   void sharpen(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
-  /// Updates them with the forces and shares at the end x of a solve; returns the change of the forces on all vertices, see relativeChange().
+  /// Updates them with the forces and shares at the end x of a solve. Returns the relative change of the forces.
   double renew(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved, bool was_held,
                std::vector<Vec3>& before, std::vector<Vec3>& after);
   /// Begins a step with this number of vertices.
