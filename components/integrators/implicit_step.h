@@ -48,7 +48,7 @@ class ImplicitStep final : public NonlinearProblem {
   /// has_history.
   std::vector<Vec3> momentum_predictor;
   const TurningBodies& bodies() const { return bodies_; }
-  /// Something may block a step.
+  /// Obstacles may limit steps.
   bool isLimited() const { return !limits_.empty(); }
   bool hasConditions() const { return !multipliers_.empty(); }  ///< of Lagrangian constraints
   /// J w of bodies() before and after the last solve().
