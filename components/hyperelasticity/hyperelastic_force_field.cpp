@@ -103,10 +103,9 @@ void HyperelasticForceField::declareParameters(DataTable& table) {
     std::vector<std::string> meanings;
     for (const auto& [meaning, laws] : laws_of[name])
       meanings.push_back(fmt::format("{} ({})", meaning, fmt::join(laws, ", ")));
-    table.add(name, named_[name])
-        .unit(units[name].size() > 1 ? "Pa or -" : *units[name].begin())
-        .ofCells()
-        .help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
+    Data& attribute = table.add(name, named_[name]).ofCells();
+    attribute.help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
+    units[name].size() > 1 ? attribute.unitOrNumber("Pa") : attribute.unit(*units[name].begin());
   }
 }
 

@@ -48,12 +48,10 @@ std::vector<Doubt> doubtsAbout(const HyperelasticLaw& law, const std::vector<dou
 void settleUnits(const HyperelasticLaw& law, DataTable& data) {
   for (const hyperelastic::ParameterInfo& parameter : law.parameters) {
     Data* const attribute = data.find(parameter.name);
-    if (!attribute || attribute->unitText() == parameter.unit) continue;
-    if (!attribute->unitText().ends_with(" or -"))
+    if (attribute && !attribute->settleUnit(parameter.unit))
       throw ComponentError(fmt::format("{} of {} is {}", parameter.name, law.name,
                                        parameter.unit == "-" ? "a pure number" : "in " + parameter.unit),
                            parameter.unit == "-" ? "numbers without unit" : "numbers in Pa");
-    attribute->unit(parameter.unit);
   }
 }
 

@@ -73,6 +73,15 @@ Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report, S
   return update(matrix, kept, report, stop) ? kept.factors.get() : nullptr;
 }
 
+void DirectSolver::handOver(SystemMatrix& former, SystemMatrix& matrix) {
+  Kept& from = kept_.of(former);
+  Kept& to = kept_.of(matrix);
+  if (!from.factors || to.factors) return;
+  to.factors = std::move(from.factors);
+  to.symmetric = from.symmetric;
+  from = {};
+}
+
 namespace {
 
 /// r = b - A x; returns its norm.

@@ -2,17 +2,18 @@
 #pragma once
 #include "framework/mechanics/lagrangian_constraint.h"
 namespace stroma {
-/// What a LagrangianConstraint knows of the forces of its rows: some rows are redundant, so that their forces are not unique.
+/// What a LagrangianConstraint knows about the forces of redundant rows, whose forces are not unique.
 class SharesForces {
  public:
   virtual ~SharesForces() = default;
-  /// The initial guess [N], and the relative compliance by which redundant rows share a force; 0: this row is not redundant.
+  /// The initial force of each row [N], and its compliance relative to the other redundant rows; 0: the row is not redundant.
   virtual void expectForces(std::span<double> forces, std::span<double> yields) const = 0;
 };
-/// A LagrangianConstraint whose forces decide which conditions it has, as those of a point stopped at a corner of its curve.
+/// A LagrangianConstraint whose active conditions depend on its forces, like a point that is stopped at a corner of its curve.
 struct ChangesConditions {
   virtual ~ChangesConditions() = default;
-  /// Its conditions hold at x by these forces, with compliances `answers` [m/N]. True: it has replaced them by as many others.
+  /// The conditions hold at x with these forces, whose compliances are `answers` [m/N]. Returns true if it switches to others;
+  /// their number stays the same.
   virtual bool changeConditions(ConstRows x, std::span<const double> forces, std::span<const double> answers) = 0;
   /// For all constraints, with rows up to `ends`.
   static bool changeAny(auto& all, const std::vector<std::size_t>& ends, ConstRows x, const double* forces, const double* answers) {

@@ -4,8 +4,8 @@
 
 namespace stroma {
 
-/// A role beside a constraint's: its nodes may be free in the matrix of a step. Its projectors are then identities, the integrator
-/// projects the right side of its one linear solve, and prescribe() places the result.
+/// A role of a constraint whose nodes may stay free in the matrix of a step: its projectors are then identities, the integrator
+/// projects the right-hand side of the single linear solve, and prescribe() sets the resulting positions.
 class ProjectsRightSide {
  public:
   virtual ~ProjectsRightSide() = default;

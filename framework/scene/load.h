@@ -11,7 +11,7 @@
 
 namespace stroma {
 
-/// Limits on scene files: larger ones are rejected with an error before they use up memory.
+/// Limits on the size of a scene: exceeding them is an error, before memory runs out.
 struct ReadLimits {
   std::size_t file_bytes = 64u << 20;
   std::size_t attribute_bytes = 16u << 20;

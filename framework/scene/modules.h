@@ -10,8 +10,8 @@
 
 namespace stroma {
 
-/// What a module exports as `extern "C" const stroma::ModuleInfo* stroma_module()`. `abi` is STROMA_ABI (abi.h) and is
-/// compared before anything else is touched: a module built against other headers is rejected with an error.
+/// Exported by a module as `extern "C" const stroma::ModuleInfo* stroma_module()`. `abi` is STROMA_ABI (abi.h) and is
+/// compared first: a module built against other headers is rejected with a message.
 struct ModuleInfo {
   const char* abi;
   const char* name;

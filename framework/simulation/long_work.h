@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Long work before the first step reports its progress to a listener; nothing is printed here.
+// Progress reports of long work before the first step; nothing is printed here.
 #pragma once
 #include <functional>
 #include <memory>
@@ -11,17 +11,17 @@ namespace stroma {
 class LongWorkListener {
  public:
   virtual ~LongWorkListener() = default;
-  /// The fraction that is done; it may decrease.
+  /// The fraction done; it may be lower than an earlier one.
   virtual void say(double share) = 0;
-  /// A sentence for the user who is waiting.
+  /// A message for the user.
   virtual void advise(const std::string& sentence) = 0;
 };
 
-/// Makes the listener for work of about so many operations, or null if there is none.
+/// Makes the listener for work of about this many operations, or null if nobody listens.
 using MakeLongWorkListener =
     std::function<std::unique_ptr<LongWorkListener>(const std::string& what, double operations)>;
 
-/// Sets the listener of the whole process; empty, as at the start: nobody. Must not be called during long work.
+/// Sets the listener to all long work of the process; empty, as initially: none. Not while work is in progress.
 void listenToLongWork(MakeLongWorkListener make);
 
 class LongWork {

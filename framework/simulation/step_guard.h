@@ -6,12 +6,12 @@
 
 namespace stroma {
 
-/// An observer that also looks at the start of each step and may reject it, if the step would have to account for something that
-/// it cannot. It changes nothing.
+/// An observer that is also called before each step and may reject it because of something the step cannot account for.
+/// It changes nothing.
 class StepGuard {
  public:
   virtual ~StepGuard() = default;
-  /// Why the step is rejected; empty if it may be made.
+  /// A reason to reject the step, or empty.
   virtual std::string refusal(const StepContext& context) = 0;
 };
 

@@ -10,19 +10,19 @@
 
 namespace stroma {
 
-/// Those of a system's force fields that limit its steps. Without any, nothing is done.
+/// The force fields of a system that limit its steps. Without any, nothing is done.
 class StepLimits {
  public:
   void compile(System& system);
   bool empty() const { return limiters_.empty(); }
-  /// The largest s <= 1 up to which the system's positions may move by s * factor * dx; dx has the independent rows. See Way.
+  /// The largest s <= 1 for which the system's positions may move by s * factor * dx; dx has the independent rows. See Way.
   double longest(ConstRows dx, double factor = 1, bool is_carried = false, bool goes_along = false);
-  /// Points may move on curves: mappings are not linear.
+  /// Points may move on curves, because of nonlinear mappings.
   bool bends() const { return !empty() && !system_->mappingChain().isLinear(); }
-  /// The same on a way that goTo(s) puts the system's positions on; it ends with goTo(0).
+  /// The same along a path whose positions goTo(s) sets; it ends with goTo(0).
   double longest(ConstRows dx, double factor, bool is_carried, bool goes_along, const std::function<void(double)>& goTo);
-  /// A lagged quantity was updated after the last solve, which has to be repeated. Obstacles have advanced as far as the bodies
-  /// let them.
+  /// True if something that was fixed during the solve has changed, so the solve must be repeated. Obstacles have advanced as
+  /// far as the present positions of bodies allow.
   bool moveOn();
   /// The same while obstacles are waiting for goAlong().
   bool solvesAgain();
@@ -30,9 +30,9 @@ class StepLimits {
   bool hasWay() const {
     return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->hasWay(); });
   }
-  /// out = what the way of obstacles adds to forces; shape (allRows()), of which only the independent rows are used.
+  /// out = the contribution of moving obstacles to forces; shape (allRows()), of which only independent rows are used.
   void push(Rows out) const;
-  /// Obstacles advance as far as the bodies let them.
+  /// Advances obstacles as far as the present positions of bodies allow.
   void goAlong();
   void goAlong(double s) {
     for (StepLimiter* limiter : limiters_) limiter->goAlong(s);
@@ -53,17 +53,17 @@ class StepLimits {
   System* system_ = nullptr;
   std::vector<StepLimiter*> limiters_;
   Vector scaled_, still_;       ///< shape (independentRows()), only with limiters; still_: zero
-  Vector start_, middle_, end_;  ///< shape (allRows()), only where ways bend
+  Vector start_, middle_, end_;  ///< shape (allRows()), only for curved paths
   std::vector<double> bend_;
 };
 
 // ---- called by the system and the simulation ----
 void tellStepBegins(const System& system, ConstRows x, double t, double t_end);
-/// A sentence on what intersects after a step, or empty.
+/// A description of intersections after a step, or empty.
 std::string overlapIn(System& system);
-/// Moves bodies out of an invalid start (mechanics/step_limiter.h).
+/// Separates bodies that overlap at the start (mechanics/step_limiter.h).
 void placeStart(System& system);
-/// Throws ComponentError if an integrator does not ask how far it may step, or something else moves positions too.
+/// Throws ComponentError if an integrator does not respect step limits, or if something else also moves positions.
 void checkStepLimits(const System& system);
 
 }  // namespace stroma
