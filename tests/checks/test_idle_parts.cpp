@@ -49,7 +49,7 @@ TEST(IdleParts, WhatContradictsOrDoublesIsSaid) {
   EXPECT_EQ(told(heldAt(fixed + "<ConstantForceField indices='3 4' forces='1 0 0'/>")).find("is fixed or moved"),
             std::string::npos);
   expectContains(told(heldAt("<HexahedronFEMForceField name='again' youngModulus='1000' poissonRatio='0.3'/>")),
-                 "/again: it ties the same nodes as /HexahedronFEMForceField: the stiffness of the two adds up");
+                 "/again: it connects the same nodes as /HexahedronFEMForceField: their stiffnesses add up");
   EXPECT_EQ(told(heldAt("")).find("adds up"), std::string::npos);
 }
 
@@ -130,7 +130,7 @@ TEST(IdleParts, AWeightThatNobodyWroteAndAFallForEverAreNoted) {
            more + "</Node>";
   };
   const std::string held = "<FixedProjectiveConstraint indices='0'/>", floor = "<PlaneForceField normal='0 1 0' d='-1'/>";
-  const std::string weight = "/dofs: gravity is not given: (0 -9.81 0) m/s^2 acts", fall = "/dofs: nothing holds it";
+  const std::string weight = "/dofs: gravity is not given: the default (0 -9.81 0) m/s^2 is used", fall = "/dofs: nothing holds it";
   expectContains(told(scene("", held)), weight);
   expectContains(told(scene("gravity='0 0 -1'", "")), fall);
   for (const std::string& text : {scene("gravity='0 -9.81 0'", held), scene("gravity='0 -9.81 0'", floor), scene("gravity='0 0 0'", "")}) {

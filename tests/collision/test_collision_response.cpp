@@ -282,9 +282,9 @@ TEST(CollisionResponse, WordsOfRulesAreChecked) {
   };
   EXPECT_EQ(with("* 3 FrictionContactConstraint?mu=0.3"), "");
   expectContains(with("* 3"), "rules has 2 words");
-  expectContains(with("* 3 Glue"), "rules has \"Glue\", which is no response");
+  expectContains(with("* 3 Glue"), "rules has \"Glue\", which is not a response");
   expectContains(with("* 3 FrictionContactConstraint?mu=much"), "mu=much");
-  expectContains(with("", "Glue"), "contactResponse has \"Glue\", which is no response");
+  expectContains(with("", "Glue"), "contactResponse has \"Glue\", which is not a response");
 }
 
 TEST(CollisionResponse, ASurfaceWithoutAMeshIsRefused) {

@@ -185,7 +185,7 @@ TEST(Couplings, ExplainTellsWhatMovesTogetherAndWhy) {
   for (const std::string& line : planOf(simulation).lines()) text += line + "\n";
   expectContains(text, "system of /a/solver: 54 nodes");
   expectContains(text, "linear solver /b/SparseLDLSolver: skipped, /a/SparseLDLSolver solves for this system");
-  expectContains(text, "integrator /b/solver: skipped, its bodies move in this system because /a_b couples them");
+  expectContains(text, "integrator /b/solver: skipped, its bodies belong to this system because /a_b couples them");
   expectContains(text, "constraint /a_b");
   expectContains(text, "system of /far/solver: 27 nodes");
 }
@@ -338,7 +338,7 @@ TEST(Couplings, WhatIsTiedToSomethingThatNothingMovesIsRefused) {
 TEST(Couplings, SolversThatNoIntegratorUsesAreRefused) {
   expectContains(
       problemsOf(scene("<SparseLDLSolver name='solver'/>" + pointBody("a", "<EulerImplicitSolver/>", "1 0 0", "1"))),
-      "no integrator uses the linear solver /solver: /a/EulerImplicitSolver takes the one of its own node");
+      "no integrator uses the linear solver /solver: /a/EulerImplicitSolver uses the one in its own node");
   EXPECT_EQ(problemsOf(scene("<SparseLDLSolver name='solver'/>" +
                              pointBody("a", "<EulerImplicitSolver linearSolver='@/solver'/>", "1 0 0", "1"))),
             "");
@@ -400,7 +400,7 @@ TEST(AttachedStatics, WhatOneWayLeavesOutIsSaid) {
   EXPECT_NEAR(column.interface(simulation), own, 1e-8 * own);
   // 3 m^3 of 1000 kg/m^3 under 10 m/s^2
   ASSERT_EQ(doubtsOf(simulation).size(), 1u);
-  expectContains(doubtsOf(simulation)[0], "/glue at t = 1 s: the nodes that follow pull with (");
+  expectContains(doubtsOf(simulation)[0], "/glue at t = 1 s: the following nodes pull with (");
   expectContains(doubtsOf(simulation)[0], "together 3e+04 N, and what they follow does not feel it");
   // in time, at rest: the same
   Simulation moving = simulationFromText(
@@ -429,7 +429,7 @@ TEST(AttachedStatics, WhatIsNotHeldIsFoundInTheCoupledSystem) {
       block("a", 2, 0, integrator + held("wall")) + block("b", 2, 2, integrator) +
       "<AttachProjectiveConstraint object1='@a/dofs' object2='@b/dofs' indices1='14' indices2='12'/>";
   const std::string hinged = reason(scene(hinge));
-  expectContains(hinged, "/b/dofs is not held against turning about the axis (");
+  expectContains(hinged, "/b/dofs is not held against rotation about the axis (");
   expectContains(hinged, "through (2 1 1)");
   expectContains(hinged, fmt::format("torque of {:.3g} N m", weight / 2 * 1));
 }

@@ -323,7 +323,7 @@ TEST(Mappings, SaysWhatIsWrong) {
        "mapForces is false");
   says({.mapping = "<BarycentricMapping mapMasses=\"false\"/>", .more = "<UniformMass totalMass=\"1\"/>"},
        "mapMasses is false");
-  says({.more = "<FixedProjectiveConstraint indices=\"0\"/>"}, "whose positions follow from /body/dofs");
+  says({.more = "<FixedProjectiveConstraint indices=\"0\"/>"}, "whose positions are mapped from /body/dofs");
   // far outside: a warning, not an error
   const Simulation far = simulationFromText(Scene{.points = "0.01 0.01 0.01  0.5 0 0"}.text());
   ASSERT_EQ(far.scene().diagnostics.problems().size(), 1u);

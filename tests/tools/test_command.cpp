@@ -311,7 +311,7 @@ TEST_F(Command, AStrictRunDoesNotEndInDoubt) {
   <UniformMass totalMass="1"/><MeshSpringForceField stiffness="100"/>
 </Node>
 )");
-  const std::string sentence = "1 of 1 tetrahedra are inside out";
+  const std::string sentence = "1 of 1 tetrahedra are inverted";
   const Finished mild = stroma("run mirrored.xml -n 3 --quiet");
   EXPECT_EQ(mild.code, 0) << mild.err;
   EXPECT_TRUE(has(mild.err, sentence)) << mild.err;
