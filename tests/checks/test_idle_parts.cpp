@@ -50,7 +50,7 @@ TEST(IdleParts, WhatContradictsOrDoublesIsSaid) {
             std::string::npos);
   expectContains(told(heldAt("<HexahedronFEMForceField name='again' youngModulus='1000' poissonRatio='0.3'/>")),
                  "/again: it connects the same nodes as /HexahedronFEMForceField: their stiffnesses add up");
-  EXPECT_EQ(told(heldAt("")).find("adds up"), std::string::npos);
+  EXPECT_EQ(told(heldAt("")).find("add up"), std::string::npos);
 }
 
 /// What is held and what moves count by directions, and through attachments.
