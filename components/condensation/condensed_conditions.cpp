@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Lagrangian constraints on a condensed body: contact, joints, cables. With u_0 the displacement without their forces l,
+// Lagrangian constraints on a condensed body: contact, joints, cables. With u_0 the displacement without the forces l,
 //
 //   u = u_0 + C J^T l,   g(x) holds,   J = dg/dx
 //
-// g is taken as linear at a place x_k, g(x_k) + J (u - u_k) = g(x_k) + J (u_0 - u_k) + W l, W = J C D^T, which gives l
-// (condition_forces.h) and x_k+1; x_0 is where the step starts. Where directions that turn make this swing, places are mixed.
-// D = J, along which forces act, follows as long as nodes move by more than 1e-9 of the body, in 40 rounds at most; then it
-// stays for the step. With it this is Newton's method for g(x_0 + C D^T l), and rounds end where g itself holds. C is read from
-// the stored inverse for the nodes of the conditions alone, so that a round costs nothing that grows with the body. With nodes
-// that are touched, by directions E, C is C - C E (E^T C E + S)^-1 E^T C.
+// g is linearised at x_k, g(x_k) + J (u - u_k) = g(x_k) + J (u_0 - u_k) + W l, W = J C D^T, which gives l (condition_forces.h)
+// and x_k+1; x_0 is the start of the step. If rotating directions make this oscillate, iterates are mixed. D = J, the
+// directions of the forces, is updated as long as nodes move by more than 1e-9 of the body, in at most 40 rounds; then it is
+// fixed for the step. From then on this is Newton's method for g(x_0 + C D^T l), and rounds end when g itself holds. C is read
+// from the stored inverse only for the nodes of the conditions, so that the cost of a round does not grow with the body. With
+// pulled nodes, along directions E, C is C - C E (E^T C E + S)^-1 E^T C.
 #include "components/condensation/condensed_conditions.h"
 
 #include <fmt/format.h>

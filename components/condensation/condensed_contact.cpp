@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Barriers and penalties on a condensed body (BarrierContact, PenaltyContact, CollisionResponse). Their force f(u) is not linear, that
-// of barriers changes by decades within a step, and the body has one matrix A with the inverse C. With u_0 the displacement without f,
-// a step ends where
+// Barriers and penalties on a condensed body (BarrierContact, PenaltyContact, CollisionResponse). Their force f(u) is
+// nonlinear, that of barriers changes by orders of magnitude within a step, and the body has one matrix A with the inverse C.
+// With u_0 the displacement without f, a step ends where
 //
 //   u = u_0 + C f(u)
 //
-// With H = -df/du, Newton's method has u' = u_0 + C q, where q is a force on the pushed nodes alone:
+// With H = -df/du, Newton's method has u' = u_0 + C q, where q is a force on the pushed nodes only:
 //
 //   q = f + H (u - u'),   (I + H C) q = f + H (u - u_0)
 //
-// C is read from the stored inverse for the pushed nodes, and I + H C is a small dense matrix. What a correction does to the whole
-// surface is C (q - p), one product. A step starts at the u_s of the step before, where nothing is in anything. Iterates are
+// C is read from the stored inverse for the pushed nodes, and I + H C is a small dense matrix. The effect of a correction on
+// the whole surface is C (q - p), one product. A step starts at the u_s of the previous step, which has no penetration.
+// Iterates are
 //
 //   u = u_s + s (u_0 - u_s) + C p,   s and p from 0 on;  a part a of a correction: s += a (1 - s), p += a (q - p)
 //
-// and every correction goes as far as the way of the surface is free (StepLimits). Until s is 1 no search is made: to go on
-// towards u_0 is to give the body its loads. From there on the energy 1/2 p.C p + E(u) falls along the correction, its slope
-// being (p - f).d; a part is taken where that is less steep. Where d does not lead down, barriers have their definite tangent.
+// and every correction goes as far as the path of the surface is free (StepLimits). Until s is 1 there is no line search,
+// because moving towards u_0 applies the loads to the body. After that the energy 1/2 p.C p + E(u) decreases along the
+// correction, with the slope (p - f).d; the line search accepts a part with a flatter slope. If d is not a descent direction,
+// barriers use their definite tangent.
 #include "components/condensation/condensed_contact.h"
 
 #include <fmt/format.h>

@@ -6,40 +6,39 @@
 //
 //   (M/dt^2 + D/2dt + K) u(t+dt) = f(t+dt) + M (2 u(t) - u(t-dt))/dt^2 + D u(t-dt)/2dt,   D = alpha M
 //
-// alpha is rayleighMass, the masses' own added to it. u(t-dt) = u(t) - dt v(t), v(t+dt) = (u(t+dt) - u(t))/dt:
-// velocities are those of the middle of steps. interiorMass says what condensation does with the mass inside:
+// alpha is rayleighMass, the masses' own added to it. u(t-dt) = u(t) - dt v(t), v(t+dt) = (u(t+dt) - u(t))/dt: velocities are
+// those of the middle of steps. interiorMass is the treatment of the interior mass:
 //
 // - "exact": A = M/dt^2 + D/2dt + K is condensed with all of M, A*_ss = A_ss - A_si A_ii^-1 A_is, and r its right side,
-//   r*_s = r_s - A_si A_ii^-1 r_i. The motion is that of the whole body; because the right side has the last motion of
-//   the inside, each step sweeps through the factor of A_ii forth and back, u_i = A_ii^-1 (r_i - A_is u_s).
+//   r*_s = r_s - A_si A_ii^-1 r_i. The motion is that of the whole body; because the right side contains the last motion of
+//   the interior, each step makes a forward and a backward sweep with the factor of A_ii, u_i = A_ii^-1 (r_i - A_is u_s).
 // - "neglected", as the paper has it: only the kept nodes (the surface) have inertia,
 //
 //     (M_ss/dt^2 + D_ss/2dt + K*_ss) u_s(t+dt) = f*_s + ...,   K*_ss = K_ss - K_si K_ii^-1 K_is
 //
-//   a step costs the same whatever lies inside, and the inside follows, u_i = K_ii^-1 (f_i - K_is u_s), when somebody
-//   reads it.
+//   the cost of a step is independent of the interior, which follows, u_i = K_ii^-1 (f_i - K_is u_s), on demand.
 // - "shared": the same, with the mass inside given to the kept nodes that carry it (Guyan's reduction T^T M T,
 //   T = -K_ii^-1 K_is, lumped by sums of rows; where one is below zero it is left out, and the others carry it).
 //
-// The last two are other bodies than the whole one: of a cube of 8^3 cells, half of its free nodes inside, the motion
-// of its nodes after a load that sets in at once differs by 4 to 14 % of the largest displacement with "shared" and by
-// 17 to 83 % with "neglected", most where the load is sudden and the step short.
+// The last two are different bodies from the whole one: for a cube of 8^3 cells with half of its free nodes inside, the motion
+// after a sudden load differs by 4 to 14 % of the largest displacement with "shared" and by 17 to 83 % with "neglected", most
+// for sudden loads and short steps.
 //
-// Stable at every time step where K resists every motion: with a = alpha dt/2 and w an angular frequency of the body,
-// both roots of (1 + a + (w dt)^2) z^2 - 2 z + (1 - a) = 0 lie within the unit circle. An undamped oscillation is
-// multiplied by 1/sqrt(1 + (w dt)^2) in each step, so that fast ones die out by the method: of n steps a period, a
-// share of about (2 pi)^2/2n is lost in each period. explain says how much the slowest motion loses. Overdamped motions
-// creep back without oscillating, so that damping can make a motion last longer. For alpha dt > 2 one root is negative,
-// a share of the velocity changes its sign in every step: the scene is warned of that. Where K pushes in some direction
-// that motion grows at any step: the scene is warned of.
+// Stable at every time step where K resists every motion: with a = alpha dt/2 and w an angular frequency of the body, both
+// roots of (1 + a + (w dt)^2) z^2 - 2 z + (1 - a) = 0 lie within the unit circle. An undamped oscillation is multiplied by
+// 1/sqrt(1 + (w dt)^2) in each step, so that the method damps fast ones: with n steps per period, a fraction of about (2
+// pi)^2/2n is lost in each period. explain prints the loss of the slowest motion. Overdamped motions creep back without
+// oscillating, so that damping can make a motion last longer. For alpha dt > 2 one root is negative, and part of the velocity
+// changes its sign in every step: a warning is printed. If K is unstable in some direction, this motion grows with any step: a
+// warning is printed too.
 //
-// The inverse of the kept nodes is stored by half and multiplied in one pass over it. With condensed="false" the sparse
-// factor can take its place: both are timed when the precomputation is made (on the machine and with the threads of
-// that run), the faster is taken, and explain tells the times. The factor wins from about 200 nodes on. The two differ
-// by round-off: runs of a body near that size are the same bit for bit only where solve="inverse" or "factor" decides,
-// or a file of cacheFolder, which keeps the choice.
+// One half of the symmetric inverse of the kept nodes is stored and multiplied in one pass. With condensed="false" the sparse
+// factor can replace it: both are timed during the precomputation (on the machine and with the threads of that run), the
+// faster one is used, and explain prints the times. The factor is faster from about 200 nodes on. The two differ by round-off:
+// runs of a body near that size are bitwise reproducible only with solve="inverse" or "factor", or with a file of cacheFolder,
+// which stores the choice.
 //
-// A node that a constraint moves is a load that is not known: see CondensedStaticSolver, also for Lagrangian constraints and barriers.
+// A node moved by a constraint is an unknown load: see CondensedStaticSolver, also for Lagrangian constraints and barriers.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The files of the condensed solvers: what they keep of a precomputation, and what is done with a file that is there.
+// The files of the condensed solvers: the stored precomputation, and the handling of existing files.
 #include <fmt/format.h>
 
 #include <algorithm>

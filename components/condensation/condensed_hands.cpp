@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Inputs on a condensed body. A force is a load. A pull by a spring k towards a target p is a load that is not known,
-// as that of a node moved by position is, with the give 1/k of the spring added to the compliance of the node:
+// Inputs on a condensed body. A force is a load. A pull by a spring k towards a target p is an unknown load, like that of a
+// node with a prescribed position, with the compliance 1/k of the spring added to that of the node:
 //
 //   lambda = k (d - E^T u), u = u_0 + C E lambda  =>  (E^T C E + 1/k) lambda = d - E^T u_0,   d = E^T (p - x_0)
 //
-// which is Woodbury's formula for (A + E k E^T)^-1. The factor of E^T C E + 1/k serves as long as nodes and springs are
-// the same, wherever targets go. Damping c is in a dynamic step as the solver's own is, c (u(t+dt) - u(t-dt))/2dt: a
-// spring of c/2dt towards u(t-dt). In statics nothing moves.
+// which is Woodbury's formula for (A + E k E^T)^-1. The factor of E^T C E + 1/k is valid as long as nodes and springs are the
+// same, for any targets. Damping c acts in a dynamic step like the solver's own, c (u(t+dt) - u(t-dt))/2dt: a spring of c/2dt
+// towards u(t-dt). In statics it has no effect.
 #include <fmt/format.h>
 
 #include <algorithm>

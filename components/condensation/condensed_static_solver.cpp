@@ -1,29 +1,28 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// CondensedStaticSolver: the equilibrium of a linear body by an inverse that was computed beforehand, and of that only
-// the columns of loaded nodes (Bro-Nielsen and Cotin 1996: CS; with condensed="false" FS).
+// CondensedStaticSolver: the equilibrium of a linear body by a precomputed inverse, using only the columns of loaded nodes
+// (Bro-Nielsen and Cotin 1996: CS; with condensed="false" FS).
 //
 // With K = -df/dx constant, f the loads at the initial positions, s the kept nodes (the surface) and i those inside:
 //
 //   K*_ss = K_ss - K_si K_ii^-1 K_is,   f*_s = f_s - K_si K_ii^-1 f_i,   u_s = K*_ss^-1 f*_s
 //   u_i = K_ii^-1 (f_i - K_is u_s), when somebody reads it
 //
-// Held nodes are left out of K. The inside is eliminated by a sparse Cholesky factorisation and K*_ss^-1 computed from
-// the dense factor that this leaves; a step then costs nothing for the inside. Constant loads are multiplied once. Of
-// loads that change, u_s = sum over the loaded nodes j of column_j f_j: three columns for each loaded node (selective
-// product), or, where fewer have changed since the last step than are loaded, for each changed one, added to the last
-// u_s. After 256 such steps u_s is summed anew, so that round-off does not add up.
+// Fixed nodes are left out of K. The interior is eliminated by a sparse Cholesky factorisation and K*_ss^-1 computed from the
+// remaining dense factor; the interior then costs nothing in a step. Constant loads are multiplied once. For changing loads,
+// u_s = sum over the loaded nodes j of column_j f_j: three columns for each loaded node (selective product), or, if fewer
+// nodes have changed than are loaded, for each changed one, added to the last u_s. After 256 such steps u_s is recomputed, so
+// that round-off does not accumulate.
 //
-// A node that a constraint moves (LinearMovementProjectiveConstraint) is a load that is not known: with E its
-// directions and d where it goes, lambda = (E^T C E)^-1 (d - E^T C f). lambda is what the motion takes [N]: dragForces,
-// for draggedNodes.
+// A node that a constraint moves (LinearMovementProjectiveConstraint) is an unknown load: with E its directions and d its
+// displacement, lambda = (E^T C E)^-1 (d - E^T C f). lambda is the force of the motion [N]: dragForces, for draggedNodes.
 //
-// Inputs (a hand that pulls) reach kept nodes; with condensed="false" every node. Lagrangian constraints and contacts of
+// Inputs (pulling by hand) act on kept nodes; with condensed="false" on every node. Lagrangian constraints and contacts of
 // ConstraintContact hold on the same nodes, by forces that the entries of K*_ss^-1 at these nodes give. So do barriers
 // (BarrierContact) and penalties, by Newton's method on the nodes that they push (condensed_contact.cpp).
 //
-// Pressure on a surface is a dead load on the shape at rest. Everything is right for small turns and strains only; runs
-// that leave rotationBound or strainBound on the surface are warned of at their end: it looks at the end, at every
-// record of the displacements, and at a 64th of the surface in other steps. Velocities are zero but for nodes with a
+// Pressure on a surface is a dead load on the rest shape. Everything is valid for small rotations and strains only; a warning
+// is printed at the end of runs that exceed rotationBound or strainBound on the surface. This is checked at the end, at every
+// record of the displacements, and on a 64th of the surface in other steps. Velocities are zero except for nodes with a
 // prescribed motion. The time step does not matter.
 //
 // Example:

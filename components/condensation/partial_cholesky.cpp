@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The numbers of a partial Cholesky factor, supernode by supernode from the left, by the same calls of BLAS as
-// CHOLMOD's. Its own factorisation says nothing until it is over, which takes minutes for large bodies, and it leaves a
-// factor in which both parts lie mixed: taking it apart needed the memory of two.
+// The numbers of a partial Cholesky factor, supernode by supernode from the left, by the same calls of BLAS as CHOLMOD's.
+// CHOLMOD's own factorisation reports no progress, although it takes minutes for large bodies, and it mixes both parts in one
+// factor: separating them needed the memory of two.
 #include "components/condensation/partial_cholesky.h"
 
 #include <algorithm>

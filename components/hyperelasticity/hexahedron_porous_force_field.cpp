@@ -2,15 +2,15 @@
 // HexahedronPorousForceField: the fluid in a tissue, added to any elastic hexahedra of a node. The stresses, Darcy's law,
 // the couplings, the attributes and the sources are those of TetrahedronPorousForceField, whose page has the formulas.
 //
-// A cell has one J, that of its volumes now and at rest, and sees one pressure, the mean over the cell at rest of the P
-// that is trilinear between its nodes:
+// A cell has one J, the ratio of its current and rest volumes, and one pressure, the mean over the cell at rest of the
+// trilinear P:
 //
 //   J = v/V,   P_e = sum_a V_a/V P_a,   V_a = int N_a dV,   f_a = -(sigma_H - alpha P_e) dv/dx_a
 //   theta_a = sum_e alpha V_a ln J_e,   W_a = sum_e V_a,   L_ab = sum_e int grad N_a . grad N_b dV
 //
-// with v exact by 2x2x2 Gauss points, and L by the same. So a fluid that stays or a small storage does not lock a cell,
-// as a volume change at each point would, and a uniform pressure on cells of any shape is balanced by uniform tractions
-// exactly. What bends a cell with its volume kept moves no fluid: the elastic law has to resist it.
+// with v exact by 2x2x2 Gauss points, and L by the same. So undrained fluid or a small storage does not lock a cell, as a
+// volume change at each point would, and a uniform pressure on cells of any shape is balanced exactly by uniform tractions.
+// Bending a cell at constant volume moves no fluid: the elastic law has to resist it.
 //
 // Cell field for exporters: pressure (mean of a cell) [Pa]. The attribute pressure has it node by node.
 //

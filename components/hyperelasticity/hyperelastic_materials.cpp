@@ -14,9 +14,9 @@
 // with Lame's constants lambda = E nu/((1 + nu)(1 - 2 nu)) and mu = E/(2 (1 + nu)). At small strains the shear modulus is
 // 2 (mu10 + mu01), or mu/2 of OgdenMaterial. These are SOFA's names, defaults and formulas.
 //
-// IncompressibleMooneyRivlinMaterial is what remains of the law where something else holds the volume. Nothing in the field does:
-// its stress at rest is (2 mu10 + 4 mu01) Id, which draws a body together. Without VolumeConstraint, or a pressure, or nodes
-// that are held all around, it shrinks to a point; MooneyRivlinMaterial with a large bulkModulus is what resists.
+// IncompressibleMooneyRivlinMaterial is the law for the case that something else preserves the volume. The field itself does
+// not: its stress at rest is (2 mu10 + 4 mu01) Id, which contracts a body. Without VolumeConstraint, a pressure, or nodes
+// fixed all around, it shrinks to a point; use MooneyRivlinMaterial with a large bulkModulus to resist changes of volume.
 //
 // Example:
 // <Node name="root" dt="0.02" gravity="0 0 -9.81">

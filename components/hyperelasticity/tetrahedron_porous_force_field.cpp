@@ -1,60 +1,59 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// TetrahedronPorousForceField: the fluid in a tissue, as a sponge holds it. Added to any elastic tetrahedra of a node.
+// TetrahedronPorousForceField: the fluid in a sponge-like tissue. Added to any elastic tetrahedra of a node.
 //
-// A share f_w of the tissue is fluid that can leave; the rest cannot be compressed. The effective volume ratio is
-// J* = (f_w + J - 1)/f_w, and the tissue resists with Hencky's Cauchy stress and the fluid's pressure P:
+// A fraction f_w of the tissue is mobile fluid; the rest is incompressible. The effective volume ratio is J* = (f_w + J -
+// 1)/f_w, and the tissue resists with Hencky's Cauchy stress and the fluid's pressure P:
 //
 //   sigma = (sigma_H - alpha P) Id,   sigma_H = K_0 f_w ln J*,   f_i = -V_0 (sigma_H - alpha P) cof F G_i
 //
-// sigma_H is infinite at J = 1 - f_w: below J_0 = 1 - f_w + K_0/K_lim its tangent, of slope f_w K_lim, stands for it
-// (and for ln J below, so that turned elements keep finite numbers). P is linear on the tetrahedra and follows Darcy's
-// law on the rest shape, the fluid's storage being 1/M:
+// sigma_H is infinite at J = 1 - f_w: below J_0 = 1 - f_w + K_0/K_lim it is replaced by its tangent, of slope f_w K_lim (and
+// so is ln J, so that inverted elements have finite values). P is linear on the tetrahedra and follows Darcy's law on the rest
+// shape, the fluid's storage being 1/M:
 //
 //   P'/M = kappa lap P - alpha J'/J,     P = 0 at drainedIndices, no flow through the rest of the boundary
 //   (W/M + h kappa L) P^n = W P^{n-1}/M - (theta^n - theta^{n-1}),   theta_a = sum_e alpha V_e/4 ln J_e
 //
-// with the lumped volumes W of the nodes and L the gradients' products. The sum of W P/M + theta over a body that is not
-// drained does not change: the fluid is kept.
+// with the lumped volumes W of the nodes and L the gradients' products. The sum of W P/M + theta over an undrained body is
+// constant: fluid is conserved.
 //
-// alpha (biotCoefficient) is Biot's coefficient: the share of the pressure that pushes the tissue, and the fluid that a
-// change of volume moves. Grains that cannot be compressed have alpha = 1, as published, and M = K_lim. Grains of bulk
-// modulus K_s under a tissue of drained modulus K have alpha = 1 - K/K_s. M is biotModulus, or by grainModulus K_s and
-// fluidModulus K_f
+// alpha (biotCoefficient) is Biot's coefficient: the fraction of the pressure that acts on the tissue, and the fluid displaced
+// by a change of volume. Incompressible grains have alpha = 1, as published, and M = K_lim. Grains of bulk modulus K_s under a
+// tissue of drained modulus K have alpha = 1 - K/K_s. M is biotModulus, or by grainModulus K_s and fluidModulus K_f
 //
 //   1/M = (alpha - f_w)/K_s + f_w/K_f
 //
-// A column between walls, of drained modulus K + 4G/3, thus has the undrained modulus K_u + 4G/3 = K + 4G/3 + alpha^2 M.
-// A load p on it raises the pressure at once to p alpha M/(K_u + 4G/3), and it settles by the coefficient of
+// A column between walls, of drained modulus K + 4G/3, thus has the undrained modulus K_u + 4G/3 = K + 4G/3 + alpha^2 M. A
+// load p raises the pressure immediately to p alpha M/(K_u + 4G/3), and the column settles with the coefficient of
 // consolidation c = kappa M (K + 4G/3)/(K_u + 4G/3). K and G are those of all laws of the tissue, K_0 included.
 //
-// bulkModulus and limitModulus have no default, because none fits two tissues: the figures of the paper, 400 and 2200 Pa, are of
-// a soft liver, and a fluid of 2200 Pa in cartilage of 0.5 MPa carries nothing. A biphasic material (FEBio's), whose fluid is
-// incompressible, is limitModulus of 1000 times the tissue's modulus or more, bulkModulus of a thousandth of it or less
+// bulkModulus and limitModulus have no default, because no values fit all tissues: those of the paper, 400 and 2200 Pa, are
+// for a soft liver, and a fluid of 2200 Pa in cartilage of 0.5 MPa carries no load. A biphasic material (FEBio's), whose fluid
+// is incompressible, is limitModulus of 1000 times the tissue's modulus or more, bulkModulus of a thousandth of it or less
 // (the elastic law has the drained modulus), coupling="implicit", and fluidFraction one less the solid's share.
 //
-// coupling = semi_implicit, as published: forces see the pressure from before the step, and the pressure then follows
-// the step's change of volume; time steps must be small where the fluid is stiff against the tissue, and the integrator
-// one of first order, because a pressure that is a step late feeds oscillations. Statics have no mass to hold them: where
-// alpha^2 M is above the modulus of the drained tissue the pressure swings from step to step for ever. Such a run ends with a
-// sentence and no result. In time light tissues do the same, and the run's result is in doubt; where nothing flows,
-// mass holds them as long as (h k)^2 (alpha^2 M - K - 4G/3) is below 4 rho for the waves k of the mesh.
+// coupling = semi_implicit, as published: forces use the pressure from before the step, and the pressure then follows the
+// step's change of volume. Time steps must be small if the fluid is stiff compared with the tissue, and the integrator of
+// first order, because a pressure lagging by one step excites oscillations. Statics have no stabilising mass: if alpha^2 M is
+// above the modulus of the drained tissue, the pressure oscillates from step to step forever. Such a run ends with an error
+// and no result. In dynamics light tissues do the same, with a warning; without flow, mass stabilises them as long as (h k)^2
+// (alpha^2 M - K - 4G/3) is below 4 rho for the waves k of the mesh.
 //
-// With either coupling cells feel the mean pressure of their nodes. Until the fluid has come out of the first cells below a drained
-// surface, for a time of about d^2/(4 kappa (K + 4G/3)) with cells d thick, pressures of single nodes go up and down there, and the
-// run is in doubt: shapes and means of cells are right. A first step as long as that has no such pressures.
+// With either coupling cells use the mean pressure of their nodes. Until the fluid has left the first cells below a drained
+// surface, for a time of about d^2/(4 kappa (K + 4G/3)) with cells d thick, nodal pressures oscillate there, and a warning is
+// printed: shapes and cell means are right. A first step of that length avoids this.
 //
-// implicit: forces see the pressure that belongs to their shape at the end of the step, whatever the step.
+// implicit: forces use the pressure for the shape at the end of the step, for any step size.
 //
 // tangent (of implicit coupling) = coupled eliminates the pressure, by the Schur complement of Darcy's matrix:
 //
 //   K = K_tissue - U^T (W/M + h kappa L)^-1 U,   U = dtheta/dx with w^1/2 for w = d ln J/dJ
 //
-// exact where all elements have one J (else w is on one side of it; halves on both keep K symmetric): a few Newton
-// iterations per step, whatever M. A product solves with Darcy's matrix, factored once for all steps of one size. As
-// a matrix K couples all nodes: bodies of more than 500 nodes assemble the undrained one instead. Integrators then solve with
-// K by conjugate gradients on products, which the scene's solver preconditions: the answer does not depend on it, and
-// CGLinearSolver, which takes products alone, may be faster. undrained: fluid that stays in each element; cheap, stable with
-// one linear solve per step, and hundreds of Newton iterations where M is large.
+// exact where all elements have one J (else w is on one side of it; halves on both keep K symmetric): a few Newton iterations
+// per step, whatever M. A product solves with Darcy's matrix, factored once for all steps of one size. As a matrix K couples
+// all nodes: bodies of more than 500 nodes assemble the undrained one instead. Integrators then solve with K by conjugate
+// gradients on products, which the scene's solver preconditions: the result does not depend on it, and CGLinearSolver, which
+// only uses products, may be faster. undrained: no flow between elements; cheap, stable with one linear solve per step, but
+// hundreds of Newton iterations if M is large.
 //
 // Source: S. Marchesseau, T. Heimann, S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy
 // decomposition method for fast porous visco-hyperelastic soft tissue model", MICCAI 2010, section 3.2; the splits

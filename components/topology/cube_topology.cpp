@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// CubeTopology: the surface of a box of nx x ny x nz nodes, of quads that turn outwards.
+// CubeTopology: the surface of a box of nx x ny x nz nodes, of quads oriented outward.
 //
 // The nodes are those of the lowest layer with x fastest, of the highest, and then of each layer between: the row of the least y,
 // that of the largest, the column of the least x without its ends, that of the largest. With `internalPoints`, or where one of

@@ -4,9 +4,9 @@
 //   node i N + j = c_i + R_i (radius Y cos(2 pi j/N) + Z sin(2 pi j/N) radius'),   N = nbPointsOnEachCircle
 //   quad j of edge (a, b): a N + j, b N + j, b N + j + 1, a N + j + 1 (counted round)
 //
-// c_i and R_i are centre and orientation of frame i where the scene starts: the frames of the state beside the input. Y and Z
-// are its axes y and z, and radius' is radius. With radiusFocal the circles are ellipses: Z is focalAxis, Y = Z x (1 0 0), and
-// radius' is radiusFocal. edgeList takes some of the edges. flipNormals turns the quads the other way.
+// c_i and R_i are the initial centre and orientation of frame i: the frames of the state in the node of the input. Y and Z are
+// its axes y and z, and radius' is radius. With radiusFocal the circles are ellipses: Z is focalAxis, Y = Z x (1 0 0), and
+// radius' is radiusFocal. edgeList selects some of the edges. flipNormals reverses the quads.
 //
 // Source: names, attributes, node and quad order are SOFA's.
 //

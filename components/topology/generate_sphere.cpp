@@ -3,7 +3,7 @@
 // cut into tessellationDegree^3 smaller ones, in layers around the centre. Layer l of n has the radius l R / n; its nodes lie on
 // rays through those that cut the faces evenly. The surface is that of the last layer: triangles of output_TrianglesPosition.
 //
-// Source: names and attributes are SOFA's; the order of nodes and cells is one of its own.
+// Source: names and attributes are SOFA's; the order of nodes and cells is not.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">

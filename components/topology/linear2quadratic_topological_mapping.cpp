@@ -8,9 +8,9 @@
 // index with the quadratic triangles: quadraticTriangleIndices of a load takes what triangleIndices took. Edges are
 // straight; meshes with curved edges come from a file (MeshGmshLoader, MeshVTKLoader).
 //
-// A selection by place (BoxROI on the raised mesh) has the new nodes by itself. A selection by numbers of the linear
-// mesh goes through `indices`: `raisedIndices` are these, with the middles of the edges between two of them that lie on
-// faces of the selection, and of all edges between two of them where the mesh lists no triangles.
+// A selection by position (BoxROI on the raised mesh) includes the new nodes. Pass a selection by numbers of the linear mesh
+// to `indices`: `raisedIndices` has these and the middles of edges between two of them on faces of the selection, or of all
+// edges between two of them if the mesh lists no triangles.
 //
 // Without `input` the mesh is that of another topology in this node, else of the nearest node above.
 //

@@ -13,11 +13,11 @@
 // ValuesFromLabels turns them into a material of each cell. Materials, loads and steps of the file are not read.
 //
 // Selections: with group="NAME" `groupIndices` holds the nodes of that node set, element set or surface, ascending, and
-// `groupTriangleIndices` and its like its faces: those of a *SURFACE of faces S1 to S6, turned out of the body, or the
-// shell elements of a set. Names count without upper and lower case. Several selections are several loaders.
+// `groupTriangleIndices` and its like its faces: those of a *SURFACE of faces S1 to S6, turned out of the body, or the shell
+// elements of a set. Names are case-insensitive. Use one loader per selection.
 //
-// A file has one part and one instance of it; nodes of the assembly, such as reference points, are left out. What the
-// assembly moves an instance by is not taken over, and told. Units are those of the file: give unit="mm" where they are.
+// A file has one part and one instance of it; nodes of the assembly, such as reference points, are left out. A displacement of
+// the instance in the assembly is ignored, with a warning. Units are those of the file: set unit="mm" for millimetres.
 //
 // Source: "Input Syntax Rules" and the keywords *NODE, *ELEMENT, *NSET, *ELSET and *SURFACE in the manuals of Abaqus and
 // CalculiX. SOFA has no such loader.

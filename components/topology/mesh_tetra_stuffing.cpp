@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // MeshTetraStuffing: tetrahedra of a body-centred lattice that fill a closed surface.
 //
-// Nodes are the corners of cubes of the size `size` and their middles; -n means n cubes along the longest side of the box (vbbox,
-// or that of the surface and 1 % more on each side), around whose middle the lattice lies. Around each edge of a cube lie four
-// tetrahedra, of its ends and of two neighbouring middles. Lines through the nodes along the three axes and the four diagonals
-// ask whether a node lies inside: each votes by the way in which it goes through the nearest triangle. A draw is outside.
+// Nodes are the corners of cubes of the size `size` and their middles; -n means n cubes along the longest side of the box
+// (vbbox, or that of the surface and 1 % more on each side), around whose middle the lattice lies. Around each edge of a cube
+// lie four tetrahedra, of its ends and of two neighbouring middles. Lines through the nodes along the three axes and the four
+// diagonals decide whether a node is inside: each votes by the direction in which it crosses the nearest triangle. A draw is
+// outside.
 //
 // Kept are the tetrahedra with a node inside. With snapPoints a node inside that has a surface within alphaLong of an edge of a
 // cube, or alphaShort of one to a middle, first moves to the nearest such cut and counts as on the surface. With splitTetrahedra

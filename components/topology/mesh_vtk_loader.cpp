@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads a mesh in VTK's formats: legacy .vtk (ASCII or binary, versions 1 to 5.1) and XML .vtu and .vtp.
 //
-// Which of them it is, is seen from the content. Lines, triangles, quads, tetrahedra, hexahedra, wedges (prisms) and pyramids
-// are read, pixels and voxels turned into quads and hexahedra, polylines into edges, strips and polygons into triangles
-// (around their first corner). Quadratic triangles (6 nodes) and tetrahedra (10 nodes) are read too. Vertices and quadratic
-// edges are counted and reported; other quadratic cells are an error. The faces and edges of the volume cells are added
-// to the lists of the file unless createSubelements="false", as by MeshGmshLoader: a scene selects faces alike, whichever
-// of the two has read its mesh. (In SOFA the default is false here.)
+// The format is detected from the content. Lines, triangles, quads, tetrahedra, hexahedra, wedges (prisms) and pyramids are
+// read, pixels and voxels turned into quads and hexahedra, polylines into edges, strips and polygons into triangles (around
+// their first corner). Quadratic triangles (6 nodes) and tetrahedra (10 nodes) are read too. Vertices and quadratic edges are
+// counted and reported; other quadratic cells are an error. The faces and edges of the volume cells are added to the lists of
+// the file unless createSubelements="false", as by MeshGmshLoader: a scene selects faces alike, whichever of the two has read
+// its mesh. (In SOFA the default is false here.)
 //
 // Labels: when the file has cell data of whole numbers under the name `groupArray` (default "label"),
 // `tetrahedraGroups` and its like hold the value of each cell, as MeshGmshLoader's hold the physical group.
@@ -18,7 +18,7 @@
 // Values: valueArray="young" names cell data of one real number; `tetrahedraValues` and `hexahedraValues` hold them, times
 // `valueFactor`: youngModulus="@loader.tetrahedraValues" is a Young's modulus from computed tomography.
 //
-// The file is read by a program of its own (read_vtk_mesh), which a damaged file may bring down; this one then says so.
+// A separate program (read_vtk_mesh) reads the file; if a damaged file crashes it, an error is reported here.
 //
 // Source: VTK's readers (vtkGenericDataObjectReader, vtkXMLGenericDataObjectReader); the attributes are SOFA's.
 //
