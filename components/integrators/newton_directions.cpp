@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The linear solves of Newton's method, and what is done where a matrix is not definite.
+// The linear solves of Newton's method, and the treatment of indefinite matrices.
 #include <fmt/format.h>
 
 #include <algorithm>

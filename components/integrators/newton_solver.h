@@ -84,7 +84,7 @@ class StaticDoubts {
     std::string unmoved, unstable;
     if (largest_ > much)
       unmoved = fmt::format(
-          "{}: a step counts as solved where it began, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
+          "{}: a step is taken as solved at its start, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
           "method is above them",
           path, 100 * largest_);
     if (unstable_ > 0)
@@ -122,7 +122,7 @@ inline void refuseSettingsBeside(const Component& statics, const NewtonSolver& s
   for (const Data& attribute : statics.data().all())
     if (attribute.isSet() && !attribute.link())
       if (attribute.name().find("threshold") != std::string::npos || attribute.name() == "newton_iterations")
-        throw ComponentError(fmt::format("{} is set here, and {} holds the settings of Newton's method", attribute.name(),
+        throw ComponentError(fmt::format("{} is set here, but {} has the settings of Newton's method", attribute.name(),
                                          settings.path()),
                              "the settings in one of the two");
 }

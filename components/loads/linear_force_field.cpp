@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// LinearForceField: a force on each of some nodes that is given at times and linear between them.
+// LinearForceField: a force on each of some nodes, given at times and interpolated linearly.
 //
 //   f_i(t) = forces at t for each of points;  energy = -sum f_i . x_i;  K = 0
 //

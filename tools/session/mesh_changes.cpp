@@ -63,7 +63,7 @@ std::unique_ptr<Simulation> loaded(SceneDescription scene, Node& root, Factory& 
   try {
     return std::make_unique<Simulation>(instantiate(std::move(scene), factory, modules));
   } catch (const SceneError& error) {
-    throw ComponentError("the scene cannot be as it becomes: " + firstOf(error));
+    throw ComponentError("the changed scene is not valid: " + firstOf(error));
   }
 }
 
@@ -98,11 +98,11 @@ MeshChangesMade makeAll(Simulation& simulation, Factory& factory, Modules& modul
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     meshes[i].followed = putMesh(simulation, *topologies[i], meshes[i].edit, scene);
     for (const std::string& path : meshes[i].followed.left_out)
-      notes.push_back(fmt::format("{}: all that it acts on has gone at t = {:.6g} s, and it is left out from now on", path,
+      notes.push_back(fmt::format("{}: all nodes that it acts on were removed at t = {:.6g} s, and it is left out from now on", path,
                                   simulation.time()));
     for (const auto& [path, left] : meshes[i].followed.entries)
       if (!left.of.empty() && left.of.size() < left.before)
-        notes.push_back(fmt::format("{}: {} of {} points that it names have gone at t = {:.6g} s, and it holds the others from now on",
+        notes.push_back(fmt::format("{}: {} of its {} points were removed at t = {:.6g} s, and it acts on the others from now on",
                                     path, left.before - left.of.size(), left.before, simulation.time()));
   }
   std::unique_ptr<Simulation> changed = loaded(std::move(scene), simulation.root(), factory, modules);
@@ -110,12 +110,12 @@ MeshChangesMade makeAll(Simulation& simulation, Factory& factory, Modules& modul
   std::vector<std::string> anew;
   Archive values = carriedValues(simulation, *changed, meshes, anew);
   for (const std::string& path : anew)
-    notes.push_back(fmt::format("{}: its mesh changed at t = {:.6g} s, and what it remembers begins anew", path,
+    notes.push_back(fmt::format("{}: its mesh changed at t = {:.6g} s, and its history is reset", path,
                                 simulation.time()));
   try {
     simulation.become(std::move(changed), std::move(values));
   } catch (const std::runtime_error& error) {
-    throw ComponentError(std::string("the run cannot go on with the other mesh: ") + error.what());
+    throw ComponentError(std::string("the run cannot continue with the new mesh: ") + error.what());
   }
   made.any = true;
   for (const ChangedMesh& mesh : meshes)
