@@ -52,11 +52,12 @@ class ConditionedStatics final : public NonlinearProblem {
   /// when that is there; `retry` changes the tangent after a solve that failed, for another one from the same x, or is false.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance,
                    const std::function<bool()>& retry);
-  /// The same; a step that fails and moves something is divided into parts of `smallest` or more of its time, which begin with the
-  /// forces of constraint of the part before. `advance` goes to the end of a part.
-  StepReport solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context,
-                          const std::function<bool(const StepContext&, StepReport&)>& advance, const std::function<bool()>& retry,
-                          double smallest);
+  using Advance = std::function<bool(const StepContext&, StepReport&)>;
+  /// The same; a step that fails, or turns elements inside out on its way, and that moves something or is to change a length or a
+  /// volume, is divided into parts of `smallest` or more of it, which begin with the forces of constraint of the part before. Prescribed
+  /// motion goes with the time of a part, conditions hold by its share (Multipliers::setShare). `advance` goes to the end of a part.
+  StepReport solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context, const Advance& advance,
+                          const std::function<bool()>& retry, double smallest);
   /// J^T l of the step before [N].
   void addCarried(Rows out) const { multipliers_.addCarried(out); }
   void stepTaken() { multipliers_.stepTaken(); }
@@ -84,6 +85,8 @@ class ConditionedStatics final : public NonlinearProblem {
   RoundOff roundOff() override { return {}; }
 
  private:
+  StepReport solveParts(Newton& newton, LinearSolver& solver, const StepContext& context, const Advance& advance,
+                        const std::function<bool()>& retry, double smallest, double& done);
   StepReport solveFromStart(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance);
   Rows x() const { return system_->independent(system_->x); }
   static constexpr Multipliers::Rule rule{.displacement = 1, .weight = 1, .has_velocities = false};

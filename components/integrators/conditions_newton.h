@@ -30,6 +30,9 @@ class ConditionsNewton {
   /// Settings and history are those of `newton`.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, StepReport report);
 
+  /// An iterate of the last solve() had elements without an energy, turned inside out, and was drawn back.
+  bool wasCrushed() const { return was_crushed_; }
+
  private:
   bool iterate(Newton& newton, LinearSolver& solver, double& now, StopToken stop, StepReport& report);
   void noteSwing(double now);
@@ -54,6 +57,7 @@ class ConditionsNewton {
   double longest_ = 0;  ///< way of the first iteration [m]; 0: there was none
   double moved_ = 0;    ///< way of the last iteration [m]
   bool holds_ = false;  ///< the conditions do, with the forces that are carried
+  bool was_crushed_ = false;
   bool swings_ = false;  ///< by less than what is tolerated
   double least_ = 0;     ///< |R + q| of those that were half of all before them, with the conditions
   int least_at_ = 0;     ///< its iteration

@@ -104,6 +104,8 @@ struct NewtonSettings {
   int line_search_iterations = 40;  ///< steps tried along a correction; 0: the whole one is made untested
   double line_search_coefficient = 0.5;  ///< a step that is refused is shortened at least by this
   bool use_energy = true;                ///< line search on the energy (Armijo), else on the work R.d
+  bool looks_for_unstable_modes = false;  ///< once, close to the solution, where the linear solver does not tell: isUnstable()
+  bool restores_soft_directions = false;  ///< see ShiftTerms::soft_directions
   /// Largest relative residual that a linear solve by products may leave, and leaves in the first iteration; then 0.9
   /// times the square of the last reduction of |R| (Eisenstat and Walker 1996, choice 2). 0: the solver's tolerance.
   double forcing = 0;
@@ -119,15 +121,22 @@ struct NewtonSettings {
 /// d without what it has in directions that are held, where these may have changed since a solver kept what it starts from.
 void keepToFree(const System& system, Rows d);
 
+/// What solveOrShift() does with a matrix that is not positive definite.
+struct ShiftTerms {
+  std::function<SystemMatrix*()> other{};  ///< another matrix to put in its place before anything is added; may be empty or return null
+  bool once = false;                       ///< return false where the solve is not usable, and try nothing else
+  /// The system, where x is the result of a linear step and not only a direction: what is unstable is first turned over, see
+  /// ShiftedMatrix.
+  const System* result = nullptr;
+  bool soft_directions = false;  ///< where factors were made, soft directions get back what the shift takes (soft_directions.h)
+};
+
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
 /// has reached is kept if it goes downhill. Else a growing multiple of the matrix's own diagonal is added (Levenberg) until the solve
-/// is usable. Before that `other`, where it is given and has one, puts another matrix in its place. `result`, where x is the result of a
-/// linear step and not only a direction, is the system: what is unstable is first turned over, see ShiftedMatrix. x is then
-/// usable too, and a reason says so. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays
-/// visible. False when nothing helped, `report` then carries the sentence, or when it was stopped. `once`: false where the solve is
-/// not usable, and nothing else is tried.
+/// is usable. x is then usable too, and a reason says so. Adds to the counts of `report`; its linear_stop is the first solve's, so a
+/// shift stays visible. False when nothing helped, `report` then carries the sentence, or when it was stopped.
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, StepReport& report,
-                  const std::function<SystemMatrix*()>& other = {}, bool once = false, const System* result = nullptr);
+                  const ShiftTerms& shift_terms = {});
 
 class Newton {
  public:
@@ -143,6 +152,8 @@ class Newton {
   const std::vector<double>& history() const { return history_; }
   /// Whether the last solve() was given up because it was slow. The next one then goes on from there.
   bool wasSlow() const { return was_slow_; }
+  /// A mode was found in the last solve(), close to its end, along which the tangent pushes on.
+  bool isUnstable() const { return is_unstable_; }
   /// The next solve begins where the last one has left the unknowns, and its tolerance is of where that one began.
   void keepScale() { keeps_scale_ = true; }
   double iterationsLeft() const;  ///< of a solve that was given up so
@@ -167,6 +178,7 @@ class Newton {
   bool isAtRest(NonlinearProblem& problem);
   bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double tolerance, StepReport& report);
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
+  void lookForUnstableMode(NonlinearProblem& problem, LinearSolver& solver, double norm, StepReport& report);
   void goToGuess(NonlinearProblem& problem, double& norm);
   void keepIfBest(NonlinearProblem& problem, double norm);
   void leaveBest(NonlinearProblem& problem, double norm, StepReport& report);
@@ -193,6 +205,7 @@ class Newton {
   double parts_ = 0;      ///< residualOfParts() at the last iteration that was made for these; infinity: none was
   bool was_slow_ = false, went_on_ = false;  ///< went on: with another tangent, whose first direction is to be found
   bool keeps_scale_ = false;  ///< see keepScale()
+  bool is_unstable_ = false, has_looked_ = false;  ///< see lookForUnstableMode()
   bool in_focus_ = false;     ///< one of the problem's bodies is solved for
   bool is_unsure_ = false;    ///< the direction is of a tangent that may have unstable directions that it need not have
 };

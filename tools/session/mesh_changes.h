@@ -23,7 +23,8 @@ struct MeshChangesMade {
 };
 
 /// Makes the changes that components of the scene (MeshChanger) plan before the next step. Throws ComponentError with a sentence;
-/// nothing has changed then.
+/// nothing has changed then, or where something names nodes of several meshes that change, as a tie does, those before the one that fails
+/// have.
 MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules);
 
 /// What such changes have made of the scene, for another simulation of it: values of one owner of a checkpoint, and none where no mesh
