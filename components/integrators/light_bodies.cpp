@@ -101,8 +101,8 @@ void LightBodies::narrow(Rows residual) const {
 
 void solveLightBodies(const System& system, LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
                       StepReport& report) {
-  constexpr double little = 1e-2;
-  const double left = report.linear_residual * norm(b);
+  constexpr double far = 10, round_off = 1e-6;
+  const double little = std::max(round_off, far * report.linear_residual), left = report.linear_residual * norm(b);
   Vector residual, correction;
   for (const State* state : system.states()) {
     const Index first = state->firstRow(), count = state->size();
