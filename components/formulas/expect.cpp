@@ -245,7 +245,7 @@ void Expect::findNumbers(const Simulation& simulation) {
                          "an attribute of numbers, or a field of cells", nearest(name_, names));
 }
 
-/// Another one than at the start tells that cells have gone or come, and the places are those of others.
+/// Another one than at the start tells that cells have gone or come.
 double Expect::countOfField(const Simulation& simulation) const {
   simulation.complete();
   std::vector<double> numbers;
@@ -254,14 +254,13 @@ double Expect::countOfField(const Simulation& simulation) const {
 }
 
 void Expect::begin(const Simulation& simulation) {
-  if (simulation.steps() == 0) {
-    if (namesCells()) first_count_ = countOfField(simulation);
-    start_ = energiesOf(simulation.systems()).total;
-    scale_ = std::abs(start_);
-    while (std::size_t(next_) < at_.size() && at_[std::size_t(next_)] <= simulation.time()) {
-      ++next_;
-      compare(simulation);
-    }
+  if (simulation.steps() > 0) return;
+  if (namesCells()) first_count_ = countOfField(simulation);
+  start_ = energiesOf(simulation.systems()).total;
+  scale_ = std::abs(start_);
+  while (std::size_t(next_) < at_.size() && at_[std::size_t(next_)] <= simulation.time()) {
+    ++next_;
+    compare(simulation);
   }
 }
 
@@ -374,11 +373,9 @@ void Expect::compare(const Simulation& simulation) {
   const std::vector<Value> all = values(simulation);
   ++comparisons_;
   const double t = simulation.time();
-  if (namesCells() && failure_.empty())
-    if (const double count = countOfField(simulation); count != first_count_)
-      failure_ = fmt::format("{} had {:.0f} numbers where the scene starts and has {:.0f} at t = {:g} s: cells have come or gone, and "
-                             "`nodes` would name others",
-                             of_, first_count_, count, t);
+  if (const double count = namesCells() ? countOfField(simulation) : 0; count != first_count_ && failure_.empty())
+    failure_ = fmt::format("{} had {:.0f} numbers where the scene starts and has {:.0f} at t = {:g} s: `nodes` would name other cells", of_,
+                           first_count_, count, t);
   if (all.empty() && failure_.empty()) failure_ = fmt::format("{} holds no numbers at t = {:g} s", of_, t);
   double size = 0;
   for (const Value& value : all)

@@ -268,7 +268,7 @@ TEST(ChangedScenes, ListsThatGoTogetherFollow) {
   }
 }
 
-/// The first cell of A and the last one of B go at once. Of node pairs at x = 0, 1, 3, 5 those are left that have neither end at 0 nor at 5.
+/// The first cell of A and the last one of B go at once. Of pairs of nodes at x = 0, 1, 3, 5 those at 1 and 3 are left.
 TEST(ChangedScenes, WhatTiesTwoBodiesThatBothLosePointsFollowsBoth) {
   for (const char* joint :
        {"<AttachProjectiveConstraint name=\"j\" object1=\"@A/s\" object2=\"@B/s\" indices1=\"12 13 15 23\" indices2=\"0 1 3 11\"/>",
