@@ -154,6 +154,8 @@ class Newton {
   bool wasSlow() const { return was_slow_; }
   /// A mode was found in the last solve(), close to its end, along which the tangent pushes on.
   bool isUnstable() const { return is_unstable_; }
+  /// The last solve() ended before an iteration came close to its solution, with which a solver or isUnstable() tells of such a mode.
+  bool hasNotLooked() const;
   /// The next solve begins where the last one has left the unknowns, and its tolerance is of where that one began.
   void keepScale() { keeps_scale_ = true; }
   double iterationsLeft() const;  ///< of a solve that was given up so

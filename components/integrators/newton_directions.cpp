@@ -159,10 +159,16 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
   return found;
 }
 
+/// An iteration is close to the solution, and has a tangent that tells of unstable modes there.
+static bool comesClose(double now, double first) { return now < 1e-2 * first; }
+
+bool Newton::hasNotLooked() const {
+  return !has_looked_ && (history_.size() < 2 || !comesClose(history_[history_.size() - 2], history_.front()));
+}
+
 /// With the factors of the direction that was just found. Solvers of symmetric matrices tell by themselves.
 void Newton::lookForUnstableMode(NonlinearProblem& problem, LinearSolver& solver, double now, StepReport& report) {
-  constexpr double close = 1e-2;
-  if (has_looked_ || solver.needsSymmetric() || report.factorisations == 0 || !(now < close * history_.front())) return;
+  if (has_looked_ || solver.needsSymmetric() || report.factorisations == 0 || !comesClose(now, history_.front())) return;
   has_looked_ = true;
   is_unstable_ = hasUnstableMode(solver, problem.tangent(), {.stop = stop_}, report);
 }

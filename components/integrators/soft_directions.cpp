@@ -16,6 +16,7 @@ namespace {
 struct Krylov {
   std::vector<Vector> v, w;
   const std::vector<double>& d;  ///< D, one number for each row
+  SolveStop stop = SolveStop::converged;  ///< of the last solve
 
   double product(ConstRows a, ConstRows b) const {
     double sum = 0;
@@ -48,7 +49,8 @@ bool build(Krylov& krylov, std::size_t most, ConstRows first, LinearSolver& solv
     Vector found(right.count());
     clear(found);
     const SolveReport solve = solveWhole(solver, matrix, right, found, terms);
-    report.linear_iterations += solve.iterations;
+    report.factorisations += solve.factored;
+    krylov.stop = solve.stop;
     if (solve.stop != SolveStop::converged) {
       report.stopped = report.stopped || solve.stop == SolveStop::stopped;
       return false;
@@ -89,9 +91,9 @@ void restoreSoftDirections(LinearSolver& solver, ShiftedMatrix& shifted, double 
 }
 
 bool hasUnstableMode(LinearSolver& solver, SystemMatrix& matrix, const SolveTerms& terms, StepReport& report) {
-  constexpr std::size_t most = 10;
   constexpr double round_off = 1e-8;
   if (!matrix.symmetric()) return false;
+  const std::size_t most = solver.needsSymmetric() ? 1 : 10;
   std::vector<double> blocks, d(std::size_t(matrix.rows()));
   matrix.diagonalBlocks(blocks);
   for (std::size_t i = 0; i < d.size(); ++i)
@@ -100,7 +102,9 @@ bool hasUnstableMode(LinearSolver& solver, SystemMatrix& matrix, const SolveTerm
   for (Index row = 0; row < first.count(); ++row)
     for (int c = 0; c < 3; ++c) first[row][c] = std::sin(1.7 * double(3 * row + c) + 0.3 * double(row % 7));
   Krylov krylov{{}, {}, d};
-  if (!build(krylov, most, first, solver, matrix, terms, report) || krylov.w.empty()) return false;
+  const bool is_built = build(krylov, most, first, solver, matrix, terms, report);
+  if (krylov.stop == SolveStop::not_definite) return true;
+  if (!is_built || krylov.w.empty()) return false;
   const auto found = ritz(krylov);
   return found.eigenvalues()[0] < -round_off * found.eigenvalues().cwiseAbs().maxCoeff();
 }

@@ -19,9 +19,9 @@ namespace stroma {
 void restoreSoftDirections(LinearSolver& solver, ShiftedMatrix& shifted, double shift, ConstRows r, Rows d, const SolveTerms& terms,
                            StepReport& report);
 
-/// Whether a symmetric matrix has an unstable direction, for solvers that take any regular one and do not tell: a Ritz value below zero
-/// of A^-1 D, D the mean size of each row's diagonal, on a Krylov space. There is one then, and modes beside zero are the first that are
-/// found. A few solves with factors that the solver has.
+/// Whether a symmetric matrix has an unstable direction. Solvers of symmetric matrices tell in the first solve. Of those that take any
+/// regular one: a Ritz value below zero of A^-1 D, D the mean size of each row's diagonal, on a Krylov space. There is one then, and modes
+/// beside zero are the first that are found. All but the first solve have its factors.
 bool hasUnstableMode(LinearSolver& solver, SystemMatrix& matrix, const SolveTerms& terms, StepReport& report);
 
 }  // namespace stroma
