@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What programs of research ask for: modes, gradients, states kept in arrays, pictures, runs in processes."""
+import copy
+import pickle
 import struct
 import warnings
 
@@ -196,6 +198,17 @@ def test_names_that_are_nearly_right(simulation):
     with pytest.raises(TypeError, match="until="):
         simulation.run(0.5)
     assert "linear iterations" in repr(simulation.step())
+
+
+def test_copies_of_all_kinds(simulation):
+    simulation.run(2)
+    twins = [simulation.copy(), copy.copy(simulation), copy.deepcopy({"it": simulation})["it"]]
+    simulation.run(2)
+    for twin in twins:
+        twin.run(2)
+        assert twin is not simulation and twin.hash == simulation.hash
+    with pytest.raises(TypeError, match="checkpoint"):
+        pickle.dumps(simulation)
 
 
 def lowest(simulation):

@@ -482,6 +482,13 @@ class Engine:
                 self._lead(mirror.things[key], self._states[key], rest)
         self.tell()
 
+    def store_start(self, thing):
+        """From now on reset() puts a state to where it is now."""
+        state = self._states.get(id(thing))
+        if state is not None:
+            self._places = [kept for kept in self._places if kept[0] is not thing]
+            self._places.append((thing, np.array(state.x), np.array(state.v)))
+
     def reinit(self, thing):
         """Attributes have been taken when they were set."""
 
