@@ -291,6 +291,12 @@ def program(text, folder, *paths):
 def test_libraries_before_sofa(name, part, folder):
     done = program(f"import {name}.{part}\nimport Sofa\nfrom Sofa import _libraries\nprint(_libraries.stands_in('{name}'))", folder)
     assert (done.returncode, done.stdout.strip()) == (0, "True"), done.stderr
+    # two folders of these packages on the path, as of a build and of an installation
+    (folder / "twice").mkdir()
+    for one in (f"{name}.py", "Sofa", "SofaRuntime", "SofaTypes"):
+        (folder / "twice" / one).symlink_to(os.path.join(os.path.dirname(os.path.dirname(Sofa.__file__)), one))
+    done = program(f"import {name}.{part}", folder, folder / "twice")
+    assert done.returncode == 0, done.stderr
     # the library itself, wherever it is on the path
     (folder / "lib" / name).mkdir(parents=True)
     (folder / "lib" / name / "__init__.py").write_text("own = 3\n")

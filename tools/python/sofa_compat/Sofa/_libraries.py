@@ -71,8 +71,8 @@ def _stand_in(name):
 
 def open_library(name):
     """Puts the library of this name in the place of the file that is being imported."""
-    beside = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    others = [folder for folder in sys.path if os.path.abspath(folder) != beside]
+    # no folder of packages as this one, of which a path may have several
+    others = [folder for folder in sys.path if not os.path.exists(os.path.join(folder, "Sofa", os.path.basename(__file__)))]
     spec = importlib.machinery.PathFinder.find_spec(name, others) or _stand_in(name)
     sys.modules[name] = module = importlib.util.module_from_spec(spec)
     if spec.loader is not None:
