@@ -100,14 +100,14 @@ def test_gradient_of_an_equilibrium(method):
 
 
 def test_gradient_by_a_number_of_each_cell():
-    E = numpy.linspace(3e4, 1e4, 48)
+    E = numpy.geomspace(3e4, 3e2, 48)  # the softest is less than a change of the stiffest
     simulation = stroma.load(hanging(E=E), quiet=True)
     simulation.run(1)
     of = numpy.zeros((100, 3))
     of[60, 1] = 1
     found = simulation.gradient(of, "/body/fem.youngModulus").parameters["/body/fem.youngModulus"]
     assert found.shape == (48,)
-    for cell in (0, 20, 47):
+    for cell in (0, 20, 40):
         def measured(p, at=cell):
             other = E.copy()
             other[at] = p[0]

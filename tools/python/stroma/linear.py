@@ -146,8 +146,8 @@ class _Equilibrium:
             raise StromaError("the derivative of the equilibrium is not found: nodes act on others that their stiffness does not know")
         return found
 
-    def slope_by(self, attribute: str, value: Any, change: Any) -> numpy.ndarray:
-        """T^T dF/dp by the change of a value, in units of its largest number."""
+    def difference(self, attribute: str, value: Any, change: Any) -> numpy.ndarray:
+        """T^T dF/dp times the change of a value p."""
         forces = []
         for way in (change, -change):
             self.copy.set(attribute, value + way)
@@ -158,7 +158,7 @@ class _Equilibrium:
         if size > 0.5 * numpy.linalg.norm(first) and size > 1e-6 * numpy.linalg.norm(self.present):
             raise StromaError(f"the force jumps at the present value of {attribute}, where a method takes another way: there is no derivative (expected a value "
                               "a little beside it)")
-        return self.T.T @ first.ravel() / (2 * numpy.max(numpy.abs(change)))
+        return self.T.T @ first.ravel() / 2
 
 
 def gradient_of(simulation: "Simulation", of: Any, parameters: Iterable[str], step: float, integrator: str) -> Gradient:
@@ -202,7 +202,7 @@ def _by_parameter(simulation: "Simulation", present: _Equilibrium, adjoint: nump
     for index in numpy.ndindex(value.shape):
         change = numpy.zeros(value.shape)
         change[index] = step * (abs(value[index]) or 1.0)
-        out[index] = -adjoint @ present.slope_by(name, value, change)
+        out[index] = -adjoint @ present.difference(name, value, change) / change[index]
     return out if out.size > 1 else float(out.ravel()[0])
 
 
@@ -236,15 +236,15 @@ def _colours_of(cells: List[List[int]]) -> List[numpy.ndarray]:
 
 def _by_cells(present: _Equilibrium, adjoint: numpy.ndarray, name: str, value: numpy.ndarray, cells: numpy.ndarray, step: float) -> Any:
     """Cells of one colour change together: the force on the nodes of each comes from it alone."""
-    h = step * (float(abs(value).max()) or 1.0)
+    h = step * numpy.where(value != 0, abs(value), abs(value).max() or 1.0)
     way, out = present.T @ adjoint, numpy.zeros(len(value))
     for chosen in _colours_of(cells.tolist()):
         change = numpy.zeros(len(value))
-        change[chosen] = h
-        work = (way * (present.T @ present.slope_by(name, value, change))).reshape(-1, 3).sum(axis=1)
-        out[chosen] = -work[cells[chosen]].sum(axis=1)
+        change[chosen] = h[chosen]
+        work = (way * (present.T @ present.difference(name, value, change))).reshape(-1, 3).sum(axis=1)
+        out[chosen] = -work[cells[chosen]].sum(axis=1) / h[chosen]
     random = h * numpy.random.default_rng(0).uniform(0.2, 1.0, len(value))
-    together = -adjoint @ present.slope_by(name, value, random) * random.max()
+    together = -adjoint @ present.difference(name, value, random)
     if not abs(together - out @ random) <= 1e-5 * (abs(out) @ random) + 1e-300:
         raise StromaError(f"{name}: a number of one cell acts on nodes of others too; there is no derivative by each of them")
     return out
