@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "framework/scene/modules.h"
+#include "framework/simulation/mesh_changer.h"
 #include "tools/session/checkpoint.h"
 #include "tools/session/mesh_changes.h"
 #include "tools/session/statistics.h"
@@ -100,7 +101,10 @@ class Session {
   void followMeshChanges(std::function<void(const NodesNow&)> changed = {}) {
     follows_mesh_changes_ = true, mesh_changed_ = std::move(changed);
   }
-  /// How often steps and restore() have made other states: who asks again knows whether they have since. Simulation::reset() is not
+  /// A mesh changes now, between two steps: for a program that leads the run. `who` is named where it cannot. Returns what is left to
+  /// say. Throws ComponentError; nothing has changed then.
+  std::vector<std::string> changeMesh(MeshChange change, const std::string& who);
+  /// How often steps, changeMesh() and restore() have made other states: who asks again knows whether they have since. Simulation::reset() is not
   /// counted: who calls it knows.
   long meshChanges() const { return mesh_changes_; }
   /// What such changes have left to say, each component once.
