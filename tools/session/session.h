@@ -104,8 +104,8 @@ class Session {
   /// A mesh changes now, between two steps: for a program that leads the run. `who` is named where it cannot. Returns what is left to
   /// say. Throws ComponentError; nothing has changed then.
   std::vector<std::string> changeMesh(MeshChange change, const std::string& who);
-  /// How often steps, changeMesh() and restore() have made other states: who asks again knows whether they have since. Simulation::reset() is not
-  /// counted: who calls it knows.
+  /// How often steps, changeMesh() and restore() have made other states: who asks again knows whether they have since.
+  /// Simulation::reset() is not counted: who calls it knows.
   long meshChanges() const { return mesh_changes_; }
   /// What such changes have left to say, each component once.
   const std::vector<std::string>& meshNotes() const { return mesh_notes_; }
