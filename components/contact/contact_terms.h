@@ -30,9 +30,11 @@ namespace stroma::contact {
 
 /// An active pair of closest points.
 struct Touch {
-
+  std::array<int, 4> v;     ///< vertices; for a plane the first one, then -1 minus its number
+  std::array<double, 4> c;  ///< the difference of the closest points is sum c_i x_i
+  Vec3 n;                   ///< unit, its direction
   double gap = 0;           ///< [m]
-
+  double share = 0;         ///< [m^2]; negative: compensates a share counted twice
   double range = 0;         ///< dh [m]
   bool of_surface = false;  ///< the share is a part of a surface, not of crossing ridges or of the second barrier
 };

@@ -148,7 +148,7 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext
   implicit_.beginConditions(h, 1);
   SystemMatrix& matrix = implicit_.whole(system.matrix().withFactors({.mass = 1, .stiffness = -theta_ * h}));
   const Rows velocity = system.independent(system.v);
-  if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, {.stop = context.stop}, report, {}, false, &system))
+  if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, {.stop = context.stop}, report, {.result = &system}))
     return report;
   system.constraints().project(velocity);
   system.motion().advance(h, velocity, system.x);

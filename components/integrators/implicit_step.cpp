@@ -123,7 +123,7 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   projectFree(scheme_.old_time, scheme_.time, b);
 
   StepReport report;
-  if (!solveOrShift(*solver_, tangent(), b, dv, {.stop = stop}, report, {}, false, &s)) return report;
+  if (!solveOrShift(*solver_, tangent(), b, dv, {.stop = stop}, report, {.result = &s})) return report;
   s.constraints().project(dv);
   turnBodies();
   advance();

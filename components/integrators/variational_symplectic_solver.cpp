@@ -258,7 +258,7 @@ StepReport VariationalSymplecticSolver::momentumStep(System& system, const StepC
     system.addStiffnessProduct(way_, {.stiffness = -1}, load_);
     system.constraints().project(load_);
     SystemMatrix& matrix = implicit_.whole(system.matrix().withFactors(factors));
-    if (!solveOrShift(implicit_.linearSolver(), matrix, load_, new_way_, {.stop = context.stop}, report, {}, false, &system))
+    if (!solveOrShift(implicit_.linearSolver(), matrix, load_, new_way_, {.stop = context.stop}, report, {.result = &system}))
       return report;
     system.constraints().project(new_way_);
     change = distance(new_way_, way_) / (size > 0 ? size : std::max(norm(new_way_), std::numeric_limits<double>::min()));

@@ -21,6 +21,7 @@
 #include "tools/checks/result_doubts.h"
 #include "tools/checks/unit_doubts.h"
 #include "tools/session/file_uses.h"
+#include "tools/session/given_changes.h"
 #include "tools/session/mesh_changes.h"
 #include "tools/session/replay.h"
 #include "tools/session/scene_program.h"
@@ -192,6 +193,14 @@ std::string Session::changeMeshes() {
     return fmt::format("step {} (from t = {:.6g} s): a planned change of a mesh is not possible: {}{}", running.steps() + 1, running.time(),
                        error.what(), expected);
   }
+}
+
+std::vector<std::string> Session::changeMesh(MeshChange change, const std::string& who) {
+  if (!follows_mesh_changes_) throw ComponentError(who + " is to change, and what is done here needs the same mesh throughout");
+  const MeshChangesMade made = makeGivenChanges(simulation(), factory_, modules_, {std::move(change)}, who);
+  ++mesh_changes_;
+  if (mesh_changed_) mesh_changed_(made.nodes);
+  return made.notes;
 }
 
 StepReport Session::step(StopToken stop) {
