@@ -38,7 +38,7 @@ TEST(ReaderProcess, EveryEndIsASentence) {
   EXPECT_EQ(errorOf(unruly, {"crash"}), name + "crashed on it (SIGSEGV)" + damaged);
   EXPECT_EQ(errorOf(unruly, {"abort"}), name + "crashed on it (SIGABRT): a double fault" + damaged);
   EXPECT_EQ(errorOf(unruly, {"killed"}),
-            name + "was killed (SIGKILL): by somebody, or by the system for want of memory" + damaged);
+            name + "was killed (SIGKILL): by a user, or by the system for lack of memory" + damaged);
   EXPECT_EQ(errorOf(unruly, {"exit"}), name + "ended with code 7" + damaged);
   EXPECT_EQ(errorOf(unruly, {"silence"}), name + "handed over nothing of use (these are no lists)" + damaged);
   EXPECT_EQ(errorOf(unruly, {"time"}), name + "took more computing time than a file of this size needs" + damaged);

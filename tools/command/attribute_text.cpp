@@ -16,7 +16,7 @@ std::string traitsOf(const Data& data) {
   }
   if (!data.rangeText().empty()) text += ", in " + data.rangeText();
   if (data.changeEffect() == ChangeEffect::at_once) text += ", may change in a run";
-  if (data.changeEffect() == ChangeEffect::recompile) text += ", may change in a run (the component is made anew)";
+  if (data.changeEffect() == ChangeEffect::recompile) text += ", may change in a run (the component is recompiled)";
   return text;
 }
 

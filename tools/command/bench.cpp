@@ -29,12 +29,12 @@ CommandLine benchLine() {
   OptionList options("options");
   options.add_options()                                                                                  //
       ("json", text("FILE"), "write everything, each repetition too")                                    //
-      ("scenes", text("DIR"), "the folder that holds benchmarks/, examples/ and meshes/")                //
+      ("scenes", text("DIR"), "the folder that contains benchmarks/, examples/ and meshes/")                //
       ("accuracy", po::value<std::string>()->implicit_value("")->value_name("PROBLEM"),
        "error against run time of the standing set instead, or of one: beam, cube, beads, block, cook, twist, chamber, ventricle, "
        "muscle, column, organ, leg, memory, vibration; column/20,40: of some of its sizes")                    //
       ("csv", text("FILE"), "with --accuracy: write the figures to a file")                                    //
-      ("against", text("FILE"), "with --accuracy: say what has changed since --csv wrote this file")           //
+      ("against", text("FILE"), "with --accuracy: report changes since --csv wrote this file")           //
       ("beads", text("FILE"), "with --accuracy: the truth cube's measured beads, without which beads is left out")  //
       ("benchmark_filter", text("EXPR"), "only the figures that match, as in --benchmark_filter=step");  //
   return {bench_manual, options, {}};

@@ -71,7 +71,7 @@ void print(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json:
 CommandLine checkLine() {
   OptionList options("options");
   options.add_options()("json", "print the problems as JSON")(
-      "sofa", "SCENE is a folder of SOFA's scenes, or a list of them: a line for each, and what holds back how many")(
+      "sofa", "SCENE is a folder of SOFA's scenes, or a list of them: a line for each, and how many each missing component blocks")(
       "steps", po::value<long>()->value_name("N")->default_value(10), "with --sofa: how many steps a scene must make")(
       "jobs", po::value<int>()->value_name("N")->default_value(1), "with --sofa: how many scenes at once")(
       "limit", po::value<double>()->value_name("SECONDS")->default_value(60), "with --sofa: the processor time of one scene");

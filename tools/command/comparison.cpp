@@ -15,9 +15,9 @@ using Frames = std::vector<StateFrame>;
 
 /// The first thing that makes numbers incomparable, or empty.
 std::string mismatch(const Frames& reference, const Frames& actual) {
-  if (reference.empty()) return "the reference holds no instant";
+  if (reference.empty()) return "the reference contains no frame";
   if (reference.size() != actual.size())
-    return fmt::format("{} instants, the reference holds {}", actual.size(), reference.size());
+    return fmt::format("{} frames, the reference has {}", actual.size(), reference.size());
   const double duration = std::abs(reference.back().time - reference.front().time);
   for (std::size_t i = 0; i < reference.size(); ++i) {
     const StateFrame &r = reference[i], &a = actual[i];

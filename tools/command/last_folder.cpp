@@ -83,11 +83,11 @@ std::string reasonToKeep(const std::string& folder) {
   const fs::file_type type = fs::symlink_status(folder, error).type();
   if (type == fs::file_type::not_found) return {};
   const std::string instants = instantsFile(folder), checkpoint = checkpointIn(folder);
-  if (type == fs::file_type::symlink) return fmt::format("{} is a symbolic link: it stays as it is", folder);
+  if (type == fs::file_type::symlink) return fmt::format("{} is a symbolic link: it is not replaced", folder);
   for (const std::string& file : {instants, checkpoint})
-    if (identityOf(file) && !isPlainFile(file)) return fmt::format("{} is no plain file: it stays as it is", file);
+    if (identityOf(file) && !isPlainFile(file)) return fmt::format("{} is not a regular file: it is not replaced", file);
   if (type != fs::file_type::directory || !isInstantsFile(instants))
-    return fmt::format("{} is not what a run left to be looked at: it stays as it is", folder);
+    return fmt::format("{} was not left by a run: it is not replaced", folder);
   return {};
 }
 

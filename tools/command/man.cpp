@@ -150,9 +150,9 @@ Page overview() {
            {"1", "a comparison failed"},
            {"2", "bad input, or an output that cannot be written; nothing was run"},
            {"3",
-            "no result: the simulation diverged, statics found no equilibrium, or a position constraint did not hold; "
-            "the last state is written and named"},
-           {"4", "an output could not be written any more; what all files have is whole up to there"},
+            "no result: the simulation diverged, statics found no equilibrium, or a position constraint was violated; the last "
+            "state is written and named"},
+           {"4", "writing an output failed; all files are complete up to that point"},
            {"129", "ended by SIGHUP, with the last whole step"},
            {"130", "interrupted with Ctrl-C, likewise"},
            {"143", "ended by SIGTERM, likewise"}})
@@ -169,7 +169,7 @@ Page overview() {
   for (const auto& [name, meaning] : std::initializer_list<std::pair<const char*, const char*>>{
            {"SCENE.xml", "a scene, see stroma-scene(5)"},
            {"DIR/NAME.state.gz", "positions and velocities of a state, of stroma run --record DIR"},
-           {"DIR/last.checkpoint", "what --resume goes on from"},
+           {"DIR/last.checkpoint", "the file from which --resume continues"},
            {"results/STEM/last/run.instants",
             "positions and velocities at a few times of a run without --record, below the current folder; stroma view "
             "and "

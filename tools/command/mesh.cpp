@@ -203,8 +203,8 @@ Meshed meshFilled(MeshRequest& request, const Mesh& surface, StageClock& clock) 
   if (filled.covered + filled.reversed > 0)
     fmt::print(
         stderr,
-        "note: the surface overlaps itself: {} voxels are enclosed more than once and count once, {} are enclosed the "
-        "wrong way round and count as outside; {} are inside\n",
+        "note: the surface overlaps itself: {} voxels are enclosed more than once and used once, {} are enclosed with reversed "
+        "orientation and taken as outside; {} are inside\n",
         filled.covered, filled.reversed, filled.image.voxels()[0]);
   return meshVoxels(request, filled.image, clock);
 }

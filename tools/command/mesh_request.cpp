@@ -146,7 +146,7 @@ void readNames(const Values& values, MeshRequest& request) {
     if (name.find('.') != std::string::npos)
       throw UsageError(
           fmt::format("--name {}: a '.' joins the names of two labels to that of the surface between them", text));
-    if (name == "outside") throw UsageError(fmt::format("--name {}: 'outside' is what lies around the body", text));
+    if (name == "outside") throw UsageError(fmt::format("--name {}: 'outside' is the exterior of the body", text));
     if (!request.names.emplace(label, name).second)
       throw UsageError(fmt::format("--name {}: label {} has a name, '{}'", text, label, request.names[label]));
   }
@@ -155,11 +155,11 @@ void readNames(const Values& values, MeshRequest& request) {
 /// Options that this input or output has no use for.
 void refuseIdle(const Values& values, const MeshRequest& request) {
   const auto refuse = [&values](const char* name, const char* use) {
-    if (values.count(name)) throw UsageError(fmt::format("--{} does nothing here: it is for {}", name, use));
+    if (values.count(name)) throw UsageError(fmt::format("--{} has no effect here: it is for {}", name, use));
   };
   if (!request.surfaceLoader()) refuse("voxels", "surfaces (an image has its own)");
   if (request.surfaceLoader() && request.voxels == 0)
-    refuse("free-volume", "images, whose voxels give a volume (a surface is kept as it is)");
+    refuse("free-volume", "images, whose voxels give a volume (a surface is kept unchanged)");
   else
     refuse("feature-angle", "surfaces, whose edges can be kept (images and voxels have none)");
   if (request.toVtu()) {

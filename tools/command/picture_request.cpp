@@ -38,16 +38,16 @@ const Manual picture_manual{
 void addLook(OptionList& options) {
   options.add_options()  //
       ("field", po::value<std::string>()->value_name("NAME"),
-       "what the colours show: displacement, velocity, vonMises, ...; none; help lists those of the scene")       //
+       "field shown by colours: displacement, velocity, vonMises, ...; none; help lists those of the scene")       //
       ("range", po::value<std::string>()->value_name("LOW,HIGH"), "of the colours, in the SI unit of the field")  //
       ("colours", po::value<std::string>()->value_name("viridis|cividis|inferno|warm|grey|diverging"),
-       "the colour map, viridis when not given; diverging is even about zero")  //
-      ("flat", "one colour for each cell, in place of the mean at the nodes")   //
+       "the colour map, by default viridis; diverging is symmetric about zero")  //
+      ("flat", "one colour for each cell instead of the mean at the nodes")   //
       ("no-shading", "colours exactly as in the legend")                        //
       ("view", po::value<std::vector<std::string>>()->value_name("oblique|iso|front|back|left|right|side|top|bottom"),
-       "seen from there, oblique when not given; or AZIMUTH,ELEVATION in degrees; may be repeated: side by side")  //
+       "direction of view, by default oblique; or AZIMUTH,ELEVATION in degrees; may be repeated: side by side")  //
       ("views", po::value<std::string>()->value_name("NAME,NAME..."), "several views by name")                     //
-      ("size", po::value<std::string>()->value_name("WxH"), "pixels; as fits the bodies when not given")           //
+      ("size", po::value<std::string>()->value_name("WxH"), "pixels; by default as fits the bodies")           //
       ("edges", "draw the edges of the cells")                                                                     //
       ("ghost", "draw the outline of the rest shape")                                                              //
       ("cut", po::value<std::string>()->value_name("x=VALUE"),
@@ -61,7 +61,7 @@ void addLook(OptionList& options) {
       ("title", po::value<std::string>()->value_name("TEXT"), "above the picture")                   //
       ("transparent", "no background")                                                               //
       ("no-legend", "no legend of the colours")                                                      //
-      ("bare", "nothing but the bodies: no legend, axes, captions or held nodes");
+      ("bare", "only the bodies: no legend, axes, captions or fixed nodes");
 }
 
 OptionList pictureOptions() {
@@ -71,13 +71,13 @@ OptionList pictureOptions() {
       ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 draws the scene as it is loaded")  //
       ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                            //
       ("restart", po::value<std::string>()->value_name("FILE"),
-       "begin at a checkpoint of this scene, as Python and run --record leave; -n counts from there, 0 when not given")  //
+       "start from a checkpoint of this scene, written by Python or run --record; -n counts from there, by default 0")  //
       ("at", po::value<std::string>()->value_name("T,T..."),
        "times to draw, side by side: seconds, start, end")  //
       ("animate", "write an animated PNG")                  //
       ("every", po::value<long>()->value_name("K"),
-       "with --animate: a frame every K steps, or instants of a recording (at most 101 frames when not given)")  //
-      ("fps", po::value<double>()->value_name("N"), "with --animate: frames a second (20 when not given)")       //
+       "with --animate: a frame every K steps, or frames of a recording (by default at most 101 frames)")  //
+      ("fps", po::value<double>()->value_name("N"), "with --animate: frames per second (by default 20)")       //
       ("anyway", "draw the last good state of a run without a result, with a warning in the picture");
   addLook(options);
   options.add_options()("quiet,q", "no notes");

@@ -138,7 +138,7 @@ std::string Progress::text(double now, std::size_t width) {
     pieces.add(7, durationText(now - began_) + " elapsed");
   }
   if (is_stopping_())
-    pieces.add(1, "stopping: once more ends it at once");
+    pieces.add(1, "stopping; a second signal exits at once");
   else if (pace_.isSteady())
     pieces.add(1, durationText(pace_.secondsToGo(last_ - made)) + " to go");
   return pieces.joined(width);

@@ -57,7 +57,7 @@ drawing::Recording instantsIn(const std::string& file, const Simulation& simulat
     const auto found = std::find_if(recorded.begin(), recorded.end(),
                                     [state](const StateSize& size) { return size.path == state->path(); });
     if (found == recorded.end())
-      throw UsageError(fmt::format("{}: there is nothing of {}: the scene has changed since", file, state->path()));
+      throw UsageError(fmt::format("{}: there is no {}: the scene has changed since", file, state->path()));
     recording.push_back(std::move(all[std::size_t(found - recorded.begin())]));
     for (const StateFrame& frame : recording.back()) checkFrame(frame, file, *state, meshes);
   }

@@ -119,7 +119,7 @@ Recording runCase(const RegressionCase& test, Session& session) {
     if (const auto* expectation = dynamic_cast<const Expectation*>(observer); expectation && !expectation->failure().empty())
       throw std::runtime_error(observer->path() + ": " + expectation->failure());
   if (!statistics.unconverged.none() && !test.accepts_unconverged)
-    throw std::runtime_error(fmt::format("{}; or write unconverged behind the case: its answer is then taken as it is",
+    throw std::runtime_error(fmt::format("{}; or add unconverged to the case: its result is then accepted",
                                          fmt::join(statistics.unconverged.warnings(), "; ")));
   if (recording.states.empty()) throw std::runtime_error("the scene has no state that moves: there is nothing to compare");
   return recording;
@@ -283,7 +283,7 @@ OptionList regressOptions() {
       ("tolerance", po::value<double>()->value_name("SHARE")->default_value(1e-3),
        "of SOFA's lists (*.regression-tests): the relative difference that passes")  //
       ("jobs", po::value<int>()->value_name("N")->default_value(1),
-       "how many scenes at once, each in a process of its own (not with --bits)")  //
+       "number of scenes at once, each in a separate process (not with --bits)")  //
       ("limit", po::value<double>()->value_name("SECONDS")->default_value(600),
        "the processor time of one scene in such a process")  //
       ("junit", po::value<std::string>()->value_name("FILE"), "write the results as JUnit's XML, for build servers");
@@ -347,7 +347,7 @@ int regress(const Arguments& arguments) {
   const RegressionList list = readRegressionList(required(*values, "LIST", regress_manual));
   const bool update = values->count("update") > 0;
   if (update && values->count("set"))
-    throw UsageError("--update with --set would store what the list does not say: write the setting into the list");
+    throw UsageError("--update with --set would store a setting that is not in the list: add it to the list");
   if (values->count("bits") && values->count("threads"))
     throw UsageError("--bits compares runs with one and with two threads: leave --threads out");
   checkReports(list, *values);

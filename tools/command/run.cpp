@@ -184,7 +184,7 @@ void finish(Session& session, const RunRequest& request, Recordings& recordings,
   attempt(outcome, [&] { session.finish(); });
   if (outcome.failed()) return tellFailure(outcome, session.simulation(), recordings.placeOfState());
   if (recordings.last && !recordings.last->reason().empty() && !request.quiet)
-    fmt::print(stderr, "note: nothing is left to be looked at: {}{}\n", recordings.last->reason(),
+    fmt::print(stderr, "note: no recording is left: {}{}\n", recordings.last->reason(),
                recordings.last->rest());
 }
 
@@ -217,7 +217,7 @@ struct Run {
       session.followMeshChanges([this](const NodesNow& now) { measured->follow(session.simulation(), now); });
     checkpoint = request.checkpointToGoOnFrom();
     if (request.resume && checkpoint.empty() && !request.quiet)
-      fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
+      fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts from the beginning\n", request.record_folder);
     if (!checkpoint.empty())
       for (const std::string& note : session.restore(checkpoint)) fmt::print(stderr, "note: {}\n", note);
     if (!checkpoint.empty() && measured && measured->choosesNodes() && session.simulation().hasChangedMeshes())

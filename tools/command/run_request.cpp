@@ -60,16 +60,15 @@ void addRunOptions(OptionList& options) {
       ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 loads, compiles and records t = 0")     //
       ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                                 //
       ("record", po::value<std::string>()->value_name("DIR"), "write positions and velocities of every state there")  //
-      ("no-record", "leave nothing in results/STEM/last, even when the run has no result")                            //
+      ("no-record", "write nothing to results/STEM/last, even if the run has no result")                            //
       ("record-every", po::value<long>()->value_name("K"),
        "record every K steps; the first and last instant always")  //
       ("checkpoint-seconds", po::value<double>()->value_name("S"),
-       "write DIR/last.checkpoint, or that of results/STEM/last, every S seconds of wall time (60 when not given; 0: "
-       "only at the end)")                                                                                     //
+       "write DIR/last.checkpoint, or that of results/STEM/last, every S seconds of wall time (by default 60; 0: only at the end)")                                                                                     //
       ("checkpoint-every", po::value<long>()->value_name("K"), "write DIR/last.checkpoint every K steps too")  //
-      ("resume", "go on from DIR/last.checkpoint if it is there")                                              //
-      ("restart", po::value<std::string>()->value_name("FILE"), "go on from a checkpoint of this scene")       //
-      ("replay", po::value<std::string>()->value_name("FILE"), "do again what the file of actions says")       //
+      ("resume", "continue from DIR/last.checkpoint if it exists")                                              //
+      ("restart", po::value<std::string>()->value_name("FILE"), "continue from a checkpoint of this scene")       //
+      ("replay", po::value<std::string>()->value_name("FILE"), "repeat the actions of this file")       //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
        "print the summary as JSON; --json=FILE writes it to a file")  //
       ("profile", po::value<std::string>()->value_name("FILE"),

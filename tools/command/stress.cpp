@@ -25,9 +25,9 @@ const Manual stress_manual{
     "  machine     1 to 64 threads, which must give the same bits; short memory\n"
     "  forces      against energies, derivatives, balances and mappings, as components promise them\n\n"
     "A case ends in one of these ways:\n"
-    "  good        back at the shape of the undisturbed run, or what was checked holds\n"
+    "  good        back at the shape of the undisturbed run, or the checked property holds\n"
     "  runs        finite to the last step and without a doubt; not, or not yet, at that shape\n"
-    "  elsewhere   at rest in another shape, and nothing tells it from a right one\n"
+    "  elsewhere   at rest in another shape, indistinguishable from a right one\n"
     "  doubt       finite, with a sentence why it may be no result\n"
     "  stops       refused or stopped, with a sentence\n"
     "  unfinished  took longer than a case may\n"
@@ -55,10 +55,10 @@ OptionList stressOptions() {
       ("hours", po::value<double>()->value_name("H"),
        "a campaign of H hours: beyond the list of cases, magnitudes are at random")                                  //
       ("cases", po::value<long>()->value_name("N"), "the first N cases")                                             //
-      ("case", po::value<long>()->value_name("N"), "case N alone, with all that it says; nothing is written")        //
-      ("seed", po::value<unsigned>()->value_name("N"), "of what is chosen at random (1)")                            //
+      ("case", po::value<long>()->value_name("N"), "only case N, with all its messages; nothing is written")        //
+      ("seed", po::value<unsigned>()->value_name("N"), "seed of the random choices (1)")                            //
       ("steps,n", po::value<long>()->value_name("STEPS"), "steps of each case (6 to 40, by the size of the scene)")  //
-      ("jobs", po::value<int>()->value_name("N"), "cases at once (as many as the machine has cores)")                //
+      ("jobs", po::value<int>()->value_name("N"), "cases at once (by default the number of cores)")                //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
        "print the results as JSON; --json=FILE writes them to a file")  //
       ("quiet,q", "no progress");
@@ -107,7 +107,7 @@ int stressScene(const Arguments& arguments) {
 
 }  // namespace
 
-const Subcommand stress_command{"stress", "disturb a scene in many ways and see what it bears", Group::checks,
+const Subcommand stress_command{"stress", "disturb a scene in many ways to find its limits", Group::checks,
                                 stressScene, stressLine};
 
 }  // namespace stroma::command

@@ -74,12 +74,12 @@ OptionList sweepOptions() {
        "look for the cheapest configuration below this error instead of running all")                             //
       ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps of each run")                          //
       ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                             //
-      ("repeat", po::value<int>()->value_name("K"), "runs of each configuration; their median counts (3)")        //
+      ("repeat", po::value<int>()->value_name("K"), "runs of each configuration; the median is used (3)")        //
       ("jobs", po::value<int>()->value_name("N"), "cores that timed runs may use at once (half of the machine)")  //
       ("no-times", "only the errors: runs use the whole machine, each once")                                      //
       ("seed", po::value<unsigned>()->value_name("N"), "of the order of the runs (1)")                            //
       ("shard", po::value<std::string>()->value_name("I/N"),
-       "make only share I of N of the runs, beside the others; the command without it gathers them")  //
+       "make only share I of N of the runs, in parallel with the others; the command without it collects them")  //
       ("engine", po::value<std::string>()->value_name("parallel|slurm"),
        "have the runs made by shares: GNU parallel starts them, or Slurm as an array; then gather them")  //
       ("sshlogin", po::value<std::string>()->value_name("HOST,HOST"),

@@ -42,7 +42,7 @@ void tellAddress(const ViewCommand& command, const std::string& address) {
                "steer it. A tunnel (ssh -L) is safer\n",
                command.live.host);
   if ((command.live.host == "0.0.0.0" || command.live.host == "::") && !command.quiet)
-    fmt::print(stderr, "from there, give one of this machine's own addresses in place of {}\n",
+    fmt::print(stderr, "from there, use one of this machine's addresses instead of {}\n",
                command.live.host == "::" ? "[::1]" : "127.0.0.1");
   if (!command.quiet) fmt::print(stderr, "Ctrl-C ends the view\n");
   if (command.opens) openBrowser(address);

@@ -38,20 +38,20 @@ const Manual view_manual{
 OptionList viewOptions() {
   OptionList options("options");
   options.add_options()                                                                            //
-      ("port", po::value<int>()->value_name("N"), "port to listen on; a free one when not given")  //
+      ("port", po::value<int>()->value_name("N"), "port to listen on; by default a free one")  //
       ("host", po::value<std::string>()->value_name("ADDRESS"),
        "address to listen on instead of 127.0.0.1; others can then reach the run, unencrypted")           //
       ("open", "open the address with xdg-open")                                                          //
       ("no-open", "only print the address; without either it is opened where there is a display")         //
-      ("at-once", "run before the first page is there: without it the run begins when somebody sees it")  //
-      ("paused", "wait until somebody presses run")                                                       //
-      ("fps", po::value<double>()->value_name("N"), "most pictures a second (60 when not given)")         //
+      ("at-once", "start before the first page is connected: by default the run waits for it")  //
+      ("paused", "wait until run is pressed")                                                       //
+      ("fps", po::value<double>()->value_name("N"), "largest number of frames per second (by default 60)")         //
       ("record", po::value<std::string>()->value_name("DIR"),
-       "write positions and velocities of every state there, and what was done by hand")                          //
+       "write positions and velocities of every state there, and all actions")                          //
       ("record-every", po::value<long>()->value_name("K"), "record every K steps")                                //
-      ("replay", po::value<std::string>()->value_name("FILE"), "do again what was done by hand in a run before")  //
+      ("replay", po::value<std::string>()->value_name("FILE"), "repeat the actions of an earlier run")  //
       ("export", po::value<std::string>()->value_name("FILE.html"), "write a page that plays a run, and end")     //
-      ("steps,n", po::value<long>()->value_name("STEPS"), "with --export: steps to run (100 when not given)")     //
+      ("steps,n", po::value<long>()->value_name("STEPS"), "with --export: steps to run (by default 100)")     //
       ("every", po::value<long>()->value_name("K"),
        "with --export: a picture every K steps; of a recording, every K instants")  //
       ("field", po::value<std::vector<std::string>>()->value_name("NAME"),
@@ -81,7 +81,7 @@ void checkViewPartners(const Values& values, bool is_recording) {
     for (const char* option : {"port", "host", "open", "no-open", "at-once", "paused", "fps", "record"})
       if (values.count(option))
         throw UsageError(
-            fmt::format("--{} and --export exclude each other: a page is written, nobody is served", option));
+            fmt::format("--{} and --export exclude each other: --export writes a page and starts no server", option));
   } else {
     for (const char* option : {"steps", "every", "field", "inside"})
       if (values.count(option)) throw UsageError(fmt::format("--{} needs --export FILE.html", option));

@@ -279,7 +279,7 @@ void checkRestart(const RunRequest& request) {
 CommandLine watchLine() {
   CommandLine line{watch_manual, OptionList("options"), {"SCENE"}};
   line.options.add_options()("times", po::value<long>()->value_name("K"),
-                             "end after K runs; those that a save stopped do not count");
+                             "end after K runs, not including those stopped by a save");
   addRunOptions(line.options);
   addSceneOptions(line.options);
   return line;

@@ -119,7 +119,7 @@ std::vector<Frame> framesAsked(const ShotTaker& taker, const std::vector<std::st
     for (const std::size_t b : taker.bodiesAt(path, "framed"))
       if (taker.isDrawn(b)) frame.bodies.push_back(b);
     if (frame.bodies.empty())
-      throw ComponentError(fmt::format("nothing of {} is drawn: it cannot be framed", path),
+      throw ComponentError(fmt::format("nothing of {} is drawn: it cannot be used for --frame", path),
                            "a node that is not hidden");
     const std::vector<std::string> names = namesIn(path);
     frame.name = names.empty() ? "all" : names.back();

@@ -198,7 +198,7 @@ void Modules::Impl::warnOfEmptyFolders() {
     std::error_code error;
     if (folder == moduleFolder() || !indexesIn(folder, error).empty()) continue;
     std::cerr << "stroma: warning: STROMA_MODULE_PATH names " << inQuotes(folder)
-              << (error ? ", which is no folder that can be read\n"
+              << (error ? ", which is not a readable folder\n"
                         : ", where no module lies: stroma_module() puts NAME.so and NAME.index there\n");
   }
 }

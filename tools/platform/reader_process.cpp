@@ -114,7 +114,7 @@ std::string endOf(pid_t child) {
   if (signal == SIGXFSZ) return "made more of it than fits into memory";
   const char* name = sigabbrev_np(signal);
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) return fmt::format("was interrupted (SIG{})", name);
-  if (signal == SIGKILL) return "was killed (SIGKILL): by somebody, or by the system for want of memory";
+  if (signal == SIGKILL) return "was killed (SIGKILL): by a user, or by the system for lack of memory";
   return fmt::format("crashed on it (SIG{})", name ? name : std::to_string(signal));
 }
 
@@ -147,7 +147,7 @@ ValueLists readInOwnProcess(const ReaderProgram& program, const std::string& fil
   } catch (const ComponentError&) {
     throw;
   } catch (const std::runtime_error& error) {
-    fail(fmt::format("handed over nothing of use ({})", error.what()));
+    fail(fmt::format("returned no valid data ({})", error.what()));
   }
   return {};
 }

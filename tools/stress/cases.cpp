@@ -110,7 +110,7 @@ void CaseList::addMoves() {
   for (const double amount : {0.1, 1.})
     add({.kind = Kind::move,
          .group = "sudden moves",
-         .text = fmt::format("what is held jumps by {} of the size, and back", amount),
+         .text = fmt::format("fixed nodes jump by {} of the size, and back", amount),
          .amount = amount});
 }
 

@@ -112,7 +112,7 @@ class FieldCheck {
     forceAt(0, other_);
     for (std::size_t i = 0; i < other_.rows().doubles(); ++i)
       if (!(other_.rows().data[i] == force_.rows().data[i]))
-        return say("equal positions give other forces: it depends on what was computed before");
+        return say("equal positions give different forces: it depends on earlier computations");
   }
 
   void checkBalance() {
@@ -217,7 +217,7 @@ class FieldCheck {
     // a load may leave half of its derivative out, so that the matrix is symmetric; inside a body more is known
     const bool is_rough = traits.forces_balance ? error > rough : cosine < -0.5;
     if (traits.exact_tangent ? !(error > 3 * exact) : !is_rough) return;
-    say(fmt::format("its {} is not the derivative of its force: it is off by {:.2g}{}", what, error,
+    say(fmt::format("its {} is not the derivative of its force: the error is {:.2g}{}", what, error,
                     cosine < -0.5 ? ", and of the other sign" : ""));
   }
 
@@ -235,7 +235,7 @@ class FieldCheck {
     field_.addStiffness(1, matrix);
     matrix.multiply(direction_, other_);
     if (!(distance(other_, product_) <= same * norm(product_)))
-      say(fmt::format("its matrix is not that of its product: off by {:.2g}",
+      say(fmt::format("its matrix does not match its product: error {:.2g}",
                       distance(other_, product_) / norm(product_)));
     std::vector<double> diagonal(std::size_t(rows) * 9, 0.);
     field_.addStiffnessDiagonal(1, diagonal);
@@ -245,14 +245,14 @@ class FieldCheck {
       worst += std::abs(value - diagonal[i]), sizes += std::abs(value);
     }
     if (!(worst <= same * sizes))
-      say(fmt::format("its diagonal is not that of its matrix: off by {:.2g}", worst / sizes));
+      say(fmt::format("its diagonal does not match its matrix: error {:.2g}", worst / sizes));
     clear(other_);
     field_.addForceAndProduct(x_, v_, direction_, 0.5, other_);
     axpy(-1, force_, other_);
     axpy(-0.5, product_, other_);
     const double both = norm(force_) + norm(product_);
     if (!(norm(other_) <= same * both))
-      say(fmt::format("force and product in one pass are not the two alone: off by {:.2g}", norm(other_) / both));
+      say(fmt::format("force and product in one pass differ from the two separately: error {:.2g}", norm(other_) / both));
   }
 
   /// A field that has volumes knows those that are inside out. The mesh says which are.
@@ -315,7 +315,7 @@ std::vector<std::string> brokenMappings(System& system, unsigned seed) {
       error += (slope - Vec3(d[row])).squaredNorm(), size += slope.squaredNorm();
     }
     if (std::isfinite(size) && !(std::sqrt(error) <= 1e-3 * std::sqrt(size) + 1e-6))
-      found.push_back(fmt::format("{}: {} ({}): its velocities are not the derivative of its positions: off by {:.2g}",
+      found.push_back(fmt::format("{}: {} ({}): its velocities are not the derivative of its positions: error {:.2g}",
                                   mapping->where().text(), mapping->path(), mapping->type(), std::sqrt(error / size)));
   }
   double work = 0;

@@ -10,9 +10,9 @@
 namespace stroma::stress {
 
 enum class Ending {
-  good,        ///< back at the shape of the undisturbed run, or what was checked holds
+  good,        ///< back at the shape of the undisturbed run, or the checked property holds
   runs,        ///< finite to the last step and no doubt; not, or not yet, at the undisturbed shape
-  elsewhere,   ///< at rest in another shape, and nothing tells it from a right one
+  elsewhere,   ///< at rest in another shape, indistinguishable from a right one
   doubt,       ///< finite to the last step, with a sentence why it may be no result
   stops,       ///< refused or stopped, with a sentence
   unfinished,  ///< took longer than a case may

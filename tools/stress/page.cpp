@@ -20,9 +20,9 @@ td:first-child,th:first-child{text-align:left}.none{color:var(--weak)}.breaks{co
 )";
 
 constexpr std::array<const char*, endings> meanings = {
-    "back at the shape of the undisturbed run, or what was checked holds",
+    "back at the shape of the undisturbed run, or the checked property holds",
     "finite to the last step and without a doubt; not, or not yet, at the undisturbed shape",
-    "at rest in another shape, and nothing tells it from a right one",
+    "at rest in another shape, indistinguishable from a right one",
     "finite to the last step, with a sentence why it may be no result",
     "refused or stopped, with a sentence that names a component or a line of the scene",
     "took longer than a case may",

@@ -129,7 +129,7 @@ std::string tableOf(const Findings& findings) {
   }
   line("all", sums);
   appendLikes(text, findings, Ending::breaks, "breaks:");
-  appendLikes(text, findings, Ending::elsewhere, "at rest elsewhere, without a word:");
+  appendLikes(text, findings, Ending::elsewhere, "at rest elsewhere, without a warning:");
   appendLikes(text, findings, Ending::doubt, "in doubt, with these sentences:");
   appendLikes(text, findings, Ending::stops, "stops, with these sentences:");
   appendLikes(text, findings, Ending::unfinished, "unfinished:");

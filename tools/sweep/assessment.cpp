@@ -225,8 +225,8 @@ void Assessor::tellRefinement(std::size_t axis, const Line& line, Assessment& as
     if (step.isEven(whole.fixed())) continue;
     const auto least = std::size_t(whole.fixed());
     assessment.notes.push_back(fmt::format(
-        "{} is refined unevenly: from {} to {} the spacing falls by {:.3g} along {} and by {:.3g} along {}; the order "
-        "cannot be told (expected meshes whose spacing falls alike in all directions)",
+        "{} is refined unevenly: from {} to {} the spacing falls by {:.3g} along {} and by {:.3g} along {}; the order cannot be "
+        "determined (expected meshes refined equally in all directions)",
         label, line.names[k + 1], line.names[k], step.ratio[2], directionText(step.direction[2]), step.ratio[least],
         directionText(step.direction[least])));
     if (k == 0 && step.ratio[least] < least_bounding_refinement) assessment.knowledge = Knowledge::in_part;
@@ -276,7 +276,7 @@ void Assessor::settleReference(std::vector<Entry>& entries, Entry& run, Assessme
           axis.label(), axis.valueText(axis.size() - 1)));
   if (assessment.axes.empty()) {
     assessment.knowledge = Knowledge::none;
-    assessment.notes.push_back("nothing that varies tells how well the reference is known: its uncertainty is unknown");
+    assessment.notes.push_back("no varied value shows how accurate the reference is: its uncertainty is unknown");
   } else if (!untold.empty()) {
     assessment.knowledge = Knowledge::in_part;
     assessment.notes.push_back(
@@ -371,7 +371,7 @@ void markFront(std::vector<Entry>& entries, double expected) {
 }
 
 std::string knownTo(const Assessment& assessment, const std::string& number) {
-  if (assessment.knowledge == Knowledge::none) return "nothing tells how well it is known";
+  if (assessment.knowledge == Knowledge::none) return "its uncertainty is unknown";
   return "known to " + number + (assessment.knowledge == Knowledge::in_part ? " at best" : "");
 }
 

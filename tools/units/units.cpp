@@ -222,7 +222,7 @@ class UnitReader {
     if (peek() == '%') refusePercent();
     if (!product && !division && !startsFactor()) return rest_ = before, false;
     if (divides && !division)
-      throw ComponentError("what follows the division may belong above or below it",
+      throw ComponentError("the terms after the division are ambiguous",
                            "brackets, as in m^2/(Pa s), or the product first, as in N s/m");
     divides = division;
     return true;

@@ -143,7 +143,7 @@ HttpConnection::Response HttpConnection::page(const Request& request) const {
   }
   if (!access.hasCookie(viewOf(request[http::field::cookie])))
     return respond(request, http::status::forbidden,
-                   "Open the address that `stroma view` has printed: it holds a token that this request lacks.\n");
+                   "Open the address printed by `stroma view`: it contains a token that this request lacks.\n");
   const PageFile* file = pageFile(target);
   if (!file) return respond(request, http::status::not_found, "There is no such page.\n");
   return framed(respond(request, http::status::ok, std::string(file->content), file->type), access);

@@ -253,7 +253,7 @@ void LiveRun::tell(int client, const std::string& verb) {
                             {"name", std::filesystem::path(scene).stem().string() + ".actions"},
                             {"text", printActions({scene, simulation_.events()})}});
   } else {
-    throw std::logic_error("nobody does what is called " + verb);  // checkedVerb() lets no other through
+    throw std::logic_error("there is no action called " + verb);  // checkedVerb() lets no other through
   }
 }
 

@@ -98,7 +98,7 @@ StandalonePage::~StandalonePage() = default;
 
 void StandalonePage::add(std::string_view packet) {
   if (packet.size() > std::numeric_limits<std::uint32_t>::max())
-    throw std::runtime_error("a picture of this scene has more than 4 GiB: no page can hold it");
+    throw std::runtime_error("a frame of this scene has more than 4 GiB: too much for a page");
   if (!part_) part_ = std::make_unique<Part>();
   const auto length = std::uint32_t(packet.size());
   part_->add({reinterpret_cast<const char*>(&length), sizeof length});
