@@ -65,7 +65,7 @@ TEST_F(MeshCommand, OptionsWithoutEffectAndNamesThatMeanTwoThingsAreRefused) {
            {"two.mha -o n.msh --name 1=a --name 2=a", "would have one name"},
            {"two.mha -o n.msh --name 1=a --name 1=b", "label 1 has a name"},
            {"two.mha -o n.msh --name 1=label_2", "would have one name"},
-           {"two.mha -o n.msh --name 1=outside", "around the body"},
+           {"two.mha -o n.msh --name 1=outside", "the exterior of the body"},
            {"two.mha", "-o MESH"},
            {"two.mha -o n.msh --distance 30", "the longest side of the body is 8"},
            {"two.mha -o n.msh --distance '1 mm'", "without a unit"},

@@ -40,7 +40,7 @@ TEST(ReaderProcess, EveryEndIsASentence) {
   EXPECT_EQ(errorOf(unruly, {"killed"}),
             name + "was killed (SIGKILL): by a user, or by the system for lack of memory" + damaged);
   EXPECT_EQ(errorOf(unruly, {"exit"}), name + "ended with code 7" + damaged);
-  EXPECT_EQ(errorOf(unruly, {"silence"}), name + "handed over nothing of use (these are no lists)" + damaged);
+  EXPECT_EQ(errorOf(unruly, {"silence"}), name + "returned no valid data (these are no lists)" + damaged);
   EXPECT_EQ(errorOf(unruly, {"time"}), name + "took more computing time than a file of this size needs" + damaged);
   EXPECT_EQ(errorOf(unruly, {"refuses"}), "folder/file.x is no good | a better one | that one");
   const std::string none = errorOf({"no_such_reader", "the missing reader", "build it"}, {});

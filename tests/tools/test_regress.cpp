@@ -92,7 +92,7 @@ TEST_F(Regress, NoticesAnotherSizeTimeOrNumberOfInstants) {
   expectFailure("instant 3 is at t = ");
   stroma("regress list --update");
   tamper([](Frames& frames) { frames.pop_back(); });
-  expectFailure("5 instants, the reference holds 4");
+  expectFailure("5 frames, the reference has 4");
 }
 
 TEST_F(Regress, NoticesATruncatedReference) {

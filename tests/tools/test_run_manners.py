@@ -337,7 +337,7 @@ class DefaultRecording(Folder):
         before = {name: self.read("elsewhere", name) for name in ("run.instants", "last.checkpoint")}
         for link in ((LAST,), (LAST, "run.instants"), (LAST, "last.checkpoint")):
             note = self.notes(self.stroma("run", scene, "-n", "7"))
-            self.assertTrue(note.startswith("note: nothing is left") and note.count("\n") == 1, note)
+            self.assertTrue(note.startswith("note: no recording is left") and note.count("\n") == 1, note)
             self.assertIn("/".join(link), note)
             self.assertTrue(os.path.islink(self.path(*link)))
             self.assertEqual({name: self.read("elsewhere", name) for name in before}, before)
@@ -382,7 +382,7 @@ class DefaultRecording(Folder):
             self.stroma("run", scene, "-n", "1", cwd=self.path("disk"))
             before = {name: self.read("disk", "results/many/last", name) for name in ("run.instants", "last.checkpoint")}
             result = self.stroma("run", scene, "-n", "50", cwd=self.path("disk"))
-            self.assertRegex(self.notes(result), r"^note: nothing is left .*No space left on device.*; results/many/last is that of a run before\n$")
+            self.assertRegex(self.notes(result), r"^note: no recording is left .*No space left on device.*; results/many/last is that of a run before\n$")
             self.assertEqual({name: self.read("disk", "results/many/last", name) for name in os.listdir(self.path("disk", "results/many/last"))}, before)
         finally:
             subprocess.run(["umount", self.path("disk")], check=True)

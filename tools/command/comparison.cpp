@@ -15,7 +15,7 @@ using Frames = std::vector<StateFrame>;
 
 /// The first thing that makes numbers incomparable, or empty.
 std::string mismatch(const Frames& reference, const Frames& actual) {
-  if (reference.empty()) return "the reference contains no frame";
+  if (reference.empty()) return "the reference holds no instant";
   if (reference.size() != actual.size())
     return fmt::format("{} frames, the reference has {}", actual.size(), reference.size());
   const double duration = std::abs(reference.back().time - reference.front().time);

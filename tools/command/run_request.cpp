@@ -64,7 +64,8 @@ void addRunOptions(OptionList& options) {
       ("record-every", po::value<long>()->value_name("K"),
        "record every K steps; the first and last instant always")  //
       ("checkpoint-seconds", po::value<double>()->value_name("S"),
-       "write DIR/last.checkpoint, or that of results/STEM/last, every S seconds of wall time (by default 60; 0: only at the end)")                                                                                     //
+       "write DIR/last.checkpoint, or that of results/STEM/last, every S seconds of wall time (by default 60; 0: only at the "
+       "end)")  //
       ("checkpoint-every", po::value<long>()->value_name("K"), "write DIR/last.checkpoint every K steps too")  //
       ("resume", "continue from DIR/last.checkpoint if it exists")                                              //
       ("restart", po::value<std::string>()->value_name("FILE"), "continue from a checkpoint of this scene")       //

@@ -163,7 +163,7 @@ class StateReader {
   }
 
   std::string tellUnfinished() const {
-    if (recording_.frames.empty()) return path_ + ": the file is unfinished or truncated, and contains no complete frame";
+    if (recording_.frames.empty()) return path_ + ": the file is not finished or cut short, and contains no complete frame";
     return fmt::format("{}: the file is not finished or cut short: its last whole instant is T = {:g} s", path_,
                        recording_.frames.back().time);
   }
