@@ -1,42 +1,42 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // BarrierContact: surfaces that push each other apart before they touch, and never pass through each other.
 //
-// Between the surfaces of `mstate` and `other`, of each with itself (selfContact) and with obstacles acts a pressure that depends
-// on the gap d. With r = d/contactDistance and stiffness kappa it is, for r < 1,
+// A pressure that depends on the gap d acts between the surfaces of `mstate` and `other`, of each with itself (selfContact) and with
+// obstacles. With r = d/contactDistance and stiffness kappa it is, for r < 1,
 //
 //   p = kappa (2 (r - 1) ln r + (r - 1)^2 / r)
 //
 // Its energy per area, -kappa contactDistance (r - 1)^2 ln r, has no bound as the gap closes. Under kappa/10 surfaces rest at 0.83
-// contactDistance, under kappa/1000 at 0.98. Vertices carry their share of the surface (contact_terms.h), so that forces hardly
-// depend on the mesh. The tangent has all but the change of shares, or its stable part. The gap is the distance less `thickness`.
+// contactDistance, under kappa/1000 at 0.98. Vertices carry their share of the surface (contact_terms.h), so that forces hardly depend on
+// the mesh. The tangent is exact except for the change of shares, or its stable part. The gap is the distance minus `thickness`.
 //
-// Friction: with l the normal force of a contact and u the way along the surfaces since the start of the step, the force is mu l f
-// against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. What sticks therefore creeps, at less than
-// slipVelocity. l and directions are those of the solve before; solves are repeated until they no longer change, at most
-// frictionIterations times. What a tool may carry along sticks in the first of them. What sticks has the mu of `staticFriction`,
-// what slides faster than twice slipVelocity that of `friction`; mu follows the solves as l does. Surfaces that adhere hold each
-// other by a tension. It is largest, `adhesion`, at the gap adhesionPeak, and ends at adhesionDistance:
+// Friction: with l the normal force of a contact and u the slip along the surfaces since the start of the step, the force is mu l f
+// against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. Sticking contacts therefore creep, at less than
+// slipVelocity. l and directions are those of the previous solve; solves are repeated until they no longer change, at most
+// frictionIterations times. Contacts that a tool may drag along stick in the first of them. Sticking contacts have the mu of
+// `staticFriction`, those faster than twice slipVelocity that of `friction`; mu is updated with the solves like l. Adhering surfaces
+// attract each other by a tension. It has its maximum, `adhesion`, at the gap adhesionPeak, and ends at adhesionDistance:
 //
 //   adhesion d/adhesionPeak below adhesionPeak,   adhesion (adhesionDistance - d)/(adhesionDistance - adhesionPeak) beyond
 //
-// l is then what pushes. adhesionFriction times the tension holds besides what sticks, and lets it go when it slides.
+// l is then the compressive part. adhesionFriction times the tension adds to the friction of sticking contacts, not of sliding ones.
 //
-// Shares of the surface that vertices stand for follow the first six forces of a solve and then stay (line_shares.h); with friction,
-// whose solves compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
-// Every iterate is shortened where something would pass through something, and round-off is taken into account. After each step an
-// exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps. A start with
-// surfaces in one another is refused, or pushed apart by resolveStart (contact_start.h). Integrators with one linear solve are refused:
-// newtonIterations it is. Explicit ones divide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
+// The shares of vertices are updated in the first six force evaluations of a solve and then fixed (line_shares.h); with friction, whose
+// solves compare forces, they are fixed from its start. A solve is repeated if updated shares would change its forces by more than a
+// hundredth. Every iterate is shortened before anything penetrates, with allowance for round-off. After each step an exact test of all
+// edges against all triangles detects crossings; `crossings` counts such steps. Surfaces that intersect at the start are rejected, or
+// pushed apart by resolveStart (contact_start.h). Integrators with one linear solve are rejected: set newtonIterations. Explicit ones
+// subdivide their steps (integrators/explicit_parts.h), with contact_springs.cpp for friction.
 //
-// Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count
-// as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A
-// state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz
-// o: bodies are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They stand, or
-// move together by `movements` at `keyTimes`, as far as nothing is in their way while bodies give way. A step is solved again until
-// they have come all the way. `offset` of a hand leads them: what is left after a dozen solves is left for the next step.
+// Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles count as
+// four. Points of one piece that are nearer than contactDistance at rest do not push each other, but cannot cross. A state may be mapped:
+// a rigid tool is a frame that carries the nodes of a surface by a RigidMapping. Obstacles are planes (nx ny nz o: bodies are where n.x >
+// o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They are fixed, or move together by
+// `movements` at `keyTimes`, as far as their path is free, while bodies yield. A step is solved again until they have gone all the way.
+// `offset` moves them by hand: after a dozen solves the rest is left for the next step.
 //
-// Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier); Fang, Li,
-// Cao, Li, Wolper, Yang and Jiang 2023 (adhesion).
+// Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier); Fang, Li, Cao,
+// Li, Wolper, Yang and Jiang 2023 (adhesion).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">

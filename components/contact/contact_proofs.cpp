@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What motion has used up of the proofs of Candidates, and what is written of them.
+// The part of the proofs of Candidates used up by motion, and their serialisation.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The parts of surfaces that vertices stand for, and how far edges are ridges: what stays in a solve (contact_terms.h).
+// The shares of vertices in their surfaces, and the sharpness of ridges: quantities fixed during a solve (contact_terms.h).
 //
-// A vertex has one share for all that it touches, so that the energy of a solve has no jumps where it comes from one triangle to the
-// next. It is the mean of the parts A(u_k) that face each of these features, which have directions u_k, pressures p_k and counts c_k:
+// A vertex has one share for all of its contacts, so that the energy of a solve has no jumps when it moves from one triangle
+// to the next. It is the mean of the parts A(u_k) that face each of these features, which have directions u_k, pressures p_k
+// and counts c_k:
 //   A = sum c_k p_k A(u_k) / sum c_k p_k
-// Where a vertex is pressed from two sides, that of the nearest one alone would jump as the two take turns.
+// For a vertex pressed from two sides, using only the nearest one would jump as the two alternate.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Friction of explicit steps, which take forces where a part of a step starts and solve nothing, and of implicit ones with one solve.
+// Friction of explicit steps, which use the forces at the start of a substep without a solve, and of implicit ones with one
+// solve.
 //
-// The law of slipVelocity would need steps of slipVelocity m/(mu l), far below those of the bodies. What sticks is therefore held by
-// a spring across the normal that is as stiff as the contact is along it, k = d l/d gap (as Mindlin 1949 has it of spheres, up to a
-// factor near one), but no less than under a tenth of kappa, k = kappa A/contactDistance, which is about the stiffness of a cell. It asks
-// for hardly shorter steps than the bodies do, and does not creep:
-//   u = what was stretched + the way since then,   |u| <= mu l/k,   force -k u
-// What is stretched farther slides, and its spring follows. Springs belong to vertices. mu is that of what sticks unless the last part
-// of a step went faster than slipVelocity, as in contact_friction.h.
+// The law of slipVelocity would need steps of slipVelocity m/(mu l), far below those of the bodies. Sticking contacts are
+// therefore held by a tangential spring that is as stiff as the contact is along its normal, k = d l/d gap (as Mindlin 1949
+// found for spheres, up to a factor near one), but at least that under a tenth of kappa, k = kappa A/contactDistance, which is
+// about the stiffness of a cell. It hardly reduces the stable step of the bodies, and does not creep:
+//   u = previous stretch + slip since then,   |u| <= mu l/k,   force -k u
+// A contact stretched farther slides, and its spring follows. Springs belong to vertices. mu is the static one unless the last
+// substep was faster than slipVelocity, as in contact_friction.h.
 //
-// One linear solve takes the force and its derivative where the step starts. The law of slipVelocity is there the line of what sticks,
-// without end: it would glue. What a vertex does is therefore decided between steps, and its force is a line within one:
+// One linear solve uses the force and its derivative at the start of the step. There the law of slipVelocity is the unbounded
+// line of sticking: it would glue. The state of a vertex is therefore decided between steps, and its force is linear within
+// one:
 //   it sticks: -k u, until |u| > mu l/k; then it slides
-//   it slides: -mu l along the way d that it made in the step before, mu l/|d| across; where it has come back, it sticks
-// What its speed takes farther in a step than it may stick slides from the start; not what has come back, which its spring stops, but
-// where the integrator would have that ring. Where a slide begins or ends is known a step late.
+//   it slides: -mu l along its slip d in the previous step, mu l/|d| across; if it has reversed, it sticks
+// A vertex whose speed exceeds the sticking limit within a step slides from its start, except after a reversal, when its
+// spring stops it, unless the integrator would make that oscillate. The start and the end of sliding are detected one step
+// late.
 #include <algorithm>
 #include <cmath>
 

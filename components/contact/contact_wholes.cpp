@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is proved of bodies as wholes, so that nothing is asked of their parts: one pass over the vertices of a body finds a box around
-// all of their displacements. Where two such boxes say that no two displacements differ by more than what every group of their parts
-// has room for, no group has to be looked at. A body that turns as one has little left of its displacements when that is taken off.
+// Proofs for whole bodies, which avoid queries of their parts: one pass over the vertices of a body finds the bounding box of
+// their displacements. If two such boxes show that no two displacements differ by more than the clearance of every group of
+// their parts, no group has to be tested. For a rotating body the rigid motion is subtracted first, which leaves small
+// displacements.
 #include <algorithm>
 #include <cstring>
 #include <limits>

@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// PenaltyContact: surfaces that push each other with a pressure in proportion to how far they are in each other's distance.
+// PenaltyContact: surfaces that push each other with a pressure proportional to the violation of their contact distance.
 //
-// Surfaces of `mstate` and `other`, obstacles and paths are those of BarrierContact and ConstraintContact. Where a step starts, a vertex
-// and a triangle or two edges that are nearer than alarmDistance become a contact, with the closest points p and q of both and the
-// normal n from q to p. They last for the step; contact_rims.h has sharp rims. With the gap d = (p - q).n less radii and `thickness`, A
-// the share of the vertex in the surface (contact_terms.h) and kappa the stiffness, a contact pushes while d < contactDistance:
+// Surfaces of `mstate` and `other`, obstacles and paths are those of BarrierContact and ConstraintContact. At the start of a
+// step, a vertex and a triangle or two edges that are nearer than alarmDistance become a contact, with their closest points p
+// and q and the normal n from q to p. These are fixed during the step; contact_rims.h treats sharp rims. With the gap d = (p -
+// q).n minus radii and `thickness`, A the share of the vertex in the surface (contact_terms.h) and kappa the stiffness, a
+// contact pushes while d < contactDistance:
 //
 //   pressure = kappa (1 - d/contactDistance),   K = -k n n^T with k = kappa A/contactDistance
 //
-// so that forces hardly depend on the mesh: under kappa/10 surfaces rest at 0.9 contactDistance, under kappa they touch, and under more
-// they are in one another. Nothing keeps them from going through: what is deeper than its distance from the other side, or moves
-// farther than alarmDistance in a step, may come out there. BarrierContact and ConstraintContact do not let it. Every integrator
-// in time takes it, explicit ones with a step below 2/sqrt(k/m). What `offset` adds while the scene runs leads obstacles by at most
-// half of alarmDistance per step. StaticSolver refuses a body that only its contacts hold.
+// so that forces hardly depend on the mesh: under kappa/10 surfaces rest at 0.9 contactDistance, under kappa they touch, and
+// under more they intersect. Penetration is not excluded: nodes that are deeper than half of a body, or move farther than
+// alarmDistance in a step, may come out on the other side. BarrierContact and ConstraintContact exclude that. Every dynamic
+// integrator supports it, explicit ones with a step below 2/sqrt(k/m). `offset` moves obstacles during a run, by at most half
+// of alarmDistance per step. StaticSolver rejects a body that is supported only by its contacts.
 //
-// Friction: with l the force of a contact where the step starts and u its way along the surfaces since then, mu l f against u,
-// f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. mu is staticFriction of what has stuck in the step before. Where
-// round surfaces have slid out of reach as normals turned, l is the force along the normal of the step before. That is for integrators
-// that iterate. With one linear solve, and in explicit steps, what sticks is held by springs that mu l breaks (contact_springs.cpp).
+// Friction: with l the force of a contact at the start of the step and u its slip along the surfaces since then, mu l f
+// against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. mu is staticFriction for contacts that stuck in
+// the previous step. If round surfaces have slid out of reach as normals turned, l is the force along the previous normal.
+// This applies to integrators that iterate. With one linear solve, and in explicit steps, springs that slip at mu l hold
+// sticking contacts (contact_springs.cpp).
 //
-// CollisionResponse has the same penalty with SOFA's stiffness by contact, between collision models.
+// CollisionResponse has the same penalty with SOFA's stiffness per contact, between collision models.
 //
 // Source: penalty of SOFA (PenalityContactForceField), friction of Li, Ferguson, Schneider and others 2020.
 //

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The names that stand for a method, not for an element: they take the kind of cell that their mesh holds, or the one
-// that template="Vec3,Tetrahedron", Hexahedron, Prism or Pyramid names where it holds several: then there is one for each.
+// Names that specify a method, not an element: they use the kind of cell in their mesh, or the one that
+// template="Vec3,Tetrahedron", Hexahedron, Prism or Pyramid names if it has several: then add one for each.
 //
-// CorotationalFEMForceField: TetrahedronFEMForceField or HexahedronFEMForceField, whose pages say what is computed.
+// CorotationalFEMForceField: TetrahedronFEMForceField or HexahedronFEMForceField, whose pages have the formulas.
 // LinearSmallStrainFEMForceField: the same with method small, pure linear elasticity without rotations.
 //
 // Prisms (6 nodes: a triangle, then the opposite one) and pyramids (5 nodes: the base, then the top) have isoparametric
 // functions that fit to their neighbours', so that meshes of all four kinds pass the patch test. With F the deformation gradient
 // at a point, R its rotation, w its volume, D Hooke's law and B the strain of the nodes' displacements there,
 //   eps = sym(R^T F) - I,   f = -sum w B^T D eps,   df = -sum w B^T D B dx        (B in the axes that R has turned)
-// over six points of a prism and four of a pyramid. method = svd, with the nearest rotation at each point, has a potential: forces
-// and torques balance, and the exact tangent is symmetric; so do small and green. polar: the same with the least stretched axis
-// flipped where a point is inverted; large: QR of F in the axes of the scene. polarOf = nodes: one rotation a cell, the polar
-// factor of the sum of (x - c)(X - C)^T over its nodes, as in SOFA. reducedIntegration: two points of a prism, as in SOFA, for
-// small and for polarOf = nodes; a twist of its ends against each other then has no stiffness. dilatation = mean, tangent and the
-// cell fields are those of HexahedronFEMForceField. Source of the pyramid's functions: G. Bedrosian, "Shape functions and
-// integration formulas for three-dimensional finite element analysis", Int. J. Numer. Methods Eng. 35, 1992.
-// A prism has constant strain across its triangle: bent in that plane it is as stiff as tetrahedra, and locks near nu = 1/2 with a mean
-// too. Bent out of it, as a layer is, it is as good as a hexahedron.
+// over six points of a prism and four of a pyramid. method = svd, with the nearest rotation at each point, has a potential:
+// forces and torques balance, and the exact tangent is symmetric; so do small and green. polar: the same with the least
+// stretched axis flipped where a point is inverted; large: QR of F in the axes of the scene. polarOf = nodes: one rotation a
+// cell, the polar factor of the sum of (x - c)(X - C)^T over its nodes, as in SOFA. reducedIntegration: two points of a prism,
+// as in SOFA, for small and for polarOf = nodes; a twist of its ends against each other then has no stiffness. dilatation =
+// mean, tangent and the cell fields are those of HexahedronFEMForceField. Source of the pyramid's functions: G. Bedrosian,
+// "Shape functions and integration formulas for three-dimensional finite element analysis", Int. J. Numer. Methods Eng. 35,
+// 1992. A prism has constant strain across its triangle: bent in that plane it is as stiff as tetrahedra, and locks near nu =
+// 1/2 with a mean too. Bent out of it, like a layer, it is as good as a hexahedron.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What an elastic field says of its cells: the worst, those beyond its law, and the fields of cells.
+// Reports on the cells of an elastic field: the worst, those outside the range of its law, and cell fields.
 #include <fmt/format.h>
 
 #include <algorithm>

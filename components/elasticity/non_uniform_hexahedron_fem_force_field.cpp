@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// NonUniformHexahedronFEMForceField: trilinear hexahedra whose material does not fill them evenly. A cell has 1, 8, 64, 512 or 4096
-// parts of equal size in the coordinates of the cell (x fastest), and a factor on the stiffness of each of them. With R the rotation
-// of a cell, X its nodes at rest, n_a the gradients of its shape functions there, and s_p the factor of part p,
+// NonUniformHexahedronFEMForceField: trilinear hexahedra that are filled unevenly with material. A cell has 1, 8, 64, 512 or
+// 4096 parts of equal size in the coordinates of the cell (x fastest), and a factor on the stiffness of each of them. With R
+// the rotation of a cell, X its nodes at rest, n_a the gradients of its shape functions there, and s_p the factor of part p,
 //
 //   f = -R K (R^T x - X),   K_ab = sum over parts of s_p * integral over p of lambda n_a n_b^T + mu n_b n_a^T + mu (n_a . n_b) I
 //
-// by eight Gauss points in each part. That is what a fine mesh of the parts has when its nodes follow those of the cell: coarse
-// cells feel where the body lies in them, and lock all the same.
+// by eight Gauss points in each part. This is the stiffness of a fine mesh of the parts with nodes mapped to those of the
+// cell: coarse cells account for the distribution of material, but still lock.
 //
-// HexahedronCompositeFEMForceField lets the parts yield to each other: from the finest level on, the 27 nodes of eight cells that
-// lie in one follow its eight corners, and K of the one is W^T K W. W is where the 19 others come to rest when the corners
-// move, of which each node keeps what moves it along the same axis, from the ends of its edge, the corners of its face or all
-// eight; the weights of a node are then divided by their sum. What is empty counts as rigid there, and for nothing in K. Full
-// cells are the same as those above; a cell of a soft and a hard half is as soft as it should be, and so are two thin rods in one.
-// Where weights are uneven K resists small turns too, by the shares of the weights that were left out: the tangent -R K R^T is
-// then not the derivative of the force, even at rest, but with method small.
+// HexahedronCompositeFEMForceField lets the parts deform relative to each other: from the finest level on, the 27 nodes of
+// eight cells that lie in one follow its eight corners, and K of the one is W^T K W. W is where the 19 others come to rest
+// when the corners move, of which each node keeps what moves it along the same axis, from the ends of its edge, the corners of
+// its face or all eight; the weights of a node are then divided by their sum. Empty parts are rigid there and contribute
+// nothing to K. Full cells are the same as above; a cell with a soft and a hard half has the right stiffness, and so do two
+// thin rods in one cell. With uneven weights K also resists small rotations, because of the weights that were left out: the
+// tangent -R K R^T is then not the derivative of the force, even at rest, but with method small.
 //
 // R belongs to F = [means of the four edges in each direction, now] [at rest]^-1: method large takes its QR factor, polar its polar
 // factor, small none. With polarOf = edges it is the product of the polar factors of the edges now and, transposed, at rest. The

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// PlasticStrainForceField: what a plastic strain takes off the stress of linear tetrahedra, beside a force field that has their
-// elastic forces, as TetrahedronFEMForceField of the same method, moduli and mesh.
+// PlasticStrainForceField: subtracts the stress of a plastic strain from linear tetrahedra, in addition to a force field with
+// their elastic forces, such as TetrahedronFEMForceField with the same method, moduli and mesh.
 //
 //   eps = sym(R^T F) - I,   sigma = D (eps - eps_p),   f_a = V R D eps_p g_a  (the part of eps_p)
 //   at the end of a step:   d = eps - eps_p;   if |d| > yield: eps_p += creep d;   if |eps_p| > max: eps_p is scaled to it
@@ -10,11 +10,12 @@
 // strains (xx yy zz xy yz zx). The stiffness of eps_p is left out. initialStrain is eps_p at the start, one for all or one
 // for each cell: also a swelling or a growth.
 //
-// With scaledByVolume="true" the thresholds are compared with 6 V times the strain in the axes of the cell at rest (of `method`), as SOFA
-// does: what yields depends on the mesh then, and on the order of the nodes of a cell. A creep of 1 lets a cell yield at once; it is for a
-// time step, not for a time.
+// With scaledByVolume="true" the thresholds are compared with 6 V times the strain in the axes of the cell at rest (of
+// `method`), as SOFA does: what yields depends on the mesh then, and on the order of the nodes of a cell. A creep of 1 lets a
+// cell yield immediately; it is per time step, not per time.
 //
-// With yieldsAtStart cells yield where they are at the start as well, as in SOFA: of use where positions differ from those at rest.
+// With yieldsAtStart cells also yield in their initial positions, as in SOFA, which matters if these differ from the rest
+// positions.
 //
 // The stress of the elastic force field beside it is D eps. Cell fields for exporters: elasticStress, R sigma R^T [Pa], elasticVonMises
 // [Pa] and plasticStrain, eps_p (six numbers each but for the second, xx yy zz xy yz zx: the stress in the axes of the world, the

@@ -5,10 +5,10 @@
 //   in the plane:  K_ij = a b sum over 2x2 points of B_i^T C B_j,   C = E t/(1 - nu^2) [1 nu 0; nu 1 0; 0 0 (1 - nu)/2]
 //   across it:     K_ij = 4 a b k G t (g_i . g_j),   g of the middle,   k = 5/6,   G = E/(2 (1 + nu))
 //
-// with half of the sides a (of nodes 0 and 1) and b (of nodes 0 and 3), the thickness t, and g_i and B_i the gradients and the strains of
-// the bilinear shape functions. It is Mindlin's plate whose nodes do not turn: without their angles all of bending is shear, so that
-// it is far too stiff in it, and nodes of a chequerboard do not resist. A triangle's membrane with bending springs is the better
-// plate. A turn of the whole is a strain here.
+// with half of the sides a (of nodes 0 and 1) and b (of nodes 0 and 3), the thickness t, and g_i and B_i the gradients and the
+// strains of the bilinear shape functions. It is a Mindlin plate without rotational degrees of freedom: all bending is shear,
+// so that it is far too stiff in bending, and has no stiffness in the chequerboard mode. A triangle membrane with bending
+// springs is a better plate. A rigid rotation causes strain here.
 //
 // axes="cell": displacements are taken along the two sides of a cell at rest, and across them. "world": along x, y and z, whatever
 // way the plate lies. strain="rest": the sides are those at rest; "current": those of the moment, in the force and in the tangent,
