@@ -53,7 +53,7 @@ class AdaptiveBeamMass final : public Mass {
   }
 
   const std::vector<double>& lumped() const override {
-    for (HasBeamInertia* field : fields_) field->inertia();  // it tells of what has changed
+    for (HasBeamInertia* field : fields_) field->inertia();  // updates it after changes
     return lumped_;
   }
   const std::vector<double>& rowSums() const override { return none_; }

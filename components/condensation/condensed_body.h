@@ -15,9 +15,9 @@ struct CondensationChoice {
   bool dynamic = false;   ///< masses matter, and damping by stiffness or velocity is refused
 };
 
-/// A linear body as a solver of condensed systems sees it: f(x, t) = f(x_0, t) + K (x - x_0) with K constant. Free rows
-/// are numbered anew: [0, interior()) are inside, [interior(), free()) are kept: the boundary, nodes that an observer
-/// watches, nodes whose motion is prescribed, few nodes whose loads change.
+/// A linear body as a solver of condensed systems sees it: f(x, t) = f(x_0, t) + K (x - x_0) with K constant. Free rows are
+/// renumbered: [0, interior()) are inside, [interior(), free()) are kept: the boundary, nodes that an observer watches, nodes
+/// whose motion is prescribed, few nodes whose loads change.
 class CondensedBody {
  public:
   /// Finds what is held, inside and kept; refuses with a sentence what is not linear, or not of this kind.

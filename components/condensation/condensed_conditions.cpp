@@ -81,7 +81,7 @@ std::string CondensedIntegrator::findConditions(const System& system) {
   return {};
 }
 
-/// Each step numbers them anew, so that its sums do not depend on those before. What has been read of C is kept.
+/// Each step renumbers them, so that its sums do not depend on earlier ones. Entries of C that have been read are kept.
 void CondensedConditions::beginSlots() {
   for (const Index node : old_nodes) old_slot[node] = -1;
   std::swap(nodes, old_nodes), std::swap(slot, old_slot), stored.swap(old_stored);

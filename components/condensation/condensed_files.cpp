@@ -130,7 +130,7 @@ void CondensedIntegrator::useStored(Problem& problem) {
 }
 
 // The factor of the inside is the larger part of a file and not needed for steps: it is checked when somebody needs it.
-// Making it anew takes what a start without a file would take for it, in the middle of a run, and is refused alike.
+// Computing it again takes as much as a start without a file, in the middle of a run, and has the same limits.
 void CondensedIntegrator::checkFactor() {
   if (!file_.isOpen() || insideIsActive() || factor_checked_) return;
   if (file_.isIntact(values)) {
@@ -143,14 +143,14 @@ void CondensedIntegrator::checkFactor() {
   if (const double limit = memoryLimit(); limit > 0 && bytes > limit)
     throw ComponentError(
         fmt::format(
-            "the factor of the inside is damaged in {}, and to make it anew takes {:.2g} GB where {:.2g} GB are {}",
+            "the factor of the interior is damaged in {}, and computing it again takes {:.2g} GB where {:.2g} GB are {}",
             file_name_, 1e-9 * bytes, 1e-9 * limit, memory_limit_ > 0 ? "allowed by memoryLimit" : "available"),
         "more memory", "remove the file; the next run computes it again before its first step");
   std::error_code ignored;
   std::filesystem::remove(file_name_, ignored);
   warn(
-      fmt::format("the factor of the inside in {} is damaged: made anew, which takes {:.2g} GB, and so is the file in "
-                  "the next run",
+      fmt::format("the factor of the interior in {} is damaged: it is computed again, which takes {:.2g} GB, and the file is "
+                  "rewritten in the next run",
                   file_name_, 1e-9 * bytes));
   LongWork telling(fmt::format("{}: the factor of {} nodes inside", path(), body_.interior()), factor_->flops());
   telling.say(0);

@@ -24,7 +24,7 @@ class PartialCholesky {
   virtual double peakBytes() const = 0;
   virtual double flops() const = 0;
   /// Factors the analysed matrix. Returns -1, or the (old) block row where the matrix is not positive definite to
-  /// round-off. `progress` is told the share that is done.
+  /// round-off. `progress` receives the fraction that is done.
   virtual Index factor(const std::function<void(double)>& progress) = 0;
   /// After factor(); unknowns are numbered in the order that analyse() returned.
   virtual SupernodalColumns eliminated() const = 0;
@@ -36,7 +36,7 @@ class PartialCholesky {
   /// Calls sink(j, count, x, height) with columns j ... j + count - 1 of (L_SS L_SS^T)^-1, rows j ... n - 1, by columns
   /// of `height` numbers; at once from several threads. The results do not depend on their number.
   using Sink = std::function<void(Index j, Index count, const double* x, Index height)>;
-  /// `progress` is told the share that is done.
+  /// `progress` receives the fraction that is done.
   virtual void invert(const Sink& sink, const std::function<void(double)>& progress) = 0;
 };
 

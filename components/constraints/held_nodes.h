@@ -28,7 +28,8 @@ class HeldNodes : public ProjectiveConstraint, public ProjectsRightSide {
   Index heldRows() const { return Index(projectors_.size()); }  ///< of a node
   const std::vector<Index>& nodes() const { return nodes_; }  ///< ascending, each once
   Index row(std::size_t i) const { return state().firstRow() + nodes_[i]; }
-  /// Where a movement of the nodes started, rows of the nodes or empty. Read for other nodes it is empty: theirs begins anew.
+  /// The start of a movement of the nodes, rows of the nodes or empty. Read for other nodes it is empty: their movement
+  /// restarts.
   void serializeStart(Archive& archive, std::vector<Vec3>& start) const;
   bool ignoresMissing() const { return ignore_missing_; }
   /// Replaces the nodes that init() found.

@@ -182,7 +182,7 @@ void Candidates::serialize(Archive& archive) {
   if (archive.isReading()) forget();
   archive.value("searches", work_.searches), archive.value("ways", work_.ways), archive.value("tests", work_.tests);
   if (!archive.isReading()) return;
-  // of other obstacles, which somebody has changed since: found anew
+  // of other obstacles, changed since: searched again
   if (at.size() != surfaces_->rows.size() || known.size() != 6 * meetings_.size()) return;
   startFrom(at);
   for (std::size_t m = 0; m < meetings_.size(); ++m) {

@@ -6,7 +6,7 @@
 
 namespace stroma {
 
-/// Lame's constants of a cell [Pa], in an array of one for all or one per cell. Its owner may set them anew: kernels that keep
+/// Lame's constants of a cell [Pa], in an array of one for all or one per cell. Its owner may replace them: kernels that keep
 /// this are filled with the new ones.
 class LameOf {
  public:

@@ -137,7 +137,7 @@ class PlasticStrainForceField final : public ForceField, public History {
   }
   void addForce(ConstRows x, ConstRows, Rows f) override {
     const Index first = state().firstRow();
-    if (yields_at_start_ && !has_stepped_) {  // each time anew: a program may still move the nodes
+    if (yields_at_start_ && !has_stepped_) {  // every time: a program may still move the nodes
       reset();
       yield(x, first);
     }

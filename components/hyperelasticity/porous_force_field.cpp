@@ -147,7 +147,7 @@ void PorousForceField::init() {
   if (pressure_.size() != std::size_t(state().size()))
     throw ComponentError(fmt::format("pressure has {} values", pressure_.size()), fmt::format("{}", state().size()));
   checkCells();
-  if (initial_.empty()) initial_ = pressure_;  // made anew in a run, pressure_ is that of now
+  if (initial_.empty()) initial_ = pressure_;  // recompiled in a run, pressure_ is the current one
   std::vector<Index> drained;
   if (isSet("drainedIndices")) drained = checkedNodes(drained_, state(), "drainedIndices");
   flow_.build(*cells_, drained);

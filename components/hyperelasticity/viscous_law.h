@@ -27,7 +27,7 @@ class ViscousLaw final : public ElementKernels {
   const std::vector<double>& history() const { return history_; }
   /// See Component::serialize().
   void serialize(Archive& archive);
-  /// Time starts anew at `start`, without a past.
+  /// Time restarts at `start`, without a history.
   void start(double start);
   /// S_h - sum gamma [Pa] at one point from F in the material's axes, at the time of the last setTime().
   Mat3 stress(std::size_t cell, std::size_t point, const Mat3& f) const;

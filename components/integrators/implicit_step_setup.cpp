@@ -159,9 +159,10 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   if (settings_component_) settings_component_->prepare(graph_.capacity());
 }
 
-/// Steps of a law that resists changes of volume far more than of shape end with a volume that the linearised law does not see.
-/// A block of NeoHookean that is held at one end and let go in its weight lacked 8 % of its way after ten steps of a twentieth of its
-/// swing with a Poisson's ratio of 0.49, and 28 % with 0.499; with Newton's method it has the way of 0.45 at both.
+/// Steps of a law that resists changes of volume far more than of shape end with a volume that the linearised law does not
+/// see. A NeoHookean block fixed at one end and released under its weight lacked 8 % of its displacement after ten steps of a
+/// twentieth of its swing with a Poisson's ratio of 0.49, and 28 % with 0.499; with Newton's method it has the way of 0.45 at
+/// both.
 std::string ImplicitStep::doubtOfOneSolve(const std::string& path) const {
   if (iterates()) return {};
   for (const ForceField* field : system_->forceFields())

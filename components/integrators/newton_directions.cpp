@@ -159,7 +159,7 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
   return found;
 }
 
-/// An iteration is close to the solution, and has a tangent that tells of unstable modes there.
+/// An iteration is close to the solution, and its tangent shows unstable modes there.
 static bool comesClose(double now, double first) { return now < 1e-2 * first; }
 
 bool Newton::hasNotLooked() const {

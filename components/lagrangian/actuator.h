@@ -7,7 +7,7 @@
 //   the force:  f = value,  s_least <= s <= s_most;   at s_least f >= value, at s_most f <= value
 //
 // The imposed value is first kept within its own bounds, and within a largest change from what was there a step ago. In SOFA's
-// plug-in SoftRobots what is written for a force is an impulse, f dt: with `impulses` it is divided by dt, and what is told is f dt.
+// plug-in SoftRobots a given force is an impulse, f dt: with `impulses` it is divided by dt, and outputs are f dt.
 #pragma once
 #include <limits>
 

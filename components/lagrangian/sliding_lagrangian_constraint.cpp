@@ -94,9 +94,9 @@ class Sliding final : public PairConstraint, public ChangesConditions {
     rows.begin(length - along < near * length ? Kind::push : Kind::given, length - along);
     rows.add(row, -u), rows.add(b, u);
   }
-  /// As far along the curve as a point would go whose place without the force here is p - answer F: down to the first minimum of
-  /// the distance to there. Of a point on a curve that is held this is the step's rest, else the next search begins there. After a
-  /// turn it goes half as far at once at most, so that a curve that gives way does not send it to and fro.
+  /// As far along the curve as a point would go whose place without the force here is p - answer F: down to the first
+  /// minimum of the distance to there. Of a point on a curve that is held this is the step's rest, else the next search
+  /// begins there. After a turn the largest move is halved, so that it does not oscillate on a yielding curve.
   bool changeConditions(ConstRows x, std::span<const double> forces, std::span<const double> answers) override {
     const Vec3 p = x[rowOf(first(), point_)], u = directionOf(x, piece_), across = acrossOf(u);
     const Vec3 force = forces[0] * across + forces[1] * u.cross(across) + (forces[2] - forces[3]) * u;

@@ -84,7 +84,7 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.symmetric = true;
-    // where a limit lets go, the energy jumps
+    // the energy jumps where a limit releases
     traits.conservative = traits.exact_tangent = !one_sided_ && limits_.empty();
     return traits;
   }

@@ -128,7 +128,7 @@ class LennardJones final : public NodeGroupField<2, PairTangent> {
     }
     return high;
   }
-  /// Where the attraction is fmax: from `low` on it rises until `high`, or (0) falls for ever.
+  /// Where the attraction is fmax: from `low` on it rises until `high`, or (0) falls monotonically.
   double whereMost(double low, double high) const {
     const bool rises = high > 0;
     if (!rises)

@@ -45,7 +45,7 @@ void MeshContainer::takeFromMapping() {
     throw ComponentError(fmt::format("{} are given, and {} fills this container too", name, mine->path()),
                          "one of them");
   };
-  // what a linked loader has is replaced; what stands here would be lost without a word
+  // what a linked loader has is replaced; values given here would be lost silently
   const auto is_written = [this](std::string_view name) {
     const DataOrigin origin = data().find(name)->origin();
     return origin == DataOrigin::written || origin == DataOrigin::by_override;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads spheres from a text: a first line "sph 1.0", lines "nums COUNT", which tell how many there are, and lines
-// "sphe NUMBER x y z r"; # starts a comment. Lines that begin otherwise are told and left out, as in SOFA. Centres are scaled,
-// turned and moved as by the mesh loaders; radii are scaled by the first factor.
+// Reads spheres from a text: a first line "sph 1.0", lines "nums COUNT", which tell how many there are, and lines "sphe NUMBER
+// x y z r"; # starts a comment. Other lines are skipped with a warning, as in SOFA. Centres are scaled, turned and moved as by
+// the mesh loaders; radii are scaled by the first factor.
 //
 // Source: the format, names and attributes are SOFA's.
 //
@@ -65,7 +65,7 @@ class SphereLoader final : public MeshSource {
     if (left_out > 0) warn(unknown + (left_out > 1 ? fmt::format(", nor are {} lines after it", left_out - 1) : ""), "sphe NUMBER x y z r");
     if (position_.empty()) throw ComponentError(fmt::format("{} holds no sphere", filename_.given), "lines sphe NUMBER x y z r");
     if (!told.empty() && told != std::to_string(position_.size()))
-      warn(fmt::format("{} tells of {} spheres, and holds {}: the file may be cut off", filename_.given, told, position_.size()));
+      warn(fmt::format("{} declares {} spheres, and contains {}: the file may be truncated", filename_.given, told, position_.size()));
   }
 
  private:

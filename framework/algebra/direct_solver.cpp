@@ -91,8 +91,8 @@ double residual(const BlockMatrix& a, ConstRows b, ConstRows x, Rows r) {
   return norm(r);
 }
 
-/// What a solve may leave of its right side |b| [-]. A single refinement brings nearly every matrix to round-off; more
-/// are worth their products only where a loss would be seen, and what is left then is told.
+/// What a solve may leave of its right side |b| [-]. A single refinement brings nearly every matrix to round-off; more are
+/// worth their products only where a loss would be visible, and the remaining error is reported.
 constexpr double worth_one = 1e-10, worth_more = 1e-8, most_of_right_side = 1e-5;
 constexpr int most_refinements = 8;
 

@@ -51,8 +51,8 @@ SharedPool& sharedPool() {
 }
 
 #ifdef __SANITIZE_THREAD__
-// The library of the pool is not instrumented: the thread sanitizer is told here what it orders. Every piece comes
-// after the start of the loop and before its end; two places, so that the pieces remain unordered among each other.
+// The library of the pool is not instrumented: this tells the thread sanitizer what it orders. Every piece comes after the
+// start of the loop and before its end; two places, so that the pieces remain unordered among each other.
 struct LoopOrder {
   void begin() { __tsan_release(&started); }
   void beginPiece() { __tsan_acquire(&started); }

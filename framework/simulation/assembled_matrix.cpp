@@ -64,8 +64,8 @@ void AssembledMatrix::addConstantTerms(const MatrixFactors& factors, BlockMatrix
       heard("assemble", field)->addStiffness(factor, matrix);
 }
 
-// Masses and constant stiffnesses are assembled again only when a factor changed. Without a constant stiffness and
-// with diagonal masses, adding them anew costs less than keeping their sum.
+// Masses and constant stiffnesses are assembled again only when a factor changed. Without a constant stiffness and with
+// diagonal masses, adding them again costs less than keeping their sum.
 void AssembledMatrix::addConstantParts(const MatrixFactors& factors, BlockMatrix& matrix) {
   const auto is_constant = [](const ForceField* field) { return field->traits().constant_stiffness; };
   const bool worth_keeping =

@@ -100,7 +100,8 @@ class SystemSearch {
     }
   }
 
-  /// One system for both, which the first integrator moves: another rule of time is told, another damping is another motion.
+  /// One system for both, which the first integrator moves: a different time integration causes a warning, different
+  /// damping would change the motion.
   void couple(const Component& actor, const State& a, const State& b) {
     const std::size_t first = ownerOf(&a), second = ownerOf(&b);
     if (leaderOf(first) == leaderOf(second)) return;

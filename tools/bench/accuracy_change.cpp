@@ -16,7 +16,7 @@ namespace stroma::bench {
 namespace {
 
 constexpr double least_time = 1;            ///< ms: less is noise
-constexpr double least_factor = 1.2;        ///< of a time that is told of
+constexpr double least_factor = 1.2;        ///< of a reported change in time
 constexpr double least_difference = 0.001;  ///< of relative errors
 
 struct Row {

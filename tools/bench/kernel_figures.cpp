@@ -83,7 +83,7 @@ void product(Body& body) { body.field->addStiffnessProduct(body.dx, 1e-6, body.d
 void force(Body& body) { body.field->addForce(body.x, body.v, body.f); }
 void forceAndProduct(Body& body) { body.field->addForceAndProduct(body.x, body.v, body.dx, 1e-6, body.f); }
 void energy(Body& body) { benchmark::DoNotOptimize(body.field->energy(body.x)); }
-// The change of the factor makes the system assemble anew; the projection of held nodes is part of it.
+// Changing the factor makes the system assemble again; the projection of fixed nodes is part of it.
 void assembly(Body& body) {
   static double factor = 1;
   factor = factor == 1 ? 1.5 : 1;

@@ -37,7 +37,7 @@ void triad(double* __restrict a, const double* __restrict b, const double* __res
         *reinterpret_cast<const Wide*>(b + i) + scale * *reinterpret_cast<const Wide*>(c + i);
 }
 
-// The chains stay below 2 for ever: x <- 0.5 x + 0.75 tends to 1.5, so no number becomes slow to handle.
+// The chains always stay below 2: x <- 0.5 x + 0.75 tends to 1.5, so no number becomes slow to handle.
 double multiplyAdd(std::size_t rounds) {
   Wide parts[chains];
   for (int c = 0; c < chains; ++c) parts[c] = 0.01 * c - Wide{};

@@ -55,7 +55,7 @@ static void add(Catalogue& catalogue, const char* what, const Method& method, Ca
 }
 
 static void multiply(Body& body) { fieldOf(body).addStiffnessProduct(body.dx, 1e-6, body.df); }
-// The change of the factor makes the system assemble anew; the projection of held nodes is part of it.
+// Changing the factor makes the system assemble again; the projection of fixed nodes is part of it.
 static void assemble(Body& body) {
   static double factor = 1;
   factor = factor == 1 ? 1.5 : 1;

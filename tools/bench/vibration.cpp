@@ -4,9 +4,9 @@
 //
 //   continuous: w = c k     consistent mass: w^2 = 6 (c/h)^2 (1 - cos kh) / (2 + cos kh)     lumped: w^2 = 2 (c/h)^2 (1 - cos kh)
 //
-// so that what an integrator does wrong is told from what the mesh does (Hughes, The Finite Element Method, 1987, section 7.1).
-// From x = X with v = a w sin(k X):  u_end(t) = a sin(w t).  With u and v of the end, phase = atan2(w u, v) and the energy is
-// as w^2 u^2 + v^2.
+// so that the error of an integrator is separated from that of the mesh (Hughes, The Finite Element Method, 1987, section
+// 7.1). From x = X with v = a w sin(k X):  u_end(t) = a sin(w t).  With u and v of the end, phase = atan2(w u, v) and the
+// energy is as w^2 u^2 + v^2.
 #include "tools/bench/vibration.h"
 
 #include <fmt/format.h>

@@ -70,8 +70,8 @@ std::pair<Mat3, double> deformationAt(const Cell& cell, const LocalPoint& xi, co
   return {after * before.inverse(), std::abs(before.determinant())};
 }
 
-/// Cells of one modulus: their strains at centres, of quadratic ones at four points, and the continuous strain made of them. Nodes
-/// are numbered anew.
+/// Cells of one modulus: their strains at centres, of quadratic ones at four points, and the continuous strain made of them.
+/// Nodes are renumbered.
 template <class Cell>
 class Recovery {
  public:

@@ -80,8 +80,8 @@ std::string laggedForce(const ForceField& field, const Integrator& integrator) {
       field.path(), integrator.path());
 }
 
-/// Motions much faster than the step keep their velocity but for its sign, for ever or nearly so: a physical viscosity
-/// does not damp them either, because rules without damping of their own take it for a change of sign too.
+/// Motions much faster than the step keep the magnitude of their velocity, forever or nearly so: a physical viscosity does
+/// not damp them either, because rules without damping of their own take it for a change of sign too.
 std::string reversals(const Simulation& simulation, std::size_t index) {
   if (!simulation.watch().isReversing(index)) return {};
   return fmt::format(

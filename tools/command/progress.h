@@ -20,10 +20,10 @@ namespace stroma::command {
 /// pays for a few stores, and a step or a load of minutes shows life too.
 class Progress {
  public:
-  /// The scene is being loaded. `quiet`: nothing is told at all. `is_stopping`: the run is about to end.
+  /// The scene is being loaded. `quiet`: nothing is printed at all. `is_stopping`: the run is about to end.
   Progress(std::string scene, bool quiet, std::function<bool()> is_stopping);
   ~Progress() { finish(); }
-  /// Nothing is told until begin(): others print.
+  /// Nothing is printed until begin(): others print.
   void loaded();
   /// The steps up to number `last` follow, made by the calling thread.
   void begin(const Simulation& simulation, long last);
@@ -33,7 +33,7 @@ class Progress {
     time_.store(simulation.time(), std::memory_order_relaxed);
     made_.store(simulation.steps(), std::memory_order_relaxed);
   }
-  /// Nothing more is told, and the terminal's line is empty: before anything else is printed.
+  /// Nothing more is printed, and the terminal's line is empty: before anything else is printed.
   void finish();
 
  private:

@@ -108,7 +108,7 @@ struct Recordings {
     if (request.leavesLast()) last.emplace(session, request, steps);
   }
   void begin(bool goes_on) {
-    // a run that starts anew replaces files that the checkpoint of the run before counts on: that one goes first
+    // a new run replaces files that the checkpoint of the previous run depends on: that checkpoint is removed first
     if (named && !goes_on) named->dropCheckpoint();
     if (named) named->write();
     if (last) last->begin();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What every subcommand that loads a scene shares: its options, and what it tells of the problems.
+// What every subcommand that loads a scene shares: its options, and how it reports errors.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Comments and blank lines of a scene's files, by the elements that they stand before: for who writes the scene anew.
+// Comments and blank lines of a scene's files, by the elements that follow them: for rewriting the scene.
 #pragma once
 #include <map>
 #include <set>

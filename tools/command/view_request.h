@@ -20,7 +20,7 @@ struct ViewCommand {
   bool opens = false;          ///< the browser, at the address
   bool outputs = false;        ///< observers of the scene write their files
   bool quiet = false;          ///< no notes
-  view::ViewRequest live{};    ///< without its recording and what it is told of
+  view::ViewRequest live{};    ///< without its recording and listeners
   view::ExportRequest page{};  ///< likewise
 
   /// Throws UsageError for what is missing, excludes each other or would have no effect.

@@ -12,7 +12,7 @@ namespace stroma::command {
 std::vector<std::string> filesNamedBy(const std::string& scene);
 
 /// How files are at one time. Looking again and again finds whatever an editor does: files that are written in place,
-/// replaced by others under their name, removed, or made anew.
+/// replaced by others under their name, removed, or recreated.
 class FileStamps {
  public:
   FileStamps() = default;

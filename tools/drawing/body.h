@@ -26,8 +26,8 @@ struct Ball {
   double radius = 0;  ///< [m]
 };
 
-/// What of a state is drawn. Its nodes are numbered anew for those who draw: those of the surface come first, so that the
-/// positions of the surface are the start of those of all nodes. "Page number" means that number below.
+/// The drawn parts of a state. Its nodes are renumbered for drawing: those of the surface come first, so that the positions
+/// of the surface are the start of those of all nodes. "Page number" means that number below.
 struct Body {
   const State* state = nullptr;
   const System* system = nullptr;  ///< null: nothing moves the state

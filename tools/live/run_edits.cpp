@@ -46,7 +46,7 @@ bool reaches(const LiveEdit& edit, const System& system) {
   return matters(edit.component()) || std::any_of(edit.recompiled().begin(), edit.recompiled().end(), matters);
 }
 
-/// What the components remember, around a change that makes some anew.
+/// The state of the components, around a change that recompiles some of them.
 class KeptMemory {
  public:
   explicit KeptMemory(std::vector<Component*> components) : components_(std::move(components)) {

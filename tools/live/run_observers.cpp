@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A simulation and its observers: what they are told, and what their files must not be.
+// A simulation and its observers: their notifications, and restrictions on their files.
 #include "framework/simulation/run_observers.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a system does anew when its scene is changed, or its state is written, between steps.
+// What a system recomputes when its scene is changed, or its state is set, between steps.
 #include <algorithm>
 
 #include "framework/scene/archive.h"

@@ -85,7 +85,7 @@ std::vector<Index> repeatedCells(const Mesh& mesh) {
   return all;
 }
 
-/// Places are told apart to a share of the mesh's size that is round-off of files with nine digits.
+/// Positions are distinguished to a fraction of the mesh's size that is the round-off of files with nine digits.
 std::vector<Index> coincidentNodes(const Mesh& mesh, const MeshReport& box) {
   constexpr double share = 1e-8;
   const double size = (box.high - box.low).maxCoeff();

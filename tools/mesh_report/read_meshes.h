@@ -4,8 +4,8 @@
 
 namespace stroma {
 
-/// While it lives, a mesh loader that is made in this thread, and has all attributes of the one at its path in the tree of `root`,
-/// takes what that one has read: a scene that is made anew reads no file again, and finds it as it was.
+/// While it lives, a mesh loader that is made in this thread, and has all attributes of the one at its path in the tree of
+/// `root`, takes what that one has read: a reloaded scene reads no file again, and finds it unchanged.
 class ReadMeshes {
  public:
   explicit ReadMeshes(Node& root);

@@ -25,7 +25,7 @@ class ColourMap {
   bool is_signed_ = false;
 };
 
-/// Quiet colours that are told apart by lightness too: that of body `number` where no field colours it.
+/// Muted colours that also differ in lightness: that of body `number` without a field.
 Colour bodyColour(std::size_t number);
 
 }  // namespace stroma::picture

@@ -237,7 +237,7 @@ void Modules::open(const std::string& path) {
   const Span span("open a module");
   nameBlasKernels();
   std::error_code none;  // without a slash the linker would look in its own folders only
-  // lazily: what the module itself lacks is told all the same (stroma_bound_at_once of cmake/StromaModule.cmake)
+  // lazily: symbols missing in the module itself are still reported (stroma_bound_at_once of cmake/StromaModule.cmake)
   void* library = dlopen((fs::exists(path, none) ? fs::absolute(path) : fs::path(path)).c_str(), RTLD_LAZY | RTLD_LOCAL);
   if (!library) throw std::runtime_error("the module " + path + " cannot be opened: " + dlerror());
   using Entry = const ModuleInfo* (*)();

@@ -107,7 +107,7 @@ std::optional<double> StateWriter::goOn(double t, bool at_t, const State* state)
          (recording.frames[kept].time < t || (at_t && recording.frames[kept].time == t)))
     ++kept;
   if (kept > 0 && recording.ends[kept - 1] == StateRecording::inside_piece)
-    throw std::runtime_error(fmt::format("{}: the run cannot go on in this file, which was compressed anew", path()));
+    throw std::runtime_error(fmt::format("{}: the run cannot continue in this file, which was recompressed", path()));
   impl_->file.keep(kept == 0 ? 0 : recording.ends[kept - 1]);
   if (kept == 0) return std::nullopt;
   return recording.frames[kept - 1].time;

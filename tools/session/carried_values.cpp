@@ -208,7 +208,7 @@ class Carrier {
     }
   }
 
-  /// False: it remembered something, and begins anew.
+  /// False: it had a history, which is reset.
   bool takeComponent(Component& component) {
     const std::string path = component.path();
     Entries kept = valuesOf(path, kept_);
@@ -340,7 +340,7 @@ class Carrier {
 
   static bool reads(Component& component, const Entries& kept) {
     if (dynamic_cast<Integrator*>(&component)) return true;
-    return takesAll(component, kept);  // else it begins anew
+    return takesAll(component, kept);  // otherwise it is reset
   }
 
   Simulation& before_;

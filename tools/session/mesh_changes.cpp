@@ -79,7 +79,7 @@ void addWarnings(const Simulation& before, const Simulation& after, std::vector<
           fmt::format("{}, since its mesh changed at t = {:.6g} s: {}", problem.path, before.time(), problem.message));
 }
 
-/// Paths of components in which something is written anew.
+/// Paths of components in which something is rewritten.
 std::set<std::string> componentsOf(const Followed& followed) {
   std::set<std::string> paths;
   for (const std::string& each : followed.written) paths.insert(each.substr(0, each.rfind('.')));

@@ -60,7 +60,7 @@ UnitSystem declaredUnits(const NodeDescription& root) {
   return is_one ? readUnitSystem(declared->value) : readUnitSystem("m kg s");
 }
 
-/// Loads a scene; what is wrong with it is told in the units that it declares, which `root` of it says.
+/// Loads a scene; errors are reported in the units that its `root` declares.
 template <class Load, class Root>
 Simulation& toldInItsUnits(Load&& load, Root&& root) {
   try {

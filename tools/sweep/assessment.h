@@ -29,7 +29,7 @@ struct Entry {
   double farthest = 0;      ///< of them [m]
 };
 
-/// What the runs along one axis, the others at their finest, tell of the error that is left.
+/// What the runs along one axis, the others at their finest, show about the remaining error.
 struct AxisEstimate {
   std::size_t axis = 0;
   std::optional<double> order;  ///< fitted

@@ -45,8 +45,8 @@ struct Axis {
 /// Axes of --vary and --zip. Throws std::invalid_argument with a sentence.
 std::vector<Axis> parseAxes(const std::vector<std::string>& vary, const std::vector<std::string>& zip);
 
-/// Finds what the names of the attributes tell: a tolerance, a number of iterations. Meshes and time steps are told by
-/// what a scene makes of them, see probe.h.
+/// Recognises attributes by their names: a tolerance, a number of iterations. Meshes and time steps are recognised by what a
+/// scene makes of them, see probe.h.
 void classify(Axis& axis);
 
 /// The last two parts of a path: "/beam/cells/fem.method" is "fem.method".

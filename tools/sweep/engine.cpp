@@ -87,7 +87,7 @@ std::vector<std::string> Engine::slurmWords(const std::vector<int>& open) const 
   return words;
 }
 
-/// Parallel ends its shares when it is told to; of Slurm the shares themselves are told.
+/// Parallel ends its shares on request; with Slurm the request goes to the shares themselves.
 void Engine::stop(int process) const {
   if (!is_slurm_) {
     kill(process, SIGTERM);

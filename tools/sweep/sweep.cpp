@@ -251,7 +251,7 @@ class Sweep {
     for (;;) {
       if (const int signal = wave.empty() ? 0 : runs_->make(wave)) return signal;
       assessment_ = assessor_->assess(entries_);
-      // a run may change the reference, and with it every error: all is learnt anew
+      // a run may change the reference, and with it every error: recomputes all
       GoalSearch search(axes_, bound_);
       for (const Entry& entry : entries_)
         if (!entry.configuration.isExtraReference() && entry.runs.outcome != "not run")

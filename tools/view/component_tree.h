@@ -7,7 +7,7 @@
 namespace stroma::view {
 
 /// Nodes, components and all their attributes as they stand now, with units, help, ranges, and whether they may change while
-/// the scene runs. Long lists are told by their length.
+/// the scene runs. Long lists are given by their length.
 nlohmann::json componentTree(Session& session);
 
 }  // namespace stroma::view

@@ -57,7 +57,7 @@ class LiveRun {
   void introduce(int client);
   void sendScene(int client);
   void redraw();
-  /// The tree is another one, and all that is drawn is made anew. Pages learn it with the next picture.
+  /// The tree has changed, and everything drawn is rebuilt. Pages get it with the next frame.
   void meshChanged(const NodesNow& now);
   /// It names nodes of a scene that has changed since: what the page does next will be in the numbers of the present one.
   bool isOutdated(const nlohmann::json& message) const;
@@ -116,7 +116,7 @@ class LiveRun {
   bool dirty_ = true;   ///< the picture is another than the one sent last
   int generation_ = 0;  ///< of the scene; 0: nobody has asked for it
   std::size_t replayed_ = 0;
-  long run_ = 0;  ///< how often the run has begun anew
+  long run_ = 0;  ///< how often the run has restarted
   std::vector<std::string> doubts_;
   Clock::time_point doubts_due_{};
   bool cells_sent_ = false;

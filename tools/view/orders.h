@@ -11,7 +11,7 @@
 namespace stroma::view {
 
 /// What the message asks for. Throws ComponentError for a verb that there is not, and for members that it does not have: a
-/// misspelt one would be left out without a word.
+/// misspelt one would be ignored silently.
 std::string checkedVerb(const nlohmann::json& order);
 
 /// With what was expected, and the nearest right name.

@@ -10,8 +10,8 @@
 
 namespace stroma::view {
 
-/// Where the nodes that pages know have gone while meshes changed. A page is told of the drawing with its next picture only, after
-/// several changes perhaps. Bodies are known by the paths of their states.
+/// Where the nodes known to pages have moved while meshes changed. A page gets the new drawing only with its next frame,
+/// after several changes perhaps. Bodies are known by the paths of their states.
 class PageNumbers {
  public:
   explicit PageNumbers(const Drawing& drawing) { told(drawing, 0); }

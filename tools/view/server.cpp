@@ -167,7 +167,7 @@ void Server::demandChanged() {
 }
 
 void Server::setControl(int client) {
-  // who had control cannot let go any more
+  // the page that had control can no longer release it
   if (control_ != 0 && control_ != client) run_->post({control_, {{"do", "leave"}}});
   control_ = client;
   run_->post({client, {{"do", "show"}}});

@@ -24,7 +24,7 @@ class Server final : public Audience {
   ~Server() override;
 
   const Access& access() const { return access_; }
-  /// Until SIGINT or SIGTERM, whose number is returned. `run` is told what pages ask.
+  /// Until SIGINT or SIGTERM, whose number is returned. `run` receives the requests of pages.
   int serve(LiveRun& run);
 
   // ---- Audience: the thread that steps ----

@@ -24,7 +24,7 @@ struct ViewRequest {
   RecordedMeshes meshes{};         ///< of the recording
   /// Origins of pages that may show this one in a frame, as http://localhost:8888 for a notebook; without any, no page may.
   std::vector<std::string> framed_by{};
-  std::string build;               ///< of the program; a page of another build is told to load again
+  std::string build;               ///< of the program; a page of another build is asked to reload
 
   std::function<void()>
       listening{};  ///< called once, before anything runs: what must not happen where nobody is served
