@@ -119,7 +119,7 @@ def balls_of_a_file_that_counts_them():
     for told in ("3", "x"):
         Run(root(EXACT + '<SphereLoader name="loader" filename="two.sph"/><MechanicalObject name="dofs" position="@loader.position"/>'
                  '<UniformMass totalMass="2"/>'), 0, files={"two.sph": f"sph 1.0\nnums {told}\nsphe 0 1 2 3 0.5\n"}).says(
-                     f"tells of {told} spheres, and holds 1")
+                     f"declares {told} spheres, and contains 1")
 
 
 @case
