@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A chain of beams between the rigid frames of a state: what BeamInterpolation and WireBeamInterpolation are to the forces, the
-// inertia and the mappings of beams.
+// A chain of beams between the rigid frames of a state: the interface of BeamInterpolation and WireBeamInterpolation for the
+// forces, the inertia and the mappings of beams.
 #pragma once
 #include <optional>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace stroma {
 
-/// What a stretch of a rod is made of. Moments of area of the section are those about its centre.
+/// Material and section of a stretch of a rod. Moments of area of the section are those about its centre.
 struct RodSection {
   double radius = 0;                              ///< [m], of a round one: drawn
   double area = 0;                                ///< A [m^2]
@@ -46,25 +46,26 @@ class BeamChain : public Component {
   void declare(DataTable& table) override;  ///< topology, beams
   void init() override;                     ///< finds the state and the mesh
   State& state() const { return *state_; }
-  /// One for each edge that may ever carry a beam: always the same edges in the same order.
+  /// One for each edge that may carry a beam at any time: always the same edges in the same order.
   const std::vector<ChainBeam>& beams() const { return beams_; }
-  /// Grows when beams are others.
+  /// Increases whenever the beams change.
   long revision() const { return revision_; }
   /// The length of the whole rod [m], in and out.
   virtual double wholeLength() const = 0;
   /// The rod in stretches of one section, in and out: `length`, `to` and `section` of each.
   virtual std::vector<ChainBeam> wholeRod() const { return beams_; }
-  /// When all components are ready. Throws ComponentError where beams are missing.
+  /// Called when all components are ready. Throws ComponentError where beams are missing.
   virtual void checkBeams() const {}
-  /// A step begins: what is out of the rod may change, and frames with it.
+  /// A step begins: the deployed part of the rod may change, and frames with it.
   virtual void stepBegins(double /*t*/, double /*t_end*/) {}
   virtual bool isPushed() const { return false; }  ///< stepBegins() may do something
-  /// Something is asked for where frames are at x: at the start of a step that was taken back, beams are those of then.
+  /// A quantity is requested with the frames at x: at the start of a step that was rolled back, the beams are those of that
+  /// time.
   virtual void askedAt(ConstRows /*x of the state*/) {}
 
  protected:
   const std::vector<Edge>& edges() const { return *edges_; }
-  /// Where frames start, or rest.
+  /// The initial or rest frames.
   Placement placementOf(Index node, bool at_rest) const;
   /// After each change of beams_.
   void publish();

@@ -14,7 +14,7 @@ class BeamInertia {
  public:
   /// One for each beam of a chain, with its density [kg/m^3]; rows of the system.
   void set(const std::vector<ChainBeam>& beams, const std::vector<double>& densities, Index first_row);
-  /// From now on M is that at x.
+  /// Sets M to the one at x.
   void place(ConstRows x);
   const std::vector<std::array<Index, 4>>& rows() const { return rows_; }
   const std::vector<DenseTangent<4>>& blocks() const;
@@ -25,7 +25,7 @@ class BeamInertia {
 
  private:
   using Matrix12 = Eigen::Matrix<double, 12, 12>;
-  /// Of Euler and Bernoulli, with the inertia of sections that turn.
+  /// Euler-Bernoulli, with the rotary inertia of the sections.
   static Matrix12 localMass(const ChainBeam& beam, double density);
 
   std::vector<std::array<Index, 4>> rows_;
@@ -37,16 +37,16 @@ class BeamInertia {
   mutable bool outdated_ = true;
 };
 
-/// What AdaptiveBeamMass looks for in its node.
+/// The interface that AdaptiveBeamMass looks for in its node.
 class HasBeamInertia {
  public:
   virtual ~HasBeamInertia() = default;
-  /// Null: without mass.
+  /// Null: no mass.
   virtual BeamInertia* inertia() = 0;
   virtual const BeamChain& chain() const = 0;
   /// The mass of the whole rod [kg].
   virtual double wholeMass() const = 0;
-  /// Called where what the beams are made of may have changed.
+  /// Called where the material of the beams may have changed.
   std::function<void()> tellMass = [] {};
 };
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A beam in the axes of the frame of its first end, as SOFA has it. With u = R_a^T (c_b - c_a) less its value at rest and w the
+// A beam in the axes of the frame of its first end, as in SOFA. With u = R_a^T (c_b - c_a) less its value at rest and w the
 // rotation vector of R_a^T R_b after that at rest, forces and torques of the ends are
 //
 //   -(R_a, R_a, R_a, R_a) K (0, 0, u, w)
 //
-// K is the matrix of Euler and Bernoulli of a beam along x, whichever way the beam lies in the frame. The tangent is -R_a K R_a^T
-// with R_a held. Forces balance; torques do so to first order in the displacement alone, and no energy has them.
+// K is the Euler-Bernoulli stiffness matrix of a beam along x, whatever the direction of the beam in the frame. The tangent is
+// -R_a K R_a^T with R_a fixed. Forces balance; torques balance only to first order in the displacement, and they derive from
+// no energy.
 #pragma once
 #include <Eigen/Core>
 
@@ -39,7 +40,7 @@ class FirstEndBeam {
   }
 
   using Rows = std::array<Index, 4>;  ///< of c_a, a, c_b, b
-  /// 1/2 (u, w) K (u, w), which is no potential of the forces.
+  /// 1/2 (u, w) K (u, w), which is not a potential of the forces.
   double energy(ConstRows x, const Rows& rows) const {
     const Eigen::Matrix<double, 6, 1> d = displacement(x, rows);
     return 0.5 * d.dot(k_.bottomRightCorner<6, 6>() * d);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Forces between two rigid frames that have an energy E of how the one lies in the other:
+// Forces between two rigid frames that derive from an energy E of their relative placement:
 //
 //   p = R_a^T (c_b - c_a),   psi = log(R_a^T R_b)
 //
-// with R_a, R_b the axes of both as they are fixed in the frames. With n = dE/dp and k = dE/dpsi the force and the torque on
-// frame b are, in the axes R_a, f = -n and m = -dexp^-T(psi) k; frame a gets -f and -m - p x f, so that forces and torques
-// balance to round-off. The stiffness is the derivative of these, less its skew part: 1/2 [torque] of each frame, which adds
-// up to zero over all that acts on a frame in equilibrium.
+// with R_a, R_b the axes fixed in the two frames. With n = dE/dp and k = dE/dpsi the force and the torque on frame b are, in
+// the axes R_a, f = -n and m = -dexp^-T(psi) k; frame a gets -f and -m - p x f, so that forces and torques balance to
+// round-off. The stiffness is the derivative of these, less its skew part: 1/2 [torque] of each frame, which adds up to zero
+// over all that acts on a frame in equilibrium.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -37,7 +37,7 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   /// In init(), after ForceField::init(). Throws ComponentError unless both states have frames.
   void setPairs(std::vector<Pair> pairs, State* second = nullptr);
   const std::vector<Pair>& pairs() const { return pairs_; }
-  /// The axes of pairs(), after these have been set again in a run, with the same rows.
+  /// The axes of pairs(), after the pairs have been set anew during a run, with the same rows.
   void placeAxes();
   virtual double drawnRadius() const { return 0; }  ///< of beams [m]
   State& second() const { return second_ ? *second_ : state(); }
@@ -47,7 +47,7 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
     Triple<T> n, k;  ///< dE/dp, dE/dpsi
     Pack energy = Pack(0.);
   };
-  /// How the frames b of a batch of pairs lie in the axes of the frames a.
+  /// The placement of the frames b of a batch of pairs in the axes of the frames a.
   struct Placed {
     M3<Pack> axes;         ///< R_a
     V3<Pack> arm, p, psi;  ///< arm = c_b - c_a
@@ -60,11 +60,11 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   }
   /// The same, kept for tangents.
   Placed placeToKeep(std::size_t batch, ConstRows x) { return place(batch, x, kept_[batch]); }
-  /// What is kept of a batch.
+  /// The data stored for a batch.
   Placed keptPlace(std::size_t batch) const;
   void addForces(std::size_t batch, const Placed& at, const Wrench<Pack>& wrench, Rows f) const;
   void writeTangents(std::size_t batch, const Placed& at, const Wrench<PackJet>& wrench) const;
-  /// How many pairs of a batch are no repetitions.
+  /// The number of pairs of a batch that are not repetitions.
   std::size_t pairsIn(std::size_t batch) const {
     return std::min(std::size_t(pack_lanes), pairs_.size() - batch * std::size_t(pack_lanes));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A batch of pairs of frames: a number of each in an array, which is loaded as a pack.
+// A batch of pairs of frames: one number of each pair in an array, which is loaded as a pack.
 #pragma once
 #include <algorithm>
 #include <array>

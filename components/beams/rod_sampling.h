@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Where the nodes of rods lie that are pushed through one opening, one in the other. Lengths are those from the opening on [m].
+// Placement of the nodes of rods that are pushed through one opening, one inside the other. Lengths are measured from the
+// opening [m].
 #pragma once
 #include <vector>
 
@@ -7,16 +8,16 @@
 
 namespace stroma {
 
-/// A rod whose tip is out by `tip`; its handle is at tip - length, which is mostly behind the opening.
+/// A rod whose tip is `tip` beyond the opening; its handle is at tip - length, which is usually behind the opening.
 struct PushedRod {
   const RodShape* shape = nullptr;
   double tip = 0;
   double handle() const { return tip - shape->length(); }
-  /// Whether it is at a length, give or take `slack`.
+  /// Whether the rod is present at a length, within `slack`.
   bool isAt(double at, double slack) const { return at >= handle() - slack && at <= tip + slack; }
 };
 
-/// Ascending from the opening to the last tip, which rods are at each, and whether it lies on a rigid stretch.
+/// Ascending from the opening to the last tip, with the rods present at each node and whether it lies on a rigid stretch.
 struct RodNodes {
   std::vector<double> at;
   std::vector<std::vector<int>> rods;
@@ -36,21 +37,22 @@ struct RodSampling {
 /// the opening or a tip where one of these is among them. Without a rod that is out: one node.
 RodNodes sampleRods(const std::vector<PushedRod>& rods, const RodSampling& sampling);
 
-/// Where tips are when rods need most nodes, and how many.
+/// The tip positions at which the rods need the most nodes, and that number.
 struct MostNodes {
   std::size_t nodes = 0;
   std::vector<double> tips;
 };
-/// As one rod goes on until all of it is out.
+/// While one rod advances until all of it is out.
 MostNodes mostNodesOnWay(std::vector<PushedRod> rods, std::size_t moving, const RodSampling& sampling);
-/// Wherever tips may come to, of 13 places each.
+/// Over all positions of the tips, 13 for each.
 MostNodes mostNodesAnywhere(std::vector<PushedRod> rods, const RodSampling& sampling);
 
 /// For each node the length where it was before the last tip went on by `moved`: nodes from the last tip back to where
 /// there is more than one rod, or a rigid stretch, came along, the others, and the opening, stayed.
 std::vector<double> formerPlaces(const RodNodes& now, double moved);
 
-/// A frame on the cubic curve between two, at the part s of its length: x along the curve, turned about it between both.
+/// A frame on the cubic curve between two frames, at the fraction s of its length: x along the curve, with the rotation about
+/// it interpolated.
 Placement between(const Placement& a, const Placement& b, double length, double s);
 
 }  // namespace stroma

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The shape of a rod at rest, its sections and how finely it is to be divided, by the length from its handle on.
+// The shape of a rod at rest, its sections and its subdivision, as functions of the length from its handle.
 #pragma once
 #include <vector>
 
@@ -30,23 +30,23 @@ class HasRodStretch : public Component {
   virtual const RodStretch& stretch() const = 0;
 };
 
-/// The role of WireRestShape. Lengths [m] are those from the handle on.
+/// The role of WireRestShape. Lengths [m] are measured from the handle.
 class RodShape : public TopologicalMapping {
  public:
   std::string roleText() const override { return "shape of a rod"; }
   bool answersLookup() const override { return false; }  ///< its mesh is for a container: beside it may stand that of the frames
   double length() const { return key_points_.back(); }
-  /// Where stretches begin and end, ascending from 0.
+  /// The ends of the stretches, ascending from 0.
   const std::vector<double>& keyPoints() const { return key_points_; }
   const std::vector<RodStretch>& stretches() const { return stretches_; }
   const RodStretch& stretchAt(double at) const { return stretches_[stretchOf(at)]; }
-  /// Where a stretch begins it belongs to the one before it.
+  /// The beginning of a stretch belongs to the one before it.
   Placement restAt(double at) const;
-  /// A beam from one length to another, at rest: all but its nodes.
+  /// A beam from one length to another, at rest: everything except its nodes.
   void fill(ChainBeam& beam, double from, double to) const;
 
  protected:
-  /// In init(): one after another, with at least one.
+  /// In init(): consecutive stretches, at least one.
   void setStretches(std::vector<RodStretch> stretches);
   std::vector<double> key_points_;
 

@@ -4,24 +4,25 @@
 
 namespace stroma {
 
-/// Implemented by what pushes rods.
+/// Implemented by the components that push rods.
 class MovesRods {
  public:
   virtual ~MovesRods() = default;
-  /// A step from t to t_end [s]: gives beams to the rods, and moves frames. Called for each rod.
+  /// A step from t to t_end [s]: assigns beams to the rods, and moves frames. Called for each rod.
   virtual void moveRods(double t, double t_end) = 0;
-  /// What a rod is asked for next (forces, energies, masses) is asked at x. A step that moveRods() has begun may be taken back: where x is
-  /// that of before it, the rods get the beams of before it; at any other x those that moveRods() has made.
+  /// The next requests to a rod (forces, energies, masses) are made at x. A step that moveRods() has begun may be rolled
+  /// back: if x is the state before the step, the rods get the beams of before it; at any other x those that moveRods() has
+  /// made.
   virtual void askedAt(ConstRows x) = 0;
   /// Edges of the chain of points that contacts act on; how many it takes where all rods are out.
   virtual int contactEdges(bool all_out) const = 0;
 };
 
-/// A rod that comes out as a controller pushes it: the role of WireBeamInterpolation.
+/// A rod that a controller pushes out: the role of WireBeamInterpolation.
 class WireChain : public BeamChain {
  public:
   const RodShape& shape() const { return *shape_; }
-  /// From now on the beams are these, one for each edge of the mesh.
+  /// Sets the beams, one for each edge of the mesh.
   void setBeams(std::vector<ChainBeam> beams) { beams_ = std::move(beams), publish(); }
   void followOf(MovesRods& mover) { mover_ = &mover; }
   bool isPushed() const override { return mover_ != nullptr; }

@@ -4,25 +4,25 @@
 
 namespace stroma::collision {
 
-/// What of two surfaces meets, and from which distance on.
+/// Which parts of two surfaces are tested against each other, and from which distance on.
 class Method : public Component {
  public:
   enum class Rule { proximity, local_minimum, proximity_and_triangles, discrete };
   std::string roleText() const override { return "intersection method"; }
   void declare(DataTable& table) override;
-  /// Whether parts of these kinds meet.
+  /// Whether parts of these kinds are tested.
   bool meet(CollisionModel::Kind a, CollisionModel::Kind b) const;
-  /// Whether edges of triangles meet lines and the edges of others.
+  /// Whether edges of triangles are tested against lines and other edges.
   bool edgesOfTrianglesMeet() const { return rule == Rule::proximity_and_triangles && line_line_; }
-  /// Whether a ball meets the edges and corners of triangles.
+  /// Whether a sphere is tested against the edges and corners of triangles.
   bool trianglesTakeEdges() const { return rule == Rule::proximity_and_triangles; }
   double contactDistance() const { return rule == Rule::discrete ? 0 : contact_distance_; }
   double alarmDistance() const { return rule == Rule::discrete ? 0 : alarm_distance_; }
-  /// Whether parts refuse contacts outside their cones of normals (normal_cones.h), and what makes the cones wider.
+  /// Whether parts reject contacts outside their normal cones (normal_cones.h), and the parameters that widen the cones.
   bool hasCones() const { return rule == Rule::local_minimum && filters_ && !filtered_elsewhere_; }
   double angleCone() const { return angle_cone_; }
   double coneFactor() const { return cone_factor_; }
-  /// The one of the scene; null when it has none. Throws ComponentError where there are several.
+  /// The method of the scene; null if it has none. Throws ComponentError where there are several.
   static const Method* of(const Node& root);
 
   Rule rule = Rule::proximity;  ///< set by the registration of a name
@@ -34,24 +34,24 @@ class Method : public Component {
   bool filters_ = true, filtered_elsewhere_ = false;
 };
 
-/// Two models that may meet; of one with itself where a == b.
+/// Two models that may collide; a model with itself where a == b.
 struct ModelPair {
   const CollisionModel *a, *b;
 };
-/// Of a scene, with models that are ready. Without a method it is that of DiscreteIntersection.
+/// Of a scene whose models are ready. The default method is that of DiscreteIntersection.
 std::vector<ModelPair> modelPairs(const Node& root, const Method* method);
 
-/// What looks for contacts in each step.
+/// Searches for contacts in each step.
 class ContactWatch {
  public:
   virtual ~ContactWatch() = default;
 };
 
-/// What acts on contacts that are found, and makes a watch unnecessary.
+/// Acts on the contacts found, and makes a watch unnecessary.
 class ContactAnswer {
  public:
   virtual ~ContactAnswer() = default;
-  /// Empty: it acts. Else why it does not, as a sentence.
+  /// Empty: it acts. Otherwise the reason why it does not, as a sentence.
   virtual std::string idle() const = 0;
 };
 

@@ -21,7 +21,7 @@ struct Part {
   unsigned owned_edges = 0;  ///< the same of edges, from a corner to the next
 };
 
-/// What the surface of a body is for whoever looks whether bodies touch: its parts, and with what they may meet.
+/// The surface of a body as collision detection sees it: its parts, and what they may collide with.
 class CollisionModel : public Component, public DrawnSolids {
  public:
   std::string roleText() const override { return "collision model"; }
@@ -32,7 +32,7 @@ class CollisionModel : public Component, public DrawnSolids {
   enum class Kind { point, line, triangle, sphere };
   virtual Kind kind() const = 0;
   const std::vector<Part>& parts() const { return parts_; }
-  /// The places of the corners of a part now, in `out`; returns as many as it has.
+  /// Writes the current positions of the corners of a part to `out`; returns their number.
   std::span<const Vec3> corners(const Part& part, std::array<Vec3, 3>& out) const;
   Vec3 place(Index node) const;          ///< [m], of a node now; of a frame its centre
   std::vector<Triangle> faces() const;   ///< of its mesh: triangles, and quads as two; else the boundary of volume cells
@@ -44,15 +44,15 @@ class CollisionModel : public Component, public DrawnSolids {
   bool isInGroup(int number) const;
   const std::string& response() const { return response_; }  ///< empty: that of the scene
   State& state() const { return *state_; }
-  /// Something moves its state.
+  /// Its state moves.
   bool isMoved() const;
   bool isSimulated() const { return simulated_; }
-  /// Whether the two may meet at all, wherever they are.
+  /// Whether the two may collide at all, wherever they are.
   static bool mayMeet(const CollisionModel& a, const CollisionModel& b);
 
  protected:
   virtual void makeParts(std::vector<Part>& parts) = 0;
-  /// The mesh of the model; null: it has none, and is not active. Throws ComponentError when it is.
+  /// The mesh of the model; null if it has none and is inactive. Throws ComponentError if it has none and is active.
   const Mesh* mesh() const;
 
  private:

@@ -11,7 +11,7 @@ struct PartPoint {
   std::array<double, 3> weight{};
 };
 
-/// Two points of two surfaces that were nearer than the alarm distance when contacts were looked for.
+/// Two points of two surfaces that were closer than the alarm distance at the last search for contacts.
 struct Contact {
   const CollisionModel *model_a, *model_b;
   PartPoint a, b;
@@ -19,16 +19,17 @@ struct Contact {
   double contact; ///< distance of the two points at which surfaces touch, radii and skins included [m]
 };
 
-/// Contacts of pairs of models at the models' present positions. As SOFA's: points and lines and triangles have contacts
-/// where the closest points lie within both, more than 1e-6 of their size from the ends; a triangle and a line or a
-/// triangle by the corners, of which each belongs to one part, and by edges where the method says so. What comes down on the edge
-/// between two triangles, where no line stands, meets one of them: in SOFA it falls through. A LocalMinDistance
-/// asks both parts for their cones. Where the method says so a ball meets the edges and corners of triangles, too, but for those of a
-/// triangle, a line or a point that it meets anyway.
+/// Contacts of pairs of models at the models' current positions. As in SOFA, points and lines and triangles have contacts
+/// where the closest points lie within both, more than 1e-6 of their size from the ends; a triangle and a line or a triangle
+/// by the corners, of which each belongs to one part, and by edges where the method says so. A part that lands on the edge
+/// between two triangles, without a line there, touches one of them: in SOFA it falls through. A LocalMinDistance checks the
+/// cones of both parts. Where the method says so, a sphere is also tested against the edges and corners of triangles, except
+/// those of a triangle, a line or a point that it touches anyway.
 ///
-/// Where two models have no contact, a lower bound of the distances of their parts is found, less the alarm distance: the room of
-/// the pair. No distance falls by more than displacements of the two since then differ, so that they are not looked at again until
-/// that is as much. What a search finds at the models' present positions is the same with and without it.
+/// Where two models have no contact, a lower bound of the distances of their parts less the alarm distance is computed: the
+/// clearance of the pair. No distance decreases by more than the difference of their displacements since then, so that the
+/// pair is skipped until that difference reaches the clearance. The result of a search at the models' current positions is
+/// the same with and without it.
 class ContactSearch {
  public:
   void compile(const std::vector<ModelPair>& pairs, const Method& method);

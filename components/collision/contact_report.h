@@ -13,21 +13,21 @@ class Archive;
 
 namespace stroma::collision {
 
-/// What can be read of the contacts of a step, as attributes of a component: one entry for each contact.
+/// The results of the contacts of a step, as attributes of a component: one entry for each contact.
 class ContactReport {
  public:
   void declare(DataTable& table);
-  /// Contacts will be of these pairs.
+  /// Sets the pairs of models that contacts belong to.
   void compile(const std::vector<ModelPair>& pairs);
-  /// Where a step starts; none of them pushes yet.
+  /// Called at the start of a step; no contact exerts a force yet.
   void note(const std::vector<Contact>& contacts);
   void setForce(std::size_t contact, const Vec3& force) { forces_[contact] = force; }
-  /// All forces are set.
+  /// Called when all forces are set.
   void sumForces();
   void setMultipliers(std::span<const double> forces) { multipliers_.assign(forces.begin(), forces.end()); }
   void clear();
   void serialize(Archive& archive);
-  /// It is of a checkpoint, and whoever notes contacts has others.
+  /// It comes from a checkpoint, and the contacts recorded are others.
   bool isRestored() const { return is_restored_; }
 
  private:

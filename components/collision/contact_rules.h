@@ -8,25 +8,25 @@
 
 namespace stroma::collision {
 
-/// How the contacts of two models are answered.
+/// The response to the contacts of two models.
 struct Answer {
   bool rubs = false;  ///< forces of constraint with friction; else penalties
   double mu = 0.8;    ///< of friction
 };
 
-/// The words that say it for each pair of models: a `contactResponse` of one of both, else the first of `rules` that speaks of them,
-/// else `response`.
+/// The responses for each pair of models: a `contactResponse` of one of the two, otherwise the first of `rules` that matches
+/// them, otherwise `response`.
 class ContactRules {
  public:
   void declare(DataTable& table);
-  /// Whether contacts are answered at all, by the one response that there is or by rules.
+  /// Whether there is any response, by the single default or by rules.
   bool act() const { return !rules_.empty() || isKnown(response_); }
   std::string response() const { return response_; }
-  /// For these pairs. Throws ComponentError where a word is no response.
+  /// For these pairs. Throws ComponentError where a word is not a response.
   void read(const std::vector<ModelPair>& pairs);
   bool anyRubs() const { return any_rubs_; }
   bool anyPushes() const { return any_pushes_; }
-  /// The same where no models may meet, by the response that they would have.
+  /// The same where no models may collide, by the response that they would have.
   bool mayPush() const;
   const Answer& of(const CollisionModel& a, const CollisionModel& b) const { return answers_.at({&a, &b}); }
 

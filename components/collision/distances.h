@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The distance of two things of one (a point), two (a segment) or three (a triangle) corners. Degenerate ones (of no
-// length, of no area) are what is left of them.
+// The distance of two simplices of one (a point), two (a segment) or three (a triangle) corners. Degenerate ones (of no
+// length, of no area) reduce to the simplex that remains.
 #pragma once
 #include <span>
 
@@ -8,7 +8,7 @@
 
 namespace stroma {
 
-/// [m]; zero where the two cross, which is decided without error.
+/// [m]; zero where the two cross, which is decided exactly.
 double distanceOf(std::span<const Vec3> a, std::span<const Vec3> b);
 
 }  // namespace stroma

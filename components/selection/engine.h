@@ -8,7 +8,7 @@
 
 namespace stroma {
 
-/// What makes values of others before the first step; its outputs are linked to.
+/// Computes values from other values before the first step; links lead to its outputs.
 class Engine : public Component {
  public:
   std::string roleText() const override { return "engine"; }

@@ -4,7 +4,7 @@
 
 namespace stroma {
 
-/// Numbers that are the same for a seed on every machine: SplitMix64 (Steele, Lea and Flood 2014).
+/// Random numbers that depend on the seed alone, on every machine: SplitMix64 (Steele, Lea and Flood 2014).
 class RandomNumbers {
  public:
   explicit RandomNumbers(int seed) : state_(std::uint64_t(std::int64_t(seed))) {}

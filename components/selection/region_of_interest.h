@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What selects the nodes and cells of a mesh that lie in a region. A region says which points it holds.
+// Selects the nodes and cells of a mesh that lie in a region. A region decides which points it contains.
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -24,7 +24,7 @@ class RegionOfInterest : public Component {
   /// Of an edge or a triangle that lies inside: whether it counts.
   virtual bool pointsRight(const Edge&) const { return true; }
   virtual bool pointsRight(const Triangle&) const { return true; }
-  /// By how much [m] the border of a region of this size is moved outwards.
+  /// The distance [m] by which the border of a region of this size is moved outwards.
   double widened(double size) const {
     return exact_ ? 0 : widening * (around_.sizes().maxCoeff() > 0 ? std::min(size, around_.sizes().maxCoeff()) : size);
   }
