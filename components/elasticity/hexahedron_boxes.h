@@ -23,6 +23,10 @@ struct BoxCells {
     return boxProduct(t.stiffness, factor, own);
   }
   template <class T>
+  static Modes<T> column(const BoxRest<T>&, const Tangent<T>& t, int i) {
+    return boxProduct(t.stiffness, T(1.), unitMode<T>(i));
+  }
+  template <class T>
   static Modes<T> displacement(const BoxRest<T>& rest, const M3<T>& r, const Modes<T>& m) {
     Modes<T> d = rotatedBack(r, m);
     d.xi.x -= rest.edges[0], d.eta.y -= rest.edges[1], d.zeta.z -= rest.edges[2];

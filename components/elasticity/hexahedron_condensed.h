@@ -40,6 +40,16 @@ struct CondensedCells {
     return result;
   }
   template <class T>
+  static Modes<T> column(const Rest<T>& rest, const Tangent<T>&, int i) {
+    const auto at = [&](int j) { return -rest.k[j < i ? place(j, i) : place(i, j)]; };
+    Modes<T> out{};
+    int j = 0;
+    forEachMode(out, out, [&](V3<T>& v, V3<T>&) { v = {at(j), at(j + 1), at(j + 2)}, j += 3; });
+    return out;
+  }
+  /// Of row i and column j >= i.
+  static constexpr int place(int i, int j) { return i * numbers - i * (i - 1) / 2 + j - i; }
+  template <class T>
   static Modes<T> displacement(const Rest<T>& rest, const M3<T>& r, const Modes<T>& m) {
     return rotatedBack(r, m) - rest.modes;
   }

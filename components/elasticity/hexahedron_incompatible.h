@@ -15,6 +15,7 @@
 
 #include <memory>
 
+#include "components/elasticity/hexahedron_modes.h"
 #include "framework/fem/eigen_matrix.h"
 #include "framework/fem/element_kernels.h"
 #include "framework/fem/hexahedron.h"
@@ -30,18 +31,12 @@ std::unique_ptr<ElementKernels> incompatibleKernels(const Elements& elements);
 class IncompatibleModes {
  public:
   static constexpr int most = 12;
-  template <int rows, int columns>
-  using Few = Eigen::Matrix<double, rows, columns, 0, rows < 0 ? most : rows, columns < 0 ? most : columns>;
-  using Own = Few<-1, 1>;                              ///< a_xi, a_eta, a_zeta, b
-  using Corners = Eigen::Matrix<double, 21, 1>;        ///< numbers of Modes
-  using Condensed = Eigen::Matrix<double, 21, 21>;     ///< K [N/m]
-  using Strain = Eigen::Matrix<double, 6, 1>;          ///< xx yy zz 2xy 2yz 2zx
-  using OfCorners = Eigen::Matrix<double, 6, 21>;      ///< B
-  using OfOwn = Few<6, -1>;                            ///< G
+  using Own = Eigen::Matrix<double, -1, 1, 0, most, 1>;  ///< a_xi, a_eta, a_zeta, b
+  using Condensed = Eigen::Matrix<double, 21, 21>;       ///< K [N/m]
 
   IncompatibleModes(const Modes<double>& rest, const Lame& material, bool mean_dilatation)
       : law_(material), count_(mean_dilatation ? 12 : 9) {
-    const Mat3 centre = toEigen(M3<double>{rest.xi, rest.eta, rest.zeta}) / 8;
+    const Mat3 centre = toEigen(meanEdges(rest)) / 8;
     const PointValues<double> points = atPoints(rest);
     centre_gradients_ = centre.inverse(), centre_determinant_ = centre.determinant();
     for (int p = 0; p < 8; ++p) {
@@ -60,77 +55,66 @@ class IncompatibleModes {
   /// a where the corners have the modes u; zero in a cell without stiffness.
   Own settled(const Modes<double>& u) const {
     if (!(law_.mu > 0)) return Own::Zero(count_);
-    const PointValues<double> change = atPoints(u);
-    Few<-1, -1> k = Few<-1, -1>::Zero(count_, count_);
-    Own force = Own::Zero(count_);
-    for (int p = 0; p < 8; ++p) {
-      const OfOwn g = ofOwn(p), stress = std::abs(determinants_[p]) * stressOf(g);
-      const Mat3 h = toEigen(Columns<double>(change, p).matrix()) / 8 * gradients_[p];
-      k.noalias() += g.transpose() * stress;
-      force.noalias() -= stress.transpose() * strainOfGradient(h);
-    }
-    return k.ldlt().solve(force);
+    Eigen::Matrix<double, 21, 1> corners;
+    int i = 0;
+    forEachMode(u, u, [&](const V3<double>& v, const V3<double>&) { corners.segment<3>(3 * i++) << v.x, v.y, v.z; });
+    const Whole k = whole();
+    return own(k).ldlt().solve(-couplings(k) * corners);
   }
   /// K of the corners; zero without stiffness.
   Condensed condensed() const {
-    Condensed uu = Condensed::Zero();
-    if (!(law_.mu > 0)) return uu;
-    Few<-1, 21> au = Few<-1, 21>::Zero(count_, 21);
-    Few<-1, -1> aa = Few<-1, -1>::Zero(count_, count_);
-    OfCorners b[8];
-    findOfCorners(b);
-    for (int p = 0; p < 8; ++p) {
-      const double weight = std::abs(determinants_[p]);
-      const OfOwn g = ofOwn(p), stress = weight * stressOf(g);
-      const OfCorners of_corners = weight * stressOf(b[p]);
-      uu.noalias() += b[p].transpose() * of_corners;
-      au.noalias() += stress.transpose() * b[p];
-      aa.noalias() += g.transpose() * stress;
-    }
-    uu.noalias() -= au.transpose() * aa.ldlt().solve(au);
-    return uu;
+    if (!(law_.mu > 0)) return Condensed::Zero();
+    const Whole k = whole();
+    const Coupling au = couplings(k);
+    return k.topLeftCorner<21, 21>() - au.transpose() * own(k).ldlt().solve(au);
   }
 
  private:
-  double factor(int p, int q) const {
-    const double place = (p >> q & 1) ? gauss : -gauss;
-    return -2 * place * centre_determinant_ / determinants_[p];
-  }
-  /// Of b_q.
-  double swelling(int p, int q) const {
-    const auto sign = [p](int axis) { return (p >> axis % 3 & 1) ? gauss : -gauss; };
-    return sign(q + 1) * sign(q + 2) * centre_determinant_ / determinants_[p];
-  }
-  static Strain strainOfGradient(const Mat3& h) {
-    Strain strain;
-    strain << h(0, 0), h(1, 1), h(2, 2), h(0, 1) + h(1, 0), h(1, 2) + h(2, 1), h(2, 0) + h(0, 2);
-    return strain;
-  }
-  template <class Strains>
-  Strains stressOf(const Strains& strains) const {
-    Strains stress = law_.mu * strains;
-    stress.template topRows<3>() *= 2;
-    stress.template topRows<3>().rowwise() += law_.lambda * strains.template topRows<3>().colwise().sum();
-    return stress;
-  }
-  OfOwn ofOwn(int p) const {
-    OfOwn g(6, count_);
-    for (int i = 0; i < 9; ++i) g.col(i) = strainOfGradient(factor(p, i / 3) * Vec3::Unit(i % 3) * centre_gradients_.row(i / 3));
-    for (int q = 9; q < count_; ++q) g.col(q) = swelling(p, q - 9) * strainOfGradient(Mat3::Identity());
-    return g;
-  }
-  void findOfCorners(OfCorners (&b)[8]) const {
-    for (int mode = 0; mode < 7; ++mode) {
-      Modes<double> one{};  // its x alone: the derivatives of the mode
-      V3<double>* const of[7] = {&one.xi, &one.eta, &one.zeta, &one.xi_eta, &one.eta_zeta, &one.zeta_xi, &one.all};
-      of[mode]->x = 1;
-      const PointValues<double> derivatives = atPoints(one);
-      for (int p = 0; p < 8; ++p) {
-        const Columns<double> c(derivatives, p);
-        const Eigen::RowVector3d gradient = Eigen::RowVector3d(c.d[0].x, c.d[1].x, c.d[2].x) / 8 * gradients_[p];
-        for (int axis = 0; axis < 3; ++axis) b[p].col(3 * mode + axis) = strainOfGradient(Vec3::Unit(axis) * gradient);
+  /// K of the corners' modes, a and b before anything is condensed, lower triangle; the last three stay zero where there are nine.
+  using Whole = Eigen::Matrix<double, 21 + most, 21 + most>;
+  using Coupling = Eigen::Matrix<double, -1, 21, 0, most, 21>;
+  using Square = Eigen::Matrix<double, -1, -1, 0, most, most>;
+
+  Coupling couplings(const Whole& k) const { return k.block(21, 0, count_, 21); }
+  Square own(const Whole& k) const { return k.block(21, 21, count_, count_).selfadjointView<Eigen::Lower>(); }
+
+  /// Displacement gradients v (x) g and w (x) h do the work v . (lambda g h^T + mu (h g^T + (g . h) I)) w, and with a swelling s I it is
+  /// (3 lambda + 2 mu) s (v . g).
+  Whole whole() const {
+    Whole k = Whole::Zero();
+    const double bulk = 3 * law_.lambda + 2 * law_.mu;
+    for (int p = 0; p < 8; ++p) {
+      const double weight = std::abs(determinants_[p]);
+      Vec3 g[10];
+      findGradients(p, g);
+      for (int i = 0; i < 10; ++i)
+        for (int j = 0; j <= i; ++j) {
+          const double both = weight * law_.mu * g[i].dot(g[j]);
+          auto block = k.block<3, 3>(3 * i, 3 * j);
+          block += weight * (law_.lambda * g[i] * g[j].transpose() + law_.mu * g[j] * g[i].transpose());
+          block.diagonal().array() += both;
+        }
+      for (int q = 9; q < count_; ++q) {
+        const double stress = weight * bulk * swelling(p, q - 9);
+        for (int i = 0; i < 10; ++i) k.block<1, 3>(21 + q, 3 * i) += stress * g[i].transpose();
+        for (int r = 9; r <= q; ++r) k(21 + q, 21 + r) += 3 * stress * swelling(p, r - 9);
       }
     }
+    k.triangularView<Eigen::StrictlyUpper>() = k.transpose();
+    return k;
+  }
+  /// The gradients of the seven modes of corners at Gauss point p, and those that a is multiplied with.
+  void findGradients(int p, Vec3 (&g)[10]) const {
+    const double x = sign(p, 0), y = sign(p, 1), z = sign(p, 2);
+    const Vec3 along_axes[7] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), {y, x, 0}, {0, z, y}, {z, 0, x}, {y * z, z * x, x * y}};
+    for (int m = 0; m < 7; ++m) g[m] = gradients_[p].transpose() * along_axes[m] / 8;
+    for (int q = 0; q < 3; ++q) g[7 + q] = factor(p, q) * centre_gradients_.row(q).transpose();
+  }
+  static double sign(int p, int axis) { return (p >> axis & 1) ? gauss : -gauss; }
+  double factor(int p, int q) const { return -2 * sign(p, q) * centre_determinant_ / determinants_[p]; }
+  /// Of b_q.
+  double swelling(int p, int q) const {
+    return sign(p, (q + 1) % 3) * sign(p, (q + 2) % 3) * centre_determinant_ / determinants_[p];
   }
 
   Lame law_;

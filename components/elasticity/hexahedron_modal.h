@@ -7,8 +7,10 @@
 //   displacement(rest, r, m)                 R^T u - X of the modes m of the positions
 //   deformation(rest, tangent, edges)        F of mean edges
 //   restEdges(rest)                          the mean edges at rest
-// and may have matrix(rest, tangent, k) and diagonal(tangent, k) in the axes of the world.
+//   column(rest, tangent, i)                 column i of -K, or matrix(rest, tangent, k): all of it, in the axes of the world
+// and may have diagonal(tangent, k).
 #pragma once
+#include "components/elasticity/hexahedron_modal_matrix.h"
 #include "components/elasticity/hexahedron_rest.h"
 
 namespace stroma::hexahedron {
@@ -37,10 +39,14 @@ struct ModalLinear : HexahedronModel {
     nodesOf(rotated(r, Cells::product(rest, t, factor, rotatedBack(r, modesOf(dx)))), df);
   }
   template <class T>
-  static void matrix(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&)[8], T (&k)[8 * 8 * 9])
-    requires requires { Cells::matrix(rest, t, k); }
-  {
-    Cells::matrix(rest, t, k);
+  static void matrix(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&)[8], T (&k)[8 * 8 * 9]) {
+    if constexpr (requires { Cells::matrix(rest, t, k); }) {
+      Cells::matrix(rest, t, k);
+    } else {
+      Modes<T> columns[21];
+      for (int i = 0; i < 21; ++i) columns[i] = Cells::column(rest, t, i);
+      matrixOfModes(columns, t.axes, k);
+    }
   }
   template <class T>
   static void diagonal(const Tangent<T>& t, T (&k)[8 * 9])
@@ -110,11 +116,36 @@ struct ExactModalCorotational : ModalCorotational<Cells, Rotation> {
     const Modes<T> change = Cells::product(rest, t, factor, rotatedBack(r, dm) + rotatedBack(dr, m));
     nodesOf(rotated(dr, own) + rotated(r, change), df);
   }
-  /// Made of products: those of the warped tangent are another's.
+  /// What the warped tangent has, and what comes of the rotation. It is not symmetric.
   template <class T>
-  static void matrix(const Rest<T>&, const Tangent<T>&, const V3<T> (&)[8], T (&)[8 * 8 * 9]) = delete;
+  static void matrix(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[8], T (&k)[8 * 8 * 9]) {
+    Forces::matrix(rest, t, x, k);
+    addTurningOf(rest, t, x, k);
+  }
   template <class T>
-  static void diagonal(const Tangent<T>&, T (&)[8 * 9]) = delete;
+  static void diagonal(const Tangent<T>&, T (&)[8 * 9]) = delete;  // that of the warped tangent is another
+
+ private:
+  template <class T>
+  [[gnu::noipa, gnu::flatten]] static void addTurningOf(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[8],
+                                                        T (&k)[8 * 8 * 9]) {
+    const Modes<T> m = modesOf(x), own = Cells::product(rest, t, T(1.), Cells::displacement(rest, t.axes, m));
+    const M3<T> r = t.axes, f = Cells::deformation(rest, t, meanEdges(m));
+    V3<T> forces[8][3], spins[8][3];
+    for (int a = 0; a < 8; ++a) {
+      V3<T> unit[8];
+      unit[a].x = T(1.);
+      const M3<T> df = Cells::deformation(rest, t, meanEdges(modesOf(unit)));
+      spinsAlong<Rotation>(f, r, V3<T>{df.c0.x, df.c1.x, df.c2.x}, spins[a]);
+    }
+    for (int q = 0; q < 3; ++q) {
+      const M3<T> dr = turnedAbout(r, q);
+      V3<T> nodes[8];
+      nodesOf(rotated(dr, own) + rotated(r, Cells::product(rest, t, T(1.), rotatedBack(dr, m))), nodes);
+      for (int a = 0; a < 8; ++a) forces[a][q] = nodes[a];
+    }
+    addTurning(forces, spins, k);
+  }
 };
 
 }  // namespace stroma::hexahedron

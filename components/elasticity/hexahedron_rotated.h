@@ -7,8 +7,9 @@ namespace stroma::hexahedron {
 
 template <class Rotation>
 std::unique_ptr<ElementKernels> rotatedKernels(const Elements& elements) {
-  if (elements.boxes) return kernelsOf<ModalCorotational<Boxes, Rotation>>(elements);
   const ElasticVariant& variant = elements.shapes.variant();
+  if (elements.boxes && variant.exact_tangent) return kernelsOf<ExactModalCorotational<Boxes, Rotation>>(elements);
+  if (elements.boxes) return kernelsOf<ModalCorotational<Boxes, Rotation>>(elements);
   return makeUpdated(variant, [&]<Update update>() -> std::unique_ptr<ElementKernels> {
     if (variant.exact_tangent) return kernelsOf<ExactPointCorotational<LocalDilatation, Rotation, update>>(elements);
     return kernelsOf<PointCorotational<LocalDilatation, Rotation, update>>(elements);
