@@ -109,6 +109,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void checkMoves() const;
   void measureTravel();
   void startObstacles();
+  double length() const;
   void findWay(double dt);
   void expectWays(double dt, const Vec3& way);
   std::size_t rowsOfEach() const { return friction_ > 0 ? 3 : 1; }
@@ -270,7 +271,7 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
     throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
   }
-  led_next_ = obstacles_.ledFrom(led_, of_edge * law_.surfaces.meanEdge());
+  led_next_ = obstacles_.ledFrom(led_, of_edge * length());
   const Vec3 goal = obstacles_.pathAt(t_end) + led_next_, way = goal - moved_at_start_;
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
@@ -296,6 +297,12 @@ void ConstraintContact::measureTravel() {
     if (law_.surfaces.moves(int(v))) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
 }
 
+/// The mean edge. Of single points, as spheres by their thickness, that.
+double ConstraintContact::length() const {
+  const double edge = law_.surfaces.meanEdge();
+  return edge > 0 ? edge : std::max(law_.thickness, law_.range);
+}
+
 /// How far pairs are looked for: what the next step may move, from the way and the speed of the last one.
 void ConstraintContact::findWay(double dt) {
   const Surfaces& s = law_.surfaces;
@@ -307,7 +314,7 @@ void ConstraintContact::findWay(double dt) {
     for (int i = each.first_vertex; i < each.first_vertex + each.vertices; ++i)
       square = std::max(square, (dt * Vec3(v[s.rows[std::size_t(i)] - body.firstRow()])).squaredNorm());
   }
-  way_ = std::max({2 * travel_, 2 * std::sqrt(square), of_edge * s.meanEdge()});
+  way_ = std::max({2 * travel_, 2 * std::sqrt(square), of_edge * length()});
 }
 
 /// That of each vertex; obstacles go `way`.
@@ -320,7 +327,7 @@ void ConstraintContact::expectWays(double dt, const Vec3& way) {
     ways_.straight[v] = dt * Vec3(body.v()[s.rows[v] - body.firstRow()]);
     ways_.last[v] = start_.size() == x_.size() ? Vec3(x_[v] - start_[v]) : Vec3(Vec3::Zero());
   }
-  ways_.other = 2 * of_edge * s.meanEdge();
+  ways_.other = 2 * of_edge * length();
 }
 
 void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {

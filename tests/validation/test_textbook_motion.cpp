@@ -215,5 +215,18 @@ TEST(TextbookMotion, MandelsPlate) {
   EXPECT_GT(highest, 1.09);
 }
 
+/// A ball of one point and a thickness has no edge by which pairs are looked for; from rest its first step was refused.
+TEST(TextbookMotion, AThickPointComesToRestOnAPlane) {
+  Simulation simulation = simulationFromText(
+      R"(<Node name="root" dt="0.005" gravity="0 0 -10"><EulerImplicitSolver/><SparseLDLSolver/>
+  <MechanicalObject position="0 0 0.105"/><PointSetTopologyContainer position="0 0 0.105"/><UniformMass totalMass="1"/>
+  <ConstraintContact contactDistance="0.001" thickness="0.1" planes="0 0 1 0"/></Node>)");
+  for (int i = 0; i < 40; ++i) {
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(!report.failed() && !report.unsolved && report.constraints_converged) << i << report.reason << report.constraint_reason;
+  }
+  EXPECT_NEAR(simulation.systems()[0]->x[0].z(), 0.101, 2e-6);
+}
+
 }  // namespace
 }  // namespace stroma::test
