@@ -46,6 +46,7 @@
 #include "components/contact/contact_obstacles.h"
 #include "components/contact/kept_forces.h"
 #include "components/contact/kept_rows.h"
+#include "components/contact/kept_ways.h"
 #include "components/contact/wrenches.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
@@ -62,8 +63,6 @@ namespace stroma {
 namespace {
 
 using namespace contact;
-
-constexpr double of_edge = 0.125;  ///< as far as pairs are looked for at least
 
 class ConstraintContact final : public Component, public LagrangianConstraint, public SharesForces, public ChangesConditions,
                                 public HearsSteps, public DrawnObstacles, public OpenChoices {
@@ -85,8 +84,8 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   /// Where conditions between rigid bodies do not come to hold their directions stay; where they do not then either, they are let go.
   bool changeConditions(ConstRows, std::span<const double> forces, std::span<const double>) override {
     const bool keeps = gaps_.keepsDirections();
-    if (!keeps && !kept_forces_.isOff(gaps_, law_, x_, rowsOfEach(), forces, friction_, toleratedError())) return false;
-    keeps ? gaps_.letGoDirections() : gaps_.keepDirections();
+    if (!keeps && !kept_forces_.isViolated(gaps_, law_, x_, rowsOfEach(), forces, friction_, toleratedError())) return false;
+    keeps ? gaps_.releaseDirections() : gaps_.keepDirections();
     return true;
   }
   std::string choice() const override {
@@ -95,7 +94,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   }
   void addShapes(std::vector<Shape>& shapes) const override { contact::addShapes(law_, shapes); }
   Vec3 shapesMovedBy() const override { return moved_at_start_; }
-  Tolerance tolerance() const override { return {toleratedError(), toldError()}; }
+  Tolerance tolerance() const override { return {toleratedError(), reportedError()}; }
   void reset() override;
   void serialize(Archive& archive) override;
 
@@ -105,15 +104,12 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void checkStart();
   void checkFirstStep(ConstRows x);
   void refuseOverlaps() const;
-  void tellNear();
+  void warnOfNear();
   void checkMoves() const;
-  void measureTravel();
   void startObstacles();
-  void findWay(double dt);
-  void expectWays(double dt, const Vec3& way);
   std::size_t rowsOfEach() const { return friction_ > 0 ? 3 : 1; }
   double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
-  double toldError() const { return 10 * toleratedError(); }
+  double reportedError() const { return 10 * toleratedError(); }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
   Link<State> mstate_{"mechanical state"};
@@ -135,12 +131,10 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
   mutable KeptGaps gaps_;
   KeptForces kept_forces_;
-  ExpectedWays ways_;
+  KeptWays ways_;
   Vec3 moved_at_start_ = Vec3::Zero();
   Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come; at the end of the step
-  std::string told_;   ///< of the start
-  double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
-  double way_ = 0;     ///< up to which pairs were looked for in it [m]
+  std::string last_warning_;   ///< of the start
 };
 
 void ConstraintContact::declare(DataTable& table) {
@@ -207,7 +201,7 @@ void ConstraintContact::buildForRun(ConstRows x) {
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
   refuseOverlaps();
-  tellNear();
+  warnOfNear();
 }
 
 void ConstraintContact::refuseOverlaps() const {
@@ -216,10 +210,10 @@ void ConstraintContact::refuseOverlaps() const {
 }
 
 /// Nearer than the gap that is kept is no error: forces of constraint part them, as they do in the end of any step.
-void ConstraintContact::tellNear() {
+void ConstraintContact::warnOfNear() {
   const std::string near = describeNear(law_, x_, [this](int vertex) { return nameOf(vertex); });
-  if (!near.empty() && near != told_) warn(near, "gaps that are not smaller than contactDistance");
-  told_ = near;
+  if (!near.empty() && near != last_warning_) warn(near, "gaps that are not smaller than contactDistance");
+  last_warning_ = near;
 }
 
 /// As it is written; where mapped nodes are is known when a system has been compiled (stepBegins()).
@@ -239,12 +233,12 @@ void ConstraintContact::checkStart() {
     x_[v] = moves ? body->position[std::size_t(s.rows[v] - body->firstRow())] : Vec3(s.rest[v] + law_.moved);
   }
   refuseOverlaps();
-  tellNear();
+  warnOfNear();
 }
 
 /// Somebody else has moved what is near: it may be anywhere.
 void ConstraintContact::checkMoves() const {
-  bool is_elsewhere = travel_ > 2 * way_;
+  bool is_elsewhere = ways_.wasExceeded();
   constexpr double rounding = 1e-6;
   for (std::size_t i = 0; i < gaps_.all().size() && end_.size() == x_.size(); ++i)
     for (const int v : gaps_.all()[i].v)
@@ -260,7 +254,7 @@ void ConstraintContact::checkFirstStep(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
   if (found_free.size() == x_.size() && law_.surfaces.areBodiesAt(x_, found_free)) return;
   refuseOverlaps();
-  tellNear();
+  warnOfNear();
 }
 
 void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
@@ -270,15 +264,16 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
     throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
   }
-  led_next_ = obstacles_.ledFrom(led_, of_edge * law_.surfaces.meanEdge());
+  led_next_ = obstacles_.ledFrom(led_, KeptWays::of_edge * law_.surfaces.meanEdge());
   const Vec3 goal = obstacles_.pathAt(t_end) + led_next_, way = goal - moved_at_start_;
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
-  measureTravel();
+  const double dt = node().root().dt();
+  ways_.measure(law_.surfaces, start_, x_);
   checkMoves();
-  findWay(node().root().dt());
-  const bool has_pairs = gaps_.begin(law_, x_, way_ + way.norm());
-  if (has_pairs) expectWays(node().root().dt(), way), gaps_.addPairs(law_, ways_);
+  ways_.find(law_.surfaces, bodies_, dt, way);
+  const bool has_pairs = gaps_.begin(law_, x_, ways_.longest() + way.norm(), ways_.ofBodies());
+  if (has_pairs) ways_.expect(law_.surfaces, bodies_, dt, way, start_, x_), gaps_.addPairs(law_, ways_.expected());
   copyPlaces(x_, start_);
   law_.moved = goal;
 }
@@ -288,45 +283,10 @@ void ConstraintContact::startObstacles() {
   led_ = led_next_ = obstacles_.startOffset();
 }
 
-/// How far the step before has moved a vertex.
-void ConstraintContact::measureTravel() {
-  if (start_.size() != x_.size() || law_.surfaces.areBodiesAt(x_, start_)) return;
-  travel_ = 0;
-  for (std::size_t v = 0; v < x_.size(); ++v)
-    if (law_.surfaces.moves(int(v))) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
-}
-
-/// How far pairs are looked for: what the next step may move, from the way and the speed of the last one.
-void ConstraintContact::findWay(double dt) {
-  const Surfaces& s = law_.surfaces;
-  double square = 0;
-  for (const Surfaces::Body& each : s.bodies()) {
-    if (!each.moves) continue;
-    const State& body = *bodies_[std::size_t(s.bodyOf(each.first_vertex))];
-    const ConstRows v = body.v();
-    for (int i = each.first_vertex; i < each.first_vertex + each.vertices; ++i)
-      square = std::max(square, (dt * Vec3(v[s.rows[std::size_t(i)] - body.firstRow()])).squaredNorm());
-  }
-  way_ = std::max({2 * travel_, 2 * std::sqrt(square), of_edge * s.meanEdge()});
-}
-
-/// That of each vertex; obstacles go `way`.
-void ConstraintContact::expectWays(double dt, const Vec3& way) {
-  const Surfaces& s = law_.surfaces;
-  ways_.last.assign(x_.size(), way), ways_.straight.assign(x_.size(), way);
-  for (std::size_t v = 0; v < x_.size(); ++v) {
-    if (!s.moves(int(v))) continue;
-    const State& body = *bodies_[std::size_t(s.bodyOf(int(v)))];
-    ways_.straight[v] = dt * Vec3(body.v()[s.rows[v] - body.firstRow()]);
-    ways_.last[v] = start_.size() == x_.size() ? Vec3(x_[v] - start_[v]) : Vec3(Vec3::Zero());
-  }
-  ways_.other = 2 * of_edge * s.meanEdge();
-}
-
 void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {
   law_.surfaces.gather(x, law_.moved, x_);
   gaps_.look(law_, x_);
-  addRows(gaps_, law_, x_, friction_, toldError(), rows);
+  addRows(gaps_, law_, x_, friction_, reportedError(), rows);
 }
 
 void ConstraintContact::takeForces(std::span<const double> forces) {
@@ -361,16 +321,14 @@ void ConstraintContact::reset() {
   startObstacles();
   start_.clear(), end_.clear(), gaps_.clear(), kept_forces_.clear();
   forces_.clear(), contact_forces_.clear(), friction_forces_.clear(), wrenches_.begin();
-  travel_ = way_ = smallest_gap_ = 0;
-  contacts_ = 0;
+  ways_.reset(), smallest_gap_ = 0, contacts_ = 0;
 }
 
 void ConstraintContact::serialize(Archive& archive) {
   serializePlace(archive, "moved", moved_at_start_);
   serializePlace(archive, "led", led_);
   archive.list("start", start_);
-  archive.value("travel", travel_);
-  archive.value("way", way_);
+  ways_.serialize(archive);
   archive.value("contacts", contacts_);
   archive.value("smallest_gap", smallest_gap_);
   archive.list("forces", forces_);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <compare>
+#include <deque>
 #include <limits>
 #include <string>
 #include <utility>
@@ -58,6 +59,16 @@ class Candidates {
   /// All pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x; nothing is
   /// known of them. False: none that pushes is new in patternPairs().
   bool find(const std::vector<Vec3>& x, double margin);
+  /// The same with a margin of each two bodies, margin(a, b).
+  template <class Margin>
+  bool findWithin(const std::vector<Vec3>& x, Margin&& margin) {
+    forget(), startFrom(x);
+    for (std::size_t m = 0; m < meetings_.size(); ++m)
+      search(int(m), x, margin(parts_[std::size_t(meetings_[m].a)].body, parts_[std::size_t(meetings_[m].b)].body));
+    return takeFound();
+  }
+  /// Pairs of two bodies whose distance at x is above `from` and up to `to` [m], which find() there has left out.
+  void addFarther(int body_a, int body_b, const std::vector<Vec3>& x, double from, double to, std::deque<Candidate>& out);
   /// The same where motion up to x has used up what was known, with margins that last for some steps. What was known of a pair
   /// stays with it. False: as above.
   bool findAgain(const std::vector<Vec3>& x, double least_margin, double most_margin);
