@@ -11,8 +11,9 @@
 // What sticks does not creep. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb): condensed
 // bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for each
 // condition. Distances and normals are those of the end of the step. Gaps and slides that are off by `toleratedError`, a thousandth
-// of contactDistance by default, hold; mostly they are off by round-off. Up to ten times as much is told at the end of a run. Edges
-// whose bend is not higher count as flat (kept_gaps.h). Forces of a pair are equal and opposite.
+// of contactDistance by default, hold; mostly they are off by round-off. Up to ten times as much, or a quarter of contactDistance where
+// all bodies are rigid, is reported at the end of a run. Edges whose bend is not higher count as flat (kept_gaps.h). Forces of a pair are
+// equal and opposite.
 //
 // Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
 // in the last step, as its speed would take it, or as an eighth of the mean edge. Each step is proved besides (kept_gaps.h): every
@@ -109,7 +110,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void startObstacles();
   std::size_t rowsOfEach() const { return friction_ > 0 ? 3 : 1; }
   double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
-  double reportedError() const { return 10 * toleratedError(); }
+  double reportedError() const { return std::max(10 * toleratedError(), are_all_rigid_ ? law_.range / 4 : 0); }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
   Link<State> mstate_{"mechanical state"};
@@ -126,6 +127,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   Wrenches wrenches_;
 
   std::vector<State*> bodies_;
+  bool are_all_rigid_ = false;
   bool is_built_ = false, is_clear_ = false;  ///< with rows of a system; forces on nodes are all zero
   std::vector<Vec3> start_, end_;  ///< of all vertices, where the step starts, and where the last one ended
   mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
@@ -145,7 +147,8 @@ void ConstraintContact::declare(DataTable& table) {
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   table.add("friction", friction_).help("Coulomb's coefficient mu").unit("-").min(0);
   table.add("toleratedError", tolerated_error_)
-      .help("gaps and slides that are off by no more hold, up to ten times it are told, beyond that the run ends; 0: contactDistance/1000")
+      .help("gaps and slides may be off by this; up to ten times it, or contactDistance/4 between rigid bodies, the run goes on with a "
+            "warning, beyond that it ends; 0: contactDistance/1000")
       .unit("m")
       .min(0);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
@@ -189,6 +192,7 @@ void ConstraintContact::build() {
   law_.candidates.self_contact = self_;
   law_.compile();
   const std::vector<char> rigid = areRigid(law_.surfaces, bodies_);
+  are_all_rigid_ = std::ranges::all_of(rigid, [](char each) { return each != 0; });
   gaps_.compile(law_, toleratedError(), rigid), kept_forces_.compile(law_.surfaces, rigid);
   wrenches_.compile(law_, bodies_);
 }

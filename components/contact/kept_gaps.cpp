@@ -189,6 +189,7 @@ void KeptGaps::addPairs(const BarrierLaw& law, const ExpectedWays& ways) {
   lookAtFlush(law, start_);
   for (KeptGap& gap : all_) gap.flush_at_start = gap.flush;
   addPlanes(law, start_);
+  addSpares();
 }
 
 void KeptGaps::addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x) {
@@ -199,6 +200,15 @@ void KeptGaps::addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x) {
         all_.back().place(law, x);
         all_.back().has_closed = all_.back().gap < touching * law.range;
       }
+}
+
+/// Where the step starts.
+void KeptGaps::makeGap(const Candidate& pair, bool is_rigid, const BarrierLaw& law, KeptGap& gap) const {
+  gap = {.pair = &pair, .v = pair.v, .is_rigid = is_rigid};
+  const FourPoints points = law.candidates.pointsOf(pair, start_);
+  gap.is_parallel = gap.is_parallel_at_start = isOfParallelEdges(pair, points);
+  gap.is_aligned = gap.is_aligned_at_start = gap.is_parallel && leastOfParallel(points) >= 0;
+  gap.place(law, start_);
 }
 
 /// Most pairs are only watched, and need no more than their distance.
@@ -214,14 +224,10 @@ void KeptGaps::add(const Candidate& pair, const BarrierLaw& law, const ExpectedW
     if (!is_rigid) watched_vertices_.insert(watched_vertices_.end(), pair.v.begin(), pair.v.end());
   };
   if (!comes) return watchAlone();
-  KeptGap gap{.pair = &pair, .v = pair.v, .is_rigid = is_rigid};
-  const FourPoints points = law.candidates.pointsOf(pair, start_);
-  gap.is_parallel = isOfParallelEdges(pair, points);
-  gap.is_aligned = gap.is_parallel && leastOfParallel(points) >= 0;
-  gap.place(law, start_);
+  KeptGap gap;
+  makeGap(pair, is_rigid, law, gap);
   const bool may_be_flush = flush_.add(gap, law, start_);
   if (!may_be_flush && gap.is_parallel && !is_rigid) return watchAlone();
-  gap.is_parallel_at_start = gap.is_parallel, gap.is_aligned_at_start = gap.is_aligned;
   gap.has_closed = !gap.is_parallel && gap.gap < touching * law.range && allowance(gap, law, start_, tolerated_) == 0;
   all_.push_back(gap);
 }
@@ -245,7 +251,9 @@ void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
   unproved_ = beyond(law, x), is_beyond_ = unproved_ > 0;
   findFirstTouches(law, x);
   bool are_kept = true;
+  giveConditions(law);
   for (KeptGap& gap : all_) {
+    if (gap.is_spare) continue;
     gap.is_trusted = isTrusted(gap, law, x);
     lookAtParallel(gap, law, x);
     gap.is_lower_bound = gap.isFar(law);
@@ -290,14 +298,15 @@ void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
 double KeptGaps::smallest(const BarrierLaw& law, const std::vector<Vec3>& x) {
   double least = std::numeric_limits<double>::infinity();
   for (const KeptGap& gap : all_)
-    if (!gap.is_lower_bound && !(keeps_directions_ && gap.pair && gap.is_active)) least = std::min(least, gap.gap);
+    if (!gap.is_lower_bound && !gap.is_spare && !(keeps_directions_ && gap.pair && gap.is_active)) least = std::min(least, gap.gap);
   for (const KeptGap& gap : all_)
     if (keeps_directions_ && gap.pair && gap.is_active && !gap.is_aligned) {
       KeptGap there = gap;
       there.look(law, start_, x, true), least = std::min(least, there.gap);
     }
   for (KeptGap& gap : all_)
-    if (gap.is_lower_bound && !gap.is_aligned && gap.gap < least) gap.look(law, start_, x, true), least = std::min(least, gap.gap);
+    if (gap.is_lower_bound && !gap.is_spare && !gap.is_aligned && gap.gap < least)
+      gap.look(law, start_, x, true), least = std::min(least, gap.gap);
   if (!std::isfinite(least) && !all_.empty()) least = std::ranges::min(all_, {}, &KeptGap::gap).gap;
   return least;
 }

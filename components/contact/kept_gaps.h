@@ -12,7 +12,8 @@
 // Two edges have a condition where both are ridges: over a flat surface their distance is that of the vertices around. Over a low
 // bend it is nearly so, and their condition is made only where the others hold and leave a smaller gap than is tolerated.
 // Nearly parallel edges have none, because their distance has no one direction; the ways of all of them are looked at.
-// A condition is made when its pair first comes nearer than the gap that is kept, and lasts for the step. Of pairs with the same
+// A condition is made when its pair first comes nearer than the gap that is kept, and lasts for the step. Pairs of rigid bodies that
+// were not expected to come near take the place of spare ones, as conditions are as many all through a step. Of pairs with the same
 // closest points one is active. Faces of rigid bodies that lie flat on each other have one direction (flush_faces.h).
 //
 // Directions of small gaps turn far by small ways, and where many bodies meet they may turn to and fro for ever. Then those that count
@@ -52,6 +53,7 @@ struct KeptGap {
   bool is_aligned = false;  ///< so much that their closest points cost 113 bits: `start` is a lower bound, and n is near enough
   bool has_way_across = true;  ///< else `across` is still to be found
   bool is_rigid = false;       ///< of rigid bodies or obstacles
+  bool is_spare = false;       ///< of no pair yet (KeptGaps::giveConditions())
   // where conditions were last looked at
   std::array<double, 4> c{};
   Vec3 n = Vec3::Zero(), tangent = Vec3::Zero();
@@ -126,6 +128,7 @@ class KeptGaps {
  private:
   void addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x);
   void add(const Candidate& pair, const BarrierLaw& law, const ExpectedWays& ways);
+  void makeGap(const Candidate& pair, bool is_rigid, const BarrierLaw& law, KeptGap& gap) const;
   bool isRigidAt(const BarrierLaw& law, int vertex) const { return rigid_[std::size_t(law.surfaces.bodyOf(vertex))]; }
   bool isOfRigid(int a, int b) const { return a != b && rigid_[std::size_t(a)] && rigid_[std::size_t(b)]; }
   void lookAtParallel(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x);
@@ -141,7 +144,10 @@ class KeptGaps {
   double mostAgainst(int a, int b);
   FreeWay freeWayOf(const BarrierLaw& law, const Candidate& pair, double start, const std::vector<Vec3>& x) const;
   void forgiveTurning(const BarrierLaw& law, const std::vector<Vec3>& x);
-  bool areFreeTurning(const BarrierLaw& law, int a, int b, const std::vector<Vec3>& x) const;  ///< kept_turns.cpp
+  bool areFreeTurning(const BarrierLaw& law, int a, int b, const std::vector<Vec3>& x, bool screws) const;  ///< kept_turns.cpp
+  double widthOf(int body, const Surfaces& surfaces, const std::vector<Vec3>& x) const;
+  void addSpares();
+  void giveConditions(const BarrierLaw& law);
   bool boxDisplacements(const BarrierLaw& law, const std::vector<Vec3>& x);
   bool isWithin(const BarrierLaw& law, const std::vector<Vec3>& x);
   double beyond(const BarrierLaw& law, const std::vector<Vec3>& x);
@@ -178,6 +184,8 @@ class KeptGaps {
     int a, b;      ///< bodies, the smaller number first
   };
   std::vector<Touch> touches_;  ///< at the last x
+  std::vector<const Candidate*> uninvited_;  ///< watched pairs of rigid bodies that touch or are nearer than the gap there
+  std::size_t next_spare_ = 0;  ///< in all_
   static constexpr double untouched = 2;  ///< in first_
   std::vector<KeptGap> all_;  ///< with a condition
   std::vector<Watched> watched_;

@@ -4,6 +4,7 @@
 // Pairs of rigid bodies are searched as far as these two may move, w_a + w_b, so that a fast body costs no pairs of slow ones. Where
 // two of them turn out to move farther against each other, the pairs between that and twice their motion are watched as well.
 // No side of a pair moves farther than the box around the displacements of its body: most pairs need no other test.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -60,7 +61,7 @@ FreeWay KeptGaps::freeWayOf(const BarrierLaw& law, const Candidate& pair, double
 
 /// Makes touches_ those of the straight ways, less what rigid bodies go around as they turn, and what follows from them.
 void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x) {
-  touches_.clear(), not_free_ = nullptr;
+  touches_.clear(), uninvited_.clear(), not_free_ = nullptr;
   if (all_.empty() && watched_.empty()) return;
   const Surfaces& s = law.surfaces;
   const auto touch = [&](const Candidate& pair, double free, KeptGap* gap) {
@@ -80,8 +81,14 @@ void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& 
     if (gap.free < 1) touch(*gap.pair, gap.free, &gap);
   }
   for (const Watched& each : watched_) {
-    if (each.start > 0 && mostAgainst(each.a, each.b) < certainly_free * each.start) continue;
-    if (const double free = freeWayOf(law, *each.pair, each.start, x).free; free < 1) touch(*each.pair, free, nullptr);
+    const double most = mostAgainst(each.a, each.b);
+    if (each.start > 0 && most < certainly_free * each.start && each.start - most > law.range) continue;
+    const FreeWay way = freeWayOf(law, *each.pair, each.start, x);
+    if (way.free < 1) touch(*each.pair, way.free, nullptr);
+    const bool may_be_near = isOfRigid(each.a, each.b) && each.pair->pushes && each.start - way.moved < law.range;
+    if (way.free < 1 || !may_be_near) continue;
+    const double apart = leastDistance(each.pair->kind, law.candidates.pointsOf(*each.pair, x)) - each.pair->radius - law.thickness;
+    if (apart < law.range) uninvited_.push_back(each.pair);
   }
   if (touches_.empty()) return;
   forgiveTurning(law, x);
@@ -89,12 +96,41 @@ void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& 
   double least = untouched;
   for (const Touch& each : touches_) {
     unproved_ = std::max(unproved_, law.range);
+    if (!each.gap && each.is_rigid && each.pair->pushes) uninvited_.push_back(each.pair);
     if (each.free < least) least = each.free, not_free_ = each.pair;
     for (int k = 0; k < passing(*each.pair); ++k) {
       double& first = first_[std::size_t(each.pair->v[std::size_t(k)])];
       first = std::min(first, each.free);
     }
   }
+}
+
+/// For what comes near and was not expected to.
+void KeptGaps::addSpares() {
+  constexpr std::size_t some = 32, part = 4;
+  next_spare_ = all_.size();
+  if (std::ranges::none_of(watched_, [this](const Watched& each) { return isOfRigid(each.a, each.b); })) return;
+  KeptGap spare;
+  spare.is_spare = spare.is_lower_bound = spare.is_rigid = true, spare.gap = way_;
+  all_.insert(all_.end(), some + next_spare_ / part, spare);
+}
+
+/// Watched pairs that have come near become conditions, in the order in which they do.
+void KeptGaps::giveConditions(const BarrierLaw& law) {
+  if (uninvited_.empty()) return;
+  std::ranges::sort(uninvited_, [](const Candidate* a, const Candidate* b) { return *a < *b; });
+  const std::size_t first = next_spare_;
+  for (const Candidate* pair : uninvited_) {
+    if (next_spare_ == all_.size()) break;
+    makeGap(*pair, true, law, all_[next_spare_++]);
+  }
+  for (Touch& each : touches_)
+    for (std::size_t i = first; i < next_spare_; ++i)
+      if (all_[i].pair == each.pair) all_[i].free = each.free, each.gap = &all_[i];
+  std::erase_if(watched_, [&](const Watched& each) {
+    return std::any_of(all_.begin() + std::ptrdiff_t(first), all_.begin() + std::ptrdiff_t(next_spare_),
+                       [&](const KeptGap& gap) { return gap.pair == each.pair; });
+  });
 }
 
 /// Takes away touches of bodies that go around each other.
@@ -104,30 +140,45 @@ void KeptGaps::forgiveTurning(const BarrierLaw& law, const std::vector<Vec3>& x)
   bool are_free = false;
   std::erase_if(touches_, [&](const Touch& each) {
     if (!each.is_rigid) return false;
-    if (const std::array now{each.a, each.b}; now != last) last = now, are_free = areFreeTurning(law, each.a, each.b, x);
+    if (const std::array now{each.a, each.b}; now != last)
+      last = now, are_free = areFreeTurning(law, each.a, each.b, x, false) || areFreeTurning(law, each.a, each.b, x, true);
     if (are_free && each.gap) each.gap->free = 1;
     return are_free;
   });
 }
 
-/// A body that has passed another one has moved by the width of both against it at least; that it has not gone farther than half of the
-/// smaller one's says that it has not.
+/// The smallest extent of a closed body along the normals of its faces [m].
+double KeptGaps::widthOf(int body, const Surfaces& s, const std::vector<Vec3>& x) const {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const Surfaces::Body& each = s.bodies()[std::size_t(body)];
+  if (!s.isOneSided(each.first_vertex)) return none;
+  double least = none;
+  for (int f = each.first_face; f < each.first_face + each.faces; ++f) {
+    const auto& face = s.faces[std::size_t(f)];
+    const Vec3& from = x[std::size_t(face[0])];
+    const Vec3 across = (x[std::size_t(face[1])] - from).cross(x[std::size_t(face[2])] - from);
+    if (!(across.norm() > 0)) continue;
+    double low = none, high = -none;
+    for (int v = each.first_vertex; v < each.first_vertex + each.vertices; ++v) {
+      const double height = across.dot(x[std::size_t(v)] - from) / across.norm();
+      low = std::min(low, height), high = std::max(high, height);
+    }
+    least = std::min(least, high - low);
+  }
+  return least;
+}
+
+/// What has gone all through another body has moved against it by its width at least, of the thinner one of both: less than that after
+/// the first touch says that it has not.
 double KeptGaps::mostGrazed(const BarrierLaw& law, const std::vector<Vec3>& x) const {
   constexpr double none = std::numeric_limits<double>::infinity();
   if (is_beyond_ || touches_.empty() || !are_boxes_known_) return none;
   const Surfaces& s = law.surfaces;
-  const auto widthOf = [&](int body) {
-    const Surfaces::Body& each = s.bodies()[std::size_t(body)];
-    if (!s.isOneSided(each.first_vertex)) return none;  // of a sheet: the width of the other body is asked for
-    Box box;
-    for (int v = each.first_vertex; v < each.first_vertex + each.vertices; ++v) box.add(x[std::size_t(v)]);
-    return (box.high - box.low).minCoeff();
-  };
   double most = 0;
   for (const Touch& each : touches_) {
     const FreeWay way = freeWayOf(law, *each.pair, 0, x);
-    const double inside = (1 - each.free) * way.moved, width = std::min(widthOf(each.a), widthOf(each.b));
-    if (!each.is_rigid || !(std::isfinite(width) && inside < width / 2)) return none;
+    const double inside = (1 - each.free) * way.moved, width = std::min(widthOf(each.a, s, x), widthOf(each.b, s, x));
+    if (!each.is_rigid || !(std::isfinite(width) && inside < width)) return none;
     for (const auto& [in, body] : {std::pair(each.a, each.b), std::pair(each.b, each.a)})
       if (s.isOneSided(s.bodies()[std::size_t(body)].first_vertex) &&
           isInside(x[std::size_t(s.bodies()[std::size_t(in)].first_vertex)], s, x, body)) return none;

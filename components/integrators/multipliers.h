@@ -201,7 +201,7 @@ class Multipliers {
   bool is_of_bodies_ = false;   ///< the rows of the round are of bodies_, which stand for directions and responses
   bool is_without_w_ = false;   ///< W has not been made for them
   std::vector<double> own_;                ///< of each row: its diagonal of W
-  std::vector<double> allowed_;            ///< by how much each row may be off; work space
+  std::vector<double> allowed_, kept_allowed_;  ///< by how much each row may be off, and be kept; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
   std::vector<double> start_speeds_;       ///< J(x0) v0 of each row, where that is so and there are velocities
   GradientBends bends_;

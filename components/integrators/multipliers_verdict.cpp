@@ -46,8 +46,14 @@ bool Multipliers::conditionsHold(int round, double& step) {
     return false;
   }
   if (round == 0 || carries_ || !(keeps_ || isNoise(step))) return false;
-  constexpr int many = 12;  // bodies that jam leave what is told
-  if (keeps_) leastTolerance(round > many);
+  constexpr int many = 12;  // bodies that jam leave a violation that is reported: not all of what may be kept, as rounds go on
+  constexpr double more = 10;
+  if (keeps_) {
+    leastTolerance(true);
+    kept_allowed_ = allowed_;
+    leastTolerance(false);
+    for (std::size_t i = 0; i < allowed_.size() && round > many; ++i) allowed_[i] = std::min(more * allowed_[i], kept_allowed_[i]);
+  }
   if (worst().off > 0) return false;
   step = 0;
   return true;

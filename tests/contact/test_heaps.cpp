@@ -135,46 +135,49 @@ TEST(Heaps, SweepsThroughBodiesFindTheForcesOfW) {
     expectCleanStep(by_bodies, step, false), expectCleanStep(by_w, step, false);
     const double speed = motionOf(by_w).speed;
     EXPECT_NEAR(motionOf(by_bodies).speed, speed, 2e-3 * speed) << "step " << step;  // forces are those of sweeps to a tolerance
-    EXPECT_NEAR(motionOf(by_bodies).energy, motionOf(by_w).energy, 1e-4 * motionOf(by_w).energy) << "step " << step;
+    EXPECT_NEAR(motionOf(by_bodies).energy, motionOf(by_w).energy, 1e-3 * motionOf(by_w).energy) << "step " << step;
     most = std::max(most, constraintOutput(by_bodies, "contacts").at(0));
   }
   EXPECT_GT(most, 20);
 }
 
-/// Two ridges above each other are parallel where the step starts, and the upper body turns about the vertical by `turn`.
+/// A ridge falls towards another one, parallel to it and a little aside, and turns about the vertical by `turn` in the step.
 double gapOfTurnedRidges(double turn) {
-  constexpr double dt = 0.01, half_diagonal = 0.025 * 1.41421356237309505, apart = 4.5e-3;
-  const std::string frame = "<MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"{} {} {}  {} 0 0 {}\" velocity=\"{}\"/>";
-  const double s = std::sin(M_PI / 8), c = std::cos(M_PI / 8);
-  const auto body = [&](const std::string& name, double z, const std::string& velocity, const std::string& more) {
-    return "<Node name=\"" + name + "\">" + fmt::format(fmt::runtime(frame), 0, 0, z, s, c, velocity) +
-           "<UniformMass totalMass=\"0.1\" inertia=\"1e-4 1e-4 1e-4\"/>" + more + "<Node name=\"skin\">" +
-           boxOf(Vec3(-0.1, -half, -half), Vec3(0.1, half, half)).mesh() + "<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>";
+  constexpr double dt = 0.01, half_diagonal = 0.025 * 1.41421356237309505, apart = 4.5e-3, below = M_PI / 4, above = M_PI / 6;
+  const auto body = [&](const std::string& name, double z, double tilt, const std::string& velocity, const std::string& more) {
+    return fmt::format("<Node name=\"{}\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 {}  {} 0 0 {}\" "
+                       "velocity=\"{}\"/><UniformMass totalMass=\"0.1\" inertia=\"1e-4 1e-4 1e-4\"/>{}<Node name=\"skin\">{}"
+                       "<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>",
+                       name, z, std::sin(tilt / 2), std::cos(tilt / 2), velocity, more,
+                       boxOf(Vec3(-0.1, -half, -half), Vec3(0.1, half, half)).mesh());
   };
-  const std::string fall = fmt::format("0 0 -0.4  0 0 {}", turn / dt);
+  const double height = half_diagonal * (1 + std::cos(below - above)) + apart;
   const std::string text = contactScene(
-      body("below", 0, "0 0 0  0 0 0", "<FixedProjectiveConstraint indices=\"0\"/>") + body("above", 2 * half_diagonal + apart, fall, "") +
+      body("below", 0, below, "0 0 0  0 0 0", "<FixedProjectiveConstraint indices=\"0\"/>") +
+          body("above", height, above, fmt::format("0 0 -0.4  0 0 {}", turn / dt), "") +
           "<ConstraintContact mstate=\"@below/skin/dofs\" other=\"@above/skin/dofs\" contactDistance=\"1e-3\" selfContact=\"0\"/>",
       dt, Vec3::Zero(), one_solve);
   Simulation simulation = simulationFromText(text);
   expectCleanStep(simulation, 0, false);
+  EXPECT_EQ(constraintOutput(simulation, "contacts").at(0), 1);
   return constraintOutput(simulation, "smallestGap").at(0);
 }
 
 /// Nearly parallel edges have a condition as soon as rigid bodies turn them out of parallel.
 TEST(Heaps, EdgesThatAStepTurnsOutOfParallelKeepTheGap) {
-  for (const double turn : {0.05, 0.1, 0.3}) EXPECT_GE(gapOfTurnedRidges(turn), 1e-3 - 1e-6) << turn;
+  for (const double turn : {0.1, 0.3}) EXPECT_NEAR(gapOfTurnedRidges(turn), 1e-3, 1e-6) << turn;
 }
 
-/// A box on a long arm goes around a block: along the arc it keeps 15 mm from it, and its straight way would cut it.
+/// A box on a long arm goes around a block: along the arc it keeps 16 mm from it, and its straight way would cut it.
 TEST(Heaps, ABoxThatTurnsGoesAroundWhatItsStraightWayWouldCut) {
   const std::string text = contactScene(
-      "<Node name=\"b0\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 0  0 0 0 1\" velocity=\"0 0 0  0 0 100\"/>"
+      "<Node name=\"b0\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 0  0 0 -0.149438132473599 0.988771077936042\" "
+      "velocity=\"0 0 0  0 0 100\"/>"
       "<UniformMass totalMass=\"0.1\" inertia=\"1e-3 1e-3 1e-3\"/><Node name=\"skin\">" +
           boxOf(Vec3(0.19, -0.01, -0.01), Vec3(0.21, 0.01, 0.01)).mesh() +
           "<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>"
           "<ConstraintContact mstate=\"@b0/skin/dofs\" contactDistance=\"1e-3\" selfContact=\"0\" "
-          "boxes=\"0.145 0.07 -0.02  0.155 0.08 0.02\"/>",
+          "boxes=\"0.1594 0.0283 -0.02  0.1694 0.0383 0.02\"/>",
       1e-2, Vec3::Zero(), one_solve);
   Simulation simulation = simulationFromText(text);
   for (int step = 0; step < 3; ++step) expectCleanStep(simulation, step, false);
