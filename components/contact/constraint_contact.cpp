@@ -11,8 +11,9 @@
 // What sticks does not creep. The integrator finds the forces by the compliance of the bodies (Signorini and Coulomb): condensed
 // bodies read it from their inverse, EulerImplicitSolver, TrapezoidalRuleSolver, BDFOdeSolver and StaticSolver solve for each
 // condition. Distances and normals are those of the end of the step. Gaps and slides that are off by `toleratedError`, a thousandth
-// of contactDistance by default, hold; mostly they are off by round-off. Up to ten times as much is told at the end of a run. Edges
-// whose bend is not higher count as flat (kept_gaps.h). Forces of a pair are equal and opposite.
+// of contactDistance by default, hold; mostly they are off by round-off. Up to ten times as much, or a quarter of contactDistance where
+// all bodies are rigid, is reported at the end of a run. Edges whose bend is not higher count as flat (kept_gaps.h). Forces of a pair are
+// equal and opposite.
 //
 // Pairs are found where a step starts: those that may come near if nothing moves farther than obstacles do and twice as far as
 // in the last step, as its speed would take it, or as an eighth of the mean edge. Each step is proved besides (kept_gaps.h): every
@@ -46,6 +47,7 @@
 #include "components/contact/contact_obstacles.h"
 #include "components/contact/kept_forces.h"
 #include "components/contact/kept_rows.h"
+#include "components/contact/kept_ways.h"
 #include "components/contact/wrenches.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
@@ -62,8 +64,6 @@ namespace stroma {
 namespace {
 
 using namespace contact;
-
-constexpr double of_edge = 0.125;  ///< as far as pairs are looked for at least
 
 class ConstraintContact final : public Component, public LagrangianConstraint, public SharesForces, public ChangesConditions,
                                 public HearsSteps, public DrawnObstacles, public OpenChoices {
@@ -85,8 +85,8 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   /// Where conditions between rigid bodies do not come to hold their directions stay; where they do not then either, they are let go.
   bool changeConditions(ConstRows, std::span<const double> forces, std::span<const double>) override {
     const bool keeps = gaps_.keepsDirections();
-    if (!keeps && !kept_forces_.isOff(gaps_, law_, x_, rowsOfEach(), forces, friction_, toleratedError())) return false;
-    keeps ? gaps_.letGoDirections() : gaps_.keepDirections();
+    if (!keeps && !kept_forces_.isViolated(gaps_, law_, x_, rowsOfEach(), forces, friction_, toleratedError())) return false;
+    keeps ? gaps_.releaseDirections() : gaps_.keepDirections();
     return true;
   }
   std::string choice() const override {
@@ -95,7 +95,7 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   }
   void addShapes(std::vector<Shape>& shapes) const override { contact::addShapes(law_, shapes); }
   Vec3 shapesMovedBy() const override { return moved_at_start_; }
-  Tolerance tolerance() const override { return {toleratedError(), toldError()}; }
+  Tolerance tolerance() const override { return {toleratedError(), reportedError()}; }
   void reset() override;
   void serialize(Archive& archive) override;
 
@@ -105,16 +105,12 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   void checkStart();
   void checkFirstStep(ConstRows x);
   void refuseOverlaps() const;
-  void tellNear();
+  void warnOfNear();
   void checkMoves() const;
-  void measureTravel();
   void startObstacles();
-  double length() const;
-  void findWay(double dt);
-  void expectWays(double dt, const Vec3& way);
   std::size_t rowsOfEach() const { return friction_ > 0 ? 3 : 1; }
   double toleratedError() const { return tolerated_error_ > 0 ? tolerated_error_ : 1e-3 * law_.range; }
-  double toldError() const { return 10 * toleratedError(); }
+  double reportedError() const { return std::max(10 * toleratedError(), are_all_rigid_ ? law_.range / 4 : 0); }
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, bodies_, vertex); }
 
   Link<State> mstate_{"mechanical state"};
@@ -131,17 +127,16 @@ class ConstraintContact final : public Component, public LagrangianConstraint, p
   Wrenches wrenches_;
 
   std::vector<State*> bodies_;
+  bool are_all_rigid_ = false;
   bool is_built_ = false, is_clear_ = false;  ///< with rows of a system; forces on nodes are all zero
   std::vector<Vec3> start_, end_;  ///< of all vertices, where the step starts, and where the last one ended
   mutable std::vector<Vec3> x_;    ///< where conditions were last looked at
   mutable KeptGaps gaps_;
   KeptForces kept_forces_;
-  ExpectedWays ways_;
+  KeptWays ways_;
   Vec3 moved_at_start_ = Vec3::Zero();
   Vec3 led_ = Vec3::Zero(), led_next_ = Vec3::Zero();  ///< of the offset, what obstacles have come; at the end of the step
-  std::string told_;   ///< of the start
-  double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
-  double way_ = 0;     ///< up to which pairs were looked for in it [m]
+  std::string last_warning_;   ///< of the start
 };
 
 void ConstraintContact::declare(DataTable& table) {
@@ -152,7 +147,8 @@ void ConstraintContact::declare(DataTable& table) {
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   table.add("friction", friction_).help("Coulomb's coefficient mu").unit("-").min(0);
   table.add("toleratedError", tolerated_error_)
-      .help("gaps and slides that are off by no more hold, up to ten times it are told, beyond that the run ends; 0: contactDistance/1000")
+      .help("gaps and slides may be off by this; up to ten times it, or contactDistance/4 between rigid bodies, the run goes on with a "
+            "warning, beyond that it ends; 0: contactDistance/1000")
       .unit("m")
       .min(0);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
@@ -196,6 +192,7 @@ void ConstraintContact::build() {
   law_.candidates.self_contact = self_;
   law_.compile();
   const std::vector<char> rigid = areRigid(law_.surfaces, bodies_);
+  are_all_rigid_ = std::ranges::all_of(rigid, [](char each) { return each != 0; });
   gaps_.compile(law_, toleratedError(), rigid), kept_forces_.compile(law_.surfaces, rigid);
   wrenches_.compile(law_, bodies_);
 }
@@ -208,7 +205,7 @@ void ConstraintContact::buildForRun(ConstRows x) {
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
   refuseOverlaps();
-  tellNear();
+  warnOfNear();
 }
 
 void ConstraintContact::refuseOverlaps() const {
@@ -217,10 +214,10 @@ void ConstraintContact::refuseOverlaps() const {
 }
 
 /// Nearer than the gap that is kept is no error: forces of constraint part them, as they do in the end of any step.
-void ConstraintContact::tellNear() {
+void ConstraintContact::warnOfNear() {
   const std::string near = describeNear(law_, x_, [this](int vertex) { return nameOf(vertex); });
-  if (!near.empty() && near != told_) warn(near, "gaps that are not smaller than contactDistance");
-  told_ = near;
+  if (!near.empty() && near != last_warning_) warn(near, "gaps that are not smaller than contactDistance");
+  last_warning_ = near;
 }
 
 /// As it is written; where mapped nodes are is known when a system has been compiled (stepBegins()).
@@ -240,12 +237,12 @@ void ConstraintContact::checkStart() {
     x_[v] = moves ? body->position[std::size_t(s.rows[v] - body->firstRow())] : Vec3(s.rest[v] + law_.moved);
   }
   refuseOverlaps();
-  tellNear();
+  warnOfNear();
 }
 
 /// Somebody else has moved what is near: it may be anywhere.
 void ConstraintContact::checkMoves() const {
-  bool is_elsewhere = travel_ > 2 * way_;
+  bool is_elsewhere = ways_.wasExceeded();
   constexpr double rounding = 1e-6;
   for (std::size_t i = 0; i < gaps_.all().size() && end_.size() == x_.size(); ++i)
     for (const int v : gaps_.all()[i].v)
@@ -261,7 +258,7 @@ void ConstraintContact::checkFirstStep(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
   if (found_free.size() == x_.size() && law_.surfaces.areBodiesAt(x_, found_free)) return;
   refuseOverlaps();
-  tellNear();
+  warnOfNear();
 }
 
 void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
@@ -271,15 +268,16 @@ void ConstraintContact::constrainedStepBegins(ConstRows x, double t_end) {
   } catch (const ComponentError& error) {  // out of a step: nobody adds the place in the file
     throw ComponentError(where().text() + ": " + error.what(), error.expected, error.suggestion);
   }
-  led_next_ = obstacles_.ledFrom(led_, of_edge * length());
+  led_next_ = obstacles_.ledFrom(led_, KeptWays::of_edge * KeptWays::lengthOf(law_));
   const Vec3 goal = obstacles_.pathAt(t_end) + led_next_, way = goal - moved_at_start_;
   law_.moved = moved_at_start_;
   law_.surfaces.gather(x, law_.moved, x_);
-  measureTravel();
+  const double dt = node().root().dt();
+  ways_.measure(law_.surfaces, start_, x_);
   checkMoves();
-  findWay(node().root().dt());
-  const bool has_pairs = gaps_.begin(law_, x_, way_ + way.norm());
-  if (has_pairs) expectWays(node().root().dt(), way), gaps_.addPairs(law_, ways_);
+  ways_.find(law_, bodies_, dt, way);
+  const bool has_pairs = gaps_.begin(law_, x_, ways_.longest() + way.norm(), ways_.ofBodies());
+  if (has_pairs) ways_.expect(law_, bodies_, dt, way, start_, x_), gaps_.addPairs(law_, ways_.expected());
   copyPlaces(x_, start_);
   law_.moved = goal;
 }
@@ -289,51 +287,10 @@ void ConstraintContact::startObstacles() {
   led_ = led_next_ = obstacles_.startOffset();
 }
 
-/// How far the step before has moved a vertex.
-void ConstraintContact::measureTravel() {
-  if (start_.size() != x_.size() || law_.surfaces.areBodiesAt(x_, start_)) return;
-  travel_ = 0;
-  for (std::size_t v = 0; v < x_.size(); ++v)
-    if (law_.surfaces.moves(int(v))) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
-}
-
-/// The mean edge. Of single points, as spheres by their thickness, that.
-double ConstraintContact::length() const {
-  const double edge = law_.surfaces.meanEdge();
-  return edge > 0 ? edge : std::max(law_.thickness, law_.range);
-}
-
-/// How far pairs are looked for: what the next step may move, from the way and the speed of the last one.
-void ConstraintContact::findWay(double dt) {
-  const Surfaces& s = law_.surfaces;
-  double square = 0;
-  for (const Surfaces::Body& each : s.bodies()) {
-    if (!each.moves) continue;
-    const State& body = *bodies_[std::size_t(s.bodyOf(each.first_vertex))];
-    const ConstRows v = body.v();
-    for (int i = each.first_vertex; i < each.first_vertex + each.vertices; ++i)
-      square = std::max(square, (dt * Vec3(v[s.rows[std::size_t(i)] - body.firstRow()])).squaredNorm());
-  }
-  way_ = std::max({2 * travel_, 2 * std::sqrt(square), of_edge * length()});
-}
-
-/// That of each vertex; obstacles go `way`.
-void ConstraintContact::expectWays(double dt, const Vec3& way) {
-  const Surfaces& s = law_.surfaces;
-  ways_.last.assign(x_.size(), way), ways_.straight.assign(x_.size(), way);
-  for (std::size_t v = 0; v < x_.size(); ++v) {
-    if (!s.moves(int(v))) continue;
-    const State& body = *bodies_[std::size_t(s.bodyOf(int(v)))];
-    ways_.straight[v] = dt * Vec3(body.v()[s.rows[v] - body.firstRow()]);
-    ways_.last[v] = start_.size() == x_.size() ? Vec3(x_[v] - start_[v]) : Vec3(Vec3::Zero());
-  }
-  ways_.other = 2 * of_edge * length();
-}
-
 void ConstraintContact::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {
   law_.surfaces.gather(x, law_.moved, x_);
   gaps_.look(law_, x_);
-  addRows(gaps_, law_, x_, friction_, toldError(), rows);
+  addRows(gaps_, law_, x_, friction_, reportedError(), rows);
 }
 
 void ConstraintContact::takeForces(std::span<const double> forces) {
@@ -368,16 +325,14 @@ void ConstraintContact::reset() {
   startObstacles();
   start_.clear(), end_.clear(), gaps_.clear(), kept_forces_.clear();
   forces_.clear(), contact_forces_.clear(), friction_forces_.clear(), wrenches_.begin();
-  travel_ = way_ = smallest_gap_ = 0;
-  contacts_ = 0;
+  ways_.reset(), smallest_gap_ = 0, contacts_ = 0;
 }
 
 void ConstraintContact::serialize(Archive& archive) {
   serializePlace(archive, "moved", moved_at_start_);
   serializePlace(archive, "led", led_);
   archive.list("start", start_);
-  archive.value("travel", travel_);
-  archive.value("way", way_);
+  ways_.serialize(archive);
   archive.value("contacts", contacts_);
   archive.value("smallest_gap", smallest_gap_);
   archive.list("forces", forces_);

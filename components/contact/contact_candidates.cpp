@@ -136,6 +136,23 @@ bool Candidates::find(const std::vector<Vec3>& x, double margin) {
   return takeFound();
 }
 
+void Candidates::addFarther(int body_a, int body_b, const std::vector<Vec3>& x, double from, double to, std::deque<Candidate>& out) {
+  fitNone();
+  for (std::size_t m = 0; m < meetings_.size(); ++m) {
+    const int a = parts_[std::size_t(meetings_[m].a)].body, b = parts_[std::size_t(meetings_[m].b)].body;
+    if (!(a == body_a && b == body_b) && !(a == body_b && b == body_a)) continue;
+    fitBoth(meetings_[m], x, nullptr, {});
+    forEachNearPair(meetings_[m], to, [&](int f, int g) {
+      pairsOf(f, g, [&](Candidate pair) {
+        const FourPoints points = pointsOf(pair, x);
+        pair.distance = leastDistance(pair.kind, points) - pair.radius, pair.meeting = int(m);
+        if (pair.distance > from && pair.distance <= to) out.push_back(pair);
+      });
+    });
+  }
+  fitNone();
+}
+
 bool Candidates::findAgain(const std::vector<Vec3>& x, double least_margin, double most_margin) {
   constexpr double steps = 3;  // for which a margin is to last; both sides have it
   if (follow(x)) return false;

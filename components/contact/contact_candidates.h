@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <compare>
+#include <deque>
 #include <limits>
 #include <string>
 #include <utility>
@@ -58,6 +59,16 @@ class Candidates {
   /// Finds all pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x, without cached
   /// data. Returns false if no pushing pair is new in patternPairs().
   bool find(const std::vector<Vec3>& x, double margin);
+  /// The same with a margin per pair of bodies, margin(a, b).
+  template <class Margin>
+  bool findWithin(const std::vector<Vec3>& x, Margin&& margin) {
+    forget(), startFrom(x);
+    for (std::size_t m = 0; m < meetings_.size(); ++m)
+      search(int(m), x, margin(parts_[std::size_t(meetings_[m].a)].body, parts_[std::size_t(meetings_[m].b)].body));
+    return takeFound();
+  }
+  /// Appends pairs of two bodies with a distance above `from` and up to `to` at x [m], which find() has left out there.
+  void addFarther(int body_a, int body_b, const std::vector<Vec3>& x, double from, double to, std::deque<Candidate>& out);
   /// The same if the motion up to x has exhausted the proofs, with margins for several steps. Cached data of a pair is
   /// kept. Returns false as above.
   bool findAgain(const std::vector<Vec3>& x, double least_margin, double most_margin);

@@ -246,7 +246,7 @@ void FlushFaces::look(std::vector<KeptGap>& gaps, const std::vector<Vec3>& x, do
     places_.push_back({flattest, crosses, middle, apart, i});
   }
   for (KeptGap& gap : gaps)
-    for (const int number : gap.is_bound ? std::span<const int>() : numbersOf(gap))
+    for (const int number : gap.is_lower_bound ? std::span<const int>() : numbersOf(gap))
       if (gap.flush == KeptGap::Flush::no && meetings_[std::size_t(number)].overlaps && isOnBoth(gap, meetings_[std::size_t(number)]))
         gap.flush = KeptGap::Flush::beside;
   joinNear(gaps, together);

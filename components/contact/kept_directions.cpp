@@ -14,7 +14,7 @@ void KeptGaps::keepDirections() {
   keeps_directions_ = true, looks_ = 0;
   kept_.assign(all_.size(), {});
   for (std::size_t i = 0; i < all_.size(); ++i)
-    if (all_[i].counts) kept_[i].take(all_[i]);
+    if (all_[i].is_active) kept_[i].take(all_[i]);
 }
 
 void KeptGaps::Directions::take(const KeptGap& gap) {
@@ -25,21 +25,21 @@ void KeptGaps::Directions::take(const KeptGap& gap) {
   c = gap.c, upright = gap.upright, flush = gap.flush, more = 0;
 }
 
-void KeptGaps::putBackDirections(const BarrierLaw& law, const std::vector<Vec3>& x) {
+void KeptGaps::restoreDirections(const BarrierLaw& law, const std::vector<Vec3>& x) {
   constexpr double like = 0.9;  // a cosine
   constexpr int few = 6;        // where gaps of the place go to and fro as well
   ++looks_;
   for (std::size_t i = 0; i < all_.size(); ++i) {
     KeptGap& gap = all_[i];
     Directions& kept = kept_[i];
-    const bool is_closed = gap.counts && gap.gap < -tolerated_, is_like = kept.n.dot(gap.n) > like;
-    if (gap.counts && (!kept.is_any || (is_closed && !is_like))) kept.take(gap);
+    const bool is_closed = gap.is_active && gap.gap < -tolerated_, is_like = kept.n.dot(gap.n) > like;
+    if (gap.is_active && (!kept.is_any || (is_closed && !is_like))) kept.take(gap);
     if (!kept.is_any) continue;
-    const bool was_of_place = kept.is_of_place, is_here = gap.tells && gap.free == 1 && !gap.is_bound && is_like;
+    const bool was_of_place = kept.is_of_place, is_here = gap.is_trusted && gap.free == 1 && !gap.is_lower_bound && is_like;
     kept.is_of_place = was_of_place && is_here && looks_ < few;
     const double here = gap.gap;
     gap.c = kept.c, gap.n = kept.n, gap.upright = kept.upright, gap.flush = kept.flush;
-    gap.is_bound = false, gap.counts = gap.acts = true;
+    gap.is_lower_bound = false, gap.is_active = gap.has_closed = true;
     gap.turnTangent();
     if (kept.is_of_place || !gap.pair) continue;
     double apart = 0;

@@ -91,7 +91,7 @@ void KeptForces::expect(const KeptGaps& gaps, const Surfaces& surfaces, const st
                         std::span<double> forces, std::span<double> yields) const {
   for (std::size_t i = 0; i < gaps.all().size(); ++i) {
     const KeptGap& gap = gaps.all()[i];
-    if (!gap.counts || !isRigid(gap, surfaces)) continue;
+    if (!gap.is_active || !isRigid(gap, surfaces)) continue;
     const double area = areaOf(gap, surfaces, x);
     if (area > 0) std::fill_n(yields.begin() + std::ptrdiff_t(each * i), each, 1 / area);
     const auto known = std::ranges::lower_bound(names_, nameOf(gap));
@@ -102,12 +102,12 @@ void KeptForces::expect(const KeptGaps& gaps, const Surfaces& surfaces, const st
   }
 }
 
-bool KeptForces::isOff(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, std::size_t each,
+bool KeptForces::isViolated(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, std::size_t each,
                        std::span<const double> forces, double friction, double tolerated) const {
   constexpr double all = 0.999;  // of what friction can be
   for (std::size_t i = 0; i < gaps.all().size(); ++i) {
     const KeptGap& gap = gaps.all()[i];
-    if (!gap.counts || !isRigid(gap, law.surfaces)) continue;
+    if (!gap.is_active || !isRigid(gap, law.surfaces)) continue;
     const double* l = forces.data() + each * i;
     if (gap.gap < -tolerated || (l[0] > 0 && gap.gap > tolerated)) return true;
     if (each == 1 || !(std::hypot(l[1], l[2]) < all * friction * l[0])) continue;

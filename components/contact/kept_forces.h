@@ -27,7 +27,7 @@ class KeptForces {
   void expect(const KeptGaps& gaps, const Surfaces& surfaces, const std::vector<Vec3>& x, std::size_t each, std::span<double> forces,
               std::span<double> yields) const;
   /// Whether one of them is off by more than `tolerated` [m] where gaps were last looked at, x: a push or what sticks.
-  bool isOff(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, std::size_t each, std::span<const double> forces,
+  bool isViolated(const KeptGaps& gaps, const BarrierLaw& law, const std::vector<Vec3>& x, std::size_t each, std::span<const double> forces,
              double friction, double tolerated) const;
   void serialize(Archive& archive);
 

@@ -10,9 +10,6 @@
 
 namespace stroma::contact {
 
-namespace {
-
-/// How far the sides of a pair move against each other at most.
 double mostAgainst(PairKind kind, const FourPoints& ways) {
   const std::size_t first_side = kind == PairKind::point_triangle ? 1 : 2;
   double square = 0;
@@ -20,6 +17,10 @@ double mostAgainst(PairKind kind, const FourPoints& ways) {
     for (std::size_t j = first_side; j < 4; ++j) square = std::max(square, (ways[i] - ways[j]).squaredNorm());
   return std::sqrt(square);
 }
+
+namespace {
+
+constexpr double touching = 1e-3;  // of the gap to keep: what is nearer has been in contact, and will hardly be anywhere else
 
 bool isOfParallelEdges(const Candidate& pair, const FourPoints& p) {
   constexpr double least = 1e-3;
@@ -56,18 +57,13 @@ double allowance(const KeptGap& gap, const BarrierLaw& law, const std::vector<Ve
 
 }  // namespace
 
-void KeptGap::findFreeWay(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x) {
+FreeWay freeWay(const BarrierLaw& law, const Candidate& pair, double start, const FourPoints& places, const FourPoints& ways) {
   constexpr double part = 0.02, most = 0.1;
-  free = 1;
-  if (!pair) return;
-  const FourPoints places = law.candidates.pointsOf(*pair, from);
-  FourPoints ways = law.candidates.pointsOf(*pair, x);
-  for (std::size_t k = 0; k < 4; ++k) ways[k] -= places[k];
-  moved = mostAgainst(pair->kind, ways);
-  if (start > 0 && moved < 0.7 * start) return;
+  const double moved = mostAgainst(pair.kind, ways);
+  if (start > 0 && moved < certainly_free * start) return {moved, 1};
   const double left = start > 0 ? std::min(most, part * law.range / start) : most;
-  const double touching = pair->radius + (pair->pushes ? law.thickness : 0);
-  free = longestStep(pair->kind, places, ways, {.thickness = touching, .left = left});
+  const double touching = pair.radius + (pair.pushes ? law.thickness : 0);
+  return {moved, longestStep(pair.kind, places, ways, {.thickness = touching, .left = left})};
 }
 
 void KeptGap::place(const BarrierLaw& law, const std::vector<Vec3>& x) {
@@ -92,18 +88,23 @@ void KeptGap::place(const BarrierLaw& law, const std::vector<Vec3>& x) {
   across = tangent = n.unitOrthogonal();
 }
 
-bool KeptGap::isFar(const BarrierLaw& law) const {
+bool KeptGap::staysFar(const BarrierLaw& law, double most) const {
   constexpr double rounding = 0.01;  // of the gap to keep
-  return pair && !acts && free == 1 && (is_aligned || start - moved > (1 + rounding) * law.range);
+  return !has_closed && most < certainly_free * start && start - most > (1 + rounding) * law.range;
 }
 
-void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x, bool anew) {
+bool KeptGap::isFar(const BarrierLaw& law) const {
+  constexpr double rounding = 0.01;  // of the gap to keep
+  return pair && !has_closed && free == 1 && (is_aligned || start - moved > (1 + rounding) * law.range);
+}
+
+void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& from, const std::vector<Vec3>& x, bool refresh) {
   if (!pair) {
     gap = law.gapToPlane(plane, x[std::size_t(v[0])]) - law.range;
   } else {
     FourPoints points = law.candidates.pointsOf(*pair, x);
     double apart = 0;
-    if (anew) {
+    if (refresh) {
       for (std::size_t k = 0; k < 4 && free < 1; ++k) {
         const Vec3& place = from[std::size_t(v[k])];
         points[k] = place + free * (points[k] - place);
@@ -112,7 +113,7 @@ void KeptGap::look(const BarrierLaw& law, const std::vector<Vec3>& from, const s
       apart = closest.distance();
       if (apart > 0) c = closest.weights, n = closest.difference / apart;
     }
-    if (!anew || free < 1) {
+    if (!refresh || free < 1) {
       apart = 0;
       for (std::size_t k = 1; k < 4; ++k) apart += c[k] * n.dot(x[std::size_t(v[k])] - x[std::size_t(v[0])]);
     }
@@ -173,10 +174,10 @@ void KeptGaps::compile(const BarrierLaw& law, double tolerated, const std::vecto
   moved_.resize(bodies_.size());
 }
 
-bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double way) {
+bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double way, const std::vector<double>& ways) {
   copyPlaces(x, start_);
   moved_at_start_ = law.moved, way_ = way, unproved_ = 0, not_free_ = nullptr, keeps_directions_ = false;
-  if (!law.candidates.areFarther(x, law.candidates.reach + 2 * way)) law.candidates.find(x, way);
+  findPairs(law, x, ways);
   all_.clear(), watched_.clear(), watched_vertices_.clear(), flush_.begin();
   if (!law.candidates.pairs().empty()) return true;
   addPlanes(law, x);
@@ -184,66 +185,96 @@ bool KeptGaps::begin(const BarrierLaw& law, const std::vector<Vec3>& x, double w
 }
 
 void KeptGaps::addPairs(const BarrierLaw& law, const ExpectedWays& ways) {
-  for (const Candidate& pair : law.candidates.pairs()) add({.pair = &pair, .v = pair.v}, law, ways);
+  for (const Candidate& pair : law.candidates.pairs()) add(pair, law, ways);
   lookAtFlush(law, start_);
   for (KeptGap& gap : all_) gap.flush_at_start = gap.flush;
   addPlanes(law, start_);
+  addSpares();
 }
 
 void KeptGaps::addPlanes(const BarrierLaw& law, const std::vector<Vec3>& x) {
   for (std::size_t p = 0; p < law.planes.size(); ++p)
     for (int v = 0; v < int(x.size()); ++v)
-      if (law.surfaces.moves(v) && law.gapToPlane(p, x[std::size_t(v)]) < law.range + 2 * way_)
-        add({.plane = p, .v = {v, -1, -1, -1}}, law, {});
+      if (law.surfaces.moves(v) && law.gapToPlane(p, x[std::size_t(v)]) < law.range + 2 * way_) {
+        all_.push_back({.plane = p, .v = {v, -1, -1, -1}});
+        all_.back().place(law, x);
+        all_.back().has_closed = all_.back().gap < touching * law.range;
+      }
 }
 
-void KeptGaps::add(KeptGap gap, const BarrierLaw& law, const ExpectedWays& ways) {
-  constexpr double rounding = 1e-3;  // what is nearer has been in contact, and will hardly be anywhere else
-  if (gap.pair) {
-    const FourPoints points = law.candidates.pointsOf(*gap.pair, start_);
-    gap.is_parallel = isOfParallelEdges(*gap.pair, points);
-    gap.is_aligned = gap.is_parallel && leastOfParallel(points) >= 0;
-    gap.is_rigid = rigid_[std::size_t(law.surfaces.bodyOf(gap.v[0]))] && rigid_[std::size_t(law.surfaces.bodyOf(gap.v[3]))];
-  }
+/// Where the step starts.
+void KeptGaps::makeGap(const Candidate& pair, bool is_rigid, const BarrierLaw& law, KeptGap& gap) const {
+  gap = {.pair = &pair, .v = pair.v, .is_rigid = is_rigid};
+  const FourPoints points = law.candidates.pointsOf(pair, start_);
+  gap.is_parallel = gap.is_parallel_at_start = isOfParallelEdges(pair, points);
+  gap.is_aligned = gap.is_aligned_at_start = gap.is_parallel && leastOfParallel(points) >= 0;
   gap.place(law, start_);
-  gap.acts = gap.gap < rounding * law.range;
-  if (!gap.pair) return all_.push_back(gap);
-  const auto against = [&gap, &law](const std::vector<Vec3>& all) {
-    return mostAgainst(gap.pair->kind, law.candidates.pointsOf(*gap.pair, all));
+}
+
+/// Most pairs are only watched, and need no more than their distance.
+void KeptGaps::add(const Candidate& pair, const BarrierLaw& law, const ExpectedWays& ways) {
+  const double start = pair.distance - (pair.pushes ? law.thickness : 0);
+  const bool is_rigid = isRigidAt(law, pair.v[0]) && isRigidAt(law, pair.v[3]);
+  const auto against = [&pair, &law](const std::vector<Vec3>& all) {
+    return contact::mostAgainst(pair.kind, law.candidates.pointsOf(pair, all));
   };
-  const double most = 2 * std::max(against(ways.last), against(ways.straight)) + ways.other;
-  const bool comes = gap.pair->pushes && gap.gap <= most, may_be_flush = comes && flush_.add(gap, law, start_);
-  const bool has_condition = comes && (may_be_flush || !gap.is_parallel);
-  gap.acts = has_condition && !gap.is_parallel && gap.gap < rounding * law.range && allowance(gap, law, start_, tolerated_) == 0;
-  (has_condition ? all_ : watched_).push_back(gap);
-  if (!has_condition && !gap.is_rigid) watched_vertices_.insert(watched_vertices_.end(), gap.v.begin(), gap.v.end());
+  const bool comes = pair.pushes && start - law.range <= 2 * std::max(against(ways.last), against(ways.straight)) + ways.other;
+  const auto watchAlone = [&] {
+    watch(pair, law);
+    if (!is_rigid) watched_vertices_.insert(watched_vertices_.end(), pair.v.begin(), pair.v.end());
+  };
+  if (!comes) return watchAlone();
+  KeptGap gap;
+  makeGap(pair, is_rigid, law, gap);
+  const bool may_be_flush = flush_.add(gap, law, start_);
+  if (!may_be_flush && gap.is_parallel && !is_rigid) return watchAlone();
+  gap.has_closed = !gap.is_parallel && gap.gap < touching * law.range && allowance(gap, law, start_, tolerated_) == 0;
+  all_.push_back(gap);
+}
+
+/// Rigid bodies may turn edges out of parallel in a step: these then have a condition.
+void KeptGaps::lookAtParallel(KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) {
+  if (!gap.is_parallel_at_start || !gap.is_rigid || gap.has_closed) return;
+  gap.is_parallel = isOfParallelEdges(*gap.pair, law.candidates.pointsOf(*gap.pair, x));
+  gap.is_aligned = gap.is_parallel && gap.is_aligned_at_start;
+  if (!gap.is_parallel) findWayAcross(gap, law);
+}
+
+void KeptGaps::findWayAcross(KeptGap& gap, const BarrierLaw& law) {
+  if (std::exchange(gap.has_way_across, true)) return;
+  KeptGap there = gap;
+  there.is_aligned = false, there.place(law, start_), gap.across = there.across;
 }
 
 void KeptGaps::look(const BarrierLaw& law, const std::vector<Vec3>& x) {
   if (start_.size() != x.size()) return;  // between a restored state and its first step
-  unproved_ = beyond(law, x);
+  unproved_ = beyond(law, x), is_beyond_ = unproved_ > 0;
   findFirstTouches(law, x);
   bool are_kept = true;
+  giveConditions(law);
   for (KeptGap& gap : all_) {
-    gap.tells = tells(gap, law, x);
-    gap.is_bound = gap.isFar(law);
-    if (gap.is_bound)
+    if (gap.is_spare) continue;
+    gap.is_trusted = isTrusted(gap, law, x);
+    lookAtParallel(gap, law, x);
+    gap.is_lower_bound = gap.isFar(law);
+    if (gap.is_lower_bound)
       gap.gap = gap.start - gap.moved - law.range;
     else
-      gap.look(law, start_, x, gap.tells);
+      gap.look(law, start_, x, gap.is_trusted);
   }
   lookAtFlush(law, x);
   for (KeptGap& gap : all_) {
     if (gap.flush == KeptGap::Flush::no && !gap.is_parallel)
-      gap.acts = gap.acts || (gap.tells && gap.gap < 0 && allowance(gap, law, x, tolerated_) == 0);
-    are_kept = are_kept && !(gap.acts && gap.gap < -tolerated_);
+      gap.has_closed = gap.has_closed || (gap.is_trusted && gap.gap < 0 && allowance(gap, law, x, tolerated_) == 0);
+    are_kept = are_kept && !(gap.has_closed && gap.gap < -tolerated_);
   }
   for (KeptGap& gap : all_) {  // over faces that are nearly flat only what is left when the others hold
-    const bool is_left = are_kept && !gap.acts && gap.gap < -tolerated_ && gap.tells && gap.flush == KeptGap::Flush::no && !gap.is_parallel;
-    gap.counts = gap.acts = gap.acts || (is_left && gap.gap < -allowance(gap, law, x, tolerated_));
+    const bool is_alone = gap.is_trusted && gap.flush == KeptGap::Flush::no && !gap.is_parallel;
+    const bool is_left = are_kept && !gap.has_closed && gap.gap < -tolerated_ && is_alone;
+    gap.is_active = gap.has_closed = gap.has_closed || (is_left && gap.gap < -allowance(gap, law, x, tolerated_));
   }
   ignoreDoubles();
-  if (keeps_directions_) putBackDirections(law, x);
+  if (keeps_directions_) restoreDirections(law, x);
 }
 
 void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
@@ -253,15 +284,12 @@ void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
     if (gap.flush == KeptGap::Flush::corner) {
       double apart = 0;
       for (std::size_t k = 1; k < 4; ++k) apart += gap.c[k] * gap.n.dot(x[std::size_t(gap.v[k])] - x[std::size_t(gap.v[0])]);
-      gap.gap = gap.upright * apart - gap.pair->radius - law.thickness - law.range, gap.is_bound = false;
-      if (!std::exchange(gap.has_way_across, true)) {
-        KeptGap there = gap;
-        there.is_aligned = false, there.place(law, start_), gap.across = there.across;
-      }
+      gap.gap = gap.upright * apart - gap.pair->radius - law.thickness - law.range, gap.is_lower_bound = false;
+      findWayAcross(gap, law);
       gap.turnTangent();
-      gap.acts = gap.acts || gap.gap < rounding * law.range;
+      gap.has_closed = gap.has_closed || gap.gap < rounding * law.range;
     } else if (gap.flush == KeptGap::Flush::beside) {
-      gap.acts = false;
+      gap.has_closed = false;
     }
   }
 }
@@ -270,90 +298,17 @@ void KeptGaps::lookAtFlush(const BarrierLaw& law, const std::vector<Vec3>& x) {
 double KeptGaps::smallest(const BarrierLaw& law, const std::vector<Vec3>& x) {
   double least = std::numeric_limits<double>::infinity();
   for (const KeptGap& gap : all_)
-    if (!gap.is_bound && !(keeps_directions_ && gap.pair && gap.counts)) least = std::min(least, gap.gap);
+    if (!gap.is_lower_bound && !gap.is_spare && !(keeps_directions_ && gap.pair && gap.is_active)) least = std::min(least, gap.gap);
   for (const KeptGap& gap : all_)
-    if (keeps_directions_ && gap.pair && gap.counts && !gap.is_aligned) {
+    if (keeps_directions_ && gap.pair && gap.is_active && !gap.is_aligned) {
       KeptGap there = gap;
       there.look(law, start_, x, true), least = std::min(least, there.gap);
     }
   for (KeptGap& gap : all_)
-    if (gap.is_bound && !gap.is_aligned && gap.gap < least) gap.look(law, start_, x, true), least = std::min(least, gap.gap);
+    if (gap.is_lower_bound && !gap.is_spare && !gap.is_aligned && gap.gap < least)
+      gap.look(law, start_, x, true), least = std::min(least, gap.gap);
   if (!std::isfinite(least) && !all_.empty()) least = std::ranges::min(all_, {}, &KeptGap::gap).gap;
   return least;
-}
-
-void KeptGaps::findFirstTouches(const BarrierLaw& law, const std::vector<Vec3>& x) {
-  constexpr double none = 2;
-  double least = none;
-  not_free_ = nullptr;
-  if (all_.empty() && watched_.empty()) return;
-  first_.assign(x.size(), none);
-  for (std::vector<KeptGap>* gaps : {&all_, &watched_})
-    for (KeptGap& gap : *gaps) {
-      gap.findFreeWay(law, start_, x);
-      if (gap.free == 1) continue;
-      unproved_ = std::max(unproved_, law.range);
-      if (gap.free < least) least = gap.free, not_free_ = gap.pair;
-      for (int k = 0; k < gap.passing(); ++k) {
-        double& first = first_[std::size_t(gap.v[std::size_t(k)])];
-        first = std::min(first, gap.free);
-      }
-    }
-}
-
-/// It is the first that its vertices touch, or they touch nothing.
-bool KeptGaps::tells(const KeptGap& gap, const BarrierLaw& law, const std::vector<Vec3>& x) const {
-  constexpr double together = 0.05;  // of the gap to keep, on the way from one to the other
-  double first = 1;
-  for (int k = 0; k < gap.passing(); ++k) first = std::min(first, first_[std::size_t(gap.v[std::size_t(k)])]);
-  if (gap.free == first) return true;
-  FourPoints ways;
-  for (std::size_t k = 0; k < 4; ++k) ways[k] = x[std::size_t(gap.v[k])] - start_[std::size_t(gap.v[k])];
-  return gap.passing() == 0 || (gap.free - first) * mostAgainst(gap.pair->kind, ways) <= together * law.range;
-}
-
-/// Of two bodies that may meet, and of each that planes may meet with -1.
-template <class Visit>
-void KeptGaps::forEachMeeting(const BarrierLaw& law, Visit&& visit) const {
-  const auto& bodies = law.surfaces.bodies();
-  for (int a = 0; a < int(bodies.size()); ++a) {
-    const bool moves = bodies[std::size_t(a)].moves;
-    if (moves && !law.planes.empty()) visit(a, -1);
-    for (int b = law.candidates.self_contact && moves ? a : a + 1; b < int(bodies.size()); ++b)
-      if (moves || bodies[std::size_t(b)].moves) visit(a, b);
-  }
-}
-
-/// Boxes around displacements say that nothing has moved farther than pairs were looked for.
-bool KeptGaps::isWithin(const BarrierLaw& law, const std::vector<Vec3>& x) {
-  const auto& bodies = law.surfaces.bodies();
-  around_.resize(bodies.size());
-  Box of_planes;
-  of_planes.add(Vec3(law.moved - moved_at_start_));
-  bool are_numbers = true;
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (const std::size_t first = std::size_t(bodies[b].first_vertex), count = std::size_t(bodies[b].vertices); count > 0)
-      are_numbers = boxAround(x.data() + first, start_.data() + first, count, around_[b]) && are_numbers;
-  double most = 0;
-  forEachMeeting(law, [&](int a, int b) {
-    most = std::max(most, mostApart(around_[std::size_t(a)], b < 0 ? of_planes : around_[std::size_t(b)]));
-  });
-  return are_numbers && most <= 2 * way_;
-}
-
-/// By how much something has moved farther than pairs were looked for.
-double KeptGaps::beyond(const BarrierLaw& law, const std::vector<Vec3>& x) {
-  if (isWithin(law, x)) return 0;
-  all_moved_.set(x, &start_);
-  for (std::size_t b = 0; b < bodies_.size(); ++b) moved_[b] = displacementsOf(bodies_[b], all_moved_, {});
-  Displacements of_planes;
-  of_planes.box.add(Vec3(law.moved - moved_at_start_));
-  of_planes.longest = (law.moved - moved_at_start_).norm();
-  double most = 0;
-  forEachMeeting(law, [&](int a, int b) {
-    most = std::max(most, mostApart(moved_[std::size_t(a)], b < 0 ? of_planes : moved_[std::size_t(b)]));
-  });
-  return std::max(0.0, most - 2 * way_);
 }
 
 void KeptGaps::ignoreDoubles() {
@@ -361,7 +316,7 @@ void KeptGaps::ignoreDoubles() {
   keys_.clear();
   for (std::size_t i = 0; i < all_.size(); ++i) {
     const KeptGap& gap = all_[i];
-    if (!gap.pair || !gap.counts) continue;
+    if (!gap.pair || !gap.is_active) continue;
     std::array<int, 4> key{-1, -1, -1, -1};
     for (std::size_t k = 0; k < 4; ++k)
       if (std::abs(gap.c[k]) > none) key[k] = gap.v[k];
@@ -370,7 +325,7 @@ void KeptGaps::ignoreDoubles() {
   }
   std::sort(keys_.begin(), keys_.end());
   for (std::size_t k = 1; k < keys_.size(); ++k)
-    if (keys_[k].vertices == keys_[k - 1].vertices) all_[keys_[k].gap].counts = false;
+    if (keys_[k].vertices == keys_[k - 1].vertices) all_[keys_[k].gap].is_active = false;
 }
 
 /// The way of the two places past each other in the step.

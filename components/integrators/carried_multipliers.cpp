@@ -10,7 +10,7 @@
 namespace stroma {
 
 bool Multipliers::areFree() {
-  if (largest(carried_) != 0) return false;
+  if (largest(carried_.now()) != 0) return false;
   findConditions();
   return std::ranges::all_of(rows_.rows(), [](const LagrangianRows::Row& row) {
     switch (row.kind) {
@@ -60,51 +60,63 @@ void Multipliers::leaveOutWay() {
   }
 }
 
-void Multipliers::addCarried(Rows out) const { axpy(1, carried_, out); }
+void Multipliers::addCarried(Rows out) const { axpy(1, carried_.now(), out); }
 
 void Multipliers::carry(Rows out) {
   takeDirections(), takeBends();
-  clear(added_);
-  share_ = 1;
+  const Rows sum = carried_.beginChange();
   for (std::size_t i = 0; i < rows_.rows().size(); ++i)
     if (const double p = rule_.weight * solve_.l[Eigen::Index(i)]; p != 0) {
       if (!isAimed(i)) takeDirection(i);
-      axpy(p, directions_[i], added_);
+      axpy(p, directions_[i], sum);
     }
-  axpy(-1, carried_, added_);
-  axpy(1, added_, carried_);
+  carried_.change(out);
+}
+
+void CarriedForces::resize(Index rows) {
+  for (Vector* vector : {&now_, &last_, &added_}) vector->resize(rows);
+}
+
+Rows CarriedForces::beginChange() {
+  clear(added_);
+  share_ = 1;
+  return added_;
+}
+
+void CarriedForces::change(Rows out) {
+  axpy(-1, now_, added_);
+  axpy(1, added_, now_);
   axpy(1, added_, out);
 }
 
-void Multipliers::carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out) {
-  axpy(-1, carried_, out);
-  mixing.next(from, to, carried_);
-  axpy(1, carried_, out);
-}
-
-void Multipliers::carryShare(double share, Rows out) {
-  axpy(share - share_, added_, carried_);
+void CarriedForces::changeShare(double share, Rows out) {
+  axpy(share - share_, added_, now_);
   axpy(share - share_, added_, out);
   share_ = share;
+}
+
+void CarriedForces::mix(Mixing& mixing, ConstRows from, Rows to, Rows out) {
+  axpy(-1, now_, out);
+  mixing.next(from, to, now_);
+  axpy(1, now_, out);
 }
 
 void Multipliers::stepTaken() {
   if (empty()) return;
   swept_ = sweeping_;
   if (!carries_) return;
-  copy(carried_, last_);
-  scale(1 / rule_.weight, last_);
+  carried_.end(rule_.weight);
 }
 
 void Multipliers::reset() {
-  if (!empty()) clear(last_);
+  if (!empty()) carried_.forget();
   swept_.resize(0), sweeping_.resize(0);
   not_swept_.clear();
 }
 
 void Multipliers::serialize(Archive& archive) {
   if (empty()) return;
-  archive.rows("forces_of_constraint", last_);
+  archive.rows("forces_of_constraint", carried_.last());
   if (!sweeps_) return;
   std::vector<double> swept(swept_.begin(), swept_.end());
   archive.list("forces_of_sweeps", swept);

@@ -22,45 +22,51 @@ double Multipliers::shareOf(const LagrangianRows::Bend& bend) const {
 /// to rest without them.
 void Multipliers::takeBends() {
   constexpr double little = 0.2;
-  bend_count_ = 0;
+  bends_.clear();
   if (!knows_forces_ || solve_.l.size() != Eigen::Index(rows_.rows().size())) return;
   for (const LagrangianRows::Bend& bend : rows_.bends()) {
     if (rows_.rows()[bend.row].kind != LagrangianRows::Kind::push && !(shareOf(bend) > little)) continue;
     const double size = rule_.weight * rule_.displacement * solve_.l[Eigen::Index(bend.row)] * bend.size;
     if (!(size > 0)) continue;
-    if (bends_.size() == bend_count_) bends_.emplace_back();
-    Bend& taken = bends_[bend_count_++];
-    taken.size = size;
-    if (taken.b.count() != system_->independentRows()) taken.b.resize(system_->independentRows());
-    pullBack(rows_.entriesOf(bend), taken.b);
+    pullBack(rows_.entriesOf(bend), bends_.add(size, system_->independentRows()));
   }
 }
 
 /// Y, and the factors of S^-1 + B^T Y.
 bool Multipliers::respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
-  const auto count = Eigen::Index(bend_count_);
-  if (count == 0) return true;
-  Eigen::MatrixXd& small = bend_matrix_;
-  small.resize(count, count);
+  if (bends_.empty()) return true;
   asked_.clear(), answers_.clear();
-  for (std::size_t i = 0; i < bend_count_; ++i) ask(bends_[i].b, bends_[i].y);
+  for (GradientBends::Bend& bend : bends_.all()) ask(bend.b, bend.y);
   if (!answerAsked(solver, matrix, stop, report)) return false;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    Bend& bend = bends_[std::size_t(i)];
-    for (Eigen::Index j = 0; j < count; ++j) small(j, i) = dot(bends_[std::size_t(j)].b, bend.y);
-    small(i, i) += 1 / bend.size;
-  }
-  bent_.compute(small);
+  bends_.factor();
   return true;
 }
 
-/// What A^-1 has answered becomes what A + B S B^T answers.
-void Multipliers::takeBendsFrom(Rows response) {
-  if (bend_count_ == 0) return;
-  along_bends_.resize(Eigen::Index(bend_count_));
-  for (std::size_t i = 0; i < bend_count_; ++i) along_bends_[Eigen::Index(i)] = dot(bends_[i].b, response);
-  bend_shares_.noalias() = bent_.solve(along_bends_);
-  for (std::size_t i = 0; i < bend_count_; ++i) axpy(-bend_shares_[Eigen::Index(i)], bends_[i].y, response);
+Vector& GradientBends::add(double size, Index rows) {
+  if (bends_.size() == count_) bends_.emplace_back();
+  Bend& bend = bends_[count_++];
+  bend.size = size;
+  if (bend.b.count() != rows) bend.b.resize(rows);
+  return bend.b;
+}
+
+void GradientBends::factor() {
+  const auto count = Eigen::Index(count_);
+  matrix_.resize(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Bend& bend = bends_[std::size_t(i)];
+    for (Eigen::Index j = 0; j < count; ++j) matrix_(j, i) = dot(bends_[std::size_t(j)].b, bend.y);
+    matrix_(i, i) += 1 / bend.size;
+  }
+  factors_.compute(matrix_);
+}
+
+void GradientBends::takeFrom(Rows response) {
+  if (count_ == 0) return;
+  along_.resize(Eigen::Index(count_));
+  for (std::size_t i = 0; i < count_; ++i) along_[Eigen::Index(i)] = dot(bends_[i].b, response);
+  shares_.noalias() = factors_.solve(along_);
+  for (std::size_t i = 0; i < count_; ++i) axpy(-shares_[Eigen::Index(i)], bends_[i].y, response);
 }
 
 std::vector<UncoupledConstraintCorrection*> Multipliers::findUncoupled() const {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "components/integrators/multipliers.h"
+#include "components/integrators/whole_matrix.h"
 
 namespace stroma {
 
@@ -26,7 +27,7 @@ bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken 
   for (const std::size_t i : new_answers_) {
     Vector& response = responses_[i];
     if (!isAlike(i)) {
-      takeBendsFrom(response);
+      bends_.takeFrom(response);
       continue;
     }
     if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
@@ -36,24 +37,64 @@ bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken 
   return true;
 }
 
+/// Rows of W.
+void Multipliers::findLive() {
+  std::swap(live_, coupled_);
+  live_.clear();
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i)
+    if (!isIdle(i)) live_.push_back(i);
+}
+
+/// What bodies answer to loads; the step goes on without them where they are coupled. False: a solve gave nothing.
+bool Multipliers::answerBodies(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  if (dynamic_cast<WholeMatrix*>(&matrix) || !bodies_.findBodies(matrix)) return true;
+  asked_.clear(), answers_.clear();
+  for (std::size_t k = 0; k < BodyRows::loads; ++k) {
+    if (body_loads_[k].count() != system_->independentRows()) body_loads_[k].resize(system_->independentRows());
+    bodies_.load(int(k), body_loads_[k]);
+    ask(body_loads_[k], body_answers_[k]);
+  }
+  if (!answerAsked(solver, matrix, stop, report)) return false;
+  knows_bodies_ = bodies_.takeAnswers(body_loads_, body_answers_);
+  return true;
+}
+
+/// Where all rows that may have a force are of free bodies that share them. False: a solve gave nothing.
+bool Multipliers::takeBodyRows(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  const bool was_of_bodies = std::exchange(is_of_bodies_, false);
+  if (is_first) knows_bodies_ = false;
+  const bool may_be = !carries_ && !isOnce() && rule_.old_share == 0 && uncoupled_.empty() && !yields_.empty();
+  if (may_be && is_first && !answerBodies(solver, matrix, stop, report)) return false;
+  if (may_be && knows_bodies_) {
+    findLive();
+    is_of_bodies_ = bodies_.take(rows_, live_);
+  }
+  if (!is_of_bodies_) {
+    if (was_of_bodies) is_answered_.clear(), has_new_answers_ = true;
+    return true;
+  }
+  const double factor = rule_.weight * rule_.displacement;
+  own_.assign(rows_.rows().size(), 0);
+  for (std::size_t k = 0; k < live_.size(); ++k) own_[live_[k]] = BodyRows::couple(bodies_.rows()[k], bodies_.rows()[k], factor);
+  is_without_w_ = redundant_.wouldSweep(rows_.rows(), live_, bodies_.touched(), solve_.searches > searches_before_);
+  if (!is_without_w_) bodies_.couple(factor, solve_.w);
+  return true;
+}
+
 /// W. Along directions that stay it is what it was while the same rows are alive.
 void Multipliers::couple() {
   const auto& rows = rows_.rows();
-  std::swap(live_, coupled_);
-  live_.clear();
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (!isIdle(i)) live_.push_back(i);
+  findLive();
   if (!std::exchange(has_new_answers_, false) && keepsDirections() && live_ == coupled_ && own_.size() == rows.size()) return;
   const auto count = Eigen::Index(live_.size());
   const double factor = rule_.weight * rule_.displacement;
   solve_.w.resize(count, count);
   own_.assign(rows.size(), 0);
-  if (couplesByDirections()) findReached(), solve_.w.setZero();
+  if (couplesByDirections()) overlaps_.find(directions_, live_, system_->independentRows()), solve_.w.setZero();
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector& response = responses_[live_[std::size_t(i)]];
     if (couplesByDirections()) {
-      findMoved(response);
-      for (const std::size_t j : moved_) solve_.w(Eigen::Index(j), i) = factor * alongReached(j, response);
+      for (const std::size_t j : overlaps_.of(response)) solve_.w(Eigen::Index(j), i) = factor * overlaps_.along(j, response);
     } else {
       const ConstRows along = system_->mappingChain().direction(response);
       for (Eigen::Index j = 0; j < count; ++j) {
@@ -66,37 +107,35 @@ void Multipliers::couple() {
   }
 }
 
-/// Where the directions of rows of W are not zero: of two rigid bodies, of however many there are.
-void Multipliers::findReached() {
-  reached_.clear(), first_reached_.assign(1, 0);
-  reaches_.resize(std::size_t(system_->independentRows()));
+void DirectionOverlaps::find(const std::vector<Vector>& directions, const std::vector<std::size_t>& live, Index rows) {
+  directions_ = &directions, live_ = &live;
+  reached_.clear(), first_.assign(1, 0);
+  reaches_.resize(std::size_t(rows));
   for (auto& each : reaches_) each.clear();
-  marks_.assign(live_.size(), 0), mark_ = 0;
-  for (std::size_t number = 0; number < live_.size(); ++number) {
-    const ConstRows direction = directions_[live_[number]];
+  marks_.assign(live.size(), 0), mark_ = 0;
+  for (std::size_t number = 0; number < live.size(); ++number) {
+    const ConstRows direction = directions[live[number]];
     for (Index at = 0; at < direction.count; ++at)
       if (!direction[at].isZero(0)) reached_.push_back(at), reaches_[std::size_t(at)].push_back(number);
-    first_reached_.push_back(reached_.size());
+    first_.push_back(reached_.size());
   }
 }
 
-/// The rows of W whose directions are not zero where a response is not: those of the bodies that it moves.
-void Multipliers::findMoved(ConstRows response) {
-  moved_.clear();
+const std::vector<std::size_t>& DirectionOverlaps::of(ConstRows response) {
+  found_.clear();
   ++mark_;
   for (Index at = 0; at < response.count; ++at) {
     if (reaches_[std::size_t(at)].empty() || response[at].isZero(0)) continue;
     for (const std::size_t number : reaches_[std::size_t(at)])
-      if (std::exchange(marks_[number], mark_) != mark_) moved_.push_back(number);
+      if (std::exchange(marks_[number], mark_) != mark_) found_.push_back(number);
   }
+  return found_;
 }
 
-/// The direction of a row of W with a response.
-double Multipliers::alongReached(std::size_t number, ConstRows response) const {
-  const ConstRows direction = directions_[live_[number]];
+double DirectionOverlaps::along(std::size_t number, ConstRows response) const {
+  const ConstRows direction = (*directions_)[(*live_)[number]];
   double sum = 0;
-  for (std::size_t k = first_reached_[number]; k < first_reached_[number + 1]; ++k)
-    sum += direction[reached_[k]].dot(response[reached_[k]]);
+  for (std::size_t k = first_[number]; k < first_[number + 1]; ++k) sum += direction[reached_[k]].dot(response[reached_[k]]);
   return sum;
 }
 

@@ -57,23 +57,44 @@ void Multipliers::forgetChanged() {
   const bool stands = system_->mappingChain().isLinear();
   is_answered_.resize(rows.size(), false);
   std::size_t constraint = 0;
+  bool keeps = stands;
   for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool is_first = i == 0 || i >= ends_[constraint];
     while (i >= ends_[constraint]) ++constraint;
+    if (is_first) keeps = stands || dynamic_cast<const SharesForces*>(system_->actors().lagrangian_constraints[constraint]);
     const auto now = rows_.entriesOf(rows[i]);
-    const bool keeps = stands || dynamic_cast<const SharesForces*>(system_->actors().lagrangian_constraints[constraint]);
     if (!keeps || rows.size() != old.size() || !std::ranges::equal(now, old_rows_.entriesOf(old[i]))) is_answered_[i] = false;
   }
 }
 
-/// Where directions of what shares its forces turn to and fro they stay. Where that does not lead to an end they are let go, and stay
-/// from another place on. True: either begins here.
+/// Where directions of constraints that share forces turn to and fro they stay, those of each that is violated. Where that does not
+/// lead to an end all are released, to stay from another place on. True: either begins here.
 bool Multipliers::keepDirections(int round) {
   constexpr int few = 2, many = 20, most = 25;
   kept_since_ = std::min(kept_since_, round);
-  if (carries_ || yields_.empty() || round - kept_since_ < (keeps_ ? most : redundant_.areSwept() ? few : many)) return false;
-  if (!changeConditions(true)) return false;
-  keeps_ = !keeps_, kept_since_ = round;
+  if (carries_ || yields_.empty()) return false;
+  const int since = round - kept_since_;
+  const bool releases = keeps_ && since >= most;
+  if (!releases && since < (redundant_.areSwept() ? few : many)) return false;
+  if (!changeDirections(releases)) return false;
+  keeps_ = !releases, kept_since_ = round;
   return true;
+}
+
+/// Of those that keep their directions, or of all others. True: one has changed them.
+bool Multipliers::changeDirections(bool releases) {
+  const ConstRows x = system_->mappingChain().positions(system_->x);
+  const auto& constraints = system_->actors().lagrangian_constraints;
+  bool have_changed = false;
+  keeps_directions_.resize(constraints.size(), false);
+  for (std::size_t i = 0, begin = 0; i < constraints.size(); begin = ends_[i++]) {
+    auto* const changes = dynamic_cast<ChangesConditions*>(constraints[i]);
+    if (!changes || !dynamic_cast<const SharesForces*>(constraints[i]) || bool(keeps_directions_[i]) != releases) continue;
+    const std::size_t count = ends_[i] - begin;
+    if (!changes->changeConditions(x, {solve_.l.data() + begin, count}, {own_.data() + begin, count})) continue;
+    keeps_directions_[i] = !releases, have_changed = true;
+  }
+  return have_changed;
 }
 
 /// J^T of rows that may have a force, where they were found: they are few of those that may come near in a step.

@@ -32,11 +32,13 @@ void Multipliers::compile(System& system) {
   system_ = &system;
   if (empty()) return;
   for (Vector* vector : {&start_, &work_}) vector->resize(system.allRows());
-  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &carried_, &added_, &base_, &last_, &aimed_at_, &here_})
+  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &base_, &aimed_at_, &here_})
     vector->resize(system.independentRows());
+  carried_.resize(system.independentRows());
   uncoupled_ = findUncoupled();
   if (!uncoupled_.empty()) pushes_.resize(system.independentRows());
   sweeps_ = findSweeps();
+  bodies_.compile(system);
 }
 
 void Multipliers::begin(const Rule& rule, bool carries) {
@@ -46,11 +48,10 @@ void Multipliers::begin(const Rule& rule, bool carries) {
   made_before_ = iterationsOfAll(), searches_before_ = solve_.searches;
   if (!carries)
     for (UncoupledConstraintCorrection* each : uncoupled_) each->takeMasses(*system_);
-  knows_forces_ = has_changed_ = false, bend_count_ = 0, times_left_ = 0;
-  redundant_.forget();
+  knows_forces_ = has_changed_ = false, times_left_ = 0, bends_.clear();
+  redundant_.forget(), is_of_bodies_ = false;
   spent_ = 0, is_swept_ = false, sweeping_ = swept_;
-  copy(last_, carried_);
-  scale(rule.weight, carried_);
+  carried_.begin(rule.weight);
   copy(system_->mappingChain().positions(system_->x), start_);
   if (rule.old_share == 0) return;
   findConditions();
@@ -144,21 +145,32 @@ void Multipliers::expectForces() {
   if (std::ranges::none_of(yields_, [](double each) { return each > 0; })) yields_.clear();
 }
 
+RedundantForces::Problem Multipliers::problemWith(const BodyRows* bodies, double budget) const {
+  constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
+  return {.rows = rows_.rows(), .live = live_, .w = solve_.w, .g = solve_.g, .sizes = solve_.sizes, .yields = yields_, .allowed = allowed_,
+          .at_rest = carries_ ? at_rest : 0, .goes_on = solve_.searches > searches_before_, .comes_again = !carries_ && !isOnce(),
+          .budget = budget, .bodies = bodies, .factor = rule_.weight * rule_.displacement};
+}
+
 void Multipliers::findForces(StopToken stop) {
   if (sweepForces(stop)) return;
   constexpr double of_thousand_rows = 1e9;
   solve_.enough = 0;
   const double budget = budget_ * of_thousand_rows;
-  constexpr double at_rest = 1e-6;  // of what is tolerated: by less than that forces of the step before need not be off
-  const bool goes_on = solve_.searches > searches_before_;
-  const RedundantForces::Problem problem{rows_.rows(), live_,    solve_.w,
-                                         solve_.g,     solve_.sizes, yields_,
-                                         allowed_,     carries_ ? at_rest : 0, goes_on, !carries_ && !isOnce(), budget - spent_};
-  if (!yields_.empty()) {
-    if (redundant_.find(problem, solve_.l, stop))
-      solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
-    spent_ += redundant_.spent;
+  const auto findRedundant = [&](const BodyRows* bodies) {
+    const bool is_found = redundant_.find(problemWith(bodies, budget - spent_), solve_.l, stop);
+    if (is_found) solve_.contradiction = redundant_.contradiction(), solve_.enough = redundant_.unsettled();
+    spent_ += redundant_.spent, is_spent_ = spent_ > budget;
+    return is_found;
+  };
+  if (makesMotionAlone()) {
+    if (findRedundant(&bodies_)) {
+      ++solve_.searches;
+      return;
+    }
+    is_without_w_ = false, bodies_.couple(rule_.weight * rule_.displacement, solve_.w);
   }
+  if (!yields_.empty()) findRedundant(nullptr);
   if (spent_ <= budget) {
     solve_.spent = 0, solve_.budget = budget - spent_;
     solve_.solve(rows_.rows(), stop, allowed_);
@@ -169,21 +181,23 @@ void Multipliers::findForces(StopToken stop) {
 
 void Multipliers::give() {
   iterations_ = int(iterationsOfAll() - made_before_);
-  residual_ = rows_.rows().empty() || solve_.searches == searches_before_ ? 0 : solve_.unsettled();
+  residual_ = rows_.rows().empty() || solve_.searches == searches_before_ ? 0
+              : makesMotionAlone()                                              ? redundant_.unsettled()
+                                                                                : solve_.unsettled();
   std::size_t begin = 0;
   const auto& constraints = system_->actors().lagrangian_constraints;
   for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++])
     constraints[i]->takeForces({solve_.l.data() + begin, ends_[i] - begin});
 }
 
-/// Which conditions there are may depend on the forces that have been found. `shared`: of those that share them, else of all others.
-bool Multipliers::changeConditions(bool shared) {
+/// Which conditions there are may depend on the forces that have been found; of those that share forces see changeDirections().
+bool Multipliers::changeConditions() {
   const ConstRows x = system_->mappingChain().positions(system_->x);
   asked_to_change_ = system_->actors().lagrangian_constraints;
   for (LagrangianConstraint*& each : asked_to_change_)
-    if ((dynamic_cast<const SharesForces*>(each) != nullptr) != shared) each = nullptr;
+    if (dynamic_cast<const SharesForces*>(each)) each = nullptr;
   if (!ChangesConditions::changeAny(asked_to_change_, ends_, x, solve_.l.data(), own_.data())) return false;
-  if (!shared) --changes_left_, has_changed_ = true;
+  --changes_left_, has_changed_ = true;
   return true;
 }
 
@@ -198,6 +212,11 @@ bool Multipliers::areFewAndSmooth() const {
 void Multipliers::sumResponses() {
   copy(whole_, before_);
   clear(whole_);
+  if (is_of_bodies_) {
+    for (std::size_t k = 0; k < live_.size(); ++k)
+      if (const double p = rule_.weight * solve_.l[Eigen::Index(live_[k])]; p != 0) bodies_.rows()[k].move(p, whole_.rows().data);
+    return;
+  }
   if (carries_) axpy(-1, base_, whole_);
   for (Eigen::Index i = 0; i < solve_.l.size(); ++i)
     if (const double p = rule_.weight * solve_.l[i]; p != 0) axpy(p, responses_[std::size_t(i)], whole_);
@@ -214,12 +233,12 @@ void Multipliers::apply(Rows change) {
 
 /// base_ = what the carried impulses do, with the matrix that has the turning of gradients. False: a solve gave nothing.
 bool Multipliers::answerCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report) {
-  copy(carried_, right_side_);
+  copy(carried_.now(), right_side_);
   system_->constraints().project(right_side_);
   if (!answer(solver, matrix, base_, stop, report) || !respondToBends(solver, matrix, stop, report)) return false;
-  if (bend_count_ > 0) {  // d - (d - base) less what bends take of it
+  if (!bends_.empty()) {  // d - (d - base) less what bends take of it
     axpy(-1, direction, base_);
-    takeBendsFrom(base_);
+    bends_.takeFrom(base_);
     axpy(1, direction, base_);
   }
   return true;
@@ -229,6 +248,11 @@ bool Multipliers::answerCarried(LinearSolver& solver, SystemMatrix& matrix, Cons
 void Multipliers::leaveOutForces() {
   copy(whole_, before_);
   if (carries_) axpy(1, base_, before_);
+  if (is_of_bodies_) {
+    const double* const motion = before_.rows().data;
+    for (std::size_t k = 0; k < live_.size(); ++k) solve_.g[Eigen::Index(live_[k])] -= rule_.displacement * bodies_.rows()[k].along(motion);
+    return;
+  }
   if (keepsDirections()) {
     for (const std::size_t row : live_) solve_.g[Eigen::Index(row)] -= rule_.displacement * dot(directions_[row], before_);
     return;
@@ -243,6 +267,8 @@ void Multipliers::leaveOutForces() {
 bool Multipliers::prepareRound(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
   const bool follows_turns = !system_->mappingChain().isLinear();  // as mapped points do
   if (!is_first && !follows_turns && rows_.hasGradientsOf(old_rows_)) return true;
+  if (!takeBodyRows(is_first, solver, matrix, stop, report)) return false;
+  if (is_of_bodies_) return true;
   if (is_first || (!carries_ && !keeps_ && follows_turns))
     is_answered_.clear();
   else if (!carries_)
@@ -260,7 +286,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   System& s = *system_;
   copy(s.independent(s.x), free_), clear(whole_);
   bool is_mixed = is_left_ = false;
-  changes_left_ = most_changes, mixing_.restart(), keeps_ = false, kept_since_ = 0;
+  changes_left_ = most_changes, mixing_.restart(), keeps_ = false, kept_since_ = 0, keeps_directions_.clear();
   if (carries_ && !answerCarried(solver, matrix, direction, stop, report)) return;
   double step = 0, least = std::numeric_limits<double>::infinity();  // of the steps that were half of all before them
   double size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
@@ -269,7 +295,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
   for (int round = 0, least_round = 0; round < most_rounds; ++round) {
     if (report.stopped = report.stopped || stop.isStopAsked(); report.stopped) return;
     findConditions();
-    if (holdsAlready(round, step)) break;
+    if (conditionsHold(round, step)) break;
     if (round == 0 && stepWatch()) stepWatch()->constraintGradients(s, rows_, rule_.displacement);
     if (rows_.rows().empty() && !carries_) break;
     if (round == 0) expectForces();
@@ -302,7 +328,7 @@ void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows chang
     size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
     const bool is_last = round + 1 == most_rounds;
     if (goes_on && !isOnce() && !is_last) continue;
-    if (is_left_ || !std::isfinite(step) || !changeConditions(false)) break;
+    if (is_left_ || !std::isfinite(step) || !changeConditions()) break;
     mixing_.restart(), least = std::numeric_limits<double>::infinity(), is_left_ = carries_;
     if (is_last) changes_left_ = 0;
     if (is_left_ || changes_left_ == 0) break;

@@ -32,7 +32,9 @@
 #include <string>
 #include <vector>
 
+#include "components/integrators/body_rows.h"
 #include "components/integrators/constraint_sweeps.h"
+#include "components/integrators/multiplier_parts.h"
 #include "components/integrators/redundant_forces.h"
 #include "framework/algebra/mixing.h"
 #include "framework/mechanics/condition_forces.h"
@@ -80,15 +82,15 @@ class Multipliers {
   void addCarried(Rows out) const;
   /// The last correct() has left conditions to the next one, with other directions.
   bool wasLeft() const { return is_left_; }
-  ConstRows carried() const { return carried_; }
+  ConstRows carried() const { return carried_.now(); }
   /// What carried() was before.
-  void carryAgain(ConstRows carried) { copy(carried, carried_); }
+  void carryAgain(ConstRows carried) { carried_.set(carried); }
   /// From now on J^T p of the last correct() is carried; out += by how much that is another.
   void carry(Rows out);
   /// Only this share of what the last carry() added; out += by how much that is another.
-  void carryShare(double share, Rows out);
+  void carryShare(double share, Rows out) { carried_.changeShare(share, out); }
   /// The iterate `to` that came of `from` is mixed with those before, and what is carried with it.
-  void carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out);
+  void carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out) { carried_.mix(mixing, from, to, out); }
 
   /// Of one that carries: nothing is, and all conditions hold where x is, without a force. Contact where nothing is near has such.
   bool areFree();
@@ -96,8 +98,8 @@ class Multipliers {
   void giveNone();
 
   // ---- what an integrator that carries passes on ----
-  ConstRows lastForces() const { return last_; }  ///< J^T l of the step before [N]
-  void setLastForces(ConstRows forces) { copy(forces, last_); }
+  ConstRows lastForces() const { return carried_.last(); }  ///< J^T l of the step before [N]
+  void setLastForces(ConstRows forces) { copy(forces, carried_.last()); }
   std::string doubt() const;
   void stepTaken();
   void reset();
@@ -113,7 +115,8 @@ class Multipliers {
   /// W is J^T of rows with their responses: the same, and cheap for rows of few bodies.
   bool couplesByDirections() const { return !yields_.empty() && (carries_ || keeps_ || rule_.old_share == 0); }
   bool isOnce() const { return rule_.once && !carries_; }
-  bool changeConditions(bool shared);
+  bool changeConditions();
+  bool changeDirections(bool releases);
   /// A row that turnVelocities() looks at, and the speed that it takes.
   struct Held {
     std::size_t row;
@@ -133,18 +136,22 @@ class Multipliers {
   void aimAtNew();
   bool leavesDirections();
   bool keepDirections(int round);
-  bool holdsAlready(int round, double& step);
+  bool conditionsHold(int round, double& step);
   void takeBends();
   double shareOf(const LagrangianRows::Bend& bend) const;
   bool respondToBends(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
-  void takeBendsFrom(Rows response);
   bool answerCarried(LinearSolver& solver, SystemMatrix& matrix, ConstRows direction, StopToken stop, StepReport& report);
   void pullBack(std::span<const LagrangianRows::Entry> entries, Rows out);
   bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
   void couple();
-  void findReached();
-  void findMoved(ConstRows response);
-  double alongReached(std::size_t number, ConstRows response) const;
+  void findLive();
+  bool takeBodyRows(bool is_first, LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  bool answerBodies(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  bool makesMotionAlone() const { return is_of_bodies_ && is_without_w_; }
+  RedundantForces::Problem problemWith(const BodyRows* bodies, double budget) const;
+  ConditionForces::Violation worst() {
+    return makesMotionAlone() ? redundant_.worst(rows_.rows(), live_, solve_.sizes, allowed_) : solve_.worst(rows_.rows(), allowed_);
+  }
   void expectForces();
   void findForces(StopToken stop);
   bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
@@ -175,6 +182,7 @@ class Multipliers {
   Rule rule_;
   bool carries_ = false, keeps_ = false;  ///< keeps_: directions of rounds before
   int kept_since_ = 0;                    ///< the round since when, or since when not
+  std::vector<char> keeps_directions_;    ///< of each constraint: it does
   LagrangianRows rows_, old_rows_;
   std::vector<std::size_t> ends_;          ///< of the rows of each constraint
   ConditionForces solve_;                  ///< W, g and l
@@ -192,25 +200,17 @@ class Multipliers {
   std::vector<Rows> answers_;
   std::vector<std::size_t> live_, coupled_;  ///< rows of W, and of the one before
   bool has_new_answers_ = false;             ///< since that
-  std::vector<Index> reached_;               ///< rows in which directions of rows of W are not zero
-  std::vector<std::size_t> first_reached_;   ///< of each row of W, in reached_
-  std::vector<std::vector<std::size_t>> reaches_;  ///< of each row of directions: rows of W whose direction is not zero there
-  std::vector<std::size_t> moved_;                 ///< work space, as are
-  std::vector<long> marks_;
-  long mark_ = 0;
+  DirectionOverlaps overlaps_;
+  BodyRows bodies_;
+  std::array<Vector, BodyRows::loads> body_loads_, body_answers_;
+  bool knows_bodies_ = false;   ///< bodies_ has the matrix of the step
+  bool is_of_bodies_ = false;   ///< the rows of the round are of bodies_, which stand for directions and responses
+  bool is_without_w_ = false;   ///< W has not been made for them
   std::vector<double> own_;                ///< of each row: its diagonal of W
-  std::vector<double> allowed_;            ///< by how much each row may be off; work space
+  std::vector<double> allowed_, kept_allowed_;  ///< by how much each row may be off, and be kept; work space
   std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
   std::vector<double> start_speeds_;       ///< J(x0) v0 of each row, where that is so and there are velocities
-  struct Bend {
-    double size;    ///< S
-    Vector b, y;    ///< columns of B and Y
-  };
-  std::vector<Bend> bends_;  ///< the first bend_count_ of them
-  std::size_t bend_count_ = 0;
-  Eigen::PartialPivLU<Eigen::MatrixXd> bent_;  ///< S^-1 + B^T Y
-  Eigen::VectorXd along_bends_, bend_shares_;  ///< work space, as is
-  Eigen::MatrixXd bend_matrix_;
+  GradientBends bends_;
   long made_before_ = 0, searches_before_ = 0;  ///< iterations of the searches of all steps before, and how many these are
   int iterations_ = 0;    ///< of the last step
   double residual_ = 0;   ///< where they ended
@@ -225,10 +225,8 @@ class Multipliers {
   Vector start_, work_, right_side_;
   Vector free_;            ///< x without forces of constraint but those carried
   Vector whole_, before_;  ///< what they change u by, now and a round ago
-  Vector carried_;         ///< J^T p that x has been found under [N s]
-  Vector added_;           ///< by the last carry(), with share_ of it
-  Vector base_;            ///< A^-1 of it
-  Vector last_;            ///< J^T l of the step before [N]
+  CarriedForces carried_;
+  Vector base_;            ///< A^-1 of what is carried
   Eigen::VectorXd last_forces_;  ///< of the round before
   bool is_left_ = false;
   bool has_changed_ = false;  ///< conditions have, in the step
@@ -240,7 +238,7 @@ class Multipliers {
   bool is_spent_ = false;
   int times_left_ = 0;  ///< in the step, where directions turned far
   double share_ = 1;
-  std::vector<double> way_;  ///< g(x0) of keepWay(), of each row
+  std::vector<double> way_;  ///< g(x0) of keepWay(), per row
   double share_of_way_ = 1;
   Mixing mixing_;
 };

@@ -40,15 +40,21 @@ bool Multipliers::isNoise(double step) {
 }
 
 /// Where rounds begin: the forces of the one before hold where they have led, and others along directions that stay would be no better.
-bool Multipliers::holdsAlready(int round, double& step) {
+bool Multipliers::conditionsHold(int round, double& step) {
   if (keepDirections(round)) {
     is_answered_.clear();
     return false;
   }
   if (round == 0 || carries_ || !(keeps_ || isNoise(step))) return false;
-  constexpr int many = 12;  // bodies that jam leave what is told
-  if (keeps_) leastTolerance(round > many);
-  if (solve_.worst(rows_.rows(), allowed_).off > 0) return false;
+  constexpr int many = 12;  // bodies that jam leave a violation that is reported: not all of what may be kept, as rounds go on
+  constexpr double more = 10;
+  if (keeps_) {
+    leastTolerance(true);
+    kept_allowed_ = allowed_;
+    leastTolerance(false);
+    for (std::size_t i = 0; i < allowed_.size() && round > many; ++i) allowed_[i] = std::min(more * allowed_[i], kept_allowed_[i]);
+  }
+  if (worst().off > 0) return false;
   step = 0;
   return true;
 }
@@ -56,13 +62,13 @@ bool Multipliers::holdsAlready(int round, double& step) {
 /// True, and the step has failed: its budget is spent.
 bool Multipliers::isSpent(StepReport& report) {
   if (!is_spent_) return false;
-  const auto worst = solve_.worst(rows_.rows(), allowed_);
+  const auto farthest = worst();
   report.diverged = true;
   report.reason = fmt::format("{} finds no forces of Lagrangian constraints within the budget of a step, {} iterations on {} rows: {} "
                               "does not hold, a condition is off by {:.3g}{}. A smaller dt helps, or fewer places that meet at once; "
                               "conditionBudget, now {:g}, lets it search longer",
-                              system_->integrator().path(), iterationsOfAll() - made_before_, live_.size(), nameOf(worst.row), worst.off,
-                              nodesOf(worst.row), budget_);
+                              system_->integrator().path(), iterationsOfAll() - made_before_, live_.size(), nameOf(farthest.row),
+                              farthest.off, nodesOf(farthest.row), budget_);
   return true;
 }
 
@@ -88,28 +94,29 @@ void Multipliers::judge(double step, double size, double rounding, StepReport& r
   }
   constexpr double still = 1e-6;  // of the place: what directions of forces still turn bodies by
   const double held = held_within * size + rounding + 1e-300;
-  ConditionForces::Violation worst;
+  ConditionForces::Violation farthest;
   bool is_kept = true;
   for (const bool kept : {true, false}) {
     findTolerances(system_->actors().lagrangian_constraints, ends_, kept, allowed_);
-    if (is_kept) worst = solve_.worst(rows_.rows(), allowed_), is_kept = !kept || worst.off <= held;
+    if (is_kept) farthest = worst(), is_kept = !kept || farthest.off <= held;
   }
   const auto refuse = [&](std::string reason) {
     report.constraints_converged = is_kept;
     report.constraint_reason = std::move(reason);
   };
-  if (!(worst.off <= held)) {
-    const std::string name = nameOf(worst.row), nodes = nodesOf(worst.row);
-    if (worst.rubs)
-      return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m{}", name, worst.off, nodes));
-    const auto entries = rows_.entriesOf(rows_.rows()[worst.row]);
-    if (std::all_of(entries.begin(), entries.end(), [](const auto& entry) { return entry.gradient.isZero(0); })) {
-      is_kept = false;
+  if (!(farthest.off <= held)) {
+    const std::string name = nameOf(farthest.row), nodes = nodesOf(farthest.row);
+    if (farthest.rubs)
+      return refuse(fmt::format("the friction of {} is not Coulomb's: a slide is off by {:.3g} m{}", name, farthest.off, nodes));
+    const auto entries = rows_.entriesOf(rows_.rows()[farthest.row]);
+    const bool is_of_way = std::all_of(entries.begin(), entries.end(), [](const auto& entry) { return entry.gradient.isZero(0); });
+    if (is_of_way && is_kept)
+      return refuse(fmt::format("a step of {} touches something on its way, and at its end nothing intersects{}", name, nodes));
+    if (is_of_way)
       return refuse(fmt::format("the Lagrangian constraint {} does not hold and no force mends it: the step goes farther than what "
                                 "it can prove to be free{}. A smaller dt helps, or larger gaps",
                                 name, nodes));
-    }
-    const double g = std::abs(solve_.g[Eigen::Index(worst.row)]);
+    const double g = std::abs(solve_.g[Eigen::Index(farthest.row)]);
     return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}{}", name, g, nodes));
   }
   if (!isNoise(step) && !(step <= std::max(still * size, leastTolerance(false)) + rounding + 1e-300)) {

@@ -10,23 +10,50 @@ namespace stroma {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool RedundantForces::scaleRows(const Problem& problem, const VectorXd& l) {
-  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, comes_again, budget] = problem;
+  const auto& [rows, live, w, g, sizes, yields, allowed, at_rest, goes_on, comes_again, budget, bodies, factor] = problem;
   const auto count = Eigen::Index(live.size());
+  const auto ownOf = [&](Eigen::Index k) {
+    if (!bodies) return w(k, k);
+    const BodyRows::Row& row = bodies->rows()[std::size_t(k)];
+    return BodyRows::couple(row, row, factor);
+  };
   double most = 0;
   for (Eigen::Index k = 0; k < count; ++k)
-    if (const double size = sizes[live[std::size_t(k)]]; size > 0) most = std::max(most, std::abs(w(k, k)) / (size * size));
+    if (const double size = sizes[live[std::size_t(k)]]; size > 0) most = std::max(most, std::abs(ownOf(k)) / (size * size));
   scale_.resize(count), offset_.resize(count), start_.setZero(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const std::size_t row = live[std::size_t(k)];
-    const double own = w(k, k), size = sizes[row];
+    const double own = ownOf(k), size = sizes[row];
     if (!(own >= 0)) return false;  // what buckles
     scale_[k] = rows[row].kind == Kind::rub && k > 0 ? scale_[k - 1] : own > 1e-14 * most * size * size ? 1 / std::sqrt(own) : 0;
     offset_[k] = scale_[k] * g[Eigen::Index(row)];
     if (scale_[k] > 0) start_[k] = l[Eigen::Index(row)] / scale_[k];
   }
-  w_ = scale_.asDiagonal() * w * scale_.asDiagonal();
+  body_rows_.clear();
+  if (bodies)
+    takeBodies(problem);
+  else
+    w_ = scale_.asDiagonal() * w * scale_.asDiagonal();
   findYields(problem);
   return true;
+}
+
+/// Their rows, so that the motion of all bodies is the sum of forces times y, and conditions are along j.
+void RedundantForces::takeBodies(const Problem& problem) {
+  body_rows_ = problem.bodies->rows();
+  motion_size_ = 0;
+  for (std::size_t k = 0; k < body_rows_.size(); ++k) {
+    BodyRows::Row& row = body_rows_[k];
+    for (std::size_t side = 0; side < 2; ++side) {
+      row.j[side] *= scale_[Eigen::Index(k)], row.y[side] *= problem.factor * scale_[Eigen::Index(k)];
+      motion_size_ = std::max(motion_size_, Eigen::Index(row_doubles) * row.at[side] + BodyRows::width);
+    }
+  }
+}
+
+/// Of W.
+double RedundantForces::coupling(Eigen::Index i, Eigen::Index j) const {
+  return body_rows_.empty() ? w_(i, j) : BodyRows::couple(body_rows_[std::size_t(i)], body_rows_[std::size_t(j)], 1);
 }
 
 /// In the units of W, one in the mean; rows that say nothing of it are as the mean.
@@ -56,10 +83,15 @@ bool RedundantForces::findGroups(const Problem& problem) {
     if (tangents > most_tangents) return false;
     if (tangents > 0 && at(i + 1).factor > 0) {
       group.mu = at(i + 1).factor, group.size = end - i;
-      group.rate = w_.block(i + 1, i + 1, tangents, tangents).cwiseAbs().rowwise().sum().maxCoeff();
+    }
+    group.own.resize(group.size, group.size);
+    for (Eigen::Index k = 0; k < group.size; ++k)
+      for (Eigen::Index j = 0; j < group.size; ++j) group.own(k, j) = coupling(i + k, i + j);
+    if (group.size > 1) {
+      group.rate = group.own.bottomRightCorner(tangents, tangents).cwiseAbs().rowwise().sum().maxCoeff();
       if (!(group.rate > 0)) return false;
     }
-    const bool moves = scale_[i] > 0 && w_(i, i) > 0 && row.kind != Kind::rub;
+    const bool moves = scale_[i] > 0 && group.own(0, 0) > 0 && row.kind != Kind::rub;
     if (moves) groups_.push_back(group), size_ = std::max(size_, group.pushes ? -offset_[i] : std::abs(offset_[i]));
     const Eigen::Index held = moves ? group.size : 0;
     if (held > 0) all_.push_back({i, held}), widest_ = std::max(widest_, held);
@@ -101,19 +133,24 @@ bool RedundantForces::findRoots(double most) {
 }
 
 /// The function of the laws (condition_forces.h).
-double RedundantForces::offOf(const Group& group, const VectorXd& q, const VectorXd& r) const {
+double RedundantForces::offOf(const Group& group, const VectorXd& q, const SmallVector& r) const {
   const Eigen::Index at = group.first, n = group.tangents();
-  const double off = group.pushes ? ConditionForces::offOfPush(q[at], r[at], none) : std::abs(r[at]);
-  if (n == 0) return off;
-  SmallVector wanted = q.segment(at + 1, n) - r.segment(at + 1, n) / group.rate;
+  const double off = group.pushes ? ConditionForces::offOfPush(q[at], r[0], none) : std::abs(r[0]);
+  return n == 0 ? off : std::max(off, offAlong(group, q, r));
+}
+
+/// Of what rubs.
+double RedundantForces::offAlong(const Group& group, const VectorXd& q, const SmallVector& r) const {
+  const Eigen::Index at = group.first, n = group.tangents();
+  SmallVector wanted = q.segment(at + 1, n) - r.tail(n) / group.rate;
   ConditionForces::cutFriction(wanted, group.mu, q[at]);
-  return std::max(off, group.rate * (wanted - q.segment(at + 1, n)).cwiseAbs().maxCoeff());
+  return group.rate * (wanted - q.segment(at + 1, n)).cwiseAbs().maxCoeff();
 }
 
 /// The largest of all, of size_.
 double RedundantForces::offOf(const VectorXd& q, const VectorXd& r) const {
   double worst = 0;
-  for (const Group& group : groups_) worst = std::max(worst, offOf(group, q, r));
+  for (const Group& group : groups_) worst = std::max(worst, offOf(group, q, r.segment(group.first, group.size)));
   return q.allFinite() && r.allFinite() ? worst / size_ : none;
 }
 
@@ -133,6 +170,11 @@ bool RedundantForces::isDone(const Problem& problem) const {
 
 /// r = g + W q
 void RedundantForces::conditions(const VectorXd& q, VectorXd& r) {
+  if (!body_rows_.empty()) {
+    findState(q, motion_), r.resize(q.size());
+    for (Eigen::Index k = 0; k < q.size(); ++k) r[k] = offset_[k] + body_rows_[std::size_t(k)].along(motion_.data());
+    return;
+  }
   work_.product.noalias() = w_ * q;
   r = offset_ + work_.product;
 }
@@ -228,7 +270,6 @@ void RedundantForces::draw(const Problem& problem, double size, VectorXd& q) {
 }
 
 bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) {
-  constexpr double dear = 7.5e6;  // where a step of Newton's method costs more, sweeps are tried before it
   constexpr int some = 1000, many = 10000;
   constexpr double well = 0.05, enough = 0.3;  // of what rows may be off by
   stop_ = stop, has_stood_ = false, contradiction_ = 0, budget_ = problem.budget, spent = 0;
@@ -236,7 +277,7 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
   if (problem.live.empty() || !scaleRows(problem, l) || !findGroups(problem)) return false;
   off_ = none, best_ = start_, note(start_);
   if (!(off_ > rounded) || isLittle(problem, problem.at_rest)) return true;
-  const bool is_dear = was_swept || !findRoots(dear);
+  const bool is_dear = was_swept || problem.bodies || !findRoots(dear);
   if (!is_dear && findNear(problem)) return take(problem, l);
   if ((is_dear || isSingular()) && sweepToLaws(problem, some, is_dear ? enough : well, was_swept)) return take(problem, l);
   if (is_dear && problem.comes_again) return is_swept_ = take(problem, l);
@@ -245,6 +286,42 @@ bool RedundantForces::find(const Problem& problem, VectorXd& l, StopToken stop) 
   if (!isSingular()) return false;
   sweepToLaws(problem, many, enough, false);  // nothing else finds more
   return take(problem, l);
+}
+
+/// Rows of free bodies say the same at most of half of what these can move by.
+bool RedundantForces::wouldSweep(const std::vector<Row>& rows, const std::vector<std::size_t>& live, int bodies, bool goes_on) const {
+  const double count = double(live.size()), rank = std::min(count, 6. * bodies) / 2;
+  if (!(is_swept_ && goes_on) && count * rank * rank <= dear) return false;
+  return std::ranges::none_of(live, [&](std::size_t row) {
+    return rows[row].kind == Kind::given || (rows[row].kind == Kind::push && rows[row].factor > 0);
+  });
+}
+
+ConditionForces::Violation RedundantForces::worst(const std::vector<Row>& rows, const std::vector<std::size_t>& live,
+                                                  const std::vector<double>& sizes, const std::vector<double>& allowed) const {
+  ConditionForces::Violation found;
+  const auto note = [&](std::size_t row, double off, bool rubs) {
+    if (sizes[row] > 0) off /= sizes[row];
+    if (!allowed.empty() && off <= allowed[row]) return;
+    if (!(off <= found.off) && !std::isnan(found.off)) found = {row, off, rubs};
+  };
+  auto group = groups_.begin();
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool is_live = next < live.size() && live[next] == i;
+    const bool is_found = is_live && group != groups_.end() && group->first == Eigen::Index(next);
+    next += is_live;
+    if (!is_found) {  // nothing moves it
+      if (rows[i].kind == Kind::equal || (rows[i].kind == Kind::push && !(rows[i].value >= 0))) note(i, std::abs(rows[i].value), false);
+      continue;
+    }
+    SmallVector r(group->size);
+    for (Eigen::Index k = 0; k < group->size; ++k) r[k] = scale_[group->first] * rows[i + std::size_t(k)].value;
+    note(i, offOf(Group{.pushes = group->pushes, .first = group->first}, best_, r.head(1)) / scale_[group->first], false);
+    if (group->size > 1) note(i + 1, offAlong(*group, best_, r) / scale_[group->first + 1], true);
+    ++group;
+  }
+  return found;
 }
 
 /// From the forces before, with what of them pushes and sticks.

@@ -23,6 +23,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/integrators/body_rows.h"
 #include "framework/algebra/stop.h"
 #include "framework/mechanics/condition_forces.h"
 
@@ -44,13 +45,20 @@ class RedundantForces {
     bool goes_on;    ///< l has been found in this step, where bodies were a little elsewhere
     bool comes_again;  ///< what the forces lead to is looked at, and they are searched for again from there
     double budget;   ///< of `spent`; beyond it the search ends
+    const BodyRows* bodies = nullptr;  ///< in the place of w: the rows `live`; by sweeps alone
+    double factor = 0;                 ///< with `bodies`, as of BodyRows::couple()
   };
+  /// find() without w is right for these rows: no other search than sweeps would be made.
+  bool wouldSweep(const std::vector<Row>& rows, const std::vector<std::size_t>& live, int bodies, bool goes_on) const;
   /// l: where the search begins and ends. False: these are not such conditions, or nothing better was found; l is as it was.
   bool find(const Problem& problem, Eigen::VectorXd& l, StopToken stop);
   /// What is off with the forces found, of the largest condition that does not hold without forces.
   double unsettled() const { return off_; }
   /// What is off, where rows contradict each other by a little; else 0. As ConditionForces::contradiction.
   double contradiction() const { return contradiction_; }
+  /// As ConditionForces::worst(), after a find() with `bodies`.
+  ConditionForces::Violation worst(const std::vector<Row>& rows, const std::vector<std::size_t>& live, const std::vector<double>& sizes,
+                                   const std::vector<double>& allowed) const;
   /// They are those of sweeps, and off by a part of what rows may be.
   bool areSwept() const { return is_swept_; }
   /// They are those that the last find() began from.
@@ -61,17 +69,18 @@ class RedundantForces {
   long steps = 0, rounds = 0, sweeps = 0;  ///< of all find(): Newton steps, rounds of the interior-point method, sweeps
 
  private:
+  struct Blocks;
+  static constexpr int most_tangents = 2;
+  using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 1 + most_tangents, 1 + most_tangents>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 1 + most_tangents, 1>;
   /// Rows [first, first + size): one that is equal, or a push and what rubs there.
   struct Group {
     bool pushes = false;
     Eigen::Index first = 0, size = 1;
     double mu = 0, rate = 0;  ///< rate: of the tangents' block of W
+    SmallMatrix own;          ///< its block of W
     Eigen::Index tangents() const { return size - 1; }
   };
-  struct Blocks;
-  static constexpr int most_tangents = 2;
-  using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 1 + most_tangents, 1 + most_tangents>;
-  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 1 + most_tangents, 1>;
   /// Of Blocks, of which there is one at a time, and of Newton's method, so that steps allocate nothing.
   struct Work {
     Eigen::MatrixXd p, q, a, b, inverse, slim, half, small;
@@ -81,16 +90,18 @@ class RedundantForces {
     std::vector<char> is_open;
   };
   struct Inside;
-  /// A place, its conditions, and how both change: by a sweep, and by the way of those before.
+  /// A place and its state, and how both change: by a sweep, and by the way of those before. The state is that of conditions, or with
+  /// bodies their motion.
   struct Sweeps {
     std::vector<std::pair<std::size_t, std::size_t>> first;  ///< of each group, in `rows` and in `numbers`
     std::vector<Eigen::Index> rows;
     std::vector<double> numbers, slides;  ///< slides: alpha of each group
-    Eigen::VectorXd at, r, step, r_step, way, r_way;
+    Eigen::VectorXd at, state, step, state_step, way, state_way;
     void pack(const RedundantForces& of);
     void add(std::size_t group, Eigen::Index size, const SmallVector& change);
   };
   static constexpr double none = std::numeric_limits<double>::infinity();
+  static constexpr double dear = 7.5e6;  ///< where a step of Newton's method costs more, sweeps are tried before it
   static constexpr double thin = 1e-6;  ///< the layer, of the mean of W's diagonal
   static constexpr double settled = 1e-13, rounded = 1e-11, near = 1e-9, coarse = 1e-6;  ///< of the largest condition without forces
 
@@ -99,7 +110,12 @@ class RedundantForces {
   bool findGroups(const Problem& problem);
   bool findRoots(double most);
   bool isSingular() const { return p_.cols() < (w_.diagonal().array() > 0).count(); }
-  double offOf(const Group& group, const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
+  double offOf(const Group& group, const Eigen::VectorXd& q, const SmallVector& r) const;
+  double offAlong(const Group& group, const Eigen::VectorXd& q, const SmallVector& r) const;
+  double coupling(Eigen::Index i, Eigen::Index j) const;
+  void takeBodies(const Problem& problem);
+  void findState(const Eigen::VectorXd& q, Eigen::VectorXd& state);
+  SmallVector conditionsOf(const Group& group, const Eigen::VectorXd& state) const;
   double offOf(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   bool isLittle(const Problem& problem, double part) const;
   bool isDone(const Problem& problem) const;
@@ -112,12 +128,12 @@ class RedundantForces {
   bool layer(double size, Eigen::VectorXd& q);
   void draw(const Problem& problem, double size, Eigen::VectorXd& q);
   Eigen::VectorXd searchInside(double size);
-  SmallVector wantedBy(const Group& group, const Eigen::VectorXd& q, const Eigen::VectorXd& r, double& slide) const;
+  SmallVector wantedBy(const Group& group, const Eigen::VectorXd& q, const SmallVector& r, double& slide) const;
   bool sweepToLaws(const Problem& problem, int most, double enough, bool stands);
   void sweepOnce();
   static double goalOf(int sweeps, double most);
   double sweep(const Problem& problem, int most, double enough, double at_once, Eigen::VectorXd& q);
-  double farthest(const Problem& problem, const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
+  double farthest(const Problem& problem, const Eigen::VectorXd& q, const Eigen::VectorXd& state) const;
   void note(const Eigen::VectorXd& q);
   bool take(const Problem& problem, Eigen::VectorXd& l);
   void spend() { spent += double(w_.rows()) * double(p_.cols()) * double(p_.cols()); }
@@ -130,6 +146,9 @@ class RedundantForces {
   Eigen::MatrixXd w_, p_, q_;                               ///< W, P and Q
   bool is_swept_ = false, has_stood_ = false;
   double size_ = 0, off_ = 0, contradiction_ = 0;           ///< off_: of best_, of size_
+  std::vector<BodyRows::Row> body_rows_;                    ///< in the place of w_, in its units; empty: there is w_
+  Eigen::Index motion_size_ = 0;                            ///< numbers of the motion of all bodies
+  Eigen::VectorXd motion_;                                  ///< work space
   Eigen::MatrixXd whole_p_, whole_q_;                       ///< work space, as is
   Work work_;
   Sweeps sweeps_;

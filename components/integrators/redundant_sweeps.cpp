@@ -3,7 +3,8 @@
 // takes the forces required by its own law while all others are fixed (Gauss and Seidel; Jourdan, Alart and Jean 1998). With b
 // = r - W q of the group, a sliding one has r_t = -alpha q_t with alpha > 0:
 //   q_t = -(W_tt + alpha)^-1 (b_t + W_tn q_n),   r_n = 0,   |q_t| = mu q_n
-// which is an equation for alpha alone; alpha = 0 is sticking. The cost of a sweep depends on how many contacts share bodies.
+// which is an equation for alpha alone; alpha = 0 is sticking. The cost of a sweep depends on how many contacts share bodies, or only
+// on the number of contacts if all rows belong to rigid bodies (body_rows.h).
 //
 // Sweeps are accelerated: after each one, with the change d, a fraction of the previous direction p is added, which restarts
 // if the two oppose each other (Nesterov 1983; O'Donoghue and Candes 2015; Mazhar, Heyn, Negrut and Tasora 2015):
@@ -86,7 +87,6 @@ void RedundantForces::Sweeps::pack(const RedundantForces& of) {
     }
   }
   first.push_back({rows.size(), numbers.size()});
-  slides.assign(of.groups_.size(), 0);
 }
 
 /// The group takes `change` more.
@@ -95,33 +95,50 @@ void RedundantForces::Sweeps::add(std::size_t group, Eigen::Index size, const Sm
   const std::size_t end = first[group + 1].first;
   const double* w = numbers.data() + number;
   if (size == 3) {
-    for (std::size_t k = begin; k < end; ++k, w += 3) r[rows[k]] += w[0] * change[0] + w[1] * change[1] + w[2] * change[2];
+    for (std::size_t k = begin; k < end; ++k, w += 3) state[rows[k]] += w[0] * change[0] + w[1] * change[1] + w[2] * change[2];
     return;
   }
   for (std::size_t k = begin; k < end; ++k)
-    for (Eigen::Index i = 0; i < size; ++i) r[rows[k]] += *w++ * change[i];
+    for (Eigen::Index i = 0; i < size; ++i) state[rows[k]] += *w++ * change[i];
+}
+
+/// What follows from forces for all groups: conditions, or the motion of bodies.
+void RedundantForces::findState(const VectorXd& q, VectorXd& state) {
+  if (body_rows_.empty()) return conditions(q, state);
+  state.setZero(motion_size_);
+  for (std::size_t k = 0; k < body_rows_.size(); ++k)
+    if (const double force = q[Eigen::Index(k)]; force != 0) body_rows_[k].move(force, state.data());
+}
+
+RedundantForces::SmallVector RedundantForces::conditionsOf(const Group& group, const VectorXd& state) const {
+  if (body_rows_.empty()) return state.segment(group.first, group.size);
+  SmallVector r(group.size);
+  for (Eigen::Index k = 0; k < group.size; ++k) {
+    const Eigen::Index row = group.first + k;
+    r[k] = offset_[row] + body_rows_[std::size_t(row)].along(state.data());
+  }
+  return r;
 }
 
 /// What a group takes while all others stay.
-RedundantForces::SmallVector RedundantForces::wantedBy(const Group& group, const VectorXd& q, const VectorXd& r, double& slide) const {
+RedundantForces::SmallVector RedundantForces::wantedBy(const Group& group, const VectorXd& q, const SmallVector& r, double& slide) const {
   const Eigen::Index at = group.first, n = group.tangents();
   SmallVector wanted(group.size);
   if (n == 0) {
-    const double to = q[at] - r[at] / w_(at, at);
+    const double to = q[at] - r[0] / group.own(0, 0);
     wanted[0] = group.pushes ? std::max(to, 0.0) : to;
     return wanted;
   }
-  Alone alone{.w_nn = w_(at, at), .b_n = r[at], .mu = group.mu};
+  Alone alone{.w_nn = group.own(0, 0), .b_n = r[0], .mu = group.mu};
   alone.w_tt.diagonal().setConstant(group.rate);  // of what has one way to slide
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Index row = at + 1 + i;
-    alone.w_tn[i] = w_(row, at), alone.w_nt[i] = w_(at, row);
-    for (Eigen::Index j = 0; j < n; ++j) alone.w_tt(i, j) = w_(row, at + 1 + j);
-    alone.b_n -= alone.w_nt[i] * q[row];
+    alone.w_tn[i] = group.own(1 + i, 0), alone.w_nt[i] = group.own(0, 1 + i);
+    for (Eigen::Index j = 0; j < n; ++j) alone.w_tt(i, j) = group.own(1 + i, 1 + j);
+    alone.b_n -= alone.w_nt[i] * q[at + 1 + i];
   }
   alone.b_n -= alone.w_nn * q[at];
   for (Eigen::Index i = 0; i < n; ++i) {
-    alone.b_t[i] = r[at + 1 + i] - alone.w_tn[i] * q[at];
+    alone.b_t[i] = r[1 + i] - alone.w_tn[i] * q[at];
     for (Eigen::Index j = 0; j < n; ++j) alone.b_t[i] -= alone.w_tt(i, j) * q[at + 1 + j];
   }
   alone.solve(slide);
@@ -135,12 +152,17 @@ void RedundantForces::sweepOnce() {
   Sweeps& s = sweeps_;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Group& group = groups_[g];
-    const SmallVector wanted = wantedBy(group, s.at, s.r, s.slides[g]), change = wanted - s.at.segment(group.first, group.size);
+    const SmallVector r = conditionsOf(group, s.state), wanted = wantedBy(group, s.at, r, s.slides[g]);
+    const SmallVector change = wanted - s.at.segment(group.first, group.size);
     if (change.isZero(0)) continue;
-    s.add(g, group.size, change);
+    if (body_rows_.empty())
+      s.add(g, group.size, change);
+    else
+      for (Eigen::Index k = 0; k < group.size; ++k) body_rows_[std::size_t(group.first + k)].move(change[k], s.state.data());
     s.at.segment(group.first, group.size) = wanted;
   }
-  spent += double(s.numbers.size()), ++sweeps;
+  constexpr double of_row = 24;
+  spent += body_rows_.empty() ? double(s.numbers.size()) : of_row * double(body_rows_.size()), ++sweeps;
 }
 
 /// What rows may be off by after so many sweeps, as a part of what they may at all: the more sweeps it takes the more.
@@ -153,22 +175,26 @@ double RedundantForces::goalOf(int sweeps, double most) {
 /// `at_once`: no less is asked for.
 double RedundantForces::sweep(const Problem& problem, int most, double enough, double at_once, VectorXd& q) {
   Sweeps& s = sweeps_;
-  s.pack(*this);
+  if (body_rows_.empty()) s.pack(*this);
+  const int first_looks = 8, between = body_rows_.empty() ? 1 : 4;  // to look costs half of a sweep where W is not at hand
+  s.slides.assign(groups_.size(), 0);
   s.at = q;
-  conditions(s.at, s.r);
-  s.way.setZero(q.size()), s.r_way.setZero(q.size());
+  findState(s.at, s.state);
+  s.way.setZero(q.size()), s.state_way.setZero(s.state.size());
   double least = none;
   for (int k = 0, turn = 0; k < most && least > std::max(goalOf(k, enough), at_once) && !isOver(); ++k) {
-    s.step = s.at, s.r_step = s.r;
+    s.step = s.at, s.state_step = s.state;
     sweepOnce();
-    const double off = farthest(problem, s.at, s.r);
-    if (!std::isfinite(off)) break;
-    if (off < least) least = off, q = s.at;
-    s.step = s.at - s.step, s.r_step = s.r - s.r_step;
+    if (k < first_looks || k % between == 0 || k + 1 == most) {
+      const double off = farthest(problem, s.at, s.state);
+      if (!std::isfinite(off)) break;
+      if (off < least) least = off, q = s.at;
+    }
+    s.step = s.at - s.step, s.state_step = s.state - s.state_step;
     turn = s.step.dot(s.way) < 0 ? 0 : turn + 1;
     const double again = turn > 0 ? (turn - 1) / (turn + 2.0) : 0;
-    s.at += again * s.way, s.r += again * s.r_way;
-    s.way = again * s.way + s.step, s.r_way = again * s.r_way + s.r_step;
+    s.at += again * s.way, s.state += again * s.state_way;
+    s.way = again * s.way + s.step, s.state_way = again * s.state_way + s.state_step;
   }
   return least;
 }
@@ -180,8 +206,8 @@ bool RedundantForces::sweepToLaws(const Problem& problem, int most, double enoug
   if (problem.allowed.empty()) return false;
   VectorXd& q = work_.found;
   q = best_;
-  conditions(q, work_.noted);
-  double off = farthest(problem, q, work_.noted);
+  findState(q, sweeps_.state);
+  double off = farthest(problem, q, sweeps_.state);
   has_stood_ = stands && off <= still;
   const double at_once = problem.comes_again ? part * off : 0;  // bodies are elsewhere before the next
   if (!has_stood_) off = sweep(problem, most, enough, at_once, q);
@@ -192,12 +218,12 @@ bool RedundantForces::sweepToLaws(const Problem& problem, int most, double enoug
 }
 
 /// By how much the row that is farthest from its law is off, of what it may. Round-off of the largest condition is always allowed.
-double RedundantForces::farthest(const Problem& problem, const VectorXd& q, const VectorXd& r) const {
+double RedundantForces::farthest(const Problem& problem, const VectorXd& q, const VectorXd& state) const {
   double most = 0;
   for (const Group& group : groups_) {
     const std::size_t row = problem.live[std::size_t(group.first)];
     const double allowed = std::max(problem.allowed[row] * problem.sizes[row] * scale_[group.first], near * size_);
-    const double off = offOf(group, q, r) / allowed;
+    const double off = offOf(group, q, conditionsOf(group, state)) / allowed;
     if (!(off <= most) && !std::isnan(most)) most = off;  // a NaN stays
   }
   return most;

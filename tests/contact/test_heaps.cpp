@@ -123,6 +123,68 @@ void expectSameBits(const std::string& text, int fallen, int steps) {
   EXPECT_EQ(motionOf(whole).energy, energies.back());
 }
 
+/// A spring of no account between two frames couples them in the matrix of a step, so that all rows go by W.
+TEST(Heaps, SweepsThroughBodiesFindTheForcesOfW) {
+  const std::string alone = heap(16, 1e-2, one_solve);
+  std::string coupled = alone;
+  coupled.insert(coupled.rfind("<ConstraintContact"),
+                 "<StiffSpringForceField object1=\"@b0/skin/dofs\" object2=\"@b15/skin/dofs\" spring=\"0 0 1e-9 0 0\"/>");
+  Simulation by_bodies = simulationFromText(alone), by_w = simulationFromText(coupled);
+  double most = 0;
+  for (int step = 0; step < 14; ++step) {
+    expectCleanStep(by_bodies, step, false), expectCleanStep(by_w, step, false);
+    const double speed = motionOf(by_w).speed;
+    EXPECT_NEAR(motionOf(by_bodies).speed, speed, 2e-3 * speed) << "step " << step;  // forces are those of sweeps to a tolerance
+    EXPECT_NEAR(motionOf(by_bodies).energy, motionOf(by_w).energy, 1e-3 * motionOf(by_w).energy) << "step " << step;
+    most = std::max(most, constraintOutput(by_bodies, "contacts").at(0));
+  }
+  EXPECT_GT(most, 20);
+}
+
+/// A ridge falls towards another one, parallel to it and a little aside, and turns about the vertical by `turn` in the step.
+double gapOfTurnedRidges(double turn) {
+  constexpr double dt = 0.01, half_diagonal = 0.025 * 1.41421356237309505, apart = 4.5e-3, below = M_PI / 4, above = M_PI / 6;
+  const auto body = [&](const std::string& name, double z, double tilt, const std::string& velocity, const std::string& more) {
+    return fmt::format("<Node name=\"{}\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 {}  {} 0 0 {}\" "
+                       "velocity=\"{}\"/><UniformMass totalMass=\"0.1\" inertia=\"1e-4 1e-4 1e-4\"/>{}<Node name=\"skin\">{}"
+                       "<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>",
+                       name, z, std::sin(tilt / 2), std::cos(tilt / 2), velocity, more,
+                       boxOf(Vec3(-0.1, -half, -half), Vec3(0.1, half, half)).mesh());
+  };
+  const double height = half_diagonal * (1 + std::cos(below - above)) + apart;
+  const std::string text = contactScene(
+      body("below", 0, below, "0 0 0  0 0 0", "<FixedProjectiveConstraint indices=\"0\"/>") +
+          body("above", height, above, fmt::format("0 0 -0.4  0 0 {}", turn / dt), "") +
+          "<ConstraintContact mstate=\"@below/skin/dofs\" other=\"@above/skin/dofs\" contactDistance=\"1e-3\" selfContact=\"0\"/>",
+      dt, Vec3::Zero(), one_solve);
+  Simulation simulation = simulationFromText(text);
+  expectCleanStep(simulation, 0, false);
+  EXPECT_EQ(constraintOutput(simulation, "contacts").at(0), 1);
+  return constraintOutput(simulation, "smallestGap").at(0);
+}
+
+/// Nearly parallel edges have a condition as soon as rigid bodies turn them out of parallel.
+TEST(Heaps, EdgesThatAStepTurnsOutOfParallelKeepTheGap) {
+  for (const double turn : {0.1, 0.3}) EXPECT_NEAR(gapOfTurnedRidges(turn), 1e-3, 1e-6) << turn;
+}
+
+/// A box on a long arm goes around a block: along the arc it keeps 16 mm from it, and its straight way would cut it.
+TEST(Heaps, ABoxThatTurnsGoesAroundWhatItsStraightWayWouldCut) {
+  const std::string text = contactScene(
+      "<Node name=\"b0\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"0 0 0  0 0 -0.149438132473599 0.988771077936042\" "
+      "velocity=\"0 0 0  0 0 100\"/>"
+      "<UniformMass totalMass=\"0.1\" inertia=\"1e-3 1e-3 1e-3\"/><Node name=\"skin\">" +
+          boxOf(Vec3(0.19, -0.01, -0.01), Vec3(0.21, 0.01, 0.01)).mesh() +
+          "<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>"
+          "<ConstraintContact mstate=\"@b0/skin/dofs\" contactDistance=\"1e-3\" selfContact=\"0\" "
+          "boxes=\"0.1594 0.0283 -0.02  0.1694 0.0383 0.02\"/>",
+      1e-2, Vec3::Zero(), one_solve);
+  Simulation simulation = simulationFromText(text);
+  for (int step = 0; step < 3; ++step) expectCleanStep(simulation, step, false);
+  const State& frame = *simulation.states().front();
+  EXPECT_NEAR(frame.v()[1].z(), 100, 1e-6) << "nothing is in its way";
+}
+
 TEST(Heaps, HaveTheSameBitsOnTwoThreadsAfterARestartAndAReset) { expectSameBits(heap(8, 5e-3, newton), 25, 45); }
 TEST(Heaps, ByOneSolveOfEachStepHaveTheSameBits) { expectSameBits(heap(12, 1e-2, one_solve), 12, 24); }
 
