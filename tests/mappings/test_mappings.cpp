@@ -305,6 +305,19 @@ TEST(Mappings, SubsetsAreListedRangedOrNearest) {
   EXPECT_EQ(parents("", "0.03 0 0  0.09 0.06 0.12"), (Rows{1, 59}));
 }
 
+/// Hyperelastic products cost more than those of a matrix. Many of them pay for its assembly where points are embedded, too.
+TEST(Mappings, ManyProductsPayForAMatrix) {
+  const Scene scene{.points = list(scattered(20, 0)),
+                    .more = "<UniformMass name=\"mass\" totalMass=\"0.1\"/>",
+                    .body = "<TetrahedronHyperelasticityFEMForceField name=\"law\" materialName=\"StableNeoHookean\" "
+                            "youngModulus=\"5000\" poissonRatio=\"0.4\"/>"};
+  Simulation simulation = simulationFromText(scene.text());
+  simulation.step();
+  const SystemMatrix& matrix = simulation.systems()[0]->matrix();
+  EXPECT_FALSE(matrix.prefersAssembled(2));
+  EXPECT_TRUE(matrix.prefersAssembled(1000));
+}
+
 TEST(Mappings, SaysWhatIsWrong) {
   const auto says = [](const Scene& scene, const std::string& sentence) {
     const std::string problems = problemsOf(scene.text());
