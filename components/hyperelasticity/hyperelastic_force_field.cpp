@@ -82,9 +82,7 @@ void HyperelasticForceField::declareMethod(DataTable& table) {
       .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
       .help(
-          "set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill (but for "
-          "what "
-          "viscosity adds)");
+          "set the negative eigenvalues of each point's tangent to zero: Newton directions are descent directions (except for viscosity)");
   prony_.declare(table);
 }
 

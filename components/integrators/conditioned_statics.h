@@ -52,11 +52,12 @@ class ConditionedStatics final : public NonlinearProblem {
   /// false when it is there; `retry` changes the tangent after a failed solve, for another one from the same x, or returns false.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance,
                    const std::function<bool()>& retry);
-  /// The same. A failed step that moves something is divided into parts of at least `smallest` of its time, each of which starts with
-  /// the constraint forces of the previous one. `advance` goes to the end of a part.
-  StepReport solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context,
-                          const std::function<bool(const StepContext&, StepReport&)>& advance, const std::function<bool()>& retry,
-                          double smallest);
+  using Advance = std::function<bool(const StepContext&, StepReport&)>;
+  /// The same. A step that fails, or inverts elements on its way, is divided if it moves something or changes a length or a volume.
+  /// Its parts are at least `smallest` of it, and each starts with the constraint forces of the previous one. Prescribed motion uses
+  /// the time of a part, conditions its share (Multipliers::setShare). `advance` goes to the end of a part.
+  StepReport solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context, const Advance& advance,
+                          const std::function<bool()>& retry, double smallest);
   /// J^T l of the previous step [N].
   void addCarried(Rows out) const { multipliers_.addCarried(out); }
   void stepTaken() { multipliers_.stepTaken(); }
@@ -84,6 +85,8 @@ class ConditionedStatics final : public NonlinearProblem {
   RoundOff roundOff() override { return {}; }
 
  private:
+  StepReport solveParts(Newton& newton, LinearSolver& solver, const StepContext& context, const Advance& advance,
+                        const std::function<bool()>& retry, double smallest, double& done);
   StepReport solveFromStart(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance);
   Rows x() const { return system_->independent(system_->x); }
   static constexpr Multipliers::Rule rule{.displacement = 1, .weight = 1, .has_velocities = false};

@@ -30,6 +30,9 @@ class ConditionsNewton {
   /// Settings and history are those of `newton`.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, StepReport report);
 
+  /// An iterate of the last solve() had elements without an energy, turned inside out, and was drawn back.
+  bool wasCrushed() const { return was_crushed_; }
+
  private:
   bool iterate(Newton& newton, LinearSolver& solver, double& now, StopToken stop, StepReport& report);
   void noteSwing(double now);
@@ -54,6 +57,7 @@ class ConditionsNewton {
   double longest_ = 0;  ///< displacement by the first iteration [m]; 0: there was none
   double moved_ = 0;    ///< displacement by the last iteration [m]
   bool holds_ = false;  ///< the conditions hold with the present forces
+  bool was_crushed_ = false;
   bool swings_ = false;  ///< iterates alternate within the tolerance
   double least_ = 0;     ///< the last |R + q| that was half of all before it, with the conditions satisfied
   int least_at_ = 0;     ///< its iteration

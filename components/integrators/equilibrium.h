@@ -108,7 +108,7 @@ class Equilibrium final : public NonlinearProblem {
     is_free = is_free && (!carries || limits_.longest(product_, 1, true) == 1);
     if (is_free) return false;
     report.newton_converged = false;
-    report.reason = "the prescribed motion of the step leads bodies through each other at once";
+    report.reason = "the prescribed motion of the step moves bodies through each other at its start";
     return true;
   }
   void addTo(Rows u, double s, ConstRows d) const override { system_->motion().advance(s, d, u); }

@@ -60,4 +60,10 @@ class LightBodies {
   Vector loads_;
 };
 
+/// A linear step by products ends by the |b - A x| of all, which says nothing of a body whose b is decades smaller. Such a body is solved
+/// on by itself, A c = r_b with the rows of all others zero, x += c, where |r_b| / |b_b| is more than ten times the |r| / |b| of all.
+/// `report`: of the solve of all.
+void solveLightBodies(const System& system, LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                      StepReport& report);
+
 }  // namespace stroma

@@ -104,6 +104,8 @@ struct NewtonSettings {
   int line_search_iterations = 40;  ///< steps tried along a correction; 0: the whole one is made untested
   double line_search_coefficient = 0.5;  ///< a rejected step is shortened at least by this factor
   bool use_energy = true;                ///< line search on the energy (Armijo), otherwise on the work R.d
+  bool looks_for_unstable_modes = false;  ///< once, close to the solution, if the linear solver does not reveal them: isUnstable()
+  bool restores_soft_directions = false;  ///< see ShiftTerms::soft_directions
   /// Largest relative residual of an iterative linear solve, used in the first iteration; then 0.9 times the square of the
   /// last reduction of |R| (Eisenstat and Walker 1996, choice 2). 0: the solver's tolerance.
   double forcing = 0;
@@ -119,15 +121,22 @@ struct NewtonSettings {
 /// Removes the part of d in fixed directions, which may have changed since a solver stored its initial guess.
 void keepToFree(const System& system, Rows d);
 
+/// How solveOrShift() handles an indefinite matrix.
+struct ShiftTerms {
+  std::function<SystemMatrix*()> other{};  ///< another matrix to try before anything is added; may be empty or return null
+  bool once = false;                       ///< return false if the first solve is not usable, without further attempts
+  /// The system if x is the result of a linear step rather than a direction: unstable directions are then first reflected, see
+  /// ShiftedMatrix.
+  const System* result = nullptr;
+  bool soft_directions = false;  ///< with factors, the effect of the shift on soft directions is removed (soft_directions.h)
+};
+
 /// Solves A x = b; x is zero on entry. If the solver reports an indefinite matrix, its present direction is kept if it is a
-/// descent direction. Otherwise a growing multiple of the matrix diagonal is added (Levenberg) until the solve is usable. Before that
-/// `other`, if given, may supply another matrix. `result` is the system if x is the result of a linear step rather than a
-/// direction: unstable directions are then first reflected, see ShiftedMatrix; x is usable, and a reason reports
-/// this. Adds to the counts of `report`; its linear_stop is that of the first solve, so a shift remains
-/// visible. Returns false if nothing helped, with the message in `report`, or if it was stopped. `once`: returns false if the
-/// first solve is not usable, without further attempts.
+/// descent direction. Otherwise a growing multiple of the matrix diagonal is added (Levenberg) until the solve is usable; a reason
+/// reports this. Adds to the counts of `report`; its linear_stop is that of the first solve, so a shift remains visible. Returns
+/// false if nothing helped, with the message in `report`, or if it was stopped.
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, StepReport& report,
-                  const std::function<SystemMatrix*()>& other = {}, bool once = false, const System* result = nullptr);
+                  const ShiftTerms& shift_terms = {});
 
 class Newton {
  public:
@@ -143,6 +152,10 @@ class Newton {
   const std::vector<double>& history() const { return history_; }
   /// Whether the last solve() was abandoned because it was slow. The next one then continues from there.
   bool wasSlow() const { return was_slow_; }
+  /// A mode was found in the last solve(), close to its end, along which the tangent is unstable.
+  bool isUnstable() const { return is_unstable_; }
+  /// The last solve() ended before any iteration was close enough to the solution for a solver or isUnstable() to reveal such a mode.
+  bool hasNotLooked() const;
   /// The next solve starts from the unknowns of the last one, with the same tolerance.
   void keepScale() { keeps_scale_ = true; }
   double iterationsLeft() const;  ///< estimate for an abandoned solve
@@ -167,6 +180,7 @@ class Newton {
   bool isAtRest(NonlinearProblem& problem);
   bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double tolerance, StepReport& report);
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
+  void lookForUnstableMode(NonlinearProblem& problem, LinearSolver& solver, double norm, StepReport& report);
   void goToGuess(NonlinearProblem& problem, double& norm);
   void keepIfBest(NonlinearProblem& problem, double norm);
   void leaveBest(NonlinearProblem& problem, double norm, StepReport& report);
@@ -193,6 +207,7 @@ class Newton {
   double parts_ = 0;      ///< residualOfParts() at the last iteration made because of it; infinity: none
   bool was_slow_ = false, went_on_ = false;  ///< went_on_: with another tangent, whose first direction is not known yet
   bool keeps_scale_ = false;  ///< see keepScale()
+  bool is_unstable_ = false, has_looked_ = false;  ///< see lookForUnstableMode()
   bool in_focus_ = false;     ///< one of the problem's bodies is being solved separately
   bool is_unsure_ = false;    ///< the direction comes from a tangent that may have avoidable unstable directions
 };

@@ -65,12 +65,13 @@ class StaticDoubts {
     if (is_unmoved && settings.absolute_residual + settings.absolute_correction > 0 && hasForces())
       largest_ = std::max(largest_, report.newton_residual);
   }
-  /// Factors of symmetric matrices reveal such a direction. It is only meaningful close to the equilibrium, and if the stiffness is
-  /// the derivative of the forces. `residuals` [N]: of each iteration of the step that ends at t.
-  void noteStability(const StepReport& report, bool is_derivative, const std::vector<double>& residuals, double t) {
+  /// Factors of symmetric matrices reveal such a direction; with others Newton searches for one. It is only meaningful close to the
+  /// equilibrium, and if the stiffness is the derivative of the forces. `residuals` [N]: of each iteration of the step that ends at t.
+  /// `is_seen`: Newton::isUnstable().
+  void noteStability(const StepReport& report, bool is_derivative, bool is_seen, const std::vector<double>& residuals, double t) {
     constexpr double close = 0.01;
-    if (!report.newton_converged || report.linear_stop != SolveStop::not_definite || !is_derivative) return;
-    const bool is_close = residuals.size() > 1 && residuals[residuals.size() - 2] < close * residuals.front();
+    if (!report.newton_converged || !(is_seen || report.linear_stop == SolveStop::not_definite) || !is_derivative) return;
+    const bool is_close = is_seen || (residuals.size() > 1 && residuals[residuals.size() - 2] < close * residuals.front());
     if (is_close && unstable_++ == 0) first_unstable_ = t;
   }
   void serialize(Archive& archive) {
@@ -84,7 +85,7 @@ class StaticDoubts {
     std::string unmoved, unstable;
     if (largest_ > much)
       unmoved = fmt::format(
-          "{}: a step counts as solved where it began, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
+          "{}: a step is taken as solved at its start, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
           "method is above them",
           path, 100 * largest_);
     if (unstable_ > 0)
@@ -122,7 +123,7 @@ inline void refuseSettingsBeside(const Component& statics, const NewtonSolver& s
   for (const Data& attribute : statics.data().all())
     if (attribute.isSet() && !attribute.link())
       if (attribute.name().find("threshold") != std::string::npos || attribute.name() == "newton_iterations")
-        throw ComponentError(fmt::format("{} is set here, and {} holds the settings of Newton's method", attribute.name(),
+        throw ComponentError(fmt::format("{} is set here, but {} has the settings of Newton's method", attribute.name(),
                                          settings.path()),
                              "the settings in one of the two");
 }

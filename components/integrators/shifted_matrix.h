@@ -40,6 +40,7 @@ class ShiftedMatrix final : public MatrixView {
   }
   /// Rows with unstable directions.
   std::size_t turned() const { return std::size_t(std::count(is_turned_.begin(), is_turned_.end(), true)); }
+  const std::vector<double>& scale() const { return scale_; }  ///< D, shape (rows)
   void setShift(double shift) {
     if (shift > 0 && shift_ == 0) widenScale();
     shift_ = shift;

@@ -20,7 +20,7 @@ Factorisation::Cost Factorisation::Cost::of(double entries, double flops, bool i
 
 void DirectSolver::declare(DataTable& table) {
   table.add("template", template_).help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
-  table.add("factorisations", factorisations_).help("how often numbers were factored so far, of all matrices").unit("-").output();
+  table.add("factorisations", factorisations_).help("number of factorisations so far, of all matrices").unit("-").output();
 }
 
 bool DirectSolver::answersLookup() const {

@@ -98,7 +98,7 @@ std::optional<Problem> Data::checkRange() const {
       pointer_);
   if (good || (rangeText().empty() && !is_extreme)) return std::nullopt;
   Problem problem;
-  problem.message = printReal(bad) + (count > 1 ? " (number " + printReal(count) + " of the value: commas part them)" : "") +
+  problem.message = printReal(bad) + (count > 1 ? " (number " + printReal(count) + " of the value: commas separate them)" : "") +
                     " is outside the range of " + name_;
   const std::string range = is_extreme ? "of size 1e-100 to 1e100" : rangeText();
   problem.expected = std::string(range[0] == '[' || range[0] == '(' ? "a value in " : "a value ") + range +

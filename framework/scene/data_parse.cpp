@@ -146,7 +146,7 @@ bool readRange(std::string_view word, std::vector<int>& out, Failure& why) {
     if (i == 2 || *at++ != '-') return false;
   }
   const auto [first, last, step] = bounds;
-  if (first < 0 || last < first || step < 1) return why.message = inQuotes(word) + " is not a rising range", false;
+  if (first < 0 || last < first || step < 1) return why.message = inQuotes(word) + " is not an ascending range", false;
   if (out.size() + std::size_t(last - first) / std::size_t(step) >= longest_expanded_list)
     return why.message = "the range " + inQuotes(word) + " makes the list too long", false;
   for (long value = first; value <= last; value += step) out.push_back(int(value));

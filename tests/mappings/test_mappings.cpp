@@ -223,7 +223,7 @@ TEST(Mappings, PointsOnWhichNothingActsCostNothingInAStep) {
   const std::vector<Vec3> points = scattered(30, 0);
   Scene scene{.points = list(points)};
   Simulation passive = simulationFromText(scene.text());
-  EXPECT_TRUE(explains(passive, "mapping /body/child/mapping: after steps that something reads; nothing acts on its nodes"));
+  EXPECT_TRUE(explains(passive, "mapping /body/child/mapping: only after steps in which it is read; nothing acts on its nodes"));
   EXPECT_TRUE(passive.systems().at(0)->actors().mappings.empty());
   scene.more = "<ConstantForceField indices=\"3\" totalForce=\"0 0 0.1\"/>";
   Simulation acting = simulationFromText(scene.text());
@@ -336,7 +336,7 @@ TEST(Mappings, SaysWhatIsWrong) {
        "mapForces is false");
   says({.mapping = "<BarycentricMapping mapMasses=\"false\"/>", .more = "<UniformMass totalMass=\"1\"/>"},
        "mapMasses is false");
-  says({.more = "<FixedProjectiveConstraint indices=\"0\"/>"}, "whose positions follow from /body/dofs");
+  says({.more = "<FixedProjectiveConstraint indices=\"0\"/>"}, "whose positions are mapped from /body/dofs");
   // far outside: a warning, not an error
   const Simulation far = simulationFromText(Scene{.points = "0.01 0.01 0.01  0.5 0 0"}.text());
   ASSERT_EQ(far.scene().diagnostics.problems().size(), 1u);

@@ -41,7 +41,7 @@ TOOLS_FOR_TOOLS = {
     "picture": {"drawing", "units", "platform"},
     "sweep": {"session", "platform"},
     "stress": {"sweep", "session", "units", "checks"},
-    "python": {"checks", "command", "session", "plan", "platform", "sofa", "view"},
+    "python": {"checks", "command", "picture", "session", "plan", "platform", "sofa", "view"},
     "live": {"platform"},
     "bench": {"platform"},
     "recordings": {"platform"},

@@ -29,7 +29,7 @@ CASES = {
     "fibres": ("mu/2*(I1bar - 3) + la/4*(J^2 - 1 - 2*log(J)) + (exp(2*(I4bar - 1)^2) - 1)/4",
                lambda self, J, I1, I2, I4: 3.5 * (I1 * J ** (-2 / 3) - 3) + 7.5 * (J ** 2 - 1 - 2 * numpy.log(J)) + (
                    numpy.exp(2 * (I4 * J ** (-2 / 3) - 1) ** 2) - 1) / 4),
-    "functions": ("sqrt(1 + I1) + sin(J) - cos(I1/9) + sinh(J/3) + cosh(I2/9) + tanh(I1/5) + 2^J + I1^J/9 - 1/(J + I1)",
+    "functions": ("+sqrt(1 + I1) + sin(J) - cos(I1/9) + sinh(J/3) + cosh(I2/9) + tanh(I1/5) + 2^J + I1^J/9 - 1/(J + I1)",
                   lambda self, J, I1, I2, I4: numpy.sqrt(1 + I1) + numpy.sin(J) - numpy.cos(I1 / 9) + numpy.sinh(J / 3) +
                   numpy.cosh(I2 / 9) + numpy.tanh(I1 / 5) + 2 ** J + I1 ** J / 9 - 1 / (J + I1)),
 }

@@ -45,7 +45,7 @@ class Wrong:
         return self.random.choice(["/nothing", "/body/fme", "//", "/body/fem/", "@/body/fem", "/body/fem.youngModulus", 3, 2.5, object(), [], ()])
 
     def nodes(self):
-        return self.random.choice([[100], [-1], [10**9], [2**40], [0.5], ["a"], [[1, 2]], "all", 7, [None], numpy.zeros((2, 2))])
+        return self.random.choice([[100], [-1], [10**9], [2**40], [0.5], ["a"], [[1, 2]], "all", 7.5, [None], numpy.zeros((2, 2))])
 
 
 def calls(wrong, simulation, tree):

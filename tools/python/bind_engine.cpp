@@ -143,7 +143,13 @@ void bindReports(py::module_& module) {
       .def_readonly("newton_residual", &StepReport::newton_residual)
       .def_readonly("newton_converged", &StepReport::newton_converged)
       .def_readonly("constraints_converged", &StepReport::constraints_converged)
-      .def_readonly("constraint_reason", &StepReport::constraint_reason);
+      .def_readonly("constraint_reason", &StepReport::constraint_reason)
+      .def("__repr__", [](const StepReport& r) {
+        const std::string reason = r.reason.empty() ? r.constraint_reason : r.reason;
+        return fmt::format("<step: {}{}, {} Newton and {} linear iterations, {} factorisations>",
+                           r.diverged ? "diverged" : r.stopped ? "stopped" : r.unsolved ? "not solved" : "done",
+                           reason.empty() ? "" : " (" + reason + ")", r.newton_iterations, r.linear_iterations, r.factorisations);
+      });
   py::class_<RunReport>(module, "RunReport", "How a run ended.")
       .def_property_readonly("end", [](const RunReport& report) { return wordFor(report.end); })
       .def_readonly("last", &RunReport::last)

@@ -5,7 +5,6 @@
 
 #include "tools/python/termination.h"
 #include "tools/session/drop_readers.h"
-#include "tools/session/given_changes.h"
 
 namespace stroma::python {
 namespace {
@@ -79,13 +78,12 @@ void Engine::meshChanged() {
 }
 
 std::vector<std::string> Engine::changeMesh(const std::string& path, MeshChange change) {
-  Simulation& running = between();
-  if (!own_) throw std::runtime_error("a mesh of a scene that the command runs is changed by components of the scene alone");
+  between();
   change.topology = dynamic_cast<const Topology*>(&component(path));
   if (!change.topology) throw ComponentError(path + " is no mesh", "a container of cells");
-  const MeshChangesMade made = makeGivenChanges(running, session_.factory(), session_.modules(), {std::move(change)}, path);
-  meshChanged();
-  return made.notes;
+  std::vector<std::string> notes = session_.changeMesh(std::move(change), path);
+  if (!own_) meshChanged();  // the session tells who shows it
+  return notes;
 }
 
 void Engine::placeStill(const std::string& path, std::vector<Vec3> places) {

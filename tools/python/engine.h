@@ -73,7 +73,7 @@ class Engine {
   /// Null: nobody has asked for them.
   LastSolve* lastSolve() const { return last_solve_.get(); }
 
-  /// Changes a mesh at once, of a session of its own: the scene goes on with the other one, and states and components are others.
+  /// Changes a mesh at once: the scene goes on with the other one, and states and components are others.
   /// Returns what is left to say. Throws ComponentError; nothing has changed then.
   std::vector<std::string> changeMesh(const std::string& topology, MeshChange change);
 

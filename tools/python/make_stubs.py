@@ -30,7 +30,7 @@ Array = Union[numpy.ndarray[Any, Any], Sequence[Any], float, str]
 Link = Union[Component, Node, str]
 '''
 EXPORTED = {"code": "to_python", "errors": "OutputError Problem SceneError SceneWarning StepError StromaError",
-            "formula": "FormulaLaw", "laws": "Law",
+            "formula": "FormulaLaw", "laws": "Law", "linear": "Gradient Modes", "pictures": "Picture",
             "played": "Constraint ForceField",
             "simulation": "Force LiveComponent LiveNode Observer RunReport Simulation State StepReport load",
             "studies": "Recording Run Table jacobian read_monitor read_recording sweep",

@@ -18,6 +18,7 @@ PYBIND11_MODULE(_stroma, module) {
   bindStates(module);
   bindMatrices(module);
   bindView(module);
+  bindPictures(module);
   bindRecordings(module);
   bindCommands(module);
   bindGoOn(module);

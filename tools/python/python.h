@@ -62,6 +62,7 @@ void bindEngine(py::module_& module);
 void bindStates(py::module_& module);
 void bindMatrices(py::module_& module);
 void bindView(py::module_& module);
+void bindPictures(py::module_& module);
 void bindRecordings(py::module_& module);
 void bindCommands(py::module_& module);
 void bindGoOn(py::module_& module);

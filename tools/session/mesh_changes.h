@@ -23,7 +23,8 @@ struct MeshChangesMade {
 };
 
 /// Applies the changes that components of the scene (MeshChanger) plan before the next step. Throws ComponentError, and then
-/// nothing has changed.
+/// nothing has changed. If a component, such as a tie, names nodes of several changed meshes, those before the failed one have
+/// changed.
 MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules);
 
 /// The changes made so far, for another simulation of the scene: values of one owner of a checkpoint, empty if no mesh has

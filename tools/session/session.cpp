@@ -21,6 +21,7 @@
 #include "tools/checks/result_doubts.h"
 #include "tools/checks/unit_doubts.h"
 #include "tools/session/file_uses.h"
+#include "tools/session/given_changes.h"
 #include "tools/session/mesh_changes.h"
 #include "tools/session/replay.h"
 #include "tools/session/scene_program.h"
@@ -160,7 +161,7 @@ void Session::unload() {
 }
 
 Simulation& Session::simulation() const {
-  if (!simulation_) throw std::logic_error("the session has no scene: load one first");
+  if (!simulation_) throw std::logic_error("no scene is loaded");
   return *simulation_;
 }
 
@@ -189,9 +190,17 @@ std::string Session::changeMeshes() {
     return {};
   } catch (const ComponentError& error) {
     const std::string expected = error.expected.empty() ? "" : " (expected " + error.expected + ")";
-    return fmt::format("step {} (from t = {:.6g} s), a mesh is to change and cannot: {}{}", running.steps() + 1, running.time(),
+    return fmt::format("step {} (from t = {:.6g} s): a planned change of a mesh is not possible: {}{}", running.steps() + 1, running.time(),
                        error.what(), expected);
   }
+}
+
+std::vector<std::string> Session::changeMesh(MeshChange change, const std::string& who) {
+  if (!follows_mesh_changes_) throw ComponentError(who + " is to change, and what is done here needs the same mesh throughout");
+  const MeshChangesMade made = makeGivenChanges(simulation(), factory_, modules_, {std::move(change)}, who);
+  ++mesh_changes_;
+  if (mesh_changed_) mesh_changed_(made.nodes);
+  return made.notes;
 }
 
 StepReport Session::step(StopToken stop) {
@@ -324,10 +333,10 @@ std::vector<std::string> Session::restore(Checkpoint checkpoint, const std::stri
     throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
   }
   std::vector<std::string> notes;
-  if (!tells_convergence) notes.push_back(fmt::format("{} does not tell which steps before it converged", path));
+  if (!tells_convergence) notes.push_back(fmt::format("{} does not record which earlier steps converged", path));
   if (checkpoint.scene != scene_file_) notes.push_back(fmt::format("{} was written by {}", path, checkpoint.scene));
   if (checkpoint.build != buildIdentity())
-    notes.push_back(fmt::format("{} was written by another build: the run may go on with other bits", path));
+    notes.push_back(fmt::format("{} was written by another build: the continued run may differ in its last bits", path));
   return notes;
 }
 

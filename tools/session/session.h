@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "framework/scene/modules.h"
+#include "framework/simulation/mesh_changer.h"
 #include "tools/session/checkpoint.h"
 #include "tools/session/mesh_changes.h"
 #include "tools/session/statistics.h"
@@ -100,8 +101,11 @@ class Session {
   void followMeshChanges(std::function<void(const NodesNow&)> changed = {}) {
     follows_mesh_changes_ = true, mesh_changed_ = std::move(changed);
   }
-  /// A counter of state replacements by steps and restore(), for callers that cache pointers. Simulation::reset() is not
-  /// counted.
+  /// Changes a mesh now, between two steps, for a program that controls the run. `who` is named in errors. Returns notes. Throws
+  /// ComponentError, and then nothing has changed.
+  std::vector<std::string> changeMesh(MeshChange change, const std::string& who);
+  /// A counter of state replacements by steps, changeMesh() and restore(), for callers that cache pointers. Simulation::reset() is
+  /// not counted.
   long meshChanges() const { return mesh_changes_; }
   /// Notes about such changes, once per component.
   const std::vector<std::string>& meshNotes() const { return mesh_notes_; }

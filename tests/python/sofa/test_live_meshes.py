@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Points and cells that a controller takes away or adds while a scene runs."""
+import os
+import sys
+
 import numpy as np
 import pytest
 import Sofa
-from playing import HERE, animate, run
+from playing import COMMAND, HERE, animate, run
+
+sys.path.insert(0, str(HERE.parents[1] / "view"))  # pages that need no browser
 
 #: three tetrahedra in a row; the last one has a point of its own
 POSITION = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [2, 1, 1]]
@@ -181,7 +186,7 @@ def test_what_cannot_be_changed_is_told():
     with pytest.raises(ValueError, match="point 5 would lose its last cell"):
         node.modifier.removeTetrahedra([2])
     Sofa.Simulation.init(root)
-    with pytest.raises(RuntimeError, match="/body/mesh: point 0 cannot go: one of the tetrahedra still has it"):
+    with pytest.raises(RuntimeError, match="/body/mesh: point 0 cannot be removed: one of the tetrahedra still uses it"):
         node.modifier.removePoints([0])
     with pytest.raises(IndexError, match="there are 3 tetrahedra, and 7 is none"):
         node.modifier.removeTetrahedra([7])
@@ -248,7 +253,7 @@ def test_a_carving_tool_takes_cells_while_it_is_active(tmp_path):
     assert counts[:4] == [3, 3, 3, 2] and sorted(counts, reverse=True) == counts, counts
     assert len(root.body.state.position.value) == len(np.unique(root.body.mesh.tetrahedra.value))
     done = run("run", tmp_path / "carving.py", "-n", 8, "--no-record", folder=tmp_path)
-    assert done.returncode == 0 and "is run again" in done.stderr, done.stderr
+    assert done.returncode == 0 and "is run again" not in done.stderr, done.stderr
     assert f"cells 8 {counts[6]} " in done.stdout, done.stdout
 
 
@@ -443,3 +448,69 @@ def test_places_that_are_no_numbers_are_refused():
     with pytest.raises(RuntimeError, match="/tool/state.position: node 0 is put at .nan, 4, 4."):
         tool.state.position.value = [[np.nan, 4, 4]]
     assert tool.state.position.value.tolist() == [[5, 5, 5]]
+
+
+CUT = """import Sofa
+from test_live_meshes import Each, body
+
+def createScene(root):
+    root.dt = 0.01
+    node = body(root)
+
+    class Cut(Each):
+        def onKeypressedEvent(self, event):
+            if event["key"] == "X":
+                node.modifier.removeTetrahedra([1, 2])
+
+    def end(step):
+        if step == 3:
+            node.modifier.removeTetrahedra([2])
+            assert node.mesh.getNbTetrahedra() == 2
+        if step == 5:
+            node.modifier.addTetrahedra([[0, 2, 3, 4]])
+        print("cells", step, node.mesh.getNbTetrahedra(), node.state.position.value.shape, repr(node.state.position.value.sum()), flush=True)
+    root.addObject(Cut(end=end, name="end"))
+"""
+
+
+@pytest.mark.parametrize("recorded", [False, True])
+def test_a_controller_changes_meshes_under_the_command(recorded, tmp_path, capsys):
+    """With the bits of a loop, and not run again; a recording has the mesh of each instant."""
+    (tmp_path / "scene.py").write_text(CUT)
+    root = Sofa.Simulation.load(str(tmp_path / "scene.py"))
+    Sofa.Simulation.init(root)
+    animate(root, 8)
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("cells")]
+    assert [line.split(" (")[0] for line in lines] == [f"cells {step} {2 if step in (3, 4) else 3}" for step in range(1, 9)]
+    words = ["--record", tmp_path / "kept"] if recorded else ["--no-record"]
+    done = run("run", tmp_path / "scene.py", "-n", 8, *words, folder=tmp_path, PYTHONPATH=str(HERE))
+    assert done.returncode == 0 and "is run again" not in done.stderr, done.stderr
+    assert [line for line in done.stdout.splitlines() if line.startswith("cells")] == lines
+    if recorded:
+        assert len(list((tmp_path / "kept").glob("meshes.*.checkpoint"))) == 2
+
+
+def test_a_controller_changes_meshes_in_the_view(tmp_path, monkeypatch):
+    """At the end of a step and by a key; a reset brings all points back."""
+    from server import Server
+
+    (tmp_path / "scene.py").write_text(CUT)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(HERE), os.environ["PYTHONPATH"]]))
+    with Server(COMMAND, str(tmp_path / "scene.py"), "--paused") as server:
+        page = server.page()
+        page.do("control")
+        for count, nodes in ((2, 6), (2, 5), (1, 5)):
+            page.do("step", count=count)
+            page.picture(page.status["step"])
+            assert len(page.positions()) == nodes
+        page.do("key", key="x", pressed=True)
+        page.do("key", key="x", pressed=False)
+        page.do("step", count=1)
+        page.picture(6)
+        assert len(page.positions()) == 4 and page.status["ended"] == ""
+        page.do("reset")
+        page.picture(0)
+        assert len(page.positions()) == 6
+        page.do("step", count=2)
+        page.picture(2)
+        assert len(page.positions()) == 6 and page.status["ended"] == ""

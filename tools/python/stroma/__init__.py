@@ -15,6 +15,8 @@ from .code import to_python
 from .errors import LoadNeeded, OutputError, Problem, SceneError, SceneWarning, StepError, StromaError
 from .formula import FormulaLaw
 from .laws import Law
+from .linear import Gradient, Modes
+from .pictures import Picture
 from .played import Constraint, ForceField
 from .simulation import Force, LiveComponent, LiveNode, Observer, RunReport, Simulation, State, StepReport, load
 from .studies import Recording, Run, Table, jacobian, read_monitor, read_recording, sweep

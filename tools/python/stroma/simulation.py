@@ -17,7 +17,10 @@ from .tree import Node, caller
 from .types import Attribute, TypeInfo, nearest, type_info
 
 if TYPE_CHECKING:
+    from .linear import Gradient, Modes
     from .mesh import Mesh
+    from .pictures import Picture
+    from .studies import Recording
 
 StepReport = _stroma.StepReport
 RunReport = _stroma.RunReport
@@ -130,6 +133,8 @@ class Simulation:
         it. Throws StepError as step() does."""
         if steps is None and until is None:
             raise ValueError("run() needs steps=..., until=... or both")
+        if steps is not None and not hasattr(steps, "__index__"):
+            raise TypeError(f"run() makes {steps!r} steps: expected a whole number, or until=... for a time [s]")
         if steps is not None and operator.index(steps) < 0:
             raise ValueError(f"run() makes {steps} steps: expected 0 or more")
         if until is not None and not float(until) >= self.time:
@@ -258,7 +263,8 @@ class Simulation:
     def component(self, path: str) -> "LiveComponent":
         wanted = self._absolute(path)
         if wanted not in self._all_facts():
-            raise refusal(f"the scene has no component {path}", "a path of the scene", nearest(wanted, list(self._all_facts())))
+            raise refusal(f"the scene has no component {path}", "a path of the scene", self._nearest(wanted, list(self._all_facts())),
+                          caller())
         return self._live(wanted)
 
     def node(self, path: str = "/") -> "LiveNode":
@@ -267,7 +273,12 @@ class Simulation:
         for found, name in nodes:
             if found == wanted or (found == "/" and wanted == "/" + name):
                 return LiveNode(self, found, name)
-        raise refusal(f"the scene has no node {path}", "a path of the scene", nearest(wanted, [one for one, _ in nodes]))
+        raise refusal(f"the scene has no node {path}", "a path of the scene", self._nearest(wanted, [one for one, _ in nodes]), caller())
+
+    @staticmethod
+    def _nearest(wanted: str, paths: List[str]) -> str:
+        """A path that ends in what was asked for, as "fem" for /beam/fem, or one that is like it."""
+        return next((path for path in paths if path.endswith(wanted)), "") or nearest(wanted, paths)
 
     @staticmethod
     def _absolute(path: str) -> str:
@@ -307,14 +318,14 @@ class Simulation:
         if path is None:
             if len(states) == 1:
                 return self._state_at(next(iter(states)))
-            raise refusal(f"the scene has {len(states)} states", "the path of one", next(iter(states), ""))
+            raise refusal(f"the scene has {len(states)} states", "the path of one", next(iter(states), ""), caller())
         wanted = self._absolute(path)
         if wanted in states:
             return self._state_at(wanted)
         inside = [name for name in states if name.rpartition("/")[0] == wanted.rstrip("/")]
         if len(inside) == 1:
             return self._state_at(inside[0])
-        raise refusal(f"no state that moves is called {path}", "the path of a state", nearest(wanted, list(states)))
+        raise refusal(f"no state that moves is called {path}", "the path of a state", self._nearest(wanted, list(states)), caller())
 
     def set(self, attribute: str, value: Any) -> List[Problem]:
         """set("/liver/fem.youngModulus", "12 kPa"): as the attribute of a component that runs. Returns warnings and notes."""
@@ -384,6 +395,50 @@ class Simulation:
             raise StepError(report.reason, report)
         return Page(os.fspath(file))
 
+    def picture(self, file: Union[str, os.PathLike, None] = None, **look: Any) -> "Picture":
+        """Draws the present state; Jupyter shows what is returned, and `file` has it as PNG. How it looks: `field`, as "vonMises", and its
+        `range` (low, high), `colours`, `views` (names as "front", or (azimuth, elevation) in degrees), `size` (width, height) in pixels,
+        `edges`, `flat`, `ghost`, `shaded`, `cut` ("x", 0.02), `exaggerate`, `hide` and `frame` (paths of nodes), `title`,
+        `transparent`, `legend`, `bare`: as the options of `stroma picture`."""
+        from .pictures import picture_of
+        made = picture_of(self, look)
+        if file is not None:
+            made.save(file)
+        return made
+
+    def film(self, file: Union[str, os.PathLike, None] = None, steps: Optional[int] = None, until: Optional[float] = None, every: int = 1,
+             fps: float = 20, **look: Any) -> "Picture":
+        """Makes steps as run() does and draws the first state and then one every so many steps: an animated PNG. It looks as picture() says."""
+        from .pictures import film_of
+        made = film_of(self, steps, until, every, fps, look)
+        if file is not None:
+            made.save(file)
+        return made
+
+    def record(self, steps: Optional[int] = None, until: Optional[float] = None, every: int = 1,
+               state: Union["State", str, None] = None) -> "Recording":
+        """Makes steps as run() does and keeps the first state and then one every so many steps: times (instants,) [s], x and v
+        (instants, nodes, 3) [m, m/s], of frames 7 and 6 numbers. Of one state, by its path; without one, of the only one."""
+        from .studies import Recording
+        seen = state if isinstance(state, State) else self.state(state)
+        if operator.index(every) < 1:
+            raise ValueError(f"record() keeps a state every {every} steps: expected 1 or more")
+        first, kept = self.steps, []
+
+        def keep(simulation: "Simulation") -> None:
+            if (simulation.steps - first) % every == 0:
+                kept.append((simulation.time, numpy.array(seen.x), numpy.array(seen.v)))
+        keep(self)
+        token = self.on_step_end(keep)
+        try:
+            self.run(steps, until)
+        finally:
+            token.remove()
+        times, x, v = zip(*kept)
+        if len({len(each) for each in x}) > 1:
+            raise StromaError(f"{seen.path} got another number of nodes in the run: its states make no array")
+        return Recording(numpy.array(times), numpy.stack(x), numpy.stack(v), None, "")
+
     # ---- memory ----
     def checkpoint(self) -> bytes:
         """All that the run remembers. Restored in the same scene, it goes on with the same bits."""
@@ -406,9 +461,10 @@ class Simulation:
         raise TypeError("a simulation cannot be pickled: keep its checkpoint() and load the scene again")
 
     # ---- forces from outside ----
-    def add_force(self, state: Union["State", str], nodes: Sequence[int], force: Sequence[float] = (0, 0, 0),
+    def add_force(self, state: Union["State", str], nodes: Union[int, Sequence[int]], force: Any = (0, 0, 0),
                   targets: Sequence[Sequence[float]] = (), stiffness: float = 0, damping: float = 0) -> "Force":
-        """A force on each of these nodes, or a pull of each to its target by a spring, from the next step on."""
+        """A force [N] on each of these nodes, the same of three numbers or (nodes, 3) one for each, or a pull of each to its target [m] by
+        a spring [N/m, N s/m], from the next step on."""
         path = state.path if isinstance(state, State) else self.state(state).path
         return Force(self, path, nodes, force, targets, stiffness, damping)
 
@@ -449,6 +505,29 @@ class Simulation:
     def force(self, integrator: str = "") -> numpy.ndarray:
         """The net force at the present state, (rows, 3) [N], gravity included; computed in a copy."""
         return _stroma.force_of(self._engine, integrator)
+
+    def free_directions(self, integrator: str = ""):
+        """T, a matrix of scipy.sparse, (3 rows, directions), whose columns are what may move: T.T @ K @ T is K of what is free, and
+        x = T @ q is no movement of what is held. Where nodes are held along the axes they are those of the identity."""
+        from scipy.sparse import bsr_matrix
+
+        from .linear import free_directions
+        blocks, columns, starts = _stroma.matrix_of(self._engine, "-held-", True, integrator)
+        return free_directions(bsr_matrix((blocks, columns, starts), shape=(3 * (len(starts) - 1),) * 2))
+
+    def modes(self, count: int = 6, integrator: str = "") -> "Modes":
+        """The lowest modes of vibration about the present state: frequencies (count,) [Hz] and shapes (count, rows, 3), of mass 1. What
+        is held stays; Lagrangian constraints and damping are no part of it."""
+        from .linear import modes_of
+        return modes_of(self, operator.index(count), integrator)
+
+    def gradient(self, of: Any, parameters: Union[str, Sequence[str]] = (), step: float = 1e-4, integrator: str = "") -> "Gradient":
+        """The derivative of a number J(x) at an equilibrium, as a StaticSolver finds it, by the adjoint method. `of`: dJ/dx, (rows, 3);
+        `parameters`: attributes that may change in a run, as "/beam/fem.youngModulus", "gravity". Of each a number, or an array of the
+        attribute's shape; a number for each cell is as cheap as a few. `forces`: the derivative by a force on each node. dF/dp is taken by
+        central differences of `step` times the parameter. Warns where the present state is no equilibrium. Computed in a copy."""
+        from .linear import gradient_of
+        return gradient_of(self, of, parameters, step, integrator)
 
     def rows(self, integrator: str = "") -> Dict[str, slice]:
         """Which rows of force() are of which state; times three, of matrix()."""
@@ -650,6 +729,11 @@ class State:
         """The positions before the first step [m], a copy."""
         return self._state.start
 
+    @property
+    def displacement(self) -> numpy.ndarray:
+        """How far each node is from where it was before the first step [m], (nodes, 3), a copy; of frames how far their centres are."""
+        return self.x[:, :3] - self.start[:, :3]
+
     def set(self, x: Any = None, v: Any = None, nodes: Optional[Sequence[int]] = None) -> int:
         """Writes positions or velocities between two steps, of all nodes or of those named. What constraints hold stays where it
         is, and mapped states follow; integrators begin anew, histories keep what they remember. Returns how many nodes
@@ -689,16 +773,30 @@ class Force:
 
     def __init__(self, simulation: Simulation, state: str, nodes, force, targets, stiffness, damping):
         self._simulation, self.state = simulation, state
-        self._given = dict(nodes=list(nodes), force=force, targets=targets, stiffness=stiffness, damping=damping)
-        self.number = simulation._engine.add_input(state, *self._arguments())
+        self._given: Dict[str, Any] = dict(nodes=nodes, force=force, targets=targets, stiffness=stiffness, damping=damping)
+        self._numbers: List[int] = []
+        for arguments in self._arguments():
+            try:
+                self._numbers.append(simulation._engine.add_input(state, *arguments))
+            except Exception:
+                self.remove()
+                raise
 
-    def _arguments(self) -> tuple:
-        given, force = self._given, [float(c) for c in self._given["force"]]
-        if len(force) != 3:
-            raise ValueError(f"a force has 3 numbers, not {len(force)}: it acts on the centre of a frame, and a ConstantForceField, "
-                             "whose forces may change in a run, has torques")
-        return ([operator.index(node) for node in given["nodes"]], force,
-                [[float(c) for c in target] for target in given["targets"]], float(given["stiffness"]), float(given["damping"]))
+    def _arguments(self) -> List[tuple]:
+        """Of each of the engine's inputs: one, or where each node has a force of its own one for each."""
+        given = self._given
+        nodes = [operator.index(node) for node in numpy.atleast_1d(given["nodes"]).tolist()] if numpy.size(given["nodes"]) else []
+        force, targets = numpy.array(given["force"], float), [[float(c) for c in target] for target in given["targets"]]
+        pull = float(given["stiffness"]), float(given["damping"])
+        if force.shape == (3,):
+            return [(nodes, force.tolist(), targets, *pull)]
+        if force.shape == (len(nodes), 3) and nodes:
+            if targets and len(targets) != len(nodes):
+                raise ValueError(f"{len(targets)} targets for {len(nodes)} nodes: expected one for each")
+            return [([node], one.tolist(), targets[i:i + 1], *pull) for i, (node, one) in enumerate(zip(nodes, force))]
+        given = str(force.size) if force.ndim < 2 else f"an array {force.shape}"
+        raise ValueError(f"a force has 3 numbers, not {given}, or an array ({len(nodes)}, 3) with some for each node. It acts on the centre of a "
+                         "frame, and a ConstantForceField, whose forces may change in a run, has torques")
 
     def change(self, **given: Any) -> None:
         """nodes, force, targets, stiffness or damping are others from the next step on."""
@@ -706,11 +804,20 @@ class Force:
         if unknown:
             raise TypeError(f"a force has no {unknown[0]}: expected nodes, force, targets, stiffness or damping")
         before, self._given = self._given, {**self._given, **given}
+        engine = self._simulation._engine
         try:
-            self._simulation._engine.change_input(self.number, self.state, *self._arguments())
+            arguments = self._arguments()
+            if len(arguments) != len(self._numbers):
+                raise ValueError(f"{len(arguments)} forces in the place of {len(self._numbers)}: remove() this one and add another")
+            for number, each in zip(self._numbers, arguments):
+                engine.change_input(number, self.state, *each)
         except Exception:
             self._given = before
+            if len(self._numbers) > 1:
+                for number, each in zip(self._numbers, self._arguments()):
+                    engine.change_input(number, self.state, *each)
             raise
 
     def remove(self) -> None:
-        self._simulation._engine.remove_input(self.number)
+        for number in self._numbers:
+            self._simulation._engine.remove_input(number)

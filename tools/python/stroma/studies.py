@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Many runs of a scene, and what recorded runs hold."""
+import functools
 import itertools
+import multiprocessing
 import os
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Union
 
 import numpy
@@ -21,21 +23,31 @@ class Run(NamedTuple):
 
 
 def sweep(scene: Union[str, os.PathLike, Node], values: Dict[str, Iterable[Any]], run: Callable[[Simulation], Any],
-          threads: Optional[int] = None) -> List[Run]:
+          threads: Optional[int] = None, processes: Optional[int] = None) -> List[Run]:
     """Loads the scene with every combination of values, {"/fem.youngModulus": [3e3, 6e3], "dt": [0.01]}, and calls run(simulation)
     for each, in several threads: a run leaves the interpreter to the others while it steps. Results are in the order of the
-    combinations, whatever the number of threads; what a run throws is in it, and the others go on."""
+    combinations, whatever the number of threads; what a run throws is in it, and the others go on. Where functions of Python take the
+    most time, `processes` of their own do not wait for each other: `run` is then a function of a module or of the program's file, which
+    makes its runs below `if __name__ == "__main__":`, and the scene is a file or a tree without parts in Python."""
     names = list(values)
     combinations = [dict(zip(names, chosen)) for chosen in itertools.product(*(list(values[name]) for name in names))]
 
-    def one(chosen: Dict[str, Any]) -> Run:
-        try:
-            return Run(chosen, run(load(scene, set=chosen, observers=False)), None)
-        except Exception as error:  # noqa: BLE001 pylint: disable=broad-except
-            return Run(chosen, None, error)
+    each = functools.partial(_one, scene, run)
+    if processes is None:
+        with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+            return list(pool.map(each, combinations))
+    if threads is not None:
+        raise ValueError("a sweep has threads or processes, not both")
+    # processes that start afresh: one that is forked has the engine's threads by name only
+    with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
+        return list(pool.map(each, combinations))
 
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        return list(pool.map(one, combinations))
+
+def _one(scene: Any, run: Callable[[Simulation], Any], chosen: Dict[str, Any]) -> Run:
+    try:
+        return Run(chosen, run(load(scene, set=chosen, observers=False)), None)
+    except Exception as error:  # noqa: BLE001 pylint: disable=broad-except
+        return Run(chosen, None, error)
 
 
 def jacobian(function: Callable[[numpy.ndarray], Any], at: Sequence[float], step: float = 1e-4) -> numpy.ndarray:

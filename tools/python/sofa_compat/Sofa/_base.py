@@ -80,9 +80,6 @@ class Base:
         object.__setattr__(self, "_s_name", str(name))
         self._s_changed()
 
-    def getNameAsString(self):
-        return self._s_name
-
     def _s_above(self):
         """The parent of which values are asked: the first, unless that hangs nowhere and another does not."""
         if self._s_lead is not None and self._s_lead in self._s_parents:
@@ -111,19 +108,38 @@ class Base:
     def getLinkPath(self):
         return "@" + self.getPathName()
 
-    def getLink(self):
-        return self.getLinkPath()
+    # ---- where it comes from: where the scene made it, unless the scene says otherwise. Messages name the line that made it. ----
+    def _s_said_place(self, kind, part, value=None):
+        place = self.__dict__.setdefault("_s_said_places", {}).setdefault(kind, list(self._s_where))
+        if value is not None:
+            place[part] = value
+        return place[part]
 
     def getDefinitionSourceFileName(self):
-        return self._s_where[0]
+        return self._s_said_place("definition", 0)
+
+    def setDefinitionSourceFileName(self, name):
+        self._s_said_place("definition", 0, str(name))
 
     def getDefinitionSourceFilePos(self):
-        return self._s_where[1]
+        return self._s_said_place("definition", 1)
+
+    def setDefinitionSourceFilePos(self, line):
+        self._s_said_place("definition", 1, int(line))
 
     def getInstanciationSourceFileName(self):
-        return self._s_where[0]
+        return self._s_said_place("instance", 0)
 
     getInstanciationFileName = getInstanciationSourceFileName
+
+    def setInstanciationSourceFileName(self, name):
+        self._s_said_place("instance", 0, str(name))
+
+    def getInstanciationSourceFilePos(self):
+        return self._s_said_place("instance", 1)
+
+    def setInstanciationSourceFilePos(self, line):
+        self._s_said_place("instance", 1, int(line))
 
     def _s_place(self):
         return f"{self._s_where[0]}:{self._s_where[1]}: {self.getPathName()}"
@@ -189,13 +205,9 @@ class Base:
     def __data__(self):
         return DataDict((name, self.findData(name)) for name in self._s_data_names())
 
-    @property
-    def __links__(self):
-        """Data that lead to an object or a node."""
-        return DataDict((name, data) for name, data in self.__data__.items() if data.isSet() and data.getLinkedBase() is not None)
-
     def getLinks(self):
-        return []
+        """Data that lead to an object or a node."""
+        return [data for data in self.getDataFields() if data.isSet() and data.getLinkedBase() is not None]
 
     def findLink(self, name):
         return self.findData(name)
@@ -226,9 +238,6 @@ class Base:
     def setDataValues(self, **values):
         for name, value in values.items():
             self._s_assign(name, value)
-
-    def getDataValues(self):
-        return {name: data.value for name, data in self._s_data.items()}
 
     def _s_assign(self, name, value):
         """As an argument: data and objects are links."""
@@ -343,29 +352,27 @@ class Base:
     def getClassName(self):
         return type(self).__name__
 
-    def getTypeName(self):
-        return self.getClassName()
-
     def getTemplateName(self):
         return ""
 
     def getClass(self):
         return type(self)
 
-    def getNamespaceName(self):
-        return ""
-
     def getHelp(self):
         return ""
 
+    # ---- messages that a scene has sent in its name, by Sofa.Helper.msg_error(object, text) ----
+    def _s_logged(self, kind, text):
+        self.__dict__.setdefault("_s_messages", []).append(f"[{kind}] {text}")
+
     def clearLoggedMessages(self):
-        pass
+        self.__dict__.pop("_s_messages", None)
 
     def countLoggedMessages(self, *_):
-        return 0
+        return len(self.__dict__.get("_s_messages", ()))
 
     def getLoggedMessagesAsString(self, *_):
-        return ""
+        return "\n".join(self.__dict__.get("_s_messages", ()))
 
     def getTags(self):
         return str(self.findData("tags")).split()
@@ -381,7 +388,7 @@ class Base:
         self.findData("tags").value = " ".join(each for each in self.getTags() if each != str(tag))
 
     def computeBBox(self, *_):
-        pass
+        """`bbox` is computed when it is read."""
 
     def sendEvent(self, value, name="PythonScript", *_):
         """onPythonScriptEvent() of all controllers hears it, with the sender, the name and the value."""
@@ -402,14 +409,6 @@ class Base:
             if found is None:
                 raise KeyError(f"{self._s_place()}: has no '{path}'")
         return found
-
-    def setDefinitionSourceFileName(self, *_):
-        """Messages name the line that made the object."""
-
-    setDefinitionSourceFilePos = setInstanciationSourceFileName = setInstanciationSourceFilePos = setDefinitionSourceFileName
-
-    def getInstanciationSourceFilePos(self):
-        return self._s_where[1]
 
     def __repr__(self):
         return f"<{self.getClassName()} {self.getPathName()}>"

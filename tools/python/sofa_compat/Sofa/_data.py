@@ -96,11 +96,12 @@ class Writing:
 class Data:
     """`object.data`: read and assigned by `.value`."""
 
-    __slots__ = ("_s_owner", "_s_name", "_s_raw", "_s_sample", "_s_help", "_s_group", "_s_stamp", "__weakref__")
+    __slots__ = ("_s_owner", "_s_name", "_s_raw", "_s_sample", "_s_help", "_s_group", "_s_stamp", "_s_seen", "_s_flags", "__weakref__")
 
     def __init__(self, owner, name, raw=None, sample=None, help="", group=""):
         self._s_owner, self._s_name, self._s_raw, self._s_sample = owner, name, raw, sample
         self._s_help, self._s_group, self._s_stamp = help, group, 0
+        self._s_seen, self._s_flags = None, ("persistent",)
 
     # ---- the value ----
     @property
@@ -192,6 +193,12 @@ class Data:
     def setLinkedBase(self, target, *_):
         self.value = target
 
+    def getLinkedData(self, *_):
+        return self.getParent()
+
+    def isMultiLink(self):
+        return isinstance(self._s_raw, (list, tuple)) and len(self._s_raw) > 1
+
     def getOwnerBase(self):
         return self._s_owner
 
@@ -234,9 +241,6 @@ class Data:
     def setHelp(self, text):
         self._s_help = str(text)
 
-    def setGroup(self, text):
-        self._s_group = str(text)
-
     name = property(getName)
 
     def getOwner(self):
@@ -257,33 +261,40 @@ class Data:
         self._s_owner._s_write(self, None)
 
     def isDirty(self):
+        """A value that comes from other data is that of now, whenever it is read."""
         return False
+
+    def hasChanged(self):
+        """Whether the data that give it its value have another one than when this was asked before."""
+        source = self.getParent()
+        if source is None:
+            return False
+        from ._objects import _stamp
+
+        before, self._s_seen = self._s_seen, (self._s_stamp, _stamp(source))
+        return before != self._s_seen
 
     def isRequired(self):
         return False
 
-    def setDirty(self, *_):
-        self._s_stamp += 1
+    def _s_flag(self, word, on):
+        self._s_flags = tuple(each for each in self._s_flags if each != word) + ((word,) if on else ())
 
     def isReadOnly(self):
-        return False
+        return "read only" in self._s_flags
 
-    def isDisplayed(self):
-        return True
-
-    def setReadOnly(self, *_):
-        pass
-
-    setDisplayed = dirtyOutputs = setReadOnly
+    def setReadOnly(self, on=True):
+        """A word for SOFA's windows: programs may write it all the same."""
+        self._s_flag("read only", on)
 
     def isPersistent(self):
-        return True
+        return "persistent" in self._s_flags
 
-    def setPersistent(self, *_):
-        pass
+    def setPersistent(self, on=True):
+        self._s_flag("persistent", on)
 
     def updateIfDirty(self):
-        pass
+        """See isDirty()."""
 
     update = updateIfDirty
 

@@ -482,6 +482,13 @@ class Engine:
                 self._lead(mirror.things[key], self._states[key], rest)
         self.tell()
 
+    def store_start(self, thing):
+        """From now on reset() puts a state to where it is now."""
+        state = self._states.get(id(thing))
+        if state is not None:
+            self._places = [kept for kept in self._places if kept[0] is not thing]
+            self._places.append((thing, np.array(state.x), np.array(state.v)))
+
     def reinit(self, thing):
         """Attributes have been taken when they were set."""
 
@@ -490,16 +497,15 @@ class Engine:
         """The container stands in the engine as it is."""
         return id(container) in self._components and not self._restart
 
-    def has_changed_meshes(self):
-        return self._has_other_meshes
+    def takes_lists(self):
+        """Whether the lists of a container may be set: the engine is then made anew, which a command does not do."""
+        return not self._has_other_meshes and not self._s_given
 
     def change_mesh(self, modifier, container, kind, removed=(), added=(), points=0, keeps_points=False):
         state = container._s_node().getMechanicalState()
         if len(added) == 0 and points and any(each._s_type and each._s_facts.role == "mapping" for each in container._s_node()._s_objects):
             raise RuntimeError(f"{modifier._s_place()}: points of {state.getPathName() if state else 'a state'}, which a mapping places, do "
                                "not come while the scene runs: where they would be in the body is not known")
-        if self._s_given:
-            self.edited(f"{modifier._s_place()}: the mesh")
         notes = self.sim._engine.change_mesh(self.mirror.paths[id(container)], kind, [int(each) for each in np.ravel(removed)],
                                              [[int(each) for each in cell] for cell in added], int(points), bool(keeps_points))
         for note in notes:
@@ -577,6 +583,13 @@ class Engine:
         for each in _events.listeners(self.root):
             if isinstance(each, DataEngine):
                 each._s_bring_up()
+
+    def gone_back(self):
+        """The view has reset the simulation."""
+        if self._has_other_meshes:
+            self._has_other_meshes = False
+            self._look_again()
+        self.restarted()
 
     def restarted(self):
         self.steps = 0

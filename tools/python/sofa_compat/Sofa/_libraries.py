@@ -3,10 +3,12 @@
 cosserat and useful of the one for rods.
 
 They have the functions that build most scenes, in the folder `libraries`, and are found last: a library on PYTHONPATH counts before
-them. The names of Python 2, stlib and splib, are the same modules.
+them. The names of Python 2, stlib and splib, are the same modules. A file beside this package with the name of each opens it for programs
+that import it before Sofa.
 """
 import importlib
 import importlib.abc
+import importlib.machinery
 import importlib.util
 import os
 import sys
@@ -59,10 +61,22 @@ class _Libraries(importlib.abc.MetaPathFinder):
     def find_spec(self, name, path=None, target=None):
         if name in _OLD:
             return importlib.util.spec_from_loader(name, _SameModule(), is_package=True)
-        if name not in _PLUGINS:
-            return None
-        folder = os.path.join(FOLDER, name)
-        return importlib.util.spec_from_file_location(name, os.path.join(folder, "__init__.py"), submodule_search_locations=[folder])
+        return _stand_in(name) if name in _PLUGINS else None
+
+
+def _stand_in(name):
+    folder = os.path.join(FOLDER, name)
+    return importlib.util.spec_from_file_location(name, os.path.join(folder, "__init__.py"), submodule_search_locations=[folder])
+
+
+def open_library(name):
+    """Puts the library of this name in the place of the file that is being imported."""
+    # no folder of packages as this one, of which a path may have several
+    others = [folder for folder in sys.path if not os.path.exists(os.path.join(folder, "Sofa", os.path.basename(__file__)))]
+    spec = importlib.machinery.PathFinder.find_spec(name, others) or _stand_in(name)
+    sys.modules[name] = module = importlib.util.module_from_spec(spec)
+    if spec.loader is not None:
+        spec.loader.exec_module(module)
 
 
 def told(name):

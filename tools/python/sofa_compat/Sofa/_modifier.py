@@ -42,7 +42,7 @@ class Modifier(Object):
             rows.pop()
         kept = np.array(rows, np.int32).reshape(-1, _cells.NODES[name])
         lost = sorted(set(removed.ravel().tolist()) - set(kept.ravel().tolist()))
-        if engine is not None and gone and (lost or engine.has_changed_meshes()):
+        if engine is not None and gone and (lost or not engine.takes_lists()):
             return engine.change_mesh(self, container, name, removed=gone)
         if lost:
             raise ValueError(f"{self._s_place()}: point {lost[0]} would lose its last cell, and points go while the scene runs alone")
@@ -66,7 +66,7 @@ class Modifier(Object):
         if new.size and not 0 <= new.min() <= new.max() < points:
             raise IndexError(f"{self._s_place()}: a cell names node {new.max() if new.max() >= points else new.min()} of {points}")
         engine = self._s_running(container)
-        if engine is not None and len(new) and engine.has_changed_meshes():
+        if engine is not None and len(new) and not engine.takes_lists():
             return engine.change_mesh(self, container, name, added=new)
         self._s_set(container, name, np.concatenate([_cells.cells(container, name), new]))
         return None

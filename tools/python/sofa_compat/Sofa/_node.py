@@ -103,6 +103,8 @@ class Node(Base):
         is_link = _values.is_link_text(value) or hasattr(value, "getLinkPath")
         if data._s_name in ("dt", "gravity") and not is_link and len(_values.numbers_of(value)) == 0:
             return _messages.warn(f"{self._s_place()}.{data._s_name}: {value!r} is not a number: SOFA keeps {data.value}")
+        if data._s_name == "sleeping" and value in (True, 1, "1", "true"):
+            _messages.warn(f"{self._s_place()}.sleeping: bodies do not sleep here: they move on (activated=False takes them out)")
         was_active = data._s_name != "activated" or self.isActive()
         super()._s_write(data, value)
         if data._s_name in ("activated", "is_activated"):
@@ -141,7 +143,7 @@ class Node(Base):
         self.findData("activated").value = active
 
     def isSleeping(self):
-        return False
+        return bool(self.findData("sleeping").value)
 
     def setSleeping(self, sleeping):
         self.findData("sleeping").value = sleeping
@@ -245,9 +247,6 @@ class Node(Base):
             thing.init()
         return self._s_tell_root([thing])
 
-    def moveObject(self, thing):
-        self._s_insert(thing, {})
-
     def getObject(self, name, *_, **_options):
         """By its name, or by a path from here; None when there is none."""
         name = str(name)
@@ -296,12 +295,6 @@ class Node(Base):
     def _s_is_below(self, other):
         return self is other or any(parent._s_is_below(other) for parent in self._s_parents)
 
-    def addNewChild(self, name="unnamed"):
-        return self.addChild(name)
-
-    def addParent(self, parent):
-        parent.addChild(self)
-
     def removeChild(self, child):
         child = self.getChild(child) if isinstance(child, str) else child
         if child not in self._s_children:
@@ -310,9 +303,10 @@ class Node(Base):
         child._s_parents.remove(self)
         self._s_edited(child._s_all_objects())
 
-    def moveChild(self, child, *_):
-        for parent in list(child._s_parents):
-            parent.removeChild(child)
+    def moveChild(self, child, parent=None):
+        """From `parent`, else from all that it has, to this node."""
+        for before in list(child._s_parents) if parent is None else [parent]:
+            before.removeChild(child)
         self.addChild(child)
 
     def detachFromGraph(self):
@@ -365,9 +359,6 @@ class Node(Base):
 
     def getRootPath(self):
         return "../" * len(self.getAncestors())
-
-    def getTreeNode(self, *path):
-        return self._s_walk([step for each in path for step in str(each).split("/") if step])
 
     def _s_walk(self, steps):
         """Where the steps of a path lead from here: an object, a node, or None."""
@@ -460,10 +451,6 @@ class Node(Base):
     def getMeshTopologyLink(self):
         return self.getMeshTopology()
 
-    def getProjectiveConstraintSet(self, index=0):
-        found = self._s_of_role("projective constraint")
-        return found[index] if index < len(found) else None
-
     def _s_by_role(self, name):
         """`node.mass`, `node.forceField`: when nothing has that name."""
         if name in ("mass", "state", "mechanicalState", "odeSolver", "linearSolver", "meshTopology", "mechanicalMapping"):
@@ -497,15 +484,6 @@ class Node(Base):
         from . import _engine
 
         _engine.animate(self.getRoot(), dt)
-
-    def propagateEvent(self, *_):
-        pass
-
-    def executeVisitor(self, *_):
-        pass
-
-    def updateSimulationContext(self):
-        pass
 
     def computeEnergy(self):
         engine = self._s_engine()

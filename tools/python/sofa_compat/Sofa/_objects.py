@@ -204,7 +204,10 @@ class Object(Base):
         pass
 
     def storeResetState(self):
-        pass
+        """Of a state: reset() comes back to its present positions and velocities."""
+        engine = self._s_engine()
+        if engine is not None:
+            engine.store_start(self)
 
     def draw(self, *_):
         pass
@@ -214,13 +217,15 @@ class Object(Base):
         self._s_changed()
 
     def getMaster(self):
-        return None
+        return self.__dict__.get("_s_master")
 
     def getSlaves(self):
-        return []
+        return list(self.__dict__.get("_s_slaves", ()))
 
-    def addSlave(self, *_):
-        """Objects of Python belong to nodes alone."""
+    def addSlave(self, other):
+        """Tells nothing but who belongs to whom, as in SOFA."""
+        self.__dict__.setdefault("_s_slaves", []).append(other)
+        object.__setattr__(other, "_s_master", self)
 
     def getTarget(self):
         return self._s_type
@@ -230,9 +235,6 @@ class Object(Base):
 
     def getMechanicalState(self):
         return self.getState()
-
-    def getContextData(self, name):
-        return self._s_node().findData(name)
 
     def assembleKMatrix(self):
         """dF/dx of a force field, as a sparse matrix of SciPy."""

@@ -37,7 +37,7 @@ class RawPrefab(Node):
             source = source._s_raw
 
     def setSourceTracking(self, *_):
-        pass
+        """SOFA fills it anew when this file changes, while its window is open."""
 
     def init(self):
         """Fills the prefab."""
@@ -95,9 +95,6 @@ class Prefab(RawPrefab):
             near = _messages.nearest(name, names) if name not in (*names, "name", "parent", "parents") else ""
             if near:
                 _messages.warn(f"{self._s_place()}: {type(self).__name__} has no parameter '{name}'; did you mean '{near}'?")
-
-    def definePrefabParameters(self, *_):
-        pass
 
 
 def PrefabBuilder(function):

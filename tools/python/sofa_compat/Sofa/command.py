@@ -72,7 +72,7 @@ class Program:
     def before_step(self):
         steps = self._running.sim.steps
         if steps < self._steps:  # the view has gone back to the start
-            self._running.restarted()
+            self._running.gone_back()
         self._steps = steps
         if not self._has_started:
             self._has_started = True

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """SofaRuntime: plugins, which do nothing here, and folders of files."""
-import os
-
 from Sofa import _messages
 from Sofa._errors import (  # noqa: F401
     exceptHandler as sofaExceptHandler, formatStackForSofa, getPythonCallingPoint, getPythonCallingPointAsString,
     getSofaFormattedStringFromException, getStackForSofa, sendMessageFromException)
+from Sofa._repository import FileRepository as Repository
 from Sofa._scene_file import unloadModules  # noqa: F401
 
 
@@ -16,45 +15,6 @@ def importPlugin(*names):
 
 
 importPlugins = importPlugin
-
-
-class Repository:
-    """Folders in which files of scenes are looked for, after that of the scene."""
-
-    def __init__(self, variable):
-        self._variable = variable
-
-    def _folders(self):
-        return [each for each in os.environ.get(self._variable, "").split(os.pathsep) if each]
-
-    def addFirstPath(self, folder):
-        os.environ[self._variable] = os.pathsep.join([os.path.abspath(str(folder)), *self._folders()])
-
-    def addLastPath(self, folder):
-        os.environ[self._variable] = os.pathsep.join([*self._folders(), os.path.abspath(str(folder))])
-
-    addPath = addLastPath
-
-    def removePath(self, folder):
-        os.environ[self._variable] = os.pathsep.join(each for each in self._folders() if each != os.path.abspath(str(folder)))
-
-    def getPaths(self):
-        return self._folders()
-
-    def getPathsJoined(self):
-        return os.pathsep.join(self._folders())
-
-    def getFirstPath(self):
-        return (self._folders() or [""])[0]
-
-    def getFile(self, name):
-        for folder in [os.getcwd(), *self._folders()]:
-            if os.path.exists(os.path.join(folder, name)):
-                return os.path.join(folder, name)
-        return name
-
-    def findFile(self, name, *_):
-        return self.getFile(name)
 
 
 DataRepository = Repository("STROMA_DATA_PATH")
@@ -111,10 +71,6 @@ def getCategories(name):
 
     role = _catalogue.facts(str(name)).role
     return [role] if role else []
-
-
-def getMainFactory():
-    return None
 
 
 def init(*_):

@@ -15,7 +15,7 @@ BaseObject = ObjectDeprecated = Component = Object
 BaseNode = BaseContext = Context = Node
 NodeIterator, WriteAccessor, DataContainerContext = Sequence, Writing, Writing
 BasePrefab = RawPrefab
-BaseData = DataLink = Data
+BaseData = DataLink = Link = Data
 
 
 class _OfRole(type):
@@ -39,10 +39,6 @@ _ROLES = {"MechanicalState": "mechanical state", "State": "mechanical state", "T
 ForceField, Mass, Mapping, Constraint = (_class(name, role, _mapping.Mapping if name == "Mapping" else getattr(_objects, name))
                                          for name, role in _PLAYED.items())
 BaseForceField, BaseMass, BaseMapping, BaseConstraint = ForceField, Mass, Mapping, Constraint
-
-
-def CreateNode(name):
-    return Node(name)
 
 
 class _Types(type):

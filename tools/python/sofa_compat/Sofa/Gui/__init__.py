@@ -12,20 +12,27 @@ def _has_display():
 class GUIManager:
     """SOFA's calls: Init(), createGUI(), SetDimension(), MainLoop(), closeGUI()."""
 
-    _file = ""
+    _root = None
 
     @staticmethod
     def Init(*_):
         return 0
 
     @staticmethod
-    def createGUI(root=None, file="", *_):
-        GUIManager._file = str(file)
+    def createGUI(root=None, *_):
+        GUIManager.SetScene(root)
+        return 0
 
     addGUI = createGUI
 
     @staticmethod
-    def MainLoop(root, file="", *_):
+    def SetScene(root, *_, **_options):
+        """The scene of the next MainLoop() and SaveScreenshot()."""
+        GUIManager._root = root
+
+    @staticmethod
+    def MainLoop(root, *_):
+        GUIManager.SetScene(root)
         if _engine.is_commanded():
             _messages.note("a command runs the scene: Sofa.Gui opens no view of its own")
             return
@@ -46,27 +53,29 @@ class GUIManager:
         pass
 
     @staticmethod
-    def ListSupportedGUI(*_):
-        return "stroma"
+    def ListSupportedGUI(separator=None):
+        """A list; with a separator a text, as in SOFA."""
+        return ["stroma"] if separator is None else "stroma"
 
     @staticmethod
-    def GetValidGUIName():
-        return "stroma"
-
-    @staticmethod
-    def SaveScreenshot(*_):
-        _messages.note("Sofa.Gui saves no picture: stroma picture draws one")
+    def SaveScreenshot(filename, *_):
+        """A PNG file of the scene as it is now."""
+        root = GUIManager._root
+        engine = root.getRoot()._s_engine() if root is not None else None
+        if engine is None:
+            return _messages.warn(f"Sofa.Gui: {filename} is not written: there is no scene that runs (GUIManager.createGUI(root) or SetScene(root) "
+                                  "tell which)")
+        return engine.sim.picture(filename)
 
     @staticmethod
     def GetGUI(*_):
-        return GUIManager
+        return BaseGUI()
 
     initialize = setDimension = SetDimension
 
 
-class BaseGui:
+class BaseGUI:
     """The window of SOFA: the view has its own."""
 
-
-class BaseViewer:
-    pass
+    def setBackgroundImage(self, *_):
+        """The view has a background of its own."""

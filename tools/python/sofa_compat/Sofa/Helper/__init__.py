@@ -2,10 +2,18 @@
 """Sofa.Helper: messages of scenes, to standard error."""
 import sys
 
+from .._base import Base
+from .._repository import FileRepository
+
 
 def _message(kind):
     def tell(*arguments):
-        emitter, text = (arguments[0], arguments[1]) if len(arguments) > 1 else ("", arguments[0] if arguments else "")
+        """(text), (emitter, text), (text, file, line) or (emitter, text, file, line)."""
+        if not 1 <= len(arguments) <= 4:
+            raise TypeError(f"a message has 1 to 4 arguments, not {len(arguments)}: expected (text), (emitter, text), and perhaps file and line")
+        emitter, text = arguments[:2] if len(arguments) in (2, 4) else ("", arguments[0])
+        if isinstance(emitter, Base):
+            emitter._s_logged(kind, text)
         name = emitter if isinstance(emitter, str) else emitter.getPathName() if hasattr(emitter, "getPathName") else str(emitter)
         sys.stdout.flush()
         print(f"[{kind}] [{name or 'SofaPython3'}] {text}", file=sys.stderr)
@@ -40,18 +48,7 @@ def GetVersion():
     return Sofa.version
 
 
-def getMessageHandlerComponents():
-    return []
-
-
 class System:
-    """Folders of SOFA: there are none."""
+    """Lists of folders."""
 
-    class DataRepository:
-        pass
-
-
-class Vector:
-    @staticmethod
-    def getName():
-        return "Vector"
+    FileRepository = FileRepository

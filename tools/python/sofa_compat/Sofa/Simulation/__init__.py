@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Sofa.Simulation: a program's own loop over a scene."""
 from .. import _engine, _events
-from .._node import Node
 
 _current = [None]
 
@@ -37,26 +36,14 @@ def load(filename, *_):
     return _scene_file.load(str(filename))
 
 
-def loadFromFile(filename, *_):
-    return load(filename)
-
-
 def unload(root, *_):
     _engine.unload(root)
     if _current[0] is root:
         _current[0] = None
 
 
-def setRoot(root):
-    _current[0] = root
-
-
 def getRoot():
     return _current[0]
-
-
-def createRoot(name="root"):
-    return Node(name)
 
 
 def print(root, *_):  # noqa: A001
@@ -74,16 +61,6 @@ def print(root, *_):  # noqa: A001
 
 
 dumpState = dumpScene = printAll = print
-
-
-def exportXML(root, filename, *_):
-    """The scene as Stroma takes it, without what is written in Python."""
-    import stroma
-
-    from .._mirror import Mirror
-
-    with open(filename, "w", encoding="utf-8") as file:
-        file.write(stroma.to_xml(Mirror(root).root))
 
 
 def sendEvent(root, name, value=None):

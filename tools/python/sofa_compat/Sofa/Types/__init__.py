@@ -2,6 +2,8 @@
 """Sofa.Types: colours and boxes."""
 import numpy as np
 
+from .._data import DataBox as BoundingBox  # noqa: F401
+
 
 class RGBAColor(np.ndarray):
     """Four numbers from 0 to 1, or a name."""
@@ -28,17 +30,3 @@ class RGBAColor(np.ndarray):
 
     def a(self):
         return float(self[3])
-
-
-class BoundingBox:
-    def __init__(self, low=(0, 0, 0), high=(0, 0, 0)):
-        self.low, self.high = np.array(low, dtype=float), np.array(high, dtype=float)
-
-    def minBBox(self):
-        return self.low
-
-    def maxBBox(self):
-        return self.high
-
-    def center(self):
-        return (self.low + self.high) / 2

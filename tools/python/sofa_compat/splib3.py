@@ -1,0 +1,5 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""splib3, also where a program imports it before Sofa: the library of this name on the path, else what stands in for it."""
+from Sofa import _libraries
+
+_libraries.open_library(__name__)
