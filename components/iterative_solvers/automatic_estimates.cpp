@@ -12,7 +12,8 @@ namespace {
 constexpr double multigrid_start = 1.25;  // iterations, and so many more for a decade as are expected
 constexpr double worth_a_guess = 1.3;
 constexpr double usual_drift = 0.02;                         // from one matrix to the next
-// So many times the iterations by the law of drifts are prepared for, in loose solves and in those to eight decades, which end faster.
+// Former factors may take this many times the iterations that the law of drifts predicts: in loose solves, and after drifts of 3 and
+// more. Solves to six decades and more end faster after drifts up to 2.
 constexpr double scatter_loose = 1.4, scatter_strict = 1;
 constexpr double fresh_single = 5e-4, fresh_double = 1e-5;   // what factors of the very matrix leave, as a drift
 constexpr double direct_applications = 2;                    // of these by a direct solver
@@ -97,7 +98,8 @@ double AutomaticInverse::renewing() const {
 /// A solve by factors after such a drift, with the product that ends it.
 double AutomaticInverse::byFactors(double each, double drift) const {
   const double own = now_.factor_costs.is_single ? fresh_single : fresh_double;
-  const double strict = std::clamp((decades() - 2) / 4, 0.0, 1.0), scatter = scatter_loose + strict * (scatter_strict - scatter_loose);
+  const double strict = std::clamp((decades() - 2) / 4, 0.0, 1.0) * std::clamp(3 - drift, 0.0, 1.0);
+  const double scatter = scatter_loose + strict * (scatter_strict - scatter_loose);
   const double rate = ratePerDecade(std::max(own, drift)) * (now_.drifts.isKnown() && drift > own ? scatter : 1);
   return std::ceil(std::max(0.5, rate * decades())) * each + iteration(Way::block_jacobi);
 }
