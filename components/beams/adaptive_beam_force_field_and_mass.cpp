@@ -61,11 +61,11 @@ class AdaptiveBeamForceFieldAndMass final : public FramePairFieldOf<AdaptiveBeam
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);
-    table.addLink("interpolation", link_).help("the beams; those of this node when not given");
+    table.addLink("interpolation", link_).help("the beams; those of this node by default");
     table.addLink("instrumentParameters", parameters_).help("the shape of the rod, whose density is to be taken");
     table.add("computeMass", has_mass_).help("with inertia and weight");
     table.add("turningForces", turns_)
-        .help("with the forces by which momenta stay as the inertia of beams turns");
+        .help("with the gyroscopic forces that conserve momentum as the inertia of beams rotates");
     table.add("massDensity", density_).recompiled().help("of the rod").unit("kg/m^3").min(0, false);
     table.add("reinforceLength", reinforced_).help("SOFA's; without effect: elongation is measured along the bent beam anyway");
     table.add("shearStressComputation", shears_).help("SOFA's; only true is supported");

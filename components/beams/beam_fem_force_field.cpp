@@ -64,7 +64,7 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
     table.add("poissonRatio", poisson_).help("Poisson's ratio").unit("-").min(-1, false).max(0.5).physical();
     table.add("radius", radius_).recompiled().help("outer radius of the section").unit("m").min(0, false).physical();
     table.add("radiusInner", inner_).help("inner radius of a tube").unit("m").min(0);
-    table.add("listSegment", segments_).help("edges of the mesh that are beams; all when not given");
+    table.add("listSegment", segments_).help("edges of the mesh that are beams; all by default");
     table.add("partialListSegment", by_list_).help("SOFA's; without effect: listSegment is used where it is given");
     table.addChoice("axes", axes_, {"beam", "firstEnd"})
         .help(

@@ -74,8 +74,8 @@ class BeamInterpolation final : public BeamChain {
         .max(0.5);
     table.add("straight", straight_).help("at rest beams are straight lines; else as the frames lie in the rest positions");
     table.add("dofsAndBeamsAligned", aligned_).help("false has an effect with DOF0TransformNode0 and DOF1TransformNode1 only");
-    table.add("edgeList", edge_list_).help("edges of the mesh that are beams; all when not given").min(0);
-    table.add("lengthList", length_list_).help("of each beam; found from the frames when not given").unit("m").min(0, false);
+    table.add("edgeList", edge_list_).help("edges of the mesh that are beams; all by default").min(0);
+    table.add("lengthList", length_list_).help("of each beam; found from the frames by default").unit("m").min(0, false);
     table.add("DOF0TransformNode0", first_)
         .help("axes of beams in the frames of their first nodes, 0 0 0 and a quaternion; without dofsAndBeamsAligned")
         .inValuesOf(7);

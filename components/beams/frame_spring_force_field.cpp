@@ -112,8 +112,8 @@ class FrameSpringForceField final : public FramePairFieldOf<FrameSpringForceFiel
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);
-    table.addLink("object1", object1_).help("state of the first frames; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second frames; the one of the first when not given");
+    table.addLink("object1", object1_).help("state of the first frames; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second frames; the one of the first by default");
     table.add("spring", text_).help("the springs, in the words above").required();
     for (const char* name : {"showLawfulTorsion", "showExtraTorsion"}) table.addVisualOnly(name);
   }

@@ -133,7 +133,7 @@ class InterventionalRadiologyController final : public ProjectiveConstraint, pub
 
 void InterventionalRadiologyController::declare(DataTable& table) {
   ProjectiveConstraint::declare(table);
-  table.addLink("instruments", links_).help("the rods, the outermost first; the one of this node when not given");
+  table.addLink("instruments", links_).help("the rods, the outermost first; the one of this node by default");
   table.add("xtip", xtip_).atOnce().help("how far the tip of each rod is out, along it").unit("m");
   table.add("rotationInstrument", turns_).atOnce().help("by how much each rod is turned about its axis").unit("rad");
   table.add("controlledInstrument", controlled_).atOnce().help("the rod that `speed` moves").min(0);
@@ -142,7 +142,7 @@ void InterventionalRadiologyController::declare(DataTable& table) {
   table.add("threshold", threshold_).help("nodes nearer to each other than that are one").unit("m").min(0, false);
   table.add("step", step_).help("how far from ends of rigid stretches there are nodes").unit("m").min(0, false);
   table.add("angularStep", angular_step_).help("SOFA's, of keys: programs set rotationInstrument").unit("rad");
-  table.add("rigidCurvAbs", rigid_).help("lengths from the opening between which rods are held, two by two").unit("m");
+  table.add("rigidCurvAbs", rigid_).help("pairs of lengths from the opening between which rods are fixed").unit("m");
   table.add("motionFilename", motion_file_).input().help("times [ms] and how far the tip goes in a step from then on, instead of speed");
   table.add("indexFirstNode", first_).help("the node at the opening").output();
   table.add("CurvAbs", curv_abs_).help("lengths from the opening where nodes are").unit("m").output();

@@ -27,7 +27,7 @@
 // turned by exp(th), the two that are blocked have kappa angle(e, e') e x e'. Beyond a limit T is b times what is beyond. The
 // tangent is R_a K R_a^T and R_a kappa R_a^T by differences of both frames, without the damping. REST_T, whatever its numbers,
 // stands for t = c_b - c_a and q_0 = q_b q_a^-1 of the start; without it t = 0 and q_0 is REST_R. KS_B is a hundredth of the hard
-// stiffness when not given or 0, and a rotation whose limits are equal is blocked.
+// stiffness by default and if it is 0, and a rotation whose limits are equal is blocked.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -162,12 +162,12 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);
-    table.addLink("object1", object1_).help("state of the first frames; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second frames; the one of the first when not given");
+    table.addLink("object1", object1_).help("state of the first frames; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second frames; the one of the first by default");
     table.add("spring", text_).help("the joints, in the words above").required();
     table.add("explicitForce", explicit_force_)
         .help("the joints are no part of the matrix, as in SOFA between bodies of different solvers: not stable for stiff ones");
-    table.add("unbalanced", unbalanced_).help("SOFA's forces: torques do not balance, and places at rest stay in fixed axes");
+    table.add("unbalanced", unbalanced_).help("SOFA's forces: torques do not balance, and rest positions stay in fixed axes");
     for (const char* name :
          {"outfile", "period", "reinit", "drawLawfulTorsion", "drawTorsion", "showFactorSize"})
       table.addVisualOnly(name);

@@ -38,7 +38,7 @@ namespace {
 class MultiAdaptiveBeamTopologicalMapping final : public TopologicalMapping {
  public:
   void declare(DataTable& table) override {
-    table.addLink("ircontroller", link_).help("what pushes the rods; the one of a node above when not given");
+    table.addLink("ircontroller", link_).help("what pushes the rods; the one of a node above by default");
     table.find("ircontroller")->alias("controller");
     table.addLink("output", output_).help("container of edges that is filled");
     table.add("nbEdges", count_).help("edges; 0: as many as the contact model with most of them").min(0);
@@ -55,7 +55,7 @@ class MultiAdaptiveBeamTopologicalMapping final : public TopologicalMapping {
           other->ensureReady();
         }
     if (!mover)
-      throw ComponentError("there is nothing that pushes rods", "ircontroller=\"@...\", an InterventionalRadiologyController");
+      throw ComponentError("there is no controller that pushes rods", "ircontroller=\"@...\", an InterventionalRadiologyController");
     const int edges = count_ > 0 ? count_ : mover->contactEdges(false), needed = mover->contactEdges(true);
     constexpr int most = 2000;  // each of their nodes may hang on any frame
     if (edges > most) throw ComponentError(fmt::format("the chain has {} edges", edges), fmt::format("at most {}", most));

@@ -40,7 +40,7 @@ class RodStretchComponent final : public HasRodStretch {
     table.add("nbEdgesVisu", stretch_.drawn_edges).help("edges in the mesh of the rod").min(1);
     table.add("nbEdgesCollis", stretch_.contact_edges).help("edges of a contact model, and beams without nbBeams").min(1);
     table.add("nbBeams", stretch_.beams).help("beams; 0: as many as nbEdgesCollis").min(0);
-    table.add("spireDiameter", diameter_).help("of the helix; a RodStraightSection has none").unit("m").min(0, false);
+    table.add("spireDiameter", diameter_).help("of the helix; not for RodStraightSection").unit("m").min(0, false);
     table.add("spireHeight", height_).help("along the axis of the helix in each turn").unit("m").min(0);
   }
 

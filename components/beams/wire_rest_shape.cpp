@@ -6,7 +6,7 @@
 // Extremity. A helix begins with a bend of atan(spireHeight/(pi spireDiameter)), as in the plug-in; a stretch behind one begins
 // where it ends.
 //
-// keyPoints are the lengths where nodes are always put: the handle, the end of the straight part and the tip when not given.
+// keyPoints are the lengths where nodes are always put: the handle, the end of the straight part and the tip by default.
 // densityOfBeams says how many beams lie between two of them where all of that is out; when it has not as many numbers as there
 // are, floor(5 straightLength/length) and floor(20 (1 - straightLength/length)), as in the plug-in; a helix has as many more as it
 // takes for beams that turn by less than half a turn. numEdgesCollis says how many
@@ -42,7 +42,7 @@ namespace {
 class WireRestShape final : public RodShape {
  public:
   void declare(DataTable& table) override {
-    table.addLink("wireMaterials", materials_).help("stretches from the handle to the tip; in the place of what follows");
+    table.addLink("wireMaterials", materials_).help("sections from the handle to the tip; replaces the following attributes");
     table.addLink("topology", output_).help("container of edges that takes the mesh of the rod");
     table.add("length", length_).help("of the rod").unit("m").min(0, false);
     table.add("straightLength", straight_).help("of its straight part").unit("m").min(0);
@@ -51,7 +51,7 @@ class WireRestShape final : public RodShape {
     table.add("keyPoints", key_points_).help("lengths where nodes are always put, from 0 to the tip").unit("m").min(0);
     table.add("densityOfBeams", densities_).help("how many beams lie between two of them").min(0);
     table.add("numEdges", drawn_edges_).help("of the mesh of the rod").min(1);
-    table.add("numEdgesCollis", contact_edges_).help("edges of a contact model between two key points; 20 when not given").min(1);
+    table.add("numEdgesCollis", contact_edges_).help("edges of a contact model between two key points; 20 by default").min(1);
     for (const bool tip : {false, true}) {
       const std::string end = tip ? "Extremity" : "", where = tip ? " of the helix" : " of the straight part";
       Stuff& stuff = stuff_[tip ? 1 : 0];

@@ -13,15 +13,15 @@
 namespace stroma::collision {
 
 void CollisionModel::declare(DataTable& table) {
-  table.addLink("mstate", mstate_).help("state whose nodes move the surface; that of this node or above when not given");
+  table.addLink("mstate", mstate_).help("state whose nodes move the surface; that of this node or above by default");
   topology_.declare(table, "mesh of the surface");
-  table.add("active", active_).help("false: it meets nothing");
+  table.add("active", active_).help("false: it has no contacts");
   table.add("moving", moving_).help("SOFA's; without effect: whether it moves is known");
   table.add("simulated", simulated_).help("false: an obstacle, which meets no other one");
   table.add("selfCollision", self_collision_).help("it may meet the other models of its node");
   table.add("contactDistance", contact_distance_).alias("proximity").help("added to that of the method").unit("m").min(0);
   table.add("group", groups_).help("models with a number in common do not meet");
-  table.add("contactResponse", response_).help("how its contacts are answered, whatever the CollisionResponse says of all");
+  table.add("contactResponse", response_).help("response to its contacts, overriding the CollisionResponse");
   table.add("bothSide", both_sides_).help("a LocalMinDistance keeps the contacts of its back; other methods know no sides");
   table.add("contactStiffness", stiffness_)
       .help("the stiffness of a contact is the product of both models' over its contact distance")
@@ -84,7 +84,7 @@ double CollisionModel::restDistance(const Part& p, const Part& q) const {
 
 const Mesh* CollisionModel::mesh() const {
   const Topology* topology = topology_.find(*this, *state_, MeshNodes::first);
-  if (!topology && active_) throw ComponentError("no mesh says what this surface is made of", "a topology in this node or above");
+  if (!topology && active_) throw ComponentError("there is no mesh for this surface", "a topology in this node or above");
   return topology ? &topology->mesh() : nullptr;
 }
 

@@ -71,7 +71,7 @@ class Spheres final : public CollisionModel {
   void declare(DataTable& table) override {
     CollisionModel::declare(table);
     table.add("radius", radius_).alias("defaultRadius").help("of each sphere").unit("m").min(0);
-    table.add("listRadius", radii_).help("of each sphere, one for each node; radius when not given").unit("m").min(0);
+    table.add("listRadius", radii_).help("of each sphere, one for each node; radius by default").unit("m").min(0);
   }
   Kind kind() const override { return Kind::sphere; }
   void makeParts(std::vector<Part>& parts) override {

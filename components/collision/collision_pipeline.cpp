@@ -193,7 +193,8 @@ STROMA_COMPONENT(collision_pipeline) {
   using namespace stroma::collision;
   factory.add<CollisionPipeline>("CollisionPipeline", "finds contacts for a response, or ends a run where surfaces would touch");
   const auto add = [&factory](const char* type, Method::Rule rule) {
-    factory.add<Method>(type, "what of two surfaces meets, and from which distance on", [rule](Method& m) { m.rule = rule; });
+    factory.add<Method>(type, "which elements of two surfaces are in contact, and from which distance",
+                        [rule](Method& m) { m.rule = rule; });
   };
   add("MinProximityIntersection", Method::Rule::proximity);
   add("LocalMinDistance", Method::Rule::local_minimum);

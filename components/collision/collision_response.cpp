@@ -97,7 +97,7 @@ class CollisionResponse final : public ForceField,
     table.add("explicitBetween", explicit_between_)
         .help("penalties between bodies of different integrators are no part of the matrix, as in SOFA");
     table.add("toleratedError", tolerated_error_)
-        .help("with friction: conditions that are off by no more keep the step, which counts as one that did not converge")
+        .help("with friction: a step whose conditions are violated by no more than this is kept, and reported as not converged")
         .unit("m")
         .min(0);
     table.add("contacts", acting_).help("contacts that push").output();

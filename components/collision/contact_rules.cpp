@@ -28,9 +28,9 @@ bool speaksOf(const std::string& word, const CollisionModel& model) {
 
 void ContactRules::declare(DataTable& table) {
   table.add("response", response_).help("how contacts are answered: PenalityContactForceField or FrictionContactConstraint");
-  table.add("responseParams", parameters_).help("mu=... of friction; 0.8 when not given");
+  table.add("responseParams", parameters_).help("mu=... of friction; 0.8 by default");
   table.add("rules", rules_)
-      .help("of pairs of models, three words each: two names, numbers of groups or *, and a response; the first that fits counts");
+      .help("for pairs of models, three words each: two names, group numbers or *, and a response; the first match is used");
 }
 
 bool ContactRules::isKnown(const std::string& word) {
@@ -51,7 +51,7 @@ Answer ContactRules::withParameters(Answer answer, const std::string& parameters
       if (!(number >= 0)) throw ComponentError(fmt::format("mu is {:g}", number), expected);
       answer.mu = number;
     } else if (name != "tol") {
-      throw ComponentError(fmt::format("responseParams has \"{}\", which nothing reads", part), expected);
+      throw ComponentError(fmt::format("responseParams has \"{}\", which is not a parameter", part), expected);
     }
   }
   return answer;
@@ -62,7 +62,7 @@ Answer ContactRules::parsed(const std::string& word, const char* attribute) {
   const auto mark = word.find('?');
   const std::string name = word.substr(0, mark);
   if (!isKnown(name))
-    throw ComponentError(fmt::format("{} has \"{}\", which is no response", attribute, name),
+    throw ComponentError(fmt::format("{} has \"{}\", which is not a response", attribute, name),
                          fmt::format("{} or {}?mu=0.6", pushing, rubbing));
   Answer answer;
   answer.rubs = rubs(name);

@@ -45,7 +45,7 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
     if (!wanted) interior_ = Index(rows_.size());
   }
   for (Index node = 0; node < free(); ++node) node_of_row_[row(node)] = node;
-  if (rows_.empty()) throw ComponentError("every node is held: there is nothing to solve for", "a node that can move");
+  if (rows_.empty()) throw ComponentError("every node is fixed: there is nothing to solve for", "a node that can move");
   findTimedNodes();
 }
 
@@ -88,10 +88,10 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
   for (ForceField* field : system.forceFields()) {
     if (field->rayleigh_stiffness != 0)
       throw ComponentError(
-          fmt::format("{} has rayleighStiffness, and {} is damped by masses alone", field->path(), name),
+          fmt::format("{} has rayleighStiffness, but {} only supports damping by masses", field->path(), name),
           "rayleighMass of the solver", "rayleighStiffness=\"0\"");
     if (!dynamic_cast<const HearsSteps*>(field) && readsVelocity(*field, system))
-      throw ComponentError(fmt::format("{} depends on velocity, and {} is damped by masses alone", field->path(), name),
+      throw ComponentError(fmt::format("{} depends on velocity, but {} only supports damping by masses", field->path(), name),
                            "rayleighMass of the solver");
   }
 }

@@ -66,8 +66,8 @@ std::string CondensedIntegrator::findConditions(const System& system) {
       const Index free_node = body_.nodeOf(row), node = free_node - first_active_;
       if (free_node < 0) continue;  // held
       if (node < 0)
-        return fmt::format("{} acts on {}, which is inside: {} solves for the kept nodes alone; surfaceIndices keeps others, "
-                           "condensed=\"false\" all",
+        return fmt::format("{} acts on {}, which is inside: {} only solves for the kept nodes; surfaceIndices keeps others, "
+                           "condensed=\"false\" keeps all",
                            nameOfCondition(i), system.actors().describeRow(row), path());
       if (c.slot[node] < 0) c.slot[node] = Index(c.nodes.size()), c.nodes.push_back(node);
       const Vec3 along = body_.projector(free_node) * gradient;

@@ -44,7 +44,7 @@ void CondensedIntegrator::compileContact(System& system) {
         fmt::format(
             "{} pushes by forces that follow from gaps, and {} by forces of constraint: {} finds either, not both",
             c.fields.front()->path(), dynamic_cast<const Component&>(*conditions_.constraints.front()).path(), type()),
-        "contact by forces of constraint beside other constraints", "<ConstraintContact/> in its place");
+        "contact by constraint forces together with other constraints", "<ConstraintContact/> in its place");
   c.limits.compile(system);
   for (Array<double>* vector : {&c.now, &c.goal, &c.way, &c.from, &c.still}) vector->assign(padded(), 0.0);
   c.force.resize(system.allRows()), c.rows.resize(system.independentRows());
@@ -96,7 +96,7 @@ std::string CondensedIntegrator::findTouched(const System& system) {
     const Index free_node = acts ? body_.nodeOf(row) : -1, node = free_node - first_active_;
     if (free_node < 0) continue;  // nothing acts, or it is held
     if (node < 0)
-      return fmt::format("{} pushes {}, which is inside: {} solves for the kept nodes alone", c.fields.front()->path(),
+      return fmt::format("{} pushes {}, which is inside: {} only solves for the kept nodes", c.fields.front()->path(),
                          system.actors().describeRow(row), path());
     c.place[std::size_t(row)] = Index(c.touched.size());
     c.touched.push_back(row);
@@ -271,14 +271,14 @@ bool CondensedIntegrator::holdContact(System& system, Array<double>& u, StopToke
   if (report.stopped || !report.reason.empty() || c.part < 1) {
     if (report.reason.empty() && !report.stopped)
       report.reason =
-          fmt::format("{} has come {:.2g} of the way of its loads and motions in {} iterations: something is in it",
+          fmt::format("{} has gone {:.2g} of the way of its loads and motions in {} iterations: something is in its way",
                       path(), c.part, most_iterations);
     report.diverged = !report.stopped;
     copy(conditions_.start, system.x);
     return false;
   }
   if (!report.newton_converged)
-    report.reason = fmt::format("the forces of contact on {} are off by {:.2g} of themselves after {} iterations",
+    report.reason = fmt::format("the contact forces on {} have a relative error of {:.2g} after {} iterations",
                                 path(), c.residual, most_iterations);
   std::copy(c.now.begin(), c.now.end(), u.begin());
   return true;

@@ -71,8 +71,8 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
     table.add("rayleighMass", rayleigh_mass_).help("alpha: damping proportional to the mass").unit("1/s").min(0);
     table.addChoice("interiorMass", interior_mass_, {"exact", "shared", "neglected"})
         .help(
-            "what becomes of the mass of inside nodes: it stays, and each step costs a sweep through the inside; the "
-            "kept nodes carry it; it is left out");
+            "treatment of the mass of inside nodes: kept exactly, at the cost of a sweep through the inside per step; moved to the "
+            "kept nodes; left out");
     table.addChoice("solve", solve_, {"auto", "inverse", "factor"})
         .help("with condensed=\"false\": by the inverse, by the sparse factor, or by the faster, measured");
   }

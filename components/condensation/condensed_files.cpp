@@ -49,7 +49,7 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
   if (cache_folder_.empty()) return false;
   const std::string folder = cacheFolder();
   if (folder.empty()) {
-    warn("cacheFolder=\"auto\" finds no folder, since neither XDG_CACHE_HOME nor HOME is set: nothing is kept",
+    warn("cacheFolder=\"auto\" finds no folder, since neither XDG_CACHE_HOME nor HOME is set: nothing is cached",
          "cacheFolder=\"a folder\"");
     return false;
   }
@@ -64,7 +64,7 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
   if (!reason.empty()) {
     file_.close();
     used_form_ = form();
-    warn(fmt::format("{} is not used and made anew: {}", file_name_, reason));
+    warn(fmt::format("{} is not used but computed again: {}", file_name_, reason));
   }
   if (file_.isOpen()) useStored(problem);
   return file_.isOpen();
@@ -145,7 +145,7 @@ void CondensedIntegrator::checkFactor() {
         fmt::format(
             "the factor of the inside is damaged in {}, and to make it anew takes {:.2g} GB where {:.2g} GB are {}",
             file_name_, 1e-9 * bytes, 1e-9 * limit, memory_limit_ > 0 ? "allowed by memoryLimit" : "available"),
-        "more memory", "remove the file, and the next run makes it anew before its first step");
+        "more memory", "remove the file; the next run computes it again before its first step");
   std::error_code ignored;
   std::filesystem::remove(file_name_, ignored);
   warn(

@@ -14,17 +14,17 @@ namespace stroma {
 
 void CondensedIntegrator::declare(DataTable& table) {
   table.add("condensed", condensed_)
-      .help("only kept nodes are solved for, the inside follows when somebody reads it; false: all nodes are kept");
+      .help("only kept nodes are solved for, and the inside is computed on demand; false: all nodes are kept");
   table.add("surfaceIndices", surface_indices_)
-      .help("nodes that are kept; those on the boundary of the cells when not given");
+      .help("nodes that are kept; those on the boundary of the cells by default");
   table.addChoice("precision", precision_, {"double", "single"})
       .help(
           "of the stored inverse: single halves its bytes; entries are then wrong by up to 6e-8 of themselves, and "
           "dragForces by as much more as the compliance of the dragged nodes is near to singular");
   table.add("cacheFolder", cache_folder_)
-      .help("keeps what was precomputed in files of this folder; auto: the user's cache folder; empty: nowhere");
+      .help("folder for files of precomputed data; auto: the user's cache folder; empty: none");
   table.add("memoryLimit", memory_limit_)
-      .help("memory that the precomputation may take; 0: what the machine has available")
+      .help("memory limit of the precomputation; 0: the available memory")
       .unit("GB")
       .min(0);
   table.add("rotationBound", rotation_bound_)
@@ -38,7 +38,7 @@ void CondensedIntegrator::declare(DataTable& table) {
   table.add("draggedNodes", dragged_nodes_).help("nodes moved by position in the last step").output();
   table.add("dragForces", drag_forces_)
       .help(
-          "force on each of draggedNodes that its motion takes: what a haptic device gives back, with the sign turned")
+          "force that moves each of draggedNodes: with the opposite sign, the feedback of a haptic device")
       .unit("N")
       .output();
 }
@@ -264,7 +264,7 @@ StepReport CondensedIntegrator::failure(const std::string& reason) const {
 std::string CondensedIntegrator::doubt() const {
   std::string text;
   if (touch_error_ > 0.01)
-    text = fmt::format("{}: dragForces may be wrong by {:.0f} %: moved nodes hold each other too well for {} precision",
+    text = fmt::format("{}: dragForces may be wrong by {:.0f} %: moved nodes are too strongly coupled for {} precision",
                        path(), std::min(100 * touch_error_, 100.0), isSingle() ? "single" : "double");
   if (conditions_.swinging > 0)
     text += fmt::format("{}{}: in {} steps the directions of forces of constraint had not come to rest; a smaller dt helps",
@@ -304,7 +304,7 @@ void CondensedIntegrator::serialize(Archive& archive) {
 std::string CondensedIntegrator::describe() const {
   std::string text = stepText() + measuredText();
   if (body_.interior() > 0 && !insideIsActive())
-    text += fmt::format("; {} nodes inside are computed after steps that somebody reads them{}", body_.interior(),
+    text += fmt::format("; {} nodes inside are computed only after steps in which they are read{}", body_.interior(),
                         asks_force_ ? ": each, because forces are read" : "");
   if (!body_.timedNodes().empty() && body_.timedNodes().front() < body_.interior() && !insideIsActive())
     text += "; loads on inside nodes change in time: a sweep through the factor of the inside in each step";
@@ -312,9 +312,9 @@ std::string CondensedIntegrator::describe() const {
   if (hasConditions()) text += "; forces of constraint through the compliance of the nodes that they act on";
   if (hasContact()) text += "; contact by Newton's method on the nodes that it pushes";
   if (range_.isEmpty())
-    text += "; nothing watches the range of linear elasticity: no surface of volume cells moves";
+    text += "; the range of linear elasticity is not checked: no surface of volume cells moves";
   else if (range_.watched() == 0)
-    text += "; the range of linear elasticity is looked at after the last step alone: surface nodes are not kept";
+    text += "; the range of linear elasticity is checked after the last step only: surface nodes are not kept";
   return text + (from_cache_ ? "; precomputed in " + file_name_ : "");
 }
 

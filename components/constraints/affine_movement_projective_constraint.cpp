@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// AffineMovementProjectiveConstraint: nodes that go to an affine image of where they start, on straight lines.
+// AffineMovementProjectiveConstraint: nodes that move on straight lines to an affine image of their initial positions.
 //
 //   x(t) = (1 - s) X + s (A X + b),   s = (t - t_begin) / (t_end - t_begin) within [0, 1],   v = s' (A X + b - X)
 //
-// with X the initial positions, A the matrix `rotation` (nine numbers, row by row) times that of `quaternion`
-// (x y z w), and b the `translation`. The nodes of `indices` are held before and after; those of `meshIndices` move
-// along between the two times and are free otherwise. A straight path shrinks what turns: half-way through a rotation
-// by the angle a, lengths across its axis are cos(a/2) of what they were.
+// with X the initial positions, A the matrix `rotation` (nine numbers, row by row) times that of `quaternion` (x y z w), and b
+// the `translation`. The nodes of `indices` are fixed before and after; those of `meshIndices` move between the two times and
+// are free otherwise. Straight paths shrink a rotating body: half-way through a rotation by the angle a, lengths across its
+// axis are cos(a/2) of their initial value.
 //
-// Of a rigid frame the centre goes this way, and its orientation is exp(s r) q, r the rotation vector of A, which must be a
-// rotation then.
+// The centre of a rigid frame moves in the same way, and its orientation is exp(s r) q, r the rotation vector of A, which must
+// then be a rotation.
 //
 // Source: the attributes are SOFA's.
 //

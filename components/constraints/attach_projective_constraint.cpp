@@ -1,38 +1,40 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// AttachProjectiveConstraint: pairs of nodes, of two bodies or of one, that are one node from then on.
+// AttachProjectiveConstraint: pairs of nodes, of two bodies or of one, that become one node.
 //
-// Both ends of a pair have one velocity, and their masses and forces add up, exactly: with P the mean over the pair, the
-// step solves P (m M + k K + c C) P. Two bodies attached at matching nodes are the merged body. Ends that lie apart at the
-// start are brought together at their mass-weighted mean, and so are their velocities; in directions in which another constraint
-// holds one end, where that end is.
+// Both ends of a pair have one velocity, and their masses and forces add up, exactly: with P the mean over the pair, the step
+// solves P (m M + k K + c C) P. Two bodies attached at matching nodes are the merged body. Ends with different initial
+// positions are moved to their mass-weighted mean, and so are their velocities; in directions in which another constraint
+// fixes one end, to that end.
 //
-// twoWay="false" (the default of SOFA): the nodes of indices2 follow those of indices1, which feel nothing. Positions and
-// velocities coincide at the end of every step; inside a step the follower moves with the velocity that the other had at
-// its start. The weight of a body that hangs or rests on its followers alone is then carried by nobody: a run says how
-// large the force is that the attachment took.
+// twoWay="false" (the default of SOFA): the nodes of indices2 follow those of indices1, without reaction on these. Positions
+// and velocities coincide at the end of every step; inside a step the follower moves with the velocity that the other had at
+// its start. The weight of a body that hangs or rests only on its followers is then not transmitted: a run reports the size of
+// the missing force.
 //
-// There meet="halfway" does as SOFA does with points: in a step the follower goes on with its velocity; then
+// With twoWay="false", meet="halfway" does what SOFA does with points: in a step the follower keeps its velocity; then
 //
 //   c = (v2 - v1) velocityFactor k / 2,  v1 += c,  v2 -= c,   x2 -= (x2 - x1) positionFactor k / 2
 //
-// with k the pair's constraintFactor. What is followed feels that: half of its acceleration is lost. With twoWay points that start
-// apart are put where the first is; with inMatrix="false" the right side of the step has b1 += c, b2 -= c, with responseFactor.
+// with k the pair's constraintFactor. This affects the followed node: it loses half of its acceleration. With twoWay, points
+// that start apart are moved to the first one; with inMatrix="false" the right side of the step has b1 += c, b2 -= c, with
+// responseFactor.
 //
-// A pair is free while (x1 - lastPos) . lastDir > 0; with clamp its second node is then held at lastPos. A pair is free too while its
-// nodes are farther apart than minDistance. Of followers and of inMatrix="false" alone: what feels the other is one node for good.
+// A pair is released while (x1 - lastPos) . lastDir > 0; with clamp its second node is then fixed at lastPos. A pair is also
+// released while its nodes are farther apart than minDistance. This holds for followers and inMatrix="false" only: two-way
+// pairs are permanent.
 //
 // Rigid frames that are attached are one body: the sum of their masses and inertias, with one orientation, their mean at the
-// start. A frame and a point share the frame's centre. With freeRotations frames share centres alone, with lastFreeRotation those of
-// the last pair, the one before a pair that is free. With restRotations a follower has, against what it follows, the turn that
-// takes the way to the node after it at rest, in its own axes, to x.
+// start. A frame and a point share the frame's centre. With freeRotations frames share only their centres, with
+// lastFreeRotation only those of the last pair, the one before a released pair. With restRotations a follower is rotated
+// against the followed frame by the rotation that takes the rest direction to the next node, in its own axes, to x.
 //
-// Where one body is meshed finer, pairs of nodes join its surface at single nodes and leave the rest of it free: it is then too
-// soft, and a warning says so. Stiff springs between all nodes of the finer surface and points that a BarycentricMapping places in
-// the other body hold it whole.
+// If one body has a finer mesh, pairs of nodes join its surface at single nodes and leave the rest free: the joint is then too
+// soft, and a warning is printed. To join the whole surface, use stiff springs between all nodes of the finer surface and
+// points that a BarycentricMapping embeds in the other body.
 //
-// Node indices1[i] of object1 is joined to node indices2[i] of object2; without the objects both are of the state of
-// this node. Bodies that have an integrator each move in one system, by the first of them, and a warning says where the
-// integrators differ. A node may be attached to several others.
+// Node indices1[i] of object1 is attached to node indices2[i] of object2; without the objects both belong to the state of this
+// node. Bodies with separate integrators move in one system, by the first of them, and a warning says where the integrators
+// differ. A node may be attached to several others.
 //
 // Source: the attributes are SOFA's; there a two-way pair shares positions but not its inertia.
 //
@@ -101,26 +103,26 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
-    table.addLink("object1", object1_).help("state of indices1; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of indices2; that of object1 when not given");
+    table.addLink("object1", object1_).help("state of indices1; the one of this node by default");
+    table.addLink("object2", object2_).help("state of indices2; that of object1 by default");
     table.add("indices1", indices1_).help("nodes of object1, one for each pair").required();
     table.add("indices2", indices2_).help("nodes of object2, one for each pair").required();
     table.add("twoWay", two_way_)
         .help(
-            "both ends share mass and forces; false, as in SOFA without it: the second follows and the first feels "
-            "nothing");
+            "both ends share mass and forces; false, SOFA's default: the second follows without acting on the first");
     table.addChoice("meet", meet_, {"leader", "halfway"})
         .help("where points go that follow without being felt: where those go that they follow, or halfway there, as in SOFA");
     table.add("inMatrix", in_matrix_)
         .help("with twoWay, of points, false: both ends are free in the matrix of an implicit step of one linear solve, whose right side "
               "has their mean, and meet after it: SOFA's way with assembled matrices");
-    table.add("positionFactor", position_factor_).help("of the way to what is followed, with meet=halfway").unit("-").min(0).max(1);
+    table.add("positionFactor", position_factor_).help("fraction of the way to the followed node, with meet=halfway")
+        .unit("-").min(0).max(1);
     table.add("velocityFactor", velocity_factor_).help("of the change of both velocities, with meet=halfway").unit("-").min(0).max(1);
     table.add("responseFactor", response_factor_).help("of the change of both right sides, with inMatrix=false").unit("-").min(0).max(1);
-    table.add("constraintFactor", pair_factors_).help("of all three, one for each pair; 1 when not given").unit("-").min(0).max(1);
+    table.add("constraintFactor", pair_factors_).help("of all three, one for each pair; 1 by default").unit("-").min(0).max(1);
     table.add("lastPos", last_place_).help("where a pair comes free that goes along lastDir").unit("m");
-    table.add("lastDir", last_way_).help("zero: pairs stay together wherever they go").unit("-");
-    table.add("clamp", clamp_).help("the second node of a pair that is past lastPos stays there, and is not free");
+    table.add("lastDir", last_way_).help("zero: pairs are never released").unit("-");
+    table.add("clamp", clamp_).help("the second node of a pair past lastPos stays there instead of being released");
     table.add("minDistance", min_distance_).help("pairs farther apart are free; -1: none is").unit("m");
     table.add("freeRotations", free_turns_).help("frames share centres, and turn by themselves");
     table.add("lastFreeRotation", last_free_turn_).help("the frame of the last pair turns by itself");
@@ -145,10 +147,10 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint, public Sta
       farthest = std::max(farthest, (state().position[leaders_[i]] - second_->position[followers_[i]]).norm());
     }
     if (!data().find("twoWay")->isSet())
-      inform("twoWay is not given: both ends feel each other; in SOFA the second follows and the first feels nothing");
+      inform("twoWay is not given: both ends act on each other; in SOFA the second follows without acting on the first");
     else if (!two_way_)
       inform(
-          fmt::format("{} feels nothing of what follows it: the force that holds the nodes of {} is received by nobody",
+          fmt::format("{} is not affected by the nodes that follow it: the force on the nodes of {} is not transmitted",
                       state().path(), second_->path()));
     if (farthest > 0)
       inform(fmt::format("attached nodes lie up to {:.3g} m apart: they are brought together", farthest));

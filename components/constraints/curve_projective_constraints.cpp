@@ -8,8 +8,8 @@
 // HermiteSplineProjectiveConstraint: a cubic from X0 to X1 with the tangents dX0 and dX1 there, run through by w(u):
 //   x(w) = H00(w) X0 + H10(w) dX0 + H01(w) X1 + H11(w) dX1,   w(u) = H10(u) a + H01(u) + H11(u) b
 //   H00 = 2 w^3 - 3 w^2 + 1,  H10 = w^3 - 2 w^2 + w,  H01 = 3 w^2 - 2 w^3,  H11 = w^3 - w^2
-//   a and b, the second numbers of SX0 and SX1, are the speeds of w at the ends. With 0, as when they are not given, the nodes
-//   start from rest and come to rest.
+//   a and b, the second numbers of SX0 and SX1, are the speeds of w at the ends. With 0, the default,
+//   the nodes start from rest and come to rest.
 //
 // All listed nodes are at the same place. Positions and velocities are exact at the end of every step. Before BeginTime and
 // after EndTime the nodes are free, as in SOFA; with outside="hold" they stay where the curve begins and ends.
@@ -53,14 +53,14 @@ class CurveMovement : public HeldNodes, public StartVelocity {
     table.add("BeginTime", begin_).help("when the movement begins").unit("s");
     table.add("EndTime", end_).help("when it ends").unit("s").required();
     table.add("late", late_).help("in each step the nodes go to where they were to be at its start, with SOFA's velocities");
-    table.addChoice("outside", outside_, {"free", "hold"}).help("what happens to the nodes before BeginTime and after EndTime");
+    table.addChoice("outside", outside_, {"free", "hold"}).help("state of the nodes before BeginTime and after EndTime");
   }
   void init() override {
     HeldNodes::init();
     if (!(end_ > begin_))
       throw ComponentError(fmt::format("the movement from {:g} s ends at {:g} s", begin_, end_), "EndTime after BeginTime");
     if (outside_ == Outside::free && !data().find("outside")->isSet())
-      inform(fmt::format("the nodes are free before t = {:g} s and after t = {:g} s; outside=\"hold\" keeps them", begin_, end_));
+      inform(fmt::format("the nodes are free before t = {:g} s and after t = {:g} s; outside=\"hold\" fixes them", begin_, end_));
   }
 
   bool activeIn(double t, double t_end) const override {
@@ -124,7 +124,7 @@ class ParabolicMovement final : public CurveMovement {
     if (height_.norm() <= 1e-12 * chord.norm()) return void(height_.setZero());
     if (!(share > 0 && share < 1))
       throw ComponentError(
-          fmt::format("P2 lies at {:.3g} of the way from P1 to P3: no parabola goes through it between them", share),
+          fmt::format("P2 is at {:.3g} of the way from P1 to P3: there is no parabola through it between them", share),
           "a point between them");
     height_ /= share * (1 - share);
   }

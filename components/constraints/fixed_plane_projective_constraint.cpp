@@ -3,8 +3,9 @@
 //
 //   P_i = I - n n^T, n = direction / |direction|
 //
-// The component of the velocity along `direction` does not change. The nodes are those of `indices` or, when dmin and
-// dmax are given, those with dmin < n.X < dmax in their initial position X. With ignoreMissing both count, and there may be none.
+// The component of the velocity along `direction` does not change. The nodes are those of `indices` or, when dmin and dmax are
+// given, those with dmin < n.X < dmax in their initial position X. With ignoreMissing both selections are used, and both may
+// be empty.
 //
 // Source: the attributes are SOFA's.
 //
@@ -30,8 +31,8 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
     table.add("direction", direction_).help("normal of the plane").unit("-").required();
-    table.add("dmin", lowest_).help("with dmax: hold the nodes between two planes").unit("m");
-    table.add("dmax", highest_).help("with dmin: hold the nodes between two planes").unit("m");
+    table.add("dmin", lowest_).help("with dmax: fix the nodes between two planes").unit("m");
+    table.add("dmax", highest_).help("with dmin: fix the nodes between two planes").unit("m");
   }
 
   void init() override {
@@ -55,7 +56,7 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
     }
     if (found.empty() && !ignoresMissing())
       throw ComponentError(
-          fmt::format("no node of {} lies between the planes {:g} and {:g}", state().path(), lowest_, highest_),
+          fmt::format("no node of {} is between the planes {:g} and {:g}", state().path(), lowest_, highest_),
           "dmin < direction.x < dmax for some nodes");
     if (found.empty()) warn("no node is held");
     setNodes({found.begin(), found.end()});

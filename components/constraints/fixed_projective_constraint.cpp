@@ -3,10 +3,10 @@
 //
 //   P_i = 0 for each listed node: the change of velocity, and the residual force, are projected to zero
 //
-// A listed node that starts with a velocity keeps it; activate_projectVelocity sets it to zero. From `endTime` on the
-// nodes are free. The nodes must be named: `indices`, or `fixAll` for all of them. A rigid frame is held with its
-// orientation; FixedTranslationProjectiveConstraint holds its centre alone, and is the same for points. With inMatrix="false"
-// nothing places the nodes after a step, and stiffness that ties them to others draws them along: SOFA's way with FixedTranslation.
+// A listed node that starts with a velocity keeps it; activate_projectVelocity sets it to zero. From `endTime` on the nodes
+// are free. The nodes must be named: `indices`, or `fixAll` for all of them. A rigid frame is fixed with its orientation;
+// FixedTranslationProjectiveConstraint fixes only its centre, and is the same for points. With inMatrix="false" the nodes are
+// not reset after a step, and stiffness couplings drag them along: SOFA does so with FixedTranslation.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

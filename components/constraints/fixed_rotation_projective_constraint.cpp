@@ -3,11 +3,12 @@
 //
 //   P = I for the centre,   P = diag(1 - a_x, 1 - a_y, 1 - a_z) for the turn,   a = FixedXRotation, FixedYRotation, FixedZRotation
 //
-// The parts of the angular velocity about these axes do not change. Without indices it is so for every frame. With two axes
-// held a frame turns about the third alone; with three it keeps its orientation.
+// The components of the angular velocity about these axes do not change. Without indices this applies to every frame. With two
+// fixed axes a frame can only rotate about the third; with three it keeps its orientation.
 //
-// Source: the name and the three attributes are SOFA's, which leaves the velocity alone and takes turns about the held axes
-// back out of the orientation: the same for a frame that turns about one axis, not for one that turns about several.
+// Source: the name and the three attributes are SOFA's, which does not change the velocity but removes rotations about the
+// fixed axes from the orientation: this is the same for a frame that rotates about one axis, not for one that rotates about
+// several.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -29,7 +30,7 @@ class FixedRotation final : public HeldNodes {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
-    table.find("indices")->help("frames that do not turn; every frame when not given");
+    table.find("indices")->help("frames that do not turn; every frame by default");
     table.add("FixedXRotation", held_[0]).help("no turn about x");
     table.add("FixedYRotation", held_[1]).help("no turn about y");
     table.add("FixedZRotation", held_[2]).help("no turn about z");
@@ -45,7 +46,7 @@ class FixedRotation final : public HeldNodes {
     if (!state().hasFrames())
       throw ComponentError("the nodes of " + state().path() + " have no orientation", "a state of template Rigid3");
     if (!held_[0] && !held_[1] && !held_[2])
-      warn("no axis is held: the constraint does nothing", "FixedXRotation, FixedYRotation or FixedZRotation");
+      warn("no axis is fixed: the constraint has no effect", "FixedXRotation, FixedYRotation or FixedZRotation");
     Mat3 free = Mat3::Identity();
     for (int axis = 0; axis < 3; ++axis)
       if (held_[axis]) free(axis, axis) = 0;

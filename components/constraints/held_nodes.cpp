@@ -10,8 +10,8 @@ namespace stroma {
 
 void HeldNodes::declare(DataTable& table) {
   ProjectiveConstraint::declare(table);
-  table.add("indices", indices_).recompiled().help("nodes to hold");
-  table.add("fixAll", fix_all_).help("hold every node");
+  table.add("indices", indices_).recompiled().help("nodes to fix");
+  table.add("fixAll", fix_all_).help("fix every node");
   table.add("ignoreMissing", ignore_missing_).help("nodes that the state does not have, or none at all, are no error");
   table.addVisualOnly("topology");
 }
@@ -29,7 +29,7 @@ void HeldNodes::init() {
     return;
   }
   if (!data().find("indices")->isSet())
-    throw ComponentError("no indices: which nodes are held?",
+    throw ComponentError("no indices: which nodes should be fixed?",
                          "indices=\"0 3 7\", indices=\"@roi.indices\" or fixAll=\"true\"");
   if (ignore_missing_) {
     std::vector<int> there = indices_;

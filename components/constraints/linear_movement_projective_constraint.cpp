@@ -5,23 +5,22 @@
 //   x(t) = x_0 + m(t)   (relativeMovements, the default), or   x(t) = m(t)
 //   v(t) = m'(t), at a key time the slope before it
 // PartialLinearMovementProjectiveConstraint: the same along the axes of movedDirections; the others are free. With cornerShares
-//   a point makes the part s(X) of the movement, X its place at the start. Along x, y and z s is linear between the corners of a
+//   a point makes the fraction s(X) of the movement, X its initial position. Along x, y and z s is linear between the corners of a
 //   box from the origin to cornerBox: four in x and y, or eight, in the order of the nodes of cells.
 //
 // Of a rigid frame a movement has six numbers: of its centre, and a rotation vector r [rad] in fixed axes. Its orientation is
 // exp(r(t)) q_0, or exp(r(t)), and its angular velocity dexp(r) r'. Nodes that are numbers have one number each.
 //
-// x_0 is the initial position when the movement is under way from the start of the simulation, else the position where
-// the movement begins. Positions and velocities are exact at the end of every step, whatever the integrator; inside a
-// step the nodes move with constant velocity. A step that reaches past the last key ends at its movement.
+// x_0 is the initial position if the movement is active from the start of the simulation, otherwise the position at its start.
+// Positions and velocities are exact at the end of every step, whatever the integrator; inside a step the nodes move with
+// constant velocity. A step that reaches past the last key ends at its movement.
 //
-// late="true" is SOFA's way: in the step that starts at t the nodes go to x(t), and meanwhile they have in the equation
-// of the step the velocity of its start, that behind a key. Nodes of the partial constraint have v along all axes then, x_0 is the
+// late="true" does what SOFA does: in the step that starts at t the nodes go to x(t), and in the equation of the step they
+// have the velocity at its start, that after a key. Nodes of the partial constraint have v along all axes then, x_0 is the
 // initial position, and cornerShares have no part in velocities.
 //
-// Before the first key and after the last the nodes are free, as in SOFA; with outside="hold" they stay where the first
-// and the last movement put them. Where another constraint holds a node in a direction of its movement the node moves, and a
-// warning says so.
+// Before the first key and after the last the nodes are free, as in SOFA; with outside="hold" they stay at the first and the
+// last position. If another constraint fixes a node in a direction of its movement, the node moves, and a warning is printed.
 //
 // Source: the names and attributes are SOFA's, but for `outside`.
 //
@@ -56,7 +55,7 @@ class LinearMovement : public HeldNodes, public StartVelocity {
     movement_.declare(table, "movements", "displacement (or position) of the nodes at each of keyTimes", "m");
     table.add("relativeMovements", relative_).help("movements are displacements, else positions");
     table.addChoice("outside", outside_, {"free", "hold"})
-        .help("what happens to the nodes before the first and after the last key time");
+        .help("state of the nodes before the first and after the last key time");
     table.add("late", late_).help("in a step the nodes go where they were to be at its start, with velocities of then, as SOFA's");
     table.addVisualOnly("showMovement");
   }
@@ -66,7 +65,7 @@ class LinearMovement : public HeldNodes, public StartVelocity {
     holdAllRows();
     movement_.compile(state());
     if (outside_ == Outside::free && !data().find("outside")->isSet())
-      inform(fmt::format("the nodes are free before t = {:g} s and after t = {:g} s; outside=\"hold\" keeps them",
+      inform(fmt::format("the nodes are free before t = {:g} s and after t = {:g} s; outside=\"hold\" fixes them",
                          movement_.first(), movement_.last()));
     start_.reserve(nodes().size() * std::size_t(heldRows()));
   }
@@ -166,7 +165,7 @@ class PartialLinearMovementProjectiveConstraint final : public LinearMovement {
     LinearMovement::init();
     setProjectors(freeDirections(directions_, state(), "movedDirections"));
     if (std::none_of(directions_.begin(), directions_.end(), [](bool moved) { return moved; }))
-      warn("movedDirections moves no direction: the constraint does nothing", "write 1 for each direction to move");
+      warn("movedDirections selects no direction: the constraint has no effect", "write 1 for each direction to move");
     if (!corner_shares_.empty()) findShares();
   }
 

@@ -5,8 +5,8 @@
 //   sum_j c_j u_{n_j} + sum_k C_k U_{N_k} = 0            in x, y and z, or
 //   sum_j c_j d_j . u_{n_j} + sum_k C_k D_k . U_{N_k} = 0    with directions
 // u are displacements from the rest positions of object1; C, D, N and U (coefficients2, directions2, indices2) belong to
-// object2 and take part in every relation. What is beyond a homogeneous relation needs no more: a node of object2 that
-// a LinearMovementProjectiveConstraint moves brings in its movement, and one that is loaded its force.
+// object2 and are part of every relation. Inhomogeneous relations need nothing else: a node of object2 moved by a
+// LinearMovementProjectiveConstraint contributes its movement, and a loaded one its force.
 //
 //   all nodes of a face have one displacement        coefficients="1 -1"  indices="0 1  0 2  0 3"  (AttachProjectiveConstraint
 //                                                    with twoWay does that at less cost)
@@ -18,18 +18,17 @@
 //
 // Nodes that are numbers have a relation for each number; of rigid frames the centres are related.
 //
-// Velocities and increments are projected, P = I - N^T N with N an orthonormal basis of the relations, so the equation
-// of a step is P A P dv = P b: the forces of the constraint do no work, and no stiffness is added that would spoil the
-// condition of A. Positions keep to the relations at the end of every step, to round-off. Relations that follow from
-// others, or from held nodes, are found and do no harm; those that held nodes contradict are refused, and stop a run
-// in which they come about.
+// Velocities and increments are projected, P = I - N^T N with N an orthonormal basis of the relations, so the equation of a
+// step is P A P dv = P b: the forces of the constraint do no work, and no stiffness is added that would spoil the condition of
+// A. Positions satisfy the relations at the end of every step, to round-off. Relations that follow from others, or from fixed
+// nodes, are detected and harmless; those that contradict fixed nodes are rejected, and stop a run in which they arise.
 //
 // Costs: relations that share free nodes form a cluster. A cluster of n nodes takes 3 n numbers per relation in each
 // projection and, with an assembled matrix, (3 n)^2 numbers: the mean over a large face is for matrix-free solvers.
 //
 // Source: elimination of linear multi-point constraints, e.g. Shephard, "Linear multipoint constraints applied via
-// transformation as part of a direct stiffness assembly process", Int. J. Numer. Meth. Engng. 20 (1984); here by an
-// orthogonal projector in place of a choice of dependent nodes.
+// transformation as part of a direct stiffness assembly process", Int. J. Numer. Meth. Engng. 20 (1984); here by an orthogonal
+// projector instead of a choice of dependent nodes.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -65,14 +64,14 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
-    table.addLink("object1", object1_).help("state of indices; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of indices2; that of object1 when not given");
+    table.addLink("object1", object1_).help("state of indices; the one of this node by default");
+    table.addLink("object2", object2_).help("state of indices2; that of object1 by default");
     table.add("indices", own_.indices).help("nodes: as many for each relation as there are coefficients").required();
     table.add("coefficients", own_.coefficients).unit("-").help("c_j, those of one relation").required();
     table.add("directions", own_.directions)
         .unit("-")
         .help("d_j, one for each coefficient or one for all; not given: the relation holds in x, y and z");
-    table.add("indices2", common_.indices).help("nodes of object2 that take part in every relation");
+    table.add("indices2", common_.indices).help("nodes of object2 that are part of every relation");
     table.add("coefficients2", common_.coefficients).unit("-").help("C_k, one for each of indices2");
     table.add("directions2", common_.directions).unit("-").help("D_k, one for each of indices2 or one for all");
   }
@@ -174,7 +173,7 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
       farthest = std::max(farthest, std::abs(off) / std::sqrt(square));
     }
     if (farthest > 0)
-      inform(fmt::format("nodes start up to {:.3g} m from where the relations hold: they are moved there", farthest));
+      inform(fmt::format("nodes start up to {:.3g} m from positions that satisfy the relations: they are moved there", farthest));
   }
 
   /// All relations of row `of_node` of the nodes, with `along` of a term's direction in its place.

@@ -3,14 +3,15 @@
 //
 //   v(t) = w(t),   x(t) = x(t_0) + integral of w from t_0 to t
 //
-// with t_0 the start of the first step in which the velocities hold. Positions and velocities are exact at the end of
-// every step. `coordinates` lists the axes that are driven (0, 1, 2; all when not given). Before the first key time the
-// nodes are free, and after the last too, unless continueAfterEnd keeps the last velocity.
+// with t_0 the start of the first step in which the velocities apply. Positions and velocities are exact at the end of every
+// step. `coordinates` lists the axes that are driven (0, 1, 2; all by default). Before the first key time the nodes are free,
+// and after the last too, unless continueAfterEnd keeps the last velocity.
 //
-// With late="true", for points, the way is a sum over the steps of h from t_i and the velocity that of a step's start, as SOFA's:
+// With late="true", for points, the displacement is a sum over steps of h from t_i, with the velocity at the start of each
+// step, as in SOFA:
 //   x_{i+1} = x_i + h w(t_i),   v_{i+1} = w(t_i)
 //
-// continueAfterEnd then goes on along the line of the last two keys, unless a step begins at the last one to the last bit.
+// continueAfterEnd then extrapolates from the last two keys, unless a step starts exactly at the last one.
 //
 // Of a rigid frame a velocity has six numbers: of its centre, and its angular velocity [rad/s] in fixed axes, which are the
 // coordinates 3, 4 and 5. Nodes that are numbers have one each.
@@ -45,11 +46,11 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes, public StartV
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
     velocity_.declare(table, "velocities", "velocity of the nodes at each of keyTimes", "m/s");
-    table.add("coordinates", axes_).help("axes that are driven (0, 1, 2, of frames to 5); all when not given");
+    table.add("coordinates", axes_).help("axes that are driven (0, 1, 2, of frames to 5); all by default");
     table.add("ahead", ahead_)
         .help("by how much nodes that are driven from the start of a simulation are ahead of where they start, as SOFA's")
         .unit("m");
-    table.add("late", late_).help("in a step the nodes go on with the velocity of its start, as SOFA's; of points only");
+    table.add("late", late_).help("in a step the nodes keep the velocity of its start, as in SOFA; for points only");
     table.add("continueAfterEnd", continue_).help("keep the last velocity after the last key time");
   }
 

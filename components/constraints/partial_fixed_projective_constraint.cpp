@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// PartialFixedProjectiveConstraint: nodes that are held along some of the axes.
+// PartialFixedProjectiveConstraint: nodes that are fixed along some of the axes.
 //
 //   P_i = diag(1 - d_x, 1 - d_y, 1 - d_z), d = fixedDirections
 //
 // A rigid frame has six: x, y and z of its centre, and of its turn about fixed axes. Of nodes that are numbers there is one
-// for each. The components of the velocity along the held axes do not change; projectVelocity sets them to zero. Two constraints
-// on one node leave it the directions that both leave free. From `endTime` on the nodes are free.
+// for each. The components of the velocity along the fixed axes do not change; projectVelocity sets them to zero. With two
+// constraints on one node it is free in the directions that both leave free. From `endTime` on the nodes are free.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -32,16 +32,16 @@ class PartialFixedProjectiveConstraint final : public HeldNodes {
     table.find("fixAll")->recompiled();
     table.add("fixedDirections", directions_)
         .recompiled()
-        .help("for x, y and z, of frames also for the turns about them, or for each number: 1 held, 0 free");
+        .help("for x, y and z, for frames also rotations about them, or for each number: 1 fixed, 0 free");
     table.add("projectVelocity", project_velocity_)
         .alias("activate_projectVelocity")
-        .help("also set the velocity along the held directions to zero");
+        .help("also set the velocity along the fixed directions to zero");
   }
 
   void init() override {
     HeldNodes::init();
     if (std::none_of(directions_.begin(), directions_.end(), [](bool held) { return held; }))
-      warn("fixedDirections holds no direction: the constraint does nothing", "write 1 for each direction to hold");
+      warn("fixedDirections selects no direction: the constraint has no effect", "write 1 for each direction to fix");
     setProjectors(freeDirections(directions_, state(), "fixedDirections"));
   }
   bool projectsVelocity() const override { return project_velocity_; }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Nodes that are brought to a point, a line or a plane and kept on it.
+// Nodes that are moved to a point, a line or a plane and kept on it.
 //
 //   ProjectToPointProjectiveConstraint:  P = 0,          x -> point
 //   ProjectToLineProjectiveConstraint:   P = d d^T,      x -> o + d d^T (x - o),          d = direction / |direction|
 //   ProjectToPlaneProjectiveConstraint:  P = I - n n^T,  x -> o + (I - n n^T) (x - o),    n = normal / |normal|
 //
-// A node that does not start there arrives at the end of the first step, on the shortest way; with startsThere it is
-// there before the first step, as in SOFA. After each step its position is projected again, so that round-off does not
-// add up, and its velocity has no part away from the point, line or plane.
+// A node that does not start there arrives at the end of the first step, by the shortest path; with startsThere it is there
+// before the first step, as in SOFA. After each step its position is projected again, so that round-off does not accumulate,
+// and its velocity has no component away from the point, line or plane.
 //
 // Source: the names and attributes are SOFA's.
 //

@@ -365,7 +365,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   const std::string found = outputs_.overlap(path(), crossings, law_.surfaces, names());
   if (hasArrived()) arrived_ = is_explicit_ ? ledTo() : obstacles_.offset();
   if (found.empty() && !hasArrived() && !isLed())
-    return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(), (goal_ - law_.moved).norm());
+    return fmt::format("the obstacles of {} have not gone all the way: {:.3g} m are left", path(), (goal_ - law_.moved).norm());
   outputs_.crossings += !found.empty(), outputs_.noteSettling(has_balance ? share_rounds_.left() : 0);
   return found;
 }

@@ -15,7 +15,7 @@ constexpr double not_given = -1;
 }  // namespace
 
 void declareFriction(DataTable& table, Friction& friction) {
-  table.add("friction", friction.mu).help("Coulomb's coefficient mu, of what slides").unit("-").min(0);
+  table.add("friction", friction.mu).help("Coulomb's coefficient mu of sliding contacts").unit("-").min(0);
   table.add("staticFriction", friction.mu_static).help("that of what sticks; not given: friction").unit("-").min(0);
   friction.mu_static = not_given;
 }
@@ -28,7 +28,7 @@ void finishFriction(Friction& friction) {
 }
 
 void declareAdhesion(DataTable& table, Adhesion& adhesion, Friction& friction) {
-  table.add("adhesion", adhesion.strength).help("largest tension with which surfaces hold each other").unit("Pa").min(0);
+  table.add("adhesion", adhesion.strength).help("largest tension between adhering surfaces").unit("Pa").min(0);
   table.add("adhesionPeak", adhesion.peak).help("gap at which adhesion is largest; 0: contactDistance").unit("m").min(0);
   table.add("adhesionDistance", adhesion.range).help("gap at which adhesion ends; 0: twice adhesionPeak").unit("m").min(0);
   table.add("adhesionFriction", friction.mu_adhesion)

@@ -8,27 +8,27 @@
 
 namespace stroma::contact {
 
-/// `first` and those of `others` that are not there yet. Throws ComponentError for a state whose rows are no points.
+/// `first` followed by `others`, without duplicates. Throws ComponentError for a state whose rows are not points.
 std::vector<State*> bodiesInContact(State& first, const std::vector<State*>& others);
 
-/// Adds the surfaces of `bodies`: of the first that of the mesh which `topology` finds for `asker`, of the others that of the mesh
-/// beside their state. Throws ComponentError where there is no mesh, or it has no node.
+/// Adds the surfaces of `bodies`: for the first, the mesh that `topology` finds for `asker`; for the others, the mesh beside
+/// their state. Throws ComponentError if there is no mesh, or it has no nodes.
 void addSurfaces(Surfaces& surfaces, const std::vector<State*>& bodies, const TopologyLink& topology, const Component& asker);
 
-/// The mesh that addSurfaces() takes of a body. Throws ComponentError where there is none.
+/// The mesh that addSurfaces() uses for a body. Throws ComponentError if there is none.
 const Mesh& meshOfBody(const State& body, bool is_first, const TopologyLink& topology, const Component& asker);
 
-/// Of each body of the surfaces: it is an obstacle, or points of `bodies` that one rigid frame carries.
+/// Per body of the surfaces: whether it is rigid, as an obstacle or as points of `bodies` on one rigid frame.
 std::vector<char> areRigid(const Surfaces& surfaces, const std::vector<State*>& bodies);
 
-/// What contactDistance is where it is not given. Throws ComponentError where bodies have no edge.
+/// The default of contactDistance. Throws ComponentError if the bodies have no edges.
 double partOfMeanEdge(const Surfaces& surfaces, double part);
 
-/// The largest youngModulus of the force fields below the nodes of these states, or of the nearest nodes above that have
-/// one below; 0: none has [Pa].
+/// The largest youngModulus of the force fields below the nodes of these states, or below the nearest ancestors that have
+/// one; 0: none has [Pa].
 double largestYoungModulus(const std::vector<State*>& bodies);
 
-/// "/a/dofs, /b/dofs (its edges) and 2 obstacles", for what meets what; `self`: each body meets itself too.
+/// "/a/dofs, /b/dofs (its edges) and 2 obstacles", the list of bodies in contact; `self`: including self-contact.
 std::string namesOf(const BarrierLaw& law, const std::vector<State*>& bodies, bool self);
 
 /// "node 3 of /body/dofs", or "an obstacle". `bodies`: the states of the surfaces, in their order.

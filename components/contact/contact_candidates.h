@@ -14,93 +14,93 @@ class Archive;
 
 namespace stroma::contact {
 
-/// A vertex and a triangle, or two edges, that are near enough to be looked at.
+/// A vertex and a triangle, or two edges, close enough to be checked.
 struct Candidate {
   PairKind kind;
   int first, second;     ///< vertex and triangle, or two edges
   std::array<int, 4> v;  ///< vertices
-  double radius;         ///< both surfaces' [m]
-  double distance = 0;   ///< where it was found, less the radius [m]
-  int meeting = 0;       ///< of the parts that its sides belong to
-  bool pushes = true;    ///< false: near at rest already, and only kept from crossing
-  double factor = std::numeric_limits<double>::quiet_NaN();  ///< of two edges, see contact_terms.h; not known yet
-  double tried = factor, found = factor;                     ///< the factor of the solve before, and the one that followed from it
+  double radius;         ///< sum of both surfaces' radii [m]
+  double distance = 0;   ///< when it was found, minus the radius [m]
+  int meeting = 0;       ///< of the two parts that it belongs to
+  bool pushes = true;    ///< false: already close at rest, and only prevented from crossing
+  double factor = std::numeric_limits<double>::quiet_NaN();  ///< for two edges, see contact_terms.h; NaN: unknown
+  double tried = factor, found = factor;                     ///< the factor in the previous solve, and the one that resulted from it
   bool operator<(const Candidate& o) const {
     return kind != o.kind ? kind < o.kind : first != o.first ? first < o.first : second < o.second;
   }
 };
 
-/// A pair without what is known of it.
+/// The identity of a pair.
 struct PairName {
   PairKind kind;
   int first, second;
   auto operator<=>(const PairName&) const = default;
 };
 
-/// A plane that pushes what is below it: bodies are where n.x > offset.
+/// A plane that pushes everything below it: bodies are where n.x > offset.
 struct Plane {
   Vec3 normal;
   double offset;
 };
 
-/// The pairs of an interaction that are nearer than a reach; ways and crossings of all pairs. Each two parts of the surfaces have
-/// a proof of what they do not need (contact_parts.h): while it holds, neither pairs nor crossings are looked for between them.
+/// The candidate pairs of a contact, and the step bounds and crossing tests of all pairs. Each two parts of the surfaces have
+/// a proof of separation (contact_parts.h): while it holds, neither pairs nor crossings are searched between them.
 class Candidates {
  public:
   bool self_contact = true;
-  double reach = 0;      ///< distance at which pairs begin to count [m]
-  double thickness = 0;  ///< distance at which surfaces that push touch, in `reach` [m]
-  double reach_at_rest = -1;  ///< places of one piece that are nearer at rest do not push [m]; below zero: `reach`
+  double reach = 0;      ///< distance below which pairs are active [m]
+  double thickness = 0;  ///< distance at which pushing surfaces touch, included in `reach` [m]
+  double reach_at_rest = -1;  ///< parts of one piece closer than this at rest do not push each other [m]; negative: `reach`
 
   void compile(const Surfaces& surfaces);
-  /// Another step begins: margins follow what things move in one.
+  /// Begins a step: margins adapt to the motion per step.
   void stepBegins() { ++step_; }
-  /// All pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x; nothing is
-  /// known of them. False: none that pushes is new in patternPairs().
+  /// Finds all pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x, without cached
+  /// data. Returns false if no pushing pair is new in patternPairs().
   bool find(const std::vector<Vec3>& x, double margin);
-  /// The same where motion up to x has used up what was known, with margins that last for some steps. What was known of a pair
-  /// stays with it. False: as above.
+  /// The same if the motion up to x has exhausted the proofs, with margins for several steps. Cached data of a pair is
+  /// kept. Returns false as above.
   bool findAgain(const std::vector<Vec3>& x, double least_margin, double most_margin);
   void forget();
-  /// Grows when there are others.
+  /// Increases when the pairs change.
   long revision() const { return revision_; }
-  /// x stays what it is until this is called again: nothing is asked twice there.
+  /// x is constant until the next call, so repeated queries there are answered from the cache.
   void placedAt(const std::vector<Vec3>& x) { placed_ = x.data(), is_placed_followed_ = false; }
-  /// All pairs that are nearer than `reach` at x are known.
+  /// All pairs nearer than `reach` at x are known.
   bool covers(const std::vector<Vec3>& x) { return follow(x); }
-  /// The last search has found no pairs, and nothing is nearer than `distance` now.
+  /// The last search found no pairs, and nothing is nearer than `distance` now.
   bool areFarther(const std::vector<Vec3>& x, double distance);
-  /// Nothing has been looked for yet.
+  /// No search has been made yet.
   bool isNew() const { return found_at_.empty(); }
-  /// What a matrix has places for: pairs that push, and others that have, so that it seldom needs another pattern.
+  /// The pairs in the matrix pattern: pushing pairs, and earlier ones, so that the pattern seldom changes.
   const std::vector<PairName>& patternPairs() const { return pattern_; }
   std::array<int, 4> verticesOf(const PairName& pair) const;
   std::vector<Candidate>& pairs() { return pairs_; }
   const std::vector<Candidate>& pairs() const { return pairs_; }
   // ---- at the x of the last covers() ----
-  /// False: nothing that pushes is nearer than `reach`.
+  /// False: no pushing pair is nearer than `reach`.
   bool mayPush() const { return may_push_; }
   bool mayPush(const Candidate& pair) const {
     return pair.pushes && !isFine(pair.meeting) && pair.distance - meetings_[std::size_t(pair.meeting)].motion < reach;
   }
-  /// The largest s <= 1 up to which the vertices may move from x to x + s dx. `bend`: how far each may be off that line on
-  /// its way [m]; empty: not at all.
+  /// The largest s <= 1 for which the vertices may move from x to x + s dx. `bend`: the distance of each vertex's path from
+  /// that line [m]; empty: straight paths.
   double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend);
-  /// An edge that has a point in common with a triangle; of the vertices of both.
+  /// An edge that intersects a triangle, by their vertices.
   struct Crossing {
     int edge, face;
-    double depth;  ///< how far the edge reaches through the plane of the triangle [m]
+    double depth;  ///< how far the edge extends through the plane of the triangle [m]
   };
   std::vector<Crossing> crossings(const std::vector<Vec3>& x);
   FourPoints pointsOf(const Candidate& pair, const std::vector<Vec3>& x) const {
     return {x[std::size_t(pair.v[0])], x[std::size_t(pair.v[1])], x[std::size_t(pair.v[2])], x[std::size_t(pair.v[3])]};
   }
   void serialize(Archive& archive);
-  /// What has been done since the last forget(): what two parts need counts as one.
+  /// Work done since the last forget(), counted per pair of parts.
   struct Work {
-    long searches = 0;  ///< of pairs, where two parts were or of the way they want to go
-    long ways = 0;      ///< pairs whose way was looked at
-    long tests = 0;     ///< of crossings
+    long searches = 0;  ///< searches for pairs, at the positions or along the intended path
+    long ways = 0;      ///< pairs whose path was checked
+    long tests = 0;     ///< crossing tests
     long all() const { return searches + ways + tests; }
   };
   const Work& work() const { return work_; }
@@ -141,7 +141,7 @@ class Candidates {
   void startFrom(const std::vector<Vec3>& x);
   void search(int meeting, const std::vector<Vec3>& x, double margin);
   bool takeFound();
-  // Boxes are around x, or around the way from there to x + step dx.
+  // Boxes enclose x, or the path from x to x + step dx.
   void fit(int part, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend, double step = 1);
   void fitBoth(const Meeting& meeting, const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend,
                double step = 1);
@@ -163,33 +163,33 @@ class Candidates {
 
   const Surfaces* surfaces_ = nullptr;
   std::vector<SurfacePart> parts_;
-  std::vector<unsigned> strangers_;      ///< of each triangle, see leastApart()
+  std::vector<unsigned> strangers_;      ///< per triangle, see leastApart()
   std::vector<BoxTree> trees_;           ///< one per part
   std::vector<std::vector<Box>> boxes_;  ///< of its triangles
-  std::vector<char> is_fit_;             ///< these boxes are of what is looked for now
-  std::vector<Displacements> gone_, goes_;  ///< of each part, to x and on its way
-  std::vector<CommonMotion> turned_, turns_;  ///< the same as a whole; made where asked for
-  std::vector<char> is_turned_, does_turn_;   ///< they are made
-  double radii_ = 0;                          ///< the largest of two triangles [m]
+  std::vector<char> is_fit_;             ///< its boxes are up to date for the current query
+  std::vector<Displacements> gone_, goes_;  ///< per part: up to x, and along the path
+  std::vector<CommonMotion> turned_, turns_;  ///< the same as rigid motions; computed on demand
+  std::vector<char> is_turned_, does_turn_;   ///< whether they are computed
+  double radii_ = 0;                          ///< the largest sum of two radii [m]
   std::vector<Meeting> meetings_;
   std::vector<WholeBody> bodies_;
   std::vector<BodyMeeting> body_meetings_;
   bool are_bodies_counted_ = false;
   std::vector<PartGroup> part_groups_;
   std::vector<MeetingGroup> groups_;
-  std::vector<int> group_of_;  ///< of each meeting
+  std::vector<int> group_of_;  ///< per meeting
   AllDisplacements gone_way_, goes_way_;    ///< of all vertices; work space
-  bool has_gone_way_ = false;  ///< the first is of now
-  std::vector<double> ways_;  ///< of each meeting: motion that a step wants
-  std::vector<char> looks_, searched_;  ///< of each meeting: at its pairs; they are found anew
+  bool has_gone_way_ = false;  ///< the first is up to date
+  std::vector<double> ways_;  ///< per meeting: motion of the intended step
+  std::vector<char> looks_, searched_;  ///< per meeting: its pairs are checked; they are searched again
   std::vector<std::vector<std::array<int, 2>>> face_pairs_;
   std::vector<Candidate> pairs_, old_pairs_, found_;
-  std::vector<PairName> pattern_, pushing_, both_;  ///< in order; the last two: work space
-  std::vector<Vec3> found_at_;  ///< motion is measured from there
-  std::vector<Vec3> followed_;  ///< where motion was asked for last; nothing: at placed_
+  std::vector<PairName> pattern_, pushing_, both_;  ///< sorted; the last two: work space
+  std::vector<Vec3> found_at_;  ///< positions that motion is measured from
+  std::vector<Vec3> followed_;  ///< positions of the last query of motion; empty: placed_
   const Vec3* placed_ = nullptr;     ///< see placedAt()
-  bool is_placed_followed_ = false;  ///< motion was asked for there last
-  bool is_followed_ = false, is_all_known_ = false;  ///< it is of now; it is within all budgets
+  bool is_placed_followed_ = false;  ///< the last query of motion was there
+  bool is_followed_ = false, is_all_known_ = false;  ///< motion is up to date; it is within all budgets
   double size_ = 0;             ///< largest coordinate there [m]
   bool may_push_ = true;
   long revision_ = 0, step_ = 0;

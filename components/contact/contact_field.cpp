@@ -15,10 +15,10 @@ void ContactField::declare(DataTable& table) {
   table.add("stiffness", stiffness_).help("kappa; 0: a tenth of the largest youngModulus of the bodies").unit("Pa").min(0);
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   declareFriction(table, friction_);
-  table.add("slipVelocity", slip_velocity_).help("what sticks may creep as fast").unit("m/s").min(0, false);
+  table.add("slipVelocity", slip_velocity_).help("largest creep velocity of sticking contacts").unit("m/s").min(0, false);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
   obstacles_.declare(table);
-  table.add("moved", law_.moved).help("how far obstacles have come from where they are written").unit("m").output();
+  table.add("moved", law_.moved).help("displacement of obstacles from their given positions").unit("m").output();
 }
 
 void ContactField::init() {

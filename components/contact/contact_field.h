@@ -10,7 +10,7 @@
 
 namespace stroma::contact {
 
-/// A contact by forces: its bodies and obstacles as attributes, and the derivatives of what it has done in the last addForce().
+/// A contact by forces: its bodies and obstacles as attributes, and the derivatives of the last addForce().
 class ContactField : public ForceField, public OpenChoices, public LendsEnergy, public DrawnObstacles {
  public:
   /// mstate, other, topology, contactDistance, stiffness, thickness, coefficients of friction, selfContact and obstacles.
@@ -22,7 +22,7 @@ class ContactField : public ForceField, public OpenChoices, public LendsEnergy, 
   void addStiffness(double factor, BlockMatrix& matrix) const override;
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
   Cost cost() const override;
-  /// With friction, whose pressures and directions stay in a solve.
+  /// With friction, whose pressures and directions are lagged in a solve.
   bool lendsEnergy() const override { return friction_.acts(); }
   double lentEnergy(ConstRows x) const override;
   long patternRevision() const override { return pattern_revision_; }
@@ -31,9 +31,9 @@ class ContactField : public ForceField, public OpenChoices, public LendsEnergy, 
   Vec3 shapesMovedBy() const override { return law_.moved; }
 
  protected:
-  /// Rows are known: the law gets its surfaces, and contactDistance where it is not given.
+  /// Called when rows are known: sets up the surfaces of the law, and the default of contactDistance.
   void compileSurfaces();
-  /// x_ become positions at x with obstacles moved by `moved`.
+  /// Sets x_ to the positions at x with obstacles moved by `moved`.
   void gather(ConstRows x, const Vec3& moved) const { law_.surfaces.gather(x, moved, x_), law_.candidates.placedAt(x_); }
 
   // ---- attributes ----
@@ -49,7 +49,7 @@ class ContactField : public ForceField, public OpenChoices, public LendsEnergy, 
   double mean_edge_ = 0;  ///< [m]
   long pattern_revision_ = 0;
   mutable std::vector<Vec3> x_;  ///< of all vertices; work space
-  std::vector<Vec3> start_;      ///< the same where the step starts
+  std::vector<Vec3> start_;      ///< the same at the start of the step
   Vec3 moved_at_start_ = Vec3::Zero();
   Terms terms_;  ///< of the last force
 

@@ -8,16 +8,16 @@
 
 namespace stroma::contact {
 
-/// The surface of this body, which has an inside, goes around the place.
+/// Whether the closed surface of this body encloses the point.
 bool isInside(const Vec3& place, const Surfaces& surfaces, const std::vector<Vec3>& x, int body);
 
-/// Throws ComponentError where an obstacle lies inside of a body of the component at `path`, which distances do not show. One vertex
-/// of each piece tells: what crosses a surface is found otherwise (refuseOverlap()). x: of all vertices. With `name`, which says
-/// what a vertex is, bodies inside of others are refused too.
+/// Throws ComponentError if an obstacle is inside a body of the component at `path`, which distances do not reveal. It tests one
+/// vertex per piece: intersecting surfaces are found by refuseOverlap(). x: of all vertices. With `name`, which describes a
+/// vertex, bodies inside other bodies are errors too.
 void refuseInside(const std::string& path, const Surfaces& surfaces, const std::vector<Vec3>& x,
                   const std::function<std::string(int)>& name = {});
 
-/// A sentence where bodies start nearer to each other than the gap that is kept, the range of the law; else nothing.
+/// A warning if bodies start closer than the gap kept by the contact, the range of the law; otherwise empty.
 std::string describeNear(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& nameOf);
 
 }  // namespace stroma::contact

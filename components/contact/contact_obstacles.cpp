@@ -37,7 +37,7 @@ void Obstacles::init(bool bodies_meet, const std::string& expected) {
   const bool none = planes_.empty() && spheres_.empty() && capsules_.empty() && cylinders_.empty() && boxes_.empty() &&
                     meshes_.all().empty();
   if (none && !bodies_meet)
-    throw ComponentError("nothing meets: there is no obstacle and no other body", expected);
+    throw ComponentError("there is nothing to be in contact with: no obstacle and no other body", expected);
   if (none && !movements_.empty())
     throw ComponentError("movements move obstacles, and there is none", "planes, spheres, capsules, cylinders, boxes or meshes");
   check();

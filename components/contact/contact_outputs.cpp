@@ -29,7 +29,7 @@ void Outputs::declare(DataTable& table) {
       .output();
   table.add("movedStart", moved_start).help("the longest way of a node by resolveStart").unit("m").output();
   table.add("frictionChange", friction_change)
-      .help("what another solve would change of the friction of the last step, as a part of it")
+      .help("relative change of the friction in the last step by another solve")
       .unit("-")
       .output();
   declareForces(table);
@@ -37,7 +37,7 @@ void Outputs::declare(DataTable& table) {
 
 void Outputs::declareForces(DataTable& table) {
   table.add("smallestGap", smallest_gap_)
-      .help("smallest gap after the last step; 0: nothing is in reach")
+      .help("smallest gap after the last step; 0: nothing is near")
       .unit("m")
       .output();
   table.add("contactForces", contact_forces_)
@@ -58,11 +58,11 @@ void Outputs::declareForces(DataTable& table) {
       .output()
       .ofNodes();
   table.add("gaps", gaps_)
-      .help("of each node of mstate: the smallest gap; the largest that counts where nothing is nearer")
+      .help("of each node of mstate: the smallest gap; the largest one considered if nothing is nearer")
       .unit("m")
       .output()
       .ofNodes();
-  table.add("contactStates", states_).help("of each node of mstate: 0: nothing pushes, 1: it sticks, 2: it slides").output().ofNodes();
+  table.add("contactStates", states_).help("of each node of mstate: 0: no contact, 1: sticking, 2: sliding").output().ofNodes();
   wrenches_.declare(table);
 }
 

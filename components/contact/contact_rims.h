@@ -6,9 +6,9 @@
 
 namespace stroma::contact {
 
-/// Contacts of vertices beside the sharp rim of a surface that their own surface goes along. Their normal leans along the way on which
-/// they slide below the surface or off it. As normals last for a step, it would stop them there, or throw them. A vertex is pushed as it
-/// will be there; what is far beside waits until it is there. `x`: places of all vertices, where `touches` were found.
+/// Corrects contacts of vertices beside a sharp rim of a surface along which their own surface extends. Their normal is inclined along
+/// the direction in which they slide below the surface or off it. Because normals are fixed for a step, this would stop or throw them.
+/// Such a vertex is pushed as it will be at the rim; one far beside it is not pushed yet. `x`: positions of all vertices for `touches`.
 void leaveRims(const BarrierLaw& law, const std::vector<Vec3>& x, std::vector<Touch>& touches);
 
 }  // namespace stroma::contact

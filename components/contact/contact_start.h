@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Bodies that start in one another, pushed apart.
+// Separates bodies that overlap at the start.
 //
-// A point p of a body that is inside of another one goes towards the closest point q of the other's surface, and q towards p, until
-// they have changed sides and are a gap apart. With n = (q - p)/|q - p|, weights c_i of both in the nodes i, and w_i = 0 of what is
-// held or an obstacle, else 1, node i goes by
+// A point p of a body inside another one moves towards the closest point q of the other's surface, and q towards p, until they
+// have passed each other and are a gap apart. With n = (q - p)/|q - p|, their weights c_i in the nodes i, and w_i = 0 for fixed
+// nodes and obstacles, otherwise 1, node i moves by
 //
 //   u_i = w_i c_i n (|q - p| + gap) / sum_j w_j c_j^2
 //
-// the mean of these over all points that say something of it. p are vertices, and the middles of what lies inside of an edge whose
-// ends are outside. What is nearer than the gap without being inside is pushed apart in the same way. Nodes of a body that nothing is
-// said of follow their neighbours: u_i is the mean of u_j over the nodes j that share an edge of a cell with i, so that a free body is
-// shifted, and one that is held bends. All of it is repeated until nothing is nearer than the gap.
+// averaged over all points that involve it. p are vertices, and midpoints of the inner segments of edges whose ends are outside.
+// Pairs closer than the gap without overlap are separated in the same way. The other nodes of a body follow their neighbours:
+// u_i is the mean of u_j over the nodes j that share a cell edge with i, so that a free body is translated and a fixed one
+// deforms. This is repeated until nothing is closer than the gap.
 #pragma once
 #include <functional>
 #include <string>
@@ -25,8 +25,8 @@ struct StartBody {
   const Mesh* mesh;
 };
 
-/// Moves rows of x until surfaces are `gap` [m] apart, at least; project and independent: see PlacesStart. Returns the longest way of
-/// a node [m]. Throws ComponentError where a cell would turn inside out. What could not be pushed apart stays in one another.
+/// Moves rows of x until surfaces are at least `gap` [m] apart; project and independent: see PlacesStart. Returns the largest
+/// displacement of a node [m]. Throws ComponentError if a cell would be inverted. Bodies that cannot be separated still overlap afterwards.
 double pushApart(const BarrierLaw& law, const std::vector<StartBody>& bodies, double gap, Index independent,
                  const std::function<void(Rows)>& project, Rows x);
 

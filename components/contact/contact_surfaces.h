@@ -15,60 +15,60 @@ namespace stroma::contact {
 class Surfaces {
  public:
   struct Body {
-    bool moves = false;  ///< its vertices are rows of a state, else of an obstacle
+    bool moves = false;  ///< its vertices are rows of a state, otherwise of an obstacle
     bool solid = false;  ///< the boundary of volume cells
     int first_vertex = 0, vertices = 0, first_face = 0, faces = 0;
   };
 
   void clear() { *this = {}; }
-  /// The boundary of the mesh's volume cells, else its faces, else its edges, else its points. Quads are two triangles, quadratic
-  /// triangles four.
+  /// Adds the boundary of the mesh's volume cells, or if it has none its faces, edges or points. A quad becomes two triangles, a
+  /// quadratic triangle four.
   void addState(const State& state, const Mesh& mesh);
-  /// An obstacle; `radius`: of its rounded points and edges.
+  /// Adds an obstacle; `radius`: of its rounded points and edges.
   void addObstacle(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& faces, double radius);
-  /// The same surface of a mesh as addState() takes, as an obstacle.
+  /// Adds the surface of a mesh, chosen as in addState(), as an obstacle.
   void addObstacle(const Mesh& mesh);
-  /// When all have been added.
+  /// Call it when all have been added.
   void finish();
-  /// After that: edges without a triangle are strips as wide, and points squares, that turn to what they meet [m].
+  /// After that: treats edges without a triangle as strips of this width, and points as squares, that face what they meet [m].
   void giveWidth(double width);
   /// Positions of all vertices: rows of x, and obstacles moved by `moved`.
   void gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const;
-  /// Displacements of all of them: rows of dx, and `along` of obstacles.
+  /// Displacements of all vertices: rows of dx, and `along` for obstacles.
   void gatherWay(ConstRows dx, const Vec3& along, std::vector<Vec3>& out) const;
-  /// What is given for rows, of each vertex; 0 of obstacles. None where nothing is given.
+  /// Values per row as values per vertex; 0 for obstacles. Empty if there are none.
   void gatherBends(const double* bend, std::vector<double>& out) const;
-  /// Vertices that are no obstacles' are where they are in `other`; false for another number of them.
+  /// Whether all vertices except those of obstacles are at the same positions as in `other`; false for a different number of them.
   bool areBodiesAt(const std::vector<Vec3>& x, const std::vector<Vec3>& other) const;
 
   const std::vector<Body>& bodies() const { return bodies_; }
-  /// Vertices with one number are joined by triangles.
+  /// Vertices with the same number are connected by triangles.
   int pieceOf(int vertex) const { return piece_[std::size_t(vertex)]; }
-  /// Only the outer side of the triangles of this piece counts: each edge has two, which agree on what is outside.
+  /// Only the outer side of this piece is solid: each of its edges has two triangles with consistent orientation.
   bool isOneSided(int vertex) const { return one_sided_[std::size_t(pieceOf(vertex))]; }
   int bodyOf(int vertex) const { return body_[std::size_t(vertex)]; }
   bool moves(int vertex) const { return rows[std::size_t(vertex)] >= 0; }
   bool sameEdge(int edge, int a, int b) const {
     return edges[std::size_t(edge)] == std::array{std::min(a, b), std::max(a, b)};
   }
-  double meanEdge() const { return mean_edge_; }  ///< of what moves, at rest [m]
+  double meanEdge() const { return mean_edge_; }  ///< of bodies, at rest [m]
 
   // ---- vertices ----
   std::vector<Index> rows;  ///< of the system; -1: of an obstacle
   std::vector<Vec3> rest;   ///< [m]
-  std::vector<int> vertex_count;  ///< how often its own barrier counts, see contact_terms.h: 1 inside of a surface
-  std::vector<double> vertex_area;  ///< the sum of its corners' [m^2]
+  std::vector<int> vertex_count;  ///< multiplicity of its own barrier, see contact_terms.h: 1 in the interior of a surface
+  std::vector<double> vertex_area;  ///< sum of its corner areas [m^2]
   Adjacency faces_around;   ///< triangles of each vertex
   // ---- triangles ----
   std::vector<std::array<int, 3>> faces;
   std::vector<double> area;                                     ///< at rest [m^2]
-  std::vector<std::array<double, 3>> corner_area;               ///< what each corner stands for; sums up to `area` [m^2]
+  std::vector<std::array<double, 3>> corner_area;               ///< the share of each corner; they sum to `area` [m^2]
   std::vector<double> radius;                                   ///< [m]
   std::vector<std::array<int, 3>> face_edges;                   ///< edge from corner k to k + 1; -1: none
   std::vector<std::array<int, 3>> owned_vertices, owned_edges;  ///< each vertex and edge belongs to one triangle; -1
   // ---- edges ----
   std::vector<std::array<int, 2>> edges;       ///< smaller vertex first
-  std::vector<int> edge_surplus;               ///< triangles beyond the first; 0: has one or none
+  std::vector<int> edge_surplus;               ///< triangles beyond the first; 0: it has one or none
   std::vector<std::array<int, 2>> edge_tips;   ///< the third vertex of its first and of its last triangle; -1: none
   std::vector<double> edge_area;               ///< a third of these triangles [m^2]
   std::vector<double> edge_square;             ///< squared length at rest [m^2]
@@ -86,10 +86,10 @@ class Surfaces {
 
   std::vector<Body> bodies_;
   double mean_edge_ = 0;
-  std::vector<int> halves_;        ///< first triangles of quads; each next one is the other half
-  std::vector<int> body_, piece_;  ///< of each vertex
-  std::vector<bool> one_sided_;    ///< of the first vertex of each piece
-  std::vector<bool> disagree_;     ///< of each edge: its triangles are one, three, or turn different ways
+  std::vector<int> halves_;        ///< first triangles of quads; the next triangle is the other half
+  std::vector<int> body_, piece_;  ///< per vertex
+  std::vector<bool> one_sided_;    ///< per piece, at its first vertex
+  std::vector<bool> disagree_;     ///< per edge: it has one or three triangles, or their orientations differ
 };
 
 }  // namespace stroma::contact

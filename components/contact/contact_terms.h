@@ -6,19 +6,19 @@
 // The energy is kappa times the integral of b over the surfaces, each vertex standing for its share A of the surface:
 //   E = kappa sum_vertices A/2 [sum_triangles b - sum_edges (t_e - 1) b + sum_vertices (1 - t_v + sum_e (t_e - 1)) b]
 //     + kappa sum_edge-pairs A_e m b
-// with t_e and t_v the triangles of an edge and of a vertex: 2 and 1 in the inside of a surface, 1 and 0 at its rim. What
-// edges and vertices take away is what neighbouring triangles with one closest point would count twice. Against
-// obstacles, which have no vertices of their own in this sum, A/2 is A. A is the part of the surface around a vertex
-// that faces the other surface, A = sum a max(0, -n.u), u towards the vertex, a of a triangle a third and of a quad
-// the integral of its bilinear function (Surfaces::corner_area); between two surfaces it is a mean (contact_shares.cpp). Two
-// edges count where both are ridges
-// towards each other, so that flat surfaces are pressed by their vertices alone. A, ridges and the factor m of parallel
-// edges are those of the last force. Every pair has a tenth of its share besides with a tenth of dh: nothing comes so
-// near unless it has no other share. In explicit steps it is the whole share with half of dh, as nothing else stops what is fast.
+// with t_e and t_v the triangles of an edge and of a vertex: 2 and 1 in the interior of a surface, 1 and 0 at its rim. The
+// terms of edges and vertices remove what neighbouring triangles with the same closest point would count twice. Against
+// obstacles, whose vertices are not in this sum, A/2 becomes A. A is the part of the surface around a vertex that faces the
+// other surface, A = sum a max(0, -n.u), with u towards the vertex, and a third of a triangle's area, or the integral of a
+// quad's bilinear function, for a (Surfaces::corner_area). Between two surfaces it is a mean (contact_shares.cpp). Two
+// edges are active if both are ridges
+// towards each other, so flat surfaces are pressed by their vertices only. A, ridges and the factor m of parallel
+// edges are lagged from the last force. Every pair also has a second barrier with a tenth of its share and a tenth of dh, which
+// only pairs without another share reach. In explicit steps it has the full share and half of dh, because nothing else stops fast bodies.
 //
-// Adhesion (Fang, Li and others 2023) is a tension Y of vertices over surfaces that has its largest value where the gap is dp:
+// Adhesion (Fang, Li and others 2023) is a traction of vertices over surfaces with the maximum Y at the gap dp:
 //   Y d/dp for d < dp,   Y (da - d)/(da - dp) for dp <= d < da, else 0
-// whose energy by area is -Y (da - d)^2 / (2 (da - dp)) beyond dp, and -Y/2 (da - d^2/dp) below.
+// with the energy per area -Y (da - d)^2 / (2 (da - dp)) beyond dp, and -Y/2 (da - d^2/dp) below.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -28,25 +28,25 @@
 
 namespace stroma::contact {
 
-/// One closest pair of points that counts.
+/// An active pair of closest points.
 struct Touch {
-  std::array<int, 4> v;     ///< vertices; of a plane the first one, then -1 less its number
+  std::array<int, 4> v;     ///< vertices; for a plane the first one, then -1 minus its number
   std::array<double, 4> c;  ///< the difference of the closest points is sum c_i x_i
   Vec3 n;                   ///< unit, its direction
   double gap = 0;           ///< [m]
-  double share = 0;         ///< [m^2]; negative: takes away what was counted twice
+  double share = 0;         ///< [m^2]; negative: compensates a share counted twice
   double range = 0;         ///< dh [m]
-  bool of_surface = false;  ///< the share is a part of a surface, not of ridges that cross or of what keeps strays away
+  bool of_surface = false;  ///< the share is a part of a surface, not of crossing ridges or of the second barrier
 };
 
-/// Of an energy by the gap: its value, b' and b''.
+/// An energy as a function of the gap: its value, b' and b''.
 struct Slopes {
   double value = 0, slope = 0, curvature = 0;
 };
 struct Barrier : Slopes {
   Barrier(double gap, double range);
 };
-/// b = dh/2 (r - 1)^2 for r < 1: a pressure that grows as the gap falls, and on without bound where it is below zero.
+/// b = dh/2 (r - 1)^2 for r < 1: a pressure that increases linearly as the gap decreases, also below zero.
 struct Penalty : Slopes {
   Penalty(double gap, double range);
 };
@@ -58,22 +58,22 @@ struct Adhesion {
   Slopes at(double gap) const;  ///< [J/m^2], [Pa], [Pa/m]
 };
 
-/// A force f c_i on each of up to four rows. Its derivative is, with e' the slope of an energy e(d) of the distance d,
+/// A force f c_i on each of up to four rows. Its derivative, for an energy e(d) of the distance d, is
 ///   K_ij = -c_i c_j m + e' (d (w_i.w_j) n n^T + c_j n w_i^T + c_i w_j n^T),   m = e'' n n^T + e'/d Q
-/// Where the closest points may slide along directions D_a, by which the weights c_i change by c_i,a, w_i = sum_a c_i,a u_a with
-/// u_a . D_b = 1 for a = b, else 0, and Q is the projection across n and all D_a: the second derivative of a distance that is
-/// the smallest for all weights. With displacements p, a = sum c_i p_i and b = sum w_i (n.p_i), -p.K p of what pushes, e' < 0, is
+/// If the closest points can slide along directions D_a, with derivatives c_i,a of the weights, then w_i = sum_a c_i,a u_a with
+/// u_a . D_b = 1 for a = b, else 0, and Q projects onto the complement of n and all D_a. This is the second derivative of a distance
+/// minimised over the weights. With displacements p, a = sum c_i p_i and b = sum w_i (n.p_i), a pushing term (e' < 0) has -p.K p =
 ///   e'' (n.a)^2 - |e'|/d a.Q a + |e'| (d |b|^2 + 2 a.b),   2 a.b = 1/2 |s a + b/s|^2 - 1/2 |s a - b/s|^2,   s^2 = |w|/|c|
-/// A definite derivative has e'' (n.a)^2, where that is positive, and |e'|/2 |s a + b/s|^2, of slides that turn two sides into each
-/// other. Without that a correction slides so far that the gap closes by the square of the slide, and the force that then acts is
-/// decades too large. Where d is more than 1/s^2, as from the centre of a large sphere, it has q |e'| d |b + a/d|^2 instead, and q grows
-/// with d s^2 / 2 from a half to 1.
+/// A positive definite approximation keeps e'' (n.a)^2 if that is positive, and |e'|/2 |s a + b/s|^2, for slides that rotate two sides
+/// into each other. Without the latter a correction slides so far that the gap closes quadratically in the slide, and the force is then
+/// orders of magnitude too large. If d exceeds 1/s^2, as from the centre of a large sphere, it is q |e'| d |b + a/d|^2 instead, where q
+/// increases with d s^2 / 2 from a half to 1.
 struct Term {
   std::array<Index, 4> rows{-1, -1, -1, -1};  ///< -1: of an obstacle
   std::array<double, 4> c{};
   Vec3 force;
   Mat3 m;
-  double slope = 0, distance = 0;  ///< e' [N], d [m]; a slope of 0: without the other parts
+  double slope = 0, distance = 0;  ///< e' [N], d [m]; a slope of 0: only the first term
   Vec3 n = Vec3::Zero();
   std::array<Vec3, 4> w{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< [1/m]
   Mat3 derivative(std::size_t i, std::size_t j) const;  ///< K_ij
@@ -96,54 +96,54 @@ class BarrierLaw {
  public:
   double range = 0, thickness = 0;  ///< dh [m]; distance of surfaces at which the gap is zero [m]
   double stiffness = 0;             ///< kappa [Pa]
-  double small_range = 0.1, small_share = 0.1;  ///< of every pair: parts of dh and of its share
-  bool is_penalty = false;          ///< it pushes as Penalty, not as Barrier
+  double small_range = 0.1, small_share = 0.1;  ///< of the second barrier, as fractions of dh and of the share
+  bool is_penalty = false;          ///< uses Penalty instead of Barrier
   Adhesion adhesion;
-  double alarm = 0;  ///< gap up to which places count although nothing acts between them [m]
+  double alarm = 0;  ///< gap up to which inactive pairs are listed [m]
   std::vector<Plane> planes;
-  Vec3 moved = Vec3::Zero();  ///< of all obstacles [m]
+  Vec3 moved = Vec3::Zero();  ///< displacement of all obstacles [m]
   Surfaces surfaces;
   mutable Candidates candidates;
 
   void compile();
-  /// Shares at x. `touches` then are sums with these until the next call.
+  /// Computes shares at x. touches() then uses them until the next call.
   void weigh(const std::vector<Vec3>& x) const;
-  /// The same at the end x of a solve with the shares there were, for the next one.
+  /// The same at the end x of a solve, starting from the present shares, for the next solve.
   void weighAgain(const std::vector<Vec3>& x) const;
-  /// Weighs again. Returns the change of the force on each vertex, see relativeChange(); `before` and `after` have that many.
+  /// Recomputes shares. Returns the change of the force on each vertex, see relativeChange(); `before` and `after` have that many.
   double changeByWeighing(const std::vector<Vec3>& x, std::vector<Vec3>& before, std::vector<Vec3>& after) const;
-  /// What weigh() has found, of vertices at surfaces and planes and of pairs of edges.
+  /// The shares computed by weigh(), of vertices at surfaces and planes and of edge pairs.
   struct Shares {
     std::vector<double> vertices, planes, edges;
     bool is_weighed = false;
-    long revision = -1;  ///< of the pairs
+    long revision = -1;  ///< revision of the pairs
   };
   void copyShares(Shares& out) const;
-  /// Those of before a weighing. False, and nothing has changed, where there are other pairs since.
+  /// Restores earlier shares. Returns false, and changes nothing, if the pairs have changed since.
   bool putBack(const Shares& shares) const;
   /// No surfaces are nearer than dh at x, and there are no planes.
   bool isOutOfReach(const std::vector<Vec3>& x) const;
-  /// What counts at x; nearer than dh. What has come into reach since weigh() gets its share here.
+  /// The active pairs at x, nearer than dh. Pairs that have come into reach since weigh() get their share here.
   const std::vector<Touch>& touches(const std::vector<Vec3>& x) const;
   Vec3 forceOf(const Touch& touch) const { return -slopesOf(touch).slope * touch.n; }  ///< on the first side [N]
-  /// Of the energy of a touch [J], [N], [N/m].
+  /// The energy of a touch and its derivatives [J], [N], [N/m].
   Slopes slopesOf(const Touch& touch) const;
-  Slopes pushingOf(const Touch& touch) const;  ///< that of the pressure, without adhesion
-  /// Two parts of the force along n: with which both sides push, and with which adhesion pulls [N]; both have the sign of the share.
+  Slopes pushingOf(const Touch& touch) const;  ///< the same without adhesion
+  /// The two parts of the force along n, pressure and adhesion [N]; both have the sign of the share.
   double pushOf(const Touch& touch) const;
   double pullOf(const Touch& touch) const;
-  /// The largest gap at which a place counts [m].
+  /// The largest gap of an active pair [m].
   double far() const { return std::max({range, adhesion.strength > 0 ? adhesion.range : 0, alarm}); }
   /// At the x of touches().
   Term termOf(const Touch& touch, const std::vector<Vec3>& x, Tangent tangent) const;
   double energy(const std::vector<Vec3>& x) const;  ///< [J], as touches()
-  /// The part of the surface around a vertex that is pushed along the unit vector `towards` [m^2].
+  /// The area around a vertex that can be pushed along the unit vector `towards` [m^2].
   double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
-  /// The force on each vertex, as touches(); `out` has that many.
+  /// The force on each vertex, with the pairs of touches(); `out` has that many.
   void sumForces(const std::vector<Vec3>& x, std::vector<Vec3>& out) const;
-  /// Of all that may come into reach before pairs are looked for again.
+  /// All pairs that may come into reach before the next search.
   void addPattern(BlockPattern& pattern) const;
-  /// The largest s <= 1 up to which vertices may move by s dx while planes move by s way. `bend`: see Candidates.
+  /// The largest s <= 1 for which vertices may move by s dx while planes move by s way. `bend`: see Candidates.
   double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
                      const Vec3& way) const;
   double gapToPlane(std::size_t plane, const Vec3& x) const {
@@ -162,7 +162,7 @@ class BarrierLaw {
   void look(const std::vector<Vec3>& x) const;
   static void keepPositive(Term& term);
   void addTurning(const Touch& touch, const std::vector<Vec3>& x, double slope, Term& term) const;
-  enum class Which { all, all_again, missing };  ///< of what is in reach
+  enum class Which { all, all_again, missing };  ///< the pairs in reach whose shares are computed
   void weigh(const std::vector<Vec3>& x, Which which) const;
   void weighPlanes(const std::vector<Vec3>& x) const;
   double meanShare(std::size_t first, std::size_t end, const std::vector<Vec3>& x) const;

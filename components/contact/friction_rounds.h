@@ -6,25 +6,25 @@
 
 namespace stroma::contact {
 
-/// Solves of a step that are repeated until friction, which has the normal forces and directions of the solve before, no longer changes.
+/// Repeats the solves of a step until friction, with lagged normal forces and directions, no longer changes.
 class FrictionRounds {
  public:
-  int most = 10;  ///< solves of a step
+  int most = 10;  ///< maximum number of solves per step
 
-  /// A step begins, or begins again; `friction` has the slides of its start.
+  /// A step begins, or is restarted; `friction` has the contacts at its start.
   void begin(const Friction& friction) { rounds_ = 0, is_to_change_ = friction.hasSlid() && !friction.slides.empty(); }
-  /// What sticks is to creep by less (Friction::sharpen()), in as many solves again.
+  /// Reduces the slip of sticking contacts (Friction::sharpen()), with the same number of further solves.
   void sharpen(Friction& friction, const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
     rounds_ = 0;
     friction.sharpen(law, x, start, moved);
   }
-  /// What is off may be held: another solve may follow this one.
+  /// Contacts may be held: another solve may follow this one.
   bool mayHold() const { return rounds_ + 1 < most; }
-  /// The present solve is but a place to go on from: friction is expected to change after it by so much that another one follows.
+  /// The present solve is only intermediate: friction is expected to change enough afterwards to need another one.
   bool goOn(const Friction& friction) const {
     return rounds_ + 2 < most && is_to_change_ && !friction.isHolding() && !friction.isEased();
   }
-  /// `change`: of the forces of friction between two solves, see relativeChange(). What was held in the last one says nothing of slip.
+  /// `change`: of the friction forces between two solves, see relativeChange(). Held contacts give no information on slip.
   bool changes(double change, bool was_held) {
     constexpr double settled = 1e-3, usual_factor = 0.1, surely = 3;
     is_to_change_ = !was_held && usual_factor * change > surely * settled;

@@ -59,8 +59,8 @@ void Passages::look(const BarrierLaw& law, const std::vector<Touch>& ended, cons
 
 std::string Passages::doubt(const std::string& path, const std::function<std::string(int)>& name) const {
   if (steps_ == 0) return {};
-  const std::string keeps = "A penalty keeps nothing apart: a larger stiffness, or a smaller dt with a larger alarmDistance, helps; "
-                            "BarrierContact lets nothing through";
+  const std::string keeps = "A penalty does not exclude penetration: use a larger stiffness, or a smaller dt with a larger "
+                            "alarmDistance; BarrierContact excludes it";
   if (!(deepest_ > 0))
     return fmt::format("something may have passed through a surface of {} by t = {:.6g}: it moved {:.3g} m in a step, farther than "
                        "contacts are looked for. {}",

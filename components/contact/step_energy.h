@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The impulse of a contact in a step by a rule that goes by the forces at both ends, as the trapezoidal rule and Newmark's do. With
-// f0 and f1 the forces where the step starts and ends, dx its way and U the energy of the contact, two bodies push each other by
+// Contact impulses that conserve energy in a rule with forces at both ends of a step, such as the trapezoidal rule and Newmark's.
+// With the forces f0 and f1 at the start and end of the step, its displacement dx and the contact energy U, the contact force is
 //
 //   f = (1 - s) f0 + s f1   with   f.dx = U0 - U1
 //
-// so that what moves on in a step by h (v0 + v1)/2 keeps its energy, however stiff the contact and long the step. For a gap d that is the
-// discrete gradient -(U(d1) - U(d0))/(d1 - d0). For a convex U there is such an s from 0 to 1, as f0.dx >= U0 - U1 >= f1.dx. Where the
-// motion is resolved it is 1/2, the mean of the rule; where bodies touch and part within a step or two the mean would give and take
-// any energy. A step is solved with the mean first, and again with other s only where that is off by a thousandth of the largest U. A solve
-// has its s, so that its forces keep their potential, and f1 without bound as a gap closes. Friction has the same s, and where it is not
-// 1/2 rubs by the way of the step, which takes energy.
+// so that a body that moves by h (v0 + v1)/2 in a step keeps its energy, however stiff the contact and long the step. For a gap d this is
+// the discrete gradient -(U(d1) - U(d0))/(d1 - d0). For a convex U such an s exists between 0 and 1, because f0.dx >= U0 - U1 >= f1.dx. If
+// the motion is resolved it is 1/2, the mean of the rule. If bodies touch and separate within a step or two, the mean could add or remove
+// any amount of energy. A step is first solved with the mean, and again with other s only if the error exceeds a thousandth of the largest
+// U. s is fixed in a solve, so forces have a potential, and f1 is unbounded as a gap closes. Friction uses the same s, and if that is not
+// 1/2 it acts on the displacement of the step, which dissipates energy.
 //
-// Each pair of bodies has its own s, and so has each body with each plane. What a step has given too much or too little the next one has
-// to settle, from where the two come to touch until they have parted: U may change without work too, as shares of surfaces do.
-// The search for s may not settle, as where several contacts begin in one step and each changes what is right for the others. Then s is 1
-// for all: nothing gains, and much may be lost. The end of a run tells how much.
+// Each pair of bodies, and each body with each plane, has its own s. The energy error of a step is carried to the next one, from first
+// touch until separation: U may also change without work, as surface shares do.
+// The search for s may fail to converge, for example if several contacts begin in one step and each affects the others. Then s is 1 for
+// all: no energy is gained, but much may be lost. A warning at the end of a run says how much.
 //
-// Source: Gonzalez 1996, Simo and Tarnow 1992, Laursen and Chawla 1997 (forces of a step whose work is the change of the energy); the
-// mixture that holds for all contacts of a pair at once is our own.
+// Source: Gonzalez 1996, Simo and Tarnow 1992, Laursen and Chawla 1997 (forces whose work equals the change of energy); the common
+// weight for all contacts of a pair is our own.
 #pragma once
 #include <limits>
 #include <string>
@@ -31,29 +31,29 @@ namespace stroma::contact {
 class StepEnergy {
  public:
   void stepBegins();
-  /// The step starts at x, with the forces of `friction`, and the part `of_end` of its impulse is by the forces that its solves ask for.
-  /// They get all of the contact's.
+  /// Starts a step at x, with the forces of `friction`. The part `of_end` of the impulse comes from the forces at its end, which
+  /// solves evaluate; they carry the whole contact force.
   void startsAt(const BarrierLaw& law, const std::vector<Vec3>& x, double of_end, const Friction& friction);
   bool hasStart() const { return has_start_; }
   const std::vector<Touch>& startTouches() const { return touches_; }
-  /// How often those count that rub by the way of the step; 0: where s is 1/2 they rub by the speed at the start.
+  /// The weight of friction on the displacement of the step; 0: s is 1/2, and friction acts on the velocity at the start.
   double rubbingPartOf(const BarrierLaw& law, const std::array<int, 4>& v) const;
-  /// The forces at the end of the step between what v is of count so often in its solves: s over the part of the impulse.
+  /// The weight of the end force between the bodies of v in the solves: s divided by the part of the impulse.
   double factorOf(const BarrierLaw& law, const std::array<int, 4>& v) const;
-  /// Terms of f1, one of each touch, become those of the whole step, and f gets what is of f0.
+  /// Scales terms of f1, one per touch, to the whole step, and adds the part of f0 to f.
   void complete(Terms& terms, const BarrierLaw& law, const std::vector<Touch>& touches, Rows f) const;
-  /// The potential at x of these forces.
+  /// The potential of these forces at x.
   double energy(const BarrierLaw& law, const std::vector<Vec3>& x) const;
-  /// What the step has given until its end x, if its equations are those of before; obstacles without vertices have gone on by `way`.
-  /// rows: positions of all rows of the scene.
+  /// Evaluates the energy balance at the end x of a solve; obstacles without vertices have moved by `way`. rows: positions of all
+  /// rows of the scene.
   void look(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way, ConstRows rows);
-  /// That is not what there was: the step is to be solved with another s for some.
+  /// The balance is violated: the step must be solved again with a different s for some pairs.
   bool goesOn();
-  /// The step has ended at x, as for look().
+  /// The step has ended at x, as in look().
   void stepTaken(const BarrierLaw& law, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& way, ConstRows rows);
   void compile(const BarrierLaw& law, const std::vector<State*>& bodies) { ways_.compile(law.surfaces, bodies); }
   void forget();
-  /// `others`, and a sentence where bodies had another energy when they parted, or have it now, than when they met.
+  /// `others`, and a warning if the energy of bodies at separation, or now, differs from that at first touch.
   std::string doubt(const std::string& others) const;
   void serialize(Archive& archive);
 
@@ -62,20 +62,20 @@ class StepEnergy {
   static constexpr double infinite = std::numeric_limits<double>::infinity();
   struct Account {
     Pair pair;
-    double before = 0, after = 0;        ///< U where the step starts and ends [J]
+    double before = 0, after = 0;        ///< U at the start and end of the step [J]
     double by_start = 0, by_end = 0;     ///< f0.dx and f1.dx [J]
-    double gained = 0;                   ///< since they touch [J]
-    double most = 0;                     ///< the largest U of an end since then [J]
+    double gained = 0;                   ///< since first touch [J]
+    double most = 0;                     ///< the largest U at the end of a step since then [J]
     double share = 0.5;                  ///< s
-    double low = -infinite, high = infinite;  ///< log s/(1 - s) of solves that have given too much and too little
-    double last = 0, last_way = 0;       ///< that of the solve before, and how far from there s seemed to be
+    double low = -infinite, high = infinite;  ///< bounds of log s/(1 - s), from solves that gained too much and too little
+    double last = 0, last_way = 0;       ///< value in the previous solve, and its estimated distance from the solution
     bool touches = false, is_searched = false;
     double gains() const { return (1 - share) * by_start + share * by_end + after - before; }
     double excess() const;
     bool search(int round, bool is_alone);
     void begin() { share = 0.5, low = -infinite, high = infinite, is_searched = false; }
   };
-  /// Contacts from where bodies touch until they part.
+  /// Contacts from first touch until separation.
   struct Contacts {
     int all = 0, unkept = 0;
     double lost = 0, given = 0;  ///< [J]
@@ -96,14 +96,14 @@ class StepEnergy {
   bool has_start_ = false;
   bool gives_up_ = false;           ///< s is 1 for all in the rest of the step
   double of_end_ = 1;
-  int rounds_ = 0;                  ///< solves of the step that were looked at
-  std::vector<Account> accounts_;   ///< by pairs
+  int rounds_ = 0;                  ///< solves of the step so far
+  std::vector<Account> accounts_;   ///< per pair
   Contacts parted_;
-  std::vector<Pull> start_, rubs_;  ///< forces of contact and friction where the step starts
-  std::vector<Touch> touches_;      ///< there
-  std::vector<Vec3> end_;           ///< all vertices where the last step ended
-  Vec3 moved_ = Vec3::Zero();       ///< obstacles there
-  std::array<double, 6> law_{};     ///< what U depended on there
+  std::vector<Pull> start_, rubs_;  ///< forces of contact and friction at the start of the step
+  std::vector<Touch> touches_;      ///< at the start of the step
+  std::vector<Vec3> end_;           ///< all vertices at the end of the last step
+  Vec3 moved_ = Vec3::Zero();       ///< displacement of obstacles there
+  std::array<double, 6> law_{};     ///< parameters of U there
   RigidWays ways_;
 };
 

@@ -51,7 +51,7 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
     ForceField::declare(table);
     topology_.declare(table, "mesh of tetrahedra");
     table.addLink("mechanicalObject", places_)
-        .help("state of the places of the nodes; the nearest one of points above when not given");
+        .help("state with the positions of the nodes; by default the nearest one of points above");
     table.add("constantDiffusionCoefficient", coefficient_)
         .recompiled()
         .help("D of all tetrahedra: flow through an area over the gradient of the values")
@@ -139,11 +139,11 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
     constexpr double written = 1e-3;  // of a direction of few digits
     for (const Vec3& d : fibres_)
       if (1 + (ratio_ - 1) * d.squaredNorm() < 0)
-        throw ComponentError(fmt::format("a direction of transverseAnisotropyArray has the length {:.3g}: along it nothing but the "
-                                         "opposite of diffusion is left", d.norm()), "directions of length 1");
+        throw ComponentError(fmt::format("a direction of transverseAnisotropyArray has the length {:.3g}: the diffusion along it is "
+                                         "negative", d.norm()), "directions of length 1");
     for (const Vec3& d : fibres_)
       if (std::abs(d.norm() - 1) > written)
-        return warn(fmt::format("a direction of transverseAnisotropyArray has the length {:.3g}, and counts with it", d.norm()));
+        return warn(fmt::format("a direction of transverseAnisotropyArray has the length {:.3g}, which scales the diffusion", d.norm()));
   }
   const State* placesOfNodes() const {
     if (State* given = places_.get()) {
@@ -159,7 +159,7 @@ class TetrahedronDiffusion final : public NodeGroupField<4> {
         found->ensureReady();
         if (found->hasPointsOnly()) return found;
       }
-    throw ComponentError("there is no state of points that says where the nodes are",
+    throw ComponentError("there is no state of points with the positions of the nodes",
                          "one in a node above, or mechanicalObject=\"@...\"");
   }
   double entry(std::size_t e, int a, int b) const { return stiffness_[e].blocks[std::size_t(4 * a + b)](0, 0); }

@@ -65,8 +65,8 @@ std::string ElasticForceField::doubt(ConstRows x) const {
   }
   if (beyond == 0) return {};
   return fmt::format(
-      "{} of {} elements are strained beyond {:.0f} %, where a law that is linear in the strain says little; the worst "
-      "is {}: {:.0f} %. A hyperelastic force field is made for such strains",
+      "{} of {} elements are strained beyond {:.0f} %, outside the range of a law that is linear in the strain; the worst is {}: "
+      "{:.0f} %. Use a hyperelastic force field for such strains",
       beyond, count, 100 * limit, elements_->describe(at), 100 * worst);
 }
 

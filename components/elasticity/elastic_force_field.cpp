@@ -223,8 +223,8 @@ void ElasticForceField::recompile() { compileMaterial(); }
 void ElasticForceField::tellSurprises() const {
   if (variant_.method == ElasticMethod::large && elements_->updatesStrainDisplacement())
     inform(
-        fmt::format("method large takes the frame of an element from the order of its nodes: it fails the patch test "
-                    "by the square of the strain{}. method svd does neither",
+        fmt::format("method large takes the frame of an element from the order of its nodes: it fails the patch test by the square "
+                    "of the strain{}. method svd has neither problem",
                     update_b_ ? ""
                               : ", and of a constant B (updateStiffnessMatrix=\"false\") its forces turn a free body, "
                                 "by about the square of the strain too"));
@@ -289,7 +289,7 @@ void ElasticForceField::checkVariant() const {
   if (variant_.exact_tangent && method == ElasticMethod::nodal)
     throw ComponentError("method nodal has no exact tangent", "tangent=\"warped\" (its symmetric part)");
   if (method == ElasticMethod::green && isSet("tangent") && !variant_.exact_tangent)
-    throw ComponentError("method green turns nothing: it has no warped tangent", "tangent=\"exact\"");
+    throw ComponentError("method green has no rotations: it has no warped tangent", "tangent=\"exact\"");
   if (variant_.mean_dilatation) checkMeanDilatation();
   if (incompatible_) checkIncompatibleModes();
   if (plastic_max_threshold_ > 0) throw ComponentError("plasticity is not available", "plasticMaxThreshold=\"0\"");

@@ -19,6 +19,30 @@ V3<T> cycledBack(const V3<T>& v) {
   return {v.z, v.x, v.y};
 }
 
+/// -K of the strain that is the same all over the box; the other modes are zero.
+template <class T>
+Modes<T> uniformProduct(const T (&inverse)[3], T lambda, T mu, const Modes<T>& m) {
+  const T i = inverse[0], j = inverse[1], k = inverse[2];
+  const S3<T> strain{m.xi.x * i,
+                     m.eta.y * j,
+                     m.zeta.z * k,
+                     fma(m.xi.y, i, m.eta.x * j),
+                     fma(m.eta.z, j, m.zeta.y * k),
+                     fma(m.zeta.x, k, m.xi.z * i)};
+  const S3<T> s = restoringStress(strain, lambda, mu);
+  Modes<T> f{};
+  f.xi = V3<T>{s.xx, s.xy, s.zx} * i, f.eta = V3<T>{s.xy, s.yy, s.yz} * j, f.zeta = V3<T>{s.zx, s.yz, s.zz} * k;
+  return f;
+}
+/// -K of the mode xi eta zeta, with `direct` = mu and what resists its change of volume.
+template <class T>
+V3<T> productOfAll(const T (&inverse)[3], T direct, T mu, const V3<T>& all) {
+  const T ii = inverse[0] * inverse[0], jj = inverse[1] * inverse[1], kk = inverse[2] * inverse[2], minus_ninth(-1. / 9);
+  const T shear = mu * (ii + jj + kk);
+  return {minus_ninth * fma(direct, ii, shear) * all.x, minus_ninth * fma(direct, jj, shear) * all.y,
+          minus_ninth * fma(direct, kk, shear) * all.z};
+}
+
 /// H = [a i, b j, 0]: adds -sigma_x i to fa and -sigma_y j to fb.
 template <class T>
 void addTwoColumns(const V3<T>& a, const V3<T>& b, T i, T j, T lambda, T mu, V3<T>& fa, V3<T>& fb) {
@@ -40,19 +64,8 @@ struct BoxStiffness {
 template <class T>
 Modes<T> boxProduct(const BoxStiffness<T>& box, T factor, const Modes<T>& m) {
   const T i = box.inverse[0], j = box.inverse[1], k = box.inverse[2];
-  const T lambda = factor * box.lambda, varying = factor * box.varying, mu = factor * box.mu;
-  Modes<T> f;
-  {
-    const S3<T> strain{m.xi.x * i,
-                       m.eta.y * j,
-                       m.zeta.z * k,
-                       fma(m.xi.y, i, m.eta.x * j),
-                       fma(m.eta.z, j, m.zeta.y * k),
-                       fma(m.zeta.x, k, m.xi.z * i)};
-    const S3<T> s = restoringStress(strain, lambda, mu);
-    f.xi = V3<T>{s.xx, s.xy, s.zx} * i, f.eta = V3<T>{s.xy, s.yy, s.yz} * j, f.zeta = V3<T>{s.zx, s.yz, s.zz} * k;
-  }
-  const T third(1. / 3), ninth(1. / 9), lambda3 = varying * third, mu3 = mu * third;
+  const T varying = factor * box.varying, mu = factor * box.mu, third(1. / 3), lambda3 = varying * third, mu3 = mu * third;
+  Modes<T> f = uniformProduct(box.inverse, factor * box.lambda, mu, m);
   // zeta: columns x, y; xi: columns y, z; eta: columns z, x
   addTwoColumns(m.zeta_xi, m.eta_zeta, i, j, lambda3, mu3, f.zeta_xi, f.eta_zeta);
   V3<T> fa, fb;
@@ -61,11 +74,42 @@ Modes<T> boxProduct(const BoxStiffness<T>& box, T factor, const Modes<T>& m) {
   V3<T> fc, fd;
   addTwoColumns(cycledBack(m.eta_zeta), cycledBack(m.xi_eta), k, i, lambda3, mu3, fc, fd);
   f.eta_zeta = f.eta_zeta + cycled(fc), f.xi_eta = f.xi_eta + cycled(fd);
+  f.all = productOfAll(box.inverse, varying + mu, mu, m.all);
+  return f;
+}
 
-  const T ii = i * i, jj = j * j, kk = k * k, minus = -ninth;
-  const T shear = mu * (ii + jj + kk), direct = varying + mu;
-  f.all = {minus * fma(direct, ii, shear) * m.all.x, minus * fma(direct, jj, shear) * m.all.y,
-           minus * fma(direct, kk, shear) * m.all.z};
+// ---- with incompatible modes ----
+// Of what varies along xi, the modes a_xi take all strain with an x in it until no stress is left there, so that a plane yz bends as
+// if it were free.
+
+/// H = [., b j, c k] varies along the first axis, where all stress on that axis is zero: adds -sigma_y j to fb and -sigma_z k to fc.
+template <class T>
+void addPlane(const V3<T>& b, const V3<T>& c, T j, T k, T plane, T mu, V3<T>& fb, V3<T>& fc) {
+  const T yy = b.y * j, zz = c.z * k, minus_two_mu = -(mu + mu);
+  const T pressure = plane * (yy + zz), yz = -(mu * fma(b.z, j, c.y * k));
+  fb.y = fma(j, fma(minus_two_mu, yy, -pressure), fb.y), fb.z = fma(j, yz, fb.z);
+  fc.y = fma(k, yz, fc.y), fc.z = fma(k, fma(minus_two_mu, zz, -pressure), fc.z);
+}
+
+/// As BoxStiffness: `varying` is of what varies along two axes. `plane` is lambda of plane stress, 2 lambda mu / (lambda + 2 mu),
+/// times w/8.
+template <class T>
+struct IncompatibleBoxStiffness {
+  T inverse[3], lambda, plane, varying, mu;
+};
+/// -factor K of a box's modes in its own axes.
+template <class T>
+Modes<T> boxProduct(const IncompatibleBoxStiffness<T>& box, T factor, const Modes<T>& m) {
+  const T i = box.inverse[0], j = box.inverse[1], k = box.inverse[2], third(1. / 3);
+  const T mu = factor * box.mu, plane3 = factor * box.plane * third, mu3 = mu * third;
+  Modes<T> f = uniformProduct(box.inverse, factor * box.lambda, mu, m);
+  // along xi: columns y, z; eta: columns z, x; zeta: columns x, y
+  addPlane(m.xi_eta, m.zeta_xi, j, k, plane3, mu3, f.xi_eta, f.zeta_xi);
+  V3<T> fa{}, fb{}, fc{}, fd{};
+  addPlane(cycled(m.eta_zeta), cycled(m.xi_eta), k, i, plane3, mu3, fa, fb);
+  addPlane(cycledBack(m.zeta_xi), cycledBack(m.eta_zeta), i, j, plane3, mu3, fc, fd);
+  f.xi_eta = f.xi_eta + cycledBack(fb), f.zeta_xi = f.zeta_xi + cycled(fc), f.eta_zeta = cycledBack(fa) + cycled(fd);
+  f.all = productOfAll(box.inverse, fma(factor, box.varying, mu), mu, m.all);
   return f;
 }
 

@@ -62,6 +62,7 @@
 #include "components/elasticity/hexahedron_incompatible.h"
 #include "components/elasticity/hexahedron_kernels.h"
 #include "components/elasticity/incompatible_modes.h"
+#include "components/elasticity/kernels_of_parts.h"
 #include "components/elasticity/point_elements.h"
 #include "framework/scene/factory.h"
 
@@ -83,14 +84,18 @@ class Hexahedra final : public PointElements<Hexahedra>, public HasIncompatibleM
   void useIncompatibleModes(const LameOf& lame) override { material_of_modes_ = lame; }
 
   std::unique_ptr<ElementKernels> make(Index first_row, const LameOf& lame) const override {
-    return withOwnMatrix(variant_, makeMethod({*shapes_, first_row, lame}));
+    return withOwnMatrix(variant_, makeParts(first_row, lame));
   }
 
   std::string describe(std::size_t e) const override { return shapes_->describe(e); }
   Nanoseconds cost() const override {
-    const double lanes = 8. / pack_lanes;
-    const bool green = variant_.method == ElasticMethod::green;
-    return {(green ? 60 : variant_.exact_tangent ? 150 : shapes_->useBoxes() ? 18 : material_of_modes_ ? 130 : 44) * lanes, 850};
+    const double lanes = 8. / pack_lanes, boxes = double(shapes_->boxes().size()), others = double(shapes_->others().size());
+    const auto product = [this](bool box) {
+      if (variant_.method == ElasticMethod::green) return 60.;
+      if (material_of_modes_) return box ? (variant_.exact_tangent ? 45. : 18.) : variant_.exact_tangent ? 280. : 130.;
+      return variant_.exact_tangent ? 150. : box && boxesAreApart() ? 18. : 44.;
+    };
+    return {(boxes * product(true) + others * product(false)) / std::max(1., boxes + others) * lanes, 850};
   }
 
   // ---- for PointElements ----
@@ -128,15 +133,28 @@ class Hexahedra final : public PointElements<Hexahedra>, public HasIncompatibleM
   }
 
  private:
+  /// Boxes have kernels of their own where B is constant.
+  bool boxesAreApart() const {
+    const bool small = variant_.method == ElasticMethod::small, green = variant_.method == ElasticMethod::green;
+    return material_of_modes_ || (variant_.update == Update::none && (small || green || !variant_.exact_tangent));
+  }
+  std::unique_ptr<ElementKernels> makeParts(Index first_row, const LameOf& lame) const {
+    const std::vector<Index>&boxes = shapes_->boxes(), &others = shapes_->others();
+    const auto part = [&](bool are_boxes, const std::vector<Index>* chosen) {
+      return makeMethod({*shapes_, first_row, lame, are_boxes, chosen});
+    };
+    if (!boxesAreApart() || boxes.empty() || others.empty()) return part(boxesAreApart() && others.empty(), nullptr);
+    return std::make_unique<KernelsOfParts>(part(true, &boxes), part(false, &others));
+  }
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
     if (material_of_modes_) return incompatibleKernels(elements);
-    const bool boxes = shapes_->useBoxes();
+    const bool boxes = elements.boxes;
     if (variant_.method == ElasticMethod::green)
       return boxes ? makeGreen<BoxShape>(elements) : makeGreen<PointShape>(elements);
     if (polar_of_ != PolarOf::gradient) return polarKernels(polar_of_, variant_.method == ElasticMethod::svd, elements);
     if (variant_.mean_dilatation && !boxes) return meanKernels(elements);
     if (variant_.method == ElasticMethod::small)
-      return boxes ? kernelsOf<BoxLinear>(elements) : kernelsOf<PointLinear<LocalDilatation>>(elements);
+      return boxes ? kernelsOf<ModalLinear<Boxes>>(elements) : kernelsOf<PointLinear<LocalDilatation>>(elements);
     return makeRotated(variant_, [&]<class Rotation>() { return rotatedKernels<Rotation>(elements); });
   }
   template <class Shape>

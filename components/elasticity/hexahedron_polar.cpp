@@ -31,7 +31,7 @@ struct PolarOfNodes {
 
 template <class Rotation>
 std::unique_ptr<ElementKernels> kernelsOfEdges(const Elements& elements) {
-  if (elements.shapes.useBoxes()) return kernelsOf<BoxCorotational<Rotation>>(elements);
+  if (elements.boxes) return kernelsOf<ModalCorotational<Boxes, Rotation>>(elements);
   return kernelsOf<PointCorotational<LocalDilatation, Rotation, Update::none>>(elements);
 }
 

@@ -7,7 +7,7 @@ namespace stroma::hexahedron {
 
 template <class Rotation>
 std::unique_ptr<ElementKernels> rotatedKernels(const Elements& elements) {
-  if (elements.shapes.useBoxes()) return kernelsOf<BoxCorotational<Rotation>>(elements);
+  if (elements.boxes) return kernelsOf<ModalCorotational<Boxes, Rotation>>(elements);
   const ElasticVariant& variant = elements.shapes.variant();
   return makeUpdated(variant, [&]<Update update>() -> std::unique_ptr<ElementKernels> {
     if (variant.exact_tangent) return kernelsOf<ExactPointCorotational<LocalDilatation, Rotation, update>>(elements);

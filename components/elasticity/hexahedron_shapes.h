@@ -34,6 +34,12 @@ inline double determinantAt(const PointValues<double>& j, int p) {
   return stroma::dot(c.d[0], cross(c.d[1], c.d[2]));
 }
 
+/// As PointRest::inverse_edges.
+inline void setUpper(const Mat3& matrix, double (&to)[6]) {
+  const int row[6] = {0, 0, 1, 0, 1, 2}, column[6] = {0, 1, 1, 2, 2, 2};
+  for (int i = 0; i < 6; ++i) to[i] = matrix(row[i], column[i]);
+}
+
 class HexahedronShapes {
  public:
   /// Looks at the rest shapes; throws ComponentError for a cell without a volume. All are kept by reference.
@@ -48,17 +54,15 @@ class HexahedronShapes {
             fmt::format("{} is flat or folded at rest: its volume ratio goes from {:.3g} to {:.3g}", describe(e),
                         shape.low / (size * size * size), shape.high / (size * size * size)),
             "a volume whose corners are all on the right side");
-      boxes_ = boxes_ && shape.box;
+      (shape.box ? boxes_ : others_).push_back(Index(e));
     }
   }
   const Mesh& mesh() const { return *mesh_; }
   const std::vector<Vec3>& positions() const { return *rest_; }
   const ElasticVariant& variant() const { return variant_; }
-  /// Boxes have models of their own where B is constant.
-  bool useBoxes() const {
-    const bool small = variant_.method == ElasticMethod::small, green = variant_.method == ElasticMethod::green;
-    return boxes_ && variant_.update == Update::none && (small || green || !variant_.exact_tangent);
-  }
+  /// Cells that are boxes, and all others, in their order.
+  const std::vector<Index>& boxes() const { return boxes_; }
+  const std::vector<Index>& others() const { return others_; }
   std::string describe(std::size_t e) const {
     return fmt::format("hexahedron {} (nodes {})", e, fmt::join(mesh_->hexahedra[e], " "));
   }
@@ -90,14 +94,13 @@ class HexahedronShapes {
     return shape;
   }
 
-  void set(const RestShape& shape, const Lame& constants, BoxRest<double>& rest, BoxTangent<double>& tangent) const {
-    const double edges[3] = {shape.modes.xi.x, shape.modes.eta.y, shape.modes.zeta.z};
-    for (int i = 0; i < 3; ++i) rest.edges[i] = edges[i], tangent.stiffness.inverse[i] = 8 / edges[i];
-    tangent.axes = shape.frame;
-    const double weight = std::abs(shape.low);
-    BoxStiffness<double>& s = tangent.stiffness;
-    s.lambda = constants.lambda * weight / 8, s.mu = constants.mu * weight / 8;
-    s.varying = variant_.mean_dilatation ? -2. / 3 * s.mu : s.lambda;
+  void set(const RestShape& shape, const Lame& constants, BoxRest<double>& rest, Boxes::Tangent<double>& tangent) const {
+    setBox(shape, constants, rest, tangent);
+  }
+  void set(const RestShape& shape, const Lame& constants, BoxRest<double>& rest, IncompatibleBoxes::Tangent<double>& tangent) const {
+    setBox(shape, constants, rest, tangent);
+    const double share = std::abs(shape.low) / 8, lambda = constants.lambda, mu = constants.mu;
+    tangent.stiffness.plane = mu > 0 ? share * 2 * lambda * mu / (lambda + 2 * mu) : 0;
   }
   void set(const RestShape& shape, const Lame& constants, BoxRest<double>&, BoxShape::Tangent<double>& tangent) const {
     const double edges[3] = {shape.modes.xi.x, shape.modes.eta.y, shape.modes.zeta.z}, weight = std::abs(shape.low);
@@ -113,9 +116,7 @@ class HexahedronShapes {
       setGreen(shape, constants, tangent);
     const bool turned = variant_.method != ElasticMethod::small;
     rest.modes = turned ? shape.modes : rotated(shape.frame, shape.modes);
-    const Mat3 inverse = toEigen(meanEdges(rest.modes)).inverse();
-    const int row[6] = {0, 0, 1, 0, 1, 2}, column[6] = {0, 1, 1, 2, 2, 2};
-    for (int i = 0; i < 6; ++i) rest.inverse_edges[i] = inverse(row[i], column[i]);
+    setUpper(toEigen(meanEdges(rest.modes)).inverse(), rest.inverse_edges);
     const PointValues<double> j = atPoints(rest.modes);
     for (int p = 0; p < 8; ++p) {
       const M3<double> columns = Columns<double>(j, p).matrix(), n = cofactor(columns);
@@ -129,6 +130,15 @@ class HexahedronShapes {
   }
 
  private:
+  void setBox(const RestShape& shape, const Lame& constants, BoxRest<double>& rest, auto& tangent) const {
+    const double edges[3] = {shape.modes.xi.x, shape.modes.eta.y, shape.modes.zeta.z};
+    for (int i = 0; i < 3; ++i) rest.edges[i] = edges[i], tangent.stiffness.inverse[i] = 8 / edges[i];
+    tangent.axes = shape.frame;
+    const double share = std::abs(shape.low) / 8;
+    auto& s = tangent.stiffness;
+    s.lambda = constants.lambda * share, s.mu = constants.mu * share;
+    s.varying = variant_.mean_dilatation ? -2. / 3 * s.mu : s.lambda;
+  }
   static void setLaw(const RestShape&, const Lame& constants, LocalDilatation<double>& law) {
     law = {constants.lambda, constants.mu};
   }
@@ -154,7 +164,7 @@ class HexahedronShapes {
   const Mesh* mesh_;
   const std::vector<Vec3>* rest_;
   ElasticVariant variant_;
-  bool boxes_ = true;
+  std::vector<Index> boxes_, others_;
 };
 
 }  // namespace stroma::hexahedron

@@ -159,7 +159,7 @@ void TriangularFEMForceField::declare(DataTable& table) {
       .help("stiffness: R K R^T and that of tension, or the exact derivative of the force");
   table.addChoice("strain", strain, {"energy", "rest", "current"})
       .help("of large: energy, the gradient of an energy; rest and current, SOFA's, with its B of that shape");
-  if (takes_points) table.add("initialPoints", initial_points_).help("nodes at rest; those of the state when not given").unit("m");
+  if (takes_points) table.add("initialPoints", initial_points_).help("nodes at rest; those of the state by default").unit("m");
   if (strain == StrainWord::rest) table.add("restScale", rest_scale_).help("of the size of the rest shape").unit("-").min(0, false);
   for (const char* name : {"hosfordExponant", "criteriaValue", "showStressValue", "showStressVector",
                            "showFracturableTriangles", "computePrincipalStress"})

@@ -7,7 +7,8 @@
 //   PATH.volume                                of the cells of a state's mesh, or behind its closed surface [m^3]
 //   PATH.NAME                                  any attribute of numbers of any component; `nodes` are then places in its list
 //   PATH.stress, .vonMises, .J ...             fields of the cells of a force field: the numbers of each cell one after another,
-//                                              so that number k of cell c is at place 6 c + k of a stress (xx yy zz xy yz zx)
+//                                              so that number k of cell c is at place 6 c + k of a stress (xx yy zz xy yz zx);
+//                                              `nodes` of one whose mesh has changed since the start are a failure, not other cells
 //   kinetic_energy, elastic_energy, gravity_energy, total_energy    of the scene [J]
 //   energy_drift                               |E - E_0| over the largest |E|, kinetic energy or |E_0| so far, E the total
 //   linear_iterations, newton_iterations       of the step that takes most
@@ -132,7 +133,7 @@ class Expect final : public Observer, public Expectation {
   }
   void afterStep(const Simulation& simulation, const StepContext& context) override;
   void end(const Simulation& simulation) override;
-  void reset() override { comparisons_ = 0, next_ = 0, scale_ = 0, most_ = {}, failure_.clear(); }
+  void reset() override { comparisons_ = 0, next_ = 0, scale_ = 0, first_count_ = 0, most_ = {}, failure_.clear(); }
   void serialize(Archive& archive) override {
     archive.value("start", start_);
     archive.value("scale", scale_);
@@ -140,6 +141,7 @@ class Expect final : public Observer, public Expectation {
     archive.value("newton", most_[1]);
     archive.value("next", next_);
     archive.value("comparisons", comparisons_);
+    if (namesCells()) archive.value("first_count", first_count_);
   }
   std::string describe() const override {
     if (!at_.empty()) return fmt::format("compares {} at {} times", of_, at_.size());
@@ -152,6 +154,8 @@ class Expect final : public Observer, public Expectation {
   enum class When : int { end, always } always_ = When::end;
   enum class Axis : int { all, x, y, z, norm } axis_ = Axis::all;
   bool isWord(const char* word) const { return of_ == word; }
+  bool namesCells() const { return field_ && !nodes_.empty(); }
+  double countOfField(const Simulation& simulation) const;
   std::vector<Value> values(const Simulation& simulation) const;
   void findNumbers(const Simulation& simulation);
   std::vector<Value> nodeValues() const;
@@ -176,6 +180,7 @@ class Expect final : public Observer, public Expectation {
   double start_ = 0, scale_ = 0;
   std::array<double, 2> most_{};  ///< iterations, linear and of Newton's method
   double next_ = 0, comparisons_ = 0;
+  double first_count_ = 0;  ///< numbers of a field of which cells are named, where the scene starts
   std::string failure_;
 };
 
@@ -217,6 +222,8 @@ void Expect::compile(const Simulation& simulation) {
   const bool of_nodes = name_ == "displacement" || name_ == "position" || name_ == "velocity" || name_ == "volume";
   state_ = of_nodes ? dynamic_cast<const State*>(owner_) : nullptr;
   if (!state_) findNumbers(simulation);
+  if (field_ && axis_ != Axis::all)
+    throw ComponentError(fmt::format("`axis` chooses of vectors, and {} is a field of cells", of_), "places of its numbers as `nodes`");
   if (state_ && name_ == "volume" && !topologyOf(*state_)) throw ComponentError(state_->path() + " has no mesh, so it has no volume");
   if (state_ && name_ != "volume")
     for (const int node : nodes_)
@@ -238,14 +245,22 @@ void Expect::findNumbers(const Simulation& simulation) {
                          "an attribute of numbers, or a field of cells", nearest(name_, names));
 }
 
+/// Another one than at the start tells that cells have gone or come.
+double Expect::countOfField(const Simulation& simulation) const {
+  simulation.complete();
+  std::vector<double> numbers;
+  field_->cellField(name_, system_->x, numbers);
+  return double(numbers.size());
+}
+
 void Expect::begin(const Simulation& simulation) {
-  if (simulation.steps() == 0) {
-    start_ = energiesOf(simulation.systems()).total;
-    scale_ = std::abs(start_);
-    while (std::size_t(next_) < at_.size() && at_[std::size_t(next_)] <= simulation.time()) {
-      ++next_;
-      compare(simulation);
-    }
+  if (simulation.steps() > 0) return;
+  if (namesCells()) first_count_ = countOfField(simulation);
+  start_ = energiesOf(simulation.systems()).total;
+  scale_ = std::abs(start_);
+  while (std::size_t(next_) < at_.size() && at_[std::size_t(next_)] <= simulation.time()) {
+    ++next_;
+    compare(simulation);
   }
 }
 
@@ -358,6 +373,9 @@ void Expect::compare(const Simulation& simulation) {
   const std::vector<Value> all = values(simulation);
   ++comparisons_;
   const double t = simulation.time();
+  if (const double count = namesCells() ? countOfField(simulation) : 0; count != first_count_ && failure_.empty())
+    failure_ = fmt::format("{} had {:.0f} numbers where the scene starts and has {:.0f} at t = {:g} s: `nodes` would name other cells", of_,
+                           first_count_, count, t);
   if (all.empty() && failure_.empty()) failure_ = fmt::format("{} holds no numbers at t = {:g} s", of_, t);
   double size = 0;
   for (const Value& value : all)

@@ -108,7 +108,7 @@ class FormulaForceField final : public ForceField, public LocalLoad {
         .help("three formulas of x, y, z and t with a semicolon between them: in N, Pa or N/m^3 with `per`")
         .required();
     table.addChoice("per", per_, {"node", "area", "volume"}).help("what a value of the formula acts on");
-    table.add("indices", indices_).help("with per=\"node\" the loaded nodes; every node when not given");
+    table.add("indices", indices_).help("with per=\"node\" the loaded nodes; every node by default");
     selection_.declare(table);
   }
 

@@ -82,9 +82,7 @@ void HyperelasticForceField::declareMethod(DataTable& table) {
       .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
       .help(
-          "set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill (but for "
-          "what "
-          "viscosity adds)");
+          "set the negative eigenvalues of each point's tangent to zero: Newton directions are descent directions (except for viscosity)");
   prony_.declare(table);
 }
 
@@ -105,10 +103,9 @@ void HyperelasticForceField::declareParameters(DataTable& table) {
     std::vector<std::string> meanings;
     for (const auto& [meaning, laws] : laws_of[name])
       meanings.push_back(fmt::format("{} ({})", meaning, fmt::join(laws, ", ")));
-    table.add(name, named_[name])
-        .unit(units[name].size() > 1 ? "Pa or -" : *units[name].begin())
-        .ofCells()
-        .help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
+    Data& attribute = table.add(name, named_[name]).ofCells();
+    attribute.help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
+    units[name].size() > 1 ? attribute.unitOrNumber("Pa") : attribute.unit(*units[name].begin());
   }
 }
 

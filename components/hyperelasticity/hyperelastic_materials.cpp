@@ -156,8 +156,8 @@ class IncompressibleMooneyRivlinMaterial final : public Material {
     Material::init();
     if (!(numbers[0].value + numbers[1].value > 0))
       throw ComponentError("mu10 + mu01 is not above 0: the shear modulus is twice that", "mu10 + mu01 above 0");
-    warn(fmt::format("nothing in this law resists a change of volume, and a body at rest has a tension of {:g} Pa: what nobody "
-                     "holds shrinks to a point",
+    warn(fmt::format("this law does not resist changes of volume, and a body at rest has a tension of {:g} Pa: an unsupported body "
+                     "shrinks to a point",
                      2 * numbers[0].value + 4 * numbers[1].value),
          "MooneyRivlinMaterial with a large bulkModulus");
   }

@@ -30,8 +30,8 @@ std::vector<Doubt> doubtsAbout(const HyperelasticLaw& law, const std::vector<dou
   const auto [shear, bulk] = law.moduliAtRest(values);
   const double poisson = (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear));
   if (poisson < -1e-9)
-    doubts.push_back({fmt::format("these parameters of {} mean a shear modulus of {:.3g} Pa and a bulk modulus of {:.3g} Pa, which "
-                                  "is a Poisson's ratio of {:.2g}",
+    doubts.push_back({fmt::format("these parameters of {} give a shear modulus of {:.3g} Pa and a bulk modulus of {:.3g} Pa, a "
+                                  "Poisson's ratio of {:.2g}",
                                   law.name, shear, bulk, poisson),
                       law.expectation() + ", in this order"});
   for (std::size_t i = 0; i + 1 < values.size(); i += 2)  // the pairs of Ogden's laws
@@ -48,12 +48,10 @@ std::vector<Doubt> doubtsAbout(const HyperelasticLaw& law, const std::vector<dou
 void settleUnits(const HyperelasticLaw& law, DataTable& data) {
   for (const hyperelastic::ParameterInfo& parameter : law.parameters) {
     Data* const attribute = data.find(parameter.name);
-    if (!attribute || attribute->unitText() == parameter.unit) continue;
-    if (!attribute->unitText().ends_with(" or -"))
+    if (attribute && !attribute->settleUnit(parameter.unit))
       throw ComponentError(fmt::format("{} of {} is {}", parameter.name, law.name,
                                        parameter.unit == "-" ? "a pure number" : "in " + parameter.unit),
                            parameter.unit == "-" ? "numbers without unit" : "numbers in Pa");
-    attribute->unit(parameter.unit);
   }
 }
 
@@ -134,7 +132,7 @@ void HyperelasticForceField::fillNamed(std::size_t set, std::vector<double>& val
       throw ComponentError(fmt::format("{} cannot be given by youngModulus and poissonRatio", law_.name),
                            law_.expectation());
     if (complete)
-      throw ComponentError(fmt::format("{} has all its parameters besides youngModulus", law_.name),
+      throw ComponentError(fmt::format("{} has all its parameters in addition to youngModulus", law_.name),
                            "one or the other");
     const Lame lame = Lame::from(at(young_modulus_, set), at(poisson_ratio_, set));
     const std::string missing = law_.from_lame(lame, values);
@@ -158,7 +156,7 @@ void HyperelasticForceField::checkModuli(const Lame& lame, hyperelastic::Values 
       fmt::format("youngModulus and poissonRatio mean a shear modulus of {:.6g} Pa and a bulk modulus of {:.6g} Pa; "
                   "with {} of {} they are {:.6g} and {:.6g}",
                   lame.mu, lame.bulk(), fmt::join(givenNames(), ", "), law_.name, shear, bulk),
-      "parameters that agree, or youngModulus and poissonRatio alone for them");
+      "consistent parameters, or youngModulus and poissonRatio instead of them");
 }
 
 void HyperelasticForceField::readParameters() {

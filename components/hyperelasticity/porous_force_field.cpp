@@ -59,13 +59,13 @@ void PorousForceField::declare(DataTable& table) {
       .unit("m^4/(N s)")
       .min(0)
       .required()
-      .help("kappa of Darcy's law; 0: nothing flows");
+      .help("kappa of Darcy's law; 0: no flow");
   table.add("drainedIndices", drained_).help("nodes with no pressure, where the fluid can leave; elsewhere none does");
   table.addChoice("coupling", coupling_, {"semi_implicit", "implicit"})
       .help("semi_implicit: forces see the pressure before the step; implicit: that of their own shape");
   table.addChoice("tangent", tangent_, {"coupled", "undrained"})
       .help("of implicit coupling: with the pressure that follows, or of fluid that stays in each element");
-  table.add("pressure", pressure_).unit("Pa").ofNodes().help("of each node, at the start (zero when not given) and then now");
+  table.add("pressure", pressure_).unit("Pa").ofNodes().help("of each node, at the start (zero by default) and then now");
   table.add("fluidOfElements", fluid_of_elements_)
       .help("why an assembled matrix keeps the fluid in each element, where it does: integrators then solve for the flow by products")
       .output();
@@ -80,11 +80,11 @@ void PorousForceField::declareModuli(DataTable& table) {
   table.add("biotModulus", sponge_.modulus)
       .unit("Pa")
       .min(0, false)
-      .help("M, of the fluid's storage 1/M; limitModulus when not given, which takes a biotCoefficient of 1");
+      .help("M, of the fluid's storage 1/M; limitModulus by default, which takes a biotCoefficient of 1");
   table.add("grainModulus", grain_modulus_)
       .unit("Pa")
       .min(0)
-      .help("K_s of what the tissue is made of; with fluidModulus in place of biotModulus");
+      .help("K_s of the solid material; with fluidModulus instead of biotModulus");
   table.add("fluidModulus", fluid_modulus_)
       .unit("Pa")
       .min(0)
@@ -130,7 +130,7 @@ void PorousForceField::checkCells() const {
     for (Index node : cells_->nodes(cell)) used[node] = 1;
   const auto lonely = std::find(used.begin(), used.end(), 0);
   if (lonely != used.end())
-    throw ComponentError(fmt::format("no {} has node {}: it holds no fluid", kind, lonely - used.begin()),
+    throw ComponentError(fmt::format("there is no {} with node {}: it contains no fluid", kind, lonely - used.begin()),
                          "a mesh whose nodes are all used");
 }
 
@@ -198,7 +198,7 @@ void PorousForceField::warnOfNoElasticity() const {
   node().root().collect(fields);
   const auto isOther = [this](const ForceField* field) { return field != this && field->traits().has_stiffness; };
   if (std::none_of(fields.begin(), fields.end(), isOther))
-    warn("nothing here resists a change of shape: porous fields resist changes of volume alone",
+    warn("nothing here resists changes of shape: porous fields only resist changes of volume",
          "an elastic or hyperelastic force field of the same cells");
 }
 
@@ -271,8 +271,8 @@ std::string PorousForceField::fault() const {
 std::string PorousForceField::doubt(ConstRows) const {
   if (!porous_) return {};
   if (coupling_ == Coupling::implicit || swings_.longest() < porous::PressureSwings::enough) return doubtOfJumps();
-  return fmt::format("the fluid's pressure has swung from step to step for {} steps in a row, by {:.3g} Pa in the mean, which is no motion "
-                     "of the tissue: {}",
+  return fmt::format("the fluid pressure has oscillated from step to step for {} consecutive steps, by {:.3g} Pa on average, which "
+                     "is not a motion of the tissue: {}",
                      swings_.longest(), swings_.largest(), whySwings());
 }
 
@@ -283,16 +283,16 @@ std::string PorousForceField::doubtOfJumps() const {
   for (std::size_t i = 0; i < drained.size(); ++i) drained[i] = flow_.isDrained(Index(i));
   const porous::PressureJump jump = porous::pressureJump(*cells_, pressure_, drained);
   if (jump.node < 0) return {};
-  return fmt::format("the fluid's pressure goes up and down from node to node below the drained nodes of {}: {:.3g} Pa at node {}, "
-                     "{:.3g} Pa at the next. The fluid has not come out of the first cells yet, and pressures of nodes are no result; "
-                     "shapes and means of cells are. Thinner cells at the drained surface or a larger dt help: "
-                     "h^2/(4 permeability E) for cells h thick and a tissue of modulus E",
+  return fmt::format("the fluid pressure oscillates from node to node below the drained nodes of {}: {:.3g} Pa at node {}, {:.3g} "
+                     "Pa at the next. The fluid has not left the first layer of cells yet, and nodal pressures are not valid; "
+                     "shapes and cell means are. Use thinner cells at the drained surface or a larger dt: h^2/(4 permeability E) "
+                     "for cells h thick and a tissue of modulus E",
                      path(), jump.here, jump.node, jump.beneath);
 }
 
 std::string PorousForceField::whySwings() const {
-  return fmt::format("with {} = {:g} Pa the fluid is stiffer than the tissue, which coupling=\"semi_implicit\" does not bear. "
-                     "coupling=\"implicit\" does",
+  return fmt::format("with {} = {:g} Pa the fluid is stiffer than the tissue, for which coupling=\"semi_implicit\" is unstable. Use "
+                     "coupling=\"implicit\"",
                      sponge_.modulus == sponge_.limit ? "limitModulus" : "a Biot modulus", sponge_.modulus);
 }
 

@@ -43,7 +43,7 @@ PronySeries PronyAttributes::read(const Component& component) const {
   for (double alpha : series_.alpha) sum += alpha;
   if (sum > 1)
     throw ComponentError(fmt::format("the shares of ParameterAlpha sum to {:g}", sum),
-                         "at most 1: what is left is the modulus after all relaxation");
+                         "at most 1: the rest is the relaxed modulus");
   return series_;
 }
 

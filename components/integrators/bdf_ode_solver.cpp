@@ -8,12 +8,11 @@
 //
 //   x1 - x0 = rho (x0 - x_-1) + w v1,   M (v1 - v0) = rho M (v0 - v_-1) + w F(x1, v1)
 //
-// For equal steps rho = 1/3, w = 2h/3: (3 x1 - 4 x0 + x_-1) / 2 = h v1. Order 2 is A-stable and damps fast motions away
-// (of slow ones it takes a share of order h^3 where backward Euler takes one of order h). Its first step is a
-// trapezoidal one, of order 2 as well; firstStep = euler makes it one of order 1, as in SOFA. Where a force field's K is not the
-// exact derivative of its force, order 2 makes two linear solves in a step, without which it would be of order 1: see
-// TrapezoidalRuleSolver. The differences of the last step are kept, not its state, so that nodes moved from outside between
-// steps keep a finite velocity.
+// For equal steps rho = 1/3, w = 2h/3: (3 x1 - 4 x0 + x_-1) / 2 = h v1. Order 2 is A-stable and damps fast motions (slow ones
+// by a fraction of order h^3, where backward Euler does so by one of order h). Its first step is a trapezoidal one, of order 2
+// as well; firstStep = euler makes it one of order 1, as in SOFA. Where a force field's K is not the exact derivative of its
+// force, order 2 makes two linear solves in a step; with one it would be of order 1: see TrapezoidalRuleSolver. The
+// differences of the last step are kept, not its state, so that nodes moved from outside between steps keep a finite velocity.
 //
 // With startFrom = predicted, as in SOFA, forces and K of a single linear solve, and the first iterate of Newton's method, are
 // those at x0 + h v0 and v0 instead of x0 and v0. SOFA then leaves a step as it is there where
@@ -103,7 +102,7 @@ void BDFOdeSolver::compile(System& system) {
     throw ComponentError("startFrom=\"predicted\" of " + path() + " is not for frames whose inertia turns with them",
                          "startFrom=\"state\", or UniformMass turns=\"false\"", "startFrom=\"state\"");
   if (start_from_ == StartFrom::predicted && implicit_.isLimited())
-    throw ComponentError("startFrom=\"predicted\" of " + path() + " moves bodies before it looks what is in their way",
+    throw ComponentError("startFrom=\"predicted\" of " + path() + " moves bodies before it checks for contact",
                          "startFrom=\"state\" with contact that nothing passes", "startFrom=\"state\"");
   if (start_from_ == StartFrom::state && rest_below_ > 0)
     throw ComponentError("restBelow of " + path() + " is of steps that begin where velocities lead", "startFrom=\"predicted\" with it",

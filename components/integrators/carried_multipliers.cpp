@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Forces of constraint that Newton's method carries (multipliers.h), and steps in which there are none.
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "components/integrators/multipliers.h"
 #include "framework/scene/archive.h"
@@ -24,6 +26,38 @@ void Multipliers::giveNone() {
   solve_.l.setZero(solve_.g.size());
   knows_forces_ = true;
   give();
+}
+
+bool Multipliers::keepWay() {
+  constexpr double held = 1e-9;  // of the place: less is no way
+  share_of_way_ = 1;
+  findConditions();
+  const double size = largest(system_->independent(system_->x));
+  way_.assign(rows_.rows().size(), 0);
+  bool has_way = false;
+  for (std::size_t i = 0; i < way_.size(); ++i) {
+    const LagrangianRows::Row& row = rows_.rows()[i];
+    const bool is_off = row.kind == LagrangianRows::Kind::equal || (row.kind == LagrangianRows::Kind::push && row.value < 0);
+    if (!is_off) continue;
+    way_[i] = row.value;
+    has_way = has_way || std::abs(row.value) > held * size * solve_.sizes[i];
+  }
+  return has_way;
+}
+
+/// g(x) becomes g(x) - (1 - share) g(x0).
+void Multipliers::leaveOutWay() {
+  const LagrangianRows all = std::exchange(rows_, {});
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < way_.size(); ++i) {
+    const LagrangianRows::Row& row = all.rows()[i];
+    rows_.begin(row.kind, row.value - (1 - share_of_way_) * way_[i], row.factor);
+    for (const auto& [at, gradient] : all.entriesOf(row)) rows_.add(at, gradient);
+    for (; next < all.bends().size() && all.bends()[next].row == i; ++next) {
+      rows_.bend(all.bends()[next].size);
+      for (const auto& [at, b] : all.entriesOf(all.bends()[next])) rows_.addToBend(at, b);
+    }
+  }
 }
 
 void Multipliers::addCarried(Rows out) const { axpy(1, carried_, out); }

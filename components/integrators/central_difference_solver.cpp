@@ -5,14 +5,13 @@
 //   M (v+ - v-) / H = f(x0, v-) - rM M (v+ + v-) / 2,   x1 = x0 + h v+
 //   so  v+ = ((1 - H rM/2) v- + H M^-1 f) / (1 + H rM/2)
 //
-// v- and v+ are the velocities at the middle of the last and of this step, H = (h_last + h) / 2 the time between them.
-// The first step starts from the velocity at its beginning, with H = h/2: positions are then of second order. With
-// firstStep = whole, as in SOFA, it has H = h, as if that velocity were half a step older: first order. What the
-// scene shows as velocity after a step belongs to its middle, as in SOFA; NewtonCotesSolver (degree 1) has the same
-// positions without damping and velocities at the end of steps. Stable while h w < 2, w the highest angular frequency
-// of the body, whatever rM is. Nodes that are held keep the velocity that they start with; with dampsHeld, as in SOFA, rM slows theirs
-// down too. A scene above the estimated limit is warned of. Beside BarrierContact a step is made in parts where that
-// is stiff; h and h_last are then theirs.
+// v- and v+ are the velocities at the middle of the last and of this step, H = (h_last + h) / 2 the time between them. The
+// first step starts from the velocity at its beginning, with H = h/2: positions are then of second order. With firstStep =
+// whole, as in SOFA, it has H = h, as if that velocity were half a step older: first order. The velocity after a step is that
+// of its middle, as in SOFA; NewtonCotesSolver (degree 1) has the same positions without damping and velocities at the end of
+// steps. Stable while h w < 2, w the highest angular frequency of the body, whatever rM is. Fixed nodes keep their initial
+// velocity; with dampsHeld, as in SOFA, rM slows them down too. Above the estimated limit a warning is printed. With
+// BarrierContact a step is subdivided where that is stiff; h and h_last are then those of the substeps.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -84,7 +83,7 @@ void CentralDifferenceSolver::declare(DataTable& table) {
   table.add("rayleighMass", rayleigh_mass_).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
   table.addChoice("firstStep", first_step_, {"half", "whole"})
       .help("half: the first velocity is that at the start of the step; whole: that half a step before, as in SOFA");
-  table.add("dampsHeld", damps_held_).help("rayleighMass slows the velocity of held nodes down too, as in SOFA");
+  table.add("dampsHeld", damps_held_).help("rayleighMass also slows down the velocity of fixed nodes, as in SOFA");
   declareLinearSolver(table, false);
   velocity_damping_.declare(table);
   sleep_.declare(table);

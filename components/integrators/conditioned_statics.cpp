@@ -10,6 +10,18 @@
 #include "framework/simulation/step_limits.h"
 
 namespace stroma {
+namespace {
+
+constexpr double first_part = 0.25;  // of a step that is divided
+
+bool isGood(const StepReport& report) { return report.newton_converged && report.constraints_converged && !report.failed(); }
+
+std::string whyOf(const StepReport& report) {
+  const std::string& why = report.reason.empty() ? report.constraint_reason : report.reason;
+  return why.empty() ? "elements are turned inside out on the way" : why;
+}
+
+}  // namespace
 
 void ConditionedStatics::compile(System& system) {
   system_ = &system;
@@ -38,47 +50,70 @@ StepReport ConditionedStatics::solve(Newton& newton, LinearSolver& solver, StopT
   return report;
 }
 
-StepReport ConditionedStatics::solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context,
-                                            const std::function<bool(const StepContext&, StepReport&)>& advance,
+StepReport ConditionedStatics::solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context, const Advance& advance,
                                             const std::function<bool()>& retry, double smallest) {
-  constexpr double part_residual = 1e-4, first_part = 0.25;
-  const auto solveTo = [&](const StepContext& end) {
-    return solve(newton, solver, end.stop, [&](StepReport& to) { return advance(end, to); }, retry);
+  const auto solveWhole = [&] {
+    return solve(newton, solver, context.stop, [&](StepReport& to) { return advance(context, to); }, retry);
   };
-  const auto isGood = [](const StepReport& report) {
-    return report.newton_converged && report.constraints_converged && !report.failed();
-  };
-  StepReport report = solveTo(context);
-  if (report.stopped || isGood(report) || smallest > first_part || !system_->constraints().hasPrescribed()) return report;
-  const std::string why = report.reason.empty() ? report.constraint_reason : report.reason;
+  Vector before(start_.count()), forces(start_.count());
+  copy(x(), before), copy(multipliers_.lastForces(), forces);
+  StepReport report = solveWhole();
+  // beyond elements that were turned inside out on the way there may be another equilibrium
+  const bool is_sure = isGood(report) && !conditions_.wasCrushed();
+  if (report.stopped || is_sure || smallest > first_part) return report;
+  Vector reached(start_.count());
+  copy(x(), reached), copy(before, x());
+  const bool has_way = multipliers_.keepWay() || system_->constraints().hasPrescribed();
+  copy(reached, x());
+  if (!has_way) return report;
+  copy(before, x());
+  double done = 0;
+  StepReport divided = solveParts(newton, solver, context, advance, retry, smallest, done);
+  addCounts(report, divided);
+  if (divided.stopped || isGood(divided)) return divided;
+  copy(before, x()), multipliers_.setLastForces(forces);
+  if (isGood(report)) {
+    addCounts(divided, report = solveWhole());
+    return report;
+  }
+  divided.newton_converged = false, divided.diverged = true;
+  divided.reason = fmt::format("{}; divided, the step reached {:.3g} of its prescribed motion and volumes, and could not go on: {}",
+                               whyOf(report), done, whyOf(divided));
+  return divided;
+}
+
+/// The first part is a quarter; after one that fails the next is a quarter of it, and after one that does not, twice as large.
+StepReport ConditionedStatics::solveParts(Newton& newton, LinearSolver& solver, const StepContext& context, const Advance& advance,
+                                          const std::function<bool()>& retry, double smallest, double& done) {
+  constexpr double part_residual = 1e-4;
   const double whole_residual = newton.settings.relative_residual;
-  Vector before(start_.count()), good(start_.count()), forces(start_.count());
-  copy(start_, before), copy(start_, good), copy(multipliers_.lastForces(), forces);
-  double done = 0, part = first_part;
+  Vector good(start_.count());
+  copy(x(), good);
+  StepReport report;
+  double part = first_part;
   for (int parts = 2; part >= smallest; ++parts) {
     StepContext end = context;
     const double share = std::min(1.0, done + part);
     end.t_end = share < 1 ? context.t + share * context.dt : context.t_end;
     newton.settings.relative_residual = share < 1 ? std::max(part_residual, whole_residual) : whole_residual;
+    multipliers_.setShare(share);
     copy(good, x());
-    StepReport attempt = solveTo(end);
+    StepReport attempt = solve(newton, solver, end.stop, [&](StepReport& to) { return advance(end, to); }, retry);
     newton.settings.relative_residual = whole_residual;
+    multipliers_.setShare(1);
     addCounts(report, attempt);
     report = std::move(attempt);
     report.load_parts = parts;
-    if (report.stopped || (isGood(report) && share == 1)) return report;
-    if (isGood(report)) {
+    const bool is_good = isGood(report) && !conditions_.wasCrushed();
+    if (report.stopped || (is_good && share == 1)) return report;
+    if (is_good) {
       done = share, part *= 2;
       copy(x(), good), multipliers_.stepTaken();
     } else {
       part /= 4;
     }
   }
-  copy(before, x()), multipliers_.setLastForces(forces);
-  report.newton_converged = false, report.diverged = true;
-  const std::string last = report.reason.empty() ? report.constraint_reason : report.reason;
-  report.reason = fmt::format("{}; divided, the step reached {:.3g} of its prescribed motion, and no part of {:.2g} beyond{}{}", why, done,
-                              4 * part, last.empty() ? "" : ": ", last);
+  report.newton_converged = false;
   return report;
 }
 

@@ -12,7 +12,7 @@
 
 namespace stroma {
 
-/// What follows a node that has moved in the solve has its place only after it: `advance` and `solve` alternate until the former
+/// Nodes that follow others get their positions only after the solve: `advance` and `solve` alternate until the former
 /// moves nothing, up to four times.
 template <class Advance, class Solve>
 StepReport solveWithFollowers(const Advance& advance, const Solve& solve) {
@@ -35,39 +35,40 @@ StepReport solveWithFollowers(const Advance& advance, const Solve& solve) {
   return report;
 }
 
-/// Equilibrium with forces of constraint, f(x) + J^T l = 0 in the free directions, and the conditions of Lagrangian constraints.
-/// The unknown u is the way since the step began: x = x0 + u, where rows that turn do so by the rotation vector in u.
+/// Equilibrium with constraint forces, f(x) + J^T l = 0 in the free directions, and the conditions of Lagrangian constraints.
+/// The unknown u is the displacement since the start of the step: x = x0 + u, with rotation vectors in u for orientations.
 class ConditionedStatics final : public NonlinearProblem {
  public:
   void declare(DataTable& table) { multipliers_.declare(table); }
-  /// Throws ComponentError where something bounds steps that this does not ask.
+  /// Throws ComponentError if a step limiter is present that this solve does not support.
   void compile(System& system);
-  /// No Lagrangian constraint is there.
+  /// There is no Lagrangian constraint.
   bool empty() const { return multipliers_.empty(); }
-  /// Where a step starts: no condition needs a force there.
+  /// At the start of a step: no condition needs a force.
   bool areFree() { return multipliers_.begin(rule, true), multipliers_.areFree(); }
-  /// At the end of a step that was made so: none does there, and none is given.
+  /// At the end of a step made without them: no condition needs a force, and none is prescribed.
   bool stayFree() { return multipliers_.areFree() && (multipliers_.giveNone(), true); }
-  /// A step from the present x, in one go: conditions are of its end. `advance` moves x where motion is prescribed, and is false
-  /// when that is there; `retry` changes the tangent after a solve that failed, for another one from the same x, or is false.
+  /// Makes a step from the present x as a whole, with the conditions at its end. `advance` moves x to prescribed positions, and returns
+  /// false when it is there; `retry` changes the tangent after a failed solve, for another one from the same x, or returns false.
   StepReport solve(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance,
                    const std::function<bool()>& retry);
-  /// The same; a step that fails and moves something is divided into parts of `smallest` or more of its time, which begin with the
-  /// forces of constraint of the part before. `advance` goes to the end of a part.
-  StepReport solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context,
-                          const std::function<bool(const StepContext&, StepReport&)>& advance, const std::function<bool()>& retry,
-                          double smallest);
-  /// J^T l of the step before [N].
+  using Advance = std::function<bool(const StepContext&, StepReport&)>;
+  /// The same. A step that fails, or inverts elements on its way, is divided if it moves something or changes a length or a volume.
+  /// Its parts are at least `smallest` of it, and each starts with the constraint forces of the previous one. Prescribed motion uses
+  /// the time of a part, conditions its share (Multipliers::setShare). `advance` goes to the end of a part.
+  StepReport solveInParts(Newton& newton, LinearSolver& solver, const StepContext& context, const Advance& advance,
+                          const std::function<bool()>& retry, double smallest);
+  /// J^T l of the previous step [N].
   void addCarried(Rows out) const { multipliers_.addCarried(out); }
   void stepTaken() { multipliers_.stepTaken(); }
   void reset() { multipliers_.reset(); }
   void serialize(Archive& archive) { multipliers_.serialize(archive), measure_.serialize(archive, "length_with_conditions"); }
 
-  // ---- as equations for Newton's method ----
+  // ---- the equations for Newton's method ----
   void residual(Rows out) override;
   SystemMatrix& tangent() override { return whole_.of(system_->matrix().withFactors({.stiffness = -1})); }
   void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
-  double energy() override { return 0; }  // not asked for
+  double energy() override { return 0; }  // never called
   Rows unknowns() override { return way_; }
   void unknownsChanged() override;
   double displacementPerUnknown() const override { return 1; }
@@ -84,6 +85,8 @@ class ConditionedStatics final : public NonlinearProblem {
   RoundOff roundOff() override { return {}; }
 
  private:
+  StepReport solveParts(Newton& newton, LinearSolver& solver, const StepContext& context, const Advance& advance,
+                        const std::function<bool()>& retry, double smallest, double& done);
   StepReport solveFromStart(Newton& newton, LinearSolver& solver, StopToken stop, const std::function<bool(StepReport&)>& advance);
   Rows x() const { return system_->independent(system_->x); }
   static constexpr Multipliers::Rule rule{.displacement = 1, .weight = 1, .has_velocities = false};

@@ -32,7 +32,7 @@ double ConditionsNewton::size() const {
 StepReport ConditionsNewton::solve(Newton& newton, LinearSolver& solver, StopToken stop, StepReport report) {
   const NewtonSettings& settings = newton.settings;
   multipliers_->aim();
-  longest_ = moved_ = 0, iterations_ = 0, swings_ = false;
+  longest_ = moved_ = 0, iterations_ = 0, swings_ = was_crushed_ = false;
   least_ = std::numeric_limits<double>::infinity(), least_at_ = 0;
   clear(way_);
   mixing_.restart();
@@ -174,6 +174,7 @@ bool ConditionsNewton::iterate(Newton& newton, LinearSolver& solver, double& now
 /// Elements that the whole correction would turn inside out have no energy: it goes a share of its way.
 void ConditionsNewton::goWhereFinite(double& now) {
   constexpr double smallest = 1. / 4096;
+  was_crushed_ = true;
   for (double share = 0.5; !std::isfinite(now) && share > smallest; share /= 2) goShare(share), now = residual();
 }
 

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ConstraintSweeps: forces of Lagrangian constraints by sweeps over them, which end at a tolerance, as in SOFA.
+// ConstraintSweeps: forces of Lagrangian constraints by sweeps over the constraints, up to a tolerance, as in SOFA.
 //
 //   g + (W + s) l = 0,   W_bb dl_b = -(g + (W + s) l)_b,   l_b += dl_b   for each block b in turn
 //
-// with the conditions g of the motion without forces and W of multipliers.h, s = regularizationTerm on the diagonal. A block is the
-// three rows of a pair of points or of a fixed one, and else a row. A sweep is the last where sum |W_bb dl_b| < tolerance, times the
-// number of rows with scaleTolerance; or with allVerified where no row moved by more than the tolerance; or the maxIterations-th.
-// The run then ends there, as with any condition that does not hold. With keepsUnsettled it goes on and tells of it. With
-// `sor`, below 2, forces go that share of a sweep. Those of points begin where they ended in the step before, and others at zero,
-// as those of pairs of frames. How frames are turned to each other has a tolerance of its own: its movement counts as much as tolerance /
-// turnTolerance of others'.
-// resolutionMethod = UnbuiltGaussSeidel: all begin at zero. NonsmoothNonlinearConjugateGradient: a sweep is a step of steepest
-// descent, and directions are those of Fletcher and Reeves, begun again where changes grow.
+// with the conditions g of the motion without forces and W of multipliers.h, s = regularizationTerm on the diagonal. A block
+// is the three rows of a pair of points or of a fixed one, otherwise a single row. Sweeps end when sum |W_bb dl_b| <
+// tolerance, times the number of rows with scaleTolerance; or with allVerified when no row changed by more than the tolerance;
+// or after maxIterations. The latter ends the run, as with any violated condition. With keepsUnsettled it continues with a
+// warning. `sor`, below 2, is the relaxation factor. Forces of points start from those of the previous step, and others, such
+// as those of pairs of frames, from zero. Relative rotations of frames have a separate tolerance: they are weighted by
+// tolerance / turnTolerance. resolutionMethod = UnbuiltGaussSeidel: all start from zero. NonsmoothNonlinearConjugateGradient:
+// a sweep is a step of steepest descent, with the directions of Fletcher and Reeves, restarted when changes grow.
 //
-// Without this component conditions hold to round-off, which is right. With the usual tolerance a chain of tied bodies is off by some
-// thousandths of its movement. It counts where an integrator has oneRound and all conditions are equal ones, as those of
-// BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers. A step that has other
-// conditions makes no sweeps: all hold to round-off, and the integrator says so. A scene has one.
+// Without this component conditions hold to round-off, which is correct. With the usual tolerance the error of a chain of tied
+// bodies is some thousandths of its movement. It is used if an integrator has oneRound and all conditions are equalities, such
+// as those of BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers. A
+// step with other conditions makes no sweeps: all hold to round-off, and the integrator prints a warning. A scene has at most
+// one.
 //
 // Source: SOFA's GenericConstraintSolver. Silcowitz, Niebe, Erleben: A nonsmooth nonlinear conjugate gradient method for interactive
 // contact force problems (2010).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Forces of constraint by sweeps that end at a tolerance; constraint_sweeps.cpp.
+// Constraint forces by Gauss-Seidel sweeps that end at a tolerance; constraint_sweeps.cpp.
 #pragma once
 #include <Eigen/Dense>
 #include <string>
@@ -18,21 +18,21 @@ class ConstraintSweeps final : public Component {
   /// Rows that are solved together.
   struct Block {
     int width = 1;
-    bool turns = false;  ///< how two frames are turned to each other
+    bool turns = false;  ///< the relative orientation of two frames
   };
-  /// l of g + W l = 0, from where l is. `impulse`: of a unit of l [s]. Gives how many sweeps. One that is stopped ends early.
+  /// Solves g + W l = 0, starting from l. `impulse`: per unit of l [s]. Returns the number of sweeps. A stop ends it early.
   int solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<Block>& blocks, double impulse, StopToken stop,
             Eigen::VectorXd& l);
-  /// What is to be said of the last solve(), which has not come to its tolerance; else empty.
+  /// A warning if the last solve() has not reached its tolerance; otherwise empty.
   const std::string& unsettled() const { return unsettled_; }
   bool keepsUnsettled() const { return keeps_unsettled_; }
-  /// Says of all in the scene of `asker` that they do not count, and why: once for each reason.
+  /// Warns that all of them in the scene of `asker` have no effect, and why: once per reason.
   static void tellIdle(const Component& asker, const std::string& why);
 
  private:
   struct Sweep {
-    double error = 0;       ///< by how much conditions still moved, a sum
-    bool verified = true;   ///< no row by more than the tolerance
+    double error = 0;       ///< sum of the changes of conditions
+    bool verified = true;   ///< no row changes by more than the tolerance
   };
   Sweep sweep(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, Eigen::VectorXd& l);
   bool isOver(const Sweep& sweep, double tolerance);
@@ -43,9 +43,9 @@ class ConstraintSweeps final : public Component {
   int most_ = 1000;
   double tolerance_ = 1e-3, turn_tolerance_ = 1e-4, relaxation_ = 1, softness_ = 0;
   bool scales_ = true, all_verified_ = false, keeps_unsettled_ = false;
-  bool is_over_ = false;  ///< by the tolerance
+  bool is_over_ = false;  ///< ended by the tolerance
   double last_error_ = 0;  ///< of the last sweep
-  std::string unsettled_, idle_;  ///< why it was told last that it does not count
+  std::string unsettled_, idle_;  ///< the last reason why it has no effect
   Eigen::MatrixXd w_;  ///< with the softness
   Eigen::VectorXd old_, off_, change_, last_change_, way_;
 };

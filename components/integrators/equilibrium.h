@@ -14,21 +14,21 @@
 
 namespace stroma {
 
-/// How many directions of nodes are held.
+/// The number of fixed directions of nodes.
 inline long heldDirections(const ConstraintSet& constraints) {
   const auto count = [](long sum, const NodeProjector& held) { return sum + 3 - std::lround(held.projector.trace()); };
   return std::accumulate(constraints.projectors().begin(), constraints.projectors().end(),
                          long(constraints.relations().heldDirections()), count);
 }
 
-/// The vector, which a caller asks for rows of; most steps use few of the vectors that a solver may need.
+/// Allocates the vector on first use: most steps need few of the vectors of a solver.
 inline Vector& provided(Vector& vector, Index rows) {
   if (vector.count() != rows) vector.resize(rows);
   return vector;
 }
 
 /// Equilibrium of a part s of a step, f(x) - (1 - s) f0 = 0 in the free directions, with the iterate in System::x; f0 is
-/// what was out of balance where the step started.
+/// the unbalanced force at the start of the step.
 class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
@@ -44,9 +44,9 @@ class Equilibrium final : public NonlinearProblem {
   }
   void giveUp() { copy(start_, rows()); }
   void serialize(Archive& archive) { measure_.serialize(archive, "force_length"); }
-  /// From now on R is that of a part of the step which began at begin().
+  /// R is then that of a part of the step that started at begin().
   void setShare(double share) { share_ = share; }
-  /// The present R is what a part of the step leaves out of balance.
+  /// The present R becomes the unbalanced force at the end of a part of the step.
   void keepStartForce() { residual(provided(start_force_, start_.count())); }
   void residual(Rows out) override {
     system_->computeForce(system_->x, system_->v, system_->f);
@@ -98,7 +98,7 @@ class Equilibrium final : public NonlinearProblem {
     return true;
   }
   bool isOnTheWay() override { return limits_.isOnTheWay(); }
-  /// Whether something is in the way of the prescribed motion d, or of it with what is `carried` along; the report then
+  /// Whether something blocks the prescribed motion d, or d together with the `carried` motion; the report then
   /// says so.
   bool isBlocked(ConstRows d, bool carries, ConstRows carried, StepReport& report) {
     if (limits_.empty()) return false;
@@ -108,7 +108,7 @@ class Equilibrium final : public NonlinearProblem {
     is_free = is_free && (!carries || limits_.longest(product_, 1, true) == 1);
     if (is_free) return false;
     report.newton_converged = false;
-    report.reason = "the prescribed motion of the step leads bodies through each other at once";
+    report.reason = "the prescribed motion of the step moves bodies through each other at its start";
     return true;
   }
   void addTo(Rows u, double s, ConstRows d) const override { system_->motion().advance(s, d, u); }
@@ -137,7 +137,7 @@ class Equilibrium final : public NonlinearProblem {
   WholeIfNeeded whole_;
   ForceMeasure measure_;
   LightBodies bodies_;
-  bool lends_energy_ = false;  ///< some forces have a potential within a solve only
+  bool lends_energy_ = false;  ///< some forces have a potential only within a solve
   Vector start_, loads_;
   Vector start_force_, error_, product_;  ///< see provided()
   double share_ = 1;

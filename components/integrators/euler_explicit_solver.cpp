@@ -5,13 +5,13 @@
 //   symplectic (the default):  v1 = v0 + h a,  x1 = x0 + h v1
 //   otherwise:                 v1 = v0 + h a,  x1 = x0 + h v0
 //
-// a is projected onto the directions that constraints leave free. Both are of first order. The symplectic variant keeps
-// the energy of an undamped body within a bound for ever as long as h w < 2, w the highest angular frequency of the
-// mesh (about the speed of sound over the smallest height of an element); beyond that it diverges. The other variant
-// gains energy at every step and is there for comparison. A step above the estimated limit is warned of, with the
-// element that the fastest motion strains most. A diagonal mass is inverted once; a consistent one is solved for with
-// the node's linear solver. Beside BarrierContact a step is made in parts where that is stiff; in the symplectic variant a
-// then acts for half of the part before and half of this one.
+// a is projected onto the directions that constraints leave free. Both are of first order. The symplectic variant keeps the
+// energy of an undamped body bounded as long as h w < 2, w the highest angular frequency of the mesh (about the speed of sound
+// over the smallest height of an element); beyond that it diverges. The other variant gains energy at every step and is
+// provided for comparison. Above the estimated limit a warning names the element that the fastest motion strains most. A
+// diagonal mass is inverted once; a consistent one is solved for with the node's linear solver. With BarrierContact a step is
+// subdivided where that is stiff; in the symplectic variant a then acts for half of the previous and half of the current
+// substep.
 //
 // Example:
 // <Node name="root" dt="0.001" gravity="0 -9.81 0">

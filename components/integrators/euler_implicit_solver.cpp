@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// EulerImplicitSolver: backward Euler and its trapezoidal variant, linearised once per step or solved by Newton.
+// EulerImplicitSolver: backward Euler and its trapezoidal variant, linearised once per step or solved by Newton's method.
 //
 // With h the time step, K = df/dx, C = df/dv, rM and rK the Rayleigh factors (the solver's plus each mass's and force
 // field's own) and F(x, v) = f(x, v) + rK K v - rM M v the whole force, a step finds v1 = v0 + dv from
@@ -19,21 +19,20 @@
 //
 //   1/2 (v - v0) M (v - v0) + U(x(v)) + theta h/2 v (rM M - rK K) v - (1 - theta) h F(x0, v0) v
 //
-// whenever all forces come from an energy, else on the work of the residual along the step. newtonTolerance is relative
-// to the residual where the step starts, or to the forces with the reactions of held nodes where these are larger. With
-// newtonForcing above 0 linear solves by products are loose in early iterations (Eisenstat and Walker 1996); what ends a step
-// does not change. An iteration that gets on by small factors with the approximate tangent of a force field goes on with the
-// exact one, where that is symmetric, rK is 0 and the costs of products say so. Where rK is not 0 tetrahedra of method svd add to
-// theirs how stresses turn from the second iteration on, which makes it exact, but for rK K v. Where a step with a
-// prescribed motion fails, and newtonIterations is five or more, the motion is spread by the tangent first and then divided into
-// parts, as StaticSolver does.
+// whenever all forces come from an energy, else on the work of the residual along the step. newtonTolerance is relative to the
+// residual at the start of the step, or to the forces including reactions of fixed nodes if these are larger. With
+// newtonForcing above 0 iterative linear solves are loose in early iterations (Eisenstat and Walker 1996); the stopping test
+// of the step does not change. If convergence with the approximate tangent of a force field is slow, the solve continues with
+// the exact one, provided that it is symmetric, rK is 0 and it pays off by the estimated costs. If rK is not 0, tetrahedra
+// with method svd include the rotation of stresses from the second iteration on, which makes the tangent exact, except for rK
+// K v. If a step with a prescribed motion fails, and newtonIterations is five or more, the motion is first spread by the
+// tangent and then divided, as in StaticSolver.
 //
-// firstOrder moves an overdamped body: (M - theta h K) v = f + J^T l, x1 = x0 + h v; Rayleigh factors do not enter. J^T l are
-// the forces of Lagrangian constraints: those with which the conditions hold at x1.
-// With allowMassless nodes may have no mass: M has rows of zeros, and stiffness alone moves them, to where forces balance at
-// the end of a step of backward Euler: the trapezoidal rule would let them swing about there for ever. Where there is no stiffness
-// either the matrix is singular, and a direct solver says so.
-// vdamping multiplies v by exp(-h vdamping) after the positions have moved; velocityThreshold then stops slow nodes.
+// firstOrder moves an overdamped body: (M - theta h K) v = f + J^T l, x1 = x0 + h v; Rayleigh factors are not used. J^T l are
+// the forces of Lagrangian constraints with which the conditions hold at x1. With allowMassless nodes may have no mass: M has
+// zero rows, and backward Euler moves these nodes to force equilibrium at the end of a step. With the trapezoidal rule they
+// would oscillate about it forever. Without stiffness the matrix is singular, and a direct solver reports it. vdamping
+// multiplies v by exp(-h vdamping) after the positions have moved; velocityThreshold then stops slow nodes.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
@@ -80,12 +79,12 @@ void EulerImplicitSolver::declare(DataTable& table) {
   table.add("trapezoidalScheme", trapezoidal_)
       .help("trapezoidal rule (second order, no damping) instead of backward Euler");
   table.add("moveByNewVelocity", by_new_velocity_)
-      .help("with trapezoidalScheme: positions move by h times the new velocity, as in SOFA, which is of first order");
+      .help("with trapezoidalScheme: positions move by h times the new velocity, as in SOFA, with first order");
   table.add("allowMassless", implicit_.allows_massless)
-      .help("nodes without mass are moved by stiffness alone, where they otherwise are refused; not with trapezoidalScheme");
+      .help("nodes without mass are moved by stiffness alone instead of being an error; not with trapezoidalScheme");
   table.add("ownInMatrix", implicit_.own_in_matrix)
-      .help("rayleighStiffness of force fields and rayleighMass of masses are in the matrix alone and not in the forces, as in SOFA: they "
-            "slow changes of velocity down");
+      .help("rayleighStiffness of force fields and rayleighMass of masses are in the matrix only and not in the forces, as in SOFA: "
+            "they resist changes of velocity");
   table.add("oneRound", implicit_.one_round)
       .help("forces of Lagrangian constraints have the directions of the motion without them, as in SOFA, and not those of the "
             "end of the step; with one linear solve per step");
@@ -98,7 +97,7 @@ void EulerImplicitSolver::declare(DataTable& table) {
 void EulerImplicitSolver::init() {
   theta_ = trapezoidal_ ? 0.5 : 1;
   if (trapezoidal_ && implicit_.allows_massless)
-    throw ComponentError("nodes without mass have no motion by the trapezoidal rule: they would swing for ever",
+    throw ComponentError("nodes without mass would oscillate forever with the trapezoidal rule",
                          "trapezoidalScheme=\"false\", or no allowMassless");
   if (first_order_ && (implicit_.rayleigh_mass != 0 || implicit_.rayleigh_stiffness != 0 || velocity_damping_.rate != 0))
     warn("rayleighMass, rayleighStiffness and vdamping have no effect with firstOrder: there is no inertia to damp",
@@ -149,7 +148,7 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext
   implicit_.beginConditions(h, 1);
   SystemMatrix& matrix = implicit_.whole(system.matrix().withFactors({.mass = 1, .stiffness = -theta_ * h}));
   const Rows velocity = system.independent(system.v);
-  if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, {.stop = context.stop}, report, {}, false, &system))
+  if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, {.stop = context.stop}, report, {.result = &system}))
     return report;
   system.constraints().project(velocity);
   system.motion().advance(h, velocity, system.x);

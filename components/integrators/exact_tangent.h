@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Where Newton's method fails with an approximate tangent (rotations held fixed in the derivative), the derivative of
-// the force itself may converge: a solve is then made again with it. Where that helped, later steps of the run begin with
-// it: they would fail in the same way, and pay for that each time.
+// If Newton's method fails with an approximate tangent (rotations fixed in the derivative), it may converge with the exact
+// derivative of the force: the solve is then repeated with it. If that helped, later steps of the run start with it,
+// because they would fail in the same way and pay for that each time.
 #pragma once
 #include <algorithm>
 
@@ -13,13 +13,13 @@
 namespace stroma {
 
 /// Switches the force fields of a system from their approximate tangent to the exact one, for the rest of a solve. The
-/// force stays what it is. Takes effect with the next force that is computed.
+/// force is unchanged. Takes effect with the next force evaluation.
 class ExactTangent {
  public:
-  /// False, and nothing has changed, where no field has another tangent or the linear solver cannot take the exact one.
+  /// Returns false and changes nothing if no field has another tangent, or if the linear solver does not support the exact one.
   bool begin(System& system) { return begin(system, system.linearSolver()->needsSymmetric()); }
-  /// The same for a solve that converges, but slowly: where the exact tangent is symmetric, so that what solves is what
-  /// solved before.
+  /// The same for a solve that converges slowly, if the exact tangent is symmetric, so that the same linear solver
+  /// works.
   bool beginForSpeed(System& system) {
     if (begin(system, true)) return true;
     is_slow_too_ = true;
@@ -30,12 +30,12 @@ class ExactTangent {
     return !isOn() && !is_slow_too_ &&
            std::any_of(fields.begin(), fields.end(), [](const ForceField* field) { return !field->traits().exact_tangent; });
   }
-  /// It was not.
+  /// It did not help.
   void noteSlow() { is_slow_too_ = true; }
-  /// It has begun for speed, and is worth no more than so many iterations of a solve.
+  /// It was enabled for speed, and only pays up to this number of iterations of a solve.
   void limitIterations(double most) { most_iterations_ = most; }
-  /// The last solve of the step, which began with it, took so many. Where they cost more than those with the approximate one
-  /// would have, the next step begins with that; the second time that is so, it stays.
+  /// The last solve of the step, which started with it, took this many iterations. If they cost more than with the approximate
+  /// tangent, the next step starts with that one; after the second time, this is permanent.
   bool isTooDear(int iterations) const { return isOn() && most_iterations_ > 0 && iterations > most_iterations_; }
   void letGo() {
     helped_ = false;
@@ -51,8 +51,8 @@ class ExactTangent {
   }
   bool isOn() const { return system_ != nullptr; }
 
-  // ---- what a run remembers ----
-  /// The tangent that the step begins with.
+  // ---- state of a run ----
+  /// Selects the tangent at the start of a step.
   void choose(System& system) {
     helped_ = kept_;
     if (kept_)
@@ -60,8 +60,8 @@ class ExactTangent {
     else
       end();
   }
-  /// How the step ended: with an equilibrium or not. The tangent is then that with which the next step begins. True where
-  /// it was changed: derivatives are those of the last force.
+  /// Reports whether the step ended in equilibrium, and selects the tangent for the next step. Returns true if it changed:
+  /// derivatives are still those of the last force.
   bool endStep(bool converged) {
     helped_ = isOn() && converged;
     if (!isOn() || helped_) return false;
@@ -104,10 +104,10 @@ class ExactTangent {
     return open && open->useExactTangent(exact);
   }
   System* system_ = nullptr;
-  bool helped_ = false;  ///< in the step that was just made
-  bool kept_ = false;    ///< steps begin with it
-  bool is_slow_too_ = false;  ///< it is not symmetric, or did not help where the approximate one was slow
-  bool was_let_go_ = false;   ///< it was too dear once
+  bool helped_ = false;  ///< in the last step
+  bool kept_ = false;    ///< steps start with it
+  bool is_slow_too_ = false;  ///< it is not symmetric, or did not help when the approximate one was slow
+  bool was_let_go_ = false;   ///< it was too expensive once
   double most_iterations_ = 0, kept_most_ = 0;  ///< see limitIterations(); 0: it is on because the other one failed
 };
 
@@ -120,10 +120,10 @@ inline bool hasExactTangents(const System& system) {
   });
 }
 
-/// What an iteration of Newton's method costs with the present tangents, in nanoseconds for each iteration of a linear solve;
-/// products are of the elements or of an assembled matrix, whichever cost less. For ratios.
+/// Estimated cost of an iteration of a linear solve with the present tangents [ns], with products of elements or of an
+/// assembled matrix, whichever is cheaper. Only used in ratios.
 inline double costOfIteration(const System& system) {
-  constexpr double vectors = 32, assembled = 41, usual_products = 50;  // for each row
+  constexpr double vectors = 32, assembled = 41, usual_products = 50;  // per row
   double product = 0, assembly = 0;
   for (const ForceField* field : system.forceFields()) {
     const ForceField::Cost cost = field->cost();
@@ -142,7 +142,7 @@ inline void declareExactTangentSteps(DataTable& table, int& steps) {
       .output();
 }
 
-/// Of all fields of a system that have a stiffness without unstable directions.
+/// Switches all fields of a system that have a stiffness without unstable directions.
 inline bool useDefiniteTangents(System& system, bool definite) {
   bool changed = false;
   for (ForceField* field : system.forceFields())
@@ -158,14 +158,14 @@ inline void addCounts(const StepReport& from, StepReport& to) {
   to.solve_seconds += from.solve_seconds;
 }
 
-/// The tangent of a porous field has fluid that stays in each element, and its force has one that flows.
+/// The tangent of a porous field assumes that fluid stays in each element, while its force includes flow.
 inline bool hasUndrainedTangent(const ForceField& field) {
   const Data* const coupling = field.data().find("coupling");
   const Data* const tangent = field.data().find("tangent");
   return coupling && tangent && coupling->print() == "implicit" && tangent->print() == "undrained";
 }
 
-/// A hint, or nothing: Newton's method converges slowly, or not at all, with a tangent that is an approximation.
+/// A hint for the user if Newton's method converges slowly, or not at all, with an approximate tangent; or empty.
 inline std::string exactTangentHint(const System& system, const StepReport& report) {
   for (const ForceField* field : system.forceFields())
     if (hasUndrainedTangent(*field))

@@ -48,7 +48,7 @@ bool Acceleration::solveForMomenta(ConstRows x, ConstRows f, Rows a, StopToken s
     copy(f, right_side_);
     system_->constraints().project(right_side_);
     SystemMatrix& matrix = system_->matrix().withFactors({.mass = 1});
-    if (!solveOrShift(*solver_, matrix, right_side_, a, {.stop = stop}, report, {}, false, system_)) return false;
+    if (!solveOrShift(*solver_, matrix, right_side_, a, {.stop = stop}, report, {.result = system_})) return false;
   } else {
     const double* __restrict force = f.data;
     const double* __restrict inverse = inverse_mass_->data();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What explicit integrators share: accelerations from forces, and the steps that are sums of them.
+// Shared by explicit integrators: accelerations from forces, and steps as linear combinations of them.
 #pragma once
 #include <memory>
 #include <string>
@@ -17,17 +17,17 @@
 
 namespace stroma {
 
-/// a = M^-1 f in the directions that constraints leave free: masses inverted once where M is diagonal, else a linear
-/// solve with the node's solver.
+/// a = M^-1 f in the free directions: a diagonal M is inverted once, otherwise the linear solver of the node is
+/// used.
 class Acceleration {
  public:
-  /// `method` is the subject of a sentence for the user. Throws ComponentError when a mass or a needed linear solver is
+  /// `method` is the subject of messages. Throws ComponentError if a mass or a required linear solver is
   /// missing.
   void compile(System& system, const std::string& method);
-  /// f [N] at (x, v), shape (all rows), a [m/s^2], shape (independentRows()). False when the solve failed: the report says
-  /// why. For bodies that turn, J w' = torque - w x J w.
+  /// f [N] at (x, v), shape (all rows), a [m/s^2], shape (independentRows()). Returns false if the solve failed: the report
+  /// says why. For rotating bodies, J w' = torque - w x J w.
   bool solve(ConstRows x, ConstRows v, ConstRows f, Rows a, StopToken stop, StepReport& report);
-  /// Without w x J w: for who steps the momentum of bodies().
+  /// Without w x J w: for integrators that step the momentum of bodies().
   bool solveForMomenta(ConstRows x, ConstRows f, Rows a, StopToken stop, StepReport& report);
   const TurningBodies& bodies() const { return bodies_; }
   bool isDiagonal() const { return solver_ == nullptr; }
@@ -36,13 +36,13 @@ class Acceleration {
  private:
   System* system_ = nullptr;
   TurningBodies bodies_;
-  Vector force_;                                       ///< less w x J w, with bodies that turn
+  Vector force_;                                       ///< minus w x J w, with rotating bodies
   LinearSolver* solver_ = nullptr;                     ///< null with a diagonal mass
-  const std::vector<double>* inverse_mass_ = nullptr;  ///< the system's, which follows what is held
+  const std::vector<double>* inverse_mass_ = nullptr;  ///< owned by the system, which updates it with constraints
   Vector right_side_;                                  ///< of the solve
 };
 
-/// An explicit method for x'' = a(t, x, x') that evaluates a at stages i, loads and prescribed motion at t + time_i h:
+/// An explicit method for x'' = a(t, x, x') that evaluates a at stages i, with loads and prescribed motion at t + time_i h:
 ///   x_i = x0 + time_i h v0 + h^2 sum_j x_ij a_j,   v_i = v0 + h sum_j v_ij a_j   (j < i)
 ///   x1  = x0 + h v0 + h^2 sum_j x_j a_j,           v1  = v0 + h sum_j v_j a_j
 struct ExplicitScheme {
@@ -50,17 +50,17 @@ struct ExplicitScheme {
     double time = 0;           ///< in steps
     std::vector<double> x, v;  ///< x_ij and v_ij, shape (i)
   };
-  std::string name;           ///< as the subject of a sentence
-  std::vector<Stage> stages;  ///< the first one is the start of the step
+  std::string name;           ///< as the subject of messages
+  std::vector<Stage> stages;  ///< the first is the start of the step
   std::vector<double> x, v;   ///< x_j and v_j, shape (stages)
 };
 
-/// What an explicit method bears of an undamped oscillator of angular frequency w.
+/// The stability of an explicit method for an undamped oscillator of angular frequency w.
 struct StabilityLimit {
-  double largest_angle = 2;  ///< h w up to which nothing grows
-  bool grows = false;        ///< something grows at any step; then by 1 % a step at largest_angle
+  double largest_angle = 2;  ///< stable for h w up to this value
+  bool grows = false;        ///< unstable for any h w; at largest_angle by 1 % per step
 };
-/// From the eigenvalues of the 2 x 2 matrix that a step of the oscillator is.
+/// From the eigenvalues of the 2 x 2 matrix of a step of the oscillator.
 StabilityLimit stabilityLimit(const ExplicitScheme& scheme);
 
 /// A Runge-Kutta method for first-order equations, `a` its coefficients row by row (below the diagonal), `b` its
@@ -76,8 +76,8 @@ class ExplicitStep {
 
   ExplicitStep();
   ~ExplicitStep();
-  /// Allocates; warns when the time step is too large for the highest frequency of the elements. Fields that limit steps, where
-  /// there are some, divide them (explicit_parts.h), if the integrator heeds them.
+  /// Allocates; warns if the time step is too large for the highest frequency of the elements. Fields that limit steps cause
+  /// substeps (explicit_parts.h), if the integrator supports them.
   void compile(Integrator& integrator, System& system);
   StepReport step(System& system, const StepContext& context);
   std::string describe() const;
@@ -88,7 +88,7 @@ class ExplicitStep {
  private:
   StepReport makePart(System& system, const StepContext& whole, const StepContext& part);
   void placeStage(System& system, const StepContext& whole, const StepContext& part, const ExplicitScheme::Stage& stage);
-  /// Bodies that carry masses by a mapping change their velocity with these, not their momentum alone.
+  /// Bodies with mapped masses change their velocity together with these, not only their momentum.
   bool stepsMomenta(const System& system) const { return scheme.stages.size() == 1 && !system.hasCurvedInertia(); }
   void finish(System& system, double h, double between);
   void noteRates(const System& system, std::size_t stage);
@@ -100,13 +100,13 @@ class ExplicitStep {
   Vector stage_x_, stage_v_;           ///< shape (allRows())
   Orientations orientations_;
   /// Orientations are stepped by their rotation vectors r from the start of the step, r' = dexp^-1(r) w (Munthe-Kaas 1998):
-  /// r' at each stage, shape (stages, turning rows); empty for schemes of one stage.
+  /// r' at each stage, shape (stages, rotating rows); empty for one-stage schemes.
   std::vector<std::vector<Vec3>> rates_;
-  std::vector<Vec3> momenta_;  ///< of bodies that turn, in schemes of one stage, which step them
+  std::vector<Vec3> momenta_;  ///< of rotating bodies, in one-stage schemes, which step them
   bool depends_on_time_ = false;
 };
 
-/// An integrator that is a scheme; a component supplies the scheme and its own attributes. Bodies at rest may sleep (sleep.h).
+/// An integrator given by a scheme; a component supplies the scheme and its attributes. Bodies at rest may sleep (sleep.h).
 class ExplicitIntegrator : public Integrator, public HeedsStepLimits {
  public:
   bool heedsStepLimits() const final { return true; }

@@ -274,17 +274,16 @@ Vec3 directionOf(const Vec3& vector) { return rounded(vector.normalized(), 1); }
 std::string shiftSentence(const std::string& name, const Vec3& shift) {
   const Vec3 direction = directionOf(shift);
   return fmt::format(
-      "{} is not held in the direction ({:.3g} {:.3g} {:.3g}) and the forces on it there sum to {:.3g} N: "
-      "it has no equilibrium. Hold some of its nodes (FixedProjectiveConstraint)",
+      "{} is not held in the direction ({:.3g} {:.3g} {:.3g}) and the forces on it there sum to {:.3g} N: it has no equilibrium. "
+      "Fix some of its nodes (FixedProjectiveConstraint)",
       name, direction[0], direction[1], direction[2], shift.norm());
 }
 
 std::string turnSentence(const std::string& name, const Vec3& about, const Vec3& point, double torque) {
   const Vec3 axis = directionOf(about);
   return fmt::format(
-      "{} is not held against turning about the axis ({:.3g} {:.3g} {:.3g}) through ({:.3g} {:.3g} {:.3g}) and the "
-      "forces on it have a torque of {:.3g} N m there: it has no equilibrium. Hold more of its nodes "
-      "(FixedProjectiveConstraint)",
+      "{} is not held against rotation about the axis ({:.3g} {:.3g} {:.3g}) through ({:.3g} {:.3g} {:.3g}) and the forces on it "
+      "have a torque of {:.3g} N m there: it has no equilibrium. Fix more of its nodes (FixedProjectiveConstraint)",
       name, axis[0], axis[1], axis[2], point[0], point[1], point[2], torque);
 }
 

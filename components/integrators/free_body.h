@@ -6,15 +6,15 @@
 
 namespace stroma {
 
-/// A sentence when something can be shifted or turned without any force resisting while its loads push it that way: it
-/// has no equilibrium. Empty otherwise. `force` is the projected force of the last evaluation [N], shape
-/// (independentRows()). A part is what the graph of the stiffness matrix connects, a state, less or more; parts that ties
-/// and linear relations join make a cluster. What the six rigid motions T of its parts feel together is T^T A T, A the
-/// stiffness with the constraints in force; motions of which that is nothing must do no work on the forces. In a cluster
-/// of more than eight parts all move as one.
+/// A message if some part can translate or rotate without resistance while its loads push it that way, so that it has no
+/// equilibrium; otherwise empty. `force` is the projected force of the last evaluation [N], shape (independentRows()). A
+/// part is a connected component of the stiffness graph, which may be a whole state, less or more; parts joined by ties and
+/// linear relations form a cluster. The stiffness of its six rigid motions T per part is T^T A T, with the constrained
+/// stiffness A. Forces must do no work on motions in its null space. In a cluster of more than eight parts all move
+/// together.
 std::string freeBody(System& system, ConstRows force);
 
-/// Grows when constraints turn, begin or end, and when springs and contacts come or go.
+/// Increases when constraints change direction, begin or end, and when springs and contacts appear or disappear.
 inline long revisionOfHolds(const System& system) {
   return system.constraints().revision() + system.actors().patternRevision();
 }

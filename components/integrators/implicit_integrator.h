@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What integrators have in common that make one implicit step at a time of a body that may fall asleep.
+// Base of integrators with implicit steps, whose bodies may sleep.
 #pragma once
 #include "components/integrators/implicit_step.h"
 #include "components/integrators/sleep.h"
 
 namespace stroma {
 
-/// What a rule adds: declare(), in which it calls declareSolvers(), sleep_.declare() and what it has of damping and of
-/// conditions; compile(), which calls compileStep(); step(), which asks sleep_.passesOver() first, solves with its scheme and
-/// returns sleep_.judged() of the report; describe(), from described(). FindsMultipliers where it takes forces of constraints;
-/// keepsEnergy() where its equations do. A rule that remembers more overrides reset() and serialize(), which call those below,
-/// and stepTaken(), in the same order, with what it remembers of a step that was passed over: rest.
+/// A rule implements: declare(), which calls declareSolvers(), sleep_.declare() and the declarations of damping and
+/// conditions it supports; compile(), which calls compileStep(); step(), which first calls sleep_.passesOver(), then solves with
+/// its scheme and returns sleep_.judged() of the report; describe(), from described(). It derives from FindsMultipliers if it
+/// supports constraint forces, and overrides keepsEnergy() if its equations conserve energy. A rule with more state overrides
+/// reset() and serialize(), which call those below, and stepTaken(), in the same order; a skipped step stores rest.
 class ImplicitIntegrator : public Integrator, public AsksRightSides, public HeedsStepLimits {
  public:
   bool heedsStepLimits() const override { return implicit_.iterates(); }
   std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
-  /// Sleep is asked first, as it alone knows whether the step was passed over: then nothing was solved, and the last solve's
-  /// energies, tangent and forces of constraints, which the second call takes over, are those of an older step.
+  /// Sleep comes first, because it knows whether the step was skipped. Nothing was solved in that case, and the energies,
+  /// tangent and constraint forces that the second call would store belong to an older step.
   void stepTaken(const StepContext& context) override {
     if (!sleep_.stepTaken(context.dt)) implicit_.stepTaken();
   }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Of an implicit step: a prescribed motion that is too much for one go. Moved alone, nodes crush the elements beside them, and
-// Newton's method starts where bodies have no energy, or from elements that are inside out. A part of the step solves
+// Part of an implicit step: a prescribed motion that is too large for a single solve. Moving only the prescribed nodes crushes
+// the elements next to them, and Newton's method starts from a state without a finite energy, or from inverted elements. A
+// part of the step solves
 //
 //   R(u) = 0,   moved nodes at x0 + s d
 //
-// with d their way in the step, and s grows to 1 as in statics (static_solver.cpp). The start of each part is carried along by the
-// tangent where the last one ended: A du = R + A_m d, the motion spread over all nodes. With forces of Lagrangian constraints, R
-// has those that the last part found, and each part solves for its own. Steps that something may be in the way of have parts of their
-// own (implicit_ways.cpp).
+// with d their displacement in the step, and s grows to 1 as in statics (static_solver.cpp). The start of each part is
+// predicted with the tangent at the end of the last one: A du = R + A_m d spreads the motion over all nodes. With Lagrangian
+// constraints, R has the forces found by the last part, and each part solves for its own. Steps with possible contact have
+// separate code (implicit_ways.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>

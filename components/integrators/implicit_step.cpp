@@ -34,7 +34,7 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   }
   StepReport report = solveLinearised(stop);
   if (report.diverged && std::ranges::any_of(system_->forceFields(), [](const ForceField* field) { return !field->traits().linear; }))
-    report.reason += "; one linear solve takes a step however long it is, newtonIterations=\"20\" shortens what goes too far";
+    report.reason += "; one linear solve takes a step of any length, newtonIterations=\"20\" shortens steps that go too far";
   if (scheme.moved_after != 0 && !report.failed()) system_->motion().advance(scheme.moved_after, change_, x());
   if (!multipliers_.empty() && !report.failed()) multipliers_.correct(*solver_, tangent(), change_, {}, stop, report);
   turnVelocities(stop, report);
@@ -123,7 +123,7 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   projectFree(scheme_.old_time, scheme_.time, b);
 
   StepReport report;
-  if (!solveOrShift(*solver_, tangent(), b, dv, {.stop = stop}, report, {}, false, &s)) return report;
+  if (!solveOrShift(*solver_, tangent(), b, dv, {.stop = stop}, report, {.result = &s})) return report;
   s.constraints().project(dv);
   turnBodies();
   advance();

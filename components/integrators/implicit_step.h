@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// One implicit step, linearised once or solved by Newton's method: what all implicit integrators share. They differ in
+// One implicit step, linearised once or solved by Newton's method, shared by all implicit integrators. They differ only in
 // the few numbers of a scheme.
 #pragma once
 #include <string>
@@ -27,38 +27,38 @@ struct ImplicitScheme {
   double weight = 0, old_weight = 0;  ///< [s]
   double drift = 0;                   ///< [s]
   double displacement = 0;            ///< dx/du [s]
-  double time = 0, old_time = 0;      ///< of F(x(u), u) and of F(x0, v0), for forces that depend on time [s]
-  double moved_after = 0;             ///< x moves by this times (u - v0) besides, once u is found [s]
+  double time = 0, old_time = 0;      ///< of F(x(u), u) and of F(x0, v0), for time-dependent forces [s]
+  double moved_after = 0;             ///< x also moves by this times (u - v0) when u has been found [s]
   bool has_history = false;           ///< ImplicitStep::position_predictor and velocity_predictor are not zero
 };
 
 class ImplicitStep final : public NonlinearProblem {
  public:
-  // ---- what an integrator sets from its attributes, before compile() ----
-  double rayleigh_mass = 0;        ///< rM [1/s], to which each mass's own is added
-  double rayleigh_stiffness = 0;   ///< rK [s], to which each force field's own is added
-  bool own_in_matrix = false;      ///< Rayleigh factors of force fields and masses are in the tangent alone, not in the force
-  bool allows_massless = false;    ///< nodes without mass: rows of stiffness alone
-  NewtonSettings newton_settings;  ///< a NewtonSolver of the scene stands for them
-  bool second_order = false;       ///< the rule is, where its equations are solved well enough
+  // ---- set by an integrator from its attributes, before compile() ----
+  double rayleigh_mass = 0;        ///< rM [1/s], added to the factor of each mass
+  double rayleigh_stiffness = 0;   ///< rK [s], added to the factor of each force field
+  bool own_in_matrix = false;      ///< Rayleigh factors of force fields and masses are only in the tangent, not in the force
+  bool allows_massless = false;    ///< allows nodes without mass: rows with stiffness only
+  NewtonSettings newton_settings;  ///< replaced by a NewtonSolver of the scene
+  bool second_order = false;       ///< the order of the rule if its equations are solved accurately
   Vector position_predictor,
-      velocity_predictor;  ///< [m], [m/s], shape (independentRows()); read with has_history; held directions do not count
+      velocity_predictor;  ///< [m], [m/s], shape (independentRows()); used with has_history; fixed directions are ignored
 
-  /// The momentum predictor of each of bodies(), which for these stands for M velocity_predictor [kg m^2/s]; with
+  /// The momentum predictor of each of bodies(), used for them instead of M velocity_predictor [kg m^2/s]; with
   /// has_history.
   std::vector<Vec3> momentum_predictor;
   const TurningBodies& bodies() const { return bodies_; }
-  /// Something may be in the way of a step.
+  /// Obstacles may limit steps.
   bool isLimited() const { return !limits_.empty(); }
   bool hasConditions() const { return !multipliers_.empty(); }  ///< of Lagrangian constraints
-  /// Of bodies(): J w before the last solve(), and after it.
+  /// J w of bodies() before and after the last solve().
   const std::vector<Vec3>& startMomenta() const { return start_momenta_; }
   const std::vector<Vec3>& endMomenta() const { return end_momenta_; }
 
-  bool one_round = false;  ///< forces of Lagrangian constraints have the directions of the motion without them, as SOFA's
+  bool one_round = false;  ///< constraint forces use the directions of the unconstrained motion, as in SOFA
 
-  /// As many linear solves as the order of the rule needs: for a rule of second order two where a stiffness is an approximation
-  /// of the derivative, three where forces turn rigid bodies, else one.
+  /// Uses as many linear solves as the order of the rule requires: for a second-order rule two if a stiffness is an approximate
+  /// derivative, three if forces rotate rigid bodies, otherwise one.
   static constexpr int needed_solves = 0;
   ImplicitStep() { newton_settings.iterations = needed_solves; }
   void declareDamping(DataTable& table);       ///< rayleighMass, rayleighStiffness
@@ -66,24 +66,24 @@ class ImplicitStep final : public NonlinearProblem {
   void declareNewtonSolver(DataTable& table);  ///< newtonSolver, residualGraph
   void declareConditions(DataTable& table) { multipliers_.declare(table); }
 
-  /// Allocates; throws ComponentError when a linear solver or a mass is missing.
+  /// Allocates; throws ComponentError if a linear solver or a mass is missing.
   void compile(Integrator& integrator, System& system);
-  /// From x0, v0 in System::x and v, after beginStep(), to x(u), u there. When it fails they are not usable.
+  /// Moves System::x and v from x0, v0, after beginStep(), to x(u), u. If it fails they are not usable.
   StepReport solve(const ImplicitScheme& scheme, StopToken stop);
   /// u - v0 of the last solve() [m/s].
   ConstRows change() const { return change_; }
-  /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()). `starts`: it stays in the
-  /// equations of the step, which goes by its mean with that of the end; of whose impulse that of the end is the part `of_end`.
+  /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()). `starts`: the force is also used in the
+  /// equations of the step, weighted with that at the end, whose part of the impulse is `of_end`.
   void wholeForce(double time, Rows out, bool starts, double of_end);
   LinearSolver& linearSolver() const { return *solver_; }
-  SystemMatrix& whole(SystemMatrix& matrix) { return whole_.of(matrix); }  ///< to solve with all of its stiffness
-  // ---- for a rule that makes its own linear solve: forces of Lagrangian constraints, as in solve() ----
+  SystemMatrix& whole(SystemMatrix& matrix) { return whole_.of(matrix); }  ///< the matrix with all of its stiffness
+  // ---- constraint forces for a rule that makes its own linear solve, as in solve() ----
   void beginConditions(double displacement, double weight) { multipliers_.begin({displacement, weight, 0, true, one_round}, false); }
-  /// x and v without these forces become those with them, and so does `change`, what v has become in the solve with `matrix`.
+  /// Adds the effect of these forces to x, v and `change`, the change of v in the solve with `matrix`.
   void meetConditions(SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report) {
     if (!multipliers_.empty()) multipliers_.correct(*solver_, matrix, change, {}, stop, report);
   }
-  /// What constraints whose nodes are free in the matrix project by themselves.
+  /// Projections by constraints whose nodes are free in the matrix.
   void projectFree(double t, double t_end, Rows b) const {
     for (const auto& [constraint, side] : right_sides_)
       if (constraint->activeIn(t, t_end)) side->projectRightSide(b);
@@ -92,10 +92,10 @@ class ImplicitStep final : public NonlinearProblem {
   /// The scene asks for Newton's method.
   bool iterates() const { return !solvesOnce() && !newton_.settings.fixed_count; }
   std::string describe() const;
-  // ---- what an integrator passes on ----
+  // ---- forwarded by the integrator ----
   void stepTaken() { exact_.stepTaken(), multipliers_.stepTaken(), energy_.stepTaken(); }
   void sceneChanged() { energy_.forget(); }
-  std::string doubt(const std::string& path) const;  ///< energy came from nowhere, or a body lags behind
+  std::string doubt(const std::string& path) const;  ///< artificial energy, or a body that lags behind
   void reset() {
     exact_.reset(), multipliers_.reset(), energy_.forget();
     exact_tangent_steps_ = 0;
@@ -105,7 +105,7 @@ class ImplicitStep final : public NonlinearProblem {
     measure_.serialize(archive, "force_length");
   }
 
-  // ---- as equations for Newton's method ----
+  // ---- the equations for Newton's method ----
   void residual(Rows out) override;
   SystemMatrix& tangent() override;
   void keepToFree(Rows d) const override { stroma::keepToFree(*system_, d); }
@@ -156,7 +156,7 @@ class ImplicitStep final : public NonlinearProblem {
   RowRange rowsMovedBy(ConstRows d) const;
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
-  void chooseSolves(bool keeps_energy);  ///< the rule damps nothing
+  void chooseSolves(bool keeps_energy);  ///< keeps_energy: the rule has no damping
   std::string doubtOfOneSolve(const std::string& path) const;
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
@@ -166,7 +166,7 @@ class ImplicitStep final : public NonlinearProblem {
   bool mayTryExact() const;
   bool beginFaster();
   StepReport solveConditions(StopToken stop);
-  bool hasForces() const { return !multipliers_.empty() && !is_free_; }  ///< of constraints, in the solve
+  bool hasForces() const { return !multipliers_.empty() && !is_free_; }  ///< constraint forces take part in the solve
   // implicit_parts.cpp
   bool mayDivide(const StepReport& report) const;
   bool findWayOfHeld();
@@ -178,7 +178,7 @@ class ImplicitStep final : public NonlinearProblem {
   void turnVelocities(StopToken stop, StepReport& report);
   void startIterating();
   MatrixFactors tangentFactors() const;
-  /// Each solve of a step lets what is moved go as far as it can.
+  /// In each solve of a step prescribed motion advances as far as possible.
   bool carries() const { return lack_ > 0 && carries_ < 500; }
   void addDamping(double factor, Rows out);
   void addMassDamping(double factor, Rows out);
@@ -196,38 +196,38 @@ class ImplicitStep final : public NonlinearProblem {
   LinearSolver* solver_ = nullptr;
   NewtonSolver* settings_component_ = nullptr;
   Newton newton_;
-  std::string approximation_;  ///< why one solve is too few
-  bool keeps_order_ = false;   ///< with one solve the rule has its order all the same
-  int enough_solves_ = 2;      ///< where it is
+  std::string approximation_;  ///< why one solve is not enough
+  bool keeps_order_ = false;   ///< the rule keeps its order with one solve
+  int enough_solves_ = 2;      ///< otherwise
   StepLimits limits_;
   WholeIfNeeded whole_;
   ForceMeasure measure_;
   LightBodies light_;
   Multipliers multipliers_;
   Multipliers::Rule rule_;  ///< of the step
-  ConditionsNewton conditions_;  ///< with Newton's method and forces of constraint
+  ConditionsNewton conditions_;  ///< with Newton's method and constraint forces
   ExactTangent exact_;
   EnergyWatch energy_;
   std::vector<std::pair<TurnsStresses*, const ForceField*>> turning_;  ///< see chooseTurning()
-  bool turns_ = false;  ///< tangents of the step have it, but for the first
+  bool turns_ = false;  ///< tangents of the step include it, except the first
   int tangents_ = 0;    ///< of the step so far
   int exact_tangent_steps_ = 0;
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;
   bool depends_on_time_ = false;
-  bool meets_walls_ = false;  ///< some fields keep what was before the step: most are penalties that begin where they are touched
-  bool lends_energy_ = false;  ///< some forces have a potential within a solve only
+  bool meets_walls_ = false;  ///< some fields are lagged: mostly penalties that start on first contact
+  bool lends_energy_ = false;  ///< some forces have a potential only within a solve
   bool has_constant_ = false;  ///< with Newton's method: constant_ is not zero
 
   Vector right_side_;      ///< shape (allRows())
   Vector change_;          ///< u - v0
-  Vector constant_;        ///< old_weight F(x0, v0), with Newton's method and forces of constraint those carried too
-  Vector x0_, v0_, work_;  ///< the state before the step, for Newton
-  Vector carried_;         ///< way of what is moved [m], shape (independentRows()); only with limits, or in parts
-  Vector good_;            ///< u where the last part of a step ended; see implicit_parts.cpp
-  double lack_ = 0;        ///< the part of it that has not been made yet
+  Vector constant_;        ///< old_weight F(x0, v0), plus present constraint forces with Newton's method
+  Vector x0_, v0_, work_;  ///< the state before the step, for Newton's method
+  Vector carried_;         ///< prescribed displacement [m], shape (independentRows()); only with step limits, or in parts
+  Vector good_;            ///< u at the end of the last part of a step; see implicit_parts.cpp
+  double lack_ = 0;        ///< the remaining fraction of the step
   int carries_ = 0;
-  bool is_free_ = false;      ///< the step is made as if there were no Lagrangian constraints
+  bool is_free_ = false;      ///< the step ignores Lagrangian constraints
   bool is_to_guess_ = false;  ///< no solve of the step has begun
   Orientations orientations_;
   TurningBodies bodies_;

@@ -57,13 +57,13 @@ void ImplicitStep::declareNewtonSolver(DataTable& table) {
   declareExactTangentSteps(table, exact_tangent_steps_);
   table.add("residualGraph", graph_).help("residuals of the last step's Newton iterations").unit("N s").output();
   table.addLink("newtonSolver", newton_link_)
-      .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
+      .help("a NewtonRaphsonSolver, whose settings replace this component's; by default the one in the same node");
 }
 
 /// What makes one linear solve less than a rule of second order needs, or empty.
 static std::string approximationIn(const System& system, double rayleigh_stiffness, bool turns) {
   const bool is_loaded = !system.forceFields().empty() || system.hasCurvedInertia() || !system.actors().lagrangian_constraints.empty();
-  if (turns && is_loaded) return "rigid bodies and what follows them turn within a step";
+  if (turns && is_loaded) return "rigid bodies and nodes mapped to them rotate within a step";
   for (const ForceField* field : system.forceFields()) {
     const ForceTraits traits = field->traits();
     if (traits.linear) continue;
@@ -166,8 +166,8 @@ std::string ImplicitStep::doubtOfOneSolve(const std::string& path) const {
   if (iterates()) return {};
   for (const ForceField* field : system_->forceFields())
     if (const Data* why = field->data().find("stiffInVolume"); why && !why->print().empty())
-      return fmt::format("{} solves each step {}, and {} is nearly incompressible ({}): what it moves lags behind by some per cent to "
-                         "a half. newtonIterations=\"20\" solves its steps",
+      return fmt::format("{} solves each step {}, and {} is nearly incompressible ({}): its displacement lags by a few per cent up "
+                         "to a half. newtonIterations=\"20\" solves its steps",
                          path, solvesOnce() ? "once" : "twice", field->path(), why->print());
   for (const ForceField* field : system_->forceFields())
     if (hasUndrainedTangent(*field))

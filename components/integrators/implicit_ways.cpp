@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Of an implicit step: how far it may go where something may be in its way, what is moved from outside meanwhile, and the turning of
-// stresses in its tangent.
+// Part of an implicit step: how far it may go with possible contact, prescribed motion meanwhile, and the rotation of stresses
+// in its tangent.
 #include <limits>
 #include <utility>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Potentials that last for one solve: friction with the pressures of the solve before has one, by which lines are searched, and is
-// no energy that a body has.
+// Potentials that exist within one solve: friction with lagged pressures has one. It is used in line searches and is not a stored
+// energy.
 #pragma once
 #include <algorithm>
 
@@ -20,7 +20,7 @@ inline bool haveEnergyInSolves(const System& system) {
   return std::all_of(fields.begin(), fields.end(), [](const ForceField* f) { return f->traits().conservative || lenderOf(f); });
 }
 
-/// What no field's energy() has of it, at the system's x [J].
+/// The part that is not in the energy() of any field, at the system's x [J].
 inline double lentEnergy(const System& system) {
   double sum = 0;
   for (const ForceField* field : system.forceFields())

@@ -10,6 +10,7 @@
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton.h"
+#include "components/integrators/whole_matrix.h"
 
 namespace stroma {
 
@@ -96,6 +97,33 @@ void LightBodies::narrow(Rows residual) const {
   clear(residual.segment(0, in_focus_->first));
   const Index end = in_focus_->first + in_focus_->count;
   clear(residual.segment(end, residual.count - end));
+}
+
+void solveLightBodies(const System& system, LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                      StepReport& report) {
+  constexpr double far = 10, round_off = 1e-6;
+  const double little = std::max(round_off, far * report.linear_residual), left = report.linear_residual * norm(b);
+  Vector residual, correction;
+  for (const State* state : system.states()) {
+    const Index first = state->firstRow(), count = state->size();
+    if (first >= b.count || count == 0) continue;
+    const double own = norm(b.segment(first, count));
+    if (own == 0 || left <= little * own) continue;
+    residual.resize(b.count), correction.resize(b.count);
+    matrix.multiply(x, residual);
+    scale(-1, residual), axpy(1, b, residual);
+    if (norm(residual.rows().segment(first, count)) <= little * own) continue;
+    clear(residual.rows().segment(0, first));
+    clear(residual.rows().segment(first + count, b.count - first - count));
+    clear(correction);
+    const SolveReport solve = solveWhole(solver, matrix, residual, correction, terms);
+    report.linear_iterations += solve.iterations;
+    report.stopped = report.stopped || solve.stop == SolveStop::stopped;
+    if (!solve.usable()) return;
+    report.linear_converged = report.linear_converged && solve.stop == SolveStop::converged;
+    report.linear_at_limit = report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
+    axpy(1, correction, x);
+  }
 }
 
 /// Of a solve that starts with this |R|.

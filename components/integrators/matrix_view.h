@@ -7,7 +7,7 @@
 
 namespace stroma {
 
-/// Another matrix, which must outlive it. What a view does not say is the other's; one with more on its diagonal says so in key().
+/// A view of another matrix, which must outlive it. Functions that are not overridden forward to it; a shifted diagonal is part of key().
 class MatrixView : public SystemMatrix {
  public:
   explicit MatrixView(SystemMatrix& base) : SystemMatrix(base.identity()), base_(base) {}

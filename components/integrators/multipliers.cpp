@@ -75,6 +75,7 @@ void Multipliers::findConditions() {
     constraint->addConditions(x, start_, rows_);
     ends_.push_back(rows_.rows().size());
   }
+  if (share_of_way_ < 1 && way_.size() == rows_.rows().size()) leaveOutWay();
   solve_.g.resize(Eigen::Index(rows_.rows().size()));
   solve_.sizes.resize(rows_.rows().size());
   for (std::size_t i = 0; i < rows_.rows().size(); ++i) {

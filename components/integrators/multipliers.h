@@ -60,6 +60,11 @@ class Multipliers {
   bool empty() const { return !system_ || system_->actors().lagrangian_constraints.empty(); }
   /// Where the step starts. `carries`: x without forces of constraint has been found under those of addCarried().
   void begin(const Rule& rule, bool carries);
+  /// Of a step that is made in parts: conditions that do not hold at the present x, where the step starts, are to hold by a share of it.
+  /// False where all hold there.
+  bool keepWay();
+  /// Until the next call conditions are g(x) - (1 - share) g(x0), x0 of keepWay(); of pushes only those that did not hold. 1: all of it.
+  void setShare(double share) { share_of_way_ = share; }
   /// With Newton's method: forces act along the gradients at the present x from now on.
   void aim();
   /// Moves x and v of the system until the conditions hold; `change`: what u has changed by in the step, follows.
@@ -100,6 +105,7 @@ class Multipliers {
 
  private:
   void findConditions();
+  void leaveOutWay();
   double likeRowBefore(std::size_t row) const;
   bool isIdle(std::size_t row) const;
   /// Where rows say the same W has to be symmetric: its conditions are those along the directions of forces, too.
@@ -234,6 +240,8 @@ class Multipliers {
   bool is_spent_ = false;
   int times_left_ = 0;  ///< in the step, where directions turned far
   double share_ = 1;
+  std::vector<double> way_;  ///< g(x0) of keepWay(), of each row
+  double share_of_way_ = 1;
   Mixing mixing_;
 };
 

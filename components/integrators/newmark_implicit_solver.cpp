@@ -10,15 +10,14 @@
 //   M (v1 - v0 - (1 - gamma) h a0) = gamma h F(x1, v1),
 //   x1 = x0 + h v0 + h^2 (1/2 - beta/gamma) a0 + (beta h / gamma) (v1 - v0)
 //
-// The first a0 is M^-1 F(x0, v0); later ones are the a1 of the step before, so that accelerations are continuous. Where
-// positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
-// With undampedStart the first a0 is M^-1 f(x0, v0), as in SOFA: a body that starts with a velocity is damped a step later.
-// Beside a contact that bounds how far bodies may go (BarrierContact), each a0 is M^-1 F(x0, v0) anew, one more solve with the
-// mass per step: the contact has no part in a0, and in each step the force h f whose work is the change of its energy. In place
-// of a1 its part of the step is f/gamma.
-// vdamping multiplies v by exp(-h vdamping) after the step, and velocityThreshold stops slow nodes. Where gamma = 1/2
-// and a force field's K changes or is not the exact derivative of its force, a step makes two linear solves: see
-// TrapezoidalRuleSolver.
+// The first a0 is M^-1 F(x0, v0); later ones are the a1 of the previous step, so that accelerations are continuous. If
+// positions or velocities are changed from outside between steps, a0 is still that of the end of the last step. With
+// undampedStart the first a0 is M^-1 f(x0, v0), as in SOFA: damping of an initial velocity starts one step later. With a
+// contact that limits steps (BarrierContact), each a0 is recomputed as M^-1 F(x0, v0), at the cost of one more solve with the
+// mass per step. The contact does not contribute to a0; in each step it has the force h f whose work is the change of its
+// energy. Instead of a1 its contribution is f/gamma. vdamping multiplies v by exp(-h vdamping) after the step, and
+// velocityThreshold stops slow nodes. Where gamma = 1/2 and a force field's K changes or is not the exact derivative of its
+// force, a step makes two linear solves: see TrapezoidalRuleSolver.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //

@@ -221,6 +221,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
     history_.pop_back();
   } else {
     history_.clear();
+    is_unstable_ = has_looked_ = false;
     parts_ = std::numeric_limits<double>::infinity();
     best_norm_ = std::numeric_limits<double>::infinity();
     if (!std::exchange(keeps_scale_, false)) takeScale(problem, now);
@@ -266,6 +267,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   const double before = now, tolerance = forcingTerm(now);
   if (!findDirection(problem, solver, tolerance, report)) return isLeftAsItWas(now, report), false;
   if (isAtRest(problem)) return false;
+  if (settings.looks_for_unstable_modes) lookForUnstableMode(problem, solver, now, report);
   const double step = searchSurely(problem, solver, tolerance, now, report);
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
   if (step == 0) {

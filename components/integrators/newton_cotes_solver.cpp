@@ -14,12 +14,11 @@
 // Loads that depend on time and nodes with a prescribed motion are taken at the time of each point, so that the order
 // holds with them.
 //
-// Source: M. Nesme et al., "Physically realistic interactive simulation for biological soft tissues", 2005, section 4,
-// says of Phymul that forces are integrated "between time t to time t+dt by a discrete integration scheme for the
-// equation of motion (e.g. Newton-Cotes)", and that "the number of iterations depends on the integration scheme". It
-// does not give the formulas. This component reads an iteration as an evaluation of the forces within the step. The
-// other reading, formulas over the last n steps, has solutions of its own that do not die out (Milne's method is weakly
-// unstable) and is not offered.
+// Source: M. Nesme et al., "Physically realistic interactive simulation for biological soft tissues", 2005, section 4, says of
+// Phymul that forces are integrated "between time t to time t+dt by a discrete integration scheme for the equation of motion
+// (e.g. Newton-Cotes)", and that "the number of iterations depends on the integration scheme". It does not give the formulas.
+// This component takes an iteration to be an evaluation of the forces within the step. The other interpretation, formulas over
+// the last n steps, has parasitic solutions that do not decay (Milne's method is weakly unstable) and is not provided.
 //
 // Example:
 // <Node name="root" dt="0.001" gravity="0 -9.81 0">

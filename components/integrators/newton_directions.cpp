@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The linear solves of Newton's method, and what is done where a matrix is not definite.
+// The linear solves of Newton's method, and the treatment of indefinite matrices.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +7,10 @@
 #include <cmath>
 #include <utility>
 
+#include "components/integrators/light_bodies.h"
 #include "components/integrators/newton.h"
 #include "components/integrators/shifted_matrix.h"
+#include "components/integrators/soft_directions.h"
 #include "components/integrators/whole_matrix.h"
 #include "framework/scene/spans.h"
 #include "framework/simulation/step_watch.h"
@@ -72,7 +74,8 @@ void keepToFree(const System& system, Rows d) {
 }
 
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                  StepReport& report, const std::function<SystemMatrix*()>& other, bool once, const System* result) {
+                  StepReport& report, const ShiftTerms& shift_terms) {
+  const System* const result = shift_terms.result;
   clear(x);
   SolveReport solve = solveOnce(solver, matrix, b, x, terms, report);
   report.linear_stop = solve.stop;
@@ -81,8 +84,12 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
       report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
-  if (isSolved(solve)) return true;
-  if (once) return false;
+  if (isSolved(solve)) {
+    if (result && solve.stop == SolveStop::converged && result->states().size() > 1)
+      solveLightBodies(*result, solver, matrix, b, x, terms, report);
+    return !report.stopped;
+  }
+  if (shift_terms.once) return false;
   if (solve.stop != SolveStop::not_finite) {
     report.reason =
         fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
@@ -93,7 +100,7 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
       report.reason += "; the direction found before was used";
       return true;
     }
-    if (SystemMatrix* const definite = other ? other() : nullptr) {
+    if (SystemMatrix* const definite = shift_terms.other ? shift_terms.other() : nullptr) {
       clear(x);
       solve = solveOnce(solver, *definite, b, x, terms, report);
       if (report.stopped) return false;
@@ -111,7 +118,8 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
       if (report.stopped) return false;
       if (isSolved(solve)) {
         report.reason += changeOf(shifted, shift, result);
-        return true;
+        if (shift_terms.soft_directions && solve.factored) restoreSoftDirections(solver, shifted, shift, b, x, terms, report);
+        return !report.stopped;
       }
     }
   }
@@ -132,7 +140,8 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
     return &problem.tangent();
   };
   const auto solve = [&](bool once) {
-    return solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report, std::ref(definite), once);
+    return solveOrShift(solver, problem.tangent(), residual_, direction_, {tolerance, stop_}, report,
+                        {.other = definite, .once = once, .soft_directions = settings.restores_soft_directions});
   };
   const bool converged = report.linear_converged, at_limit = report.linear_at_limit;
   is_unsure_ = problem.hasUnsureTangent();
@@ -148,6 +157,20 @@ bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, doub
   if (switched) problem.useDefiniteTangent(false);
   went_on_ = false;
   return found;
+}
+
+/// An iteration is close to the solution, and has a tangent that tells of unstable modes there.
+static bool comesClose(double now, double first) { return now < 1e-2 * first; }
+
+bool Newton::hasNotLooked() const {
+  return !has_looked_ && (history_.size() < 2 || !comesClose(history_[history_.size() - 2], history_.front()));
+}
+
+/// With the factors of the direction that was just found. Solvers of symmetric matrices tell by themselves.
+void Newton::lookForUnstableMode(NonlinearProblem& problem, LinearSolver& solver, double now, StepReport& report) {
+  if (has_looked_ || solver.needsSymmetric() || report.factorisations == 0 || !comesClose(now, history_.front())) return;
+  has_looked_ = true;
+  is_unstable_ = hasUnstableMode(solver, problem.tangent(), {.stop = stop_}, report);
 }
 
 /// The line search. Where it finds no decrease along the direction of a tangent that may be unstable, it has that of the sure one.

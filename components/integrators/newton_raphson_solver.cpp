@@ -2,9 +2,8 @@
 // NewtonRaphsonSolver: the settings of Newton's method for the integrator of its node (or those that link to it), and
 // how it ended.
 //
-// With R the residual of a step's equations and d = A^-1 R the Newton correction, A = -dR/du, an iteration makes the
-// step u += s d, where s comes from a line search. It has converged when one of these holds and its threshold is not
-// zero:
+// With R the residual of a step's equations and d = A^-1 R the Newton correction, A = -dR/du, an iteration makes the step u +=
+// s d, where s comes from a line search. It has converged if one of these holds and its threshold is not zero:
 //
 //   |R| <= relativeInitialStoppingThreshold * the larger of |R_0| and the forces of the step, reactions included
 //   |R| <= absoluteResidualStoppingThreshold
@@ -12,11 +11,11 @@
 //   |dx| <= relativeEstimateDifferenceThreshold * the displacement of the step
 //   |dx| <= absoluteEstimateDifferenceThreshold
 //
-// dx is the displacement of the whole correction, not of the shortened one. Names are SOFA's. Its defaults are one
-// iteration, which is one linear solve without a check, one step of the line search, and 1e-5 for the first three
-// thresholds, one of which has a unit and another of which is met by any iteration that falls fast. Here the defaults
-// are 25 iterations, 40 steps, 1e-8 for the first threshold and none for the others, so that a converged step is one
-// whose forces balance. maxNbIterationsNewton = 1 still means one linear solve in a dynamic step.
+// dx is the displacement of the whole correction, not of the shortened one. Names are SOFA's. Its defaults are one iteration,
+// which is one linear solve without a check, one step of the line search, and 1e-5 for the first three thresholds, one of
+// which has a unit and another of which is satisfied by any fast decrease. Here the defaults are 25 iterations, 40 steps, 1e-8
+// for the first threshold and none for the others, so that a converged step is one whose forces balance. maxNbIterationsNewton
+// = 1 still means one linear solve in a dynamic step.
 //
 // status is Undefined before the first step, then Converged, DivergedMaxIterations, DivergedLineSearch or
 // DivergedLinearSolver. A step that has not converged leaves the best iterate, or with updateStateWhenDiverged="false"

@@ -11,7 +11,7 @@
 
 namespace stroma {
 
-/// What a component calls the parameters of Newton's method, and its residual.
+/// The names of a component's Newton parameters, and of its residual.
 struct NewtonNames {
   const char* iterations;
   const char* relative_residual;
@@ -42,7 +42,7 @@ inline void declareNewton(DataTable& table, NewtonSettings& settings, const Newt
   threshold(names.absolute_correction, settings.absolute_correction, "m", "the correction is below this");
 }
 
-/// `residual`: what it limits, for the help; `usual`: when it is 0.1 where nobody writes it.
+/// `residual`: what it limits, for the help; `usual`: when the default is 0.1.
 inline void declareForcing(DataTable& table, const char* name, NewtonSettings& settings, const std::string& residual,
                            const std::string& usual) {
   table.add(name, settings.forcing)
@@ -54,23 +54,24 @@ inline void declareForcing(DataTable& table, const char* name, NewtonSettings& s
       .max(1, false);
 }
 
-/// What is told of static steps that count as solved: those that ended where they began with forces out of balance, because an
-/// absolute threshold lies above the forces; and equilibria where the stiffness has a direction in which the body is pushed on.
+/// Warnings about converged static steps: those that did not move although forces were out of balance, because an absolute
+/// threshold exceeds the forces; and unstable equilibria, whose stiffness has a negative direction.
 class StaticDoubts {
  public:
-  /// Forces that are round-off, as `hasForces` tells, need no balance.
+  /// Forces at round-off, as reported by `hasForces`, need no balance.
   template <class HasForces>
   void noteUnmoved(const StepReport& report, const NewtonSettings& settings, const HasForces& hasForces) {
     const bool is_unmoved = !report.failed() && report.newton_iterations == 0;
     if (is_unmoved && settings.absolute_residual + settings.absolute_correction > 0 && hasForces())
       largest_ = std::max(largest_, report.newton_residual);
   }
-  /// Factors of symmetric matrices find such a direction. It means something close to the equilibrium, and where the stiffness is
-  /// the derivative of the forces. `residuals` [N]: of each iteration of the step that ends at t.
-  void noteStability(const StepReport& report, bool is_derivative, const std::vector<double>& residuals, double t) {
+  /// Factors of symmetric matrices reveal such a direction; with others Newton searches for one. It is only meaningful close to the
+  /// equilibrium, and if the stiffness is the derivative of the forces. `residuals` [N]: of each iteration of the step that ends at t.
+  /// `is_seen`: Newton::isUnstable().
+  void noteStability(const StepReport& report, bool is_derivative, bool is_seen, const std::vector<double>& residuals, double t) {
     constexpr double close = 0.01;
-    if (!report.newton_converged || report.linear_stop != SolveStop::not_definite || !is_derivative) return;
-    const bool is_close = residuals.size() > 1 && residuals[residuals.size() - 2] < close * residuals.front();
+    if (!report.newton_converged || !(is_seen || report.linear_stop == SolveStop::not_definite) || !is_derivative) return;
+    const bool is_close = is_seen || (residuals.size() > 1 && residuals[residuals.size() - 2] < close * residuals.front());
     if (is_close && unstable_++ == 0) first_unstable_ = t;
   }
   void serialize(Archive& archive) {
@@ -78,13 +79,13 @@ class StaticDoubts {
     archive.value("unstable", unstable_);
     archive.value("first_unstable", first_unstable_);
   }
-  /// A sentence for each, or empty.
+  /// The warnings, or empty.
   std::string doubt(const std::string& path) const {
     constexpr double much = 0.03;
     std::string unmoved, unstable;
     if (largest_ > much)
       unmoved = fmt::format(
-          "{}: a step counts as solved where it began, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
+          "{}: a step is taken as solved at its start, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
           "method is above them",
           path, 100 * largest_);
     if (unstable_ > 0)
@@ -96,8 +97,8 @@ class StaticDoubts {
   }
 
  private:
-  double largest_ = 0;         ///< relative residual of what did not move
-  int unstable_ = 0;           ///< steps
+  double largest_ = 0;         ///< largest relative residual of a step that did not move
+  int unstable_ = 0;           ///< number of steps
   double first_unstable_ = 0;  ///< [s]
 };
 
@@ -122,7 +123,7 @@ inline void refuseSettingsBeside(const Component& statics, const NewtonSolver& s
   for (const Data& attribute : statics.data().all())
     if (attribute.isSet() && !attribute.link())
       if (attribute.name().find("threshold") != std::string::npos || attribute.name() == "newton_iterations")
-        throw ComponentError(fmt::format("{} is set here, and {} holds the settings of Newton's method", attribute.name(),
+        throw ComponentError(fmt::format("{} is set here, but {} has the settings of Newton's method", attribute.name(),
                                          settings.path()),
                              "the settings in one of the two");
 }

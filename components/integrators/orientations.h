@@ -8,11 +8,11 @@
 
 namespace stroma {
 
-/// For loops that add several increments: the orientations of a vector, taken out of it. Who adds keeps one from step to
-/// step, which allocates the first time alone.
+/// Extracts the orientations of a vector for loops that add several increments. Keep one object from step to step: it
+/// allocates only once.
 class Orientations {
  public:
-  /// Takes them out of x, from row `first_row` on, and leaves zeros, on which rotation vectors are added up as everything is.
+  /// Extracts them from x, from row `first_row` on, leaving zeros on which rotation vectors accumulate like other increments.
   void take(const Motion& motion, Rows x, Index first_row = 0) {
     turning_ = &motion.turningRows(), first_ = 0;
     if (first_row > 0) first_ = countBelow(first_row);
@@ -23,7 +23,7 @@ class Orientations {
       std::fill_n(row, row_doubles, 0.);
     }
   }
-  /// Puts them into x, turned by what has come together there; into several vectors, if several are made of the one.
+  /// Writes them back to x, rotated by the accumulated vectors; also to several vectors derived from one.
   void turn(Rows x) {
     const std::size_t count = countBelow(x.count);
     for (std::size_t first = first_; first < count; first += many) turnSome(first, std::min(many, count - first), x);
@@ -37,7 +37,7 @@ class Orientations {
   }
   double* rowOf(std::size_t i, Rows x) const { return x.data + std::size_t((*turning_)[i]) * row_doubles; }
 
-  /// q' = exp(r) q as Motion::turnBy() has it, without trigonometry and square roots where turns are small: as of most steps.
+  /// q' = exp(r) q as in Motion::turnBy(), without trigonometry and square roots for small rotations, which most steps have.
   void turnSome(std::size_t first, std::size_t count, Rows x) {
     alignas(64) double r[3][many], q[4][many], plain[many];
     for (std::size_t i = 0; i < count; ++i) {
@@ -48,7 +48,7 @@ class Orientations {
 #pragma omp simd
     for (std::size_t i = 0; i < count; ++i) {
       const double s = r[0][i] * r[0][i] + r[1][i] * r[1][i] + r[2][i] * r[2][i], z = s / 4;
-      // sin(|r|/2)/|r| and cos(|r|/2), of which the first terms that are left out are below 1e-17
+      // sin(|r|/2)/|r| and cos(|r|/2); the first omitted terms are below 1e-17
       const double factor = 0.5 - z * (1. / 12 - z * (1. / 240 - z * (1. / 10080 - z * (1. / 725760 - z / 79833600))));
       const double c =
           1 - z * (1. / 2 - z * (1. / 24 - z * (1. / 720 - z * (1. / 40320 - z * (1. / 3628800 - z / 479001600)))));
@@ -56,7 +56,7 @@ class Orientations {
       const double x0 = q[0][i], y0 = q[1][i], z0 = q[2][i], w0 = q[3][i];
       const double x1 = c * x0 + w0 * a + b * z0 - d * y0, y1 = c * y0 + w0 * b + d * x0 - a * z0;
       const double z1 = c * z0 + w0 * d + a * y0 - b * x0, w1 = c * w0 - a * x0 - b * y0 - d * z0;
-      // round-off must not add up: 1/sqrt(1 + e) is 1 - e/2 as far as numbers go
+      // round-off must not accumulate: 1/sqrt(1 + e) equals 1 - e/2 in double precision
       const double excess = x1 * x1 + y1 * y1 + z1 * z1 + w1 * w1 - 1;
       const double length = 1 - 0.5 * excess, scale = w1 < 0 ? -length : length;
       plain[i] = (s < 0.06) & (std::abs(excess) < 1e-8) ? 1 : 0;

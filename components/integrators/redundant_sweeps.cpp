@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Forces of many contacts that nothing but friction and weight divide, as in a heap (RedundantForces::sweep()). Each group in turn takes
-// the forces that its own law wants while all others stay (Gauss and Seidel; Jourdan, Alart and Jean 1998). With b = r - W q of
-// the group, a sliding one has r_t = -alpha q_t with alpha > 0:
+// Forces of many contacts determined only by friction and weight, as in a heap (RedundantForces::sweep()). Each group in turn
+// takes the forces required by its own law while all others are fixed (Gauss and Seidel; Jourdan, Alart and Jean 1998). With b
+// = r - W q of the group, a sliding one has r_t = -alpha q_t with alpha > 0:
 //   q_t = -(W_tt + alpha)^-1 (b_t + W_tn q_n),   r_n = 0,   |q_t| = mu q_n
-// which is an equation for alpha alone; alpha = 0 sticks. A sweep costs as much as contacts share bodies.
+// which is an equation for alpha alone; alpha = 0 is sticking. The cost of a sweep depends on how many contacts share bodies.
 //
-// A sweep is followed by a part of the way p that the sweeps before went, d what the sweep changes, and that begins anew where they
-// oppose each other (Nesterov 1983; O'Donoghue and Candes 2015; Mazhar, Heyn, Negrut and Tasora 2015):
+// Sweeps are accelerated: after each one, with the change d, a fraction of the previous direction p is added, which restarts
+// if the two oppose each other (Nesterov 1983; O'Donoghue and Candes 2015; Mazhar, Heyn, Negrut and Tasora 2015):
 //   q <- q + d + b p,   p <- d + b p,   b = (k - 1) / (k + 2),   k = 0 where p . d < 0
-// Forces that only friction bounds, as of a body that two others wedge, grow by the same in each sweep: with p by more and more.
+// Forces limited only by friction, as of a body wedged between two others, grow by a constant amount in each sweep, but with p
+// by increasing amounts.
 #include <algorithm>
 #include <cmath>
 #include <limits>

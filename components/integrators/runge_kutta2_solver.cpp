@@ -4,9 +4,9 @@
 //   a = M^-1 f,   x_m = x0 + h/2 v0,   v_m = v0 + h/2 a(x0, v0)
 //   x1 = x0 + h v_m,   v1 = v0 + h a(x_m, v_m)
 //
-// An undamped oscillator of angular frequency w grows by (h w)^4 / 8 per step: slow motions of a body hardly, its
-// fastest ones soon. A scene whose fastest motion would grow by more than 1 % per step (h w > 0.53) is warned of. For
-// bodies without damping EulerExplicitSolver or CentralDifferenceSolver are stable at half the cost.
+// An undamped oscillator of angular frequency w grows by (h w)^4 / 8 per step: slow motions of a body hardly, the fastest ones
+// quickly. A warning is printed if the fastest motion would grow by more than 1 % per step (h w > 0.53). For undamped bodies
+// EulerExplicitSolver or CentralDifferenceSolver are stable at half the cost.
 //
 // Example:
 // <Node name="root" dt="0.001" gravity="0 -9.81 0">

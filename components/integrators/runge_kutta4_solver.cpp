@@ -3,11 +3,10 @@
 //
 //   a = M^-1 f;   (x, v)' = (v, a(t, x, v)) at t, twice at t + h/2 and at t + h, weighted 1/6, 1/3, 1/3, 1/6
 //
-// Stable for an undamped oscillator of angular frequency w while h w < 2 sqrt(2), of which it takes a share of
-// (h w)^6 / 144 of the amplitude per step. Four force evaluations per step: it pays where accuracy matters. Forces
-// that depend on time, and nodes with a prescribed motion, are taken at the time of each evaluation: the order stays 4. A
-// motion whose velocity jumps keeps it where the jumps lie between steps. With a mass that is not diagonal, free nodes do
-// not feel the inertia of the acceleration of moved ones.
+// Stable for an undamped oscillator of angular frequency w while h w < 2 sqrt(2), whose amplitude it reduces by the fraction
+// (h w)^6 / 144 per step. Four force evaluations per step pay off where accuracy matters. Time-dependent forces and prescribed
+// motions are evaluated at the time of each stage: the order remains 4, also with jumps of the velocity between steps. With a
+// non-diagonal mass, the inertia of accelerated prescribed nodes does not act on free nodes.
 //
 // Example:
 // <Node name="root" dt="0.001" gravity="0 -9.81 0">

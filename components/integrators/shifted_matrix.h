@@ -12,25 +12,25 @@
 
 namespace stroma {
 
-/// A + T + shift * D. T turns over what is unstable, as of springs in pressure, which become springs in tension. D is the mean size of
-/// the numbers on each row's diagonal; A is positive definite once the shift is large enough. A direction needs no T.
+/// A + T + shift * D. T reflects unstable directions: compressed springs become springs in tension. D is the mean absolute diagonal
+/// entry of each row; the matrix is positive definite once the shift is large enough. A search direction needs no T.
 ///
-/// Between places i and j: with P the part above zero of the symmetric part of A_ij, T_ii and T_jj get 2 P, T_ij and T_ji -2 P. T does
-/// nothing to what moves alike, so that a free body gets the whole impulse of the forces on it. The sum of a row of A is what holds the
-/// node to the ground and to held ends. What is below zero in it, and what is then still below zero in a block of the diagonal, is
-/// turned over there: eigenvalues l with vectors e add sum 2 |l| e e^T.
+/// Between points i and j, with P the positive part of the symmetric part of A_ij, T_ii and T_jj get 2 P, and T_ij and T_ji -2 P. T does
+/// not affect common translations, so a free body gets the whole impulse of the forces on it. The row sum of A connects a node to the
+/// ground and to fixed ends. Its negative part, and any remaining negative part of a diagonal block, are reflected
+/// there: eigenvalues l with vectors e add sum 2 |l| e e^T.
 class ShiftedMatrix final : public MatrixView {
  public:
-  /// Of which rows pairs are taken: none has a T; those whose own block has something below zero; those whose block does where all P of
-  /// its row are taken from it.
+  /// The rows whose pairs are used: none, so T is zero; those whose diagonal block has a negative eigenvalue; those whose block has one
+  /// after subtraction of all P of the row.
   enum class Turns { none, unstable_blocks, unstable_rows };
 
-  /// `system`: whose rows they are, needed for turns. There are no pairs of rows that are not places, nor where constraints tie nodes.
+  /// `system`: owns the rows; needed for T. Rows that are not points, and nodes tied by constraints, have no pairs.
   ShiftedMatrix(SystemMatrix& base, Turns turns, const System* system = nullptr) : MatrixView(base), turns_(turns) {
     base.diagonalBlocks(blocks_);
     scale_.resize(std::size_t(base.rows()));
     for (std::size_t i = 0; i < scale_.size(); ++i)
-      // sizes, not their sum: the diagonal of an indefinite block can sum to nothing
+      // absolute values: the diagonal of an indefinite block can sum to zero
       scale_[i] = (std::abs(blocks_[9 * i]) + std::abs(blocks_[9 * i + 4]) + std::abs(blocks_[9 * i + 8])) / 3;
     if (turns == Turns::none) return;
     is_turned_.resize(scale_.size());
@@ -38,8 +38,9 @@ class ShiftedMatrix final : public MatrixView {
     if (constraints.groups().empty() && constraints.relations().empty()) turnPairs(base.assemble(), *system);
     for (Index i = 0; i < rows(); ++i) turnOver(i, partAbove(-block(i)));
   }
-  /// Rows in which something was unstable.
+  /// Rows with unstable directions.
   std::size_t turned() const { return std::size_t(std::count(is_turned_.begin(), is_turned_.end(), true)); }
+  const std::vector<double>& scale() const { return scale_; }  ///< D, shape (rows)
   void setShift(double shift) {
     if (shift > 0 && shift_ == 0) widenScale();
     shift_ = shift;
@@ -79,7 +80,7 @@ class ShiftedMatrix final : public MatrixView {
   }
   MatrixKey key() const override {
     MatrixKey key = base_.key();
-    // another one than A without a shift, too, and another one for each T
+    // must differ from A without a shift, and for each T
     key.shift = turned() == 0 ? shift_ : -1 - shift_ - (turns_ == Turns::unstable_rows ? 1e6 : 0);
     return key;
   }
@@ -95,7 +96,7 @@ class ShiftedMatrix final : public MatrixView {
   };
 
   Mat3 block(Index row) const { return Eigen::Map<const Mat3>(blocks_.data() + 9 * row); }
-  /// Of the symmetric part, what its positive eigenvalues have. Round-off is nothing.
+  /// The positive part of the symmetric part; round-off is dropped.
   static Mat3 partAbove(const Mat3& block, double size = 0) {
     if (!block.allFinite() || block.isZero(0)) return Mat3::Zero();
     const Mat3 even = 0.5 * (block + block.transpose());
@@ -114,7 +115,7 @@ class ShiftedMatrix final : public MatrixView {
     Index i, j;  ///< i < j
     Mat3 part;   ///< P
   };
-  /// `sums`: of the rows, on entry their diagonal blocks.
+  /// `sums`: row sums; on entry the diagonal blocks.
   static std::vector<Above> partsAbove(const BlockMatrix& matrix, const Motion& motion, std::vector<Mat3>& sums) {
     std::vector<Above> found;
     const auto at = [&](Index slot) { return Mat3(Eigen::Map<const Mat3>(matrix.values().data() + 9 * std::size_t(slot))); };
@@ -149,12 +150,12 @@ class ShiftedMatrix final : public MatrixView {
     for (std::size_t i = 0; i < sums.size(); ++i)
       if (is_unstable[i]) turnOver(Index(i), partAbove(-(free[i] * sums[i] * free[i]), 100 * left[i].cwiseAbs().maxCoeff()));
   }
-  /// A row whose own diagonal is little or vanishes needs a shift, too, as the turns of a thin beam do: 1e-3 of the mean of all that it is
-  /// tied to. The mean of all rows would hold what is light and falls beside a heavy body.
+  /// A row with a small or zero diagonal, like the rotations of a thin beam, also needs a shift: 1e-3 of the mean over its connected
+  /// rows. The mean over all rows would hold back a light falling body beside a heavy one.
   void widenScale() {
     const BlockMatrix& ties = base_.pattern();
     std::vector<Index> body(scale_.size(), -1), todo;
-    std::vector<double> least;  // of each body
+    std::vector<double> least;  // per body
     for (Index first = 0; first < rows(); ++first) {
       if (body[std::size_t(first)] >= 0) continue;
       double sum = 0;

@@ -41,8 +41,8 @@ std::uint64_t heldDirections(const ConstraintSet& constraints) {
 
 void Sleep::declare(DataTable& table) {
   table.add("sleepDistance", distance_)
-      .help("a body whose nodes stay within half of it for sleepTime is no longer computed until something changes, so that it "
-            "ends this far at most from where it would have come to rest; 0: never")
+      .help("a body whose nodes stay within half of this distance for sleepTime is not computed until something changes; it ends at "
+            "most this far from its true rest position; 0: never")
       .unit("m")
       .min(0);
   table.add("sleepTime", time_)
@@ -60,7 +60,7 @@ void Sleep::compile(System& system) {
   wake();
   if (!isOn()) return;
   const auto refuse = [](const std::string& what) {
-    throw ComponentError("sleepDistance is for bodies that forces alone move, and here are " + what, "sleepDistance=\"0\"");
+    throw ComponentError("sleepDistance is only for bodies moved by forces, and here are " + what, "sleepDistance=\"0\"");
   };
   if (!system.actors().lagrangian_constraints.empty()) refuse("Lagrangian constraints");
   if (!system.actors().position_constraints.empty()) refuse("position constraints");

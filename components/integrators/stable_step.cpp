@@ -96,8 +96,8 @@ void warnAboveStableStep(Integrator& integrator, System& system, Acceleration& a
                                          highest.element.empty() ? "" : ", strongest in ", highest.element);
   integrator.warn(
       limit.grows
-          ? fmt::format("with dt = {:g} s {} adds energy to fast motions, by more than 1 % a step where nothing "
-                        "damps them; up to {:.3g} s it stays below that ({})",
+          ? fmt::format("with dt = {:g} s {} adds energy to fast motions, more than 1 % per step if they are undamped; up to {:.3g} "
+                        "s it stays below that ({})",
                         dt, method, largest, origin)
           : fmt::format("dt = {:g} s is above the estimated stable step of {}, {:.3g} s ({})", dt, method, largest,
                         origin),

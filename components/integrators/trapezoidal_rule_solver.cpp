@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// TrapezoidalRuleSolver: the trapezoidal rule, of second order and without damping of its own.
+// TrapezoidalRuleSolver: the trapezoidal rule, of second order and without numerical damping.
 //
 //   M (v1 - v0) = h/2 (F(x0, v0) + F(x1, v1)),   x1 = x0 + h/2 (v0 + v1)
 //
-// An oscillator of angular frequency w turns at (2/h) atan(w h/2) and keeps its energy. The same scheme as
-// EulerImplicitSolver with trapezoidalScheme; F, the Rayleigh factors and Newton's method are described there. A step
-// too large for the fastest motion does not damp it: it then rings with a period of two steps.
+// An oscillator of angular frequency w has the frequency (2/h) atan(w h/2) and conserves its energy. The same scheme as
+// EulerImplicitSolver with trapezoidalScheme; F, the Rayleigh factors and Newton's method are described there. A step too
+// large for the fastest motion does not damp it: it then oscillates with a period of two steps.
 //
 // The equations are nonlinear, and one linear solve gives the rule's order where K is the exact derivative of f. The stiffness
 // of the rotated methods (polar, large, svd with tangent="warped") is an approximation: with one solve the rule is of first
-// order and gains energy until the run explodes. A second solve with the force and the stiffness at what the first one found
-// restores the order: the energy of polar and svd falls a little then, that of large drifts by some per cent in 10,000 steps.
-// Where K is exact and changes within a step, one solve keeps the order, and not the energy of long steps: what is fast feels
-// the stiffness of the step's start alone, and nothing damps it. A beam of NeoHookean let go in its weight exploded after 139 steps
-// of a twentieth of its swing. Newmark's rule with one solve takes the acceleration of the step before in place of F(x0, v0), and
-// did not, but went two thirds of the way. With two solves both err by 1 %, and solved by Newton's method they are the same rule.
-// Where forces, carried masses or constraints turn rigid bodies it takes three. As many are made as a scene needs, unless
-// newtonIterations says how many.
+// order and gains energy until the run explodes. A second solve with the force and the stiffness at the result of the first
+// one restores the order: the energy of polar and svd then decreases slightly, that of large drifts by some per cent in 10,000
+// steps. If K is exact and changes within a step, one solve keeps the order, but not the energy in long steps: fast motions
+// only have the stiffness at the start of the step, and are not damped. A NeoHookean beam released under its weight exploded
+// after 139 steps of a twentieth of its period. Newmark's rule with one solve uses the acceleration of the previous step
+// instead of F(x0, v0), and did not, but covered only two thirds of the displacement. With two solves both have an error of 1
+// %, and with Newton's method they are the same rule. If forces, mapped masses or constraints rotate rigid bodies, three are
+// needed. The required number is chosen automatically, unless newtonIterations is set.
 //
 // With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// UncoupledConstraintCorrection: forces of Lagrangian constraints move the nodes of a body as if none were tied to another.
+// UncoupledConstraintCorrection: forces of Lagrangian constraints move the nodes of a body as if they were not coupled.
 //
 //   dv_i = c_i p_i,   p_i the impulse on node i
 //
-// with c_i the compliance of the node [1/kg], its entry in `compliance` or defaultCompliance. A frame without a compliance has that of
-// its mass and inertia where the step starts, with those of what follows it. With one of 7 numbers it has c for the centre, and
-// xx xy xz yy yz zz of the inverse inertia.
-// With defaultCompliance alone that is c for the centre, and 1/(kg m^2) for turns about all axes, as in SOFA.
-// The matrix of the step, with the stiffness of the body, is left out: its other nodes feel the constraint in the next step only.
-// Without this component the matrix answers, which is right. It counts where an integrator makes one linear solve per step.
+// with c_i the compliance of the node [1/kg], its entry in `compliance` or defaultCompliance. A frame without a compliance has
+// that of its mass and inertia at the start of the step, including those mapped to it. With one of 7 numbers it has c for the
+// centre, and xx xy xz yy yz zz of the inverse inertia.
+// With only defaultCompliance that is c for the centre, and 1/(kg m^2) for rotations about all axes, as in SOFA. The matrix of
+// the step, with the stiffness of the body, is left out: the constraint acts on the other nodes only in the next step. Without
+// this component the matrix is used, which is correct. It only has an effect if an integrator makes one linear solve per step.
 //
 // Source: SOFA's.
 //

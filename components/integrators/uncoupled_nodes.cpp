@@ -13,7 +13,7 @@
 namespace stroma {
 
 void UncoupledConstraintCorrection::declare(DataTable& table) {
-  table.addLink("mstate", mstate_).help("state that it moves; the one of this node when not given");
+  table.addLink("mstate", mstate_).help("state that it moves; the one of this node by default");
   table.add("compliance", compliance_).help("of each node, one for all, or 7 numbers for all frames").unit("1/kg");
   table.add("defaultCompliance", default_compliance_).help("of all nodes without one").unit("1/kg").min(0, false);
   table.add("useOdeSolverIntegrationFactors", by_rule_)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// VariationalSymplecticSolver: steps that follow from a discrete principle of least action, so that the energy of an
-// undamped body stays within a bound of its start for ever.
+// VariationalSymplecticSolver: steps derived from a discrete principle of least action, so that the energy of an undamped body
+// stays within a bound of its initial value.
 //
 // With F = f + rK K v - rM M v as in EulerImplicitSolver. Implicit (the default), the midpoint rule, of second order:
 //
@@ -9,18 +9,19 @@
 // Explicit (explicitIntegration), symplectic Euler, of first order: v1 = v0 + h M^-1 f(x0), x1 = x0 + h v1; it warns of
 // a step above its stable one and has no Rayleigh damping.
 //
-// With byPositions, as in SOFA, a step goes on with the momentum p that the one before ended with, M v0 at first, and ends its
-// iterations where r = x_m - x0 changes by newtonError of |x0|, or of itself where that is 0. Velocities are those of the midpoint:
+// With byPositions, as in SOFA, a step starts with the momentum p at the end of the previous one, at first M v0, and ends its
+// iterations when r = x_m - x0 changes by less than newtonError of |x0|, or of itself if that is 0. Velocities are those of
+// the midpoint:
 //
 //   ((4/h^2 + 4 rM/h) M - (1 + 4 rK/h) K) r' = f(x0 + r) - K r + 2/h p,   v1 = 2 r/h,   x1 = x0 + h v1,   p1 = M v1 + h/2 f(x0 + r)
 //
-// Forces see the v of the step before, and no derivative by it is in the matrix. What changes v between steps changes p by M times as
-// much. Nodes whose motion is prescribed have the rule above. hamiltonianEnergy then has the midpoint's velocity and the end's U.
+// Forces use the v of the previous step, without a derivative in the matrix. A change of v between steps changes p by M times
+// as much. Prescribed nodes have the rule above. hamiltonianEnergy then has the midpoint's velocity and the end's U.
 //
-// Source: L. Kharevych et al., "Geometric, variational integrators for computer animation", 2006. Attribute names are
-// SOFA's. There newtonError is an absolute length and its default of 0.01 ends most steps after one iteration; here it
-// is the residual relative to the forces where the step starts, 1e-8, because what the method keeps it keeps only where
-// its equations are solved; steps is the largest number of Newton iterations, 25 where SOFA has 5.
+// Source: L. Kharevych et al., "Geometric, variational integrators for computer animation", 2006. Attribute names are SOFA's.
+// There newtonError is an absolute length and its default of 0.01 ends most steps after one iteration; here it is the residual
+// relative to the forces where the step starts, 1e-8, because the conservation properties only hold if its equations are
+// solved; steps is the largest number of Newton iterations, 25 where SOFA has 5.
 //
 // hamiltonianEnergy is kinetic energy + U after a step (computeHamiltonian). U is followed by the work of the forces at
 // the midpoints, U += -f(x_m).(x1 - x0), from the potential energy of the start (useIncrementalPotentialEnergy, also
@@ -125,7 +126,7 @@ void VariationalSymplecticSolver::declare(DataTable& table) {
   table.add("steps", implicit_.newton_settings.iterations).help("largest number of Newton iterations").unit("-").min(1);
   implicit_.declareDamping(table);
   table.add("byPositions", by_positions_)
-      .help("newtonError is the change of positions relative to their size, and damping is in the matrix alone, as in SOFA");
+      .help("newtonError is the change of positions relative to their size, and damping is in the matrix only, as in SOFA");
   table.add("explicitIntegration", is_explicit_).help("symplectic Euler instead of the implicit midpoint rule");
   table.add("computeHamiltonian", computes_hamiltonian_).help("compute hamiltonianEnergy after each step");
   table.add("hamiltonianEnergy", hamiltonian_).help("kinetic and potential energy after the step").unit("J").output();
@@ -257,7 +258,7 @@ StepReport VariationalSymplecticSolver::momentumStep(System& system, const StepC
     system.addStiffnessProduct(way_, {.stiffness = -1}, load_);
     system.constraints().project(load_);
     SystemMatrix& matrix = implicit_.whole(system.matrix().withFactors(factors));
-    if (!solveOrShift(implicit_.linearSolver(), matrix, load_, new_way_, {.stop = context.stop}, report, {}, false, &system))
+    if (!solveOrShift(implicit_.linearSolver(), matrix, load_, new_way_, {.stop = context.stop}, report, {.result = &system}))
       return report;
     system.constraints().project(new_way_);
     change = distance(new_way_, way_) / (size > 0 ? size : std::max(norm(new_way_), std::numeric_limits<double>::min()));

@@ -18,7 +18,7 @@ class VelocityDamping {
     table.add("vdamping", rate).atOnce().help("decay rate of the velocity, applied after the step").unit("1/s").min(0);
     table.add("velocityThreshold", threshold_)
         .atOnce()
-        .help("after the step nodes that are slower stop: their velocity is set to zero; of frames the turning counts too")
+        .help("after the step slower nodes are stopped: their velocity is set to zero; for frames rotation is included")
         .unit("m/s")
         .min(0);
   }

@@ -12,7 +12,8 @@ namespace {
 constexpr double multigrid_start = 1.25;  // iterations, and so many more for a decade as are expected
 constexpr double worth_a_guess = 1.3;
 constexpr double usual_drift = 0.02;                         // from one matrix to the next
-constexpr double scatter = 1.4;                              // so many times the iterations by the law of drifts are prepared for
+// So many times the iterations by the law of drifts are prepared for, in loose solves and in those to eight decades, which end faster.
+constexpr double scatter_loose = 1.4, scatter_strict = 1;
 constexpr double fresh_single = 5e-4, fresh_double = 1e-5;   // what factors of the very matrix leave, as a drift
 constexpr double direct_applications = 2;                    // of these by a direct solver
 constexpr double in_double = 3;                              // factorisations that it makes of what is solved with often
@@ -52,7 +53,9 @@ double AutomaticInverse::setup(Way way) const {
   if (way == Way::multigrid) return IterationCosts::hierarchy(rows_, blocks()) + matrix;
   const double again = way == Way::direct && isConstant() && now_.factor_costs.is_single ? in_double : 0;
   const double entries = now_.factor_costs.entries;
-  const double room = IterationCosts::room(entries), again_room = room - IterationCosts::room(0);  // the order is kept
+  const double room = IterationCosts::room(entries);
+  // the order is kept, and a direct solver takes over the memory of former factors
+  const double again_room = way == Way::direct && now_.way == Way::factors ? 0 : room - IterationCosts::room(0);
   return (now_.factored_solves > 0 ? again_room : room + now_.factor_costs.order) + (1 + again) * now_.factor_costs.factor;
 }
 
@@ -94,6 +97,7 @@ double AutomaticInverse::renewing() const {
 /// A solve by factors after such a drift, with the product that ends it.
 double AutomaticInverse::byFactors(double each, double drift) const {
   const double own = now_.factor_costs.is_single ? fresh_single : fresh_double;
+  const double strict = std::clamp((decades() - 2) / 4, 0.0, 1.0), scatter = scatter_loose + strict * (scatter_strict - scatter_loose);
   const double rate = ratePerDecade(std::max(own, drift)) * (now_.drifts.isKnown() && drift > own ? scatter : 1);
   return std::ceil(std::max(0.5, rate * decades())) * each + iteration(Way::block_jacobi);
 }

@@ -7,12 +7,20 @@
 #include <utility>
 
 namespace stroma {
+namespace {
+
+constexpr double new_solve = 0.25;  // its part in moving means
+
+/// What the rate of a solve's first part has to be multiplied with, for that of all of it.
+double ofSlowStart(double part) { return 0.6 + 0.4 * std::clamp(part, 0.0, 1.0); }
+
+}  // namespace
 
 // ---- in a solve ----
 
 /// Early iterations gain less than later ones.
 bool AutomaticInverse::isSlow(int iterations, double residual) {
-  constexpr double as_expected = 1.5, trial = 0.25;
+  constexpr double as_expected = 1.5;
   constexpr int most_by_factors = 60;
   const double all = std::log10(start_ / target_), known = now_.rates[at(now_.way)];
   if (known > 0 && iterations < as_expected * known * all) return false;
@@ -20,14 +28,17 @@ bool AutomaticInverse::isSlow(int iterations, double residual) {
   if (now_.way == Way::multigrid && !multigrid_.isFresh())  // the next matrix would get a new hierarchy in any case
     return leaves_ = renews_ = iterations - known * all > multigrid_.iterationsWorth();
   const double gained = std::max(0.25, std::log10(start_ / residual));
-  const double rate = iterations / gained * (0.6 + 0.4 * std::min(1.0, gained / all));
-  if (!findCheaper(rate, std::max(0.0, all - gained))) return false;
+  const double rate = iterations / gained * ofSlowStart(gained / all);
+  const double later = known > 0 ? known + new_solve * (rate - known) : rate;
+  if (!findCheaper(later, std::max(0.0, all - gained))) return false;
   const double present = std::max(1.0, rate * decades()) * iteration(now_.way), gain = present - solve(now_.next);
   const bool may_be_multigrid = now_.way == Way::block_jacobi && present > worth_changing * solve(Way::multigrid);
   // a way that begins cheaply is not waited with because another one is better
   const double before = std::min(setup(now_.next), setup(may_be_multigrid ? Way::multigrid : now_.next));
   const double repaid = gain * std::max(0.0, all - gained) / decades();  // by this solve alone
-  leaves_ = iterations * iteration(now_.way) >= trial * before || repaid >= worth_changing * before;
+  // the residual need not fall in each iteration: what has served before is waited for, until that has cost as much as the change
+  const double trial = known > 0 ? 1 : 0.25, more = iterations - known * all;
+  leaves_ = more * iteration(now_.way) >= trial * before || repaid >= worth_changing * before;
   if (!leaves_) now_.next = now_.way;
   return leaves_;
 }
@@ -41,7 +52,7 @@ void AutomaticInverse::solved(const SolveReport& report) {
   part.relative_residual = start_ / from;
   const double wanted = -std::log10(target_ / from), reached = -std::log10(part.relative_residual);
   const double gained = leaves_ ? std::max(0.25, reached) : std::clamp(reached, 0.5, std::max(0.5, wanted));
-  if (!renews_) noteRate(isDirect() ? 0 : report.iterations, gained);
+  if (!renews_) noteRate(isDirect() ? 0 : report.iterations, gained, reached / std::max(0.1, wanted));
   constexpr int most_refinements = 20;  // of a direct solve
   const bool is_refined = isDirect() && report.iterations > most_refinements;
   if (is_refined || (now_.way == Way::factors && (factored_ || report.factored))) now_.fresh_rate = report.iterations / gained;
@@ -62,17 +73,17 @@ void AutomaticInverse::solved(const SolveReport& report) {
 }
 
 /// Loose solves take more iterations for a decade than those that go on: the mean is that of iterations over that of decades.
-void AutomaticInverse::noteRate(double iterations, double gained) {
-  constexpr double of_slow_start = 0.7;
+/// What is left before it has reached `part` of its decades would have become quicker.
+void AutomaticInverse::noteRate(double iterations, double gained, double part) {
   double& rate = now_.rates[at(now_.way)];
   double& spent = now_.spent[at(now_.way)];
   double& decades = now_.gained[at(now_.way)];
   if (rate == 0 || leaves_) {
-    rate = std::max(rate, iterations / gained * (leaves_ ? of_slow_start : 1));
+    rate = std::max(rate, iterations / gained * (leaves_ ? ofSlowStart(part) : 1));
     decades = gained, spent = rate * gained;
     return;
   }
-  spent += (iterations - spent) / 4, decades += (gained - decades) / 4;
+  spent += new_solve * (iterations - spent), decades += new_solve * (gained - decades);
   rate = spent / decades;
 }
 
@@ -285,6 +296,7 @@ void AutomaticInverse::change(Way way) {
   now_.lost = 0;
   ++now_.changes;
   multigrid_.reset();
+  if (factors_ && way == Way::direct) factors_->handOver(*matrix_);
   if (factors_) factors_->reset();
 }
 

@@ -35,6 +35,9 @@ class AutomaticInverse final : public ApproximateInverse {
   void begin(double product, double target, bool is_constant = false) {
     product_ = product, target_ = std::max(target, 1e-16), start_ = 1, has_begun_ = true, is_constant_ = is_constant;
   }
+  /// So many solves of one matrix begin now. What noteSides() counts was solved without follow().
+  void expectSides(std::size_t count) { sides_ = double(count); }
+  void noteSides(std::size_t count) { now_.solves += int(count); }
   /// From here on, in the solve that runs.
   void noteProduct(double product) { product_ = product; }
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
@@ -45,6 +48,8 @@ class AutomaticInverse final : public ApproximateInverse {
   const BlockJacobiInverse* blockJacobi() const override { return by_blocks_ || now_.way == Way::block_jacobi ? &blocks_ : nullptr; }
   /// After follow(): the direct solver solves, and not an iteration.
   bool isDirect() const { return now_.way == Way::direct; }
+  /// So will the next solve with this matrix.
+  bool staysDirect() const { return isDirect() && now_.next == Way::direct && !isRefused(); }
   /// The matrix has no factors, or no hierarchy.
   void noteRefusal();
   /// Multigrid refused this matrix, and block Jacobi tries it.
@@ -143,7 +148,7 @@ class AutomaticInverse final : public ApproximateInverse {
   double byFresh() const;
   double solveByOwn() const;
   double decades() const { return now_.decades > 0 ? now_.decades : -std::log10(target_); }
-  double perMatrix() const { return double(now_.solves) / std::max(1, now_.matrices); }
+  double perMatrix() const { return std::max(sides_, double(now_.solves) / std::max(1, now_.matrices)); }
   double horizon() const;
   bool isSlow(int iterations, double residual);
   Way cheapest(double present, double left) const;
@@ -157,7 +162,7 @@ class AutomaticInverse final : public ApproximateInverse {
   WarpedFactor& factors();
   bool canFactor();
   bool refuse(SystemMatrix& matrix, SolveReport& report, StopToken stop);
-  void noteRate(double iterations, double gained);
+  void noteRate(double iterations, double gained, double part);
   void judge(double cost);
   void takeFactorsOfEach(double gain);
   Way bestOfOthers() const;
@@ -168,6 +173,7 @@ class AutomaticInverse final : public ApproximateInverse {
   bool may_change_;
   MakeFactors make_factors_;
   double product_ = 0, target_ = 1e-8;
+  double sides_ = 1;        ///< solves with this matrix, where they are known
   double start_ = 1;        ///< relative residual that the present part of a solve starts from
   bool has_begun_ = false;  ///< a solve that follow() has not counted
   bool leaves_ = false;     ///< isLost() said so

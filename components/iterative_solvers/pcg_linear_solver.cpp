@@ -71,6 +71,7 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   void keepFor(SystemMatrix& matrix) override;
   void takeBackFor(SystemMatrix& matrix) override;
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
+  SolveReport solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x, const SolveTerms& terms) override;
   SolveReport solveDirectly(SystemMatrix& matrix, ConstRows b, Rows x, AutomaticInverse& automatic, cg::Directions& work);
   void refine(SystemMatrix& matrix, ConstRows b, Rows x, cg::Directions& work, SolveReport& report);
   Index mostRows() const override;
@@ -236,6 +237,32 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   }
   report.factored = factored;
   return report;
+}
+
+/// Once a direct solver serves, right sides go through its factors together, which reads these once for many of them.
+SolveReport PCGLinearSolver::solveAll(SystemMatrix& matrix, std::span<const ConstRows> b, std::span<const Rows> x,
+                                      const SolveTerms& terms) {
+  auto* const automatic = dynamic_cast<AutomaticInverse*>(keptFor(matrix).inverse.get());
+  if (!automatic || b.size() < 2) return LinearSolver::solveAll(matrix, b, x, terms);
+  automatic->expectSides(b.size());
+  SolveReport all{.stop = SolveStop::zero_right_side};
+  bool goes_on = true, together = true;
+  for (std::size_t done = 0; goes_on && done < b.size();) {
+    const std::size_t left = b.size() - done;
+    if (together && done > 0 && left > 1 && automatic->staysDirect()) {
+      const SolveReport rest = ownFactors().solveAll(matrix, b.subspan(done), x.subspan(done), terms);
+      factorisations_ += rest.factored;
+      together = !rest.usable() || rest.stop == SolveStop::breakdown || rest.relative_residual <= relativeTarget(terms);
+      if (together) {
+        automatic->noteSides(left);
+        goes_on = all.add(rest), done = b.size();
+      }
+    } else {
+      goes_on = all.add(solve(matrix, b[done], x[done], terms)), ++done;
+    }
+  }
+  automatic->expectSides(1);
+  return all;
 }
 
 SolveReport PCGLinearSolver::solveDirectly(SystemMatrix& matrix, ConstRows b, Rows x, AutomaticInverse& automatic,

@@ -70,6 +70,11 @@ class WarpedFactor final : public ApproximateInverse {
   Prices prices() const { return {now_.factor_seconds, now_.iteration_seconds}; }
   /// Of the factors that follow() has left.
   Factorisation::Cost cost() const { return factors_->cost(); }
+  /// Gives the factors to the direct solver's own use for this matrix. reset() follows.
+  void handOver(SystemMatrix& matrix) {
+    factors_ = nullptr;
+    solver_.handOver(former_, matrix);
+  }
   void reset() override {
     now_ = kept_ = {};
     origins_ = {}, factored_ = none;

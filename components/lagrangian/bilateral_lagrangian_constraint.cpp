@@ -8,12 +8,12 @@
 //
 // With keepCentreDifference the difference of the centres of frames at the start stays too, in fixed axes, whatever rest_vector is.
 //
-// DistanceLagrangianConstraint: pairs that keep their distance d, that of the start when `distances` does not give it.
+// DistanceLagrangianConstraint: pairs that keep their distance d, the initial one unless `distances` gives it.
 //
 //   |x_second - x_first| - d = 0,   one row for each pair
 //
-// Forces are found with the matrix of the step (components/integrators/multipliers.h), in turns until the conditions hold
-// to round-off, and are equal and opposite: momentum is kept. `forces` has them row by row.
+// Forces are found with the matrix of the step (components/integrators/multipliers.h), in rounds until the conditions hold to
+// round-off, and are equal and opposite: momentum is conserved. `forces` has them row by row.
 //
 // Source: the names and attributes of the first are SOFA's.
 //
@@ -43,7 +43,7 @@ class Pairs : public PairConstraint {
     PairConstraint::declare(table);
     table.add("first_point", first_points_).alias("firstPoint").help("points of object1");
     table.add("second_point", second_points_).alias("secondPoint").help("points of object2, one for each first_point");
-    table.add("activate", active_).atOnce().help("false: it does not hold");
+    table.add("activate", active_).atOnce().help("false: it is not active");
   }
   void init() override {
     PairConstraint::init();
@@ -77,7 +77,7 @@ class Bilateral final : public Pairs {
   void declare(DataTable& table) override {
     Pairs::declare(table);
     table.add("rest_vector", rest_)
-        .help("what the second point has more than the first; one for each pair, of frames also two, place and turn; none: zero")
+        .help("offset of the second point from the first; one for each pair, for frames also two, position and rotation; none: zero")
         .unit("m");
     table.add("keepOrientationDifference", keeps_turn_)
         .help("of frames: they keep the orientation that they start with to each other");
@@ -147,7 +147,7 @@ class Distance final : public Pairs {
  public:
   void declare(DataTable& table) override {
     Pairs::declare(table);
-    table.add("distances", distances_).help("distances; those of the start when not given").unit("m").min(0, false);
+    table.add("distances", distances_).help("distances; those of the start by default").unit("m").min(0, false);
   }
   void init() override {
     Pairs::init();

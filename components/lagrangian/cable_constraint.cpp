@@ -7,9 +7,9 @@
 //   valueType displacement: L = L_0 - value, and T is what that takes, between minForce and maxForce where they are given
 //   valueType force:        T = value, while -maxNegativeDisp <= L_0 - L <= maxPositiveDisp where they are given
 //
-// At minForce L may be less than L_0 - value (with 0 it hangs loose: a cable that may not push), at maxForce more. At
-// maxPositiveDisp T is less than value, at -maxNegativeDisp more. maxDispVariation bounds by how much the imposed
-// displacement differs from that of the step before.
+// At minForce L may be less than L_0 - value (with 0 the cable is slack and does not push), at maxForce more. At
+// maxPositiveDisp T is less than value, at -maxNegativeDisp more. maxDispVariation bounds the change of the imposed
+// displacement from one step to the next.
 //
 // T and the displacement L_0 - L are `force` and `displacement`. Neither depends on the time step: T is a force, and the
 // condition holds at the end of every step. Without pullPoint (hasPullPoint off) the cable ends at its first point.
@@ -43,7 +43,7 @@ class Cable final : public Actuator {
   void declare(DataTable& table) override {
     declareOneState(table);
     table.add("indices", nodes_).required().help("points that the cable runs through, from its pulled end on");
-    table.add("pullPoint", pull_).atOnce().help("where it is pulled; L_0 stays where that moves in a run").unit("m");
+    table.add("pullPoint", pull_).atOnce().help("where it is pulled; L_0 is unchanged if that moves during a run").unit("m");
     table.add("hasPullPoint", has_pull_).help("false: it ends at the first of indices");
     table.add("method", method_).help("point: forces act on the points themselves");
     declareValue(table, "displacement", "force", true, "displacement [m] or force [N]");
@@ -57,8 +57,8 @@ class Cable final : public Actuator {
         .unit("m")
         .min(0);
     table.add("force", told_force_).help("tension of the last step").unit("N").output();
-    table.add("displacement", way_).help("what has been pulled out after the last step").unit("m").output();
-    table.add("cableInitialLength", start_length_).help("L_0; that of the rest positions when not given").unit("m").min(0);
+    table.add("displacement", way_).help("pulled length after the last step").unit("m").output();
+    table.add("cableInitialLength", start_length_).help("L_0; that of the rest positions by default").unit("m").min(0);
     table.add("cableLength", length_).help("length after the last step").unit("m").output();
     for (const char* name : {"drawPullPoint", "drawPoints", "drawPulledAreas", "color"}) table.addVisualOnly(name);
   }
@@ -71,7 +71,7 @@ class Cable final : public Actuator {
       if (nodes_[i] == nodes_[i - 1])
         throw ComponentError(fmt::format("indices has point {} twice in a row", nodes_[i]), "the points one after the other");
     if (method_ != "point")
-      throw ComponentError(fmt::format("method is {}: the cable acts on points alone", method_), "point",
+      throw ComponentError(fmt::format("method is {}: the cable acts on points only", method_), "point",
                            "points that follow the surface by a BarycentricMapping");
     bound({-written("maxNegativeDisp", least_way_, infinity), written("maxPositiveDisp", most_way_, infinity),
            written("maxDispVariation", change_, infinity)},

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// FixedLagrangianConstraint: points or rigid frames that stay where they start, by forces that can be read.
-// FixedProjectiveConstraint holds nodes more cheaply; this one holds mapped ones too, as those of a surface that is embedded or
-// of a rigid frame.
+// FixedLagrangianConstraint: points or rigid frames that stay at their initial position, by forces that can be read.
+// FixedProjectiveConstraint fixes nodes at less cost; this one also fixes mapped nodes, such as those of an embedded surface
+// or on a rigid frame.
 //
-//   x - x_0 = 0,           three rows for each point; with atRest x_0 is where it rests
+//   x - x_0 = 0,           three rows for each point; with atRest x_0 is its rest position
 //   log(q q_0^-1) = 0,     three more for a frame
 //
 // Source: the names and attributes are SOFA's.

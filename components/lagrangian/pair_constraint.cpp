@@ -12,15 +12,15 @@ namespace stroma::lagrangian {
 void PairConstraint::declare(DataTable& table) {
   table.addLink("object1", object1_)
       .alias("mstate")
-      .help("state of the first nodes; of this node or the nearest above when not given");
-  table.addLink("object2", object2_).help("state of the second nodes; object1 when not given");
+      .help("state of the first nodes; of this node or the nearest above by default");
+  table.addLink("object2", object2_).help("state of the second nodes; object1 by default");
   table.add("forces", forces_).help("forces of constraint of the last step; of turns and angles torques [N m]").unit("N").output();
 }
 
 void PairConstraint::declareOneState(DataTable& table) {
   table.addLink("mstate", object1_)
       .alias("object1")
-      .help("state that it acts on; of this node or the nearest above when not given");
+      .help("state that it acts on; of this node or the nearest above by default");
   table.add("forces", forces_).help("forces of constraint of the last step; of turns and angles torques [N m]").unit("N").output();
 }
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// PositionConstraint: points or rigid frames that are moved along directions, by a way or by a force.
+// PositionConstraint: points or rigid frames that are moved along directions, by a displacement or by a force.
 //
 //   s = w d . (x - x_0),   for each point and each direction d in use; x_0 where the scene starts, w its weight
 //   s = w (d . (c - c_0) + r . log(q q_0^-1)),   of a frame: d and r are the halves of one of six directions
 //   valueType displacement: s = value, and f is what that takes, between minForce and maxForce where they are given
 //   valueType force:        f = value, while -maxNegativeDisp <= s <= maxPositiveDisp where they are given
 //
-// The force on a point or a centre is f w d, and the torque f w r where a frame turns about r alone; elsewhere it is that of the
-// work f ds. One value and one pair of bounds stand for all points and directions, and each has a force of its own: `forces` has
-// all, `force` and `displacement` are those of the first. They do not depend on the time step. Along r ways are angles [rad], at most
-// pi either way, and forces are torques [N m]: bounds of both kinds at once are numbers of both.
+// The force on a point or a centre is f w d, and the torque f w r where a frame turns about r alone; elsewhere it is that of
+// the work f ds. One value and one pair of bounds apply to all points and directions, and each has its own force: `forces` has
+// all, `force` and `displacement` are those of the first. They do not depend on the time step. Along r displacements are
+// angles [rad] between -pi and pi, and forces are torques [N m]; with directions of both kinds the same bounds are used for
+// both.
 //
 // Source: the names and attributes are those of SOFA's plugin SoftRobots, where forces are f times the time step.
 //
@@ -42,9 +43,9 @@ class Position final : public Actuator {
     declareOneState(table);
     table.add("indices", nodes_).help("points or frames that are moved");
     table.add("directions", written_)
-        .help("three directions; of frames six, each to move along and to turn about, below pi; those of the axes when not given")
+        .help("three directions; of frames six, each to move along and to turn about, below pi; those of the axes by default")
         .unit("-");
-    table.add("useDirections", used_).help("1 for each of the directions to move along, 0 else; all when not given");
+    table.add("useDirections", used_).help("1 for each of the directions to move along, 0 else; all by default");
     table.add("weight", weights_).help("factor on the way along each of the directions, or one for all").unit("-");
     declareValue(table, "displacement", "force", true, "displacement [m] or force [N]");
     table.add("minForce", least_force_).help("least force; without it, none").unit("N");
@@ -52,7 +53,7 @@ class Position final : public Actuator {
     table.add("maxPositiveDisp", most_way_).help("largest displacement; without it, none").unit("m");
     table.add("maxNegativeDisp", least_way_).help("largest displacement the other way; without it, none").unit("m");
     table.add("force", told_force_).help("force of the last step, on the first point along the first direction").unit("N").output();
-    table.add("displacement", way_).help("what that point has moved along it after the last step").unit("m").output();
+    table.add("displacement", way_).help("displacement of that point along it after the last step").unit("m").output();
     table.add("delta", ways_).help("the displacements of all, direction after direction of each point").unit("m").output();
   }
   void init() override {
@@ -144,7 +145,7 @@ class Position final : public Actuator {
     along_.clear();
     for (std::size_t k = 0; k < count; ++k)
       if (used_.empty() || used_[k]) along_.push_back(direction(k, each));
-    if (along_.empty()) throw ComponentError("useDirections holds no direction", "a 1 for each direction to move along");
+    if (along_.empty()) throw ComponentError("useDirections selects no direction", "a 1 for each direction to move along");
   }
   /// Both halves of that of a frame have the length 1, or none.
   Direction direction(std::size_t k, std::size_t each) const {

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SlidingLagrangianConstraint: a point that slides along a line of two points, or along a curve of several, as a suture, a
-// needle or a catheter does. The line moves with its body, which feels the force at the very point. Nothing rubs.
+// needle or a catheter does. The line moves with its body, and the force acts on it exactly at the point. There is no
+// friction.
 //
 // On the piece from a to b, u its direction and t the point's share of it:
 //   n . (x - (1 - t) a - t b) = 0 for two n across u,
 //   u . (x - a) >= 0,  u . (b - x) >= 0
-// so that the point is on the piece where a step ends. The force F on it is across u, or at a corner what holds it there.
+// so that the point is on the piece at the end of a step. The force F on it is normal to u, or at a corner the force that
+// holds it there.
 //
-// Where the way goes on behind an end, to a piece of direction w away from it, the point goes over in the same step if F, found
-// at the end, does not hold it from there: F . w < 0. Else the corner is a valley of what pulls the point, and it stays. This goes
-// down the way, over many pieces at once, until it rests: for a linear body it is the nearest minimum of the step's energy on the
-// curve. Pieces of no length are stepped over. Over a corner the part of the momentum along the next piece is kept, by rules that
-// damp; by TrapezoidalRuleSolver the speed of a free point is, and of what is tied to it at its place, up to 120 degrees
-// (integrators/multipliers.h).
-// A curve whose last point is its first goes round.
+// If the curve continues beyond an end, with a piece of direction w away from it, the point moves on in the same step if F,
+// found at the end, does not hold it back: F . w < 0. Otherwise the corner is a minimum of the energy, and the point stays. It
+// moves on over any number of pieces until it stops: for a linear body at the nearest minimum of the step's energy on the
+// curve. Pieces of zero length are skipped. At a corner dissipative rules keep the component of the momentum along the next
+// piece. TrapezoidalRuleSolver keeps the speed of a free point, and of points tied to it at its position, up to 120 degrees
+// (integrators/multipliers.h). A curve whose last point is its first is closed.
 //
 // Source: the names and attributes are SOFA's, but for `curve`.
 //
@@ -47,7 +48,7 @@ class Sliding final : public PairConstraint, public ChangesConditions {
     table.add("sliding_point", point_).help("point of object1 that slides");
     table.add("axis_1", axis_1_).help("point of object2 where the line begins");
     table.add("axis_2", axis_2_).help("point of object2 where it ends");
-    table.add("curve", curve_).help("points of object2 in order along a curve; axis_1 and axis_2 when not given");
+    table.add("curve", curve_).help("points of object2 in order along a curve; axis_1 and axis_2 by default");
   }
   void init() override {
     PairConstraint::init();

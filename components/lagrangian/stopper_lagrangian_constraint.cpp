@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// StopperLagrangianConstraint: a number, such as the angle of a joint, that stays between two bounds.
+// StopperLagrangianConstraint: a scalar, such as the angle of a joint, that stays between two bounds.
 //
-//   x - min >= 0,   max - x >= 0,   force only where one of them is zero
+//   x - min >= 0,   max - x >= 0,   force only if one of them is zero
 //
 // Source: the names and attributes are SOFA's.
 //
@@ -63,5 +63,5 @@ class Stopper final : public PairConstraint {
 }  // namespace stroma::lagrangian
 
 STROMA_COMPONENT(stopper_lagrangian_constraint) {
-  factory.add<stroma::lagrangian::Stopper>("StopperLagrangianConstraint", "a number that stays between two bounds");
+  factory.add<stroma::lagrangian::Stopper>("StopperLagrangianConstraint", "a scalar that stays between two bounds");
 }

@@ -6,10 +6,10 @@
 //   valueType volumeGrowth: V = V_0 + value, and p is what that takes, between minPressure and maxPressure where they are given
 //   valueType pressure:     p = value, while minVolumeGrowth <= V - V_0 <= maxVolumeGrowth where they are given
 //
-// The force is p dV/dx: each triangle bears p times its area along its normal, a third on each corner, and each quad what its
-// bilinear functions say, whichever corner is its first. Normals point out of the cavity that is inflated; flipNormal turns
-// them. `pressure` and `volumeGrowth` have both after a step. They do not depend on the time step. A surface that is not closed
-// has no volume: it takes a pressure alone.
+// The force is p dV/dx: each triangle has p times its area along its normal, a third on each corner, and each quad the force
+// from its bilinear functions, independent of its first corner. Normals point out of the inflated cavity; flipNormal reverses
+// them. `pressure` and `volumeGrowth` have both after a step. They do not depend on the time step. An open surface has no
+// volume: it can only have a pressure.
 //
 // Source: the names and attributes are those of SOFA's plugin SoftRobots, where pressures are p times the time step.
 //
@@ -41,7 +41,7 @@ class SurfacePressure final : public Actuator {
  public:
   void declare(DataTable& table) override {
     declareOneState(table);
-    table.find("forces")->help("what goes with the volume: the pressure of the last step").unit("Pa");
+    table.find("forces")->help("the pressure in the last step").unit("Pa");
     topology_.declare(table, "mesh with the triangles and quads of the surface");
     table.add("triangles", triangles_).help("of the surface; with quads those of the mesh when neither is given");
     table.add("quads", quads_).help("of the surface, each bilinear");

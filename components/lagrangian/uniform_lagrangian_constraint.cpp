@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// UniformLagrangianConstraint: everything that a state holds stays zero, by forces that can be read.
+// UniformLagrangianConstraint: all values of a state stay zero, by forces that can be read.
 //
 //   x = 0,   with one row for each number of the state, three for each point; with constrainToRestPos x = its rest position
 //
-// Of a state that follows by a mapping it makes a constraint of what the mapping computes: distances that follow by DistanceMapping
-// stay what they were at rest, so that its edges are rods. The force of a row is then the tension of a rod.
+// For a mapped state it constrains the quantity that the mapping computes: distances from a DistanceMapping keep their rest
+// values, so that its edges are rods. The force of a row is then the tension of a rod.
 //
 // Source: the name is SOFA's.
 //
@@ -34,7 +34,7 @@ class Uniform final : public PairConstraint {
  public:
   void declare(DataTable& table) override {
     declareOneState(table);
-    table.add("constrainToRestPos", to_rest_).help("numbers and points stay at rest, not at zero");
+    table.add("constrainToRestPos", to_rest_).help("scalars and points stay at their rest value, not at zero");
     table.addVisualOnly("iterative");
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
@@ -57,5 +57,5 @@ class Uniform final : public PairConstraint {
 }  // namespace stroma::lagrangian
 
 STROMA_COMPONENT(uniform_lagrangian_constraint) {
-  factory.add<stroma::lagrangian::Uniform>("UniformLagrangianConstraint", "numbers and points that stay zero, as mapped distances");
+  factory.add<stroma::lagrangian::Uniform>("UniformLagrangianConstraint", "scalars and points that stay zero, such as mapped distances");
 }

@@ -2,8 +2,8 @@
 // ConicalForceField: a cone that keeps nodes inside, closed by the part of a sphere around its tip.
 //
 // With y = x - coneCenter, n the direction of coneHeight, H its length, alpha = coneAngle between the axis and the side, and
-// r, a the lengths of y across and along n, a node is inside where r cos(alpha) <= a sin(alpha) and |y| <= H. The depth g of
-// one that is not is its distance from there: from the side, from the cap, from the tip, or from the rim where these meet.
+// r, a the lengths of y across and along n, a node is inside where r cos(alpha) <= a sin(alpha) and |y| <= H. The depth g of a
+// node outside is its distance from this region: from the side, the cap, the tip, or the rim between side and cap.
 //
 //   E = k/2 g^2,   f = -k g grad g - c g v,   df/dx = -k (grad g grad g^T + g H_g),   df/dv = -c g I
 //
@@ -36,7 +36,7 @@ class ConicalForceField final : public PenaltyField {
     table.add("coneCenter", tip_).atOnce().help("the tip").unit("m");
     table.add("coneHeight", height_).help("from the tip along the axis to the cap").unit("m").required();
     table.add("coneAngle", angle_).help("between the axis and the side").unit("degree").min(0, false).max(90);
-    table.add("towardsTip", towards_tip_).help("what is too far from the tip is drawn to it and not damped, as in SOFA");
+    table.add("towardsTip", towards_tip_).help("nodes too far from the tip are drawn to it without damping, as in SOFA");
     table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0).physical();
   }
   void init() override {

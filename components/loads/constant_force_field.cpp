@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ConstantForceField: forces on nodes that depend neither on the shape nor on time.
+// ConstantForceField: forces on nodes that are independent of shape and time.
 //
 //   f_i = forces[i] for each index, or totalForce / (number of indices);  energy = -sum f_i . x_i;  K = 0
 //
 // One value in `forces` (or `force`) goes to every node; totalForce is shared equally by the nodes, not by area. A node
 // listed twice is loaded twice. Without `indices` every node is loaded. With indexFromEnd the index 0 is the last node.
 //
-// A force on a rigid frame has six numbers, the force on its centre and the torque in fixed axes; on nodes of other types
-// as many as they have. A torque that keeps its direction has no energy: it is none that a potential would give.
+// A force on a rigid frame has six numbers, the force on its centre and the torque in fixed axes; on nodes of other types as
+// many as they have. A torque of fixed direction has no energy: it does not derive from a potential.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -33,8 +33,8 @@ class ConstantForceField final : public DeadLoad {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("indices", indices_).recompiled().help("loaded nodes; every node when not given");
-    table.add("emptyMeansAll", empty_is_all_).help("an empty list of indices stands for all nodes, as in SOFA");
+    table.add("indices", indices_).recompiled().help("loaded nodes; every node by default");
+    table.add("emptyMeansAll", empty_is_all_).help("an empty list of indices means all nodes, as in SOFA");
     table.add("forces", forces_).recompiled().help("force on each listed node, or one for all of them").unit("N");
     table.add("force", force_).recompiled().help("the same force on each listed node").unit("N").shorthand();
     table.add("totalForce", total_force_).recompiled().help("force shared equally by the listed nodes").unit("N");

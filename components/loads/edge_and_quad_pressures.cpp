@@ -46,10 +46,10 @@ class DeadPressure : public DeadLoad, public LocalLoad {
   void declare(DataTable& table) override {
     ForceField::declare(table);
     topology_.declare(table, "mesh that is loaded");
-    table.add("normal", normal_).help("with dmin and dmax: what lies between two planes is loaded").unit("-");
+    table.add("normal", normal_).help("with dmin and dmax: elements between two planes are loaded").unit("-");
     table.add("dmin", dmin_).help("distance of the one plane from the origin").unit("m");
     table.add("dmax", dmax_).help("distance of the other").unit("m");
-    table.add("allowEmpty", allow_empty_).help("that nothing is chosen is no error: there is no load");
+    table.add("allowEmpty", allow_empty_).help("an empty selection is not an error: there is no load");
     for (const char* name : {"showForces", "arrowSizeCoef"}) table.addVisualOnly(name);
   }
   void init() override {
@@ -90,7 +90,7 @@ class DeadPressure : public DeadLoad, public LocalLoad {
                            has_any ? "check the selection that is linked"
                                    : "of the faces of volume cells a loader makes some with createSubelements=\"true\", a solid "
                                      "RegularGridTopology with computeQuadList=\"true\" or computeEdgeList=\"true\"");
-    if (cells.empty()) warn(fmt::format("{} chooses nothing: there is no load", name));
+    if (cells.empty()) warn(fmt::format("{} selects nothing: there is no load", name));
     for (const auto& cell : cells)
       for (const Index node : cell)
         if (node < 0 || node >= state().nodes())

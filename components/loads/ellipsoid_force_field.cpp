@@ -10,12 +10,12 @@
 //
 //   E = k/2 g^2,   f = -k g grad g - c g v,   df/dx = -k (grad g grad g^T + g H),   df/dv = -c g I
 //
-// At the centre, where every way out is as near, there is no force. A bilateral sphere holds nodes on both of its sides: depths are
-// |s| there.
+// At the centre, where all ways out are equally short, there is no force. A bilateral sphere attracts nodes from both sides:
+// the depth is |s|.
 //
-// Source: the names and attributes are SOFA's; the force here has a potential. That of SOFA's EllipsoidForceField, depth="ratio",
-// has the number s = sqrt(q) - 1 in place of the length, so that the stiffness is a force, along the unit normal n:
-// f = -k g n - c g v. Of its tangent, which is none of a potential, the symmetric part is taken.
+// Source: the names and attributes are SOFA's; the force here has a potential. That of SOFA's EllipsoidForceField,
+// depth="ratio", has the number s = sqrt(q) - 1 instead of the length, so that the stiffness is a force, along the unit normal
+// n: f = -k g n - c g v. It has no potential; the tangent is the symmetric part of the derivative.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -53,7 +53,7 @@ class Ellipsoid : public PenaltyField {
     PenaltyField::init();
     radii_ = radii;
     if (!(radii_.minCoeff() > 0)) throw ComponentError(std::string(attribute) + " is not positive", "positive lengths");
-    if (signed_stiffness_ == 0) warn("the stiffness is zero: the component does nothing");
+    if (signed_stiffness_ == 0) warn("the stiffness is zero: the component has no effect");
     stiffness_constant_ = std::abs(signed_stiffness_);
   }
   Depth depth(const Vec3& x) const override {
@@ -79,7 +79,7 @@ class EllipsoidForceField final : public Ellipsoid {
     Ellipsoid::declare(table);
     table.add("vradius", given_radii_).help("half lengths of the axes").unit("m").required();
     table.addChoice("depth", depth_of_, {"distance", "ratio"})
-        .help("what the stiffness multiplies: the distance to first order, or SOFA's ratio of lengths, less one");
+        .help("factor of the stiffness: the distance to first order, or SOFA's ratio of lengths minus one");
   }
   void init() override {
     by_ratio_ = depth_of_ == DepthOf::ratio;

@@ -7,10 +7,10 @@
 //   E = k/2 g^2,   F = -k g R grad g - d g u,   u = v - v_c - w x r,   r = x - c,   k = |stiffness|, d = damping
 //   on the point F, on the frame -F and the torque -r x F
 //
-// `center` and `vradius` have three numbers for each ellipsoid, in the axes of the frame. Of several the one counts for which
-// sum y_j^2/r_j^2 is least: a point is outside when it is outside of all. The tangent is the symmetric part of the derivative,
-// without the turning of r and of the damping. With object2_forces="false" the frame feels nothing, and what the points feel
-// as it moves is no part of the tangent.
+// `center` and `vradius` have three numbers for each ellipsoid, in the axes of the frame. If there are several, the one with
+// the smallest sum y_j^2/r_j^2 is used: a point is outside if it is outside all of them. The tangent is the symmetric part of
+// the derivative, without the rotation of r and of the damping. With object2_forces="false" there is no reaction on the frame,
+// and the tangent ignores its motion.
 //
 // Source: names and attributes are SOFA's. There g is the number sqrt(q) - 1 (depth="ratio", as EllipsoidForceField has it), the
 // frame gets the force at its centre and no torque, the damping is that of the point's own velocity (onCentre), and the forces
@@ -61,12 +61,12 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
         .unit("N/m")
         .physical();
     table.add("damping", damping_constant_).help("force over velocity and depth").unit("N s/m^2").min(0);
-    table.add("object2_forces", answers_).help("the frame feels what it does to the points");
+    table.add("object2_forces", answers_).help("the reaction of the points acts on the frame");
     table.add("explicitDamping", explicit_).help("damping has no part in derivatives, as in SOFA");
     table.add("explicitForce", explicit_force_).help("the forces are no part of the matrix: not stable for stiff ones");
     table.add("onCentre", on_centre_).help("the frame gets no torque, and points are damped as if it stood still, as in SOFA");
     table.addChoice("depth", depth_of_, {"distance", "ratio"})
-        .help("what the stiffness multiplies: the distance to first order, or SOFA's ratio of lengths, less one");
+        .help("factor of the stiffness: the distance to first order, or SOFA's ratio of lengths minus one");
     for (const char* name : {"color", "draw"}) table.addVisualOnly(name);
   }
 
@@ -80,7 +80,7 @@ class InteractionEllipsoid final : public NodeGroupField<3> {
       throw ComponentError(fmt::format("center has {} and vradius {} vectors", centres_.size(), radii_.size()), "as many of each");
     for (const Vec3& radii : radii_)
       if (!(radii.minCoeff() > 0)) throw ComponentError("vradius is not positive", "positive lengths");
-    if (signed_stiffness_ == 0) warn("the stiffness is zero: the component does nothing");
+    if (signed_stiffness_ == 0) warn("the stiffness is zero: the component has no effect");
   }
 
   std::vector<State*> states() const override { return {&state(), points_.get()}; }

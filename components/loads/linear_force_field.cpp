@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// LinearForceField: a force on each of some nodes that is given at times and linear between them.
+// LinearForceField: a force on each of some nodes, given at times and interpolated linearly.
 //
 //   f_i(t) = forces at t for each of points;  energy = -sum f_i . x_i;  K = 0
 //
@@ -76,8 +76,8 @@ class LinearForceField final : public DeadLoad, public LocalLoad {
   template <class Visit>
   void forEachRow(const Visit& visit) const {
     const Index rows = Index(keys_.size());
-    for (const Index node : nodes_)
-      for (Index k = 0; k < rows; ++k) visit(state().firstRow() + node * rows + k, std::size_t(k));
+    for (const Index first : nodes_)
+      for (Index k = 0; k < rows; ++k) visit(state().firstRow() + first + k, std::size_t(k));
   }
 
   /// For each row of a node, a vector of which a number has x.
@@ -98,7 +98,7 @@ class LinearForceField final : public DeadLoad, public LocalLoad {
   std::vector<int> points_;
   std::vector<double> times_, forces_;  ///< as written
   std::vector<KeyTimes<Vec3>> keys_;    ///< shape (rows of a node)
-  std::vector<Index> nodes_;
+  std::vector<Index> nodes_;  ///< the first row of each
   std::vector<Vec3> now_;  ///< [N], shape (rows of a node)
 };
 

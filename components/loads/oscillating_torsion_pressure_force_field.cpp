@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// OscillatingTorsionPressureForceField: a part of a surface that is turned to and fro about an axis by a moment, as by a plate
+// OscillatingTorsionPressureForceField: a part of a surface twisted back and forth about an axis by a moment, as by a plate
 // glued to it.
 //
 //   M(t) = moment cos(2 pi frequency t + phase)
 //   f_i = penalty (R(alpha) X_i - x_i) + m w_i t_i/d_i,   alpha = sum d_i angle_i / sum d_i
 //
-// X_i and x_i are the places of a node of the part at rest and now, d_i its present distance from the axis through `center`,
-// angle_i how far it has turned about it, and t_i the direction in which it turns. The first term keeps the part in its shape,
-// turned by alpha as a whole. m is what that term lacks of M(t), so that all forces together have the moment M(t) about the
-// axis. The weights w_i sum to 1 and grow with the third power of the distance and with the area around a node.
+// X_i and x_i are the rest and current positions of a node of the part, d_i its current distance from the axis through
+// `center`, angle_i its rotation about it, and t_i the direction of this rotation. The first term keeps the shape of the part,
+// rotated by alpha as a whole. m makes up the difference of that term from M(t), so that all forces together have the moment
+// M(t) about the axis. The weights w_i sum to 1 and grow with the third power of the distance and with the area around a node.
 //
 // The part: the triangles of triangleList; or those whose corners have all dmin < X.axis < dmax; or all.
 //
@@ -49,7 +49,7 @@ class OscillatingTorsion final : public NodeGroupField<1> {
     ForceField::declare(table);
     topology_.declare(table, "surface");
     table.add("moment", moment_).atOnce().help("largest moment about the axis").unit("N m").required();
-    table.add("frequency", frequency_).atOnce().help("turns to and fro in a second").unit("1/s").min(0);
+    table.add("frequency", frequency_).atOnce().help("oscillations per second").unit("1/s").min(0);
     table.add("phase", phase_).atOnce().help("of the moment at t = 0").unit("rad");
     table.add("penalty", penalty_).atOnce().help("force over the distance from the turned shape").unit("N/m").physical().min(0);
     table.add("axis", axis_).help("axis of the turn").unit("-");
@@ -174,5 +174,5 @@ class OscillatingTorsion final : public NodeGroupField<1> {
 
 STROMA_COMPONENT(oscillating_torsion_pressure_force_field) {
   factory.add<stroma::OscillatingTorsion>("OscillatingTorsionPressureForceField",
-                                          "a part of a surface that is turned to and fro about an axis");
+                                          "a part of a surface twisted back and forth about an axis");
 }

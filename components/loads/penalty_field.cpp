@@ -13,7 +13,7 @@ void PenaltyField::declare(DataTable& table) {
   ForceField::declare(table);
   table.add("damping", damping_constant_).help("force over velocity and depth").unit("N s/m^2").min(0);
   table.add("explicitDamping", explicit_damping_).help("damping has no part in derivatives, as in SOFA");
-  table.add("indices", indices_).help("nodes that feel the surface; every node when not given");
+  table.add("indices", indices_).help("nodes in contact with the surface; every node by default");
   table.add("localRange", range_).help("first node and the one after the last that feel the surface; -1: no bound");
   for (const char* name : {"color", "bwdColor", "draw"}) table.addVisualOnly(name);
 }

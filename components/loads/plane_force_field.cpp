@@ -5,8 +5,8 @@
 //
 //   E = k/2 g^2,   f = k g n - c g v,   df/dx = -k n n^T (and the normal part of the damping),   df/dv = -c g I
 //
-// A body of mass m rests at the depth m g_0 / k per node that carries it. maxForce limits k g. bilateral pulls nodes in
-// front of the plane back to it as well (the damping then goes with |g|). Of frames the centres feel it.
+// A body of mass m rests at the depth m g_0 / k per node that carries it. maxForce limits k g. bilateral also pulls nodes in
+// front of the plane back to it (the damping is then proportional to |g|). For frames it acts on the centres.
 //
 // Source: the attributes are SOFA's.
 //

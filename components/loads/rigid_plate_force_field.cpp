@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// RigidPlateForceField: a rigid plate that presses on nodes and is pressed back, so that a force can push it.
+// RigidPlateForceField: a rigid plate that presses on nodes, with reaction, so that a force can push it.
 //
-// The plate is one node of its own (`plate`, plateNode), which a load pushes and constraints guide: its face is the plane
-// through that node with the unit normal n, `offset` further along n. With g = n.(x_p - x) + offset the depth of a node
-// behind the face, where g > 0:
+// The plate is a separate node (`plate`, plateNode), pushed by a load and guided by constraints: its face is the plane with
+// the unit normal n, at `offset` along n from that node. With g = n.(x_p - x) + offset the depth of a node behind the face,
+// where g > 0:
 //
 //   E = k/2 g^2,   f = k g n,   f_p = -sum of f,   df/dx = -k n n^T
 //
-// Momentum is kept: what the plate does to the body, the body does to it. The plate keeps its direction; nodes slide on
-// it without friction. bilateral glues nodes to the face along n: it pulls as well. A force F on a plate in equilibrium
-// is the sum of k g: the plate sinks into n nodes of equal load by F/(n k). The plate needs a mass in dynamics, and in
-// statics contact at the start, or bilateral: nothing else carries it along n.
+// Forces on plate and body are equal and opposite: momentum is conserved. The plate keeps its direction; nodes slide on it
+// without friction. bilateral glues nodes to the face along n: it also pulls. A force F on a plate in equilibrium is the sum
+// of k g: with n equally loaded nodes the depth is F/(n k). The plate needs a mass in dynamics. In statics it needs contact at
+// the start, or bilateral: otherwise nothing supports it along n.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -50,7 +50,7 @@ class RigidPlateForceField final : public NodeGroupField<2, PairTangent> {
         .recompiled()
         .help("distance of the face from the plate's node, along normal")
         .unit("m");
-    table.add("indices", indices_).help("nodes that feel the plate; every node when not given");
+    table.add("indices", indices_).help("nodes in contact with the plate; every node by default");
     table.add("stiffness", stiffness_constant_)
         .recompiled()
         .help("force on a node over its depth behind the face")

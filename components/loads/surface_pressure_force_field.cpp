@@ -10,21 +10,20 @@
 //   <MeshGmshLoader name="loader" filename="finger.msh" group="finger.cavity"/>
 //   <SurfacePressureForceField triangleIndices="@loader.groupTriangleIndices" pressure="-20 kPa"/>
 //
-// A closed surface of its own that is turned outward, such as a balloon, is inflated by a positive one. The forces are exact
-// for triangles and for bilinear quads, warped or not (with quads="halves", as in SOFA, for two triangles in place of each quad, which
-// the tangent leaves out, and which mainDirection does not weigh); on a closed surface they have no resultant and no moment, and
-// their work is p dV.
+// A closed surface oriented outward, such as a balloon, is inflated by a positive one. The forces are exact for triangles and
+// for bilinear quads, warped or not. With quads="halves", as in SOFA, each quad is two triangles, which the tangent leaves
+// out, and which mainDirection does not weigh. On a closed surface they have no resultant and no moment, and their work is p
+// dV.
 //
 // Loaded are the listed triangles and quads; without lists all of the mesh but those between two of its volume cells, or
 // the boundary of these when it lists no faces, that lie in the box from min to max in the rest shape (both corners, or
 // neither for everywhere). With a mainDirection d of unit length a face of normal n at rest is loaded by |n.d| times
 // the pressure.
 //
-// Over time the pressure is constant; or linear between keyTimes; or with pulseMode it starts at 0, moves to `pressure`
-// at pressureSpeed, and then goes to and fro between pressureLowerBound and it. With volumeConservationMode it is that
-// of a gas at constant temperature, p V_0/V, E = -p V_0 ln(V/V_0); below a thousandth of V_0 it stays what it is there.
-// V_0 is defaultVolume, or for -1 the volume at rest. Its change with V, a stiffness between all nodes of the surface,
-// is left out of the tangent.
+// Over time the pressure is constant; or linear between keyTimes; or with pulseMode it starts at 0, moves to `pressure` at
+// pressureSpeed, and then oscillates between pressureLowerBound and it. With volumeConservationMode it is that of a gas at
+// constant temperature, p V_0/V, E = -p V_0 ln(V/V_0), constant below a thousandth of V_0. V_0 is defaultVolume, or for -1 the
+// volume at rest. Its change with V, a stiffness between all nodes of the surface, is left out of the tangent.
 //
 // tangent: see the attribute. On an open surface whose rim can move the load has no potential.
 //
@@ -105,7 +104,7 @@ void SurfacePressureForceField::declare(DataTable& table) {
       .unit("-");
   table.addChoice("quads", quads_, {"bilinear", "halves"})
       .help("of quads the exact forces of a bilinear face, or (SOFA) those of its triangles 0 1 2 and 0 2 3, without a stiffness");
-  table.add("pulseMode", pulse_).help("the pressure goes to and fro between pressureLowerBound and pressure");
+  table.add("pulseMode", pulse_).help("the pressure oscillates between pressureLowerBound and pressure");
   table.add("pressureLowerBound", lower_bound_).help("the other end of the pulse").unit("Pa");
   table.add("pressureSpeed", speed_).help("change of the pressure in pulseMode").unit("Pa/s").min(0);
   table.add("keyTimes", key_times_)
@@ -168,7 +167,7 @@ void SurfacePressureForceField::checkTimes() {
     keys_.check();
     return;
   }
-  if (pressure_ == 0) warn("the pressure is zero: the component does nothing", "pressure or keyPressures");
+  if (pressure_ == 0) warn("the pressure is zero: the component has no effect", "pressure or keyPressures");
   if (!pulse_) return;
   if (!isSet("pressureSpeed")) {
     speed_ = std::abs(pressure_);

@@ -3,9 +3,9 @@
 //
 //   f_a = t integral of N_a dA
 //
-// area = current: dA is the area of the deformed surface, so that t is the Cauchy traction: a face that is stretched to
-// twice its area carries twice the force. There is no potential. area = rest: dA is that of the rest shape, a dead load
-// with E = -sum f_a . x_a. In both t keeps its direction when the surface turns; a pressure, which turns with it, is
+// area = current: dA is the area of the deformed surface, so that t is the Cauchy traction: a face stretched to twice its area
+// carries twice the force. There is no potential. area = rest: dA is that of the rest shape, a dead load with E = -sum f_a .
+// x_a. In both t keeps its direction when the surface rotates; for a pressure, which rotates with it, use
 // SurfacePressureForceField. The integral is exact for triangles; for quads it has 2 x 2 Gauss points.
 //
 //   df_a = t integral of N_a n . (dg_1 x g_2 + g_1 x dg_2),   g_1, g_2 the tangents of the surface, n its normal

@@ -4,9 +4,9 @@
 //   p = p0 - B ((V / V_0)^gamma - 1),   f_a = p A_a   on all triangles and quads of the mesh
 //   E = -(p0 + B) V + B V_0 / (gamma + 1) (V / V_0)^(gamma + 1),   dE/dV = -p
 //
-// V is the volume behind the surface, A_a the area vector of a node; V_0 is the volume at rest plus injectedVolume, at once, or
-// with a maxInjectionRate q from t = 0 on until it is in: min(injectedVolume, q t). B and gamma say how stiff the content is
-// (water: gamma 7). The tangent is the derivative,
+// V is the volume inside the surface, A_a the area vector of a node; V_0 is the rest volume plus injectedVolume, immediately,
+// or with a maxInjectionRate q gradually from t = 0 on: min(injectedVolume, q t). B and gamma define the stiffness of the
+// content (water: gamma 7). The tangent is the derivative,
 //
 //   K_ab = p dA_a/dx_b + p' A_a A_b^T,   p' = dp/dV = -B gamma (V / V_0)^gamma / V
 //
@@ -58,7 +58,7 @@ class TaitSurfacePressureForceField final : public SurfaceLoad {
     setFaces(std::move(faces));
     stress_is_fixed = false;
     if (!isClosed())
-      throw ComponentError(fmt::format("the surface is open at the edge of nodes {}, so it holds no volume", openEdge()),
+      throw ComponentError(fmt::format("the surface is open at the edge of nodes {}, so it encloses no volume", openEdge()),
                            "a closed surface");
     for (const double in : {0., injected_})
       if (volume_ = restVolume() + in; !(volume_ > 0))

@@ -6,9 +6,8 @@
 // The moment of each about the axis is tau times the square of its distance. On a rigid frame the same force acts at its
 // centre, and besides the torque tau u on its orientation.
 //
-// The forces follow the nodes and have no potential: their energy is not counted, and a node that nothing holds is driven
-// round and outward. Their derivative is tau [u], which is skew: no symmetric matrix has a part of it, and an implicit step
-// takes the forces as they are at the shape that it evaluates.
+// The forces follow the nodes and have no potential: they are not part of the energy, and an unsupported node spirals outward.
+// Their derivative tau [u] is skew: it has no symmetric part, and an implicit step uses the forces at the evaluated shape.
 //
 // Source: the name and attributes are SOFA's, which takes tau (I - u u^T) for the derivative: tangent="transverse".
 //
@@ -43,7 +42,7 @@ class TorsionForceField final : public NodeGroupField<1> {
         .required();
     table.add("axis", axis_).recompiled().help("direction of the axis").unit("-").required();
     table.add("origin", origin_).recompiled().help("a point of the axis").unit("m");
-    table.addChoice("tangent", tangent_, {"none", "transverse"}).help("none, or what SOFA takes for the derivative");
+    table.addChoice("tangent", tangent_, {"none", "transverse"}).help("none, or SOFA's approximation of the derivative");
   }
 
   void init() override {
@@ -54,7 +53,7 @@ class TorsionForceField final : public NodeGroupField<1> {
     const double length = axis_.norm();
     if (!(length > 0) || !std::isfinite(length)) throw ComponentError("axis has no direction", "a vector that is not zero");
     direction_ = axis_ / length;
-    if (torque_ == 0) warn("the torque is zero: the component does nothing");
+    if (torque_ == 0) warn("the torque is zero: the component has no effect");
   }
 
   ForceTraits traits() const override {

@@ -5,9 +5,9 @@
 //                               E = -sum f_a . x_a, K = 0
 //   useConstantForce = false:   f_a = sigma A_a, A_a = (x_1 - x_0) x (x_2 - x_0) / 6; no potential
 //
-// The first is a dead load: it follows neither the area nor the normal. The second is the traction sigma n of a body
-// with the Cauchy stress sigma on the current surface; uniform on a closed one, it has no resultant and no moment.
-// cauchyStress lists xx xy yy zx yz zz. tangent (of the second) is exact, or its symmetric part, which is approximate;
+// The first is a dead load: it does not follow the area or the normal. The second is the traction sigma n of a body with the
+// Cauchy stress sigma on the current surface; uniform on a closed one, it has no resultant and no moment. cauchyStress lists
+// xx xy yy zx yz zz. tangent (of the second) is exact, or its symmetric part, which is approximate;
 // useTangentStiffness="false": none, as in SOFA.
 //
 // Source: the names and attributes are SOFA's, but tangent.
@@ -40,7 +40,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
     table.add("pressure", pressure_).recompiled().help("force per area at rest, of a fixed direction").unit("Pa");
     table.add("cauchyStress", given_stress_).help("xx xy yy zx yz zz of a stress that acts on the normals").unit("Pa");
     table.add("triangleList", list_).help("loaded triangles of the mesh").required();
-    table.add("allowEmpty", allow_empty_).help("a list without triangles is no error: nothing is loaded");
+    table.add("allowEmpty", allow_empty_).help("an empty list of triangles is not an error: nothing is loaded");
     table.add("useConstantForce", constant_).help("load by pressure and the area at rest, else by cauchyStress");
     table.add("useTangentStiffness", use_tangent_).help("false: the stress has no stiffness");
     table.addVisualOnly("showForces");
@@ -93,7 +93,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
   std::vector<Face> listedTriangles(const Mesh& mesh) const {
     if (list_.empty() && !allow_empty_)
       throw ComponentError("triangleList lists no triangle", "at least one",
-                           "when a selection is linked here, check that its box holds triangles");
+                           "if a selection is linked here, check that its box contains triangles");
     if (list_.empty()) warn("triangleList lists no triangle: there is no load");
     std::vector<Face> faces;
     for (std::size_t i = 0; i < list_.size(); ++i) {

@@ -9,8 +9,8 @@
 // damped. There is no energy and no stiffness; implicit integrators take C into their matrix, so any c is stable there,
 // and an explicit step is stable while dt c is below twice the mass of a node.
 //
-// With explicitDamping the uniform one has no C: the force is that of the velocity where a step starts. It damps numbers and frames,
-// too: of these the velocity by -c v and the turning by the torque -c w, c in N m s.
+// With explicitDamping the uniform one has no C: the force is that of the velocity at the start of a step. It also damps
+// numbers and frames: of frames the velocity by -c v and the rotation by the torque -c w, c in N m s.
 //
 // Source: the names and attributes are SOFA's; its `implicit` has no effect, since C is used unless explicitDamping is written.
 //
@@ -36,7 +36,7 @@ class VelocityDamping : public NodeGroupField<1> {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("indices", indices_).help("damped nodes; every node when not given");
+    table.add("indices", indices_).help("damped nodes; every node by default");
   }
   void init() override {
     ForceField::init();

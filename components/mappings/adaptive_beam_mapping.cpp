@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// AdaptiveBeamMapping: points on and about the beams of a BeamInterpolation or a WireBeamInterpolation.
+// AdaptiveBeamMapping: points on and around the beams of a BeamInterpolation or a WireBeamInterpolation.
 //
 //   x = w_a (c_a + q_a p_a) + w_b (c_b + q_b p_b)
 //   w_a = (1-s)^3 + 3 s (1-s)^2,   p_a = s (1-s)^2/w_a L e_x + (0, y, z),   w_b = 1 - w_a,   p_b = -s^2 (1-s)/w_b L e_x + (0, y, z)
 //
-// which is the cubic curve between the frames of both ends (beam_interpolation.cpp), and beside it the offsets y and z, turned as the ends
-// are. Forces on the points are those on the curve: a load between two nodes bends the beams as it does in closed form.
+// which is the cubic curve between the frames of both ends (beam_interpolation.cpp), with the offsets y and z, rotated with
+// the ends. Forces on the points act on the curve: a load between two nodes bends the beams as in the closed form.
 //
-// `points` has (l, y, z) for each node, l the length of the rod from its handle on; without useCurvAbs the number of the beam plus s.
-// They are the positions of the nodes when not given. Nodes on a part of a rod that is not out are where it comes in. As a rod is
-// pushed, nodes stay where they are on it.
+// `points` has (l, y, z) for each node, l the length of the rod from its handle on; without useCurvAbs the number of the beam
+// plus s. They are the positions of the nodes by default. Nodes on a part of a rod that is not pushed out are at the opening.
+// As a rod is pushed, nodes keep their position on it.
 //
 // Source: names, attributes and formulas are those of the plug-in BeamAdapter for SOFA, which turns the offsets of places on the
 // curve by an axis between those of the ends, and those of forces as here.
@@ -44,8 +44,8 @@ class AdaptiveBeamMapping final : public PointsOnBeams {
  public:
   void declare(DataTable& table) override {
     FrameMapping::declare(table);
-    table.addLink("interpolation", link_).help("the beams; those of a node above when not given");
-    table.add("points", points_).help("places on the rod: length, and offsets along y and z; the positions of the nodes when not given")
+    table.addLink("interpolation", link_).help("the beams; those of a node above by default");
+    table.add("points", points_).help("places on the rod: length, and offsets along y and z; the positions of the nodes by default")
         .unit("m");
     table.add("useCurvAbs", by_length_).help("the first number of a point is a length of the rod, not the number of a beam");
     table.add("nbPointsPerBeam", per_beam_).help("SOFA's; only 0 is supported").unit("-");

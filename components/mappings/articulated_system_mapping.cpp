@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ArticulatedSystemMapping: rigid frames that are joined in a tree by hinges and slides, as functions of their numbers.
+// ArticulatedSystemMapping: rigid frames joined in a tree by hinges and sliders, as functions of their coordinates.
 //
-// The state that is followed has a number for each hinge (its angle [rad]) and each slide (its way [m]) (template Vec1). Frame
-// 0 is the root: it stays where it starts, or is the frame indexInput2 of input2. Each ArticulationCenter joins a frame
+// The parent state has a number for each hinge (its angle [rad]) and each slider (its displacement [m]) (template Vec1). Frame
+// 0 is the root: it is fixed at its start, or is the frame indexInput2 of input2. Each ArticulationCenter joins a frame
 // `childIndex` to a frame `parentIndex` at a point that lies at posOnParent in the axes of the one and at posOnChild in those
 // of the other; its Articulations follow one after the other,
 //
 //   q_child = q_parent exp(y_1 a_1) exp(y_2 a_2) ...,   c_child = c_parent + q_parent (posOnParent + sum of slides) - q_child posOnChild
 //
-// where a slide along a_k, which turns with the hinges before it, adds y_k a_k to the sum. J has, for a number y_k with the axis
-// u in space, for every frame beyond it the velocities u x (c - joint) and u of a hinge, u and 0 of a slide.
+// where a slider along a_k, which rotates with the hinges before it, adds y_k a_k to the sum. For a number y_k with the axis u
+// in space, J has for every frame beyond it the velocities u x (c - joint) and u for a hinge, u and 0 for a slider.
 //
-// ArticulatedHierarchyContainer stands in the node of the mapping or below; the centres are in nodes below it, and their
+// ArticulatedHierarchyContainer is in the node of the mapping or below; the centres are in nodes below it, and their
 // articulations with them or in nodes below.
 //
-// Source: names and attributes are SOFA's; articulationProcess other than 0 is not there.
+// Source: names and attributes are SOFA's; only articulationProcess 0 is supported.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -56,7 +56,7 @@ class ArticulatedSystemMapping final : public CurvedMapping {
     CurvedMapping::declare(table);
     table.find("input")->alias("input1");
     table.addLink("input2", input2_)
-        .help("state of the frame that the root is; without it the root stays where it starts");
+        .help("state with the frame of the root; without it the root is fixed");
     table.add("indexInput2", root_index_).help("that frame").min(0);
     declareGeometricStiffness(table, geometric_, false);
     for (const char* name : {"container", "indexFromEnd"}) table.addVisualOnly(name);
@@ -180,7 +180,7 @@ void ArticulatedSystemMapping::order(std::vector<Limb> limbs) {
         std::find_if(limbs.begin(), limbs.end(), [&](const Limb& limb) { return placed[std::size_t(limb.parent)]; });
     if (next == limbs.end() || placed[std::size_t(next->child)])
       throw ComponentError(next == limbs.end()
-                               ? fmt::format("frame {} hangs on nothing that leads to frame 0", limbs[0].parent)
+                               ? fmt::format("frame {} is not connected to frame 0", limbs[0].parent)
                                : fmt::format("two articulations place frame {}", next->child),
                            "a tree of frames from frame 0 on");
     placed[std::size_t(next->child)] = 1;
@@ -191,7 +191,7 @@ void ArticulatedSystemMapping::order(std::vector<Limb> limbs) {
   }
   const auto lost = std::find(placed.begin(), placed.end(), 0);
   if (lost != placed.end())
-    throw ComponentError(fmt::format("nothing places frame {}", lost - placed.begin()),
+    throw ComponentError(fmt::format("frame {} has no joint", lost - placed.begin()),
                          "an ArticulationCenter for each frame but 0");
   axes_.assign(joints_.size(), Vec3::Zero()), places_ = slides_ = axes_;
   centres_.assign(std::size_t(output().nodes()), Vec3::Zero());

@@ -4,24 +4,24 @@
 //
 //   x_c = sum_a N_a(xi) x_a,   v_c = sum_a N_a v_a,   f_a += N_a f_c
 //
-// a runs over the nodes of the cell that holds the point at the start: N_a are its volume coordinates in a
-// tetrahedron, and in a hexahedron or a quadratic tetrahedron the trilinear or quadratic functions of the coordinates xi,
-// found by Newton's method. A point
-// outside of all cells belongs to the nearest one, whose map is continued: linearly, for these two from the nearest
-// point of the cell. Every map of the body that is affine moves the points exactly. Points far outside swing far: the
-// component says how many there are and how far they lie.
+// a runs over the nodes of the cell that contains the point at the start: N_a are its volume coordinates in a tetrahedron, and
+// in a hexahedron or a quadratic tetrahedron the trilinear or quadratic functions of the coordinates xi, found by Newton's
+// method. A point outside of all cells belongs to the nearest one, whose map is extrapolated linearly, for these two from the
+// nearest point of the cell. An affine deformation of the body moves the points exactly. Points far outside amplify rotations:
+// the component reports how many there are and how far out they are.
 //
-// Points of triangles, quads and edges are moved onto the nearest of these where the scene starts, and stay there: N_a are those of
-// the foot of the point.
+// Points of triangles, quads and edges are moved onto the nearest of these at the start, and stay there: N_a are those of the
+// projected point.
 //
-// foundBy = centres takes for a point outside, or off a surface, the cell with the nearest centre and continues its shape functions,
-// which is SOFA's way (cell_centres.h). On edges and for frames there is no difference.
+// foundBy = centres takes for a point outside, or off a surface, the cell with the nearest centre and extrapolates its shape
+// functions, as SOFA does (cell_centres.h). On edges and for frames there is no difference.
 //
 // A child of frames (template Rigid3) is embedded too, in tetrahedra or hexahedra: its centres as points, and its orientations
-// turn with the cells, by the rotation next to the deformation gradient there (cell_turns.h). The mapping is then not linear, and
-// BarrierContact takes no surface that such frames carry: how far it leaves the line of a step has no bound.
+// turn with the cells, by the rotation closest to the deformation gradient there (cell_turns.h). The mapping is then
+// nonlinear, and BarrierContact does not accept surfaces on such frames, because their distance from the straight path of a
+// step has no bound.
 //
-// Points on which nothing acts are placed after steps that something reads, and cost nothing else.
+// Points without forces are only updated after steps in which they are read, and cost nothing otherwise.
 //
 // Source: the attributes are SOFA's, and so are embedded frames; forces and torques pass here by the exact Jacobian.
 //
@@ -66,7 +66,7 @@ class BarycentricMapping final : public WeightedMapping {
   void declare(DataTable& table) override {
     WeightedMapping::declare(table);
     table.addLink("input_topology", input_topology_)
-        .help("mesh whose cells hold the points; the one of the state that is followed when not given");
+        .help("mesh whose cells contain the points; by default that of the parent state");
     table.addLink("output_topology", output_topology_).help("SOFA's; without effect: the points are those of output");
     table.addChoice("foundBy", found_by_, {"nearest", "centres"})
         .help("which cell a point outside of all belongs to: the nearest, or the one with the nearest centre, as in SOFA");
@@ -90,7 +90,7 @@ class BarycentricMapping final : public WeightedMapping {
         by_centres ? embedByCentres(*topology, body, points, size) : embedPoints(*topology, body, points, size);
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (!std::isfinite(found[i].distance))
-        throw ComponentError(fmt::format("no cell can hold point {}: all have no volume where it is looked for", i),
+        throw ComponentError(fmt::format("no cell can contain point {}: all have no volume where it is searched", i),
                              "a body whose cells have volumes where it starts", "useRestPosition=\"true\"");
       std::vector<Weight> weights;
       for (std::size_t a = 0; a < found[i].nodes.size(); ++a) weights.push_back({found[i].nodes[a], found[i].weights[a]});

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// BeamLinearMapping: points on and about a chain of beams between rigid frames that follow one another.
+// BeamLinearMapping: points on and around a chain of beams between consecutive rigid frames.
 //
 //   x = (1 - s) (c_j + q_j L_j u) + s (c_j+1 + q_j+1 L_j (u - e_x)),   s = 3 u_x^2 - 2 u_x^3
 //
-// L_j is the distance of the frames j and j + 1 where the scene starts. u, of the beam j, is found along x of frame 0, as if the
-// chain were straight: with p the place of the point in the axes of frame 0, j is the beam whose span p_x lies in, and u is
-// (p_x minus the lengths before, p_y, p_z) / L_j. Before the first frame and behind the last the formula of the beam there goes
-// on. With localCoord the positions of the points are (j + u_x, u_y, u_z) themselves. The points start where the frames have them.
+// L_j is the initial distance of the frames j and j + 1. u, for the beam j, is measured along x of frame 0, as if the chain
+// were straight: with p the position of the point in the axes of frame 0, j is the beam whose span contains p_x, and u is (p_x
+// minus the lengths before, p_y, p_z) / L_j. Before the first frame and behind the last the formula of the end beam is
+// extrapolated. With localCoord the positions of the points are (j + u_x, u_y, u_z) themselves. The points start where the
+// frames have them.
 //
 // Source: the formula and the attributes are SOFA's. Scenes in its dialect leave out the geometric stiffness, as it does.
 //

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// DeformableOnRigidFrameMapping: points that deform in the axes of a rigid frame: a body of small strain that a frame carries far.
+// DeformableOnRigidFrameMapping: points that deform in the axes of a rigid frame: a body with small strains carried by a frame
+// with large motion.
 //
 //   x_i = c + q y_i,   v_i = c' + omega x r_i + q y_i',   r_i = q y_i
 //   force on y_i: q^T f_i;   on the frame: sum f_i, torque sum r_i x f_i

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// DiscreteCosseratMapping: frames on a rod of sections with constant strains, as a catheter, a tendon or an arm.
+// DiscreteCosseratMapping: frames on a rod of sections with constant strains, such as a catheter, a tendon or an arm.
 //
-// The rod starts in the frame baseIndex of input2, along its x axis. Section i lies between the lengths curv_abs_input[i] and
+// The rod starts in the frame baseIndex of input2, along its x axis. Section i is between the lengths curv_abs_input[i] and
 // curv_abs_input[i + 1] of the rod. Node i of input1 (Vec3) is its curvature in its own axes: torsion k_x, bending k_y and k_z
-// [rad/m]. Of a state of template Vec6 it has three more numbers e: by how much the rod stretches along its axis, and its shear
-// along y and z. The output has a frame at each length curv_abs_output. From the start (p, R) of a section, at l into it,
+// [rad/m]. With template Vec6 it has three more numbers e: the stretch of the rod along its axis, and its shear along y and z.
+// The output has a frame at each length curv_abs_output. From the start (p, R) of a section, at l into it,
 //
 //   R(l) = R exp [l k],   p(l) = p + R integral of exp [s k] a ds from 0 to l,   a = (1, 0, 0) + e
 //
-// A change k' turns what lies beyond the section with R V l k' and moves its end by R d' (bent_piece.h), e' moves it by R l V e':
-// these are the columns of J. The derivative of J by the shape, the geometric stiffness, is left out, as in the plug-in.
+// A change k' rotates the rod beyond the section with R V l k' and moves its end by R d' (bent_piece.h), e' moves it by R l V
+// e': these are the columns of J. The derivative of J with respect to the shape, the geometric stiffness, is left out, as in
+// the plugin.
 //
 // Source: name, attributes and law are those of the plug-in Cosserat for SOFA (Adagolodjo, Renda, Duriez: Coupling numerical
 // deformable models in global and reduced coordinates for the simulation of the direct and the inverse kinematics of soft robots,

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// DistanceMapping: numbers that are the lengths of pairs of points, and what is like it.
+// DistanceMapping and similar mappings: numbers that are distances between pairs of points.
 //
 //   DistanceMapping        y_e = |x_b - x_a| - L_e        for each edge of a mesh
 //   SquareDistanceMapping  y_e = |x_b - x_a|^2
 //   DistanceMultiMapping   y_e = |x_b - x_a| - L_e        between points of several states
 //   DistanceFromTarget     y_i = |x_i - target_i| - L_i
 //
-// The child has one number for each (template Vec1). L is restLengths, else the distance where the scene starts; with
-// computeDistance it is zero. Of a frame it is the centre. Forces f on the numbers act along the pairs,
+// The child has one number for each (template Vec1). L is restLengths, by default the initial distance; with computeDistance
+// it is zero. For a frame the centre is used. Forces f on the numbers act along the pairs,
 //
 //   f_b = -f_a = n f,   n = (x_b - x_a)/d,   geometric stiffness f/d (I - n n^T)
 //
 // and 2 (x_b - x_a) f and 2 f I for squares. geometricStiffness: None leaves it out, Exact has all of it, Stabilized (the
-// default) only that of tensions, f < 0, which resists.
+// default) only that of tensions, f < 0, which is stabilising.
 //
 // Edges are those of `topology`, else of the mesh of this node or the nearest above that has any. For DistanceMultiMapping
 // they join the points of indexPairs, each a state of input and a node there.
@@ -180,7 +180,7 @@ class EdgeMapping : public PairMapping {
   void declare(DataTable& table) override {
     PairMapping::declare(table);
     table.addLink("topology", topology_)
-        .help("mesh whose edges are the pairs; that of this node or the nearest above when not given");
+        .help("mesh whose edges are the pairs; that of this node or the nearest above by default");
   }
 
  protected:
@@ -199,7 +199,7 @@ class DistanceMapping : public EdgeMapping {
  public:
   void declare(DataTable& table) override {
     EdgeMapping::declare(table);
-    table.add("restLengths", lengths_).unit("m").help("L of each pair; the distances at the start when not given");
+    table.add("restLengths", lengths_).unit("m").help("L of each pair; the distances at the start by default");
     table.add("computeDistance", whole_).help("L is zero: the numbers are the distances");
     for (const char* name : {"showObjectScale", "showColor"}) table.addVisualOnly(name);
   }
@@ -267,7 +267,7 @@ class DistanceFromTarget final : public PairMapping {
     PairMapping::declare(table);
     table.add("indices", indices_).help("points whose distances are meant").required();
     table.add("targetPositions", targets_).unit("m").help("from where, one for each").required();
-    table.add("restLengths", lengths_).unit("m").help("L of each; the distances at the start when not given");
+    table.add("restLengths", lengths_).unit("m").help("L of each; the distances at the start by default");
     for (const char* name : {"showObjectScale", "showColor"}) table.addVisualOnly(name);
   }
   void init() override {

@@ -13,7 +13,7 @@ void FrameMapping::declare(DataTable& table) {
 
 void FrameMapping::start() {
   if (!input().hasFrames())
-    throw ComponentError(input().path() + " has no frames that could carry anything", "a state of template Rigid3");
+    throw ComponentError(input().path() + " has no frames", "a state of template Rigid3");
   start_ = {0};
   carried_.clear();
   turns_.clear();

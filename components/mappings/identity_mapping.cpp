@@ -3,8 +3,8 @@
 //
 //   x_c = x_p,   v_c = v_p,   f_p += f_c
 //
-// For what is to act on a body through nodes, force fields and a mesh of their own. A state without positions gets those of
-// the nodes that it follows; with resizes every state of another number of nodes does.
+// It gives a body a second set of nodes with its own force fields and mesh. A state without positions gets those of its parent
+// nodes; with resizes also a state with a different number of nodes.
 //
 // Source: the name and the attributes are SOFA's.
 //

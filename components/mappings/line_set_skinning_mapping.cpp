@@ -3,10 +3,10 @@
 //
 //   x_i = sum_l w_il (c_l + q_l p_il),   sum_l w_il = 1,   w_il ~ |l| mean over the line of 1/d^k
 //
-// p_il is the place of point i in the axes of the frame c_l, q_l where the scene starts; d is the distance of the point from a
-// place on the line, and k is weightCoef. The mean is that of 1001 places. Of the lines the one with the largest weight counts, and
-// after it the next ones that are near it in the mesh, numberInfluencedLines in all: those within neighborhoodLevel steps. A
-// step leads to lines that share a node with it, but for two lines that only end at the same one.
+// p_il is the initial position of point i in the axes of the frame c_l, q_l; d is the distance of the point from a point on
+// the line, and k is weightCoef. The mean is over 1001 points. The line with the largest weight is used, and the next ones
+// that are near it in the mesh, numberInfluencedLines in all: those within neighborhoodLevel steps. A step leads to lines that
+// share a node, except for two lines that only end at the same one.
 //
 // Source: the name, the attributes and the rules are SOFA's.
 //

@@ -12,9 +12,9 @@ namespace stroma {
 
 void LinkedMapping::declare(DataTable& table) {
   table.addLink("input", input_)
-      .help(takesManyInputs() ? "states that are followed; the one of the parent node or above when not given"
-                              : "state that is followed; the one of the parent node or above when not given");
-  table.addLink("output", output_).help("state whose nodes follow; the one of this node when not given");
+      .help(takesManyInputs() ? "parent states; by default the one of the parent node or above"
+                              : "parent state; by default the one of the parent node or above");
+  table.addLink("output", output_).help("child state; by default the one of this node");
   table.add("mapForces", maps_forces_).help("false: forces on the nodes that follow are an error, not lost");
   table.add("mapMasses", maps_masses_).help("false: a mass of the nodes that follow is an error, not lost");
   table.add("mapConstraints", maps_constraints_)
@@ -69,7 +69,7 @@ void declareGeometricStiffness(DataTable& table, GeometricStiffness& choice, boo
 
 void declareConvection(DataTable& table, bool& convects) {
   table.add("convectiveInertia", convects)
-      .help("masses on what follows press outwards as it turns, M dJ/dt v; false: these forces are left out, as in SOFA");
+      .help("masses of the child have the inertial forces M dJ/dt v of its rotation; false: these are left out, as in SOFA");
 }
 
 void CurvedMapping::declare(DataTable& table) {

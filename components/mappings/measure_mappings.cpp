@@ -152,7 +152,7 @@ class CellMapping final : public MeasureMapping<Measure> {
  public:
   void declare(DataTable& table) override {
     MeasureMapping<Measure>::declare(table);
-    table.addLink("topology", topology_).help("mesh of the cells; that of this node or the nearest above when not given");
+    table.addLink("topology", topology_).help("mesh of the cells; that of this node or the nearest above by default");
   }
   void init() override {
     MeasureMapping<Measure>::init();

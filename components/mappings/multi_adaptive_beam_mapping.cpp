@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // MultiAdaptiveBeamMapping: a chain of points on all rods that an InterventionalRadiologyController pushes, for contacts and pictures.
 //
-// The last node is at the tip that is furthest out. From there back to the opening points follow one another as the contact model
-// of the rod that they are on has them (numEdgesCollis of a WireRestShape, nbEdgesCollis of sections); where rods lie in one another that
-// is the outermost one. Where a rod comes out of another there is a point at the tip of that one. Points that are left over, the
-// first ones, wait at the opening, and come out one after another as rods do; when there are too few, the stretch next to the
-// opening has none. On a beam a point x at the part s of its length L is on the cubic curve between the frames of its ends,
+// The last node is at the farthest tip. From there back to the opening the spacing of points is that of the contact model of
+// their rod (numEdgesCollis of a WireRestShape, nbEdgesCollis of sections), of the outermost one for nested rods. Where a rod
+// comes out of another there is a point at the tip of the outer one. Unused points, the first ones, wait at the opening, and
+// come out one after another as rods are pushed; if there are too few, the stretch next to the opening has none. On a beam a
+// point x at the part s of its length L is on the cubic curve between the frames of its ends,
 //
 //   x = w_a (c_a + q_a p_a) + w_b (c_b + q_b p_b)
 //   w_a = (1-s)^3 + 3 s (1-s)^2,   p_a = s (1-s)^2/w_a L e_x,   w_b = 1 - w_a,   p_b = -s^2 (1-s)/w_b L e_x
 //
-// and forces on it are those on the curve. Its node has as many points as MultiAdaptiveBeamTopologicalMapping makes edges for, when the
-// scene does not say how many.
+// and forces on it are those on the curve. By default its node has as many points as needed for the edges of
+// MultiAdaptiveBeamTopologicalMapping.
 //
-// Source: name, attributes and the choice of points are those of the plug-in BeamAdapter for SOFA, which fills the edges of its node
-// itself. There points keep the velocities of the rods; here as well, but for the step in which they get other places.
+// Source: name, attributes and the choice of points are those of the plug-in BeamAdapter for SOFA, which fills the edges of
+// its node itself. There points keep the velocities of the rods; here too, except in a step in which they are redistributed.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -54,7 +54,7 @@ class MultiAdaptiveBeamMapping final : public PointsOnBeams {
  public:
   void declare(DataTable& table) override {
     FrameMapping::declare(table);
-    table.addLink("ircontroller", link_).help("what pushes the rods; the one of a node above when not given");
+    table.addLink("ircontroller", link_).help("what pushes the rods; the one of a node above by default");
     table.find("ircontroller")->alias("controller");
     table.add("useCurvAbs", by_length_).help("SOFA's; only true is supported");
     table.addVisualOnly("parallelMapping");
@@ -91,7 +91,7 @@ class MultiAdaptiveBeamMapping final : public PointsOnBeams {
     };
     nodes_ = listOf("CurvAbs"), points_ = listOf("collisionCurvAbs");
     if (!nodes_ || !points_)
-      throw ComponentError("there is nothing that pushes rods", "ircontroller=\"@...\", an InterventionalRadiologyController");
+      throw ComponentError("there is no controller that pushes rods", "ircontroller=\"@...\", an InterventionalRadiologyController");
     const auto* pusher = dynamic_cast<const ProjectiveConstraint*>(mover);
     if (pusher && &pusher->state() != &input())
       throw ComponentError(fmt::format("{} pushes frames of {}", mover->path(), pusher->state().path()),

@@ -74,7 +74,7 @@ class Mesh2PointMechanical final : public WeightedMapping {
  public:
   void declare(DataTable& table) override {
     WeightedMapping::declare(table);
-    table.addLink("topologicalMapping", points_).help("what made the points; the one of this node when not given");
+    table.addLink("topologicalMapping", points_).help("what made the points; the one of this node by default");
   }
 
   void init() override {

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// RigidMapping: points, or frames, that are fixed in rigid frames.
+// RigidMapping: points, or frames, attached to rigid frames.
 //
 //   x_i = c + q p_i,   v_i = c' + omega x (q p_i);   force on the frame: sum f_i, torque sum (q p_i) x f_i
 //
-// with c and q the centre and the orientation of the frame `index` of the state that is followed (counted from the last one
-// with indexFromEnd), or of the frame that rigidIndexPerPoint lists for each point, or repartition by how many points in a row.
-// p_i, the place of the point in the axes of its frame, is initialPoints, or the position of the child as the scene gives it,
-// or with useX0 its rest position. With globalToLocalCoords these are places in space where the scene starts (useX0: at rest).
-// A child without positions has as many points as initialPoints.
+// with c and q the centre and the orientation of the frame `index` of the parent state (counted from the last one with
+// indexFromEnd), or of the frame that rigidIndexPerPoint lists for each point, or repartition by the number of points in a
+// row. p_i, the position of the point in the axes of its frame, is initialPoints, or the position of the child as the scene
+// gives it, or with useX0 its rest position. With globalToLocalCoords these are positions in space at the start (useX0: at
+// rest). A child without positions has as many points as initialPoints.
 //
-// A child of frames (template Rigid3) is carried in the same way, each at p_i and turned by the orientation that the scene
-// gives; RigidRigidMapping is another name for that, whose initialPoints are frames: x y z and a quaternion x y z w.
+// A child of frames (template Rigid3) is carried in the same way, each at p_i and rotated by the orientation that the scene
+// gives; RigidRigidMapping is another name for this, with initialPoints that are frames: x y z and a quaternion x y z w.
 //
-// geometricStiffness: the torque of f_i changes as the frame turns, by (dw x r) x f. Exact has it in the tangent, without
-// the part 1/2 [torque], which is zero for all torques of a frame in equilibrium together: the tangent is then symmetric.
-// Stabilized has what resists of that: of each frame the part with eigenvalues that draw it back.
+// geometricStiffness: the torque of f_i changes as the frame rotates, by (dw x r) x f. Exact has it in the tangent, without
+// the part 1/2 [torque], which vanishes for the sum of torques on a frame in equilibrium: the tangent is then symmetric.
+// Stabilized has only the stabilising part of it: for each frame that with restoring eigenvalues.
 //
 // Source: the names and attributes are SOFA's, whose Exact is not symmetric.
 //
@@ -52,17 +52,17 @@ class RigidMapping : public FrameMapping {
     table.add("indexFromEnd", from_end_).help("count index from the last frame: 0 is the last");
     table.add("rigidIndexPerPoint", index_per_point_).help("frame that carries each point");
     table.add("mayMiscount", may_miscount_)
-        .help("rigidIndexPerPoint of another number of values than points does not count, with a warning, as in SOFA");
+        .help("rigidIndexPerPoint with another number of values than points is ignored with a warning, as in SOFA");
     table.add("repartition", shares_).help("how many points each frame carries, in their order; one number: each as many");
     if (of_frames_)
       table.add("initialPoints", initial_frames_)
           .unit("-")
           .inValuesOf(7)
-          .help("x y z and x y z w of each frame in the axes of what carries it; the positions of the child when not given");
+          .help("x y z and x y z w of each frame in the axes of its parent frame; the positions of the child by default");
     else
       table.add("initialPoints", initial_points_)
           .unit("m")
-          .help("places of the points in the axes of their frames; the positions of the child when not given");
+          .help("places of the points in the axes of their frames; the positions of the child by default");
     table.add("globalToLocalCoords", from_space_).help("the positions of the child are places in space at the start");
     table.add("useX0", use_rest_).help("the rest positions of the child in place of its positions");
     table.add("resizes", resizes_).help("a child of another number of nodes gets as many as initialPoints has, as in SOFA");
@@ -153,7 +153,7 @@ class RigidMapping : public FrameMapping {
       const std::string problem = fmt::format("rigidIndexPerPoint has {} values for {} points", index_per_point_.size(), points);
       if (!fits && !may_miscount_) throw ComponentError(problem, "one for each");
       if (!fits)
-        warn(problem + fmt::format(": it does not count, as in SOFA, and frame {} carries all", frames[0]), "one for each");
+        warn(problem + fmt::format(": it is ignored, as in SOFA, and frame {} carries all points", frames[0]), "one for each");
       else
         frames.assign(index_per_point_.begin(), index_per_point_.end());
     }

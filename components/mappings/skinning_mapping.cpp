@@ -3,10 +3,10 @@
 //
 //   x_i = sum_j w_ij (c_j + q_j p_ij),   sum_j w_ij = 1
 //
-// p_ij is the place of point i in the axes of frame j where the scene starts. The frames of a point are its nbRef nearest ones,
-// with weights proportional to 1/d^2, d the distance of the frame's centre (a point on a centre follows it alone, and of frames as
-// near the first one counts, with fromRest the last one); or those of `indices`, nbRef for each point, with `weight` for each.
-// Known as linear blend skinning. `nbRef` may also list a number for each point.
+// p_ij is the initial position of point i in the axes of frame j. The frames of a point are its nbRef nearest ones, with
+// weights proportional to 1/d^2, d the distance of the frame's centre (a point on a centre follows only that frame, and of
+// equally near frames the first one is used, with fromRest the last one); or those of `indices`, nbRef for each point, with
+// `weight` for each. Known as linear blend skinning. `nbRef` may also list a number for each point.
 //
 // Source: the name and the attributes are SOFA's, which has the frames as they rest (fromRest).
 //
@@ -38,13 +38,13 @@ class SkinningMapping final : public FrameMapping {
   void declare(DataTable& table) override {
     FrameMapping::declare(table);
     table.add("nbRef", counts_).help("frames of a point, one number for all or one for each").min(1);
-    table.add("indices", indices_).help("frames of the points, nbRef for each; the nearest ones when not given");
+    table.add("indices", indices_).help("frames of the points, nbRef for each; the nearest ones by default");
     table.add("weight", weights_).help("weights of `indices`").unit("-");
     table.add("initPos", initial_points_)
         .unit("m")
-        .help("places of the points in space at the start; the positions of the child when not given");
+        .help("places of the points in space at the start; the positions of the child by default");
     table.add("fromRest", from_rest_)
-        .help("points are bound to the frames as they rest, not as they start; of frames as near the last ones count");
+        .help("points are bound to the frames at rest, not at the start; of equally near frames the last ones are used");
     for (const char* name : {"showFromIndex", "showWeights"}) table.addVisualOnly(name);
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// SubsetMapping: the nodes of a state are some of another one's.
+// SubsetMapping: the nodes of a state are a subset of those of another one.
 //
 //   x_c = x_p(c),   v_c = v_p(c),   f_p(c) += f_c
 //
@@ -7,7 +7,8 @@
 // node's initial position, which must be within `radius` of it. With the first two a state may be without positions: it gets
 // those of the nodes that it follows.
 //
-// ignoreNotFound: a node that is near none stays where it starts, and what acts on it is lost. Without it, it is an error.
+// ignoreNotFound: a node that is not near any other stays at its initial position, and forces on it are lost. Otherwise this
+// is an error.
 //
 // Source: the attributes are SOFA's, whose nodes that are not found stay in both cases.
 //
@@ -42,10 +43,10 @@ class SubsetMapping final : public WeightedMapping {
     table.add("first", first_).help("the first of a range of them").min(0);
     table.add("last", last_).help("the last of the range").min(0);
     table.add("radius", radius_)
-        .help("how far a node may be from the one it follows, when neither is given")
+        .help("largest distance of a node from the one it follows, if neither is given")
         .unit("m")
         .min(0);
-    table.add("ignoreNotFound", may_stay_).help("a node that is further than radius from all others stays where it starts");
+    table.add("ignoreNotFound", may_stay_).help("a node farther than radius from all others stays where it starts");
   }
 
   void init() override {
@@ -66,7 +67,7 @@ class SubsetMapping final : public WeightedMapping {
       for (Index row = first; row < first + output().rows_per_node; ++row) staying_.push_back(row), addNode({});
     }
     if (!staying_.empty())
-      inform(fmt::format("{} nodes of {} are near none that they could follow: they stay where they are",
+      inform(fmt::format("{} nodes of {} are not near any node that they could follow: they stay where they are",
                          Index(staying_.size()) / output().rows_per_node, output().path()));
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Nodes of several states as those of one, and the middle of a state.
+// Nodes of several states combined to one state, and the centre of mass of states.
 //
 //   SubsetMultiMapping    x_i = x of node indexPairs[2 i + 1] of state indexPairs[2 i] of `input`
 //   IdentityMultiMapping  all nodes of the states of `input`, one state after the other
@@ -8,9 +8,9 @@
 //
 // A soft body whose nodes are partly free and partly fixed in rigid bodies is such a state: its free nodes are those of one
 // parent, the others those of points that a RigidMapping carries. Forces of its elements then act on both. A force on the
-// centre of mass is shared by the masses. Of frames points follow the centres.
+// centre of mass is distributed over the masses. Points mapped from frames follow the centres.
 //
-// A state that follows and has no positions of its own gets as many nodes as follow.
+// A child state without positions gets the required number of nodes.
 //
 // Source: the names and the attributes are SOFA's.
 //

@@ -7,18 +7,18 @@
 // (rho V / 8 in a box). These are the row sums of the consistent matrix of MeshMatrixMass. Those of a quadratic cell are
 // negative at its corners: its mass m goes to the nodes in proportion to the diagonal of its consistent matrix,
 //   m_i = m M_ii / sum_j M_jj
-// (E. Hinton, T. Rock, O. C. Zienkiewicz 1976), in a straight quadratic tetrahedron m/36 at a corner and 4 m/27 at the
-// middle of an edge: positive, and of the right sum. The weight m g acts at the nodes as these masses do. On a mesh without volumes
+// (E. Hinton, T. Rock, O. C. Zienkiewicz 1976), in a straight quadratic tetrahedron m/36 at a corner and 4 m/27 at the middle
+// of an edge: positive, and of the right sum. The weight m g acts at the nodes as these masses do. On a mesh without volumes
 // rho is a mass per area (triangles and quads; of a sheet its density times its thickness) or per length (edges; of a beam its
-// density times its cross-section), and a unit that is written must be one of these. Where cells overlap, as when a body is cut into
-// tetrahedra twice, each counts for its part. With shares="equal", as in SOFA, all nodes of a cell have the same share of it, also where
-// it is no box or parallelogram, and a quad has the area of the two triangles along the diagonal from corner 0.
+// density times its cross-section), and an explicit unit must be one of these. Overlapping cells, as when a body is cut into
+// tetrahedra twice, are weighted accordingly. With shares="equal", as in SOFA, all nodes of a cell have the same share, even
+// if it is not a box or parallelogram, and a quad has the area of the two triangles along the diagonal from corner 0.
 //
-// Of totalMass, massDensity and vertexMass the first that is given is used. Volumes are those of the rest shape unless
+// The first given one of totalMass, massDensity and vertexMass is used. Volumes are those of the rest shape unless
 // computeMassOnRest="false".
 //
-// Rigid frames (template Rigid3), the nodes of beams for instance, have an inertia besides: `inertia` as of UniformMass,
-// without it the mass of each times the unit matrix [m^2].
+// Rigid frames (template Rigid3), the nodes of beams for instance, also have an inertia: `inertia` as in UniformMass, by
+// default the mass of each times the unit matrix [m^2].
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

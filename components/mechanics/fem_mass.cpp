@@ -102,7 +102,7 @@ class FEMMass final : public Mass {
     Mass::declare(table);
     topology_.declare(table, "mesh of the cells");
     table.add("template", template_).help("Vec3, or with the kind of cell that carries the mass: Vec3,Hexahedron");
-    table.addLink("nodalMassDensity", density_).help("the NodalMassDensity; the nearest one when not given");
+    table.addLink("nodalMassDensity", density_).help("the NodalMassDensity; the nearest one by default");
     table.addVisualOnly("elementSpace");
   }
 

@@ -95,7 +95,7 @@ class MechanicalObject final : public State {
     while (repeats_velocity_ && velocity.size() < position.size())
       velocity.push_back(velocity[velocity.size() - std::size_t(rows_per_node)]);
     if (repeats_velocity_ && velocity.size() > position.size()) {
-      warn(fmt::format("velocity has {} nodes and the mesh {}: the others do not count, as in SOFA",
+      warn(fmt::format("velocity has {} nodes and the mesh {}: the others are ignored, as in SOFA",
                        velocity.size() / std::size_t(rows_per_node), nodes()));
       velocity.resize(position.size());
     }
@@ -151,7 +151,7 @@ class MechanicalObject final : public State {
         } else {
           const Quaternion q(at);
           if (!(q.norm() > 1e-6) || !std::isfinite(q.norm()))
-            throw ComponentError(fmt::format("{}: frame {} has the quaternion {} {} {} {}, which is no orientation",
+            throw ComponentError(fmt::format("{}: frame {} has the quaternion {} {} {} {}, which is not an orientation",
                                              name, rows.size() / 2, at[0], at[1], at[2], at[3]),
                                  "x y z w of length one", "0 0 0 1 does not turn");
           if (std::abs(q.norm() - 1) > 1e-3)
@@ -214,10 +214,10 @@ class MechanicalObject final : public State {
 
   void declareVectors(DataTable& table) {
     table.add("template", template_).help("type of a node: Vec3, Rigid3, Vec1, Vec2 or Vec6");
-    table.add("position", position).help("initial positions; from the mesh of this node when not given").unit("m");
-    table.add("velocity", velocity).help("initial velocities, one for each node or one for all; zero when not given").unit("m/s");
+    table.add("position", position).help("initial positions; from the mesh of this node by default").unit("m");
+    table.add("velocity", velocity).help("initial velocities, one for each node or one for all; zero by default").unit("m/s");
     table.add("rest_position", rest_position)
-        .help("positions without stress; the transformed positions when not given")
+        .help("stress-free positions; the transformed positions by default")
         .unit("m");
     table.add("reset_position", reset_position_).help("positions that a reset returns to").unit("m").output();
     table.add("size", size_).help("number of nodes, at the origin, when no positions are given").min(0);
@@ -225,8 +225,8 @@ class MechanicalObject final : public State {
     table.add("valuesFromMesh", values_from_mesh_)
         .help("numbers that are not given are the coordinates of the mesh of this node, of a Vec1 the first, as in SOFA");
     table.add("repeatVelocity", repeats_velocity_)
-        .help("nodes for which velocity has none have the last of its list, and what it has more does not count, as in SOFA");
-    table.addLink("topology", topology_).help("mesh that gives the positions; the one of this node when not given");
+        .help("a velocity list that is too short is continued with its last entry, and one that is too long is cut, as in SOFA");
+    table.addLink("topology", topology_).help("mesh that gives the positions; the one of this node by default");
     table.add("restScale", rest_scale_)
         .help("scale of the rest positions only: the body starts stressed")
         .unit("-")

@@ -95,7 +95,7 @@ void MeshMass::declare(DataTable& table) {
       .help("of a cell's mass at its nodes: the integrals, or for DiagonalMass the same at all, where quads are two triangles");
   topology_.declare(table, "mesh of the cells");
   table.addLink("geometryState", geometry_state_)
-      .help("state whose positions give the volumes; the mass's own when not given");
+      .help("state whose positions give the volumes; the mass's own by default");
 }
 
 MeshMass::Source MeshMass::chooseSource() {
@@ -242,7 +242,7 @@ void MeshMass::checkMasses(const std::vector<double>& masses) const {
     const auto first = std::find(used.begin(), used.end(), 0) - used.begin();
     warn(fmt::format("{} of {} nodes belong to no cell of {} and get no mass, the first is node {}", unused,
                      used.size(), mesh_owner_->path(), first),
-         "remove them from the mesh, or hold them");
+         "remove them from the mesh, or fix them");
   }
   for (std::size_t i = 0; i < masses.size(); ++i)
     if (used[i] && !(masses[i] > 0))

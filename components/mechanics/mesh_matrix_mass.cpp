@@ -17,12 +17,12 @@
 // SOFA the volumes are those of the initial positions unless computeMassOnRest="true"; the two are the same for a body
 // that starts undeformed.
 //
-// A state of numbers has it too: of a quantity that spreads in the cells, whose nodes are those of geometryState.
+// It also works for a state of numbers, such as a quantity that diffuses in the cells whose nodes are those of geometryState.
 //
 // With matrix="edges" it has entries at vertices and along edges only, as in SOFA: a hexahedron V/20 at each vertex and V/40
 // along each of its 12 edges, a quad A/8 and A/16, simplices what they have anyway. Gravity, and the diagonal with lumping,
-// take 2.5 times the entry of a vertex in volumes and twice that on surfaces, also where vertexMass gives it. That of hexahedra is not
-// definite, and it is not consistent: it is there to repeat SOFA's results.
+// take 2.5 times the entry of a vertex in volumes and twice that on surfaces, also where vertexMass gives it. That of
+// hexahedra is not definite and not consistent: it is only meant to reproduce SOFA's results.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -59,7 +59,7 @@ class MeshMatrixMass final : public MeshMass {
     table.addChoice("matrix", form_, {"consistent", "edges", "pairs"})
         .help("the integrals, or SOFA's entries at vertices and edges, or at all pairs of the corners of a hexahedron");
     table.add("cellFactors", cell_factors_)
-        .help("factor of the mass of each cell, or of each of its 8, 64, ... parts (x fastest) with matrix pairs; 1 when not given")
+        .help("factor of the mass of each cell, or of each of its 8, 64, ... parts (x fastest) with matrix pairs; 1 by default")
         .unit("-")
         .min(0);
     table.addVisualOnly("printMass");

@@ -3,8 +3,8 @@
 //
 //   M = m I,  m = vertexMass, or totalMass / (number of nodes)
 //
-// `vertexMass` wins when both are given. With `indices` or `localRange` only these nodes have mass. On a mesh with
-// cells of different sizes the density is then not uniform: DiagonalMass and MeshMatrixMass make it so.
+// `vertexMass` takes precedence if both are given. With `indices` or `localRange` only these nodes have mass. On a mesh with
+// cells of different sizes the density is not uniform: use DiagonalMass or MeshMatrixMass for that.
 //
 // A rigid frame (template Rigid3) has also an inertia about its centre, `inertia` [kg m^2], in its own axes J0; in fixed
 // axes it is J = R J0 R^T, and its momentum J w changes with the torque alone:
@@ -47,9 +47,9 @@ class UniformMass final : public Mass {
         .unit("kg");
     table.add("totalMass", total_mass_).recompiled().help("mass of all nodes together").unit("kg").min(0, false);
     frames_.declare(table);
-    table.add("turns", turns_).help("the inertia of a frame turns with it; false: it stays in fixed axes, as in SOFA");
+    table.add("turns", turns_).help("the inertia of a frame rotates with it; false: it is constant in fixed axes, as in SOFA");
     table.add("filename", file_name_).input().help("mass, volume and inertia of a frame, a file of SOFA's");
-    table.add("indices", indices_).help("nodes that have mass; all when not given");
+    table.add("indices", indices_).help("nodes that have mass; all by default");
     table.add("localRange", range_).help("first and last node that have mass; -1 -1: all");
     for (const char* without_effect : {"preserveTotalMass", "compute_mapping_inertia"})
       table.addVisualOnly(without_effect);
@@ -63,7 +63,7 @@ class UniformMass final : public Mass {
     const bool by_vertex = data().find("vertexMass")->isSet() || by_file, by_total = data().find("totalMass")->isSet();
     readVertexMass();
     if (!by_vertex && !by_total)
-      warn("neither totalMass nor vertexMass is given: the total mass is taken as 1 kg", "give totalMass [kg]");
+      warn("neither totalMass nor vertexMass is given: the total mass is set to 1 kg", "give totalMass [kg]");
     if (by_vertex && by_total) warn("both vertexMass and totalMass are given: vertexMass is used", "remove totalMass");
     if (by_vertex) {
       total_mass_ = mass_ * double(nodes.size());

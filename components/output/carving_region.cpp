@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// CarvingRegion: tissue that is taken away. Cells whose centre, the mean of their nodes where they are now, lies in a box or a ball
-// go between two steps. The region may move: a tool that is drawn through a body.
+// CarvingRegion: removes tissue. Cells whose centre, the current mean of their nodes, is in a box or a ball are removed
+// between two steps. The region may move, like a tool drawn through a body.
 //
-//   c + velocity (t - begin) + offset   is its centre,   begin <= t <= end,   looked at every `every` seconds
+//   c + velocity (t - begin) + offset   is its centre, begin <= t <= end, checked every `every` seconds
 //
-// `offset` may change while the scene runs: in the live view the pointer takes the region and leads it.
+// `offset` can be changed during a run: in the live view the pointer drags the region.
 //
-// The mass and the forces of a cell go with it, and so do what it remembers (plastic or viscous strains), faces and edges of
-// no other cell, and points that lose their last cell. With keepsPoints such points stay, held where they are, so that all numbers of
-// points stay too. Everything else goes on from where it is: positions, velocities, what other cells remember.
+// A cell is removed with its mass, its forces, its history (plastic or viscous strains), faces and edges of no other cell, and
+// points that lose their last cell. With keepsPoints such points stay, fixed in place, so that points keep their numbers.
+// Everything else continues from its current state: positions, velocities, histories of other cells.
 //
 // Source: the scene with the cells taken away, started from the state that the run has then.
 //
@@ -51,7 +51,7 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
     table.add("offset", offset_).atOnce().unit("m").help("of the region from where it is else: a hand that leads a tool");
     table.add("begin", begin_).unit("s").help("when the region is where it is given, and carves first");
     table.add("end", end_).unit("s").help("when it carves last; below begin: it does not end");
-    table.add("moved", moved_).output().unit("m").help("how far the region has come from where it is given");
+    table.add("moved", moved_).output().unit("m").help("displacement of the region from its given position");
     table.add("every", every_).unit("s").min(0).help("time between looks; 0: every step");
   }
 
@@ -153,5 +153,5 @@ class CarvingRegion final : public MeshChangePlan, public DrawnObstacles {
 }  // namespace stroma
 
 STROMA_COMPONENT(carving_region) {
-  factory.add<stroma::CarvingRegion>("CarvingRegion", "takes away the cells that come into a box or a ball");
+  factory.add<stroma::CarvingRegion>("CarvingRegion", "removes cells that enter a box or a ball");
 }

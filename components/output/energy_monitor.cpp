@@ -2,11 +2,11 @@
 // EnergyMonitor: the energies of the scene over time, in columns.
 //
 // Columns: time; kinetic energy 1/2 v^T M v; elastic energy (the sum over the force fields); gravity energy -sum m g.x; their
-// total E; and the defect E(t) - E(0) of the energy balance, summed over every system of the scene. The first line has the units of
-// a scene that says which it has. The defect is the work that damping, the integration scheme and prescribed motion took out
-// (negative) or put in (positive): it is zero for an exact scheme without damping, implicit Euler makes it negative, and a defect
-// that grows without bound announces a divergence. The second line of the file warns when a force field has no potential, because
-// the defect then contains its work. The first row is the start, then one every `exportEveryNumberOfSteps` steps.
+// total E; and the defect E(t) - E(0) of the energy balance, summed over every system of the scene. The first line has the
+// units, if the scene declares them. The defect is the work removed (negative) or added (positive) by damping, the integration
+// scheme and prescribed motion: it is zero for an exact scheme without damping, implicit Euler makes it negative, and
+// unbounded growth indicates divergence. The second line of the file warns if a force field has no potential, because the
+// defect then contains its work. The first row is the start, then one every `exportEveryNumberOfSteps` steps.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

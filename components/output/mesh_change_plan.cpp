@@ -28,7 +28,7 @@ void MeshChangePlan::declare(DataTable& table) {
   table.addLink("topology", link_)
       .help("the mesh; without it the last with cells of this node, or of the nearest node above");
   table.add("keepsPoints", keeps_points_)
-      .help("points that lose their last cell stay, held where they are then; else they go");
+      .help("points that lose their last cell stay, fixed in place; otherwise they are removed");
 }
 
 void MeshChangePlan::init() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The moving mesh of a state as files that other programs read.
+// Writes the moving mesh of a state to files for other programs.
 //
 // OBJExporter: the surface as Wavefront .obj. STLExporter: as .stl, binary unless binaryformat="false". The surface is the
 //   mesh's triangles and quads, else the faces of its volume cells that belong to one cell.
@@ -11,7 +11,7 @@
 // written after every exportEveryNumberOfSteps steps (0: never), and with exportAtBegin and exportAtEnd before the first step
 // and after the last. Without any of the three the last state is written.
 //
-// Source: names and attributes are SOFA's; there, nothing is written unless one of them says so.
+// Source: names and attributes are SOFA's; there, nothing is written unless one of them is set.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Monitor: positions, velocities and forces of chosen nodes over time, and what other components compute, in columns for gnuplot.
+// Monitor: positions, velocities and forces of selected nodes over time, and outputs of other components, in columns for
+// gnuplot.
 //
 // One text file for each quantity asked for: <fileName>_x.txt (positions), <fileName>_v.txt (velocities),
 // <fileName>_f.txt (net force of all force fields and of gravity at that instant, which takes one evaluation more per
@@ -8,11 +9,12 @@
 // each node in the order of `indices`. The first line is the start, then one per step. Numbers have the fewest digits
 // that read back to the same bits. To plot the height of the first node: `plot "tip_x.txt" using 1:3 with lines`.
 //
-// `attributes` are words `component.attribute` or `label=component.attribute`, of a component of this node or above, or at a path:
-// contact.wrenches, /body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt. Of lists with a
-// value for each node it has those of the chosen ones, or of all where no `indices` are given; of others all numbers. Lines begin when
-// there is something. States have none: their attributes are what they start with. Fields of cells are named the same way, as
-// tissue.stress (xx yy zz xy yz zx of Cauchy's stress) or tissue.vonMises: of `cells`, one after another, or of all.
+// `attributes` are words `component.attribute` or `label=component.attribute`, of a component of this node or above, or at a
+// path: contact.wrenches, /body/contact.pressures. Each has a file, <fileName>_<attribute>.txt or <fileName>_<label>.txt. From
+// lists with a value for each node it writes those of the selected nodes, or of all if no `indices` are given; from others all
+// numbers. The first line is written when there are values. Attributes of states are not accepted, because they are initial
+// values. Cell fields are named in the same way, as tissue.stress (Cauchy stress xx yy zz xy yz zx) or tissue.vonMises: for
+// `cells`, one after another, or for all.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -42,14 +44,14 @@ namespace {
 class Monitor final : public Observer {
  public:
   void declare(DataTable& table) override {
-    table.addLink("mstate", mstate_).help("state to watch; the one of this node when not given");
+    table.addLink("mstate", mstate_).help("state to watch; the one of this node by default");
     table.add("indices", nodes_).help("nodes to watch; with attributes alone, those of which lists for all nodes are written; empty: all");
     table.add("ExportPositions", export_x_).help("write <fileName>_x.txt");
     table.add("ExportVelocities", export_v_).help("write <fileName>_v.txt");
     table.add("ExportForces", export_f_).help("write <fileName>_f.txt");
     table.add("attributes", words_).help("what other components compute, as contact.wrenches: write <fileName>_wrenches.txt");
     table.add("cells", cells_).help("cells of whose fields, as tissue.stress among attributes, numbers are written; empty: all").min(0);
-    table.add("fileName", file_name_).help("start of the names of the files; the component's name when not given");
+    table.add("fileName", file_name_).help("prefix of the file names; the component's name by default");
     for (const char* drawing :
          {"showPositions", "showVelocities", "showForces", "showTrajectories", "PositionsColor", "VelocitiesColor",
           "ForcesColor", "TrajectoriesColor", "sizeFactor", "showMinThreshold", "TrajectoriesPrecision"})
@@ -231,7 +233,7 @@ void Monitor::watch(const std::string& word) {
   if (!owner)
     throw ComponentError(fmt::format("attributes: there is no component '{}'", path), "a name in this node or above, or a path");
   if (dynamic_cast<const State*>(owner))
-    throw ComponentError(fmt::format("attributes: {} is a state, whose attributes are what it starts with", owner->path()),
+    throw ComponentError(fmt::format("attributes: {} is a state, whose attributes are initial values", owner->path()),
                          "ExportPositions, ExportVelocities or ExportForces, of another state with mstate=\"@path\"");
   const Data* data = owner->data().find(attribute);
   const auto* field = data ? nullptr : dynamic_cast<const ForceField*>(owner);

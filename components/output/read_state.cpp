@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ReadState: positions and velocities of a state from a file, as WriteState and `stroma run --record` write it.
 //
-// An instant of the file at T belongs to the time t = T - shift. What lies at or before the start of the run is where
-// the state starts: a file with one instant resumes a run. Each later instant is where the step that reaches it ends,
-// exactly; nothing is interpolated, and when a step reaches several, the last counts. During such a step the nodes move
-// at the constant velocity that gets them there, so that what is attached to them is carried along. Between instants,
-// and after the last, the state moves as its forces want; with an instant for every step it is a replay, and with the
-// nodes held by a FixedProjectiveConstraint it stays where the file left it.
+// A frame of the file at T belongs to the time t = T - shift. Frames at or before the start of the run set the initial state:
+// a file with one frame resumes a run. Each later frame is reached exactly at the end of a step; nothing is interpolated, and
+// if a step reaches several, the last is used. During such a step the nodes move at the constant velocity that gets them
+// there, and carry along what is attached to them. Between frames, and after the last, forces move the state; with a frame for
+// every step this is a replay, and with the nodes fixed by a FixedProjectiveConstraint it stays at the last frame.
 //
 //   x = R(rotation) scalePos X + translation,   v = R(rotation) scalePos V
 //
@@ -14,8 +13,7 @@
 // `loop` starts the file again at its last time T_end: instants follow at T + T_end, T + 2 T_end and so on. `interval`
 // lets instants in only every so many seconds from the start on.
 //
-// A recording that is not finished, because its run still goes on or was killed, is read up to its last whole instant,
-// with a warning.
+// An unfinished recording, of a run that is still going or was killed, is read up to its last complete frame, with a warning.
 //
 // Where SOFA reads before a step, and resizes the state to what it finds, this component acts at the start and at the
 // end of steps, and another number of nodes is an error. X0 and F of the file are not used.

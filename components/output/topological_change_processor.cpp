@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// TopologicalChangeProcessor: changes of a mesh that a scene plans, by a file or by lists. Cells and points go or come between two
-// steps; positions, velocities and what cells remember go on, and all that depends on the mesh follows it.
+// TopologicalChangeProcessor: planned changes of a mesh, by a file or by lists. Cells and points are removed or added between
+// two steps; positions, velocities and histories of cells are kept, and everything that depends on the mesh is updated.
 //
 // The file has a line "T= TIME" before the changes of an instant, made in the first step that starts at TIME - shift or later:
 //
@@ -13,8 +13,8 @@
 //   2 0.3 0.3
 //
 // With useDataInputs the lists below are removed in the first step that starts after timeToRemove, and again every `interval`.
-// A number that goes is taken over by the last of its list, the largest first. Faces and edges of cells that go, and points
-// that lose their last cell, go with them.
+// The last item of a list takes the number of a removed one, the largest number first. Faces and edges of removed cells, and
+// points that lose their last cell, are removed with them.
 //
 // Source: names, attributes, the file and the numbering are SOFA's. Of several times within one step SOFA makes the changes of
 // the last only; here all are made. Cuts along a path ("INCISE=") end the run.

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // WriteState: the positions of a state over time, in a text file.
 //
-// For every instant written, the file has a line `T= t` and, indented below it, `X= x0 y0 z0 x1 ...` [m] (of a rigid
-// frame seven numbers, its centre and its quaternion x y z w, of a number one) and on request
-// `X0=` (rest positions [m]), `V=` (velocities [m/s]) and `F=` (forces [N]). Numbers have the fewest digits that read
-// back to the same bits. A name that ends in ".gz" gives a compressed file. Each instant is in the file, with a check sum,
-// when its step ends: what a run that is killed has left can be read up to there. A run that goes on from a checkpoint
-// keeps the instants up to there, if the file of the run before has its name.
+// For every instant written, the file has a line `T= t` and, indented below it, `X= x0 y0 z0 x1 ...` [m] (of a rigid frame
+// seven numbers, its centre and its quaternion x y z w, of a number one) and on request `X0=` (rest positions [m]), `V=`
+// (velocities [m/s]) and `F=` (forces [N]). Numbers have the fewest digits that read back to the same bits. A name that ends
+// in ".gz" gives a compressed file. Each frame is in the file, with a checksum, when its step ends: the file of a killed run
+// can be read up to there. A run continued from a checkpoint keeps the frames up to there, if the file has the same name.
 //
-// Instants: `time` lists times to write; after the last of them, or from the start when there are none, one instant
-// every `period`. With neither, every step. An instant is written by the first step that reaches it. Where SOFA acts
-// before a step, so that the result of the last one is missing, this component acts at the start and after each step.
-// F is the net force of all force fields and of gravity at the instant, which takes one evaluation more per step. At a
-// node that a constraint holds it is what the body exerts there: the reaction of the support has the opposite sign.
+// Instants: `time` lists times to write; after the last of them, or from the start when there are none, one instant every
+// `period`. With neither, every step. An instant is written by the first step that reaches it. Where SOFA acts before a step,
+// so that the result of the last one is missing, this component acts at the start and after each step. F is the net force of
+// all force fields and of gravity at the instant, which takes one evaluation more per step. At a constrained node it is the
+// force exerted by the body: the reaction of the support has the opposite sign.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -40,7 +39,7 @@ namespace {
 class WriteState final : public Observer {
  public:
   void declare(DataTable& table) override {
-    table.addLink("mstate", mstate_).help("state to write; the one of this node when not given");
+    table.addLink("mstate", mstate_).help("state to write; the one of this node by default");
     table.add("filename", file_name_).help("file to write; compressed when it ends in .gz").required();
     table.add("writeX", write_x_).help("write positions");
     table.add("writeX0", write_x0_).help("write rest positions");
@@ -51,8 +50,7 @@ class WriteState final : public Observer {
         .unit("s")
         .min(0)
         .help(
-            "time between writes after the last of `time`; 0: every step if "
-            "`time` is empty, else nothing more");
+            "time between writes after the last of `time`; 0: every step if `time` is empty, else none");
     table.add("DOFsX", nodes_x_).help("nodes whose positions are written; all when empty");
     table.add("DOFsV", nodes_v_).help("nodes whose velocities are written; all when empty");
   }

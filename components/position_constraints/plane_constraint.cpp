@@ -42,11 +42,11 @@ class PlaneConstraint final : public PositionConstraint {
     table.add("d", distances_)
         .unit("m")
         .help("distance of each plane from the origin along its normal, or one for all");
-    table.add("indices", indices_).help("nodes that do not penetrate; every node when not given");
+    table.add("indices", indices_).help("nodes that do not penetrate; every node by default");
     table.add("tolerance", tolerance_)
         .unit("m")
         .min(0)
-        .help("depth that counts as none; 0: 1e-12 of the body's size. Never below the round-off of positions");
+        .help("tolerated depth; 0: 1e-12 of the body's size. Never below the round-off of positions");
   }
   void init() override;
   void compile() override {
@@ -61,7 +61,7 @@ class PlaneConstraint final : public PositionConstraint {
   double correctPositions(const PositionStep& step, Rows x, Rows reference) override;
   double correctVelocities(const PositionStep& step, ConstRows x, Rows v) override;
   std::string violation() const override {
-    return fmt::format("node {} is {:.3g} m behind plane {} and held there", worst_node_, worst_depth_, worst_plane_);
+    return fmt::format("node {} is {:.3g} m behind plane {} and fixed there", worst_node_, worst_depth_, worst_plane_);
   }
   bool takesFrames() const override { return true; }
   std::string describe() const override {

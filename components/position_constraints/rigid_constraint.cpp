@@ -92,9 +92,9 @@ class RigidConstraint final : public PositionConstraint {
   double correctPositions(const PositionStep& step, Rows x, Rows reference) override;
   double correctVelocities(const PositionStep& step, ConstRows x, Rows v) override;
   std::string violation() const override {
-    if (guided_ >= 0) return fmt::format("node {} is held in some directions only", guided_);
+    if (guided_ >= 0) return fmt::format("node {} is fixed in some directions only", guided_);
     if (misfit_)
-      return fmt::format("the nodes that are held do not keep their distances: one is {:.3g} m off", worst_ * allowed_);
+      return fmt::format("fixed nodes do not keep their distances: one has an error of {:.3g} m", worst_ * allowed_);
     if (unturned_ > 0)
       return fmt::format(
           "it would have to turn by more than a quarter in one step; {:.2g} of its angular momentum is lost (a smaller "
@@ -134,13 +134,12 @@ class RigidConstraint final : public PositionConstraint {
 
 void RigidConstraint::declare(DataTable& table) {
   PositionConstraint::declare(table);
-  table.add("indices", indices_).help("nodes of the rigid set; every node when not given");
+  table.add("indices", indices_).help("nodes of the rigid set; every node by default");
   table.add("tolerance", tolerance_)
       .unit("m")
       .min(0)
       .help(
-          "distance from the rigid place that counts as none; 0: 1e-12 of the set's size. Never below the round-off of "
-          "positions");
+          "tolerated distance from the rigid position; 0: 1e-12 of the set's size. Never below the round-off of positions");
 }
 
 void RigidConstraint::init() {

@@ -41,7 +41,7 @@ class TwistConstraint final : public PositionConstraint {
     if (!state().hasFrames())
       throw ComponentError("the nodes of " + state().path() + " have no orientation", "a state of template Rigid3");
     if (!held_[0] && !held_[1] && !held_[2])
-      warn("no axis is held: the constraint does nothing", "FixedXRotation, FixedYRotation or FixedZRotation");
+      warn("no axis is fixed: the constraint has no effect", "FixedXRotation, FixedYRotation or FixedZRotation");
     kept_.clear();
     for (Index node = 1; node < state().size(); node += 2) {
       Quaternion left = turnedBy(state().position[std::size_t(node)]), kept = Quaternion::Identity();

@@ -153,7 +153,7 @@ void VolumeConstraint::declare(DataTable& table) {
   table.add("tolerance", tolerance_)
       .unit("-")
       .min(0, false)
-      .help("relative error of the volume that counts as none; never below what the round-off of positions makes");
+      .help("tolerated relative error of the volume; never below that from the round-off of positions");
 }
 
 void VolumeConstraint::init() {
@@ -167,7 +167,7 @@ void VolumeConstraint::init() {
   const double rest =
       area_vectors::volumeBehind(faces_, [this](Index i) -> const Vec3& { return state().rest_position[nodes_[i]]; });
   if (!(rest > 0))
-    throw ComponentError(fmt::format("the surface holds a volume of {:.6g} m^3", rest), "faces that are turned outward",
+    throw ComponentError(fmt::format("the surface encloses a volume of {:.6g} m^3", rest), "faces that are turned outward",
                          "turn every triangle and quad round");
   if (volume_ == 0) volume_ = rest;
 }

@@ -174,7 +174,7 @@ class AverageCoord final : public Engine {
  public:
   void declare(DataTable& table) override {
     table.add("vertices", positions_).alias("position").help("positions").unit("m");
-    table.add("indices", indices_).help("which; all when not given");
+    table.add("indices", indices_).help("which; all by default");
     table.add("average", mean_).help("their mean").unit("m").output();
   }
   void init() override {

@@ -71,7 +71,7 @@ class MeshSubsetEngine final : public MeshEngine {
     table.add("hexahedra", part_.hexahedra).help("hexahedra of them").output();
   }
   void init() override {
-    if (indices_.empty()) warn("indices names no node", "check that the selection linked here holds nodes");
+    if (indices_.empty()) warn("indices names no node", "check that the selection linked here contains nodes");
     part_ = Mesh();
     std::vector<Index> number(from_.position.size(), -1);
     for (const int node : indices_) {
@@ -176,7 +176,7 @@ class ProximityROI final : public Engine {
     table.add("N", most_).help("how many nodes at most").min(1).required();
     table.add("position", position_)
         .alias("rest_position")
-        .help("nodes; those of the state of the node or above when not given")
+        .help("nodes; those of the state of the node or above by default")
         .unit("m");
     table.add("indices", indices_).alias("pointIndices").help("the nearest nodes, as the heap of them has them").output();
     table.add("pointsInROI", points_).help("their positions").unit("m").output();

@@ -82,7 +82,7 @@ class PointsFromIndices final : public Engine {
     table.add("indices_position", chosen_).help("the chosen ones").unit("m").output();
   }
   void init() override {
-    if (indices_.empty()) warn("indices names no point", "check that the selection linked here holds nodes");
+    if (indices_.empty()) warn("indices names no point", "check that the selection linked here contains nodes");
     chosen_.clear();
     std::set<std::array<double, 3>> taken;
     for (const int index : indices_) {

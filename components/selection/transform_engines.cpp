@@ -151,7 +151,7 @@ class TransformPosition final : public Engine {
 class SmoothMeshEngine final : public Engine {
  public:
   void declare(DataTable& table) override {
-    table.addLink("topology", topology_).help("mesh whose edges say what is beside what; that of this node or above when not given");
+    table.addLink("topology", topology_).help("mesh whose edges say what is beside what; that of this node or above by default");
     table.add("input_position", input_).help("points to smooth").unit("m");
     table.add("output_position", output_).help("the smoothed ones").unit("m").output();
     table.add("input_indices", indices_).help("which of them; all when empty");

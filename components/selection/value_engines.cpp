@@ -126,7 +126,7 @@ class IndexValueMapper final : public TypedEngine {
     addList(table, "inputValues", in_).help("values to start from");
     table.add("indices", indices_).help("where value goes");
     addList(table, "value", value_).help("the value").required();
-    addList(table, "defaultValue", otherwise_).help("where the list grows; 1 when not given");
+    addList(table, "defaultValue", otherwise_).help("where the list grows; 1 by default");
     addList(table, "outputValues", out_).help("the list").output();
   }
   void init() override {
@@ -159,7 +159,7 @@ class Indices2ValuesMapper final : public TypedEngine {
     addList(table, "inputValues", in_).help("a label of each item");
     addList(table, "indices", labels_).help("labels that have a value");
     addList(table, "values", values_).help("the value of each of them");
-    addList(table, "defaultValue", otherwise_).help("of other labels; 1 when not given");
+    addList(table, "defaultValue", otherwise_).help("of other labels; 1 by default");
     addList(table, "outputValues", out_).help("a value of each item").output();
   }
   void init() override {

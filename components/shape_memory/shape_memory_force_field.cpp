@@ -121,7 +121,7 @@ void ShapeMemoryForceField::declare(DataTable& table) {
   table.addChoice("reaction", reaction_, {"true", "false", "upright"})
       .help("neighbours get the opposite force and couple: momentum is conserved; upright: unless they are inverted");
   table.addChoice("tangent", tangent_, {"frame", "target"})
-      .help("stiffness: targets move with the neighbours, or (without reaction) are held");
+      .help("stiffness: targets move with the neighbours, or (without reaction) are fixed");
   table.add("ownWeight", own_weight_)
       .unit("-")
       .min(1e-6)
@@ -138,7 +138,7 @@ void ShapeMemoryForceField::init() {
     throw ComponentError("three neighbours lie in a plane: they are never upright nor inverted",
                          "reaction=\"true\" or \"false\", or frame=\"bestFit\"");
   if (hasReaction() && tangent_ == TangentWord::target)
-    throw ComponentError("tangent target holds what reaction moves", "tangent=\"frame\", or reaction=\"false\"");
+    throw ComponentError("tangent target fixes the targets that reaction moves", "tangent=\"frame\", or reaction=\"false\"");
   const std::size_t count = std::size_t(state().size());
   if (stiffness_.size() != 1 && stiffness_.size() != count)
     throw ComponentError(fmt::format("stiffness has {} values", stiffness_.size()),

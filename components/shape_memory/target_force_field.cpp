@@ -33,7 +33,7 @@ class TargetForceField final : public ForceField {
   void declare(DataTable& table) override {
     ForceField::declare(table);
     table.add("indices", indices_).required().help("nodes that are drawn to their targets");
-    table.add("targets", targets_).unit("m").help("a place for each index; the node's rest position when not given");
+    table.add("targets", targets_).unit("m").help("a place for each index; the node's rest position by default");
     table.add("displacement", displacement_).unit("m").help("added to every target, times the factor");
     table.add("stiffness", stiffness_).alias("kElas").unit("N/m").min(0).physical().help("elastic modulus k");
     factor_.declare(table, "the displacement", FactorOverTime::Sign::any);

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// AngularSpringForceField: springs that turn each of some rigid frames to the orientation of the frame before it.
+// AngularSpringForceField: springs that align each of some rigid frames with the previous frame.
 //
 //   E = sum k_i/2 |th_i|^2,   exp(th_i) = q_i q_p^-1,   p = i - 1, the frame with the number before
 //   torque on i = -k_i th_i,   torque on p = k_i th_i
 //   K = -k_i [S, -D^T; -D, S] on (i, p),   D = dexp^-1(th_i),   S = (D + D^T)/2
 //
-// th is the shortest turn. `indices` lists the frames; the first of the list has no spring, and neither has frame 0. What is
-// listed as one chain bends like a rod. angularStiffness has a value for each of indices or one for all. K is the symmetric
-// part of the derivative.
+// th is the shortest rotation. `indices` lists the frames; the first of the list has no spring, and neither has frame 0.
+// Frames listed as one chain bend like a rod. angularStiffness has a value for each of indices or one for all. K is the
+// symmetric part of the derivative.
 //
 // With limit="least most ..." a spring acts only while the angle |th| lies between the two; a pair for each, or one for all.
 //
-// Source: name and attributes are SOFA's. There the frame before feels no torque, and `limit` is not read: oneSided is that,
-// with K = -k I of each listed frame, also of the first, which has no force. Of fewer constants than indices the first holds for
-// the others.
+// Source: name and attributes are SOFA's. There the previous frame gets no torque, and `limit` is not read: oneSided does
+// this, with K = -k I of each listed frame, also of the first, which has no force. If there are fewer constants than indices,
+// the first is used for the others.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -41,7 +41,7 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("indices", indices_).help("frames, each but the first held to the one with the number before").required();
+    table.add("indices", indices_).help("frames, each except the first coupled to the previous one").required();
     table.add("angularStiffness", constants_)
         .recompiled()
         .help("torque over the angle, one per frame or one for all")

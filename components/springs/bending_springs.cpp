@@ -7,8 +7,8 @@
 //
 //   E = sum k/2 (L - L0)^2, force and tangent as in SpringForceField; L0 is the distance in the rest shape
 //
-// A flat surface that is bent shortens these springs in second order only: about flat shapes they resist weakly, about
-// curved ones in first order. An edge that more than two cells share has a spring for each pair of them.
+// Bending a flat surface shortens these springs only to second order: they resist weakly about flat shapes, and to first order
+// about curved ones. An edge shared by more than two cells has a spring for each pair of them.
 //
 // Source: the names and attributes are SOFA's.
 //

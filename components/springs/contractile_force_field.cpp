@@ -3,9 +3,9 @@
 //
 //   E = k/2 (L - s(t) L0)^2,   L0 the length of a fibre in the rest shape, s(t) the factor at the end of the step
 //
-// Fibres are the edges given, or those of the topology (its edges, the sides of its triangles and quads, those of its
-// volume cells). A fibre pushes as well as it pulls unless elongationOnly is set. The work that the change of s(t) does
-// enters the energy: the total energy of a scene with muscles is not constant.
+// Fibres are the edges given, or those of the topology (its edges, the sides of its triangles and quads, those of its volume
+// cells). A fibre pushes as well as pulls unless elongationOnly is set. The change of s(t) does work: the total energy of a
+// scene with muscles is not constant.
 //
 // Source: contractile objects of the breathing model that Nesme et al. 2005, section 4, builds on.
 //

@@ -21,10 +21,10 @@
 //
 //   E = lambda/2 |R|^2,   lambda = 2/3 (|N_a| + |N_b|) / (|N_a| |N_b|)^2 l^3 mu,   alpha_c = -|N_d| / (|N_c| + |N_d|), ...
 //
-// Its mu is no stiffness of the surface: with cells half the size the same sheet is twice as stiff.
+// Its mu is not a stiffness of the surface: with cells half the size the same sheet is twice as stiff.
 //
-// The stiffness is constant and positive semidefinite. Where the surface is curved at rest it is flattened. Where more than two
-// triangles share an edge, each pair of them bends by itself.
+// The stiffness is constant and positive semidefinite. A surface that is curved at rest is flattened. If more than two
+// triangles share an edge, each pair of them bends independently.
 //
 // Source: Volino and Magnenat-Thalmann 2006, "Simple linear bending stiffness in particle systems", for R and for springs; the
 // curvature of a triangle from those of its edges as in Onate and Zarate 2000, "Rotation-free triangular plate and shell

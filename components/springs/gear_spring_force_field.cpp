@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// GearSpringForceField: pairs of wheels that turn each other. Each wheel m is a rigid frame on a pivot, the frame p, or on the
-// place where it starts when p is m itself. a_m, a_p: the axis of the wheel, as it lies in both frames.
+// GearSpringForceField: pairs of wheels that drive each other. Each wheel m is a rigid frame on a pivot, the frame p, or on
+// its initial position if p is m itself. a_m, a_p: the axis of the wheel in both frames.
 //
 //   E = sum over both wheels of [k_t/2 |c_m - c_p|^2 + k_r/2 beta^2] + k_s/(2 R) (R phi_1 + phi_2)^2
 //
@@ -19,10 +19,10 @@
 //
 //   BEGIN_SPRING p1 m1 p2 m2 AXIS i j KS_T k_t KS_R k_s k_r KD kd RATIO R END_SPRING
 //
-// where i and j are 0, 1, 2 for the axes x, y, z of both. What is not said is AXIS 0 0, 10000 for each stiffness and KD, RATIO 1.
+// where i and j are 0, 1, 2 for the axes x, y, z of both. The defaults are AXIS 0 0, 10000 for each stiffness and KD, RATIO 1.
 //
-// Source: the name and the words are SOFA's. There the teeth turn the wheels and not the pivots (oneSided), and KD is no part of
-// the matrix (explicitDamping).
+// Source: the name and the words are SOFA's. There the teeth act on the wheels and not on the pivots (oneSided), and KD is not
+// in the matrix (explicitDamping).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
@@ -107,8 +107,8 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.addLink("object1", object1_).help("state of the first wheels; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second wheels; the one of the first when not given");
+    table.addLink("object1", object1_).help("state of the first wheels; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second wheels; the one of the first by default");
     table.add("spring", text_).help("the pairs of wheels, in the words above").required();
     table.add("oneSided", one_sided_).help("pivots feel no torque of the teeth, as in SOFA");
     table.add("explicitDamping", explicit_damping_).help("KD is no part of the matrix, as in SOFA: not stable for large ones");

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// LennardJonesForceField: all nodes of a state pull at each other from afar and push from near.
+// LennardJonesForceField: all nodes of a state attract each other at large and repel at small distances.
 //
 //   t(d) = a alpha d^(-alpha-1) - b beta d^(-beta-1),   a = p0 d0^alpha / (1 - alpha/beta),   b = p0 d0^beta / (beta/alpha - 1)
 //   f_i = (t(d) n + c (v_j - v_i)) for each j with d < dmax,   d = |x_j - x_i|,   n = (x_j - x_i)/d
 //   df_i/dx_i = -(t' n n^T + t/d (I - n n^T))
 //
-// d0 is the distance of no force, and p0 the depth of the potential -a d^-alpha + b d^-beta there. No pull is larger than fmax; pushes
-// are. With p0 below 0 nodes pull from near and push from far.
-// At dmax the force jumps to zero, of which the energy knows nothing. c is `damping`. With aInit: masses that attract each
-// other, t = aInit alpha/d^2, with beta = 0. The work grows with the square of the number of nodes, and the matrix is full.
+// d0 is the distance of zero force, and p0 the depth of the potential -a d^-alpha + b d^-beta there. fmax bounds attraction,
+// not repulsion. With p0 below 0 near nodes attract and far ones repel each other. At dmax the force jumps to zero, which the
+// energy does not include. c is `damping`. With aInit: masses that attract each other, t = aInit alpha/d^2, with beta = 0. The
+// work grows with the square of the number of nodes, and the matrix is full.
 //
 // Source: J. E. Jones, On the determination of molecular fields (1924); names, attributes and defaults are SOFA's. There the tangent
 // (rough) lacks t/d (I - n n^T), and damping is no part of the matrix (explicitDamping).
@@ -41,9 +41,9 @@ class LennardJones final : public NodeGroupField<2, PairTangent> {
     table.add("dmax", reach_).help("distance from which on nodes do not feel each other").unit("m").min(0, false);
     table.add("fmax", most_).help("the largest attraction").unit("N").min(0);
     table.add("damping", damping_per_speed_).help("damping of each pair").unit("N s/m").min(0);
-    table.add("aInit", gravity_).help("attraction of masses, G m_1 m_2, in the place of the rest").unit("N m^2");
+    table.add("aInit", gravity_).help("gravitational attraction G m_1 m_2, instead of the other terms").unit("N m^2");
     table.add("explicitDamping", is_explicit_).help("damping is no part of the matrix, as in SOFA");
-    table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: what SOFA takes for the derivative");
+    table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: SOFA's approximation of the derivative");
   }
 
   void init() override {
@@ -56,7 +56,7 @@ class LennardJones final : public NodeGroupField<2, PairTangent> {
       if (gravity_ > 0) first_ = 0, last_ = std::sqrt(gravity_ / most_);
       return;
     }
-    if (!(beta_ > alpha_)) throw ComponentError("beta is not above alpha: nothing would keep nodes apart", "beta=\"12\" with alpha=\"6\"");
+    if (!(beta_ > alpha_)) throw ComponentError("beta is not above alpha: nothing would repel nodes", "beta=\"12\" with alpha=\"6\"");
     a_ = depth_ * std::pow(distance_, alpha_) / (1 - alpha_ / beta_), b_ = depth_ * std::pow(distance_, beta_) / (beta_ / alpha_ - 1);
     const double steepest = distance_ * std::pow((beta_ + 1) / (alpha_ + 1), 1 / (beta_ - alpha_));
     if (depth_ < 0) last_ = whereEnough(distance_), first_ = 0;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Springs between the nodes of the cells of a mesh, with the lengths of the rest shape.
 //
-// MeshSpringForceField: every pair of nodes of a cell is a spring: edges, sides of triangles, sides and diagonals of
-// quads, edges of tetrahedra, edges and all diagonals of hexahedra. A pair has one spring however many cells share it,
-// with the stiffness and damping of the first kind that has one in the order lines, triangles, quads, tetrahedra,
-// cubes. A kind without stiffness and damping makes no springs. Edges and faces of solid cells count as lines and faces
-// when the mesh lists none. `stiffness` and `damping` set all kinds at once.
+// MeshSpringForceField: every pair of nodes of a cell is a spring: edges, sides of triangles, sides and diagonals of quads,
+// edges of tetrahedra, edges and all diagonals of hexahedra. A pair has one spring whatever the number of cells that share it,
+// with the stiffness and damping of the first kind that has one, in the order lines, triangles, quads, tetrahedra, cubes. A
+// kind without stiffness and damping makes no springs. Edges and faces of solid cells are used as lines and faces if the mesh
+// lists none. `stiffness` and `damping` set all kinds at once.
 //
 // RegularGridSpringForceField: the same for a grid: lines are the edges of its cells, quads the diagonals of their
 // faces, cubes the diagonals through them.

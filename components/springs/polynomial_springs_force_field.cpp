@@ -17,8 +17,8 @@
 //
 // a force without a corner at l = 0. It is radial, and its energy is the integral of |f| over l (by Gauss's rule).
 //
-// polynomialDegree says how many of the coefficients polynomialStiffness each spring has, one after the other; where it does
-// not have a number for each spring, all have the first polynomial. Without points every node has a spring.
+// polynomialDegree is the number of coefficients in polynomialStiffness for each spring, one after the other; if it does not
+// have a number for each spring, all have the first polynomial. Without points every node has a spring.
 //
 // Source: names and attributes are SOFA's. There the tangent (rough) is -(P'(|e|)/L n n^T + P(|e|)/l (I - n n^T)) whether a spring
 // resists or not, and of springs to rest positions -P/m I and, on the diagonal alone,
@@ -58,7 +58,7 @@ class Polynomials {
         .help("coefficients of the polynomials, from the linear one on")
         .unit("N");
     table.add("polynomialDegree", degrees_).help("how many coefficients each polynomial has");
-    table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: what SOFA takes for the derivative");
+    table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: SOFA's approximation of the derivative");
   }
   /// Throws ComponentError where the lists do not fit each other.
   void check(std::size_t springs) {
@@ -110,10 +110,10 @@ class PolynomialSpringsForceField final : public NodeGroupField<2, PairTangent>,
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
-    table.add("firstObjectPoints", first_).help("first node of each spring; every node when not given");
-    table.add("secondObjectPoints", second_).help("second node of each spring; every node when not given");
+    table.addLink("object1", object1_).help("state of the first ends; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends by default");
+    table.add("firstObjectPoints", first_).help("first node of each spring; every node by default");
+    table.add("secondObjectPoints", second_).help("second node of each spring; every node by default");
     polynomials_.declare(table);
     table.add("computeZeroLength", by_start_).help("the length at rest is the distance at the start").min(0).max(1);
     table.add("zeroLength", given_lengths_).help("length at rest, one per spring or one for all").unit("m").min(0, false);
@@ -224,7 +224,7 @@ class PolynomialRestShapeSprings final : public NodeGroupField<1>, public DrawnS
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("points", points_).help("nodes with a spring; every node when not given");
+    table.add("points", points_).help("nodes with a spring; every node by default");
     table.addLink("external_rest_shape", external_).help("state whose nodes are the targets");
     table.add("external_points", external_points_).help("its nodes, one for each point");
     polynomials_.declare(table);

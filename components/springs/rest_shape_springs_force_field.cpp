@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// RestShapeSpringsForceField: nodes pulled to where they rest, or to the nodes of another body.
+// RestShapeSpringsForceField: nodes pulled to their rest positions, or to the nodes of another body.
 //
 //   E = sum k_i/2 |D (x_i - t_i)|^2,   f_i = -k_i D (x_i - t_i),   K = -k_i D
 //
 // with D the diagonal matrix of activeDirections. The targets t are the rest positions of the nodes or, with
-// external_rest_shape, the positions of its nodes (external_points, else those with the numbers of `points`) at the
-// start of each step. The springs do not act on that other body. `targets` gives them as numbers, and may change while the
-// scene runs: a body is led by them.
+// external_rest_shape, the positions of its nodes (external_points, else those with the numbers of `points`) at the start of
+// each step. The springs do not act on that other body. `targets` gives them as numbers, and can be changed during a run to
+// guide a body.
 //
-// A rigid frame is also turned back, by a torque along the shortest turn th from its target orientation q_t to q:
+// A rigid frame also gets a restoring torque along the shortest rotation th from its target orientation q_t to q:
 //
 //   E = sum a_i/2 |th_i|^2,   exp(th_i) = q_i q_t^-1,   torque = -a_i th_i
 //   K = -a_i (I + c [th]^2), the symmetric part, with c as in dexp^-1;   a = angularStiffness
 //
 // With turnTangent="unturned" K = -a_i I, as in SOFA.
 //
-// `stiffness` has a value for each point or one for all; with firstForOthers points without a value take the first. Without
+// `stiffness` has a value for each point or one for all; with firstForOthers points without a value use the first. Without
 // `points` every node has a spring.
 //
 // Source: the attributes are SOFA's.
@@ -45,8 +45,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("points", points_).alias("indices").recompiled().help("nodes with a spring; every node when not given");
-    table.add("emptyMeansAll", empty_is_all_).help("an empty list of points stands for all nodes, as in SOFA");
+    table.add("points", points_).alias("indices").recompiled().help("nodes with a spring; every node by default");
+    table.add("emptyMeansAll", empty_is_all_).help("an empty list of points means all nodes, as in SOFA");
     table.add("firstForOthers", first_for_others_)
         .help("of several values the first is that of points without one, and those beyond are left out, as in SOFA");
     table.add("stiffness", stiffness_constants_)
@@ -58,9 +58,9 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     table.addLink("external_rest_shape", external_).help("state whose nodes are the targets");
     table.add("external_points", external_points_).help("its nodes, one for each point");
     table.add("requiredPoints", required_points_)
-        .help("these must be nodes of the state, or the springs do nothing, as SOFA's external_points of no other body");
+        .help("these must be nodes of the state, or the springs have no effect, as SOFA's external_points without another body");
     table.add("pivot_points", pivot_points_)
-        .help("of rigid bodies only: a node here is a point and turns about nothing");
+        .help("for rigid bodies only: the nodes here are points without orientation");
     table.add("activeDirections", directions_).help("for x, y and z: 1 pulled, 0 free");
     table.add("angularStiffness", angular_stiffness_)
         .recompiled()
@@ -71,7 +71,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
         .help("of the torques on frames: how they change, or -a I as in SOFA");
     table.add("targets", given_targets_)
         .recompiled()
-        .help("where points are pulled to, in place of their rest positions: 3 numbers each, of frames 7")
+        .help("targets of the points instead of their rest positions: 3 numbers each, for frames 7")
         .unit("m");
     for (const char* name : {"drawSpring", "springColor", "recompute_indices"}) table.addVisualOnly(name);
   }
@@ -81,7 +81,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     const bool is_given = data().find("points")->isSet();
     const bool takes_all = points_.empty() && empty_is_all_;
     if (is_given && takes_all)
-      warn(fmt::format("points lists no node: all {} nodes of {} are held", state().nodes(), state().path()));
+      warn(fmt::format("points is empty: springs act on all {} nodes of {}", state().nodes(), state().path()));
     if (is_given && !takes_all) {
       nodes_ = checkedNodesInOrder(points_, state(), "points");
     } else {
@@ -173,7 +173,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     const auto outside = std::find_if(required_points_.begin(), required_points_.end(),
                                       [this](int point) { return point < 0 || point >= state().nodes(); });
     if (outside == required_points_.end()) return true;
-    warn(fmt::format("requiredPoints names node {} of {}, which has {} nodes: the springs do nothing", *outside, state().path(),
+    warn(fmt::format("requiredPoints names node {} of {}, which has {} nodes: the springs have no effect", *outside, state().path(),
                      state().nodes()));
     return false;
   }
@@ -219,8 +219,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     }
     if (other)
       inform(fmt::format(
-          "the springs pull {} alone: {} does not feel them, and its nodes are where they were when the step began. "
-          "SpringForceField between the two acts on both",
+          "the springs only pull {}: there is no reaction on {}, whose nodes are taken at the start of the step. SpringForceField "
+          "between the two acts on both",
           state().path(), other->path()));
     if (other && other->hasFrames() != state().hasFrames())
       throw ComponentError(fmt::format("the nodes of {} and {} are of different types", other->path(), state().path()),

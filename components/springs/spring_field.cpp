@@ -39,7 +39,8 @@ void SpringField::declareDamping(DataTable& table) {
   table.add("explicitDamping", explicit_damping_)
       .help("damping adds to the tension of a spring and to no df/dv, as in SOFA: it is not stable for large ones");
   table.addChoice("meetingEnds", meeting_ends_, {"stiff", "free"})
-      .help("a spring whose ends meet has no direction; stiff: it holds them all ways; free: it does nothing there, as in SOFA");
+      .help("a spring whose ends meet has no direction; stiff: its stiffness acts in all directions; free: it has no effect there, "
+            "as in SOFA");
 }
 
 ForceTraits SpringField::traits() const {

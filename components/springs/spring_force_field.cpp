@@ -5,18 +5,18 @@
 //
 //   E = k/2 (L - L0)^2,   f_a = -f_b = (k (L - L0) + c u) n
 //
-// The tangent is the exact derivative, but for the turning of n in the damping force. A spring whose ends meet has no
-// direction: with L0 = 0 its force is -k d, which needs none; with L0 > 0 it has no force until the ends part.
-// elongationOnly springs do nothing while L < L0, and compressionOnly ones while L > L0. A compressed spring's tangent is
+// The tangent is the exact derivative, except for the rotation of n in the damping force. A spring whose ends meet has no
+// direction: with L0 = 0 its force is -k d, which needs none; with L0 > 0 it has no force until the ends separate.
+// elongationOnly springs have no force while L < L0, and compressionOnly ones while L > L0. A compressed spring's tangent is
 // indefinite, as its equilibrium is.
 //
 // The springs are given by `springsIndices1`, `springsIndices2` and `lengths`, or all in one by `spring`, five numbers
 // each: i j k c L0. Node i belongs to `object1`, node j to `object2`; without them both are of the state of this node.
 // `stiffness`, `damping`, `lengths`, `elongationOnly`, `compressionOnly` and `enabled` have a value for each spring or one for all.
 //
-// With `explicitForce` the springs are no part of the matrix of a step. A step that makes one linear system then has the forces of
-// its start, equal and opposite on both bodies: momentum is kept, and stiff springs need small steps. SOFA does so where it
-// solves for each body alone.
+// With `explicitForce` the springs are not in the matrix of a step. A step with one linear solve then has the forces at its
+// start, equal and opposite on both bodies: momentum is conserved, and stiff springs need small steps. SOFA does so where it
+// solves for each body separately.
 //
 // Source: the attributes are SOFA's (StiffSpringForceField is an older name).
 //
@@ -46,8 +46,8 @@ class SpringForceField final : public SpringField {
   void declare(DataTable& table) override {
     ForceField::declare(table);
     declareDamping(table);
-    table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
+    table.addLink("object1", object1_).help("state of the first ends; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends by default");
     table.add("spring", all_in_one_).recompiled().help("five numbers per spring: node, node, stiffness, damping, rest length");
     table.add("springsIndices1", indices1_).recompiled().alias("indices1").help("first node of each spring");
     table.add("springsIndices2", indices2_).recompiled().alias("indices2").help("second node of each spring");
@@ -136,7 +136,7 @@ class SpringForceField final : public SpringField {
       springs[s].elongation_only = elongation_only[s], springs[s].compression_only = compression_only[s];
       if (enabled[s]) kept.push_back(springs[s]);
     }
-    if (kept.empty()) warn("no spring is enabled: the component does nothing");
+    if (kept.empty()) warn("no spring is enabled: the component has no effect");
     return kept;
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Springs along the sides of triangles and between them, which together resist as a membrane of Hooke's law does.
+// Springs along the sides of triangles and between them, which together behave as a membrane with Hooke's law.
 //
 //   E = sum over triangles of 1/2 s^T H s,   s_i the elongation of the side opposite corner i
 //   H_ii = w_i^2 (c_i^2 (lambda + 2 mu) + mu) / (4 A),   H_ij = w_i w_j (c_i c_j (lambda + 2 mu) - mu) / (4 A)
@@ -10,11 +10,11 @@
 // TriangularQuadraticSpringsForceField:   s_i = l_i - L_i,           w_i = L_i
 // TriangularBiquadraticSpringsForceField: s_i = (l_i^2 - L_i^2)/2,   w_i = 1
 //
-// Both have the energy of a membrane in plane stress to second order in the strain; the second is the membrane of St.
-// Venant and Kirchhoff. `compressible` adds to that one 3/4 (lambda + 2 mu) A (J - 1)^4 for each triangle whose area J A is
-// smaller than at rest, so that it does not collapse. Without useAngularSprings only the H_ii act: plain springs. The tension
-// t = H s becomes H (s + dampingRatio ds/dt). The tangent is the exact derivative, but for the turning of sides in the
-// damping. Bending is not resisted.
+// Both have the energy of a membrane in plane stress to second order in the strain; the second is the membrane of St. Venant
+// and Kirchhoff. `compressible` adds to that one 3/4 (lambda + 2 mu) A (J - 1)^4 for each triangle whose area J A is smaller
+// than at rest, so that it does not collapse. Without useAngularSprings only the H_ii act: plain springs. The tension t = H s
+// becomes H (s + dampingRatio ds/dt). The tangent is the exact derivative, except for the rotation of sides in the damping.
+// There is no bending stiffness.
 //
 // Source: Delingette 2008, "Triangular springs for modeling nonlinear membranes"; names and attributes are SOFA's, but for
 // thickness (1 there). SOFA takes the damping of the start of a step into the tension: explicitDamping. Its tangent of the
@@ -91,12 +91,12 @@ class TriangularSprings final : public NodeGroupField<3> {
     table.add("poissonRatio", poisson_).recompiled().help("Poisson's ratio").unit("-").min(-1, false).max(0.5).physical();
     table.add("thickness", thickness_).recompiled().help("thickness of the membrane").unit("m").min(0, false).physical();
     table.add("dampingRatio", damping_ratio_).recompiled().help("damping over stiffness").unit("s").min(0);
-    table.add("useAngularSprings", angular_).help("false: the sides resist by themselves alone");
+    table.add("useAngularSprings", angular_).help("false: the sides resist independently");
     if constexpr (!Sides::holds_area)
-      table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: what SOFA takes for the derivative");
+      table.addChoice("tangent", tangent_, {"exact", "rough"}).help("rough: SOFA's approximation of the derivative");
     table.add("explicitDamping", explicit_).help("damping adds to the tension and to no df/dv, as in SOFA");
     if constexpr (Sides::holds_area)
-      table.add("compressible", resists_).help("a triangle that loses area is held open by more");
+      table.add("compressible", resists_).help("a triangle that loses area becomes stiffer");
   }
 
   void init() override {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// VectorSpringForceField: springs that remember a vector between their ends, not a length: they resist turning too.
+// VectorSpringForceField: springs with a rest vector between their ends, not a rest length: they also resist rotation.
 //
 //   f_a = -f_b = k (x_b - x_a - r) + c (v_b - v_a),   E = k/2 |x_b - x_a - r|^2,   K of (a, a): -k I
 //
-// With useTopology there is one on each edge of the mesh, and r is the vector of the rest shape. Else node i of object1 is drawn to
-// node i of object2, r = 0. The force is linear.
+// With useTopology there is one on each edge of the mesh, and r is the vector of the rest shape. Otherwise node i of object1
+// is pulled to node i of object2, r = 0. The force is linear.
 //
 // Source: names, attributes and defaults are SOFA's. There the viscosity is no part of the matrix: explicitDamping.
 //
@@ -34,8 +34,8 @@ class VectorSpringForceField final : public NodeGroupField<2, PairTangent>, publ
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
-    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
+    table.addLink("object1", object1_).help("state of the first ends; the one of this node by default");
+    table.addLink("object2", object2_).help("state of the second ends; the one of the first ends by default");
     topology_.declare(table, "mesh whose edges are the springs");
     table.add("useTopology", on_edges_).help("a spring on each edge of the mesh; else on each pair of nodes of equal number");
     table.add("stiffness", stiffness_constant_).recompiled().help("force over the change of the vector").unit("N/m").min(0).physical();

@@ -50,7 +50,7 @@ class Edge2Quad final : public TopologicalMapping {
     table.add("radius", radius_).help("of the circles").unit("m").min(0, false);
     table.add("radiusFocal", focal_).help("of ellipses along focalAxis; 0: circles").unit("m").min(0);
     table.add("focalAxis", axis_).help("axis of ellipses, in the axes of the frames").unit("-");
-    table.add("edgeList", chosen_).help("which edges; all when not given");
+    table.add("edgeList", chosen_).help("which edges; all by default");
     table.add("flipNormals", flip_).help("turn the quads the other way");
     table.add("position", mesh_.position).alias("points").help("nodes").unit("m").output();
     addCellList(table, cell_kinds::quad, mesh_.quads).help("the quads").output();

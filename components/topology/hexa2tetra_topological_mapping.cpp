@@ -45,7 +45,7 @@ class Hexa2TetraTopologicalMapping : public TopologicalMapping {
  public:
   void declare(DataTable& table) override {
     table.addLink("input", input_).help("topology with hexahedra; without it, that of the nearest node above");
-    table.addLink("output", output_).help("container to fill; without it, the one beside, else the mapping itself");
+    table.addLink("output", output_).help("container to fill; by default the one in the same node, else the mapping itself");
     table.addChoice("cutting", cutting_, {"six", "five", "five1", "five2", "ten", "mirrored"}).help("how a hexahedron is cut");
     table.add("swapping", swapping_).help("mirror the cut into six from cell to cell (grids)");
     table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
@@ -54,8 +54,7 @@ class Hexa2TetraTopologicalMapping : public TopologicalMapping {
         .unit("-")
         .output()
         .help(
-            "share of its stiffness and mass that each cell counts: 0.5 for ten, else 1; applied by those who read the "
-            "topology");
+            "factor of the stiffness and mass of each cell: 0.5 for ten, else 1; applied by components that read the topology");
   }
 
   void init() override {

@@ -59,7 +59,7 @@ class MeshTetraStuffing final : public Component {
     table.add("inputPoints", surface_).help("nodes of the surface").unit("m");
     table.add("inputTriangles", triangles_).help("its triangles");
     table.add("inputQuads", quads_).help("its quads, each taken as two triangles");
-    table.add("vbbox", box_).help("lower and upper corner of the part of space to fill; when not given that of the surface").unit("m");
+    table.add("vbbox", box_).help("lower and upper corner of the part of space to fill; by default that of the surface").unit("m");
     table.add("size", size_).help("edge of a cube; below zero how many there are along the longest side of the box").unit("m");
     table.add("snapPoints", snaps_).help("move nodes that are near the surface onto it");
     table.add("splitTetrahedra", splits_).alias("splitTetras").help("cut off what is outside");

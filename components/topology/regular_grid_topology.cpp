@@ -110,7 +110,7 @@ void RegularGridTopology::readBox() {
   if (isSet("p0") && !any_given)
     min_ += p0_, max_ += p0_;
   else if (isSet("p0") && p0_ != min_)
-    warn("p0 is not used: min and max give the place of the grid");
+    warn("p0 is not used: min and max give the position of the grid");
   if (!any_given) warn("the box of the grid is not given: a unit cube is used", "min and max");
   min_ *= scale_, max_ *= scale_;
 }

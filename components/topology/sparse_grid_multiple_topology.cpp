@@ -45,7 +45,7 @@ class SparseGridMultipleTopology final : public SparseGridTopology {
       table.add(fmt::format("triangles{}", i + 1), surface.triangles).help(fmt::format("triangles of surface {}", i + 1));
       table.add(fmt::format("quads{}", i + 1), surface.quads).help(fmt::format("quads of surface {}", i + 1));
     }
-    table.add("stiffnessCoefs", coefficients_[0]).help("factor on the stiffness in each surface; 1 when not given").unit("-").min(0);
+    table.add("stiffnessCoefs", coefficients_[0]).help("factor on the stiffness in each surface; 1 by default").unit("-").min(0);
     table.add("massCoefs", coefficients_[1]).help("the same on the mass").unit("-").min(0);
     table.add("erasePreviousCoef", erases_).help("on a border the factors of a later surface replace those of earlier ones");
     table.add("computeRamifications", splits_).help("a copy of a cell for each part of the bodies in it");

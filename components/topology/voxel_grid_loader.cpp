@@ -32,15 +32,15 @@ class VoxelGridLoader final : public MeshSource {
     table.add("filename", filename_).help("file to read").input().alias("segmentationFile").required();
     table.add("resolution", resolution_).help("voxels along x, y and z").required();
     table.add("voxelSize", size_).help("edges of a voxel").unit("m").min(0, false);
-    table.add("ROI", region_).help("xmin ymin zmin xmax ymax zmax: first and last voxel that may count");
+    table.add("ROI", region_).help("xmin ymin zmin xmax ymax zmax: first and last voxel to consider");
     table.add("header", header_).help("bytes before the values").min(0);
-    table.add("bgValue", background_).help("values that do not count");
-    table.add("dataValue", active_).help("values that count; without any: all but bgValue");
+    table.add("bgValue", background_).help("values of voxels to exclude");
+    table.add("dataValue", active_).help("values of voxels to select; by default all except bgValue");
     table.add("generateHexa", makes_cells_).help("false: points instead of hexahedra");
     table.addVisualOnly("segmentationHeader");
     table.add("position", position_).help("nodes").unit("m").output();
-    table.add("hexahedra", hexahedra_).help("voxels that count").output();
-    table.add("idxInRegularGrid", places_).help("number of each voxel that counts among all").output();
+    table.add("hexahedra", hexahedra_).help("selected voxels").output();
+    table.add("idxInRegularGrid", places_).help("number of each selected voxel among all").output();
   }
 
   void init() override {
@@ -53,7 +53,7 @@ class VoxelGridLoader final : public MeshSource {
     readValues();
     position_.clear(), hexahedra_.clear(), places_.clear();
     makes_cells_ ? makeCells() : makePoints();
-    if (places_.empty()) throw ComponentError(fmt::format("{} has no voxel that counts", filename_.given), "other values or ROI");
+    if (places_.empty()) throw ComponentError(fmt::format("{} has no selected voxel", filename_.given), "other values or ROI");
   }
 
  private:

@@ -185,7 +185,7 @@ void VTKExporter::makeGrid() {
 }
 
 void VTKExporter::makeArrays() {
-  if (grid_->GetNumberOfCells() == 0) warn("no cell will be written: the mesh has none of the kinds asked for");
+  if (grid_->GetNumberOfCells() == 0) warn("no cell will be written: the mesh has none of the requested kinds");
   points_ = vtkSmartPointer<vtkDoubleArray>::New();
   points_->SetNumberOfComponents(3);
   points_->SetNumberOfTuples(state_->nodes());

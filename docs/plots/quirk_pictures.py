@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Draws what each of SOFA's ways does to a result, for docs/tutorials/sofa.md.
+"""Draws what each of SOFA's quirks does to a result, for docs/tutorials/sofa.md.
 
   quirk_pictures.py --stroma build/release/bin/stroma --out docs/tutorials/quirks
 

@@ -20,7 +20,7 @@ Factorisation::Cost Factorisation::Cost::of(double entries, double flops, bool i
 
 void DirectSolver::declare(DataTable& table) {
   table.add("template", template_).help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
-  table.add("factorisations", factorisations_).help("how often numbers were factored so far, of all matrices").unit("-").output();
+  table.add("factorisations", factorisations_).help("number of factorisations so far, of all matrices").unit("-").output();
 }
 
 bool DirectSolver::answersLookup() const {
@@ -71,6 +71,15 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report,
 Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   Kept& kept = kept_.of(matrix);
   return update(matrix, kept, report, stop) ? kept.factors.get() : nullptr;
+}
+
+void DirectSolver::handOver(SystemMatrix& former, SystemMatrix& matrix) {
+  Kept& from = kept_.of(former);
+  Kept& to = kept_.of(matrix);
+  if (!from.factors || to.factors) return;
+  to.factors = std::move(from.factors);
+  to.symmetric = from.symmetric;
+  from = {};
 }
 
 namespace {

@@ -11,10 +11,10 @@ std::string_view describe(SolveStop stop) {
     case SolveStop::iteration_limit: return "reached its iteration limit";
     case SolveStop::breakdown: return "broke down (the matrix is singular to round-off)";
     case SolveStop::not_definite: return "met a matrix that is not positive definite";
-    case SolveStop::not_finite: return "met a number that is not finite";
+    case SolveStop::not_finite: return "met a non-finite number";
     case SolveStop::zero_right_side: return "had nothing to solve (zero right side)";
     case SolveStop::stopped: return "was stopped";
-    case SolveStop::stagnated: return "reached the accuracy that round-off allows before its tolerance";
+    case SolveStop::stagnated: return "stagnated at round-off before reaching its tolerance";
   }
   return "ended for an unknown reason";
 }

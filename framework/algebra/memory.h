@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Memory of large arrays: cache-line aligned, and on huge pages where the kernel gives them, because a sweep over
-// megabytes in small pages waits for address translation.
+// Memory for large arrays: cache-line aligned, and on huge pages where the kernel grants them, because a sweep over
+// megabytes of small pages is limited by address translation.
 #pragma once
 #include <sys/mman.h>
 

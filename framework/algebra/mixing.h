@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A fixed point z = F(z) where z <- F(z) alone swings or is slow: the next z is the sum a_i F(z_i) over the last iterates with
-// sum a_i = 1 whose sum a_i (F(z_i) - z_i) is the shortest. Directions that few nodes turn by are found in a few iterations.
-// Large a_i lead anywhere, unless F is as linear there as they take it for: their sum is bounded, and the bound grows while F(z) - z
-// becomes what was expected of it. What creeps by 0.992 takes some 250. What has led astray goes on from the best.
+// Anderson acceleration of a fixed-point iteration z <- F(z) that oscillates or converges slowly. The next z is the
+// combination sum a_i F(z_i) of the last iterates, with sum a_i = 1, that minimises |sum a_i (F(z_i) - z_i)|. Large
+// coefficients are only safe if F is nearly linear. sum |a_i| is therefore bounded, and the bound grows as long as F(z) - z
+// is reduced as predicted. A contraction by 0.992 takes some 250 iterations. If an iterate gets worse, it restarts from the best.
 //
 // Source: D. G. Anderson, "Iterative procedures for nonlinear integral equations", 1965, in the form of P. Pulay, 1980.
 #pragma once
@@ -17,7 +17,7 @@ namespace stroma {
 class Mixing {
  public:
   void restart() { count_ = 0, most_ = first_most, expected_ = 0; }
-  /// `image`: F(z), which becomes the next z. `beside` goes with it, when there is something: it has been computed from z too.
+  /// Replaces `image` = F(z) by the next z. `beside`, if given, is another function of z that is combined in the same way.
   void next(ConstRows z, Rows image, Rows beside = {}) {
     const int last = count_++ % depth, known = std::min(count_, depth);
     Stored& now = stored_[std::size_t(last)];

@@ -4,8 +4,8 @@
 
 namespace stroma {
 
-/// To be held while METIS orders a graph. It seeds the random numbers of the C library, which the process has once, and
-/// draws from them: the order is the same in each run only when nobody draws in between.
+/// Hold it while METIS orders a graph. METIS seeds the process-wide random numbers of the C library and draws from them:
+/// its order is reproducible only if nothing else draws in between.
 std::mutex& orderingLock();
 
 }  // namespace stroma

@@ -8,14 +8,13 @@
 
 namespace stroma {
 
-/// What a solver keeps for each matrix that it serves: factors, work space, a last solution. Looked up once per solve,
-/// among one entry in the usual case. What belongs to a matrix that has died is freed when the next new one comes, at
-/// the latest with the solver.
+/// Data that a solver keeps per matrix: factors, work space, the last solution. Looked up once per solve, usually among one
+/// entry. Data of destroyed matrices is freed when the next new matrix arrives, or with the solver.
 template <class Kept>
 class PerMatrix {
  public:
-  /// What is kept for this matrix, made by `make` (a std::unique_ptr<Kept>) when it comes for the first time. Stays where
-  /// it is as long as the matrix lives.
+  /// The data of this matrix, created by `make` (a std::unique_ptr<Kept>) on first use. Its address is stable as long as the
+  /// matrix lives.
   template <class Make>
   Kept& of(const SystemMatrix& matrix, Make&& make) {
     const void* identity = matrix.identity().get();

@@ -6,13 +6,13 @@
 
 namespace stroma {
 
-/// Implemented by linear solvers that choose how to solve from what a matrix is like.
+/// Implemented by linear solvers that choose their method from properties of the matrix.
 class SolverChoice {
  public:
   virtual ~SolverChoice() = default;
-  /// Chooses for this matrix, unless that has been done. Makes the pattern of the matrix.
+  /// Chooses for this matrix, if not done yet. Creates the pattern of the matrix.
   virtual void choose(SystemMatrix& matrix) = 0;
-  /// What was chosen last, and why: a clause for the plan. Empty: nothing so far.
+  /// The last choice and its reason, a clause for the plan. Empty: none so far.
   virtual std::string choice() const = 0;
 };
 

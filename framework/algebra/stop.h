@@ -4,12 +4,12 @@
 
 namespace stroma {
 
-/// A wish that the work under way ends. Who runs the work owns it; any thread, or a signal handler, makes it.
+/// A request to end the work in progress. The caller of the work owns it; any thread, or a signal handler, may set it.
 class StopRequest {
  public:
   void make() { is_made_.store(true, std::memory_order_relaxed); }
   bool isMade() const { return is_made_.load(std::memory_order_relaxed); }
-  /// Whether it was made; from now on it is not.
+  /// Whether it was set; clears it.
   bool take() { return is_made_.exchange(false, std::memory_order_relaxed); }
 
  private:
@@ -17,14 +17,14 @@ class StopRequest {
   static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler makes it");
 };
 
-/// What long work holds to ask whether it shall end. One without a request never says so. Costs a read of memory: it is
-/// asked once for each product with a matrix, each trial of a line search, each supernode of a factorisation.
+/// Lets long work check for a stop request. A token without a request never stops. A check costs one read of memory: it is
+/// made once per matrix product, per trial of a line search, and per supernode of a factorisation.
 class StopToken {
  public:
   StopToken() = default;
   explicit StopToken(const StopRequest& request) : request_(&request) {}
   bool isStopAsked() const { return request_ && request_->isMade(); }
-  /// Whether it can ever be asked.
+  /// Whether a request is attached.
   bool isWatched() const { return request_ != nullptr; }
 
  private:

@@ -62,7 +62,7 @@ class Vector {
  public:
   Vector() = default;
   explicit Vector(Index count) { resize(count); }
-  /// Drops what was there; throws std::bad_alloc. Zero, and so are 64 bytes beyond the last row.
+  /// Discards the old values; throws std::bad_alloc. All rows are zero, and so are the 64 bytes after the last one.
   void resize(Index count) {
     count_ = count;
     const std::size_t bytes = std::size_t(count) * row_doubles * sizeof(double) + 64;
@@ -129,7 +129,7 @@ inline double dot(ConstRows a, ConstRows b) {
 }
 /// The Euclidean norm over all components.
 inline double norm(ConstRows a) { return std::sqrt(dot(a, a)); }
-/// The size of the largest component, NaN if one is: of numbers without their sign it has the largest bits.
+/// The largest absolute component, NaN if there is one: without its sign bit it has the largest bit pattern.
 inline double largest(ConstRows a) {
   std::uint64_t most = 0;
 #pragma omp simd reduction(max : most)

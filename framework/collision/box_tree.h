@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Boxes around things, in a binary tree: which of them are near a box, in the time of their number's logarithm. A tree
-// with a new place for each box keeps its shape: refit() costs a fraction of build().
+// A binary tree of bounding boxes that finds the boxes near a given one in logarithmic time. refit() keeps the shape of the
+// tree when boxes move, and costs a fraction of build().
 #pragma once
 #include <algorithm>
 #include <array>
@@ -32,14 +32,14 @@ struct Box {
 
 class BoxTree {
  public:
-  /// One leaf for each box, by the middles of their longest axis.
+  /// One leaf per box, split at the median of the longest axis.
   void build(std::vector<Box> boxes);
-  /// The same things moved: `boxes` has the shape that build() had.
+  /// Updates the tree for moved boxes; `boxes` has the shape passed to build().
   void refit(const std::vector<Box>& boxes);
   bool empty() const { return nodes_.empty(); }
   const Box& whole() const { return nodes_.front().box; }
 
-  /// visit(i) for every box i that meets `box`.
+  /// visit(i) for every box i that intersects `box`.
   template <class Visit>
   void forEachMeeting(const Box& box, Visit&& visit) const {
     if (empty()) return;
@@ -75,8 +75,8 @@ class BoxTree {
         return;
     }
   }
-  /// visit(i, j) for each box i of this tree and j of `other` that are nearer than `margin` along every axis; of a tree
-  /// with itself each two once.
+  /// visit(i, j) for each box i of this tree and j of `other` that are nearer than `margin` along every axis; each pair once
+  /// if `other` is this tree.
   template <class Visit>
   void forEachPair(const BoxTree& other, double margin, Visit&& visit) const {
     if (!empty() && !other.empty()) descend(0, other, 0, margin, visit);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Whether a segment and a triangle have a point in common, without error. Signs of determinants are decided by a bound
-// on their round-off, and where that does not suffice by sums of doubles that are exact (Shewchuk 1997).
+// An exact test whether a segment and a triangle share a point. Signs of determinants are decided by a bound on their
+// round-off, and if that is not enough by exact sums of doubles (Shewchuk 1997).
 #pragma once
 #include "framework/scene/types.h"
 
@@ -10,7 +10,7 @@ namespace stroma {
 /// than 90 orders of magnitude.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-/// Closed sets: touching is meeting. Segments may lie in the plane of the triangle, triangles may be degenerate.
+/// Both sets are closed: touching counts. Segments may lie in the plane of the triangle, and triangles may be degenerate.
 bool segmentMeetsTriangle(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace stroma

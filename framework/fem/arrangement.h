@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// In which order elements are visited: batches of SIMD width, batches in blocks that are slabs of space, blocks in
+// The order in which elements are visited: batches of SIMD width, batches in blocks that are slabs of space, blocks in
 // colours such that blocks of one colour share no node. Threads take blocks of one colour at a time, and every node
 // receives its sums in the order colour, block, batch, lane, whatever the number of threads.
 #pragma once

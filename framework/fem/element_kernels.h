@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The elements of a mesh under one method, behind one interface: chosen once, called once a mesh. model_kernels.h makes
+// The elements of a mesh with one method, behind one interface: chosen once, called once per mesh. model_kernels.h builds
 // it from an element's mathematics.
 #pragma once
 #include <vector>
@@ -20,11 +20,11 @@ class ElementKernels {
   virtual double energy(ConstRows x) const = 0;
   /// df += factor * K dx
   virtual void addProduct(ConstRows dx, double factor, Rows df) const = 0;
-  /// Takes the constants of the elements anew, and leaves everything else. False: the kernels have to be made anew.
+  /// Recomputes the constants of the elements, and leaves everything else. False: the kernels have to be rebuilt.
   virtual bool refill() { return false; }
   /// Marks the blocks that assemble() adds to.
   virtual void addPattern(BlockPattern& pattern) const = 0;
-  /// What assemble() wants for a matrix with this pattern.
+  /// The slots that assemble() needs for a matrix with this pattern.
   virtual std::vector<Index> slots(const BlockMatrix& matrix) const = 0;
   /// values (shape (blocks, 9) of the matrix that `slots` were made for) += factor * K.
   virtual void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const = 0;

@@ -26,11 +26,11 @@ class ElementKernelsField : public ForceField {
   }
 
  protected:
-  /// Owned; null until compile(). Everything above stands or falls with it.
+  /// Owned; null until compile(). Everything above depends on it.
   std::unique_ptr<ElementKernels> method_;
 
  private:
-  /// What method_->assemble() wants for the system's matrix; kept here because a method may serve several matrices.
+  /// The slots that method_->assemble() needs for the system's matrix; kept here because a method may serve several matrices.
   std::vector<Index> slots_;
 };
 

@@ -88,7 +88,7 @@ class ElementLoop {
 
   /// Marks the coupled pairs of nodes of every element, padding left out.
   void addPattern(BlockPattern& pattern) const {
-    forEachBatch([&](Index b) {  // rows of blocks that run at once are others
+    forEachBatch([&](Index b) {  // blocks that run at once have different rows
       for (int at = 0; at < N * N * pack_lanes; ++at)
         if (const int l = at / (N * N), i = at / N % N, j = at % N; elementOf(b, l) >= 0 && Coupling::coupled(i, j))
           pattern.addBlock(row(b, i, l), row(b, j, l));
@@ -182,7 +182,7 @@ class ElementLoop {
       for (int l = 0; l < pack_lanes && elementOf(b, l) >= 0; ++l) body(b, l);
   }
 
-  /// output[node] += values, lane after lane: lanes of one batch may share nodes, batches at work at once may not.
+  /// output[node] += values, lane after lane: lanes of one batch may share nodes, concurrent batches may not.
   void scatter(Index batch, const Nodes& values, Rows output) const {
 #pragma GCC unroll 8
     for (int a = 0; a < N; ++a) addToRows(values[a], offset(batch, a), output.data);

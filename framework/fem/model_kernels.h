@@ -57,7 +57,7 @@ struct ElementStorage {
   }
 };
 
-/// The part that does not depend on what an element computes.
+/// The part that does not depend on the model.
 template <class StorageType>
 class StoredKernels : public ElementKernels {
  public:

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The forces l with which conditions g + W l hold, W what forces change them by: dense, symmetric but for small differences.
+// Finds the forces l for which the conditions g + W l hold. W is dense, and symmetric up to small differences.
 //   equal   = 0
-//   push    >= 0, l >= 0 and one of both zero; or l at a largest force and the condition below zero
-//   rub     = 0, or |l_t| = mu l_n against the condition, l_n that of the push before (Coulomb)
-//   given   l is known
-// Each is the zero of a function, with r = g + W l in units in which W has a diagonal of one, so that conditions of different
-// units (a length, a volume) may meet:
+//   push    >= 0, l >= 0 and one of them zero; or l at its upper bound and the condition negative
+//   rub     = 0, or |l_t| = mu l_n opposing the condition, with l_n of the preceding push (Coulomb)
+//   given   l is prescribed
+// Each is the zero of a function of r = g + W l, scaled so that W has a unit diagonal; conditions of different units
+// (a length, a volume) can then be combined:
 //   equal r,   push l - max(0, l - r),   rub l_t - (l_t - r_t/c cut to the length mu l_n)
-// c: at least the largest eigenvalue of the tangents' block of W. Newton's method solves for the zero, with the derivative of the
-// piece of the function where it is (Alart and Curnier 1991). Near the solution it takes as many iterations as contacts change
-// between open, sticking and slipping. Of rows that say nearly the same it finds no forces: these are then drawn to where they
-// were (settle()). Where that does not help it begins from the end of an interior-point method (interior_forces.cpp), of sweeps,
-// each condition in turn taking the force that its law wants (Gauss and Seidel; Jourdan, Alart and Jean 1998), and of convex searches.
-// Nothing is allocated while the number of rows stays whose force is not given as zero, where Newton's method alone does.
+// c is at least the largest eigenvalue of the tangential block of W. Newton's method finds the zero, with the derivative of the
+// current piece of the function (Alart and Curnier 1991). Near the solution it takes one iteration per contact that changes
+// between open, sticking and slipping. It finds no forces for nearly redundant rows: these are regularised towards their
+// previous values (settle()). If that fails, Newton's method restarts from the result of an interior-point method
+// (interior_forces.cpp), of projected Gauss-Seidel sweeps (Jourdan, Alart and Jean 1998), and of convex searches.
+// Nothing is allocated if Newton's method suffices and the number of rows with an unknown force does not change.
 #pragma once
 #include <Eigen/Dense>
 #include <algorithm>
@@ -30,20 +30,20 @@ class ConditionForces {
  public:
   using Kind = LagrangianRows::Kind;
   using Row = LagrangianRows::Row;
-  /// What is farthest from its law at the end of a step.
+  /// The largest violation at the end of a step.
   struct Violation {
     std::size_t row = 0;
-    double off = 0;     ///< of a condition, over the length of its gradient [m]
-    bool rubs = false;  ///< it is a slide that does not follow Coulomb's law
+    double off = 0;     ///< violation of a condition, divided by the length of its gradient [m]
+    bool rubs = false;  ///< the violated law is Coulomb's
   };
-  /// The length of what would hold a slide, and mu q_n, which friction can have.
+  /// The length of the tangential force that would stop the slip, and its bound mu q_n.
   struct Friction {
     double wanted = 0, bound = 0;
     bool slips() const { return wanted > bound; }
   };
   /// The function of a push with force q and condition r.
   static double offOfPush(double q, double r, double most) { return std::abs(q - std::clamp(q - r, 0.0, most)); }
-  /// Cuts q_t - r_t / c, which would hold a slide, to what friction can be.
+  /// Cuts q_t - r_t / c, which would stop the slip, to Coulomb's bound.
   template <typename Tangents>
   static Friction cutFriction(Tangents& wanted, double mu, double push) {
     const Friction friction{wanted.norm(), mu * std::max(push, 0.0)};
@@ -51,20 +51,19 @@ class ConditionForces {
     return friction;
   }
 
-  long searches = 0, steps = 0, rounds = 0;  ///< of all solve(): calls, Newton steps, rounds of the interior-point method
-  /// On searches, the cube of the rows of each elimination; beyond the budget they end at the best place so far.
+  long searches = 0, steps = 0, rounds = 0;  ///< totals of solve(): calls, Newton steps, interior-point iterations
   double spent = 0, budget = std::numeric_limits<double>::infinity();
-  double enough = 0;          ///< of unsettled(): nothing better is searched for where l begins with no more
-  double contradiction = 0;   ///< twice what a search has left; nothing is searched for below it. 0 where a step starts
+  double enough = 0;          ///< of unsettled(): no search is made if the initial l has no more
+  double contradiction = 0;   ///< twice the residual that a search has left; no search is made below it. 0 at the start of a step
   Eigen::MatrixXd w;          ///< W of the rows whose force is not given as zero, shape (such rows, such rows)
   Eigen::VectorXd g;          ///< the conditions without forces, shape (rows); solve() adds forces that are given
-  Eigen::VectorXd l;          ///< forces [N], shape (rows); where the search begins
+  Eigen::VectorXd l;          ///< forces [N], shape (rows); on entry the initial guess
   std::vector<double> sizes;  ///< lengths of the gradients: what moves less than round-off of this is held
 
-  /// A stop is heeded within it; forces are then those of the best place so far. `allowed`: by how much each row may be off [m];
-  /// what is off by a thousandth of it is not searched for again. Empty: nothing is allowed.
+  /// It can be stopped, and the forces are then those of the best iterate. `allowed`: the tolerance of each row [m];
+  /// rows within a thousandth of it start no search. Empty: no tolerance.
   void solve(const std::vector<Row>& rows, StopToken stop = {}, const std::vector<double>& allowed = {});
-  /// By how much the functions above are off, of the largest condition that does not hold without forces.
+  /// The largest residual of the functions above, over the conditions that do not hold without forces.
   double unsettled() const { return unsettled_; }
   /// The functions above, where the rows of the last solve() have come to (Row::value). `allowed`: by how much each row may be
   /// off without being looked at; empty: nothing.

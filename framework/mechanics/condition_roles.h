@@ -2,19 +2,20 @@
 #pragma once
 #include "framework/mechanics/lagrangian_constraint.h"
 namespace stroma {
-/// What a LagrangianConstraint knows of the forces of its rows: some say the same as others, and no force is the only one.
+/// What a LagrangianConstraint knows about the forces of redundant rows, whose forces are not unique.
 class SharesForces {
  public:
   virtual ~SharesForces() = default;
-  /// Where the search begins [N], and by what rows that say the same yield to a force, in comparison; 0: this one says it alone.
+  /// The initial force of each row [N], and its compliance relative to the other redundant rows; 0: the row is not redundant.
   virtual void expectForces(std::span<double> forces, std::span<double> yields) const = 0;
 };
-/// A LagrangianConstraint whose forces say which conditions it has, as those of a point that a corner of its curve stops.
+/// A LagrangianConstraint whose active conditions depend on its forces, like a point that is stopped at a corner of its curve.
 struct ChangesConditions {
   virtual ~ChangesConditions() = default;
-  /// Its conditions hold at x by these forces, which move them by `answers` [m/N]. True: it has others from now on, as many.
+  /// The conditions hold at x with these forces, whose compliances are `answers` [m/N]. Returns true if it switches to others;
+  /// their number stays the same.
   virtual bool changeConditions(ConstRows x, std::span<const double> forces, std::span<const double> answers) = 0;
-  /// Of all that have rows up to `ends`.
+  /// For all constraints, with rows up to `ends`.
   static bool changeAny(auto& all, const std::vector<std::size_t>& ends, ConstRows x, const double* forces, const double* answers) {
     bool have_changed = false;
     for (std::size_t i = 0, begin = 0; i < ends.size(); begin = ends[i++])

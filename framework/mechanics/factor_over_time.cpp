@@ -10,9 +10,9 @@ namespace stroma {
 void FactorOverTime::declare(DataTable& table, const std::string& what, Sign sign) {
   table.add("times", times_).help("times at which " + what + " is given, ascending").unit("s");
   auto& factors =
-      table.add("factors", factors_).help("factor on " + what + " at each of the times, linear between them; 1 when not given").unit("-");
+      table.add("factors", factors_).help("factor on " + what + " at each of the times, linear between them; 1 by default").unit("-");
   if (sign == Sign::positive) factors.min(0, false);
-  table.add("period", period_).help("repeats times and factors; 0: the last factor stays").unit("s").min(0);
+  table.add("period", period_).help("repeats times and factors; 0: the last factor is kept").unit("s").min(0);
 }
 
 void FactorOverTime::check() {
@@ -21,7 +21,7 @@ void FactorOverTime::check() {
   keys_.assign(times_, factors_, "times", "factors");
   keys_.checkAscending();
   if (period_ == 0) return;
-  if (times_.size() < 2) throw ComponentError("there is a period but nothing to repeat", "times and factors");
+  if (times_.size() < 2) throw ComponentError("a period is given but nothing to repeat", "times and factors");
   if (times_.front() != 0 || times_.back() > period_ * (1 + 1e-12))
     throw ComponentError(fmt::format("times run from {:g} to {:g} s and the period is {:g} s", times_.front(), times_.back(), period_),
                          "times from 0 up to the period");

@@ -6,8 +6,8 @@
 
 namespace stroma {
 
-/// A factor that a scene prescribes over time: `factors` at `times`, linear between them, constant outside; repeated
-/// with `period` when it is given. Without any it is 1 at all times.
+/// A factor prescribed over time: `factors` at `times`, linear between them, constant outside, and repeated with `period`
+/// if that is set. It is 1 if nothing is given.
 class FactorOverTime {
  public:
   enum class Sign { any, positive };

@@ -11,15 +11,15 @@ using Quaternion = Eigen::Quaterniond;  // coefficients x, y, z, w as in a row
 
 /// exp(r) = (sin(|r|/2) r/|r|, cos(|r|/2))
 Quaternion turnedBy(const Vec3& r);
-/// log(q): of the rotation vectors of q the shortest.
+/// log(q), the shortest rotation vector of q.
 Vec3 rotationVector(const Quaternion& q);
 /// The orientation in a row of positions.
 inline Quaternion orientationIn(ConstRows x, Index row) { return Quaternion(x.data + std::size_t(row) * row_doubles); }
-/// Writes a value as State::position has it to a row of positions.
+/// Writes a value in the form of State::position to a row of positions.
 void placeRow(RowKind kind, const Vec3& value, Rows x, Index row);
-/// The reverse.
+/// The inverse of that.
 Vec3 valueOfRow(RowKind kind, ConstRows x, Index row);
-/// Writes an orientation there: of q and -q the one with w >= 0.
+/// Writes an orientation to a row of positions, with the sign for which w >= 0.
 void putOrientation(const Quaternion& q, Rows x, Index row);
 /// [r]: [r] a = r x a
 inline Mat3 crossMatrix(const Vec3& r) {

@@ -5,21 +5,20 @@
 
 namespace stroma {
 
-/// A component whose forces depend on more of the past than x and v: viscous stresses, fluid pressures. What it
-/// remembers is state, as x and v are. Forces are evaluated any number of times in a step (Newton iterations, line
-/// searches, stages) and must not change it; it moves on once, in stepEnded(). A step that is taken back therefore
-/// leaves it as it was, and nobody has to roll it back. Component::reset() goes back to the start;
-/// Component::serialize() stores it.
+/// A component with internal state besides x and v: viscous stresses, fluid pressures. Forces are evaluated any number of
+/// times in a step (Newton iterations, line searches, stages) and must not change this state. It advances once, in
+/// stepEnded(), so a rejected step needs no rollback. Component::reset() restores the start; Component::serialize()
+/// stores the state.
 class History {
  public:
   virtual ~History() = default;
-  /// The step to time t [s] stands: x and v of the states are its result. Called for every step that is kept, when all
+  /// The step to time t [s] is accepted, and x and v of the states are its result. Called once per accepted step, after all
   /// systems have made theirs.
   virtual void stepEnded(double t) = 0;
-  /// Empty, or a sentence: why the step that has ended is no result, although every equation of it was solved. Asked in
-  /// statics only: with inertia bodies may swing, and integrators know when they do so too fast.
+  /// Empty, or why the completed step is no valid result although all its equations were solved. Called in statics only:
+  /// with inertia bodies may oscillate, and integrators detect when they do so too fast.
   virtual std::string fault() const { return {}; }
-  /// What is remembered, to look at.
+  /// The internal state, for output.
   virtual const std::vector<double>& history() const = 0;
 };
 

@@ -9,21 +9,21 @@
 
 namespace stroma {
 
-/// Two times [s] closer than round-off of sums of steps are one.
+/// Times [s] that differ by no more than the round-off of summed steps are equal.
 inline bool sameTime(double a, double b) { return std::abs(a - b) <= 1e-12 * (std::abs(a) + std::abs(b)); }
 
-/// A value (double or Vec3) that is given at some times and linear between them; constant before the first and after
-/// the last. The one table of this kind: attributes of other names are put in with assign().
+/// A value (double or Vec3) given at some times, linear between them, and constant before the first and after the last.
+/// The only table of this kind: attributes with other names use assign().
 template <class Value>
 class KeyTimes {
  public:
   /// Declares "keyTimes" and `values_name`.
   void declare(DataTable& table, const std::string& values_name, const std::string& values_help,
                const std::string& unit);
-  /// Instead of attributes of its own; `times_name` and `values_name` are those of the attributes, for messages.
+  /// Used instead of declared attributes; `times_name` and `values_name` appear in messages.
   void assign(std::vector<double> times, std::vector<Value> values, const std::string& times_name,
               const std::string& values_name);
-  /// Throws ComponentError: at least two times, ascending, and as many values.
+  /// Throws ComponentError unless there are at least two times, ascending, and one value each.
   void check() const;
   /// Throws ComponentError unless the times ascend.
   void checkAscending() const;
@@ -35,11 +35,11 @@ class KeyTimes {
   Value at(double t) const;
 
   // ---- with at least two times ----
-  /// The slope at t [1/s]; at a key the one before it.
+  /// The slope at t [1/s]; at a key, the slope before it.
   Value slope(double t) const;
   /// Integral from a to b [s].
   Value integral(double a, double b) const;
-  /// True when a step from t to t_end has a part between the first and the last key.
+  /// True if a step from t to t_end overlaps the range of the keys.
   bool touches(double t, double t_end) const;
 
  private:

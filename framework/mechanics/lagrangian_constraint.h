@@ -8,15 +8,15 @@
 
 namespace stroma {
 
-/// Scalar conditions g(x) as rows: the value at x and the gradient, on all rows of a system.
+/// Scalar conditions g(x): each has its value at x and its gradient over all rows of the system.
 class LagrangianRows {
  public:
   enum class Kind : unsigned char {
     equal,  ///< g = 0
-    push,   ///< g >= 0, force >= 0, one of them zero; with a bound on the force, g < 0 where the force has reached it
-    given,  ///< the force is known
-    rub     ///< Coulomb's friction of the last `push` before it: g, a way of sliding since the start of the step, is
-            ///< zero, or the force of all its `rub` rows has mu times that of the `push`, against the sliding
+    push,   ///< g >= 0, force >= 0 and g * force = 0; if the force is bounded, g < 0 is allowed once it reaches the bound
+    given,  ///< the force is prescribed
+    rub     ///< Coulomb friction of the preceding `push`: either the slip g since the start of the step is zero, or the
+            ///< combined force of its `rub` rows is mu times that of the `push` and opposes the slip
   };
   struct Entry {
     Index row;
@@ -25,15 +25,15 @@ class LagrangianRows {
   };
   struct Row {
     Kind kind;
-    double value, factor;    ///< g [m]; mu of what rubs, the force of what is given, the most that pushes (0: no bound)
+    double value, factor;    ///< g [m]; mu of `rub`, the force of `given`, the bound on the force of `push` (0: none)
     std::size_t begin, end;  ///< of entries
   };
 
-  /// How the gradient of a row turns with x: by -size b (b . dx). Of a distance to a surface whose cells turn.
+  /// The gradient of a row changes with x by -size b (b . dx), as for the distance to a surface whose cells rotate.
   struct Bend {
     std::size_t row;
     double size;             ///< [m]
-    std::size_t begin, end;  ///< of entries of b [1/m], which are apart from those of rows
+    std::size_t begin, end;  ///< range of the entries of b [1/m], stored apart from those of rows
   };
 
   void clear() { rows_.clear(), entries_.clear(), bends_.clear(), bend_entries_.clear(); }
@@ -60,26 +60,26 @@ class LagrangianRows {
   std::vector<Bend> bends_;
 };
 
-/// A component besides, whose conditions hold at the end of a step by forces of constraint. An integrator that knows the
-/// matrix A of its step finds them: A c = dt J^T l, J the gradients (condition_forces.h).
+/// A role of a component whose conditions are enforced at the end of a step by constraint forces. An integrator that knows
+/// the matrix A of its step finds them: A c = dt J^T l, with the gradients J (condition_forces.h).
 class LagrangianConstraint {
  public:
   virtual ~LagrangianConstraint() = default;
   virtual std::vector<State*> constrainedStates() const = 0;
-  /// A step to t_end [s] starts at x: which conditions there are is settled for it.
+  /// Called when a step to t_end [s] starts at x: fixes the set of conditions for this step.
   virtual void constrainedStepBegins(ConstRows /*x*/, double /*t_end*/) {}
-  /// Appends the conditions at x, always as many in a step.
+  /// Appends the conditions at x. Their number is constant during a step.
   virtual void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const = 0;
-  /// The forces l of its rows in the step that has been made [N].
+  /// Receives the forces l of its rows in the step just completed [N].
   virtual void takeForces(std::span<const double> /*forces*/) {}
-  /// By how much its conditions may be off at the end of a step [m]: `held` is not worth a word, `kept` is told.
+  /// Tolerances of the conditions at the end of a step [m]: up to `held` is silent, up to `kept` prints a warning.
   struct Tolerance {
     double held = 0, kept = 0;
   };
   virtual Tolerance tolerance() const { return {}; }
 };
 
-/// Of each row, those of a constraint up to its `ends`; empty where there is none. `kept`: of what is told too.
+/// The tolerance of each row, with the rows of a constraint up to its `ends`; empty without rows. `kept`: the larger one.
 inline void findTolerances(const std::vector<LagrangianConstraint*>& constraints, const std::vector<std::size_t>& ends, bool kept,
                            std::vector<double>& of_rows) {
   of_rows.clear();
@@ -90,7 +90,7 @@ inline void findTolerances(const std::vector<LagrangianConstraint*>& constraints
   }
 }
 
-/// The role of an integrator that finds them.
+/// The role of an integrator that computes constraint forces.
 class FindsMultipliers {
  public:
   virtual ~FindsMultipliers() = default;

@@ -6,16 +6,14 @@
 
 namespace stroma {
 
-/// Implemented by force fields that act on nodes which are known beforehand, so that who looks for loads need not look
-/// at all nodes.
+/// Implemented by force fields that act on a fixed set of nodes, so that a search for loads need not visit all nodes.
 class LocalLoad {
  public:
   virtual ~LocalLoad() = default;
-  /// Appends every row of the system that the force can act on, at all times; after compile(). Repetitions are allowed.
+  /// Appends every row of the system that the force can ever act on; call after compile(). Duplicates are allowed.
   virtual void addLoadedRows(std::vector<Index>& rows) const = 0;
-  /// True for a force that is not linear in x, but only because it turns and grows with the surface that a fixed stress
-  /// acts on. Linear elasticity, which knows no difference between the present shape and that at rest, takes it for the
-  /// dead load of the rest shape.
+  /// True for a force that is nonlinear only because a fixed stress follows the current surface. Linear elasticity does
+  /// not distinguish the current shape from the rest shape and treats it as the dead load of the rest shape.
   virtual bool isDeadLoadToFirstOrder() const { return false; }
 };
 

@@ -26,7 +26,7 @@ void checkNode(int index, std::size_t position, const State& state, const std::s
 std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state, const std::string& attribute) {
   if (indices.empty())
     throw ComponentError(fmt::format("{} lists no node of {}", attribute, state.path()), "at least one node",
-                         "when a selection is linked here, check that its box or sphere holds nodes");
+                         "if a selection is linked here, check that its box or sphere contains nodes");
   for (std::size_t i = 0; i < indices.size(); ++i) checkNode(indices[i], i, state, attribute);
   std::vector<Index> nodes(indices.begin(), indices.end());
   for (Index& node : nodes) node *= state.rows_per_node;

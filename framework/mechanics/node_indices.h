@@ -7,16 +7,15 @@
 
 namespace stroma {
 
-/// The nodes that an attribute of a component lists, ascending and each once, by the first of their rows: of a frame
-/// its centre. Throws ComponentError with a sentence that names `attribute` when the list is empty or an index lies
-/// outside [0, state.nodes()).
+/// The nodes listed by an attribute, ascending and without duplicates, as the first row of each (the centre of a frame).
+/// Throws ComponentError naming `attribute` if the list is empty or an index is outside [0, state.nodes()).
 std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& state, const std::string& attribute);
 
 /// The same, in the order of the list.
 std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state,
                                        const std::string& attribute);
 
-/// Whether a state has this node. One that follows may have its nodes from a mapping beside it, which is then ready.
+/// Whether a state has this node. A mapped state may get its nodes from a mapping in the same node, which is then initialised.
 bool isNode(int index, const State& state);
 
 /// Throws as above for one index; `position` is its place in the list.
@@ -28,8 +27,8 @@ std::vector<Index> allNodes(const State& state);
 /// All rows of the nodes whose first rows these are.
 std::vector<Index> rowsOf(const std::vector<Index>& nodes, const State& state);
 
-/// A list that may give one value for all: `values` becomes `count` values. Throws ComponentError when it has another
-/// number of them; `attribute` and `of_what` ("springs") are for the sentence.
+/// Expands a list that may hold one value for all to `count` values. Throws ComponentError if the number does not fit;
+/// `attribute` and `of_what` ("springs") appear in the message.
 template <class T>
 void spread(std::vector<T>& values, std::size_t count, const std::string& attribute, const std::string& of_what) {
   if (values.size() == 1) values.resize(count, T(values[0]));

@@ -9,8 +9,8 @@
 
 namespace stroma {
 
-/// object1, where it is given, becomes what `mstate` names: before the component looks for its state. Throws
-/// ComponentError when mstate names another one.
+/// Copies object1, if given, to `mstate`; call it before the component looks up its state. Throws ComponentError if
+/// mstate names another state.
 void setFirstState(const Link<State>& object1, Link<State>& mstate);
 
 /// An attribute that lists nodes of a state.
@@ -19,8 +19,8 @@ struct NodeList {
   const std::vector<int>& indices;
   const State& state;
 };
-/// The nodes of both lists, in their order, as many of each. Throws ComponentError as checkedNodesInOrder(), and when
-/// one list is longer.
+/// The nodes of both lists, in their order. Throws ComponentError as checkedNodesInOrder() does, and if the lists differ
+/// in length.
 std::pair<std::vector<Index>, std::vector<Index>> checkedPairs(const NodeList& first, const NodeList& second);
 
 }  // namespace stroma

@@ -4,18 +4,18 @@
 
 namespace stroma {
 
-/// What a force field decides where a scene leaves it open, and what an integrator may decide for it.
+/// Options that a force field chooses if the scene leaves them open, and that an integrator may choose for it.
 class OpenChoices {
  public:
   virtual ~OpenChoices() = default;
   /// What was chosen, for the plan ("mean dilatation"); or empty.
   virtual std::string choice() const { return {}; }
-  /// Takes the derivative of the force for the stiffness from the next addForce() on, where
-  /// ForceField::traits().exact_tangent is false; or what the scene asks for again. May make
-  /// ForceField::patternRevision() grow. False, and nothing changes, for a field that has no other stiffness.
+  /// Switches to the exact derivative of the force from the next addForce() on, if ForceField::traits().exact_tangent is
+  /// false, or back to the stiffness that the scene specifies. May increase ForceField::patternRevision(). Returns false
+  /// and changes nothing if the field has only one stiffness.
   virtual bool useExactTangent(bool) { return false; }
-  /// Takes a stiffness without unstable directions from the next addForce() on, or again the one that the scene asks for.
-  /// False, and nothing changes, for a field that has none.
+  /// Switches to a stiffness without unstable directions from the next addForce() on, or back to the one that the scene
+  /// specifies. Returns false and changes nothing if the field has none.
   virtual bool useDefiniteTangent(bool) { return false; }
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Conditions on positions that hold exactly after each step, whatever force that takes ("non-quantified force
-// components" in Nesme et al. 2005, section 4; the forces of constraint of SHAKE and RATTLE, Ryckaert 1977, Andersen
+// components" in Nesme et al. 2005, section 4; the constraint forces of SHAKE and RATTLE, Ryckaert 1977, Andersen
 // 1983).
 #pragma once
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace stroma {
 
-/// How a correction may move nodes: W = P / m, m the lumped mass, P the projector of what holds the node. Rows of the
-/// system. Of nodes that are tied to others each is corrected for itself; the system takes the mean at every turn.
+/// How a correction may move nodes: W = P / m, with the lumped mass m and the projector P of the node's constraints. Rows of
+/// the system. Tied nodes are corrected one by one, and the system takes their mean after every sweep.
 class Mobility {
  public:
-  /// 1/m of each independent row [1/kg], 0 where the node never moves; to outlive this.
+  /// 1/m of each independent row [1/kg], 0 if the node never moves. Must outlive this object.
   void allocate(const std::vector<double>& inverse_mass);
-  /// Forgets all restrictions but those of projective constraints.
+  /// Drops all restrictions except those of projective constraints.
   void reset(const std::vector<NodeProjector>& projectors);
   double inverseMass(Index row) const { return (*inverse_mass_)[row]; }  ///< [1/kg]
   /// P g
@@ -27,7 +27,7 @@ class Mobility {
   Vec3 times(Index row, const Vec3& g) const { return inverseMass(row) * freePart(row, g); }
   bool isHeld(Index row) const;    ///< cannot move at all
   bool isGuided(Index row) const;  ///< can move in some directions only
-  /// For the rest of the step the node does not move along the unit vector n.
+  /// Blocks the node along the unit vector n for the rest of the step.
   void restrict(Index row, const Vec3& n);
 
  private:
@@ -36,7 +36,7 @@ class Mobility {
   std::vector<NodeProjector> projectors_;              ///< at most one per row; memory for all rows
 };
 
-/// The step that is being corrected.
+/// The step to correct.
 struct PositionStep {
   double dt = 0;       ///< [s]
   double t_end = 0;    ///< [s]
@@ -44,11 +44,11 @@ struct PositionStep {
   Mobility& mobility;  ///< shared by all constraints of the system
 };
 
-/// After the integrator has moved x and v, the system lets its position constraints correct x in turns until all hold,
-/// then v: v += (correction of x) / dt, and again in turns until no velocity breaks a constraint. Corrections go along
-/// W times the gradient at the START of the step for x and at its end for v. Momentum of the
-/// lumped masses is then that of the unconstrained step, to round-off; so is angular momentum where x1 = x0 + dt v1
-/// (Euler methods), else up to dt times the correction.
+/// After the integrator has moved x and v, the position constraints correct x in sweeps until all hold. Then
+/// v += (correction of x) / dt, and further sweeps correct v until no velocity violates a constraint. Corrections are
+/// along W times the gradient at the START of the step for x, and at its end for v. They leave the linear momentum of the
+/// lumped masses unchanged to round-off. Angular momentum is unchanged too if x1 = x0 + dt v1 (Euler methods), and
+/// otherwise up to dt times the correction.
 class PositionConstraint : public Component {
  public:
   std::string roleText() const override { return "position constraint"; }
@@ -57,25 +57,24 @@ class PositionConstraint : public Component {
   State& state() const { return *state_; }
   Index row(Index node) const { return state_->firstRow() + node; }
 
-  /// Called once when rows are known: allocate what steps need.
+  /// Called once when row numbers are known: allocate what steps need.
   virtual void compile() {}
-  /// The start of a correction: positions and velocities are those of the integrator.
+  /// Starts a correction, with the positions and velocities of the integrator.
   virtual void begin(const PositionStep&) {}
-  /// Makes x satisfy this constraint. Returns by how much it did not, in units of its tolerance: at most 1 is good.
-  /// `reference` are the positions from which the change of v is taken; a correction that is not to enter v is made to
-  /// both.
+  /// Makes x satisfy this constraint. Returns the violation before that, in units of the tolerance: at most 1 is converged.
+  /// The change of v is the difference to `reference`; a correction that must not enter v is applied to both.
   virtual double correctPositions(const PositionStep& step, Rows x, Rows reference) = 0;
   /// Makes v satisfy the derivative of this constraint at x. Returns as above.
   virtual double correctVelocities(const PositionStep& step, ConstRows x, Rows v) = 0;
-  /// A sentence on what was wrong at the last correctPositions(): "the volume is 3.1e-4 m^3 instead of 3e-4 m^3".
+  /// Describes the violation at the last correctPositions(): "the volume is 3.1e-4 m^3 instead of 3e-4 m^3".
   virtual std::string violation() const = 0;
   /// One line for `explain`.
   virtual std::string describe() const = 0;
-  /// True where it acts on the centres of frames too.
+  /// True if it also acts on the centres of frames.
   virtual bool takesFrames() const { return false; }
 
  protected:
-  /// What positions of these nodes cannot tell apart [m]: 8 eps of the largest coordinate. No tolerance is smaller.
+  /// The resolution of the positions of these nodes [m]: 8 eps times the largest coordinate. No tolerance is smaller.
   double roundOff(ConstRows x, const std::vector<Index>& nodes) const;
 
   Link<State> mstate_{"mechanical state"};

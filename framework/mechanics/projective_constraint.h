@@ -12,8 +12,8 @@ struct NodeProjector {
   Mat3 projector = Mat3::Zero();
 };
 
-/// Two rows of the system that have one velocity; several ties make a group. The projector of a group of n is the mean
-/// (each block 1/n): orthogonal, so P M P and P f give the group the sum of its masses and of its forces.
+/// Two rows of the system with a common velocity; several ties form a group. The projector of a group of n is the mean
+/// (each block 1/n). It is orthogonal, so P M P and P f give the group the sum of its masses and forces.
 struct Tie {
   Index a = 0, b = 0;
   bool operator==(const Tie&) const = default;
@@ -24,7 +24,7 @@ struct LinearRelations {
   struct Term {
     Index row = 0;
     Vec3 coefficients = Vec3::Zero();
-    Vec3 rest = Vec3::Zero();  ///< [m], where the row has no displacement
+    Vec3 rest = Vec3::Zero();  ///< [m], position of the row at zero displacement
     bool operator==(const Term&) const = default;
   };
   std::vector<Term> terms;
@@ -36,21 +36,21 @@ struct LinearRelations {
   bool operator==(const LinearRelations&) const = default;
 };
 
-/// Constraints on the velocities of nodes. System merges all projectors, ties and relations, projects vectors with
-/// them and eliminates them from matrices; a constraint only says which.
+/// Constraints on the velocities of nodes. A constraint only lists its projectors, ties and relations. System merges
+/// them, projects vectors and eliminates them from matrices.
 ///
-/// Prescribed motion: at the start of a step System gives the held directions the velocity that carries them to where
-/// prescribe() puts them at the step's end, so that integrators need to know nothing of it; after the step prescribe()
-/// places positions and velocities exactly.
+/// Prescribed motion: at the start of a step System gives constrained directions the velocity that takes them to the
+/// positions of prescribe() at its end, so integrators need no special case. After the step prescribe() sets positions
+/// and velocities exactly.
 class ProjectiveConstraint : public Component {
  public:
   std::string roleText() const override { return "projective constraint"; }
   void declare(DataTable& table) override;  ///< mstate, endTime and SOFA's drawing attributes
   void init() override;                     ///< finds the state
   State& state() const { return *state_; }
-  /// Every state whose nodes it holds or reads.
+  /// Every state whose nodes it constrains or reads.
   virtual std::vector<State*> states() const { return {state_}; }
-  /// True in a step from t to t_end. The base class: while t is before endTime.
+  /// True if it is active in a step from t to t_end. Default: while t is before endTime.
   virtual bool activeIn(double t, double /*t_end*/) const { return end_time_ < 0 || t < end_time_; }
   double endTime() const { return end_time_; }  ///< [s]; negative: never ends
 
@@ -60,22 +60,22 @@ class ProjectiveConstraint : public Component {
   virtual void addTies(std::vector<Tie>&) const {}
   /// Appends relations between displacements.
   virtual void addRelations(LinearRelations&) const {}
-  /// True when projectors, and activeIn() but for endTime, do not depend on time.
+  /// True if projectors, and activeIn() apart from endTime, do not depend on time.
   virtual bool isConstant() const { return true; }
-  /// True when held velocities are also set to zero, not only kept from changing.
+  /// True if constrained velocities are also set to zero, not only kept from changing.
   virtual bool projectsVelocity() const { return false; }
 
-  /// Appends rows that follow others which do not feel it: the forces on these rows are received by nobody.
+  /// Appends rows that follow others without acting on them: the forces on these rows are discarded.
   virtual void addUnansweredRows(std::vector<Index>&) const {}
 
-  /// Positions [m] and velocities [m/s] before the first step, where they are not those of the states; `t`: the start.
+  /// Initial positions [m] and velocities [m/s], if they differ from those of the states; `t`: the start time [s].
   virtual void placeStart(double /*t*/, Rows /*x*/, Rows /*v*/) const {}
 
   // ---- prescribed motion ----
   virtual bool prescribesMotion() const { return false; }
-  /// Called at the start of each step in which it is active, with the positions there: what the motion starts from.
+  /// Called at the start of each step in which it is active, with the positions that the motion starts from.
   virtual void beginMotion(double /*t*/, ConstRows /*x*/) {}
-  /// Writes positions and velocities at time t in the directions that it holds; may read other rows.
+  /// Writes positions and velocities at time t in the constrained directions; may read other rows.
   virtual void prescribe(double /*t*/, Rows /*x*/, Rows /*v*/) const {}
 
  protected:

@@ -4,8 +4,8 @@
 
 namespace stroma {
 
-/// Besides a constraint whose nodes may be free in the matrix of a step: then its projectors are identities, an integrator projects
-/// the right side of the one linear solve, and prescribe() places what comes of it.
+/// A role of a constraint whose nodes may stay free in the matrix of a step: its projectors are then identities, the integrator
+/// projects the right-hand side of the single linear solve, and prescribe() sets the resulting positions.
 class ProjectsRightSide {
  public:
   virtual ~ProjectsRightSide() = default;
@@ -13,7 +13,7 @@ class ProjectsRightSide {
   virtual void projectRightSide(Rows b) const = 0;  ///< shape (independentRows())
 };
 
-/// The role of an integrator that does.
+/// The role of an integrator that supports this.
 class AsksRightSides {
  public:
   virtual ~AsksRightSides() = default;

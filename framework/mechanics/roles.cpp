@@ -13,7 +13,7 @@ namespace stroma {
 namespace {
 
 void declareState(DataTable& table, Link<State>& link) {
-  table.addLink("mstate", link).help("mechanical state to act on; the one of this node or the nearest above when not given");
+  table.addLink("mstate", link).help("mechanical state to act on; the one of this node or the nearest above by default");
 }
 
 void declareRayleigh(DataTable& table, const char* name, double& factor, const std::string& help, const char* unit) {
@@ -57,7 +57,7 @@ void ForceField::addDampingDiagonal(double, std::vector<double>&) const { addDam
 
 void ProjectiveConstraint::declare(DataTable& table) {
   declareState(table, mstate_);
-  table.add("endTime", end_time_).help("the constraint holds in steps that start before this time; negative: always").unit("s");
+  table.add("endTime", end_time_).help("the constraint is active in steps that start before this time; negative: always").unit("s");
   for (const char* name : {"showObject", "drawSize"}) table.addVisualOnly(name);
 }
 
@@ -65,7 +65,7 @@ void ProjectiveConstraint::init() {
   state_ = findState(*this, mstate_);
   refuseOtherRows(*this, *state_, takesAllRows());
   if (end_time_ >= 0 && end_time_ <= node().root().root_time)
-    warn("no step starts before endTime: the constraint never holds", "endTime=\"-1\" to hold always");
+    warn("no step starts before endTime: the constraint is never active", "endTime=\"-1\" for always");
 }
 
 void PositionConstraint::declare(DataTable& table) { declareState(table, mstate_); }
@@ -75,9 +75,9 @@ void Mass::declare(DataTable& table) {
   declareState(table, mstate_);
   declareRayleigh(table, "rayleighMass", rayleigh_mass, "mass-proportional damping of this mass", "1/s");
   table.add("movedAlone", moved_alone_)
-      .help("the inertia of nodes that a constraint moves does not reach their neighbours, as in SOFA; else it is refused");
+      .help("the inertia of nodes moved by a constraint does not act on their neighbours, as in SOFA; otherwise that is an error");
   table.add("separateGravity", separate_gravity_)
-      .help("accepted for SOFA's sake; gravity is always a constant force that is computed once");
+      .help("accepted for SOFA scenes; gravity is always a constant force that is computed once");
   for (const char* name : {"showGravityCenter", "showAxisSizeFactor", "showInitialCenterOfGravity", "showX0"}) table.addVisualOnly(name);
 }
 

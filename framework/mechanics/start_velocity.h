@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 namespace stroma {
-/// Besides a constraint that prescribes a motion: in a step its nodes have the velocity that prescribe() gives where the step starts.
+/// A role of a constraint that prescribes a motion: its nodes keep the velocity of prescribe() at the start of the step throughout.
 class StartVelocity {
  public:
   virtual ~StartVelocity() = default;

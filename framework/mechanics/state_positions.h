@@ -15,7 +15,7 @@ inline std::vector<Vec3> positionsOf(const State& state, ConstRows x) {
   return out;
 }
 
-/// The place of every node, at rest or at the start [m], shape (state.nodes()).
+/// The position of every node, at rest or at the start [m], shape (state.nodes()).
 inline std::vector<Vec3> nodePlaces(const State& state, const std::vector<Vec3>& rows) {
   if (state.rows_per_node == 1) return rows;
   std::vector<Vec3> places;
@@ -23,7 +23,7 @@ inline std::vector<Vec3> nodePlaces(const State& state, const std::vector<Vec3>&
   return places;
 }
 
-/// The diagonal of the box around a state's places [m], position(i) being that of row i; zero without places.
+/// The diagonal of the bounding box of a state's places [m], with position(i) of row i; zero without places.
 template <class Position>
 double sizeOfBox(const State& state, Position&& position) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -35,7 +35,7 @@ double sizeOfBox(const State& state, Position&& position) {
   return low[0] <= high[0] ? (high - low).norm() : 0;
 }
 
-/// The same of the rest shape [m].
+/// The same for the rest shape [m].
 inline double restSize(const State& state) {
   return sizeOfBox(state, [&state](Index i) -> const Vec3& { return state.rest_position[std::size_t(i)]; });
 }

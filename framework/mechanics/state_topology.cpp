@@ -88,7 +88,7 @@ const Topology* findTopology(const Component& asker, const State& state, const L
 }
 
 void TopologyLink::declare(DataTable& table, const std::string& mesh) {
-  table.addLink("topology", link_).help(mesh + "; that of this node or the nearest above when not given");
+  table.addLink("topology", link_).help(mesh + "; that of this node or the nearest above by default");
 }
 
 const Mesh& TopologyLink::meshWith(const CellKind& kind, const Component& asker, const State& state) const {

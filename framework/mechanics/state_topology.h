@@ -53,7 +53,7 @@ const Topology* topologyOf(const State& state);
 /// Every topology that fits in the node where topologyOf() finds one, in document order.
 std::vector<const Topology*> topologiesOf(const State& state);
 
-/// The topology that gives nodes to a component that has none: the first of its node, else (upwards = true) the first of
+/// The topology whose nodes a component without its own uses: the first of its node, else (upwards = true) the first of
 /// the nearest node above that has one; initialised, or null.
 const Topology* firstTopology(const Component& asker, bool upwards);
 

@@ -7,16 +7,16 @@
 
 namespace stroma {
 
-/// Positions go from x to x + s dx, s from 0 to 1. Where mappings turn they do so on a curve, and a row is besides at most
+/// Positions go from x to x + s dx, s from 0 to 1. Where mappings turn they go on a curve, and a row is at most
 /// `bend` [m] away from that line.
 struct Way {
   ConstRows dx;
   const double* bend = nullptr;  ///< shape (rows); null: straight
-  bool is_carried = false;       ///< that of what is moved, at whose end a solve begins; else the line of a search
-  double along = 0;              ///< obstacles go this part of the way that they have left
+  bool is_carried = false;       ///< a prescribed motion, at whose end a solve starts; else the line of a line search
+  double along = 0;              ///< obstacles go this fraction of their remaining way
 };
 
-/// A force field that takes something from where a step starts, which then lasts for it: contacts that have been found.
+/// A force field that looks up something at the start of a step and keeps it for the step, such as contacts.
 class HearsSteps {
  public:
   virtual ~HearsSteps() = default;
@@ -24,47 +24,47 @@ class HearsSteps {
   virtual void stepBegins(ConstRows x, double t, double t_end) = 0;
 };
 
-/// A force field whose forces have a potential in each solve, with what is held fixed meanwhile: energy() and lentEnergy() together.
+/// A force field whose forces have a potential in each solve, with the lagged quantities fixed: energy() plus lentEnergy().
 class LendsEnergy {
  public:
   virtual ~LendsEnergy() = default;
   virtual bool lendsEnergy() const = 0;
-  /// The part [J] that is no energy of the field's, as of the last force.
+  /// The part [J] of that potential that is not stored energy, as of the last force.
   virtual double lentEnergy(ConstRows x) const = 0;
 };
 
-/// A force field besides which positions may not move anyhow: bodies that touch must not pass through each other.
+/// A force field that limits how far positions may move in a step: bodies in contact must not pass through each other.
 /// Integrators ask how long a step may be (simulation/step_limits.h). Vectors have all rows of the system.
 class StepLimiter : public HearsSteps {
  public:
-  /// Where a run starts. Throws ComponentError when things lie in one another there.
+  /// Called at the start of a run. Throws ComponentError if bodies intersect there.
   virtual void checkStart(ConstRows x) = 0;
   /// The largest s <= 1 up to which the way from x on is known to be free.
   virtual double longestStep(ConstRows x, const Way& way) = 0;
-  /// The step's equations are solved at x with what is held fixed meanwhile: the directions of friction, obstacles that
-  /// have not been let all the way. True: that has moved on or waits to, and they are to be solved again.
+  /// The step's equations are solved at x with the lagged quantities fixed: directions of friction, obstacles that have
+  /// not gone all the way. True: those were updated or are waiting to be, and the equations have to be solved again.
   virtual bool movesOn(ConstRows x) = 0;
-  /// Obstacles have a way left that goAlong() is to let them go before the next solve.
+  /// Obstacles have a remaining way, which goAlong() advances before the next solve.
   virtual bool hasWay() const { return false; }
-  /// f += what that way would add to the forces of the last addForce(), if nothing gave way, by their derivative.
+  /// f += what that way would add to the forces of the last addForce() with all nodes fixed, by their derivative.
   virtual void addPush(Rows /*f*/) const {}
-  /// Obstacles go the part s of it.
+  /// Obstacles go the fraction s of it.
   virtual void goAlong(double /*s*/) {}
-  /// True: movesOn() will say so after the present solve too, as with obstacles half way. Its equilibrium is only a place to go on
-  /// from.
+  /// True: movesOn() will return true after the present solve too, as with obstacles half way. Its equilibrium is only an
+  /// intermediate one.
   virtual bool isOnTheWay() const { return false; }
   /// While `wanted`, forces are asked for that stay in the equations of a step, nothing held; `of_end`: the part of those of its solves.
   virtual void wantStartForces(bool /*wanted*/, double /*of_end*/) {}
-  /// After a step to x: what lies in one another, as a sentence, or empty. Exact.
+  /// After a step to x: a sentence on what intersects, or empty. Exact.
   virtual std::string overlap(ConstRows x) = 0;
 };
 
-/// A force field that moves nodes before the first step, because a run cannot start where they are.
+/// A force field that moves nodes before the first step, because a run cannot start from their positions.
 class PlacesStart {
  public:
   virtual ~PlacesStart() = default;
-  /// x: positions of all rows, of which the first `independent` may be moved; `project` takes out of displacements of these what
-  /// is held. Throws ComponentError where there is no such place.
+  /// x: positions of all rows, of which the first `independent` may be moved; `project` removes the constrained part of their
+  /// displacements. Throws ComponentError if there is no valid start.
   virtual void placeStart(Rows x, Index independent, const std::function<void(Rows)>& project) = 0;
 };
 
@@ -73,7 +73,7 @@ class HeedsStepLimits {
  public:
   virtual ~HeedsStepLimits() = default;
   virtual bool heedsStepLimits() const = 0;
-  /// An attribute with which it would: "newtonIterations=\"30\"", or empty.
+  /// The attribute that makes it ask: "newtonIterations=\"30\"", or empty.
   virtual std::string howToHeedStepLimits() const { return {}; }
 };
 

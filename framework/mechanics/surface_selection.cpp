@@ -50,8 +50,8 @@ void SurfaceSelection::declare(DataTable& table) {
   table.add("triangleIndices", triangle_indices_).help("loaded triangles of the mesh");
   table.add("quadIndices", quad_indices_).help("loaded quads of the mesh");
   table.add("quadraticTriangleIndices", quadratic_indices_).help("loaded quadratic triangles of the mesh");
-  table.add("min", low_).help("a corner of the box that faces must lie in, when none are listed").unit("m");
-  table.add("max", high_).help("the other corner; neither given: everywhere").unit("m");
+  table.add("min", low_).help("a corner of the box that selects faces, if none are listed").unit("m");
+  table.add("max", high_).help("the other corner; if neither is given: everywhere").unit("m");
 }
 
 std::vector<Face> SurfaceSelection::faces(const Component& load, const Mesh& mesh, const State& state) const {
@@ -69,7 +69,7 @@ std::vector<Face> SurfaceSelection::listed(const Component& load, const Mesh& me
       throw ComponentError(
           cells.empty() ? fmt::format("{} lists no face, and the mesh lists no {}", name, word) : fmt::format("{} lists no face", name),
           cells.empty() ? addsFaces() : fmt::format("at least one of the {}", word),
-          cells.empty() ? "" : "when a selection is linked here, check that its box holds faces");
+          cells.empty() ? "" : "if a selection is linked here, check that its box contains faces");
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] < 0 || std::size_t(indices[i]) >= cells.size())
         throw ComponentError(fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),

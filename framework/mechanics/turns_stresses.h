@@ -8,9 +8,9 @@ namespace stroma {
 class TurnsStresses {
  public:
   virtual ~TurnsStresses() = default;
-  /// Forces from the next one on prepare it. False: it has none.
+  /// From the next force on it is prepared. Returns false if there is no such term.
   virtual bool keepTurning(bool on) = 0;
-  /// Products, diagonals and assemblies have this much of it from now on; 0: none.
+  /// Products, diagonals and assemblies include it with this factor from now on; 0 leaves it out.
   virtual void addTurning(double part) = 0;
 };
 

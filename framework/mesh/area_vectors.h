@@ -19,7 +19,7 @@ namespace stroma {
 
 inline constexpr std::size_t most_face_nodes = 6;
 
-/// A triangle, a quad or a quadratic triangle; those of fewer nodes repeat the last.
+/// A triangle, a quad or a quadratic triangle; faces with fewer nodes repeat the last one.
 struct Face {
   std::array<Index, most_face_nodes> nodes;
   int corners;  ///< how many nodes it has

@@ -8,8 +8,8 @@
 
 namespace stroma {
 
-/// Every face of this shape of the volume cells once, or only those of a single cell; turned outward as in the first cell that
-/// has it, in ascending order of their sorted nodes.
+/// Every face of this shape of the volume cells once, or only those of a single cell; oriented outward as in the first cell
+/// that has it, in ascending order of their sorted nodes.
 std::vector<Triangle> uniqueTriangles(const Mesh& mesh, bool boundary_only);
 std::vector<Quad> uniqueQuads(const Mesh& mesh, bool boundary_only);
 std::vector<QuadraticTriangle> uniqueQuadraticTriangles(const Mesh& mesh, bool boundary_only);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The volume behind a surface of faces (area_vectors.h) that is closed: every edge is run through as often one
-// way as the other. Positions come from a function of the node (`position(node)` [m]), so that a surface can lie in any
+// The volume inside a closed surface (area_vectors.h): every edge is traversed equally often in both directions.
+// Positions come from a function of the node (`position(node)` [m]), so that the surface can be stored in any
 // vector.
 #pragma once
 #include <optional>

@@ -14,7 +14,7 @@ struct Adjacency {
   Index size() const { return Index(start.size()) - 1; }
 };
 
-/// What a check of a mesh found. Volumes in m^3 (the mesh's unit cubed).
+/// The result of a mesh check. Volumes in m^3 (the mesh's unit cubed).
 struct MeshReport {
   Index nodes = 0, edges = 0, triangles = 0, quads = 0, quadratic_triangles = 0;
   Index tetrahedra = 0, hexahedra = 0, prisms = 0, pyramids = 0, quadratic_tetrahedra = 0;

@@ -59,8 +59,8 @@ Mat3 rotationFromDegrees(const Vec3& angles);
 /// those that are there and only when missing.
 void addSubelements(Mesh& mesh);
 
-/// What a person should know of a mesh before using it (inverted or flat cells, unused nodes, no volume) with the
-/// report, or empty.
+/// Warnings about a mesh (inverted or flat cells, unused nodes, no volume) with the report of its check;
+/// empty if there are none.
 std::string meshComplaint(const Mesh& mesh);
 
 }  // namespace stroma

@@ -13,15 +13,15 @@ class Topology : public Component {
   std::string roleText() const override { return "topology"; }
   /// Positions [m] and cells; valid after init().
   const Mesh& mesh() const { return mesh_; }
-  /// "tetrahedra": of a container for one kind of cell, which a mapping that makes them may fill; else empty.
+  /// "tetrahedra" for a container of one kind of cell, which a topological mapping may fill; else empty.
   virtual std::string mainCells() const { return {}; }
 
  protected:
   Mesh mesh_;
 };
 
-/// A topology made from another one. With an output (linked, or a container in its node) it fills that container and
-/// look-ups in its node answer the container; without one it is the topology of its node itself.
+/// A topology made from another one. With an output (linked, or a container in its node) it fills that container, and
+/// look-ups in its node find the container; without one it is the topology of its node itself.
 class TopologicalMapping : public Topology {
  public:
   std::string roleText() const override { return "topological mapping"; }

@@ -14,7 +14,7 @@ Archive::Entry& Archive::find(std::string_view name, Kind kind) {
   const auto found = entries_.find(fullName(name));
   if (found == entries_.end())
     throw std::runtime_error(
-        fmt::format("the checkpoint holds no '{}' of {}: it was written by another scene, or with other settings", name, owner_));
+        fmt::format("the checkpoint has no '{}' of {}: it was written by another scene, or with other settings", name, owner_));
   if (found->second.kind != kind) throw std::runtime_error(fmt::format("'{}' of {} has another type in the checkpoint", name, owner_));
   found->second.is_read = true;
   return found->second;
@@ -61,8 +61,7 @@ void Archive::checkAllRead() const {
   for (const auto& [name, entry] : entries_)
     if (!entry.is_read)
       throw std::runtime_error(
-          fmt::format("the checkpoint holds {}, which the scene does not have: it was written by another scene, or with other "
-                      "settings",
+          fmt::format("the checkpoint has {}, which the scene does not: it was written by another scene, or with other settings",
                       name));
 }
 

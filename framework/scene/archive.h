@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Named values of a run that stops and goes on: what Component::serialize() writes and reads.
+// Named values of a checkpoint, written and read by Component::serialize().
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -11,8 +11,8 @@
 
 namespace stroma {
 
-/// Writes values under names, or reads them back: the same calls do both, so that a component states once what it
-/// remembers. Names are unique within their owner, enter(). Bits are kept.
+/// Writes values under names, or reads them back. The same calls do both, so that a component lists its data only
+/// once. Names are unique within their owner, see enter(). Values are exact to the bit.
 class Archive {
  public:
   enum class Kind : char { real = 'r', integer = 'i', text = 't' };
@@ -29,10 +29,10 @@ class Archive {
   Archive readable() const;
   bool isReading() const { return reading_; }
 
-  /// What follows belongs to `owner`: the path of a component, or a word without "/".
+  /// Later values belong to `owner`: the path of a component, or a word without "/".
   void enter(std::string owner) { owner_ = std::move(owner); }
 
-  /// One number, truth value or enumerator.
+  /// One number, bool or enumerator.
   template <class T>
   requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) void value(std::string_view name, T& value) {
     using Stored = std::conditional_t<std::is_floating_point_v<T>, double, std::int64_t>;
@@ -41,9 +41,9 @@ class Archive {
     value = static_cast<T>(stored);
   }
   void value(std::string_view name, std::string& text);
-  /// `count` doubles: another number of them is an error when reading.
+  /// `count` doubles; a different number is an error when reading.
   void rows(std::string_view name, double* values, std::size_t count) { numbers(name, Kind::real, values, count); }
-  /// The same for all rows of a vector, which takes the size that was written.
+  /// The same for all rows of a vector, which is resized to the size that was written.
   template <class Vector>
   requires requires(Vector& vector) { vector.rows().doubles(); }
   void rows(std::string_view name, Vector& values) {
@@ -51,8 +51,8 @@ class Archive {
     if (stored != present) values.resize(static_cast<decltype(values.count())>(stored / 4));
     rows(name, values.rows().data, stored);
   }
-  /// A list of doubles, of types made of doubles alone (Vec3, Mat3, quaternions), or of integers. Takes the length that
-  /// was written.
+  /// A list of doubles, of types made of doubles only (Vec3, Mat3, quaternions), or of integers. It is resized to the length
+  /// that was written.
   template <class T, class Allocator>
   void list(std::string_view name, std::vector<T, Allocator>& values) {
     if constexpr (std::is_integral_v<T>) {
@@ -69,14 +69,14 @@ class Archive {
     }
   }
 
-  /// The values of one owner, to be read; they are no longer in this archive.
+  /// Removes the values of one owner from this archive and returns them for reading.
   Archive take(const std::string& owner);
   const std::map<std::string, Entry>& entries() const { return entries_; }
-  /// After reading: throws std::runtime_error naming a value that nobody asked for.
+  /// After reading: throws std::runtime_error naming a value that was never read.
   void checkAllRead() const;
 
  private:
-  /// How many numbers are stored; when writing, `present`.
+  /// The number of stored values; when writing, `present`.
   std::size_t count(std::string_view name, Kind kind, std::size_t present);
   void numbers(std::string_view name, Kind kind, void* values, std::size_t count);
   Entry& find(std::string_view name, Kind kind);

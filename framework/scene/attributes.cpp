@@ -52,7 +52,7 @@ void setDefaultGravity(const NodeDescription& description, Node& node, Diagnosti
     if (gravity.unit.empty()) return;
     node.own_gravity = Vec3(0, -gravity.value, 0);
     diagnostics.note(node.where(), node.path(),
-                     "no gravity is written: the earth's acts along -y, " + printReal(gravity.value) + " " + gravity.unit);
+                     "gravity is not given: the earth's is used along -y, " + printReal(gravity.value) + " " + gravity.unit);
   } catch (const ComponentError&) {  // that of `units` is an error already
   }
 }
@@ -97,13 +97,13 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
       diagnostics_.error(attribute.where, path + ".dt", "the time step is " + printReal(dt), "a value > 0 s");
     } else if (dt < shortest_time_step || dt > longest_time_step) {
       diagnostics_.error(attribute.where, path + ".dt",
-                         "the time step is " + printReal(dt) + ": its square is no number that can be computed with",
+                         "the time step is " + printReal(dt) + ": its square is not a finite number",
                          "a value from " + printReal(shortest_time_step) + " to " + printReal(longest_time_step) + " s");
     } else if (!node.parent()) {
       node.root_dt = dt;
     } else if (dt != node.dt()) {
-      diagnostics_.error(attribute.where, path + ".dt", "a child node has no time step of its own",
-                         "dt on the outermost Node only, where it is " + printReal(node.dt()) + " s");
+      diagnostics_.error(attribute.where, path + ".dt", "a child node cannot have its own time step",
+                         "dt on the root node only, where it is " + printReal(node.dt()) + " s");
     }
   } else if (attribute.name == "time") {
     double time = 0;
@@ -114,7 +114,7 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
   } else if (attribute.name == "activated") {
     bool activated = true;
     if (readInto(activated, attribute, path, diagnostics_) && !activated && !node.parent())
-      diagnostics_.error(attribute.where, path, "the outermost node is not activated: nothing would run");
+      diagnostics_.error(attribute.where, path, "the root node is not activated: nothing would run");
   }
 }
 

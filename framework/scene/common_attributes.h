@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The attributes that a scene may write on every component and on a Node, whatever the component declares.
+// Attributes that every component and every Node accepts, in addition to the declared ones.
 #pragma once
 #include <string>
 #include <vector>
 
 namespace stroma {
 
-/// Attributes of every component that SOFA keeps for itself. `name`, `src` and `template` have a meaning here.
+/// Internal attributes of every SOFA component. Only `name`, `src` and `template` have a meaning here.
 const std::vector<std::string>& commonAttributes();
 /// Those of a Node.
 const std::vector<std::string>& nodeAttributes();
-/// What `template` may say: there is one set of types. Words that begin with CompressedRowSparseMatrix may stand there too.
+/// Accepted values of `template`: there is one set of types. Words that begin with CompressedRowSparseMatrix are accepted too.
 const std::vector<std::string>& templateWords();
 
 }  // namespace stroma

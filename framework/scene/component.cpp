@@ -59,7 +59,7 @@ void Component::ensureReady() {
   if (stage_ == Stage::ready) return;
   if (stage_ == Stage::failed) throw DependencyFailed(path() + " could not be initialised");
   if (stage_ == Stage::initialising)
-    throw ComponentError("components need each other in a circle: " + chainTo(*this), {},
+    throw ComponentError("circular dependency between components: " + chainTo(*this), {},
                          "break the circle by giving one of the values directly");
   stage_ = Stage::initialising;
   under_way.push_back({this, nullptr});
@@ -80,7 +80,7 @@ void Component::ensureReady() {
     } catch (const ComponentError& error) {
       reportFailure(error.what(), error.expected, error.suggestion);
     } catch (const std::bad_alloc&) {
-      reportFailure(fmt::format("it asks for more than {:.0f} MB of memory, and no more are left", memoryLeft()),
+      reportFailure(fmt::format("it needs more than {:.0f} MB of memory, which are not available", memoryLeft()),
                     "a smaller mesh, or more memory", {});
     } catch (const std::exception& error) {
       reportFailure(error.what(), {}, {});

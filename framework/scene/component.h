@@ -22,50 +22,50 @@ class Component {
 
   /// Declares every attribute, once; called by the factory right after construction.
   virtual void declare(DataTable& table) = 0;
-  /// Checks the parameters together and prepares what does not change in a step. Called once, when all linked sources
-  /// are ready. What it looks up through find...() or a Link is initialised before it is returned, so the order of
-  /// the file does not matter. Throws ComponentError.
+  /// Validates the parameters and prepares everything that is constant during steps. Called once, when all linked sources
+  /// are ready. Components returned by find...() or a Link are initialised first, so the order in the file does not
+  /// matter. Throws ComponentError.
   virtual void init() {}
-  /// Forgets what steps have left behind (a history, a warm start): the simulation goes back to its initial state and
-  /// must repeat itself bit for bit. Nothing to do for a component whose steps read only x, v and the time.
+  /// Discards the data of past steps (a history, a warm start): the simulation returns to its initial state and must
+  /// repeat bit for bit. Not needed by a component whose steps depend only on x, v and the time.
   virtual void reset() {}
-  /// Writes or reads, under names, everything that steps leave behind and later steps depend on besides x, v and the
-  /// time: what reset() forgets. With the values read back, a run goes on with the bits of one that never stopped.
-  /// Archive::isReading() tells the direction. Throws std::runtime_error when the values read are those of another scene.
+  /// Writes or reads, under names, all data of past steps that later steps depend on besides x, v and the time: the data
+  /// that reset() discards. After reading, a run continues with the same bits as one that never stopped.
+  /// Archive::isReading() gives the direction. Throws std::runtime_error if the values read belong to another scene.
   virtual void serialize(Archive&) {}
-  /// An attribute declared recompiled() has a new value while the scene runs: checks it and makes anew what init()
-  /// derived from attributes. Compiled roles (force fields, masses) are compiled again afterwards, and what serialize()
-  /// knows is kept. Throws ComponentError. Whatever is thrown, the old value is put back and this is called once more.
+  /// Called when an attribute declared recompiled() has a new value in a running scene: validates it and recomputes what
+  /// init() derived from attributes. Compiled roles (force fields, masses) are compiled again afterwards, and the data of
+  /// serialize() is kept. Throws ComponentError. After any exception the old value is restored and this is called again.
   virtual void recompile() { init(); }
-  /// The attribute `template` as it is written, before any other attribute is read: for a component whose attributes
-  /// have other types then (Data::keepIn).
+  /// The attribute `template` as written, before any other attribute is read: for a component whose attribute types
+  /// depend on it (Data::keepIn).
   virtual void chooseTemplate(const std::string&) {}
-  /// False when another component of the node stands for this one: searches by role pass it over. Asked before init().
+  /// False if another component of the node replaces this one: searches by role then skip it. Called before init().
   virtual bool answersLookup() const { return true; }
-  /// The type of a component that this one cannot do without and that its node does not hold: it is then made beside it,
-  /// with its defaults. Empty: nothing is missing. Asked when all components of the node have read their attributes.
+  /// The type of a component that this one requires and that its node lacks: it is then created in the node with its
+  /// defaults. Empty: nothing is missing. Called when all components of the node have read their attributes.
   virtual std::string missingPartner() const { return {}; }
-  /// The word for the role, for messages: "force field".
+  /// The role in words, for messages: "force field".
   virtual std::string roleText() const = 0;
 
   const std::string& type() const { return type_; }
   const std::string& name() const { return name_; }
   const SourceLocation& where() const { return where_; }
-  bool isMadeForAnother() const { return is_made_for_another_; }  ///< nobody wrote it, see missingPartner()
+  bool isMadeForAnother() const { return is_made_for_another_; }  ///< created by missingPartner(), not in the scene
   std::string path() const;  ///< "/liver/fem"
   Node& node() const { return *node_; }
   DataTable& data() { return data_; }
   const DataTable& data() const { return data_; }
 
-  /// Runs init() now unless it has run; used by look-ups. Throws DependencyFailed when it failed before, and
-  /// ComponentError with the chain printed when components need each other in a circle.
+  /// Runs init() unless it has already run; used by look-ups. Throws DependencyFailed if it failed before, and
+  /// ComponentError with the chain of components for a circular dependency.
   void ensureReady();
   bool isReady() const { return stage_ == Stage::ready; }
   bool hasFailed() const { return stage_ == Stage::failed; }
   void markFailed() { stage_ = Stage::failed; }
 
-  /// The component of role `Role` in this node, else (upwards = true) in the nearest ancestor that has one; null when
-  /// there is none. Throws ComponentError when a node has several. The result is initialised.
+  /// The component with role `Role` in this node, otherwise (upwards = true) in the nearest ancestor that has one; null if
+  /// there is none. Throws ComponentError if a node has several. The result is initialised.
   template <class Role>
   Role* find(bool upwards = false) const;
 
@@ -74,8 +74,8 @@ class Component {
   void inform(std::string message) const;
 
  protected:
-  /// For what a program adds to a running scene: it is called `name` and stands in the node of `other`, which does not
-  /// own it.
+  /// For components that a program adds to a running scene: sets the name, and the node of `other`, which does not own
+  /// it.
   void standBeside(const Component& other, std::string name);
 
  private:
@@ -85,7 +85,7 @@ class Component {
   friend class LiveEdit;
   enum class Stage { created, initialising, ready, failed };
 
-  /// `folder_`: where relative file names of this component start.
+  /// `folder_`: the base of this component's relative file names.
   std::string type_, name_, folder_;
   SourceLocation where_;
   Node* node_ = nullptr;
@@ -93,15 +93,15 @@ class Component {
   Stage stage_ = Stage::created;
   bool is_made_for_another_ = false;
   DataTable data_;
-  /// An attribute of ours that takes the value of another component's.
+  /// An attribute of this component that takes the value of another component's attribute.
   struct DataLink {
     Data* target;
     Component* source;
     const Data* from;
     SourceLocation where;
-    bool by_src;  ///< made by `src`: copied only when the source has something to give
+    bool by_src;  ///< created by `src`: copied only if the source has a value
   };
-  /// Before init(): takes the values of linked attributes, whose components are ready then.
+  /// Before init(): copies the values of linked attributes, whose components are then ready.
   void copyLinkedValues();
   void reportFailure(const std::string& message, const std::string& expected, const std::string& suggestion) const;
 
@@ -109,7 +109,7 @@ class Component {
   std::vector<DataLink> data_links_;
 };
 
-/// Thrown when a component needs another that has already been reported as broken: nothing more to say.
+/// Thrown if a component needs another one whose failure has already been reported: prints no further message.
 class DependencyFailed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -11,10 +11,24 @@
 
 namespace stroma {
 
+namespace {
+constexpr const char* or_number = " or -";
+}  // namespace
+
 Data::Data(std::string name, DataPointer pointer) : name_(std::move(name)), pointer_(std::move(pointer)) { default_ = print(); }
 void Data::keepIn(DataPointer pointer) { pointer_ = std::move(pointer); }
 Data& Data::help(std::string text) { return help_ = std::move(text), *this; }
 Data& Data::unit(std::string text) { return unit_ = std::move(text), *this; }
+Data& Data::unitOrNumber(const std::string& text) { return unit(text + or_number); }
+bool Data::settleUnit(const std::string& text) {
+  if (unit_.ends_with(or_number)) unit_ = text;
+  return unit_ == text;
+}
+/// Of a unit or a number the unit is meant where values are written in one.
+void Data::closeUnit(std::string_view written) {
+  if (!unit_.ends_with(or_number) || written.find_first_not_of("0123456789+-.eE%/ \t\n,") == written.npos) return;
+  unit_.resize(unit_.size() - std::string_view(or_number).size());
+}
 Data& Data::alias(std::string other) { return aliases_.push_back(std::move(other)), *this; }
 Data& Data::min(double value, bool inclusive) { return min_ = value, min_inclusive_ = inclusive, *this; }
 Data& Data::max(double value, bool inclusive) { return max_ = value, max_inclusive_ = inclusive, *this; }
@@ -84,7 +98,7 @@ std::optional<Problem> Data::checkRange() const {
       pointer_);
   if (good || (rangeText().empty() && !is_extreme)) return std::nullopt;
   Problem problem;
-  problem.message = printReal(bad) + (count > 1 ? " (number " + printReal(count) + " of the value: commas part them)" : "") +
+  problem.message = printReal(bad) + (count > 1 ? " (number " + printReal(count) + " of the value: commas separate them)" : "") +
                     " is outside the range of " + name_;
   const std::string range = is_extreme ? "of size 1e-100 to 1e100" : rangeText();
   problem.expected = std::string(range[0] == '[' || range[0] == '(' ? "a value in " : "a value ") + range +

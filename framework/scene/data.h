@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The parameters of a component, declared once. The same table parses and checks attributes, serves overrides and
-// links, and prints the manual. Numerics see plain members; only the loader sees the table.
+// The parameters of a component, declared once. The same table parses and checks attributes, handles overrides and
+// links, and prints the manual. Numerical code sees plain members; only the loader sees the table.
 #pragma once
 #include <limits>
 #include <optional>
@@ -16,7 +16,7 @@ namespace stroma {
 class Component;
 class LinkBase;
 
-/// A file named in a scene. `given` as written; `found` the full path after the search of the scene's folder, then
+/// A file named in a scene. `given` as written; `found` the full path after searching the scene's folder, then
 /// STROMA_DATA_PATH, then SOFA_DATA_PATH. An output file is not searched: `found` is `given` made absolute.
 struct FileName {
   std::string given;
@@ -38,14 +38,14 @@ using DataPointer =
                  std::vector<std::array<Index, 6>>*, std::vector<std::array<Index, 5>>*, std::vector<Hexahedron>*,
                  std::vector<QuadraticTetrahedron>*, FileName*, ChoiceRef, LinkBase*>;
 
-/// How a value reached an attribute.
+/// Where the value of an attribute came from.
 enum class DataOrigin { by_default, written, linked, by_override };
 
-/// What a change of an attribute takes while the scene runs.
+/// What it takes to change an attribute in a running scene.
 enum class ChangeEffect {
-  restart,    ///< the scene has to be loaded with the new value; so for all that declare nothing else
-  at_once,    ///< steps read the member itself: the next one has the new value
-  recompile,  ///< Component::recompile() makes anew what was derived from it, and nothing else is loaded again
+  restart,    ///< the scene must be loaded again with the new value; the default
+  at_once,    ///< steps read the member itself: the next step uses the new value
+  recompile,  ///< Component::recompile() recomputes what was derived from it; nothing else is loaded again
 };
 
 /// One attribute. Filled by the fluent calls below inside Component::declare().
@@ -56,30 +56,33 @@ class Data {
   // ---- declaration (each returns *this) ----
   Data& help(std::string text);                    ///< one line; every attribute has one
   Data& unit(std::string text);                    ///< "Pa", "m", "s"; "-" for a pure number
+  Data& unitOrNumber(const std::string& text);     ///< one of both, see settleUnit()
   Data& alias(std::string other);                  ///< another accepted name (SOFA's)
   Data& min(double value, bool inclusive = true);  ///< applies to every number of the value
   Data& max(double value, bool inclusive = true);
-  Data& required();    ///< not giving it is an error
-  Data& physical();    ///< not giving it is a warning that states the default used
-  Data& output();      ///< computed by the component: can be linked from, not written
+  Data& required();    ///< an error if it is missing
+  Data& physical();    ///< a warning that states the default if it is missing
+  Data& output();      ///< computed by the component: it can be linked, but not written
   Data& ofNodes() { return of_nodes_ = true, *this; }  ///< a list with a value for each node of the component's state
   Data& ofCells(std::size_t width = 1) { return cell_width_ = width, *this; }  ///< a list that may have `width` numbers per cell
   Data& input();       ///< FileName only: the file must exist
-  Data& shorthand();   ///< read by the component into another attribute; not in the manual's main table
+  Data& shorthand();   ///< an abbreviation of another attribute; not in the main table of the manual
   Data& atOnce();      ///< ChangeEffect::at_once
   Data& recompiled();  ///< ChangeEffect::recompile
-  Data& inValuesOf(std::size_t numbers);  ///< a flat list: of how many numbers each value is; copyFrom() tears none apart
+  Data& inValuesOf(std::size_t numbers);  ///< a flat list: how many numbers form one value; copyFrom() splits none
 
   // ---- use ----
   const std::string& name() const { return name_; }
   const std::vector<std::string>& aliases() const { return aliases_; }
   const std::string& helpText() const { return help_; }
   const std::string& unitText() const { return unit_; }
+  /// Of unitOrNumber() what is meant, once that is known. False: values were written in another unit.
+  bool settleUnit(const std::string& text);
   bool isRequired() const { return required_; }
   bool isPhysical() const { return physical_; }
   bool isOutput() const { return output_; }
   bool isOfNodes() const { return of_nodes_; }
-  std::size_t cellWidth() const { return cell_width_; }  ///< 0: not of cells
+  std::size_t cellWidth() const { return cell_width_; }  ///< 0: not per cell
   bool isInputFile() const { return input_; }
   bool isShorthand() const { return shorthand_; }
   ChangeEffect changeEffect() const { return change_effect_; }
@@ -92,8 +95,8 @@ class Data {
   std::string defaultText() const { return default_; }
   std::string rangeText() const;  ///< "[0, 0.5)" or empty
 
-  /// Parses `text` into the member. On failure the member keeps its value and the returned problem has message,
-  /// expected and suggestion (where and path are the caller's).
+  /// Parses `text` into the member. On failure the member keeps its value, and the returned problem has message,
+  /// expected and suggestion (the caller adds location and path).
   [[nodiscard]] std::optional<Problem> parse(std::string_view text, DataOrigin origin);
   /// Copies the value of another attribute (a data link); converts between lists of numbers of equal meaning
   /// (one value to a list of one, flat reals to Vec3 and back).
@@ -104,6 +107,7 @@ class Data {
  private:
   friend class DataTable;
   std::optional<Problem> checkRange() const;
+  void closeUnit(std::string_view written);
 
   std::string name_, help_, unit_, default_;
   std::vector<std::string> aliases_;
@@ -113,7 +117,7 @@ class Data {
   bool required_ = false, physical_ = false, output_ = false, input_ = false, shorthand_ = false, of_nodes_ = false;
   DataOrigin origin_ = DataOrigin::by_default;
   ChangeEffect change_effect_ = ChangeEffect::restart;
-  std::size_t value_width_ = 0;  ///< 0: as the type says
+  std::size_t value_width_ = 0;  ///< 0: given by the type
   std::size_t cell_width_ = 0;
 };
 
@@ -153,7 +157,7 @@ class DataTable {
 class LinkBase {
  public:
   virtual ~LinkBase() = default;
-  /// False when `target` does not play the role that the link wants.
+  /// False if `target` does not have the role that the link requires.
   virtual bool accepts(Component& target) const = 0;
   virtual std::string roleText() const = 0;  ///< "a mechanical state", for messages
   void set(Component* target) { target_ = target; }
@@ -161,7 +165,7 @@ class LinkBase {
   virtual void add(Component* target) { target_ = target; }
   Component* target() const { return target_; }
   std::string path;  ///< as written
-  /// Words that a scene may write instead of a path, for what needs no component of its own; `path` is then the word.
+  /// Words accepted instead of a path, for choices that need no separate component; `path` is then the word.
   std::vector<std::string> words;
 
  protected:

@@ -146,7 +146,7 @@ bool readRange(std::string_view word, std::vector<int>& out, Failure& why) {
     if (i == 2 || *at++ != '-') return false;
   }
   const auto [first, last, step] = bounds;
-  if (first < 0 || last < first || step < 1) return why.message = inQuotes(word) + " is not a rising range", false;
+  if (first < 0 || last < first || step < 1) return why.message = inQuotes(word) + " is not an ascending range", false;
   if (out.size() + std::size_t(last - first) / std::size_t(step) >= longest_expanded_list)
     return why.message = "the range " + inQuotes(word) + " makes the list too long", false;
   for (long value = first; value <= last; value += step) out.push_back(int(value));
@@ -211,16 +211,15 @@ template <class T>
 constexpr bool holds_reals = std::is_same_v<T, double> || std::is_same_v<T, Vec3> || std::is_same_v<T, std::vector<double>> ||
                              std::is_same_v<T, std::vector<Vec3>> || std::is_same_v<T, std::array<double, 16>>;
 
-/// What was refused as plain numbers, once more as numbers with units or fractions. Of a unit "or -" the written one stays.
+/// What was refused as plain numbers, once more as numbers with units or fractions.
 template <class T>
-bool readWithUnits(std::string_view text, std::string& unit, T& out, Failure& why, std::string& expected) {
+bool readWithUnits(std::string_view text, const std::string& unit, T& out, Failure& why, std::string& expected) {
   if constexpr (holds_reals<T>) {
     try {
       const std::optional<std::string> plain = withoutUnits(text, unit);
       if (!plain) return false;
       if (std::is_same_v<T, double> && plain->find(' ') != plain->npos)
         return why.message = inQuotes(trimmed(text)) + " is more than one number", false;
-      if (unit.ends_with(" or -") && text.find_first_not_of("0123456789+-.eE%/ \t\n,") != text.npos) unit.resize(unit.size() - 5);
       out = T{};
       return readValue(*plain, out, why = {});
     } catch (const ComponentError& error) {
@@ -251,7 +250,10 @@ std::optional<Problem> Data::parse(std::string_view text, DataOrigin origin) {
           return pointer->path = trimmed(text), true;
         } else {
           std::decay_t<decltype(*pointer)> value{};
-          if (!readValue(text, value, why) && !readWithUnits(text, unit_, value, why, problem.expected)) return false;
+          if (!readValue(text, value, why)) {
+            if (!readWithUnits(text, unit_, value, why, problem.expected)) return false;
+            closeUnit(text);
+          }
           std::swap(*pointer, value);
           const std::optional<Problem> out_of_range = checkRange();
           if (!out_of_range) return true;

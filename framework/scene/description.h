@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A scene as it was written: plain data, no component exists yet.
+// A scene as written: plain data, before any component exists.
 #pragma once
 #include <memory>
 #include <string>
@@ -15,9 +15,9 @@ struct AttributeDescription {
   std::string name;
   std::string value;
   SourceLocation where;
-  /// Where the file writes the value that an override stands for; no line when it writes none.
+  /// Location of the value in the file that an override replaces; no line if the file has none.
   SourceLocation overridden{};
-  /// The value itself, where a program gave one that is not printed and read again; the text above is then empty.
+  /// The value itself, if a program passed one without converting it to text; the text above is then empty.
   std::shared_ptr<const Data> typed{};
 };
 
@@ -26,7 +26,7 @@ struct ComponentDescription {
   std::string type;
   std::vector<AttributeDescription> attributes;
   SourceLocation where;
-  std::string folder;  ///< folder of the file that holds the element: relative file names start here
+  std::string folder;  ///< folder of the file that contains the element: the base of relative file names
 
   const AttributeDescription* find(std::string_view attribute) const;
   std::string name() const;  ///< the attribute `name`, or empty
@@ -44,11 +44,11 @@ struct NodeDescription {
   std::string name() const;
 };
 
-/// A file of a scene as it was read.
+/// A file of a scene as read.
 struct SceneFileText {
   std::string file, text;
-  bool is_on_disk = true;  ///< read from there, and not given by a program
-  bool is_prefab = false;  ///< of an element that a file stands for
+  bool is_on_disk = true;  ///< read from disk, not passed by a program
+  bool is_prefab = false;  ///< the file of a prefab element
 };
 
 struct SceneDescription {

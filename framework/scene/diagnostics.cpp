@@ -75,7 +75,7 @@ void Diagnostics::add(Problem problem) {
   if (problems_.size() < kept_problems) {
     problems_.push_back(std::move(problem));
   } else if (problems_.size() == kept_problems) {
-    problems_.push_back({Severity::note, {}, {}, "more problems than these were found; they are not listed", {}, {}});
+    problems_.push_back({Severity::note, {}, {}, "there are more errors than these; they are not listed", {}, {}});
   }
 }
 

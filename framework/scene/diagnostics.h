@@ -25,7 +25,7 @@ struct Problem {
   SourceLocation where;
   std::string path;        ///< path in the tree: "/liver/fem.method"
   std::string message;     ///< what is wrong
-  std::string expected;    ///< what would have been right
+  std::string expected;    ///< what was expected
   std::string suggestion;  ///< the nearest right name or the fix
 
   /// One line: "file:line:column: error: /path: message (expected ...; did you mean ...?)".
@@ -53,7 +53,7 @@ class Diagnostics {
   int errors_ = 0;
 };
 
-/// Thrown at load boundaries once everything that could be found has been found.
+/// Thrown at load boundaries after all problems have been collected.
 class SceneError : public std::runtime_error {
  public:
   explicit SceneError(Diagnostics diagnostics);
@@ -63,8 +63,8 @@ class SceneError : public std::runtime_error {
   Diagnostics diagnostics_;
 };
 
-/// Thrown by a component's init() (or by what it calls) when it cannot work as written; the loader adds the location
-/// and the path, and goes on with the other components.
+/// Thrown by a component's init() (or functions it calls) if the component is not valid as written. The loader adds location
+/// and path, and continues with the other components.
 class ComponentError : public std::runtime_error {
  public:
   explicit ComponentError(const std::string& message, std::string expected = {}, std::string suggestion = {});

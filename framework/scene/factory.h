@@ -10,16 +10,16 @@
 
 namespace stroma {
 
-/// What the factory knows of a component type.
+/// The factory's entry of a component type.
 struct ComponentEntry {
-  std::string type;    ///< the name in a scene
+  std::string type;    ///< name in a scene
   std::string help;    ///< one line
   std::string module;  ///< set when a module registers it
   std::function<std::unique_ptr<Component>()> make;
 };
 
-/// Makes components by the name a scene uses. Filled by explicit calls: each module lists its components (one CMake
-/// line each generates the list), so nothing depends on the order of static initialisers.
+/// Creates components by the name used in a scene. Filled by explicit calls: each module lists its components (CMake
+/// generates the list), so nothing depends on the order of static initialisers.
 class Factory {
  public:
   /// Registers `T` as `type`. `defaults`, if given, changes members before the table is declared: the same component

@@ -9,12 +9,12 @@
 
 namespace stroma {
 
-/// Reads the attribute gravity of a node [m/s^2]. One number alone acts along y, as SOFA's default does: `note` then
-/// says so. On a problem `gravity` keeps its value.
+/// Reads the attribute gravity of a node [m/s^2]. A single number acts along y, like SOFA's default, and sets `note`. If
+/// there is a problem, `gravity` keeps its value.
 [[nodiscard]] std::optional<Problem> readGravity(std::string_view text, Vec3& gravity, std::string& note);
 
-/// The 9.81 m/s^2 that act along -y where a scene writes no gravity, in the system of units that it declares. tools/units
-/// answers. Throws ComponentError for what is no system.
+/// The default gravity of 9.81 m/s^2 along -y, in the unit system declared by the scene. Implemented in tools/units.
+/// Throws ComponentError for an unknown system.
 struct DefaultGravity {
   double value = 9.81;
   std::string unit;  ///< "mm/s^2"; empty in SI

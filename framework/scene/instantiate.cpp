@@ -109,7 +109,7 @@ void Instantiation::build(const NodeDescription& description, Node& node) {
 void Instantiation::buildChild(const NodeDescription& description, const std::string& name, Node& parent) {
   const std::string path = joinPath(parent.path(), name);
   if (isOff(description)) {
-    diagnostics_.note(description.where, path, "the node is not activated: nothing in it takes part");
+    diagnostics_.note(description.where, path, "the node is not activated: it is left out with its contents");
   } else if (holdsVisualModel(description) && holdsOnlyVisuals(description)) {
     noEffect("node " + path);
   } else {

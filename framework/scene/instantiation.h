@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// From a description to a tree of initialised components. Three passes over the scene: make every component and read
-// its attributes; resolve the links, when everything that they can name exists; initialise in document order, each
-// component after what it reads.
+// From a description to a tree of initialised components, in three passes: create every component and read its
+// attributes; resolve links, when all their targets exist; initialise in document order, each component after the
+// ones that it reads.
 #pragma once
 #include <string>
 #include <vector>
@@ -15,12 +15,12 @@ class Instantiation {
   Instantiation(Scene& scene, Factory& factory, Modules& modules);
   /// Fills scene.root. Problems are collected in scene.diagnostics, as many as can be found at once.
   void run();
-  /// The first part of it: components with their attributes and links. None is initialised; each is when it is asked for
-  /// (Component::ensureReady()), as long as the scene stays at its place.
+  /// The first two passes: components with their attributes and links, not initialised. Each is initialised on demand
+  /// (Component::ensureReady()), as long as the scene object is not moved.
   void makeTree();
 
  private:
-  /// An attribute that names something in the tree, kept until the whole tree exists.
+  /// An attribute that refers to something in the tree, kept until the whole tree exists.
   struct PendingLink {
     Component* component;
     Data* data;  ///< null for `src`
@@ -29,7 +29,7 @@ class Instantiation {
   };
 
   // ---- instantiate.cpp: the tree ----
-  /// Opens what RequiredPlugin names by path, in the whole tree, before any component is made.
+  /// Opens the modules that RequiredPlugin names by path, in the whole tree, before any component is made.
   void prepare(const NodeDescription& node);
   void openPlugins(const ComponentDescription& component);
   /// Attributes, components and children of one node, in the order of the file.
@@ -38,10 +38,10 @@ class Instantiation {
   void reportDuplicates(const NodeDescription& description, const Node& node);
   void addMissingPartners(Node& node);
   void makeComponent(const ComponentDescription& description, const std::string& name, Node& node);
-  /// The component of a type, its old name or, with `misspelt`, the one most likely meant: never null.
+  /// The component of a type, of its old name or, with `misspelt`, of the most similar name: never null.
   std::unique_ptr<Component> create(const ComponentDescription& description, const std::string& path, bool& misspelt);
   std::unique_ptr<Component> createUnknown(const ComponentDescription& description, const std::string& path);
-  /// Notes once what was accepted without effect.
+  /// Records once what was accepted without effect.
   void noEffect(const std::string& what);
 
   // ---- attributes.cpp ----
@@ -57,18 +57,18 @@ class Instantiation {
   void findInputFile(const AttributeDescription& attribute, Data& data, Component& component);
   bool isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
                              const Component* component);
-  /// Required and physical attributes that nothing set.
+  /// Reports required and physical attributes that were not set.
   void checkGiven(Component& component);
 
   // ---- links.cpp ----
   void resolveLinks();
   void resolveComponentLink(const PendingLink& link);
   void resolveDataLink(const PendingLink& link);
-  /// Links every attribute to the source's of the same name, but those that are written.
+  /// Links every attribute that is not written to the source's attribute of the same name.
   void resolveSrc(const PendingLink& link);
   void linkData(const PendingLink& link, Component& source, const Data& from);
 
-  /// Reports, and marks the component so that what needs it stays silent.
+  /// Reports the problem and marks the component, so that its users print no further message.
   void fail(Component& component, Problem problem);
   void initialise(const Node& node);
   void release(const Node& node);
@@ -80,7 +80,7 @@ class Instantiation {
   std::vector<PendingLink> pending_;
 };
 
-/// Stands where a component could not be made, so that links to it do not raise a second message.
+/// A placeholder for a component that could not be created, so that links to it do not raise a second message.
 class UnknownComponent final : public Component {
  public:
   void declare(DataTable&) override {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Attributes that change while a scene runs.
+// Changes of attributes in a running scene.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,36 +8,36 @@
 
 namespace stroma {
 
-/// A change of one attribute: looked up and checked by the constructor, made by apply(). Every refusal is a
-/// ComponentError that says what would be needed, and leaves the scene as it was.
+/// A change of one attribute, looked up and checked by the constructor and made by apply(). Every failure is a
+/// ComponentError that says what is needed, and leaves the scene unchanged.
 class LiveEdit {
  public:
-  /// The refusal of what only another load can change.
+  /// The error for an attribute that needs a restart.
   struct NeedsLoad : ComponentError { using ComponentError::ComponentError; };
-  /// `path` names a component or a node, as in `--set`. Refuses what does not exist (with the nearest name) and what
-  /// only a restart can change.
+  /// `path` names a component or a node, as in `--set`. Throws for unknown names (with the nearest one) and for
+  /// attributes that need a restart.
   LiveEdit(Node& root, const std::string& path, const std::string& attribute);
 
   /// The component whose attribute it is; null for an attribute of a node (gravity, dt).
   Component* component() const { return component_; }
   /// The node whose attribute it is; null for an attribute of a component.
   const Node* node() const { return node_; }
-  /// What is made anew: the component, if its attribute asks for that, and in order those with links to it, which must allow it.
+  /// The components to recreate: this one, if its attribute requires it, and in order those linked to it, which must allow it.
   const std::vector<Component*>& recompiled() const { return recompiled_; }
   bool changesTimeStep() const { return !component_ && attribute_ == "dt"; }
   bool changesGravity() const { return !component_ && attribute_ == "gravity"; }
   std::string name() const;  ///< "/liver/fem.youngModulus"
-  /// A value in the scene's notation and how it came there: components ask whether an attribute was given.
+  /// A value in scene notation and its origin: components may check whether an attribute was given.
   struct Value {
     std::string text;
     DataOrigin origin = DataOrigin::by_override;
   };
-  Value value() const;  ///< the present one
+  Value value() const;  ///< the current value
 
-  /// Parses with the attribute's table and makes anew what recompiled() says. Warnings and notes go to `messages`.
+  /// Parses with the attribute's table and recompiles as declared. Warnings and notes go to `messages`.
   void apply(const Value& value, Diagnostics& messages);
 
-  /// As long as this lives, warnings and notes of a component go to `messages`, and then where they went before.
+  /// Redirects warnings and notes of a component to `messages` for its lifetime.
   class Listener {
    public:
     Listener(Component& component, Diagnostics& messages) : component_(component), before_(component.diagnostics_) {

@@ -11,7 +11,7 @@
 
 namespace stroma {
 
-/// Bounds on what a scene file may contain: beyond them a sentence, not memory.
+/// Limits on the size of a scene: exceeding them is an error, before memory runs out.
 struct ReadLimits {
   std::size_t file_bytes = 64u << 20;
   std::size_t attribute_bytes = 16u << 20;
@@ -25,7 +25,7 @@ struct Override {
   static Override parse(const std::string& text);  ///< throws std::invalid_argument with a sentence
 };
 
-/// Writes them to the present owner of the archive, or reads them.
+/// Writes them to the current owner of the archive, or reads them.
 void visitEdits(Archive& archive, std::vector<Override>& edits);
 
 /// XML text to plain data. Problems go to `diagnostics`; what could be read is returned.

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Types that scenes of other programs have and no module has. The engine knows none of them: a front end does.
+// Types of other programs that no module has. The engine knows none of them; a front end provides the list.
 #pragma once
 #include <functional>
 #include <string>
 
 namespace stroma {
 
-/// What takes the place of a type, as a sentence, or an empty text.
+/// A sentence about the replacement of a type, or empty.
 using MissingTypeAdvice = std::function<std::string(const std::string& type)>;
 
-/// Answers stand beside "there is no component" from now on. Of the process, as setThreads(): call it before the first scene
-/// is loaded.
+/// Adds these sentences to the message "there is no component". Process-wide, like setThreads(): call it before the first
+/// scene is loaded.
 void adviseOnMissingTypes(MissingTypeAdvice advice);
 std::string adviceOnMissingType(const std::string& type);
 

@@ -10,8 +10,8 @@
 
 namespace stroma {
 
-/// What a module exports as `extern "C" const stroma::ModuleInfo* stroma_module()`. `abi` is STROMA_ABI (abi.h) and is
-/// compared before anything else is touched: a module built against other headers is refused with a sentence.
+/// Exported by a module as `extern "C" const stroma::ModuleInfo* stroma_module()`. `abi` is STROMA_ABI (abi.h) and is
+/// compared first: a module built against other headers is rejected with a message.
 struct ModuleInfo {
   const char* abi;
   const char* name;
@@ -38,7 +38,7 @@ class Modules {
   /// Opens the module that holds `type` (after the change table) unless the factory knows it. False: no module has it.
   /// Throws std::runtime_error for a module that cannot be opened, also because it is not built yet.
   bool provide(const std::string& type);
-  /// Opens a third-party module by path. Throws SceneError's cause as std::runtime_error with a sentence.
+  /// Opens a third-party module by path. Throws std::runtime_error with the reason if that fails.
   void open(const std::string& path);
   void openAll();
 
@@ -54,7 +54,7 @@ class Modules {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The microarchitecture level whose modules this machine uses: "x86-64-v4", "-v3" or "-v2". STROMA_LEVEL lowers it.
+/// The microarchitecture level of the modules used on this machine: "x86-64-v4", "-v3" or "-v2". STROMA_LEVEL lowers it.
 std::string instructionLevel();
 
 }  // namespace stroma

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The names that parts of a scene go by: as written, else made from the type. Overrides, links and messages agree on
-// them because they all come from here.
+// The names of nodes and components: as written, otherwise derived from the type. Overrides, links and messages all use
+// these functions, so they agree.
 #pragma once
 #include <string>
 #include <vector>

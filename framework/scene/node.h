@@ -25,17 +25,17 @@ class Node {
 
   Vec3 gravity() const;  ///< own value, else the parent's; root default (0, -9.81, 0) m/s^2
   double dt() const;     ///< the root's time step, default 0.01 s
-  /// As written in the scene [m/s^2]; none: inherited.
+  /// As written in the scene [m/s^2]; empty: inherited.
   std::optional<Vec3> own_gravity;
-  /// [s], of the root; other nodes do not use theirs.
+  /// [s], of the root; other nodes ignore theirs.
   double root_dt = 0.01;
-  /// Time at the start [s], of the root.
+  /// Start time [s], of the root.
   double root_time = 0;
 
-  /// Takes ownership; the component knows its node from then on.
+  /// Takes ownership and sets the node of the component.
   Component& add(std::unique_ptr<Component> component);
   Node& addChild(std::unique_ptr<Node> child);
-  /// In this node only; null when there is none.
+  /// In this node only; null if there is none.
   Component* findByName(std::string_view name) const;
   Node* findChild(std::string_view name) const;
 
@@ -63,7 +63,7 @@ class Node {
   }
 
  private:
-  /// Throws ComponentError: two components of this node play the role, and a search cannot choose.
+  /// Throws ComponentError: two components of this node have the role, and a search cannot choose.
   [[noreturn]] void ambiguous(const Component& a, const Component& b) const;
   std::string name_;
   Node* parent_;

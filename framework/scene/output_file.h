@@ -8,15 +8,15 @@
 
 namespace stroma {
 
-/// A file could not be written: the sentence has its path and the system's reason.
+/// A file could not be written; the message has its path and the system's reason.
 class OutputError : public std::runtime_error {
  public:
   OutputError(const std::string& path, const std::string& what, int number);
-  const int reason;  ///< of errno.h
+  const int reason;  ///< errno
 };
 
-/// A file that grows by whole pieces. Opening takes nothing from a file that is there: the first append() does. What has
-/// been appended stays when the process dies, when a later append fails, and when another file cannot be written.
+/// A file that grows in whole pieces. Opening does not truncate an existing file; the first append() does. Appended data
+/// survives if the process dies, if a later append fails, and if another file cannot be written.
 class OutputFile {
  public:
   OutputFile() = default;
@@ -24,19 +24,19 @@ class OutputFile {
   OutputFile& operator=(OutputFile&& other) noexcept;
   ~OutputFile() { forget(); }
 
-  /// Opens the file or makes it. Throws OutputError.
+  /// Opens or creates the file. Throws OutputError.
   void open(const std::string& path);
   bool isOpen() const { return descriptor_ >= 0; }
   const std::string& path() const { return path_; }
-  /// The next append follows the first `bytes` of the file; what lies behind them goes.
+  /// The next append follows the first `bytes` of the file; the rest is discarded.
   void keep(std::uint64_t bytes) { size_ = bytes, is_cut_ = false; }
   /// Bytes kept and appended.
   std::uint64_t size() const { return size_; }
-  /// All of `bytes`, or none: a piece that a full disk cuts short is taken back. Throws OutputError, also when somebody
-  /// has removed the file.
+  /// Appends all of `bytes` or nothing: a piece cut short by a full disk is removed. Throws OutputError, also if the file has
+  /// been deleted.
   void append(std::string_view bytes);
-  bool hasFailed() const { return failed_; }  ///< in an append: nothing more can follow
-  /// Throws OutputError. A file that nothing was appended to, and that was not there before, is removed.
+  bool hasFailed() const { return failed_; }  ///< an append has failed: no more can follow
+  /// Throws OutputError. Removes a new file that nothing was appended to.
   void close();
 
  private:
@@ -49,21 +49,21 @@ class OutputFile {
   bool is_regular_ = true, is_new_ = false, is_cut_ = false, failed_ = false;
 };
 
-/// Makes the folder of a file when it is missing. Throws OutputError.
+/// Creates the folder of a file if it is missing. Throws OutputError.
 void makeFolderOf(const std::string& path);
 
-/// Throws the OutputError that checkWritable() would, as far as it can be known with nothing written. What only the
-/// attempt shows (a quota, a file system of its own rules) is not.
+/// Throws the OutputError that checkWritable() would throw, as far as this can be determined without writing. A quota or
+/// special rules of a file system are not detected.
 void checkAccess(const std::string& path, bool is_replaced = false);
 
-/// checkAccess(); makes the folder; throws OutputError when the file cannot be opened for writing, or its disk is full.
-/// Nothing is taken from a file that is there, and no file of this name is made. `is_replaced`: writeWholeFile() is to
-/// write it, which needs a folder that can be written in.
+/// checkAccess(); creates the folder; throws OutputError if the file cannot be opened for writing, or its disk is full. An
+/// existing file is not changed, and no file with this name is created. `is_replaced`: writeWholeFile() will write it,
+/// which needs a writable folder.
 void checkWritable(const std::string& path, bool is_replaced = false);
 
-/// Writes a file without a name and then gives it this one, so that nobody ever sees half a file, two programs that do it
-/// at once leave one of the two, and a killed one leaves nothing (where the file system knows files without names; else it
-/// may leave a ".part"). `rest` follows `bytes`. Throws OutputError; a file that was there before is then still there.
+/// Writes an unnamed file and then links it to this name, so that nobody ever sees a partial file, concurrent writers leave
+/// one complete file, and a killed process leaves nothing (if the file system supports unnamed files; otherwise it may
+/// leave a ".part"). `rest` follows `bytes`. Throws OutputError, and then an existing file is unchanged.
 void writeWholeFile(const std::string& path, std::string_view bytes, std::span<const std::string_view> rest = {});
 
 }  // namespace stroma

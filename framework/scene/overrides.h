@@ -6,7 +6,7 @@
 
 namespace stroma {
 
-/// Writes each override into the description; one that leads nowhere is a problem with the nearest path.
+/// Writes each override into the description; one with an unknown path is an error that suggests the nearest path.
 void applyOverrides(const std::vector<Override>& overrides, NodeDescription& root, Diagnostics& diagnostics);
 
 /// Whether an attribute was given by an override rather than by a file.

@@ -11,12 +11,12 @@ namespace stroma {
 /// True for a type that needs no prefab: a component, known under its present or an old name.
 using KnownType = std::function<bool(const std::string& type)>;
 
-/// As readScene(), with prefabs for the types that are not known. With `text`, that stands for the content of `file`.
+/// Like readScene(), with prefabs for unknown types. `text`, if given, replaces the content of `file`.
 SceneDescription readSceneWithPrefabs(const std::string& file, const std::vector<Override>& overrides,
                                       const ReadLimits& limits, const KnownType& is_known, Diagnostics& diagnostics,
                                       const std::string* text = nullptr);
 
-/// The types that `factory` and `modules` know without opening any, and those that the change table speaks of.
+/// The types that `factory` and `modules` know without opening any, and those in the change table.
 KnownType knownTypes(const Factory& factory, const Modules& modules);
 
 }  // namespace stroma

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Files that are read by libraries of others are read in a process of their own: a fault that a damaged file finds there
-// ends that process, and becomes an ordinary error of ours. It may use memory and time for a file of that size, no more.
+// Third-party libraries read files in a separate process: if a damaged file crashes the library, only that process ends,
+// and the user gets an ordinary error. Its memory and time are limited by the size of the file.
 #pragma once
 #include <string>
 
@@ -11,24 +11,24 @@ namespace stroma {
 /// A program that reads files for this one.
 struct ReaderProgram {
   std::string name;     ///< in moduleFolder(), or a path
-  std::string reader;   ///< who reads there, for messages: "VTK's reader"
-  std::string missing;  ///< why the program may not be there, and what helps
+  std::string reader;   ///< the library, for messages: "VTK's reader"
+  std::string missing;  ///< why the program may be missing, and how to get it
 };
 
-/// Runs the program on a file and returns what it hands over. Throws ComponentError: what it complains of, or how it
-/// ended. May be called from any thread; ends when the program does.
+/// Runs the program on a file and returns its output. Throws ComponentError with its message, or with how it ended. May be
+/// called from any thread; returns when the program ends.
 ValueLists readInOwnProcess(const ReaderProgram& program, const std::string& file, const Texts& arguments = {});
 
 // ---- in the program ----
 
-/// `read` gets the file and the arguments; a ComponentError or std::bad_alloc of it reaches the other side.
+/// `read` gets the file and the arguments; its ComponentError or std::bad_alloc is passed to the caller's process.
 using ReadFunction = ValueLists (*)(const std::string& file, const Texts& arguments);
 
-/// All of main().
+/// The body of main().
 int runReader(int argc, char** argv, ReadFunction read);
 
-/// To be called by `read` when it knows the format: reading may take `memory_per_byte` bytes for each of the file's, on
-/// top of what a program takes anyway, and computing time by its size.
+/// Called by `read` once it knows the format: reading may use `memory_per_byte` bytes per byte of the file, in addition
+/// to the baseline of a process, and CPU time in proportion to its size.
 void limitReader(double file_bytes, double memory_per_byte);
 
 }  // namespace stroma

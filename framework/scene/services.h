@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Services: what a module offers besides components, to the command and not to scenes (the mesh generator). A service
-// is an abstract class in framework/, its implementation a shared library beside the modules that is opened when
-// somebody asks for it: heavy libraries, and those under the GPL, stay out of everything else.
+// Services are libraries for the command rather than for scenes, such as the mesh generator. A service is an abstract class
+// in framework/; its implementation is a shared library beside the modules that is opened on demand. This keeps heavy
+// libraries, and those under the GPL, out of everything else.
 #pragma once
 #include <memory>
 #include <string>
 
 namespace stroma {
 
-/// What a service exports as `extern "C" const stroma::ServiceInfo* stroma_service()`. `abi` is STROMA_ABI and is
-/// compared before anything else is touched; `role` is the name of the abstract class.
+/// Exported by a service as `extern "C" const stroma::ServiceInfo* stroma_service()`. `abi` is STROMA_ABI and is
+/// compared first; `role` is the name of the abstract class.
 struct ServiceInfo {
   const char* abi;
   const char* role;
@@ -19,7 +19,7 @@ struct ServiceInfo {
 /// The folder of the modules, stroma/ beside the framework library; empty when it cannot be found.
 std::string moduleFolder();
 
-/// What brings a part that is missing (a module, service, reader or program by its name): the command that builds it where
+/// How to get a missing part (a module, service, reader or program by its name): the command that builds it where
 /// moduleFolder() is that of a build, the package that has it where it was installed from packages, else `otherwise`.
 std::string howToGet(const std::string& part, const std::string& otherwise);
 

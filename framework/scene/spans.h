@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a profile hears of a run: where a piece of work begins and ends, and whose it is. As a rule nobody listens: a span is
-// then two tests of one pointer.
+// Profiling spans: where a piece of work begins and ends, and which component it belongs to. Without a listener a span
+// costs two tests of one pointer.
 #pragma once
 namespace stroma {
 class Component;
@@ -8,13 +8,13 @@ class Component;
 class SpanListener {
  public:
   virtual ~SpanListener() = default;
-  /// By any thread; those of one thread are nested. `what` is a literal, `whose` may be null.
+  /// Called from any thread; spans of one thread are nested. `what` is a literal, `whose` may be null.
   virtual void begin(const char* what, const Component* whose) = 0;
-  virtual void end(long count) = 0;  ///< of the last one of this thread; count: iterations of a solve, else 0
+  virtual void end(long count) = 0;  ///< ends the innermost span of this thread; count: iterations of a solve, otherwise 0
 };
-extern SpanListener* span_listener;  ///< null: nobody. Not changed while a span is open
+extern SpanListener* span_listener;  ///< null: none. Not changed while a span is open
 
-/// From here to the end of its life.
+/// A span for the lifetime of this object.
 class Span {
  public:
   explicit Span(const char* what, const Component* whose = nullptr) {

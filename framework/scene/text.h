@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Small pieces of text handling that the scene layer shares.
+// Small text functions shared by the scene layer.
 #pragma once
 #include <string>
 #include <string_view>

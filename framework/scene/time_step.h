@@ -3,7 +3,7 @@
 
 namespace stroma {
 
-/// Of time steps [s]: their squares, and what is divided by these, are finite numbers.
+/// Bounds on time steps [s]: their squares, and quotients by these, are finite numbers.
 inline constexpr double shortest_time_step = 1e-150, longest_time_step = 1e150;
 
 }  // namespace stroma

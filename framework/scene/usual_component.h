@@ -7,7 +7,7 @@ namespace stroma {
 
 class Component;
 
-/// What the engine asks for by the part it plays: where a scene leaves it out, and in messages that say what to write.
+/// Components that the engine asks for by their role: where a scene leaves them out, and in messages that say what to write.
 enum class Part {
   state,
   mass,           ///< whose sum is given
@@ -15,12 +15,12 @@ enum class Part {
   integrator,
   solver_in_time,        ///< of matrices that a mass keeps well-conditioned
   solver_of_equilibria,  ///< of any matrix, by a factorisation
-  solver_that_chooses    ///< of any matrix, by what costs least
+  solver_that_chooses    ///< of any matrix, by the lowest estimated cost
 };
 
 /// The component that usually plays it. tools/sofa answers: no name of a component is known here.
 std::string usualComponent(Part part);
-/// One of these, in no node and with its defaults, for a component that finds in the run that it needs it. Throws
+/// Makes one, in no node and with its defaults, for a component that finds during the run that it needs one. Throws
 /// std::runtime_error when its module cannot be opened.
 std::unique_ptr<Component> makeUsual(Part part);
 

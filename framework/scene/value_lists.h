@@ -13,7 +13,7 @@ using Reals = std::vector<double>;
 using Integers = std::vector<std::int64_t>;
 using Texts = std::vector<std::string>;
 
-/// Lists under names, and their bytes: what one process hands to another of the same machine.
+/// Named lists and their bytes: how one process passes data to another on the same machine.
 class ValueLists {
  public:
   template <class List>
@@ -33,7 +33,7 @@ class ValueLists {
   bool has(const std::string& name) const { return lists_.contains(name); }
 
   std::string bytes() const;
-  /// Throws std::runtime_error when `bytes` are not what bytes() gave, whatever they are.
+  /// Throws std::runtime_error for any `bytes` that did not come from bytes().
   static ValueLists fromBytes(std::string_view bytes);
 
  private:

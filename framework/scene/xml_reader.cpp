@@ -142,7 +142,7 @@ NodeDescription readXml(const std::string& text, const std::string& file, const 
       diagnostics.add(scratch.problems().front());
     } else {
       diagnostics.error({file, 1, 1}, {}, "the file is larger than " + megabytes(limits.file_bytes),
-                        "meshes in files of their own, read by a loader");
+                        "meshes in separate files, read by a loader");
     }
     return root;
   }
@@ -160,12 +160,12 @@ NodeDescription readXml(const std::string& text, const std::string& file, const 
   const SourceLocation where{file, positions.tags[0].where.line, positions.tags[0].where.column};
   const bool is_group = tag == "Group" || tag == "_Group_" || tag == "_Merge_";
   if (tag != "Node" && !is_group) {
-    diagnostics.error(where, {}, "the outermost element is <" + std::string(tag) + ">", "<Node>", nearest(tag, {"Node"}));
+    diagnostics.error(where, {}, "the root element is <" + std::string(tag) + ">", "<Node>", nearest(tag, {"Node"}));
     return root;
   }
   if (top->NextSiblingElement()) {
-    diagnostics.error({file, top->NextSiblingElement()->GetLineNum(), 0}, {}, "a second outermost element",
-                      "one <Node> that holds everything");
+    diagnostics.error({file, top->NextSiblingElement()->GetLineNum(), 0}, {}, "a second root element",
+                      "one <Node> that contains everything");
     return root;
   }
   Reader(file, positions, diagnostics).readNode(*top, root);

@@ -104,7 +104,7 @@ Actors collectActors(const SystemMembers& members) {
   std::erase_if(actors.lagrangian_constraints, [](const auto* each) { return each->constrainedStates().empty(); });
   if (actors.states.empty())
     throw ComponentError(
-        fmt::format("there is no mechanical state in {} or below, so there is nothing to move", members.integrator->node().path()),
+        fmt::format("there is no mechanical state in {} or below, so it has nothing to move", members.integrator->node().path()),
         "a " + usualComponent(Part::state) + " in the integrator's node or below");
   checkActors(actors);
   orderMappings(actors.mappings);

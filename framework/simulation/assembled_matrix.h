@@ -8,8 +8,8 @@
 
 namespace stroma {
 
-/// The factors of the terms of a system's matrix. Rayleigh factors multiply each mass's and force field's own. A part of
-/// `stiffness` may be damping, in which force fields with the trait `undamped` have no share.
+/// The factors of the terms of a system matrix. Rayleigh factors multiply the local ones of masses and force fields. Part of
+/// `stiffness` may be damping, which excludes force fields with the trait `undamped`.
 struct MatrixFactors {
   double mass = 0, stiffness = 0, damping = 0, rayleigh_mass = 0, rayleigh_stiffness = 0, part_of_damping = 0;
   bool operator==(const MatrixFactors&) const = default;
@@ -20,27 +20,29 @@ struct MatrixFactors {
   double of(const Mass& mass_term) const { return mass + rayleigh_mass * mass_term.rayleigh_mass; }
 };
 
-/// The terms of a system's matrix added up in 3x3 blocks, constraints eliminated. The pattern is made when it is first
-/// asked for, and again after force fields have changed it (ForceField::patternRevision()).
+/// The terms of a system matrix summed in 3x3 blocks, with constraints eliminated. The pattern is built on first use, and
+/// again after force fields have changed it (ForceField::patternRevision()).
 class AssembledMatrix {
  public:
   AssembledMatrix(const Actors& actors, const MappingChain& mappings, const ConstraintSet& constraints);
   /// The matrix with its pattern; values are those of the last assemble().
   const BlockMatrix& pattern();
   bool hasPattern() const { return matrix_.rows() > 0; }
-  /// Grows when the pattern may have changed: force fields say so, or the terms are others.
+  /// Increases when the pattern may have changed: a force field has changed it, or the terms are different.
   long patternRevision() const { return actors_.patternRevision() + terms_revision_; }
-  /// What the terms are made of is another: the pattern too may be.
+  /// The terms are different, and so may be the pattern.
   void termsChanged() { ++terms_revision_; }
-  /// The terms that do not change have other values.
+  /// The constant terms have new values.
   void forgetConstantPart() { constant_part_.clear(); }
-  /// Forgets the pattern and its memory, but for the number of its blocks.
-  void dropPattern() { matrix_ = BlockMatrix(); }
-  /// Blocks of the pattern; -1: not known for the present one.
+  /// Releases the pattern and its memory, but remembers its number of blocks.
+  void dropPattern() { matrix_ = {}, mapped_.release(); }
+  /// Blocks of the pattern; -1: unknown for the current one.
   Index blocks() const { return revision_ == patternRevision() ? block_count_ : -1; }
   const BlockMatrix& matrix() const { return matrix_; }
+  /// Nanoseconds that J^T K J adds to an assembly once its blocks are known; 0 without mappings.
+  double reductionCost() const { return mapped_.cost(); }
 
-  /// Values of the matrix with these factors at the state of the last force.
+  /// Computes the matrix with these factors at the state of the last force.
   const BlockMatrix& assemble(const MatrixFactors& factors);
 
  private:
@@ -56,10 +58,10 @@ class AssembledMatrix {
   BlockMatrix matrix_;
   MappedMatrix mapped_;  ///< only with mappings
   Index block_count_ = -1;
-  /// patternRevision() of the pattern or, where that was dropped, of its number of blocks.
+  /// patternRevision() of the pattern or, if that was released, of its number of blocks.
   long revision_ = -1;
   long terms_revision_ = 0;
-  /// Values of the terms that do not change, shape (blocks, 9), with the factors they were added with; empty: none kept.
+  /// Values of the constant terms, shape (blocks, 9), with the factors they were added with; empty: none kept.
   std::vector<double> constant_part_;
   MatrixFactors constant_factors_;
 };

@@ -48,7 +48,7 @@ void ConstraintSet::compile(double start, Rows x, Rows v) {
   motion_.check(start, x, v);
   meetGroups(start, x, v);
   placeRelations(x, v);
-  if (!broken_.empty()) throw ComponentError(broken_, "held nodes that keep to the relation");
+  if (!broken_.empty()) throw ComponentError(broken_, "fixed nodes that satisfy the relation");
 }
 
 // Room for all constraints at once, so that one that begins later allocates nothing.
@@ -151,7 +151,7 @@ void ConstraintSet::placeRelations(Rows x, Rows v) const {
     largest = std::max({largest, x[term.row].lpNorm<Eigen::Infinity>(), term.rest.lpNorm<Eigen::Infinity>()});
   broken_.clear();
   if (worst.distance > 1e-9 * largest)  // and not for NaN, which others name
-    broken_ = fmt::format("{} cannot hold: its nodes are held {:.3g} m from where it is fulfilled",
+    broken_ = fmt::format("{} cannot be satisfied: its nodes are fixed {:.3g} m away from where it holds",
                           describeRelation(actors_, relations_.relations(), worst.relation), worst.distance);
 }
 

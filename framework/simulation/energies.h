@@ -7,7 +7,7 @@
 
 namespace stroma {
 
-/// Of all systems of a scene at x and v [J]. Nodes that are computed on demand are at the present: see complete().
+/// The energies of all systems of a scene at x and v [J]. Nodes computed on demand must be up to date: see complete().
 struct Energies {
   double kinetic = 0, elastic = 0, gravity = 0, total = 0;
 };

@@ -6,13 +6,13 @@
 
 namespace stroma {
 
-/// An observer that compares results with what the scene expects of them.
+/// An observer that compares results with expected values in the scene.
 class Expectation {
  public:
   virtual ~Expectation() = default;
   virtual void stepMade(const StepReport&) {}  ///< before its afterStep()
   virtual long comparisons() const = 0;  ///< so far
-  /// A sentence with the numbers of the first that was not as expected; empty when all were.
+  /// A sentence with the numbers of the first failed comparison; empty if none failed.
   virtual std::string failure() const = 0;
 };
 

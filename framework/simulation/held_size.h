@@ -11,8 +11,8 @@ double diagonalSize(const Block& block) {
   return block.diagonal().cwiseAbs().sum() / 3;
 }
 
-/// What held directions have on the diagonal beside numbers of this size: a power of two like them, so that where held and
-/// free directions lie oblique in a block neither loses digits to the other; 1 beside none.
+/// The diagonal entry of fixed directions beside entries of this size: a power of two of the same magnitude, so that
+/// neither loses digits if fixed and free directions are oblique in a block; 1 if there are none.
 inline double heldSize(double size) { return size > 0 && std::isfinite(size) ? std::ldexp(1., std::ilogb(size)) : 1; }
 
 }  // namespace stroma

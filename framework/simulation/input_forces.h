@@ -8,25 +8,25 @@
 
 namespace stroma {
 
-/// The inputs on one system, as a force field whose derivatives are diagonal blocks, which every matrix has: adding one
-/// changes values of a matrix, never its pattern. The system has it in its lists while there is an input, so that it
-/// costs nothing when there is none.
+/// The inputs on one system, as a force field with diagonal derivative blocks, which every matrix has: adding an input
+/// changes values of a matrix, never its pattern. The system lists this field only while there is an input, so without
+/// one it costs nothing.
 ///
-/// Of a ball, K = -k n n^T and C = -c n n^T on each node that is inside at the x of the last addForce(). The derivative
-/// of the force has one more part, k (r/d - 1) (I - n n^T), as n turns when a node slides along the ball. It is left
-/// out: inside the ball it is positive, so it pushes a node on rather than back, and without bound towards the centre;
-/// with it a system matrix would be indefinite. Newton's method finds the same equilibrium without it, by more steps.
-/// That n turns with x is left out of the damping as well.
+/// For a ball, K = -k n n^T and C = -c n n^T on each node that is inside at the x of the last addForce(). The exact
+/// derivative has one more term, k (r/d - 1) (I - n n^T), because n rotates when a node slides along the ball. It is
+/// omitted: inside the ball it is positive and unbounded towards the centre, and would make the system matrix
+/// indefinite. Newton's method finds the same equilibrium without it, in more iterations. The damping omits the
+/// rotation of n as well.
 class InputForces final : public ForceField {
  public:
   /// `state`: one of the system's.
   explicit InputForces(State& state);
   void declare(DataTable&) override {}
 
-  /// Puts an input in the place of the one with the same number, if any. `state`: the one that it names, with its rows.
-  /// True when the stiffness or damping of some node is another than before; false also when a ball has only moved.
+  /// Adds an input, or replaces the one with the same number. `state`: the state it names, with its rows.
+  /// True if the stiffness or damping of some node has changed; false also if a ball has only moved.
   bool set(long number, const Input& input, const State& state);
-  /// The same for an input that ends; false also when there is none with this number.
+  /// The same for an input that ends; false also if there is none with this number.
   bool remove(long number);
   bool empty() const { return inputs_.empty(); }
   bool isDamped() const;
@@ -44,7 +44,7 @@ class InputForces final : public ForceField {
   void addDamping(double factor, BlockMatrix& matrix) const override;
   void addDampingDiagonal(double factor, std::vector<double>& blocks) const override;
 
-  /// visit(row, input, place in the list of nodes); in the order of their numbers. A ball lists no nodes.
+  /// visit(row, input, position in its list of nodes), in the order of input numbers. A ball lists no nodes.
   template <class Visit>
   void forNodes(Visit&& visit) const {
     for (const auto& [number, placed] : inputs_)
@@ -56,7 +56,7 @@ class InputForces final : public ForceField {
   /// A node that was inside a ball in the last evaluation of the forces.
   struct Touch {
     Index row;
-    Vec3 normal;  ///< out of the ball
+    Vec3 normal;  ///< outward
   };
   struct Placed {
     Input input;
@@ -64,10 +64,10 @@ class InputForces final : public ForceField {
     std::vector<Touch> touches{};  ///< ascending rows
   };
 
-  /// visit(row, depth r - d [m], normal) for what is inside the ball of `placed` at x
+  /// visit(row, depth r - d [m], normal) for nodes inside the ball of `placed` at x
   template <class Visit>
   static void forInside(const Placed& placed, ConstRows x, Visit&& visit);
-  /// visit(row, input, normal) for what was inside balls in the last evaluation of the forces
+  /// visit(row, input, normal) for nodes that were inside balls in the last evaluation of the forces
   template <class Visit>
   void forTouches(Visit&& visit) const {
     for (const auto& [number, placed] : inputs_)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Long work before the first step says how far it is to who listens; nothing is printed here.
+// Progress reports of long work before the first step; nothing is printed here.
 #pragma once
 #include <functional>
 #include <memory>
@@ -7,21 +7,21 @@
 
 namespace stroma {
 
-/// Hears of one piece of long work, until it is done. Called by one thread at a time.
+/// Receives the progress of one piece of long work. Called by one thread at a time.
 class LongWorkListener {
  public:
   virtual ~LongWorkListener() = default;
-  /// The share that is done; one may be below an earlier one.
+  /// The fraction done; it may be lower than an earlier one.
   virtual void say(double share) = 0;
-  /// A sentence for who waits.
+  /// A message for the user.
   virtual void advise(const std::string& sentence) = 0;
 };
 
-/// Makes the listener for work that takes about so many operations, or null when nobody wants to hear of it.
+/// Makes the listener for work of about this many operations, or null if nobody listens.
 using MakeLongWorkListener =
     std::function<std::unique_ptr<LongWorkListener>(const std::string& what, double operations)>;
 
-/// Who listens to all long work of the process from now on; empty, as at the start: nobody. Not while work goes on.
+/// Sets the listener to all long work of the process; empty, as initially: none. Not while work is in progress.
 void listenToLongWork(MakeLongWorkListener make);
 
 class LongWork {

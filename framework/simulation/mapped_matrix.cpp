@@ -8,9 +8,17 @@ namespace stroma {
 void MappedMatrix::prepare(BlockPattern&& pattern, const std::vector<Mapping*>& mappings, Index independent_rows) {
   independent_rows_ = independent_rows;
   full_ = BlockMatrix(std::move(pattern));
+  places_.clear();
   jacobian_.assign(full_.rows(), {});
   for (Index row = 0; row < independent_rows; ++row) jacobian_[row] = {Term{row, Mat3::Identity()}};
   updateJacobian(mappings);
+  sums_ = {};
+  for (Index row = 0; row < full_.rows(); ++row)
+    for (Index slot = full_.rowStart()[row]; slot < full_.rowStart()[row + 1]; ++slot) {
+      const Index column = full_.columns()[slot];
+      const bool is_own = row < independent_rows && column < independent_rows;
+      (is_own ? sums_.own : sums_.mapped) += jacobian_[row].size() * jacobian_[column].size();
+    }
 }
 
 // The row of a mapped node: its blocks times the rows of their parents, terms of one independent row summed.
@@ -42,19 +50,31 @@ BlockMatrix MappedMatrix::reducedPattern() const {
   return BlockMatrix(std::move(pattern));
 }
 
-void MappedMatrix::reduce(BlockMatrix& out) const {
+/// Jacobians that are not linear may name other rows than before: the place is checked.
+void MappedMatrix::add(BlockMatrix& out, Index row, Index column, const Mat3& block, Index& place) {
+  const bool is_known = place >= out.rowStart()[row] && place < out.rowStart()[row + 1] && out.columns()[place] == column;
+  if (!is_known) place = out.slot(row, column);
+  out.add(place, block);
+}
+
+void MappedMatrix::reduce(BlockMatrix& out) {
   out.clear();
+  std::size_t added = 0;
+  const auto addAt = [&](Index row, Index column, const Mat3& block) {
+    if (added == places_.size()) places_.push_back(-1);
+    add(out, row, column, block, places_[added++]);
+  };
   for (Index row = 0; row < full_.rows(); ++row)
     for (Index slot = full_.rowStart()[row]; slot < full_.rowStart()[row + 1]; ++slot) {
       const Index column = full_.columns()[slot];
       const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(full_.values().data() + std::size_t(slot) * 9);
       if (row < independent_rows_ && column < independent_rows_) {
-        out.add(row, column, block);
+        addAt(row, column, block);
         continue;
       }
       for (const Term& left : jacobian_[row]) {
         const Mat3 half = left.block.transpose() * block;
-        for (const Term& right : jacobian_[column]) out.add(left.row, right.row, half * right.block);
+        for (const Term& right : jacobian_[column]) addAt(left.row, right.row, half * right.block);
       }
     }
 }

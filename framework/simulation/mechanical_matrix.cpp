@@ -43,6 +43,28 @@ double heldBeside(const Actors& actors, const MatrixFactors& factors, const Line
   return heldSize(sum / double(relations.terms.size()));
 }
 
+/// Whether J^T K J is about as sparse as K: each node follows a few others. A mapping that is not linear and adds no geometric stiffness
+/// to a matrix is not asked for its Jacobian, which it may have to make product by product.
+bool areLocal(const Actors& actors) {
+  constexpr int most_blocks = 64;
+  std::vector<JacobianBlock> jacobian;
+  for (const Mapping* mapping : actors.mappings) {
+    if (!mapping->isLinear()) {
+      BlockPattern pattern(actors.all_rows);
+      mapping->addGeometricPattern(pattern);
+      bool is_empty = true;
+      for (Index row = 0; row < pattern.rows() && is_empty; ++row) is_empty = pattern.columns(row).empty();
+      if (is_empty) return false;
+    }
+    jacobian.clear();
+    mapping->addJacobian(jacobian);
+    std::vector<int> blocks(std::size_t(actors.all_rows), 0);
+    for (const JacobianBlock& block : jacobian)
+      if (++blocks[std::size_t(block.child)] > most_blocks) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 MechanicalMatrix::MechanicalMatrix(const System& system)
@@ -210,13 +232,16 @@ double MechanicalMatrix::assemblyCost() const {
   return productCost() > 0 ? sum : -1;
 }
 
-// Matrix-free: products x (sum of the fields' products). Assembled: the assemblies plus the block products.
+// Matrix-free: products x (sum of the fields' products). Assembled: the assemblies plus the block products. With mappings an assembly
+// also makes J^T K J, and products cost somewhat more than is said here.
 bool MechanicalMatrix::prefersAssembled(int expected_products) const {
   const double product = productCost();
   double assembly = assemblyCost();
-  if (!mappings_.empty() || assembly < 0 || expected_products * product <= assembly) return false;
+  if (assembly < 0 || expected_products * product <= assembly) return false;
   const bool is_new = assembled_.blocks() < 0;
+  if (is_new && !areLocal(actors_)) return false;
   if (is_new) assembled_.pattern();
+  assembly += assembled_.reductionCost();
   const bool is_halved = symmetric();
   const double by_blocks = BlockMatrix::productCost(assembled_.blocks(), is_halved);
   constexpr double halving = 2.5;  // products

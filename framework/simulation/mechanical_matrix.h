@@ -13,15 +13,15 @@ class System;
 
 /// The matrix of a linear solve on a system,
 ///   A = P (sum (m + m_r rayleighMass) M + sum (k + k_r rayleighStiffness) K + sum c C) P + (I - P)
-/// with the factors m, m_r, k, k_r, c in the order of masses, force fields and those that depend on velocity; K and C
-/// of the last force. As products, and assembled where a solver asks for that.
+/// with the factors m, m_r, k, k_r, c in the order of masses, force fields and velocity-dependent fields, and K and C of
+/// the last force. Available as products, and assembled if a solver asks for it.
 class MechanicalMatrix final : public SystemMatrix {
  public:
   explicit MechanicalMatrix(const System& system);
-  /// This matrix with these factors; they stay until others are set.
+  /// This matrix with these factors, which stay until others are set.
   MechanicalMatrix& withFactors(const MatrixFactors& factors);
-  void valuesChanged();  ///< of terms that count as constant, in the same pattern
-  void termsChanged();   ///< in what they are made of: nothing that was kept holds
+  void valuesChanged();  ///< of terms treated as constant, in the same pattern
+  void termsChanged();   ///< invalidates everything that was kept
   void serialize(Archive& archive);  ///< see Component::serialize()
 
   Index rows() const override;
@@ -39,7 +39,7 @@ class MechanicalMatrix final : public SystemMatrix {
   bool hasTurns() const override;
   std::string describeRow(Index row) const override;
 
-  /// Blocks of the matrix that is kept; -1: none so far.
+  /// Blocks of the stored matrix; -1: none so far.
   Index keptBlocks() const { return assembled_.hasPattern() ? assembled_.blocks() : -1; }
 
  private:
@@ -52,7 +52,7 @@ class MechanicalMatrix final : public SystemMatrix {
   const ConstraintSet& constraints_;
   MatrixFactors factors_;
   long factors_revision_ = 0;
-  mutable AssembledMatrix assembled_;  ///< made on demand, also by a question about its size
+  mutable AssembledMatrix assembled_;  ///< created on demand, also to determine its size
   long assembled_revision_ = -1;
   mutable Vector free_part_;               ///< work space, only with relations
   mutable std::vector<double> diagonals_;  ///< the same

@@ -8,27 +8,27 @@
 
 namespace stroma {
 
-/// What goes from a mesh, or comes to it, between two steps. A number that goes is taken over by the last one of its list, as
-/// in SOFA, the largest first. A face or edge of a cell that goes, and of no other, goes with it.
+/// What is removed from a mesh, or added to it, between two steps. The last item of a list takes the number of a removed one,
+/// largest numbers first, as in SOFA. Faces and edges that belong to removed cells only are removed too.
 struct MeshChange {
   const Topology* topology = nullptr;
   const CellKind* kind = &cell_kinds::point;  ///< of all below
   std::vector<Index> removed{};
   std::vector<std::vector<Index>> added{};  ///< node numbers of each new cell
-  /// Of each new point: numbers of points, and their shares in its place, rest place and velocity.
+  /// Per new point: existing points, and their weights in its position, rest position and velocity.
   std::vector<std::vector<std::pair<Index, double>>> points{};
-  bool keeps_points = false;  ///< those that lose their last cell stay, held where they are
-  bool by_first_numbers = false;  ///< `removed` numbers what was there before all changes; what has gone since is no error
+  bool keeps_points = false;  ///< points that lose their last cell stay, fixed at their positions
+  bool by_first_numbers = false;  ///< `removed` has the numbers before all changes; items removed since then are no error
 };
 
-/// An observer that plans changes of meshes. Who makes the steps makes the changes (tools/session/mesh_changes.h): the scene is made
-/// anew with the other mesh, and its run goes on.
+/// An observer that plans changes of meshes. The caller of the steps applies them (tools/session/mesh_changes.h): it rebuilds the
+/// scene with the new mesh and continues the run.
 class MeshChanger {
  public:
   virtual ~MeshChanger() = default;
-  /// Before the step that starts at t, in order: each has the numbers that those before it have left. Throws ComponentError.
+  /// The changes before the step that starts at t, in order. Each uses the numbering left by the previous one. Throws ComponentError.
   virtual std::vector<MeshChange> changesAt(double t, double dt) = 0;
-  /// They have been made.
+  /// They have been applied.
   virtual void changesMade(double t, double dt) = 0;
 };
 

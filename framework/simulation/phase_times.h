@@ -9,12 +9,12 @@ struct PhaseTimes {
   double force = 0, product = 0, assembly = 0, solve = 0, observers = 0, total = 0;
 };
 
-/// How often the parts of a step were made.
+/// How often the parts of a step were executed.
 struct PhaseCounts {
   long forces = 0, products = 0, assemblies = 0, gravity = 0;
 };
 
-/// Adds the wall time of its own life to a phase.
+/// Adds the wall time of its lifetime to a phase.
 class PhaseTimer {
  public:
   explicit PhaseTimer(double& total) : total_(total) {}

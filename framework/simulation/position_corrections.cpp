@@ -93,9 +93,9 @@ void PositionCorrections::enforce(const StepContext& context, ConstRows x_start,
   report.constraints_converged = !moved.broken() && !turned.broken();
   if (const PositionConstraint* culprit = moved.broken())
     report.constraint_reason =
-        fmt::format("{} does not hold after {} corrections: {}", culprit->path(), moved.count, culprit->violation());
+        fmt::format("{} is violated after {} corrections: {}", culprit->path(), moved.count, culprit->violation());
   else if (const PositionConstraint* turning = turned.broken())
-    report.constraint_reason = fmt::format("velocities still break {} after {} corrections", turning->path(), turned.count);
+    report.constraint_reason = fmt::format("velocities still violate {} after {} corrections", turning->path(), turned.count);
 }
 
 }  // namespace stroma

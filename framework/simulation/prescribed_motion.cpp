@@ -71,7 +71,7 @@ void PrescribedMotion::placeGroups(Rows x, Rows v) const {
 
 std::string PrescribedMotion::describeConflict(const SharedPlacements::Conflict& conflict) const {
   if (conflict.row < 0) return {};
-  return fmt::format("{} cannot be where {} and {} put it: at the place between it is {:.3g} {} from where the first does",
+  return fmt::format("{} cannot be where both {} and {} put it: the compromise is {:.3g} {} from the position of the first",
                      actors_.describeRow(conflict.row), actors_.constraints[std::size_t(conflict.a)]->path(),
                      actors_.constraints[std::size_t(conflict.b)]->path(), conflict.distance,
                      actors_.motion.kindOf(conflict.row) == RowKind::turn ? "rad" : "m");

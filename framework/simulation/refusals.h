@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is refused of a scene that is whole as it is written. The engine says when each is looked at; tools/faults looks and
-// has the sentences.
+// Checks of a complete scene for combinations that are not supported. The engine decides when each check runs; tools/faults
+// implements the checks and their messages.
 #pragma once
 #include <vector>
 
@@ -11,23 +11,23 @@ namespace stroma {
 class ConstraintSet;
 
 // ---- of one system: each throws ComponentError ----
-/// Masses that meet on one state, mappings that place one state, and constraints on what a mapping places.
+/// Several masses or mappings on one state, and constraints on a mapped state.
 void checkActors(const Actors& actors);
-/// Position constraints that do not fit their states, the integrator or the relations beside them.
+/// Position constraints that are incompatible with their states, the integrator or linear relations.
 void checkPositionConstraints(const Actors& actors, const Integrator& integrator, const ConstraintSet& constraints);
-/// Nodes that a constraint moves and whose mass would have to reach their neighbours.
+/// Nodes moved by a constraint whose inertia would have to reach their neighbours.
 void checkMassesUnderMotion(const Actors& actors);
-/// Rows of `state` that may move (not `held`) and have no mass [kg]; both lists of shape (independent rows).
+/// Rows of `state` that may move (not `held`) and have no mass [kg]; both lists have shape (independent rows).
 void checkMassOf(const State& state, const Actors& actors, const std::vector<char>& held, const std::vector<double>& mass);
 
-// ---- of the integrators of a scene: told to `diagnostics` ----
-/// `integrator` stands below `above`, which moves its bodies already.
+// ---- of the integrators of a scene: reported to `diagnostics` ----
+/// `integrator` is below `above`, which already moves its bodies.
 void refuseNested(const Integrator& integrator, const Integrator& above, Diagnostics& diagnostics);
-/// `actor` acts on `state`, which no integrator moves, and on others.
+/// `actor` acts on `state`, which no integrator moves, and on other states.
 void refuseUnmoved(const Component& actor, const State& state, Diagnostics& diagnostics);
-/// No integrator moves `state`. `actor`: what acts on it, or null: then it is fine for a marker, and only a note.
+/// No integrator moves `state`. `actor`: what acts on it, or null: the state may then be a marker, and gets only a note.
 void tellUnmoved(const State& state, const Component* actor, Diagnostics& diagnostics);
-/// `actor` couples `a` and `b`, so that `mine` moves the bodies of `other` too: where these are not alike.
+/// `actor` couples `a` and `b`, so `mine` also moves the bodies of `other`: reports differences between the two.
 void tellDifference(const Component& actor, const State& a, const State& b, const Integrator& mine, const Integrator& other,
                     Diagnostics& diagnostics);
 /// Solvers that no integrator uses.

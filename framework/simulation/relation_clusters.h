@@ -7,53 +7,53 @@
 
 namespace stroma {
 
-/// Linear relations C u = 0 in force, in clusters that share no free row. Q projects onto what held nodes and groups
-/// leave free. With N an orthonormal basis of the rows of C Q, the projector onto all that is free is
+/// Active linear relations C u = 0, in clusters that share no free row. Q projects onto the directions left free by fixed
+/// nodes and groups. With an orthonormal basis N of the rows of C Q, the projector onto all free directions is
 ///   P = Q - N^T N
 /// and, with the inverse masses W of the rows, relations act along E = W N^T (N W N^T)^-1: a motion along E needs no
-/// force that P would let through. The matrix of a cluster of n rows is full, (3 n)^2 numbers.
+/// force in the range of P. The matrix of a cluster of n rows is dense, (3 n)^2 numbers.
 class RelationClusters {
  public:
-  /// Relations under these projectors and groups; `inverse_mass` [1/kg], shape (rows) or empty. In a cluster
-  /// where a row has none, zero, all rows are alike.
+  /// Sets the relations under these projectors and groups; `inverse_mass` [1/kg], shape (rows) or empty. If a row of a
+  /// cluster has inverse mass zero, all its rows are weighted equally.
   void set(const LinearRelations& relations, const std::vector<NodeProjector>& projectors, const NodeGroups& groups,
            const std::vector<double>& inverse_mass);
   bool empty() const { return relations_.count() == 0; }
   const LinearRelations& relations() const { return relations_; }
-  /// How many directions they take away beyond those that are held and tied.
+  /// How many directions they remove in addition to those that are fixed or tied.
   Index heldDirections() const;
 
-  /// vector -= N^T N vector, for a vector that Q has projected.
+  /// vector -= N^T N vector, for a vector projected by Q.
   void project(Rows vector) const;
   /// The same in the metric of the masses: a -= E N a.
   void projectAcceleration(Rows a) const;
-  /// Moves velocities along E to where C v = 0; what held nodes do counts.
+  /// Moves velocities along E so that C v = 0, including the velocities of fixed nodes.
   void correctVelocities(Rows v) const;
   /// The same for positions: C (x - rest) = 0.
   void correctPositions(Rows x) const;
-  /// The relation that is farthest from holding, and by how much [m]: |C u| over |C|. -1: there is none.
+  /// The most violated relation, and its violation [m]: |C u| over |C|. -1: there is none.
   struct Violation {
     Index relation = -1;
     double distance = 0;
   };
   Violation worst(ConstRows x) const;
 
-  /// Appends ties that hang the free rows of each cluster together: NodeGroups makes the matrix's pattern from them.
+  /// Appends ties that connect the free rows of each cluster: NodeGroups makes the matrix pattern from them.
   void addTies(std::vector<Tie>& ties) const;
-  /// A becomes P A P + s (I - P), from Q A Q + s (I - Q); s of held_size.h.
+  /// Replaces A by P A P + s (I - P), from Q A Q + s (I - Q); s of held_size.h.
   void eliminate(BlockMatrix& matrix) const;
-  /// The same for diagonal blocks, shape (rows, 9), with the blocks between different rows taken for zero.
+  /// The same for diagonal blocks, shape (rows, 9), assuming that blocks between different rows are zero.
   void eliminateDiagonal(std::vector<double>& blocks) const;
 
  private:
   struct Cluster {
     std::vector<Index> relations;
-    std::vector<Index> rows;     ///< the free ones, ascending
+    std::vector<Index> rows;     ///< free rows, ascending
     Eigen::MatrixXd basis;       ///< N, shape (rank, 3 rows)
     Eigen::MatrixXd along;       ///< E, shape (3 rows, rank)
-    Eigen::MatrixXd correction;  ///< E times what gives N u from C u; shape (3 rows, relations)
+    Eigen::MatrixXd correction;  ///< E times the matrix that maps C u to N u; shape (3 rows, relations)
   };
-  /// What a row has of a relation of C Q, each relation scaled to length one.
+  /// The entry of a row in a relation of C Q, each relation scaled to length one.
   struct FreeTerm {
     Index relation, row;
     Vec3 coefficients;

@@ -13,14 +13,14 @@ class RunClock {
   long steps() const { return steps_; }
 
   void start(double time) { time_ = time, steps_ = 0, countFromHere(); }
-  /// A change of dt: times of steps count on from here.
+  /// Changes dt: later step times are counted from here.
   void countFromHere() { base_time_ = time_, base_step_ = steps_; }
-  /// Of the step that comes.
+  /// The next step.
   StepContext next(double dt) const {
     const long index = steps_ + 1;
     return {index, time_, dt, base_time_ + double(index - base_step_) * dt, {}};
   }
-  /// Of the last step.
+  /// The last step.
   StepContext last(double dt) const {
     const double from = steps_ > base_step_ ? base_time_ + double(steps_ - 1 - base_step_) * dt : time_ - dt;
     return {steps_, from, dt, time_, {}};

@@ -6,19 +6,19 @@ namespace stroma {
 
 class Simulation;
 
-/// Does things to a run by itself, before its steps: a replay.
+/// Applies events to a run before its steps, such as a replay.
 class RunDirector {
  public:
   virtual ~RunDirector() = default;
-  /// Called before each step; the step is not made when it throws.
+  /// Called before each step; the step is not made if it throws.
   virtual void beforeStep(Simulation& simulation) = 0;
-  /// reset() follows: edits that it has made are not to stay.
+  /// Called before reset(): undoes its edits.
   virtual void beforeReset(Simulation& simulation) = 0;
   /// The run is at its start again.
   virtual void restart() = 0;
-  /// Inputs with lower numbers are its own.
+  /// Inputs with lower numbers belong to it.
   virtual long firstFreeNumber() const = 0;
-  /// How many of its doings are done: a checkpoint has it.
+  /// The number of events applied so far, stored in checkpoints.
   virtual std::size_t done() const = 0;
   virtual void goOnFrom(std::size_t done) = 0;
 };

@@ -11,7 +11,7 @@
 
 namespace stroma {
 
-/// The attributes that have changed in a run. What is done to them is recorded.
+/// The attributes that have changed in a run. All changes are recorded.
 class RunEdits {
  public:
   RunEdits(const std::unique_ptr<Node>& root, const Systems& systems, Snapshots& snapshots, RunClock& clock, RunLog& log,
@@ -20,13 +20,13 @@ class RunEdits {
 
   /// See Simulation::setAttribute().
   Diagnostics set(const std::string& path, const std::string& attribute, const std::string& text);
-  /// Throws ComponentError when it cannot change, whatever its new value.
+  /// Throws ComponentError if the attribute cannot change at all.
   void check(const std::string& path, const std::string& attribute) const { check(LiveEdit(*root_, path, attribute)); }
   /// Each attribute once, in the order of their last changes.
   std::vector<Override> all() const;
-  /// The attributes of the scene as it was loaded.
+  /// The attributes of the scene as loaded.
   void takeBack();
-  /// Reading: attributes get the values that they had when the checkpoint was written.
+  /// Reading restores the values at the time of the checkpoint.
   void serialize(Archive& archive);
 
  private:
@@ -34,20 +34,20 @@ class RunEdits {
     std::string path, attribute, original, text;
     DataOrigin origin = DataOrigin::by_default;  ///< of `original`
   };
-  /// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of, and one that
-  /// moves the bodies of others stands for them.
+  /// Rejects changes of anything that a precomputed matrix depends on, and treats an integrator that moves the bodies of
+  /// others as theirs.
   void check(const LiveEdit& edit) const;
-  /// Makes an edit, or leaves everything as it was and throws.
+  /// Makes an edit, or throws and leaves everything unchanged.
   void change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages);
 
-  const std::unique_ptr<Node>& root_;  ///< another tree may come to stand there
+  const std::unique_ptr<Node>& root_;  ///< the tree may be replaced
   const Systems& systems_;
   Snapshots& snapshots_;
   RunClock& clock_;
   RunLog& log_;
   RunWatch& watch_;
-  /// One per attribute that has changed, in the order of their last changes: made anew in this order they leave the same
-  /// values, also where one attribute follows another by a link.
+  /// One per changed attribute, in the order of their last changes: repeated in this order they produce the same values, even
+  /// if one attribute is linked to another.
   std::vector<Edit> edits_;
 };
 

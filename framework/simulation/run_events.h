@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What people do to a run, and the record of it.
+// Changes of a run from outside, and their record.
 #pragma once
 #include <optional>
 #include <string>
@@ -11,35 +11,35 @@
 
 namespace stroma {
 
-/// An input that began, is another now, or (without `input`) ended.
+/// An input that began, changed, or (without `input`) ended.
 struct InputChange {
   long number = 0;  ///< of Simulation::addInput()
   std::optional<Input> input{};
 };
 
-/// What Simulation::setAttribute() was given.
+/// The arguments of Simulation::setAttribute().
 struct AttributeEdit {
   std::string path, attribute, text;
 };
 
-/// Simulation::setState() was called. The numbers are not kept, so that no record of events repeats it.
+/// A call of Simulation::setState(). Its numbers are not stored, so a record of events cannot repeat it.
 struct StateChange {
   std::string state;  ///< its path
 };
-/// Throws ComponentError: such a change cannot be done again.
+/// Throws ComponentError: such a change cannot be repeated.
 [[noreturn]] void refuseAgain(const StateChange& change);
 
 struct RunEvent {
-  long step = 0;  ///< how many had been made
+  long step = 0;  ///< steps made before it
   std::variant<InputChange, AttributeEdit, StateChange> what;
 };
 
-/// All that was done to a run from outside.
+/// All changes of a run from outside.
 class RunLog {
  public:
   const std::vector<RunEvent>& events() const { return events_; }
-  /// `step`: how many have been made. A target, force or place of a ball that another one follows before the same step
-  /// has had no effect.
+  /// `step`: steps made so far. A target, force or ball position that is replaced before the next step has no effect and is
+  /// not kept.
   void record(long step, InputChange change);
   void record(long step, AttributeEdit edit);
   void record(long step, StateChange change);

@@ -12,36 +12,36 @@
 
 namespace stroma {
 
-/// The forces from outside that act on a run, by number. What is done to them is recorded.
+/// The external forces that act on a run, by number. All changes are recorded.
 class RunInputs {
  public:
   RunInputs(const std::unique_ptr<Node>& root, const Systems& systems, const RunClock& clock, RunLog& log, RunWatch& watch);
   RunInputs(const RunInputs&) = delete;
 
-  /// Throws ComponentError when this input cannot act.
+  /// Throws ComponentError if this input cannot act.
   void check(const Input& input) const;
   long add(const Input& input);
   void change(long number, const Input& input);
   void remove(long number);
-  /// Begins, or changes, the one with this number.
+  /// Begins or changes the input with this number.
   void set(long number, const Input& input);
   bool has(long number) const { return inputs_.count(number) > 0; }
 
-  /// None acts any more, and the next number is this one. Nothing is recorded.
+  /// Removes all inputs and sets the next number. Nothing is recorded.
   void drop(long next_number);
-  /// add() gives no number below this one.
+  /// add() returns no number below this one.
   void reserve(long next_number) { next_ = std::max(next_, next_number); }
   void serialize(Archive& archive);  ///< see Component::serialize()
 
  private:
   System& systemOf(const Input& input, State*& state) const;
 
-  const std::unique_ptr<Node>& root_;  ///< another tree may come to stand there
+  const std::unique_ptr<Node>& root_;  ///< the tree may be replaced
   const Systems& systems_;
   const RunClock& clock_;
   RunLog& log_;
   RunWatch& watch_;
-  std::map<long, Input> inputs_;  ///< that act now
+  std::map<long, Input> inputs_;  ///< active inputs
   long next_ = 1;
 };
 

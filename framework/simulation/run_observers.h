@@ -8,7 +8,7 @@
 
 namespace stroma {
 
-/// Those who see the steps of a run. See Simulation, which says when.
+/// The observers of a run. Simulation documents when they are called.
 class RunObservers {
  public:
   explicit RunObservers(const Simulation& simulation, const Systems& systems);
@@ -17,10 +17,10 @@ class RunObservers {
   const std::vector<Observer*>& all() const { return observers_; }
   void collect(Node& root);
   void compile(Diagnostics& diagnostics);
-  /// Single nodes that are watched are kept up to date, but for those that follow others.
+  /// Single watched nodes are kept up to date, except passively mapped ones.
   void watchFollowers();
   void clear() { observers_.clear(); }
-  /// Others, of other systems, in their place; none has begun.
+  /// Replaces the observers by those of other systems, none of which has begun.
   void replaceBy(std::vector<Observer*> observers) { observers_ = std::move(observers), watchFollowers(); }
   void add(Observer& observer);
   void remove(Observer& observer);
@@ -28,7 +28,7 @@ class RunObservers {
   void checkOutputs() const;
   void computeOnDemand(bool on) { on_demand_ = on; }
   void begin();
-  /// After a good step; the time of the observers is counted apart.
+  /// Called after a successful step; the time of observers is measured separately.
   void afterStep(const StepContext& context);
   void end();
 
@@ -41,7 +41,7 @@ class RunObservers {
   std::vector<Observer*> observers_;
   bool begun_ = false;
   bool on_demand_ = false;
-  bool watches_followers_ = false;  ///< an observer watches single nodes that passive mappings place
+  bool watches_followers_ = false;  ///< an observer watches single nodes of passive mappings
 };
 
 }  // namespace stroma

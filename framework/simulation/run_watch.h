@@ -7,19 +7,19 @@
 
 namespace stroma {
 
-/// What the steps of a run have shown that no single state shows: for who doubts its result.
+/// Watches a run for signs of a wrong result that no single state shows.
 class RunWatch {
  public:
   void compile(const Systems& systems);
   void reset();
 
-  /// After a good step of system `index`, from `before`: every few steps it sees whether the velocities have turned
-  /// around. Some motions turn around at every step, others at every second one: a look is at two steps.
+  /// Called after a successful step of system `index` that started at `before`. Every few steps it checks whether velocities have
+  /// reversed. Some motions reverse in every step, others in every second one, so each check covers two steps.
   void look(std::size_t index, const System& system, const Snapshot& before, const StepContext& context);
-  /// Velocities change sign from step to step, or every other step: from the 17th step on.
+  /// Velocities change sign in every step, or in every other one: from the 17th step on.
   bool isReversing(std::size_t index) const { return reversals_[index].in_a_row >= enough; }
 
-  /// An edit or an input may have brought energy in.
+  /// An edit or an input may have added energy.
   void noteWork() { worked_on_ = true; }
   bool isWorkedOn() const { return worked_on_; }
 
@@ -29,15 +29,15 @@ class RunWatch {
  private:
   static constexpr int enough = 3;
   struct Reversals {
-    bool turned = false;  ///< the first step of a look did
-    int in_a_row = 0;     ///< looks, up to the last one, that saw velocities turn
+    bool turned = false;  ///< velocities reversed in the first step of a check
+    int in_a_row = 0;     ///< consecutive checks, up to the last one, that found reversals
   };
-  std::vector<Reversals> reversals_;  ///< of each system
+  std::vector<Reversals> reversals_;  ///< per system
   bool worked_on_ = false;
 };
 
-/// Whether a step moves the nodes by a share of the body's size that can be seen, in the mean: what is less is
-/// round-off, or soon will be.
+/// Whether the mean motion of the nodes in a step is a visible fraction of the body size: anything less is round-off, or
+/// soon will be.
 bool movesVisibly(const System& system, double dt);
 
 }  // namespace stroma

@@ -7,32 +7,32 @@
 
 namespace stroma {
 
-/// Nodes that several prescribed motions place. Each motion i fixes the part H_i x of a position, H_i = I - P_i, so
-/// that together they ask for
+/// Nodes positioned by several prescribed motions. Each motion i fixes the part H_i x of a position, H_i = I - P_i, so
+/// together they require
 ///   (sum H_i) (x' - x) = sum H_i (x_i - x)
-/// with x_i where motion i alone puts the node: x' is the place nearest to x that all agree on, found at once. Going
-/// there in turns would only approach it. Of orientations the differences are increments. Without such a place the
-/// equation gives the one between, and meet() says so.
+/// with the position x_i given by motion i alone. x' is the point nearest to x that satisfies all of them, found in one
+/// solve; applying them in turns would only converge to it. Differences of orientations are increments. If there is no
+/// such point, the equation gives a compromise, and meet() reports the conflict.
 class SharedPlacements {
  public:
-  /// Room for `count` calls' worth of nodes: nothing else allocates.
+  /// Reserves room for nodes of `count` motions: nothing else allocates.
   void reserve(std::size_t count) { entries_.reserve(count); }
   void clear() { entries_.clear(); }
-  /// The nodes that a motion places; `constraint`: its number in the system.
+  /// The nodes of a motion; `constraint`: its number in the system.
   void add(int constraint, const NodeProjector* begin, const NodeProjector* end);
-  /// Forgets the nodes of one motion only. After the last add().
+  /// Drops nodes of a single motion. Call it after the last add().
   void keepShared();
   bool empty() const { return entries_.empty(); }
 
-  /// To be called when motion `constraint` has placed its nodes in x [m] and v [m/s].
+  /// Call it when motion `constraint` has positioned its nodes in x [m] and v [m/s].
   void note(int constraint, ConstRows x, ConstRows v);
-  /// A node that has no place.
+  /// A node with conflicting positions.
   struct Conflict {
-    Index row = -1;       ///< -1: there is none
-    int a = 0, b = 0;     ///< two motions that it cannot both follow
-    double distance = 0;  ///< [m], to where a puts it
+    Index row = -1;       ///< -1: no conflict
+    int a = 0, b = 0;     ///< two motions that conflict
+    double distance = 0;  ///< [m], to the position given by a
   };
-  /// Puts the nodes where all motions noted agree; returns the worst conflict.
+  /// Moves the nodes to the positions that satisfy all motions noted; returns the worst conflict.
   Conflict meet(const Motion& motion, Rows x, Rows v) const;
 
  private:
@@ -40,8 +40,8 @@ class SharedPlacements {
     Index row;
     int constraint;
     Mat3 held;          ///< H_i
-    Eigen::Vector4d x;  ///< where the motion alone puts the node
-    Vec3 v;             ///< and how fast
+    Eigen::Vector4d x;  ///< position of the node given by this motion alone
+    Vec3 v;             ///< velocity of the node given by this motion alone
   };
   using Iterator = std::vector<Entry>::const_iterator;
   Iterator endOfRow(Iterator first) const;

@@ -95,13 +95,13 @@ Simulation::Simulation(Scene scene)
     if (auto system = compileSystem(members, diagnostics)) systems_.push_back(std::move(system));
   if (!(root().root_time + dt() > root().root_time))
     diagnostics.error(root().where(), root().path() + ".time",
-                      fmt::format("at {:g} s a step of {:g} s does not change the time", root().root_time, dt()),
+                      fmt::format("at {:g} s a step of {:g} s is lost in round-off of the time", root().root_time, dt()),
                       "a start nearer to zero, or a longer dt");
   observers_.collect(root());
   if (!diagnostics.hasErrors()) observers_.compile(diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(diagnostics);
 
-  if (found.empty()) diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
+  if (found.empty()) diagnostics.warning(root().where(), root().path(), "the scene has no integrator: nothing moves");
   for (const auto& system : systems_) fault_watches_.emplace_back(*system);
   snapshots_.compile(systems_);
   watch_.compile(systems_);
@@ -120,7 +120,7 @@ std::vector<State*> Simulation::states() const {
 }
 
 StepReport Simulation::step(StopToken stop) {
-  if (stepping_) throw std::logic_error("a step begins in the middle of a step");
+  if (stepping_) throw std::logic_error("a step was started within another step");
   begin();
   if (director_) director_->beforeStep(*this);
   struct Ended {
@@ -184,7 +184,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   }
   if (!part.diverged) system.endStep(context, before.x, part);
   std::string fault = part.diverged ? part.reason : lean ? std::string() : fault_watches_[index].firstFault(before.x);
-  if (part.diverged && fault.empty()) fault = "the integrator gave the step up";
+  if (part.diverged && fault.empty()) fault = "the integrator abandoned the step";
 
   system.times.solve += part.solve_seconds;
   if (fault.empty()) {

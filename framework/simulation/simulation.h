@@ -16,10 +16,10 @@
 
 namespace stroma {
 
-/// A loaded scene as it runs: systems in document order, observers after them. One thread uses it; between two steps it
-/// may be read, changed by what is declared here, stored and restored. Its parts have names of their own: RunClock (times),
-/// RunObservers, RunInputs (forces from outside), RunEdits (attributes), RunLog (all that was done), Snapshots (what it
-/// may go back to) and RunWatch (what its steps have shown).
+/// A loaded scene that runs: systems in document order, then observers. It is used by one thread. Between two steps it may
+/// be read, changed by the functions below, stored and restored. Its parts: RunClock (times), RunObservers, RunInputs
+/// (external forces), RunEdits (attributes), RunLog (the record of changes), Snapshots (states to return to) and RunWatch
+/// (signs of a wrong result).
 class Simulation {
  public:
   /// Compiles the tree. Throws SceneError with every problem found.
@@ -31,105 +31,105 @@ class Simulation {
   long steps() const { return clock_.steps(); }
   Node& root() const { return *scene_.root; }
   const Scene& scene() const { return scene_; }
-  /// Warnings and notes of the scene, for who looks further at what was loaded.
+  /// Warnings and notes of the scene, for further checks.
   Diagnostics& diagnostics() { return scene_.diagnostics; }
   const Systems& systems() const { return systems_; }
-  std::vector<State*> states() const;  ///< those a system moves, in document order
+  std::vector<State*> states() const;  ///< the states moved by a system, in document order
   const std::vector<Observer*>& observers() const { return observers_.all(); }
-  /// From now on nothing observes: for runs that must not write files. Before begin().
+  /// Drops all observers, for runs that must not write files. Call it before begin().
   void dropObservers() { observers_.clear(); }
 
-  /// From now on `observer` sees the end of each step, and first the present instant, by begin(), when the run has
-  /// begun. Not owned: it must be removed, or outlive the simulation. Throws ComponentError when it cannot observe.
+  /// Adds an observer. It sees the end of each step, and the present state in begin() if the run has already begun. Not
+  /// owned: remove it, or let it outlive the simulation. Throws ComponentError if it cannot observe this scene.
   void addObserver(Observer& observer) { observers_.add(observer); }
-  /// The observer sees its end() if the run has begun. No effect when it does not observe.
+  /// Removes an observer, after its end() if the run has begun. No effect if it was not added.
   void removeObserver(Observer& observer) { observers_.remove(observer); }
 
-  /// Throws SceneError when files of observers could not be written as things stand, with every one of them and nothing
-  /// written: what can be known of begin() before it.
+  /// Checks whether all observers could write their files now. Throws SceneError listing every file that could not be
+  /// written; writes nothing.
   void checkOutputs() const { observers_.checkOutputs(); }
-  /// Observers see t = 0. Called by the first step when the caller has not. Throws OutputError when one of their files
-  /// cannot be written; none has been changed then, unless a disk is full.
+  /// Shows observers t = 0. The first step calls it if the caller has not. Throws OutputError if one of their files
+  /// cannot be written; no file has then changed, unless the disk is full.
   void begin() { observers_.begin(); }
-  /// One step. When it diverges, the states and what integrators remember are those of the last good step, and the
-  /// report says why. So are they when it is asked to stop before its end.
-  /// Throws OutputError after the step when an observer cannot write; all others have seen the step then. What
-  /// a director throws is thrown before the step, which is not made.
+  /// Makes one step. If it diverges, or is stopped before its end, the states and the memory of integrators are those of the
+  /// last successful step, and the report says why.
+  /// Throws OutputError after the step if an observer cannot write; all others have then seen the step. An exception of
+  /// a director comes before the step, which is then not made.
   StepReport step(StopToken stop = {});
-  /// Some integrators compute nodes that nobody reads only on demand. Off (the default): every step ends with
-  /// complete(). On: who reads x or v after a step calls complete() before; observers have it done for them.
+  /// Some integrators compute nodes that nobody reads on demand only. Off (the default): every step ends with
+  /// complete(). On: the caller calls complete() before reading x or v after a step; for observers this is automatic.
   void computeOnDemand(bool on) { observers_.computeOnDemand(on); }
-  /// Brings every node to the present.
+  /// Brings every node up to date.
   void complete() const { stroma::complete(systems_); }
-  /// Observers see the end. Throws OutputError when one cannot write; all others have ended then.
+  /// Shows observers the end. Throws OutputError if one cannot write; all others have then ended.
   void end() { observers_.end(); }
-  /// Back to the initial state, bit for bit.
+  /// Returns to the initial state, bit for bit.
   void reset();
 
-  /// Everything that the run remembers: x, v, time, what every component keeps (Component::serialize()), inputs and
-  /// edits. Restored in this scene, loaded by the same build, the run goes on with the bits of one that never stopped.
+  /// The complete state of the run: x, v, time, the data of every component (Component::serialize()), inputs and edits. A run
+  /// restored in this scene, loaded by the same build, continues with the same bits as an uninterrupted one.
   Archive checkpoint();
-  /// Throws std::runtime_error when the values are those of another scene; this simulation is then where it was, with
-  /// its attributes, inputs, times and counts, or the sentence says that it could not be put back. Observers end, and
-  /// begin again with the next step: simulation.steps() > 0 tells them that the run goes on.
+  /// Throws std::runtime_error if the values belong to another scene; this simulation is then unchanged, with its
+  /// attributes, inputs, times and counts, or the message says that it could not be restored. Observers end, and
+  /// begin again with the next step; simulation.steps() > 0 tells them that the run continues.
   void restore(Archive checkpoint);
-  /// The same scene with other meshes takes the place of this one, and the run goes on from `values`, a checkpoint of it.
-  /// Observers end and begin again; those that were dropped stay so. reset() brings the first scene back. Throws what
-  /// restore() throws, and nothing has changed.
+  /// Replaces this scene by the same one with other meshes, and continues the run from `values`, a checkpoint of it.
+  /// Observers end and begin again; dropped ones stay dropped. reset() brings the first scene back. Throws what
+  /// restore() throws, and then nothing has changed.
   void become(std::unique_ptr<Simulation> changed, Archive values);
   bool hasChangedMeshes() const { return first_ != nullptr; }  ///< since the start of the run
-  /// The scene before its meshes changed, for its description and its edits; null: they have not.
+  /// The scene before its meshes changed, for its description and its edits; null: they have not changed.
   const Simulation* first() const { return first_.get(); }
 
-  /// Changes an attribute while the scene runs, as it was declared: at once, or by making the component anew. `path`
-  /// names a component or a node (gravity, dt). The next step has the new value; x, v and histories stay. What needs a
-  /// restart, what an integrator has computed beforehand and what the attribute does not allow is refused: a
-  /// ComponentError with a sentence, and nothing has changed, whatever was thrown on the way. Returns warnings and
+  /// Changes an attribute of a running scene as declared: at once, or by recreating the component. `path` names a component
+  /// or a node (gravity, dt). The next step uses the new value; x, v and histories stay. Throws ComponentError if the
+  /// change needs a restart, affects something that an integrator has precomputed, or is not allowed by the attribute.
+  /// Nothing has changed then, whatever was thrown on the way. Returns warnings and
   /// notes. reset() keeps the new value.
   Diagnostics setAttribute(const std::string& path, const std::string& attribute, const std::string& text) {
     return edits_.set(path, attribute, text);
   }
-  /// What has been set so, each attribute once, in the order of the last changes.
+  /// The changes made this way, each attribute once, in the order of the last changes.
   std::vector<Override> edits() const { return edits_.all(); }
-  /// The attributes of the scene as it was loaded.
+  /// The attributes of the scene as loaded.
   void takeEditsBack() { edits_.takeBack(); }
 
-  // ---- forces from outside, between steps ----
-  /// Acts from the next step on, until it is removed; returns its number. Throws ComponentError with a sentence: an
-  /// unknown state or node, a state that follows another by a mapping, nodes inside a condensed body or a ball on one.
+  // ---- external forces, between steps ----
+  /// Adds an input that acts from the next step until it is removed; returns its number. Throws ComponentError for an
+  /// unknown state or node, a mapped state, and nodes inside a condensed body or a ball on one.
   long addInput(const Input& input) { return inputs_.add(input); }
-  /// Another force, target or ball in the place of the one with this number: a handle that moves.
+  /// Replaces the input with this number, as when a handle moves.
   void changeInput(long number, const Input& input) { inputs_.change(number, input); }
   void removeInput(long number) { inputs_.remove(number); }
 
   // ---- positions and velocities from outside, between steps ----
-  /// Rows of x and v of `state`, as many as it has; without data they stay. What constraints hold stays where it is, and
-  /// mapped states follow. Integrators and linear solvers begin anew, as at the start of a run; histories keep what they
-  /// remember, as if the body had been moved in no time. Returns how many rows constraints kept from where they were to be.
-  /// Throws ComponentError, and nothing has changed: in the middle of a step, numbers that are not finite, a state that
-  /// follows another or that is moved by a matrix computed beforehand, bodies that would overlap.
+  /// Sets rows of x and v of `state`, all of them; empty lists leave them unchanged. Constrained rows stay in place, and
+  /// mapped states follow. Integrators and linear solvers restart as at the beginning of a run; histories keep their
+  /// data, as if the body had moved in no time. Returns the number of rows that constraints kept from their new positions.
+  /// Throws ComponentError, and changes nothing, during a step, and for non-finite numbers, a mapped state, a state moved
+  /// by a precomputed matrix, and bodies that would overlap.
   Index setState(const State& state, ConstRows x, ConstRows v);
-  /// A step is under way: nothing may be changed.
+  /// A step is in progress: nothing may be changed.
   bool isStepping() const { return stepping_; }
 
-  // ---- all that was done to the run from outside: inputs and attributes ----
-  /// What was done since the start of the run, in order: done again to the same scene, as loaded, it repeats the run bit
-  /// for bit. What was refused is not in it; of several targets, forces or balls of one input before the same step it
-  /// has the last. After reset() it starts with the edits that stay, at step 0. After restore() it starts with what the
-  /// checkpoint has, edits at step 0 and inputs at its step: it repeats what follows in the same scene, restored from
-  /// the same checkpoint.
+  // ---- the record of all changes from outside: inputs and attributes ----
+  /// All changes since the start of the run, in order: applied again to the same scene, as loaded, they repeat the run bit
+  /// for bit. Rejected changes are not included. Of several targets, forces or balls of one input before the same step
+  /// only the last is kept. After reset() the record starts with the remaining edits, at step 0. After restore() it starts
+  /// with those of the checkpoint, edits at step 0 and inputs at its step: it repeats the rest in the same scene, restored
+  /// from the same checkpoint.
   const std::vector<RunEvent>& events() const { return log_.events(); }
-  /// Throws ComponentError when the event cannot be, whatever the scene will be like then.
+  /// Throws ComponentError if the event is impossible in any state of the scene.
   void check(const RunEvent& event) const;
-  /// Does it now. An input that has ended already may end again.
+  /// Applies it now. An input that has already ended may end again.
   void make(const RunEvent& event);
-  /// From now on it does things before the steps; null: nobody does.
+  /// Sets the director that applies events before the steps; null: none.
   void setDirector(std::unique_ptr<RunDirector> director);
   RunDirector* director() const { return director_.get(); }
 
-  /// A 64-bit hash over the bits of all x and v: the same for any number of threads.
+  /// A 64-bit hash over the bits of all x and v, independent of the number of threads.
   std::uint64_t stateHash() const;
-  // ---- for who doubts the result ----
+  // ---- for checks of the result ----
   const Snapshots& snapshots() const { return snapshots_; }
   const RunWatch& watch() const { return watch_; }
 
@@ -141,19 +141,19 @@ class Simulation {
   /// The initial state, and nothing else.
   void forget();
   StepReport makeStep(StopToken stop);
-  /// One step of system `index`; when it fails, all systems up to it are taken back.
+  /// One step of system `index`; if it fails, all systems up to it are restored.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
   void takeBack(std::size_t failed);
-  /// The system puts its own step back, and no other has to.
+  /// The system restores its own step, and no other has to.
   bool isLean(std::size_t index) const { return systems_.size() == 1 && systems_[index]->integrator().stateOwner(); }
-  /// The step stands for `history`; its fault makes a step without time unsolved.
+  /// Accepts the step for `history`; if it reports a fault, a static step is unsolved.
   void endHistory(History& history, const StepContext& context, StepReport& report) const;
 
-  /// Owns the tree that all pointers of the systems lead into.
+  /// Owns the tree that all pointers of the systems refer to.
   Scene scene_;
   Systems systems_;
   std::vector<History*> histories_;
-  std::vector<FaultWatch> fault_watches_;  ///< of each system
+  std::vector<FaultWatch> fault_watches_;  ///< per system
   RunClock clock_;
   Snapshots snapshots_;
   RunWatch watch_;

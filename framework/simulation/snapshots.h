@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The systems of a run, and x and v of each at moments that it may go back to.
+// The systems of a run, and stored x and v of each.
 #pragma once
 #include <memory>
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace stroma {
 
-/// Those of a simulation, in document order.
+/// The systems of a simulation, in document order.
 using Systems = std::vector<std::unique_ptr<System>>;
 
-/// Brings every node to the present where integrators leave some behind.
+/// Brings nodes that integrators have deferred up to date.
 void complete(const Systems& systems);
 
 /// x and v of one system.
@@ -22,10 +22,10 @@ struct Snapshot {
   void putBack(System& system) const { copy(x, system.x), copy(v, system.v); }
 };
 
-/// The start of a run, and the last moment that was good.
+/// The start of a run, and the last successful step.
 class Snapshots {
  public:
-  /// The present is the start.
+  /// Makes the present state the start.
   void compile(const Systems& systems);
 
   const Snapshot& start(std::size_t system) const { return start_[system]; }
@@ -33,7 +33,7 @@ class Snapshots {
   Snapshot& good(std::size_t system) { return good_[system]; }
 
   void takeGood(const Systems& systems);
-  /// Of the first `count` systems.
+  /// For the first `count` systems.
   void putGoodBack(const Systems& systems, std::size_t count) const;
   void putStartBack(const Systems& systems) const;
 

@@ -6,36 +6,36 @@
 
 namespace stroma {
 
-/// Everything derived from the time step, computed once.
+/// Times of a step, computed once.
 struct StepContext {
-  long index = 0;    ///< number of the step, from 1
+  long index = 0;    ///< step number, from 1
   double t = 0;      ///< time at the start [s]
   double dt = 0;     ///< [s]
   double t_end = 0;  ///< t + dt
-  StopToken stop{};  ///< a step that is asked to stop is given up, and never half made
+  StopToken stop{};  ///< a stopped step is abandoned as a whole
 };
 
-/// What a step did. Not converging is said here, not in a log.
+/// The outcome of a step. Failure to converge is reported here, not in a log.
 struct StepReport {
   bool diverged = false;  ///< the state is not usable: the run stops
-  bool stopped = false;   ///< StepContext::stop came before the end of the step: nor is it then, and nothing is wrong
-  bool unsolved = false;  ///< statics have not reached their equilibrium, or a history is at fault: no result
-  std::string reason;     ///< a sentence, when diverged or not converged
+  bool stopped = false;   ///< StepContext::stop was set before the end of the step: the state is unusable too, without an error
+  bool unsolved = false;  ///< no result: statics are not in equilibrium, or a history reports a fault
+  std::string reason;     ///< a sentence if it diverged or did not converge
   int newton_iterations = 0;
-  int load_parts = 0;         ///< of statics: into how many parts the step was divided, those that failed included
+  int load_parts = 0;         ///< of statics: the number of parts of the step, including failed ones
   int linear_iterations = 0;  ///< summed over the Newton iterations
   int factorisations = 0;
-  double solve_seconds = 0;    ///< wall time of the linear solves, their products and assembly included
+  double solve_seconds = 0;    ///< wall time of linear solves, including products and assembly
   double linear_residual = 0;  ///< relative, of the last linear solve
   bool linear_converged = true;
   SolveStop linear_stop = SolveStop::converged;
-  bool linear_at_limit = false;  ///< a solve ended at its limit of iterations, or where round-off kept it
-  double newton_residual = 0;    ///< relative, where a Newton method ran
+  bool linear_at_limit = false;  ///< a solve reached its iteration limit or stagnated at round-off
+  double newton_residual = 0;    ///< relative, if Newton's method was used
   bool newton_converged = true;
-  int constraint_sweeps = 0;          ///< turns of the position constraints, for positions and for velocities
-  bool constraints_converged = true;  ///< false: positions or velocities break a position constraint, no result
-  std::string constraint_reason;      ///< a sentence, when not constraints_converged
-  /// The step is not taken: x and v are put back.
+  int constraint_sweeps = 0;          ///< sweeps of the position constraints, for positions and velocities
+  bool constraints_converged = true;  ///< false: positions or velocities violate a position constraint, no result
+  std::string constraint_reason;      ///< a sentence if not constraints_converged
+  /// The step is rejected: x and v are restored.
   bool failed() const { return diverged || stopped; }
 };
 

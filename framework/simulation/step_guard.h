@@ -6,12 +6,12 @@
 
 namespace stroma {
 
-/// An observer that looks at the start of each step too and may refuse it: what the step would have to take into account and
-/// cannot. It changes nothing.
+/// An observer that is also called before each step and may reject it because of something the step cannot account for.
+/// It changes nothing.
 class StepGuard {
  public:
   virtual ~StepGuard() = default;
-  /// A sentence, or empty: the step may be made.
+  /// A reason to reject the step, or empty.
   virtual std::string refusal(const StepContext& context) = 0;
 };
 

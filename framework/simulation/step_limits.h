@@ -10,29 +10,29 @@
 
 namespace stroma {
 
-/// Those of a system's force fields that limit its steps. Without any, nothing is done.
+/// The force fields of a system that limit its steps. Without any, nothing is done.
 class StepLimits {
  public:
   void compile(System& system);
   bool empty() const { return limiters_.empty(); }
-  /// The largest s <= 1 up to which the system's positions may move by s * factor * dx; dx has the independent rows. See Way.
+  /// The largest s <= 1 for which the system's positions may move by s * factor * dx; dx has the independent rows. See Way.
   double longest(ConstRows dx, double factor = 1, bool is_carried = false, bool goes_along = false);
-  /// Points may move on curves: mappings are not linear.
+  /// Points may move on curves, because of nonlinear mappings.
   bool bends() const { return !empty() && !system_->mappingChain().isLinear(); }
-  /// The same on a way that goTo(s) puts the system's positions on; it ends with goTo(0).
+  /// The same along a path whose positions goTo(s) sets; it ends with goTo(0).
   double longest(ConstRows dx, double factor, bool is_carried, bool goes_along, const std::function<void(double)>& goTo);
-  /// Something that was held fixed in the solve that has ended has moved on: it is to be made again. Obstacles have gone on as far
-  /// as bodies let them where they are.
+  /// True if something that was fixed during the solve has changed, so the solve must be repeated. Obstacles have advanced as
+  /// far as the present positions of bodies allow.
   bool moveOn();
-  /// The same while obstacles wait for goAlong().
+  /// The same while obstacles are waiting for goAlong().
   bool solvesAgain();
   /// See StepLimiter.
   bool hasWay() const {
     return std::any_of(limiters_.begin(), limiters_.end(), [](const StepLimiter* limiter) { return limiter->hasWay(); });
   }
-  /// out = what the way of obstacles adds to forces; shape (allRows()), of which the independent rows count.
+  /// out = the contribution of moving obstacles to forces; shape (allRows()), of which only independent rows are used.
   void push(Rows out) const;
-  /// Obstacles go as far as bodies let them where they are.
+  /// Advances obstacles as far as the present positions of bodies allow.
   void goAlong();
   void goAlong(double s) {
     for (StepLimiter* limiter : limiters_) limiter->goAlong(s);
@@ -53,17 +53,17 @@ class StepLimits {
   System* system_ = nullptr;
   std::vector<StepLimiter*> limiters_;
   Vector scaled_, still_;       ///< shape (independentRows()), only with limiters; still_: zero
-  Vector start_, middle_, end_;  ///< shape (allRows()), only where ways bend
+  Vector start_, middle_, end_;  ///< shape (allRows()), only for curved paths
   std::vector<double> bend_;
 };
 
-// ---- told by the system and the simulation ----
+// ---- called by the system and the simulation ----
 void tellStepBegins(const System& system, ConstRows x, double t, double t_end);
-/// What lies in one another after a step, or empty.
+/// A description of intersections after a step, or empty.
 std::string overlapIn(System& system);
-/// Moves what cannot start where it is (mechanics/step_limiter.h).
+/// Separates bodies that overlap at the start (mechanics/step_limiter.h).
 void placeStart(System& system);
-/// Throws ComponentError when an integrator does not ask how far it may step, or something else moves positions too.
+/// Throws ComponentError if an integrator does not respect step limits, or if something else also moves positions.
 void checkStepLimits(const System& system);
 
 }  // namespace stroma

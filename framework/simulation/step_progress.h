@@ -4,18 +4,18 @@
 
 namespace stroma {
 
-/// How far the step under way is. The thread that steps writes it, another one reads it and tells people.
+/// Progress of the current step. The stepping thread writes it; another thread reads and displays it.
 struct StepProgress {
-  std::atomic<int> newton_iterations = 0;   ///< made by the solve under way
-  std::atomic<double> newton_residual = 0;  ///< relative, that of the present iterate
-  std::atomic<double> newton_goal = 0;      ///< at which the solve ends, likewise relative
+  std::atomic<int> newton_iterations = 0;   ///< of the current solve
+  std::atomic<double> newton_residual = 0;  ///< relative, of the current iterate
+  std::atomic<double> newton_goal = 0;      ///< relative residual at which the solve ends
 };
 
-/// Where the steps of the calling thread tell how far they are. Null, as every thread begins: nobody wants to know.
-/// `progress` outlives the steps, or is replaced by null before it goes.
+/// Sets where the steps of the calling thread report their progress. Null, the default in every thread: nowhere.
+/// `progress` must outlive the steps, or be replaced by null before it is destroyed.
 void setStepProgress(StepProgress* progress);
 
-/// Of a solve by Newton's method: who wants to know learns it.
+/// Reports the progress of Newton's method.
 void tellNewtonIterate(int iterations, double relative_residual, double goal);
 
 }  // namespace stroma

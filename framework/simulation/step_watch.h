@@ -6,13 +6,13 @@ namespace stroma {
 
 class LagrangianRows;
 
-/// Sees the equations of the steps that a thread makes, for whoever asks for those of the last one. It changes nothing.
+/// Receives the equations of the steps of a thread, for callers that want those of the last step. It changes nothing.
 struct StepWatch {
   virtual ~StepWatch() = default;
   virtual void solved(SystemMatrix& matrix, ConstRows b, ConstRows x) = 0;
-  /// Where the directions of forces of constraint are taken: A u = J^T p moves positions by displacement u.
+  /// Called when the directions of constraint forces are set: A u = J^T p moves positions by displacement u.
   virtual void constraintGradients(const System& system, const LagrangianRows& rows, double displacement) = 0;
 };
-StepWatch*& stepWatch();  ///< of this thread; null: nobody watches
+StepWatch*& stepWatch();  ///< of this thread; null: none
 
 }  // namespace stroma

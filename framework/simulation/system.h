@@ -14,12 +14,12 @@ namespace stroma {
 
 class Integrator;
 
-/// The unknowns that one integrator moves as one contiguous vector each, and the forces on them. Its parts have names of
-/// their own: constraints() say what may move, matrix() is the matrix of a linear solve, system_report.h says what can
-/// be said about it all.
+/// The unknowns moved by one integrator, each kind in one contiguous vector, and the forces on them. Its parts:
+/// constraints() define what may move, matrix() is the matrix of a linear solve, and system_report.h describes the
+/// system in messages.
 class System final {
  public:
-  /// Problems are thrown as ComponentError.
+  /// Throws ComponentError.
   explicit System(const SystemMembers& members);
   System(const System&) = delete;
 
@@ -31,7 +31,7 @@ class System final {
   const std::vector<ForceField*>& forceFields() const { return actors_.force_fields; }
   const std::vector<Mass*>& masses() const { return actors_.masses; }
   const Actors& actors() const { return actors_; }
-  /// How positions move: integrators add increments to x through it.
+  /// Integrators use it to add increments to x.
   const Motion& motion() const { return actors_.motion; }
   /// The independent rows of a vector of this system.
   Rows independent(Rows all) const { return all.head(independentRows()); }
@@ -43,38 +43,38 @@ class System final {
   Node& node() const;                  ///< the integrator's
   /// Other integrators whose bodies move in this system.
   const std::vector<MergedIntegrator>& merged() const { return merged_; }
-  /// All that stands below its integrators, and what acts from elsewhere.
+  /// Everything below its integrators, and whatever acts on their bodies from elsewhere.
   const std::vector<Component*>& components() const { return components_; }
 
-  // ---- the story of a step: beginStep(), the integrator's step, endStep(). Simulation tells it ----
-  /// Forces are those of the step's end, constraints begin or end, mapped states follow.
+  // ---- the sequence of a step: beginStep(), the integrator's step, endStep(), called by Simulation ----
+  /// Sets forces to the end of the step, activates or ends constraints, and updates mapped states.
   void beginStep(const StepContext& context);
-  /// What the integrator leaves to it: prescribed motion and tied rows exactly, then position constraints, for a step
-  /// from positions `x_start`; mapped states follow.
+  /// Completes a step from positions `x_start`: sets prescribed motion and tied rows exactly, then applies position
+  /// constraints and updates mapped states.
   void endStep(const StepContext& context, ConstRows x_start, StepReport& report);
-  /// Before and after a step that may not be taken: what the linear solver remembers of former solves.
+  /// Called before a step that may be rejected, and after it was: stores and restores the memory of the linear solver.
   void keepSolver();
   void takeSolverBack();
-  void applyMappings();  ///< those that nothing acts on too
+  void applyMappings();  ///< including passive ones
 
   // ---- forces ----
-  /// f = sum of forces at (x, v), gravity included; prepares the stiffness at x. Not projected.
+  /// f = sum of forces at (x, v), including gravity; prepares the stiffness at x. Not projected.
   void computeForce(ConstRows x, ConstRows v, Rows f);
-  /// The same, plus K p of all fields with their factors (MatrixFactors::of()), in one pass;
-  /// System::f becomes the force alone after requestForce(), which changes no bit of the rest.
+  /// The same, plus K p of all fields with their factors (MatrixFactors::of()), in one pass.
+  /// After requestForce() System::f is the force alone; no other bit changes.
   void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, const MatrixFactors& factors, Rows out);
-  /// An integrator that reads System::f after computeForceAndProduct() says so once; observers ask a State.
+  /// Called once by an integrator that reads System::f after computeForceAndProduct(); observers ask a State.
   void requestForce() { keeps_force_ = true; }
-  /// At the end of a step, before histories go on: System::f is the force at (x, v) and time t, if observers asked for it.
+  /// At the end of a step, before histories advance: sets System::f to the force at (x, v) and time t if observers requested it.
   void computeRequestedForce(double t);
-  /// The time [s] of forces that depend on it; beginStep() sets the end of the step.
+  /// Sets the time [s] of time-dependent forces; beginStep() sets the end of the step.
   void setTime(double t);
-  /// out += K p of all fields with their factors (MatrixFactors::of()), K of the last force; on independent rows.
+  /// out += K p of all fields with their factors (MatrixFactors::of()) and K of the last force; on independent rows.
   void addStiffnessProduct(ConstRows p, const MatrixFactors& factors, Rows out) const;
   void addMassProduct(ConstRows p, double factor, Rows out) const;
   /// out += sum of (rayleigh + rayleighMass of the mass) * factor * M p
   void addRayleighMassProduct(ConstRows p, double rayleigh, double factor, Rows out) const;
-  /// Grows when K or C may have changed.
+  /// Increases when K or C may have changed.
   long derivativesRevision() const { return derivatives_revision_; }
 
   // ---- energies [J] ----
@@ -85,25 +85,25 @@ class System final {
   double gravityEnergy(ConstRows x) const;
   bool isConservative() const;  ///< every force field is
   bool hasGravity() const { return has_gravity_; }
-  /// Nodes with a mass follow others along curved ways: M then depends on x, and forces have the inertia of the curve.
+  /// Mapped nodes with a mass move on curves: M then depends on x, and forces include the inertia of the curvature.
   bool hasCurvedInertia() const { return !curved_masses_.empty(); }
 
   // ---- changes between steps ----
-  /// These components have been made anew: compiles again those that act here, and the integrator, and what followed
-  /// from them. `t`: the present time [s].
+  /// These components have been recreated: compiles those that act here, the integrator, and everything that depends on
+  /// them. `t`: the present time [s].
   void componentsChanged(const std::vector<Component*>& changed, double t);
   void gravityChanged();
-  /// What steps depend on besides x, v and components, see Component::serialize(); after those, when reading. `last`:
-  /// times of the last step.
+  /// Writes or reads whatever steps depend on besides x, v and components, see Component::serialize(); read it after those.
+  /// `last`: times of the last step.
   void serialize(Archive& archive, const StepContext& last);
 
-  // ---- forces from outside ----
-  /// Adds an input on `state`, one of the independent states, or puts it in the place of the one with the same number.
-  /// Nothing is compiled again, but for an integrator that follows changes when the first damping comes or the last
-  /// goes; unless only forces, targets or a ball's place and size are others, Integrator::sceneChanged() is called.
+  // ---- external forces ----
+  /// Adds an input on `state`, one of the independent states, or replaces the one with the same number. Nothing is
+  /// compiled again, except when the first damping appears or the last one ends. Integrator::sceneChanged() is called
+  /// unless only forces, targets, or the centre and radius of a ball have changed.
   void setInput(long number, const Input& input, const State& state);
   void removeInput(long number);
-  /// Null when none acts.
+  /// Null if there is none.
   const InputForces* inputs() const { return inputs_ && !inputs_->empty() ? inputs_.get() : nullptr; }
 
   // ---- parts ----
@@ -136,9 +136,9 @@ class System final {
   ConstraintSet constraints_;
   PositionCorrections corrections_;
   MechanicalMatrix matrix_;
-  std::unique_ptr<InputForces> inputs_;  ///< null until the first; among the actors while there are some
+  std::unique_ptr<InputForces> inputs_;  ///< null until the first input; in the actors while there are inputs
   Vector gravity_force_;                 ///< constant, computed once
-  std::vector<Mass*> curved_masses_;     ///< on mapped states, with mappings that are not linear
+  std::vector<Mass*> curved_masses_;     ///< on mapped states with nonlinear mappings
   mutable Vector curve_, momentum_;      ///< work space, with such masses
   bool has_gravity_ = false;
   bool keeps_force_ = false;  ///< requestForce()

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Which states move together: the bodies of one integrator, and those of several that something couples.
+// Which states move together: the bodies of one integrator, and those of several integrators that are coupled.
 //
-// A state belongs to the integrator of its node or the nearest above; one without, that a mapping places, to that of
-// the state it follows. What acts on states of one integrator is in its system, wherever the scene writes it. What acts
-// on states of several couples them: forces, ties and relations between bodies have derivatives with respect to both, so
-// both are solved in one system, and the first integrator in the scene moves them all. That is the same as one integrator
-// above all bodies. A warning says where the integrators differ; other damping and statics beside motion are refused.
+// A state belongs to the integrator in its node or the nearest one above; a mapped state without one belongs to that of
+// its parent. A component that acts on states of one integrator is in its system, wherever it is in the tree. One that
+// acts on states of several integrators couples them: its derivatives involve both bodies, so both are solved in one
+// system, and the first integrator in the scene moves them all, just like one integrator above all
+// bodies. A warning says where the integrators differ; different damping, and statics beside dynamics, are errors.
 #pragma once
 #include <string>
 #include <vector>
@@ -21,24 +21,24 @@ namespace stroma {
 
 class Integrator;
 
-/// An integrator whose bodies another one moves.
+/// An integrator whose bodies are moved by another one.
 struct MergedIntegrator {
   Integrator* integrator = nullptr;
-  std::string because;  ///< the path of what couples its bodies to others
+  std::string because;  ///< the path of the component that couples its bodies to others
 };
 
-/// What one system is made of.
+/// The members of one system.
 struct SystemMembers {
   Integrator* integrator = nullptr;
   std::vector<MergedIntegrator> merged;
-  std::vector<Component*> acting;  ///< its states and what acts on them, in document order
+  std::vector<Component*> acting;  ///< its states and everything that acts on them, in document order
 };
 
-/// Everything in the scene that acts is in exactly one system, or is reported: what acts on states that nothing moves,
-/// couples integrators that cannot be one, or solves for no integrator. Systems come in the order of their integrators.
+/// Assigns every acting component to exactly one system, or reports it: it acts on states that nothing moves, couples
+/// incompatible integrators, or is a solver without an integrator. Systems are in the order of their integrators.
 std::vector<SystemMembers> findSystems(const Node& root, Diagnostics& diagnostics);
 
-/// The states that a force field, a mass, a constraint or a mapping has to do with; of any other component none.
+/// The states used by a force field, a mass, a constraint or a mapping; none for any other component.
 std::vector<State*> statesActedOn(const Component& component);
 
 }  // namespace stroma

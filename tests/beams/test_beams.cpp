@@ -300,7 +300,7 @@ TEST(Joints, SayWhatIsWrong) {
   expectContains(problems("BEGIN_SPRING 0 7 END_SPRING"), "2 nodes");
   expectContains(problems("BEGIN_SPRING 0 1 R_LIM_X 1 -1 END_SPRING"), "leave no angle");
   expectContains(problems("BEGIN_SPRING 0 1 KS_T 0 -3 END_SPRING"), "no stiffness");
-  expectContains(problems("BEGIN_SPRING 0 1 REST_R 0 0 0 0 END_SPRING"), "no orientation");
+  expectContains(problems("BEGIN_SPRING 0 1 REST_R 0 0 0 0 END_SPRING"), "not an orientation");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -117,8 +117,8 @@ TEST(ContactChains, SayWhatIsWrong) {
                  "useCurvAbs is false");
   expectContains(problemsOf("<Node><MechanicalObject template=\"Rigid3\" position=\"0 0 0 0 0 0 1\"/><UniformMass totalMass=\"1\"/><Node>"
                             "<MechanicalObject position=\"0 0 0\"/><MultiAdaptiveBeamMapping/></Node></Node>"),
-                 "there is nothing that pushes rods");
-  expectContains(problemsOf("<Node><MultiAdaptiveBeamTopologicalMapping/></Node>"), "there is nothing that pushes rods");
+                 "there is no controller that pushes rods");
+  expectContains(problemsOf("<Node><MultiAdaptiveBeamTopologicalMapping/></Node>"), "there is no controller that pushes rods");
   expectContains(problems("<Node><MultiAdaptiveBeamTopologicalMapping nbEdges=\"100000\"/><MechanicalObject/></Node>"),
                  "the chain has 100000 edges");
 }

@@ -50,8 +50,8 @@ TEST(Folds, CellsInsideOutAreCounted) {
     std::vector<Vec3> now = mesh.position;
     now[0] = Vec3(1.4, 1.4, 1.4);  // a corner of the body, through the only hexahedron it has
     const std::string text = foldsOf(mesh, mesh.position, now);
-    EXPECT_TRUE(says(text, cut ? " of 162 tetrahedra are inside out; the first is tetrahedron "
-                               : "1 of 27 hexahedra are inside out at a corner; the first is hexahedron 0 (nodes 0 "))
+    EXPECT_TRUE(says(text, cut ? " of 162 tetrahedra are inverted; the first is tetrahedron "
+                               : "1 of 27 hexahedra are inverted at a corner; the first is hexahedron 0 (nodes 0 "))
         << text;
     // all of it
     const std::string mirrored = foldsOf(mesh, mesh.position, moved(mesh.position, Vec3(-1, 1, 1).asDiagonal()));
@@ -67,7 +67,7 @@ TEST(Folds, QuadraticCellsAreLookedAtBetweenTheirCorners) {
   mesh.quadratic_tetrahedra = {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}};
   const Mat3 turn = Eigen::AngleAxisd(2.9, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   EXPECT_EQ(foldsOf(mesh, straight, moved(straight, turn * Vec3(3, 0.2, 1).asDiagonal())), "");
-  EXPECT_TRUE(says(foldsOf(mesh, straight, twisted), "1 of 1 quadraticTetrahedra are inside out at a node or the centre"))
+  EXPECT_TRUE(says(foldsOf(mesh, straight, twisted), "1 of 1 quadraticTetrahedra are inverted at a node or the centre"))
       << foldsOf(mesh, straight, twisted);
   EXPECT_EQ(insideOutCells(mesh, straight, twisted).first, 1u);
 }

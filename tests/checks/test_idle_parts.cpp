@@ -39,23 +39,23 @@ TEST(IdleParts, WhatContradictsOrDoublesIsSaid) {
   const std::string fixed = "<FixedProjectiveConstraint name='fixed' indices='0-3'/>";
   const std::string moved =
       "<LinearMovementProjectiveConstraint name='moved' indices='2 3 4' keyTimes='0 1' movements='0 0 0 1 0 0'/>";
-  expectContains(told(heldAt(fixed + moved)), "/moved: 2 of its nodes are held by /fixed too: they move");
-  EXPECT_EQ(told(heldAt("<FixedProjectiveConstraint indices='0 1'/>" + moved)).find("too: they move"), std::string::npos);
+  expectContains(told(heldAt(fixed + moved)), "/moved: 2 of its nodes are also fixed by /fixed: they move");
+  EXPECT_EQ(told(heldAt("<FixedProjectiveConstraint indices='0 1'/>" + moved)).find(": they move"), std::string::npos);
   const std::string later = "<ParabolicProjectiveConstraint indices='2 3' P1='0 0 0' P2='0.4 0.3 0' P3='1 0 0' BeginTime='1' EndTime='2'/>";
-  EXPECT_EQ(told(heldAt("<FixedProjectiveConstraint indices='0-3' endTime='1'/>" + later)).find("too: they move"), std::string::npos)
+  EXPECT_EQ(told(heldAt("<FixedProjectiveConstraint indices='0-3' endTime='1'/>" + later)).find(": they move"), std::string::npos)
       << "held until then";
   expectContains(told(heldAt(fixed + "<ConstantForceField name='load' indices='0 3' forces='1 0 0'/>")),
                  "/load: every node that it acts on is held");
-  EXPECT_EQ(told(heldAt(fixed + "<ConstantForceField indices='3 4' forces='1 0 0'/>")).find("is held or moved"),
+  EXPECT_EQ(told(heldAt(fixed + "<ConstantForceField indices='3 4' forces='1 0 0'/>")).find("is fixed or moved"),
             std::string::npos);
   expectContains(told(heldAt("<HexahedronFEMForceField name='again' youngModulus='1000' poissonRatio='0.3'/>")),
-                 "/again: it ties the same nodes as /HexahedronFEMForceField: the stiffness of the two adds up");
+                 "/again: it connects the same nodes as /HexahedronFEMForceField: their stiffnesses add up");
   EXPECT_EQ(told(heldAt("")).find("adds up"), std::string::npos);
 }
 
 /// What is held and what moves count by directions, and through attachments.
 TEST(IdleParts, MotionsAlongHeldDirectionsAreSaid) {
-  const std::string words = "too: they move";
+  const std::string words = ": they move";
   const auto moved = [](const std::string& type, const std::string& more) {
     return "<" + type + " name='moved' indices='2 3' keyTimes='0 1' " + more + "/>";
   };
@@ -63,11 +63,11 @@ TEST(IdleParts, MotionsAlongHeldDirectionsAreSaid) {
   const std::string along = "<DirectionProjectiveConstraint name='along' indices='2 3' direction='1 0 0'/>";
   const std::string partly = "<PartialFixedProjectiveConstraint name='partly' indices='2 3' fixedDirections='0 0 1'/>";
   const std::string up = moved("PartialLinearMovementProjectiveConstraint", "movedDirections='0 0 1' movements='0 0 0 0 0 0.01'");
-  expectContains(told(heldAt(plane + up)), "/moved: 1 of its nodes are held by /plane too: they move");
-  expectContains(told(heldAt(along + up)), "/moved: 2 of its nodes are held by /along too: they move");
-  expectContains(told(heldAt(partly + up)), "/moved: 2 of its nodes are held by /partly too: they move");
+  expectContains(told(heldAt(plane + up)), "/moved: 1 of its nodes are also fixed by /plane: they move");
+  expectContains(told(heldAt(along + up)), "/moved: 2 of its nodes are also fixed by /along: they move");
+  expectContains(told(heldAt(partly + up)), "/moved: 2 of its nodes are also fixed by /partly: they move");
   const std::string fixed = "<FixedProjectiveConstraint name='fixed' indices='3'/>";
-  expectContains(told(heldAt(fixed + up)), "/moved: 1 of its nodes are held by /fixed too: they move");
+  expectContains(told(heldAt(fixed + up)), "/moved: 1 of its nodes are also fixed by /fixed: they move");
   expectContains(told(heldAt(plane + moved("LinearVelocityProjectiveConstraint", "velocities='0 0 0 1 0 1'"))), words);
   expectContains(told(heldAt(plane + "<OscillatorProjectiveConstraint indices='3' translation='0 0 1' pulsation='1'/>")), words);
   const std::string tied = "<AttachProjectiveConstraint object1='@dofs' object2='@dofs' indices1='3' indices2='0' twoWay='true'/>";
@@ -80,7 +80,7 @@ TEST(IdleParts, MotionsAlongHeldDirectionsAreSaid) {
 
 /// Node 3 is at 1 1 0 and node 0 at the origin, node 2 at 0 1 0.
 TEST(IdleParts, WhatAnAttachmentBringsAwayFromItsPlaceIsSaid) {
-  const std::string words = "/part: 1 of its nodes are attached to nodes that are held elsewhere";
+  const std::string words = "/part: 1 of its nodes are attached to nodes that are fixed at another position";
   const auto attached = [](const std::string& part, const std::string& to) {
     return told(heldAt("<FixedProjectiveConstraint name='fixed' indices='0 2'/>"
                        "<PartialFixedProjectiveConstraint name='part' indices='3' fixedDirections='" + part + "'/>"
@@ -89,7 +89,7 @@ TEST(IdleParts, WhatAnAttachmentBringsAwayFromItsPlaceIsSaid) {
   expectContains(attached("0 1 0", "0"), words);
   expectContains(attached("1 0 0", "2"), words);
   for (const std::string& told_nothing : {attached("0 0 1", "0"), attached("0 1 0", "2"), attached("0 1 0", "1")})
-    EXPECT_EQ(told_nothing.find("held elsewhere"), std::string::npos) << told_nothing;
+    EXPECT_EQ(told_nothing.find("fixed at another position"), std::string::npos) << told_nothing;
 }
 
 TEST(IdleParts, AGravityThatFindsNoMassInStaticsIsSaid) {
@@ -99,11 +99,11 @@ TEST(IdleParts, AGravityThatFindsNoMassInStaticsIsSaid) {
            mass + R"(<HexahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>
       <FixedProjectiveConstraint indices="0 1 2"/></Node>)";
   };
-  const std::string sentence = "/dofs: it has no mass: the gravity (0 -9.81 0) of / acts on nothing";
+  const std::string sentence = "/dofs: it has no mass: the gravity (0 -9.81 0) of / has no effect on it";
   expectContains(told(scene("gravity='0 -9.81 0'", "")), sentence);
-  EXPECT_EQ(told(scene("gravity='0 -9.81 0'", "<UniformMass totalMass='1'/>")).find("acts on nothing"), std::string::npos);
-  EXPECT_EQ(told(scene("gravity='0 0 0'", "")).find("acts on nothing"), std::string::npos);
-  EXPECT_EQ(told(scene("", "")).find("acts on nothing"), std::string::npos) << "nobody asked for it";
+  EXPECT_EQ(told(scene("gravity='0 -9.81 0'", "<UniformMass totalMass='1'/>")).find("has no effect on it"), std::string::npos);
+  EXPECT_EQ(told(scene("gravity='0 0 0'", "")).find("has no effect on it"), std::string::npos);
+  EXPECT_EQ(told(scene("", "")).find("has no effect on it"), std::string::npos) << "nobody asked for it";
 }
 
 /// A hexahedron, and a pyramid of two tetrahedra on its upper face.
@@ -130,7 +130,7 @@ TEST(IdleParts, AWeightThatNobodyWroteAndAFallForEverAreNoted) {
            more + "</Node>";
   };
   const std::string held = "<FixedProjectiveConstraint indices='0'/>", floor = "<PlaneForceField normal='0 1 0' d='-1'/>";
-  const std::string weight = "/dofs: gravity is not given: (0 -9.81 0) m/s^2 acts", fall = "/dofs: nothing holds it";
+  const std::string weight = "/dofs: gravity is not given: the default (0 -9.81 0) m/s^2 is used", fall = "/dofs: nothing holds it";
   expectContains(told(scene("", held)), weight);
   expectContains(told(scene("gravity='0 0 -1'", "")), fall);
   for (const std::string& text : {scene("gravity='0 -9.81 0'", held), scene("gravity='0 -9.81 0'", floor), scene("gravity='0 0 0'", "")}) {

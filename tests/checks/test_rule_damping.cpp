@@ -70,7 +70,7 @@ TEST(RuleDamping, StepsThatSkipTheSlowestSwingAreNamed) {
     text.replace(text.rfind("</Node>"), 7, "<ConstantForceField indices='0' forces='1 0 0'/></Node>");
     return swing(text, 20).said;
   };
-  expectContains(pushed(10, "<EulerImplicitSolver/>"), "is 10 periods of the slowest swing, of 1");
+  expectContains(pushed(10, "<EulerImplicitSolver/>"), "is 10 periods of the slowest oscillation, of 1");
   EXPECT_EQ(pushed(0.5, "<EulerImplicitSolver/>").find("periods"), std::string::npos);
   EXPECT_EQ(pushed(10, "<StaticSolver/>"), "");
 }

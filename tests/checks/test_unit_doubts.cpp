@@ -36,7 +36,7 @@ std::string bodyScene(const Body& body) {
 
 /// Without what is said of a gravity that finds no mass.
 std::vector<Problem> doubtsOfUnits(std::vector<Problem> warnings) {
-  std::erase_if(warnings, [](const Problem& each) { return each.message.find("acts on nothing") != std::string::npos; });
+  std::erase_if(warnings, [](const Problem& each) { return each.message.find("has no effect on it") != std::string::npos; });
   return warnings;
 }
 

@@ -171,7 +171,7 @@ TEST_F(UnitsInScenes, GravityThatIsNotWrittenIsTheEarths) {
   };
   std::string told;
   EXPECT_EQ(gravityOf("units=\"mm kPa s\"", &told), Vec3(0, -9810, 0));
-  EXPECT_NE(told.find("no gravity is written: the earth's acts along -y, 9810 mm/s^2"), std::string::npos) << told;
+  EXPECT_NE(told.find("gravity is not given: the earth's is used along -y, 9810 mm/s^2"), std::string::npos) << told;
   EXPECT_NEAR(gravityOf("units=\"cm g ms\"").y(), -9.81e-4, 1e-18);
   EXPECT_EQ(gravityOf("units=\"mm g ms\"", &told), Vec3(0, -9.81e-3, 0));
   EXPECT_NE(told.find("along -y, 0.00981 mm/ms^2"), std::string::npos) << told;

@@ -270,7 +270,7 @@ TEST(CollisionResponse, ParametersThatNothingReadsAreSaid) {
   EXPECT_EQ(with("mu=0.3&amp;tol=1e-3"), "");
   expectContains(with("mu=much"), "responseParams has \"mu=much\"");
   expectContains(with("0.3"), "responseParams has \"0.3\"");
-  expectContains(with("friction=0.3"), "which nothing reads");
+  expectContains(with("friction=0.3"), "which is not a parameter");
   expectContains(with("mu=-1"), "mu is -1");
 }
 
@@ -282,14 +282,14 @@ TEST(CollisionResponse, WordsOfRulesAreChecked) {
   };
   EXPECT_EQ(with("* 3 FrictionContactConstraint?mu=0.3"), "");
   expectContains(with("* 3"), "rules has 2 words");
-  expectContains(with("* 3 Glue"), "rules has \"Glue\", which is no response");
+  expectContains(with("* 3 Glue"), "rules has \"Glue\", which is not a response");
   expectContains(with("* 3 FrictionContactConstraint?mu=much"), "mu=much");
-  expectContains(with("", "Glue"), "contactResponse has \"Glue\", which is no response");
+  expectContains(with("", "Glue"), "contactResponse has \"Glue\", which is not a response");
 }
 
 TEST(CollisionResponse, ASurfaceWithoutAMeshIsRefused) {
   for (const char* model : {"<TriangleCollisionModel/>", "<LineCollisionModel/>"})
-    expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", model), near_half)), "no mesh says what this surface is made of");
+    expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", model), near_half)), "there is no mesh for this surface");
   EXPECT_EQ(problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<TriangleCollisionModel active=\"0\"/>"), near_half)), "");
 }
 

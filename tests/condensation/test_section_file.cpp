@@ -148,7 +148,7 @@ TEST_F(CacheFolder, WithoutAHomeNothingIsKeptAndThatIsSaid) {
   const std::string said = testing::internal::GetCapturedStderr();
   fs::current_path(here);
   if (home) setenv("HOME", before.c_str(), 1);
-  EXPECT_NE(said.find("nothing is kept"), std::string::npos) << said;
+  EXPECT_NE(said.find("nothing is cached"), std::string::npos) << said;
   EXPECT_TRUE(fs::is_empty(folder));
 }
 

@@ -94,7 +94,7 @@ TEST(Curves, SayWhatIsWrong) {
   expectContains(told("<ParabolicProjectiveConstraint indices='0' " + points + "BeginTime='1' EndTime='0.5'/>"), "EndTime after BeginTime");
   expectContains(told("<ParabolicProjectiveConstraint indices='9' " + points + "EndTime='1'/>"), "indices");
   expectContains(told("<ParabolicProjectiveConstraint indices='0' P1='0 0 0' P2='3 1 0' P3='2 0 0' EndTime='1'/>"),
-                 "no parabola goes through it");
+                 "there is no parabola through it");
   expectContains(told("<ParabolicProjectiveConstraint indices='0' P1='0 0 0' P2='3 1 0' P3='0 0 0' EndTime='1'/>"), "the same place");
   expectContains(told("<HermiteSplineProjectiveConstraint indices='0' X0='0 0 0' X1='1 0 0' EndTime='1' SX0='1 2 3'/>"),
                  "SX0 has 3 numbers");

@@ -64,7 +64,7 @@ TEST(PartialFixedProjectiveConstraint, HoldsDirections) {
 }
 
 TEST(Constraints, SayWhatIsWrong) {
-  expectContains(problemsOf(fourNodes("<FixedProjectiveConstraint name='hold'/>")), "which nodes are held");
+  expectContains(problemsOf(fourNodes("<FixedProjectiveConstraint name='hold'/>")), "which nodes should be fixed");
   expectContains(problemsOf(fourNodes("<FixedProjectiveConstraint indices='1 4'/>")),
                  "indices[1] is 4, and /dofs has 4 nodes");
   expectContains(problemsOf(fourNodes("<FixedProjectiveConstraint indices='-1'/>")), "indices in 0 ... 3");
@@ -73,7 +73,7 @@ TEST(Constraints, SayWhatIsWrong) {
                  "2 values");
   expectContains(sceneFromText(fourNodes("<PartialFixedProjectiveConstraint indices='1' fixedDirections='0 0 0'/>"))
                      .diagnostics.text(),
-                 "holds no direction");
+                 "selects no direction");
 }
 
 }  // namespace

@@ -342,7 +342,7 @@ TEST(LinearRelation, MistakesAreNamed) {
   expect(relation("indices='0 1' coefficients='1 1' indices2='2'"), "coefficients2 has 0 numbers");
   expect(relation("indices='0 1' coefficients='1 1' indices2='2' coefficients2='1' directions='1 0 0'"),
          "both or none");
-  expect("<RigidConstraint indices='0 1'/>" + relation("indices='0 1' coefficients='1 1'"), "would break relations");
+  expect("<RigidConstraint indices='0 1'/>" + relation("indices='0 1' coefficients='1 1'"), "would violate relations");
 }
 
 TEST(LinearRelation, HeldNodesThatContradictItStopTheRun) {

@@ -208,7 +208,7 @@ TEST(FixedPlane, ChoosesAndProjects) {
   };
   expectContains(problems("direction='0 1 0' dmin='5' dmax='6'"), "no node of /dofs lies between");
   expectContains(problems("direction='0 0 0' indices='1'"), "direction is zero");
-  expectContains(problems("direction='0 1 0'"), "which nodes are held");
+  expectContains(problems("direction='0 1 0'"), "which nodes should be fixed");
 }
 
 TEST(ProjectTo, ArrivesInTheFirstStepAndStays) {
@@ -396,7 +396,7 @@ TEST(MovingConstraints, SayWhatIsWrong) {
       problems("<LinearMovementProjectiveConstraint indices='0' keyTimes='0 1 1' movements='0 0 0 1 1 1 2 2 2'/>"),
       "keyTimes[2] = 1 is not after keyTimes[1] = 1");
   expectContains(problems("<LinearMovementProjectiveConstraint keyTimes='0 1' movements='0 0 0 1 1 1'/>"),
-                 "which nodes are held");
+                 "which nodes should be fixed");
   expectContains(problems("<LinearMovementProjectiveConstraint indices='0' movements='0 0 0 1 1 1'/>"), "keyTimes");
   expectContains(
       problems(
@@ -410,7 +410,7 @@ TEST(MovingConstraints, SayWhatIsWrong) {
   for (const std::string integrator : {"EulerExplicitSolver", "StaticSolver"})
     expectContains(problemsOf(chain("<" + integrator + "/>",
                                     "<ProjectToLineProjectiveConstraint indices='0' direction='1 0 0' inMatrix='false'/>")),
-                   integrator + " projects no right side");
+                   integrator + " does not project the right side");
 }
 
 }  // namespace

@@ -326,7 +326,7 @@ TEST(BarrierContact, RefusesWhatCanNeverAct) {
   const auto with = [](const std::string& attributes) {
     return problemsOf(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<BarrierContact " + attributes + "/>")));
   };
-  expectContains(with("selfContact=\"0\""), "nothing meets");
+  expectContains(with("selfContact=\"0\""), "nothing to be in contact with");
   expectContains(with("keyTimes=\"0 1\" movements=\"0 0 0  0 0 1\""), "move obstacles, and there is none");
   EXPECT_EQ(with("selfContact=\"0\" planes=\"0 0 1 -1\""), "");
 }

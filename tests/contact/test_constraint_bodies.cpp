@@ -480,7 +480,8 @@ TEST(ConstraintBodies, BadStartsAreSaidWithTheirPlaces) {
   EXPECT_EQ(above(-0.3), "");
   expectContains(above(-0.395), "starts with a gap of 0.005 m");
   const Body cube = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1));
-  expectContains(problemsOf(contactScene(bodyNode("a", cube, "<ConstraintContact/>"), 0.01, Vec3::Zero(), euler)), "nothing meets");
+  expectContains(problemsOf(contactScene(bodyNode("a", cube, "<ConstraintContact/>"), 0.01, Vec3::Zero(), euler)), 
+                 "nothing to be in contact with");
 }
 
 }  // namespace STROMA_TEST_FILE

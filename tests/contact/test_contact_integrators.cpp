@@ -411,7 +411,7 @@ TEST(ContactIntegrators, WhatMovesBeforeItLooksIsRefused) {
     return problemsOf(contactScene(masses(0.1, Vec3::Zero(), 1e4, ""), 0.01, Vec3::Zero(), integrator));
   };
   EXPECT_EQ(problems(""), "");
-  expectContains(problems("startFrom=\"predicted\""), "moves bodies before it looks what is in their way");
+  expectContains(problems("startFrom=\"predicted\""), "moves bodies before it checks for contact");
   expectContains(problems("restBelow=\"1e-5\""), "is of steps that begin where velocities lead");
 }
 

@@ -357,7 +357,7 @@ TEST(PenaltyContact, RefusesWhatCanNeverAct) {
     return problemsOf(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "<PenaltyContact " + attributes + "/>"), 0.01,
                                    Vec3::Zero(), "<EulerExplicitSolver/>"));
   };
-  expectContains(with("selfContact=\"0\""), "nothing meets");
+  expectContains(with("selfContact=\"0\""), "nothing to be in contact with");
   expectContains(with("keyTimes=\"0 1\" movements=\"0 0 0  0 0 1\""), "move obstacles, and there is none");
   EXPECT_EQ(with("selfContact=\"0\" planes=\"0 0 1 -1\""), "");
   expectContains(with("planes=\"0 0 1 -1\" contactDistance=\"0.02\" alarmDistance=\"0.01\""), "alarmDistance of /a/PenaltyContact");

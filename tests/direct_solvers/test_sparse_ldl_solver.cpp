@@ -90,6 +90,36 @@ TEST(SparseLDLSolver, AnalysesAgainWhenBlocksHaveComeToTheSameMatrix) {
   EXPECT_LT(relativeError(x, denseSolution(matrix.dense(), dense(b))), 1e-10);
 }
 
+/// A matrix of the same pattern takes over the factors of a former one, with their analysis and their memory.
+TEST(SparseLDLSolver, HandsFactorsOverToAnotherMatrix) {
+  StoredMatrix former = randomMatrix(40, 3, 0.5, 1), matrix = randomMatrix(40, 3, 0.5, 1), other = randomMatrix(50, 3, 0.5, 2);
+  for (Index i = 0; i < matrix.rows(); ++i) matrix.values.add(i, i, Mat3::Identity());
+  SolverInScene solver("<SparseLDLSolver/>");
+  auto& direct = dynamic_cast<DirectSolver&>(*solver.solver);
+  const auto factorsOf = [&](StoredMatrix& of) {
+    SolveReport report;
+    return direct.factor(of, report, {});
+  };
+  const auto expectSolved = [&](StoredMatrix& of) {
+    const Vector b = randomVector(of.rows(), 4);
+    Vector x;
+    EXPECT_EQ(solver.solve(of, b, x).stop, SolveStop::converged);
+    EXPECT_LT(relativeError(x, of.dense().lu().solve(dense(b))), 1e-10);
+  };
+  direct.handOver(former, matrix);  // there are none so far
+  Factorisation* const made = factorsOf(former);
+  direct.handOver(former, matrix);
+  EXPECT_EQ(factorsOf(matrix), made);
+  expectSolved(matrix), expectSolved(former);
+  Factorisation* const again = factorsOf(former);
+  EXPECT_NE(again, made) << "the former matrix has factors of its own once they are asked for";
+  direct.handOver(former, matrix);
+  EXPECT_EQ(factorsOf(matrix), made) << "a matrix that has factors keeps them";
+  direct.handOver(former, other);
+  EXPECT_EQ(factorsOf(other), again);
+  expectSolved(other), expectSolved(matrix);
+}
+
 TEST(SparseLDLSolver, NamesTheRowWhereTheMatrixIsNotDefinite) {
   for (const Index row : {0, 7, 29}) {
     BlockMatrix values{BlockPattern(30)};

@@ -119,7 +119,7 @@ def missing_pages(tree, build, site):
 
 # ---- in a browser ----
 
-WIDTHS = (1280, 390)
+WIDTHS, HEIGHT = (1280, 390), 300  # of the window: what is wider than it is so at any height, and less is drawn of a low one
 FEW = ["index.html", "first_scene.html", "gallery.html", "words.html", "validation.html", "benchmarks.html", "limits.html",
        "stability/force_fields.html", "experiments/truth_cube.html", "developer.html", "components/index.html",
        "components/elasticity/TetrahedronFEMForceField.html", "command.html"]
@@ -166,12 +166,15 @@ def browse(tree, site):
     skip_without_browser()
     found = []
 
-    def look(pages):
+    def look(pages, widths=WIDTHS[:1]):
         for page in pages:
             browser.driver.get("file://" + os.path.join(site, page))
-            wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
-            if wide > window:
-                found.append(f"{page} is {wide} pixels wide in a window of {window}")
+            for width in widths:
+                if widths[1:]:
+                    browser.size(width, HEIGHT, touch=width < 600)
+                wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
+                if wide > window:
+                    found.append(f"{page} is {wide} pixels wide in a window of {window}")
             if browser.script("[...document.images].some(i => i.complete && !i.naturalWidth)"):
                 found.append(f"{page} has a picture that does not show")
 
@@ -180,13 +183,11 @@ def browse(tree, site):
 
     with Browser() as browser:
         with almost_nothing_to_search(site):
-            for width in WIDTHS:
-                browser.size(width, 900, touch=width < 600)
-                look(FEW)
+            look(FEW, WIDTHS)
+            browser.size(WIDTHS[0], HEIGHT)
             run_scripts(False)  # they are the same on all pages, and take longer than the page
             look(other_pages(site))
             run_scripts(True)
-        browser.size(1280, 900)
         browser.driver.get("file://" + os.path.join(site, "index.html") + "?q=BoxROI")
         browser.until(lambda: "BoxROI.html" in browser.script("document.querySelector('.md-search-result').innerHTML"),
                      "the search finds a component")

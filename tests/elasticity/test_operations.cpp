@@ -261,7 +261,7 @@ TEST(Operations, OfHexahedraAreThoseOfTheBenchmarks) {
   using namespace hexahedra;
   using bench::HexahedronVariant;
   using rotation::Polar;
-  expectOperations<BoxCorotational<Polar>>(HexahedronVariant::polar_boxes);
+  expectOperations<ModalCorotational<Boxes, Polar>>(HexahedronVariant::polar_boxes);
   expectOperations<PointCorotational<LocalDilatation, Polar, Update::strain_displacement>>(HexahedronVariant::polar_b);
   expectOperations<elastic::GreenModel<BoxShape, false>>(HexahedronVariant::green);
 }

@@ -346,7 +346,7 @@ std::string saidOf(const std::string& scene) {
 }
 
 TEST(Porous, AloneResistsNoChangeOfShape) {
-  const std::string words = "nothing here resists a change of shape";
+  const std::string words = "nothing here resists changes of shape";
   for (const PorousKind& kind : porousKinds()) {
     const std::string alone = kind.oneCell("permeability=\"1e-6\""), end = "</Node>";
     expectContains(saidOf(alone), words);

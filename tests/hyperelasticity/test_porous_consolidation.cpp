@@ -396,7 +396,7 @@ TEST(PorousConsolidation, PressureThatSwingsInTimeIsDoubted) {
         std::printf("%s, M = %g, %s: U = %.5g, series %.5f; %s\n", kind.name.c_str(), limit, coupling.c_str(), found, consolidation(0.2),
                     doubt.c_str());
         EXPECT_EQ(error > 0.05, is_wrong) << kind.name << " " << limit << " " << coupling << ": " << found;
-        EXPECT_EQ(doubt.find("has swung from step to step for") != std::string::npos, is_wrong) << doubt;
+        EXPECT_EQ(doubt.find("has oscillated from step to step for") != std::string::npos, is_wrong) << doubt;
       }
 }
 

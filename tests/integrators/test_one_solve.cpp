@@ -55,7 +55,7 @@ TEST(OneSolve, SaysWhatShortensAStep) {
   StepReport report;
   for (int i = 0; i < 20 && !report.failed(); ++i) report = simulation.step();
   ASSERT_TRUE(report.diverged);
-  expectContains(report.reason, "newtonIterations=\"20\" shortens what goes too far");
+  expectContains(report.reason, "newtonIterations=\"20\" shortens steps that go too far");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -218,7 +218,7 @@ TEST(Oscillator, NodesWithoutMassAreWhereForcesBalance) {
     }
   }
   expectContains(problemsOf(scene("")), "node 1 of /MechanicalObject has a mass of 0 kg");
-  expectContains(problemsOf(scene("allowMassless='true' trapezoidalScheme='true'")), "they would swing for ever");
+  expectContains(problemsOf(scene("allowMassless='true' trapezoidalScheme='true'")), "would oscillate forever");
 }
 
 TEST(CubicOscillator, NewtonSolvesTheStepsEquations) {

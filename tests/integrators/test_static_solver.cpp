@@ -49,7 +49,7 @@ TEST(StaticSolver, AThresholdAboveTheForcesIsADoubt) {
   Simulation loose = statics("absolute_residual_tolerance_threshold='1000'", "stiffness='20'", "");
   EXPECT_TRUE(loose.step().newton_converged);
   const std::string doubt = loose.systems()[0]->integrator().doubt();
-  EXPECT_NE(doubt.find("a step counts as solved where it began, with 100 % of the forces out of balance"), std::string::npos)
+  EXPECT_NE(doubt.find("a step is taken as solved at its start, with 100 % of the forces out of balance"), std::string::npos)
       << doubt;
   Simulation restored = statics("absolute_residual_tolerance_threshold='1000'", "stiffness='20'", "");
   restored.restore(loose.checkpoint().readable());

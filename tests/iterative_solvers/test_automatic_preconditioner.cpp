@@ -211,6 +211,48 @@ TEST(AutomaticPreconditioner, SolvesWithOneMatrixShareFactors) {
   EXPECT_LE(std::stoi(solver.solver->data().find("factorisations")->print()), 2);
 }
 
+/// As the rows of constraints have: a direct solver is worth its factors after the first one, and takes the others at once.
+TEST(AutomaticPreconditioner, ManyRightSidesGoThroughADirectSolverTogether) {
+  constexpr std::size_t count = 40;
+  Beam beam(0);
+  SolverInScene solver("<PCGLinearSolver/>"), named("<SparseLDLSolver/>");
+  for (int step = 0; step < 2; ++step) {
+    ++beam.matrix.revision_number;
+    beam.matrix.assemblies = 0;
+    std::vector<Vector> b, x(count);
+    std::vector<ConstRows> asked;
+    std::vector<Rows> answers;
+    for (std::size_t i = 0; i < count; ++i) b.push_back(randomVector(beam.matrix.rows(), unsigned(i))), x[i].resize(beam.matrix.rows());
+    for (std::size_t i = 0; i < count; ++i) asked.push_back(b[i]), answers.push_back(x[i]);
+    const SolveReport report = solver.solver->solveAll(beam.matrix, asked, answers);
+    EXPECT_EQ(report.stop, SolveStop::converged) << describe(report.stop);
+    EXPECT_LE(report.relative_residual, 1e-8);
+    EXPECT_LT(beam.matrix.assemblies, 20) << "each direct solve asks for the matrix";
+    for (const std::size_t i : {std::size_t(0), std::size_t(1), count - 1}) {
+      Vector exact;
+      named.solve(beam.matrix, b[i], exact);
+      EXPECT_LT(distance(x[i], exact), 1e-4 * norm(exact)) << i;
+    }
+  }
+  EXPECT_TRUE(says(choiceOf(solver), "factors instead of iterations")) << choiceOf(solver);
+}
+
+/// One step in which a body is much softer, so that block Jacobi takes several times the usual iterations, is waited for.
+TEST(AutomaticPreconditioner, ASingleSlowSolveChangesNothing) {
+  Cube heavy(5);
+  const BlockMatrix usual = heavy.matrix.values, slow = Cube(0.3).matrix.values;
+  SolverWhereMatricesVary solver("<PCGLinearSolver/>");
+  int expected = 0;
+  for (int step = 0; step < 12; ++step) expected = heavy.solve(solver);
+  EXPECT_EQ(changesOf(solver), "0") << choiceOf(solver);
+  heavy.matrix.values = slow;
+  EXPECT_GT(heavy.solve(solver), 2 * expected);
+  EXPECT_EQ(changesOf(solver), "0") << choiceOf(solver);
+  heavy.matrix.values = usual;
+  for (int step = 0; step < 3; ++step) EXPECT_EQ(heavy.solve(solver), expected);
+  EXPECT_EQ(changesOf(solver), "0") << choiceOf(solver);
+}
+
 TEST(AutomaticPreconditioner, AMassThatKeepsIterationsFewKeepsBlockJacobi) {
   Beam beam(5);
   SolverInScene solver("<PCGLinearSolver/>"), named("<PCGLinearSolver preconditioner='block_jacobi'/>");

@@ -272,7 +272,7 @@ TEST(LagrangianConstraints, WhatCannotHoldIsSaid) {
       "<MechanicalObject name=\"dofs\" position=\"0 0 0  1 0 0\"/><UniformMass totalMass=\"2\"/>"
       "<DistanceLagrangianConstraint name=\"chain\" first_point=\"0\" second_point=\"1\" distances=\"2\"/>";
   expectContains(problemsOf(sceneOf(content, 0.01, "0 0 0", "<EulerExplicitSolver/>")),
-                 "does not find the forces of the constraint");
+                 "does not support the constraint");
   Simulation held = simulationFromText(sceneOf(content + "<FixedProjectiveConstraint indices=\"0 1\"/>"));
   const StepReport report = held.step();
   EXPECT_FALSE(report.constraints_converged);

@@ -164,7 +164,7 @@ TEST(LagrangianIntegrators, ARunGoesOnFromACheckpointBitForBit) {
 
 TEST(LagrangianIntegrators, WhoDoesNotFindForcesSaysSo) {
   for (const char* integrator : {"<NewmarkImplicitSolver/>", "<EulerExplicitSolver/>"})
-    expectContains(problemsOf(pendulum(integrator, 0.01, 1)), "does not find the forces of the constraint /link");
+    expectContains(problemsOf(pendulum(integrator, 0.01, 1)), "does not support the constraint /link");
 }
 
 /// Statics solve with the matrix of the other forces, which has no inverse where only constraints hold a body.

@@ -69,7 +69,7 @@ TEST(PutSomewhere, PointsArePutAlongThreeDirections) {
         sceneOf(fmt::format("<MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/><PositionConstraint {}/>", attributes)));
   };
   EXPECT_NE(why("useDirections='0 1'").find("useDirections has 2 entries"), std::string::npos);
-  EXPECT_NE(why("useDirections='0 0 0'").find("useDirections holds no direction"), std::string::npos);
+  EXPECT_NE(why("useDirections='0 0 0'").find("useDirections selects no direction"), std::string::npos);
   EXPECT_NE(why("weight='1 2'").find("weight has 2 numbers"), std::string::npos);
   EXPECT_NE(why("indices=''").find("indices names no point"), std::string::npos);
   EXPECT_NE(why("weight='0'").find("entry 0 of directions has no length or no weight"), std::string::npos);

@@ -45,5 +45,21 @@ TEST(ConstantForceField, SaysWhatIsWrong) {
                  "all 4 nodes");
 }
 
+/// Rows of a frame are two: the force on its centre and the torque.
+TEST(LinearForceField, LoadsTheFramesThatAreNamed) {
+  Simulation simulation(sceneFromText(
+      "<Node name='root' dt='1' gravity='0 0 0'><EulerExplicitSolver/><MechanicalObject template='Rigid3' position='0 0 0 0 0 0 1 "
+      "1 0 0 0 0 0 1  2 0 0 0 0 0 1  3 0 0 0 0 0 1'/><UniformMass totalMass='4' inertia='1 1 1'/>"
+      "<LinearForceField points='2 1' times='0 1' forces='1 2 3 4 5 6  0 0 0 0 0 0'/></Node>"));
+  System& system = *simulation.systems()[0];
+  system.computeForce(system.x, system.v, system.f);
+  const Vec3 force(1, 2, 3), torque(4, 5, 6);
+  for (const Index frame : {0, 1, 2, 3}) {
+    const bool is_named = frame == 1 || frame == 2;
+    EXPECT_EQ(Vec3(system.f[2 * frame]), is_named ? force : Vec3(Vec3::Zero())) << frame;
+    EXPECT_EQ(Vec3(system.f[2 * frame + 1]), is_named ? torque : Vec3(Vec3::Zero())) << frame;
+  }
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -47,6 +47,19 @@ TEST(SurfacePressure, DoesPdVOnABodyOfQuads) {
   }
 }
 
+/// Of the 3 x 3 or 4 x 4 blocks that a face has, and not of the 6 x 6 of the largest one.
+TEST(SurfacePressure, ProductsCostWhatTheBlocksOfItsFacesDo) {
+  const auto costOf = [](const std::string& cells) {
+    FieldUnderTest t = pressureOn(cube_positions, cells, "pressure='7'");
+    return t.field().cost();
+  };
+  const ForceField::Cost three = costOf(triangles(cube_triangles)), four = costOf(quads(cube_quads));
+  EXPECT_GT(three.product, 0);
+  EXPECT_DOUBLE_EQ(three.product / (12 * 9), four.product / (6 * 16));
+  EXPECT_DOUBLE_EQ(three.assembly / (12 * 9), four.assembly / (6 * 16));
+  EXPECT_LT(three.product, 12 * 9 * 4) << "some nanoseconds a block";
+}
+
 TEST(SurfacePressure, ClosedSurfacesFeelNoForceAndNoTorque) {
   const std::string stress =
       "cauchyStress='3 1 -2 0.5 7 4' useConstantForce='false' triangleList='0 1 2 3 4 5 6 7 8 9 "

@@ -223,7 +223,7 @@ TEST(Mappings, PointsOnWhichNothingActsCostNothingInAStep) {
   const std::vector<Vec3> points = scattered(30, 0);
   Scene scene{.points = list(points)};
   Simulation passive = simulationFromText(scene.text());
-  EXPECT_TRUE(explains(passive, "mapping /body/child/mapping: after steps that something reads; nothing acts on its nodes"));
+  EXPECT_TRUE(explains(passive, "mapping /body/child/mapping: only after steps in which it is read; nothing acts on its nodes"));
   EXPECT_TRUE(passive.systems().at(0)->actors().mappings.empty());
   scene.more = "<ConstantForceField indices=\"3\" totalForce=\"0 0 0.1\"/>";
   Simulation acting = simulationFromText(scene.text());
@@ -305,6 +305,19 @@ TEST(Mappings, SubsetsAreListedRangedOrNearest) {
   EXPECT_EQ(parents("", "0.03 0 0  0.09 0.06 0.12"), (Rows{1, 59}));
 }
 
+/// Hyperelastic products cost more than those of a matrix. Many of them pay for its assembly where points are embedded, too.
+TEST(Mappings, ManyProductsPayForAMatrix) {
+  const Scene scene{.points = list(scattered(20, 0)),
+                    .more = "<UniformMass name=\"mass\" totalMass=\"0.1\"/>",
+                    .body = "<TetrahedronHyperelasticityFEMForceField name=\"law\" materialName=\"StableNeoHookean\" "
+                            "youngModulus=\"5000\" poissonRatio=\"0.4\"/>"};
+  Simulation simulation = simulationFromText(scene.text());
+  simulation.step();
+  const SystemMatrix& matrix = simulation.systems()[0]->matrix();
+  EXPECT_FALSE(matrix.prefersAssembled(2));
+  EXPECT_TRUE(matrix.prefersAssembled(1000));
+}
+
 TEST(Mappings, SaysWhatIsWrong) {
   const auto says = [](const Scene& scene, const std::string& sentence) {
     const std::string problems = problemsOf(scene.text());
@@ -323,7 +336,7 @@ TEST(Mappings, SaysWhatIsWrong) {
        "mapForces is false");
   says({.mapping = "<BarycentricMapping mapMasses=\"false\"/>", .more = "<UniformMass totalMass=\"1\"/>"},
        "mapMasses is false");
-  says({.more = "<FixedProjectiveConstraint indices=\"0\"/>"}, "whose positions follow from /body/dofs");
+  says({.more = "<FixedProjectiveConstraint indices=\"0\"/>"}, "whose positions are mapped from /body/dofs");
   // far outside: a warning, not an error
   const Simulation far = simulationFromText(Scene{.points = "0.01 0.01 0.01  0.5 0 0"}.text());
   ASSERT_EQ(far.scene().diagnostics.problems().size(), 1u);

@@ -56,7 +56,7 @@ TEST(Frames, ScaleAndRotationActOnBoth) {
 TEST(Frames, SayWhatIsWrong) {
   expectContains(problemsOf(scene("template=\"Rigid3\" position=\"1 2 3 0 0 0\"")),
                  "7 numbers for each node of type Rigid3");
-  expectContains(problemsOf(scene("template=\"Rigid3\" position=\"1 2 3 0 0 0 0\"")), "which is no orientation");
+  expectContains(problemsOf(scene("template=\"Rigid3\" position=\"1 2 3 0 0 0 0\"")), "which is not an orientation");
   expectContains(problemsOf(scene("template=\"Rigid4\" position=\"1 2 3\"")), "nodes of type Rigid4 do not exist");
   expectContains(problemsOf(scene("position=\"1 2 3 0 0 0 1\"")), "template=\"Rigid3\"");
   expectContains(

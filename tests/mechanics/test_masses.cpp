@@ -245,8 +245,8 @@ TEST(Masses, SayWhatIsWrong) {
 
 TEST(Masses, WarnOfDefaultsAndOfNodesWithoutCells) {
   const auto warnings = [](const std::string& xml) { return sceneFromText(xml).diagnostics.text(); };
-  expectContains(warnings(body("", "<UniformMass/>")), "the total mass is taken as 1 kg");
-  expectContains(warnings(body("", "<DiagonalMass/>")), "the total mass is taken as 1 kg");
+  expectContains(warnings(body("", "<UniformMass/>")), "the total mass is set to 1 kg");
+  expectContains(warnings(body("", "<DiagonalMass/>")), "the total mass is set to 1 kg");
   expectContains(warnings(body("", "<DiagonalMass massDensity='1' totalMass='2'/>")), "totalMass is used");
   expectContains(warnings(body("extraNodes='2'", "<DiagonalMass massDensity='1'/>")),
                  "2 of 10 nodes belong to no cell");

@@ -157,7 +157,7 @@ TEST_F(Output, MonitorWritesWhatOtherComponentsCompute) {
   expectContains(problemsOf(body("contact.mstate")), "numbers or vectors");
   EXPECT_EQ(problemsOf(body("/contact.pressures")), "");
   // attributes of a state are what it starts with
-  expectContains(problemsOf(body("MechanicalObject.position")), "is a state, whose attributes are what it starts with");
+  expectContains(problemsOf(body("MechanicalObject.position")), "is a state, whose attributes are initial values");
   expectContains(problemsOf(body("v2=/MechanicalObject.velocity")), "ExportPositions, ExportVelocities or ExportForces");
 }
 

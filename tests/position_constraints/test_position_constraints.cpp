@@ -255,7 +255,7 @@ TEST(PlaneConstraint, AHeldNodeBehindItIsSaid) {
   expectConflict(simulationFromText(root("<EulerExplicitSolver/><MechanicalObject position=\"0 0 -0.5  0 1 0\"/>"
                                          "<UniformMass totalMass=\"2\"/><FixedProjectiveConstraint indices=\"0\"/>"
                                          "<PlaneConstraint normal=\"0 0 1\" d=\"0\"/>")),
-                 "node 0 is 0.5 m behind plane 0 and held there");
+                 "node 0 is 0.5 m behind plane 0 and fixed there");
   expectContains(
       problemsOf(root("<EulerExplicitSolver/><MechanicalObject position=\"0 0 0\"/><UniformMass totalMass=\"1\"/>"
                       "<PlaneConstraint normal=\"0 0 0\" d=\"0\"/>")),

@@ -589,7 +589,7 @@ def test_what_refuses_a_step_does_so_without_observers(folder):
             report = simulation.run(10)
             assert report.end != "done", simulation.time
         except stroma.StepError as error:
-            assert "a mesh is to change and cannot" in str(error)
+            assert "a planned change of a mesh is not possible" in str(error)
         assert simulation.time < 0.07
 
 

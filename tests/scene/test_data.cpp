@@ -119,7 +119,7 @@ TEST(DataParse, Ranges) {
   EXPECT_FALSE(data.parse("0", DataOrigin::written));
   const auto problem = data.parse("0.1 0.5", DataOrigin::written);
   ASSERT_TRUE(problem);
-  EXPECT_NE(problem->message.find("0.5 (number 2 of the value: commas part them)"), std::string::npos) << problem->message;
+  EXPECT_NE(problem->message.find("0.5 (number 2 of the value: commas separate them)"), std::string::npos) << problem->message;
   EXPECT_NE(problem->expected.find("[0, 0.5)"), std::string::npos);
   EXPECT_EQ(ratio, std::vector<double>{0}) << "the value before stays";
 }

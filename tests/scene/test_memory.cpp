@@ -29,7 +29,7 @@ TEST_F(Memory, AComponentThatGetsNoneIsNamedWithItsPlace) {
   EXPECT_EQ(problem.path, "/mesh");
   EXPECT_EQ(problem.where.line, 3);
   double megabytes = 0;
-  EXPECT_EQ(std::sscanf(problem.message.c_str(), "it asks for more than %lf MB of memory", &megabytes), 1) << problem.text();
+  EXPECT_EQ(std::sscanf(problem.message.c_str(), "it needs more than %lf MB of memory", &megabytes), 1) << problem.text();
   EXPECT_GT(megabytes, 1) << "what this machine has left";
   EXPECT_EQ(problem.message.find("bad_alloc"), std::string::npos) << problem.text();
 }

@@ -329,7 +329,7 @@ TEST_F(ChangeFiles, WhatCannotFollowEndsTheRunWithASentence) {
   const std::string knife =
       "<TopologicalChangeProcessor name=\"knife\" useDataInputs=\"true\" timeToRemove=\"0.015\" hexahedraToRemove=\"";
   expectContains(endOf(knife + "7\"/>"), "there is no hexahedron 7: there are 2");
-  expectContains(endOf(knife + "0 1\"/>"), "cannot be as it becomes");
+  expectContains(endOf(knife + "0 1\"/>"), "changed scene is not valid");
   expectContains(endOf(knife + "1\"/><Monitor indices=\"2 3\" ExportPositions=\"true\" fileName=\"" + file("watched") + "\"/>"),
                  "names a point that goes");
   expectContains(endOf(knife + "1\"/><Node><MechanicalObject/><SubsetMapping indices=\"0 3\"/></Node>"),

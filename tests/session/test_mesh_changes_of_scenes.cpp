@@ -222,14 +222,14 @@ TEST_F(ChangedSceneFiles, APointThatGetsACellAgainIsFree) {
 
 // ---- lists that go together, and what acts on nothing ----
 
-std::string twoBars(const std::string& joint) {
+std::string twoBars(const std::string& joint, const std::string& of_b = "") {
   const auto body = [](const char* name, int z, const std::string& more) {
     return fmt::format("<Node name=\"{}\"><RegularGridTopology n=\"6 2 2\" min=\"0 0 {}\" max=\"5 1 {}\"/><MechanicalObject "
                        "name=\"s\"/><DiagonalMass massDensity=\"1\"/>",
                        name, z, z + 1) +
            hexes + more + "</Node>";
   };
-  return root(body("A", 0, knife) + body("B", 1, "") + joint);
+  return root(body("A", 0, knife) + body("B", 1, of_b) + joint);
 }
 
 /// Body B when the springs or attachments are those that are left, with the same bodies, and nothing else.
@@ -265,6 +265,38 @@ TEST(ChangedScenes, ListsThatGoTogetherFollow) {
     if (const Data* lengths = j.data().find("lengths")) EXPECT_EQ(lengths->print(), "0.1 0.2 0.3");
     if (const Data* stiffness = j.data().find("springsIndices1") ? j.data().find("stiffness") : nullptr)
       EXPECT_EQ(stiffness->print(), "200 300 400");
+  }
+}
+
+/// The first cell of A and the last one of B go at once. Of pairs of nodes at x = 0, 1, 3, 5 those at 1 and 3 are left.
+TEST(ChangedScenes, WhatTiesTwoBodiesThatBothLosePointsFollowsBoth) {
+  for (const char* joint :
+       {"<AttachProjectiveConstraint name=\"j\" object1=\"@A/s\" object2=\"@B/s\" indices1=\"12 13 15 23\" indices2=\"0 1 3 11\"/>",
+        "<SpringForceField name=\"j\" object1=\"@A/s\" object2=\"@B/s\" springsIndices1=\"12 13 15 23\" springsIndices2=\"0 1 3 11\" "
+        "lengths=\"0 0.1 0.2 0.3\" stiffness=\"100 200 300 400\" damping=\"1 2 3 4\"/>",
+        "<BilateralLagrangianConstraint name=\"j\" object1=\"@A/s\" object2=\"@B/s\" first_point=\"12 13 15 23\" "
+        "second_point=\"0 1 3 11\"/>"}) {
+    Session session;
+    session.loadText(twoBars(joint, "<CarvingRegion box=\"4.1 -9 -9 4.9 9 9\" begin=\"0.02\" end=\"0.02\"/>"), "two.xml");
+    const Seen a = runFor(session, 6, "/A/s");
+    ASSERT_EQ(a.report.end, RunEnd::done) << a.report.reason;
+    const auto& b = dynamic_cast<const State&>(*findComponent(session.simulation().root(), "/B/s"));
+    EXPECT_EQ(b.nodes(), 20);
+    const DataTable& data = findComponent(session.simulation().root(), "/j")->data();
+    const auto list = [&data](const char* spring, const char* attach, const char* tie) {
+      const Data* found = data.find(spring) ? data.find(spring) : data.find(attach) ? data.find(attach) : data.find(tie);
+      return *std::get<std::vector<int>*>(found->pointer());
+    };
+    const std::vector<int> first = list("springsIndices1", "indices1", "first_point"),
+                           second = list("springsIndices2", "indices2", "second_point");
+    ASSERT_EQ(first.size(), 2u) << joint;
+    ASSERT_EQ(second.size(), 2u) << joint;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Vec3 place(k == 0 ? 1 : 3, 0, 1);
+      EXPECT_EQ(a.rest[std::size_t(first[k])], place) << joint;
+      EXPECT_EQ(b.rest_position[std::size_t(second[k])], place) << joint;
+    }
+    if (data.find("springsIndices1")) EXPECT_EQ(data.find("stiffness")->print(), "200 300");
   }
 }
 

@@ -189,7 +189,7 @@ TEST(SystemErrors, NameWhatIsWrong) {
       "/far: /b/s acts on this state, but no integrator moves it");
   expectContains(problemsOf(inRoot(state + R"(<Node name="c"><MechanicalObject name="dofs" size="1"/>
     <FixedProjectiveConstraint name="hold" indices="0"/><TestMean name="mean" input="@/dofs" output="@/c/dofs"/></Node>)")),
-                 "/c/hold holds nodes of /c/dofs, whose positions follow from /dofs by /c/mean");
+                 "/c/hold constrains nodes of /c/dofs, whose positions are mapped from /dofs by /c/mean");
 }
 
 TEST(SystemErrors, MassIsRequiredWhereNodesCanMove) {

@@ -202,7 +202,7 @@ def points_of_no_other_body():
         grid = '<RegularGridTopology name="grid" n="3 1 1" min="0 0 0" max="2 0 0"/>' if "@" in position else ""
         outside = Run(root(EXACT + grid + body.format('external_points="2 3"').replace('position="0 0 0  1 0 0  2 0 0"', position)), 10)
         falls(outside)
-        outside.says("node 3", "which has 3 nodes: the springs do nothing")
+        outside.says("node 3", "which has 3 nodes: the springs have no effect")
 
 
 @case

@@ -189,7 +189,7 @@ def materials_that_are_components():
             expected = euler(x, np.eye(len(x)), fields, 12, 0.01, held=held)
             agree(run.x() - x, expected - x, 1e-7)
             assert "has no attribute" not in run.text, run.text
-    run.says("nothing in this law resists a change of volume", "a tension of 10")
+    run.says("this law does not resist changes of volume", "a tension of 10")
 
 
 @case

@@ -710,7 +710,7 @@ def what_frames_carry_where_they_turn():
     agree(carried(rigid + f' position="{turned}"', "RigidRigidMapping", 'index="1" globalToLocalCoords="1"', 7)[1], [[0.5, 0, 0, s, 0, 0, s]])
     run, x = carried(places, "RigidMapping", 'index="1" rigidIndexPerPoint="0 0 0"')
     agree(x, [[1, 2.5, 0], [-3, 2, 0]])
-    run.says("rigidIndexPerPoint has 3 values for 2 points: it does not count, as in SOFA, and frame 1 carries all")
+    run.says("rigidIndexPerPoint has 3 values for 2 points: it is ignored, as in SOFA, and frame 1 carries all points")
     wrong = node(EXACT + frames + child.format(rigid, "RigidRigidMapping", 'initialPoints="0.5 0 0 0 0 0 0"'))
     Run(wrong, 1).fails(2, "initialPoints: the quaternion of frame 0 has the length 0", "x y z w of length one")
 

@@ -38,7 +38,7 @@ def nodes_without_a_velocity_have_the_last():
     agree(of_mesh.x()[:, 1], [2, 5.1, 8.1])
     longer = Run(node(EXACT + MESH + '<MechanicalObject name="dofs" velocity="0 0 0  0 1 0  0 2 0  0 3 0"/><UniformMass totalMass="3"/>'), 10)
     agree(longer.x()[:, 1], [2, 5.1, 8.2])
-    longer.says("velocity has 4 nodes and the mesh 3: the others do not count, as in SOFA")
+    longer.says("velocity has 4 nodes and the mesh 3: the others are ignored, as in SOFA")
     frames = ('<MechanicalObject name="dofs" template="Rigid3" position="0 0 0 0 0 0 1  1 0 0 0 0 0 1  2 0 0 0 0 0 1" '
               'velocity="0 0 0 0 0 0  0 1 0 0 0 0"/><UniformMass totalMass="3"/>')
     agree(Run(node(EXACT + frames), 10).x("dofs", 7)[:, 1], [0, 0.1, 0.1])

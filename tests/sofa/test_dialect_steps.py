@@ -276,7 +276,7 @@ def spreads_in_tetrahedra(ratio, fibres, numbers, mass='<DiagonalMass massDensit
     more += f' anisotropyRatio="{ratio}" transverseAnisotropyArray="{fibres}"'.replace("[", "").replace("]", "").replace(",", "")
     run = Run(scene.format(more), 30)
     agree(run.x("heat.T", 1).ravel(), T)
-    assert ("counts with it" in run.text) == (ratio == 3), run.text
+    assert ("scales the diffusion" in run.text) == (ratio == 3), run.text
     Run(scene.format('anisotropyRatio="2"'), 1).fails(2, "transverseAnisotropyArray has 0 directions for 2 tetrahedra")
 
 

@@ -169,7 +169,7 @@ with tempfile.TemporaryDirectory() as folder:
     with open(path, "w") as out:
         out.write("def createScene(root):\n    while True:\n        pass\n")
     done = subprocess.run([STROMA, "check", "--sofa", folder, "--limit", "3"], capture_output=True, text=True, timeout=1800)
-    assert "endless.py: cannot run because given up after 3 s of processor time" in done.stdout, done.stdout + done.stderr
+    assert "endless.py: cannot run because abandoned after 3 s of processor time" in done.stdout, done.stdout + done.stderr
 
     def still_runs():
         for process in filter(str.isdigit, os.listdir("/proc")):

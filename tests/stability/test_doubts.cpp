@@ -153,7 +153,7 @@ TEST(Doubts, CellsThatAPressTurnsInsideOutAreNamed) {
   EXPECT_FALSE(says(local, "dilatation")) << local;
   // ln J keeps the points, not the corners
   const std::string log = pressed(R"(materialName="NeoHookean" dilatation="mean")");
-  EXPECT_TRUE(says(log, "hexahedra are inside out at a corner")) << log;
+  EXPECT_TRUE(says(log, "hexahedra are inverted at a corner")) << log;
 }
 
 /// W = mu/2 (I1 - 3) + (lambda + mu)/2 (J - a)^2 of a bar of length s with free sides: J = a - mu/((lambda + mu) s), with Poisson's
@@ -191,7 +191,7 @@ TEST(Doubts, MeshesThatSpringsLetFoldAreNamed) {
   Vector& x = block.systems()[0]->x;
   EXPECT_EQ(doubtsText(block), "");
   for (Index i = 0; i < x.count(); ++i) x[i].y() *= -1;
-  EXPECT_TRUE(says(doubtsText(block), "/grid at t = 0: 8 of 8 hexahedra are inside out at a corner"))
+  EXPECT_TRUE(says(doubtsText(block), "/grid at t = 0: 8 of 8 hexahedra are inverted at a corner"))
       << doubtsText(block);
 }
 
@@ -336,10 +336,10 @@ TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
   Diagnostics told;
   warnOfLaggedForces(early, told);
   ASSERT_EQ(told.problems().size(), 1u);
-  EXPECT_TRUE(says(told.problems()[0].text(), "from before the step"));
+  EXPECT_TRUE(says(told.problems()[0].text(), "lags by one step"));
   EXPECT_EQ(doubtsText(early), "");
   for (const std::string rule : {"<BDFOdeSolver order='2'/>", "<NewmarkImplicitSolver/>", "<TrapezoidalRuleSolver/>"}) {
-    EXPECT_TRUE(says(sponge(rule, "semi_implicit"), "from before the step")) << rule;
+    EXPECT_TRUE(says(sponge(rule, "semi_implicit"), "lags by one step")) << rule;
     EXPECT_EQ(sponge(rule, "implicit"), "") << rule;
   }
   for (const std::string rule : {"<BDFOdeSolver order='1'/>", "<EulerImplicitSolver/>"})

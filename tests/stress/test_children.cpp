@@ -50,7 +50,7 @@ TEST(StressChildren, AreLateByTheirOwnWorkAlone) {
   children.start(2, 0.3, [] { return spin(100), std::string("worked"); });
   end = endOf(children);
   EXPECT_TRUE(end.is_late);
-  EXPECT_EQ(end.failure, "given up after 0.3 s of processor time");
+  EXPECT_EQ(end.failure, "abandoned after 0.3 s of processor time");
 }
 
 TEST(StressChildren, ThatStandStillAreNotWaitedFor) {
@@ -58,7 +58,7 @@ TEST(StressChildren, ThatStandStillAreNotWaitedFor) {
   children.start(1, 100, [] { return sleepFor(1000), std::string("slept"); });
   const ChildEnd end = endOf(children);
   EXPECT_FALSE(end.is_late) << "a standstill is a fault, and no lack of time";
-  EXPECT_EQ(end.failure, "it stands still: no processor time in 1 s");
+  EXPECT_EQ(end.failure, "it hangs: no processor time used in 1 s");
 }
 
 TEST(StressChildren, ThatCrashAreNoSuccess) {
@@ -66,9 +66,9 @@ TEST(StressChildren, ThatCrashAreNoSuccess) {
   children.start(1, 10, []() -> std::string { std::abort(); });
   EXPECT_EQ(endOf(children).failure, "it crashes with SIGABRT");
   children.start(2, 10, []() -> std::string { throw 1; });
-  EXPECT_EQ(endOf(children).failure, "its process ends with code 0 and without a word");
+  EXPECT_EQ(endOf(children).failure, "its process ends with code 0 and no message");
   children.start(3, 10, []() -> std::string { _exit(7); });
-  EXPECT_EQ(endOf(children).failure, "its process ends with code 7 and without a word");
+  EXPECT_EQ(endOf(children).failure, "its process ends with code 7 and no message");
 }
 
 /// What a pipe says within ten minutes: a number, 0 at its end, -1 for nothing.

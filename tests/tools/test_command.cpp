@@ -130,7 +130,7 @@ TEST_F(Command, AConstraintThatDoesNotHoldEndsTheRun) {
   const Finished run = stroma("run behind.xml -n 5 --quiet --json report.json");
   EXPECT_EQ(run.code, 3) << run.err;
   EXPECT_TRUE(has(run.err, "not converged: ")) << run.err;
-  EXPECT_TRUE(has(run.err, "held there")) << run.err;
+  EXPECT_TRUE(has(run.err, "fixed there")) << run.err;
   const auto report = nlohmann::json::parse(readText(folder_ / "report.json"));
   EXPECT_EQ(report["outcome"], "not converged");
   EXPECT_TRUE(has(report["reason"].get<std::string>(), "node 0 is 0.5 behind plane 0"));
@@ -311,7 +311,7 @@ TEST_F(Command, AStrictRunDoesNotEndInDoubt) {
   <UniformMass totalMass="1"/><MeshSpringForceField stiffness="100"/>
 </Node>
 )");
-  const std::string sentence = "1 of 1 tetrahedra are inside out";
+  const std::string sentence = "1 of 1 tetrahedra are inverted";
   const Finished mild = stroma("run mirrored.xml -n 3 --quiet");
   EXPECT_EQ(mild.code, 0) << mild.err;
   EXPECT_TRUE(has(mild.err, sentence)) << mild.err;

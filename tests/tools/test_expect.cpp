@@ -52,6 +52,26 @@ TEST_F(Expectations, APlaceThatAListDoesNotHaveIsAFailure) {
   misses(R"xml(<Expect of="/mass.totalMass" nodes="0 7" above="0"/>)xml", "/mass.totalMass[7], of a list of 1, is nan");
 }
 
+TEST_F(Expectations, NumbersOfCellsAreThoseOfTheStart) {
+  const auto body = [this](const char* expect, const char* begin) {
+    write("cut.xml", std::string(R"(<Node name="root" dt="0.01" gravity="0 -10 0"><EulerImplicitSolver/><SparseLDLSolver/>
+    <RegularGridTopology n="4 2 2" min="0 0 0" max="3 1 1"/><MechanicalObject name="dofs"/><DiagonalMass massDensity="1"/>
+    <HexahedronFEMForceField name="fem" youngModulus="1e5" poissonRatio="0.3"/><BoxROI name="end" box="2.9 -1 -1 3.1 2 2"/>
+    <FixedProjectiveConstraint indices="@end.indices"/><CarvingRegion box="0.1 -9 -9 0.9 9 9" end="1" begin=")") +
+                             begin + "\"/>" + expect + "</Node>");
+    return stroma("run cut.xml --no-record -n 4");
+  };
+  const char* const of_cell = R"(<Expect of="/fem.vonMises" nodes="1" above="-1" when="always"/>)";
+  EXPECT_EQ(body(of_cell, "0.9").code, 0);
+  EXPECT_EQ(body(R"(<Expect of="/fem.vonMises" above="-1" when="always"/>)", "0.02").code, 0);
+  const Finished cut = body(of_cell, "0.02");
+  EXPECT_EQ(cut.code, 1) << cut.err;
+  EXPECT_NE(cut.err.find("/fem.vonMises had 3 numbers where the scene starts and has 2"), std::string::npos) << cut.err;
+  const Finished axis = body(R"(<Expect of="/fem.stress" axis="norm" above="-1"/>)", "0.9");
+  EXPECT_EQ(axis.code, 2);
+  EXPECT_NE(axis.err.find("`axis` chooses of vectors"), std::string::npos) << axis.err;
+}
+
 TEST_F(Expectations, ATimeThatIsNotReachedIsAFailure) {
   misses(R"xml(<Expect of="/dofs.displacement" axis="x" is="0" at="0.1 0.5"/>)xml",
          "was not compared at t = 0.5: the run ended at 0.2");

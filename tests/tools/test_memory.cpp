@@ -24,10 +24,10 @@ TEST_F(MemoryOfTheCommand, AMeshThatIsTooLargeIsRefusedAsOtherBadInput) {
   EXPECT_EQ(run.code, 2) << run.err;
   EXPECT_NE(run.err.find("large.xml:3"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("/grid"), std::string::npos) << run.err;
-  const std::size_t said = run.err.find("it asks for more than ");
+  const std::size_t said = run.err.find("it needs more than ");
   ASSERT_NE(said, std::string::npos) << run.err;
   double megabytes = 0;
-  ASSERT_EQ(std::sscanf(run.err.c_str() + said, "it asks for more than %lf MB of memory", &megabytes), 1) << run.err;
+  ASSERT_EQ(std::sscanf(run.err.c_str() + said, "it needs more than %lf MB of memory", &megabytes), 1) << run.err;
   EXPECT_GT(megabytes, 100) << "125 million nodes take 3000";
   EXPECT_LT(megabytes, 2000000 * 1024. / 1048576);
   EXPECT_NE(run.err.find("nothing was run"), std::string::npos) << run.err;

@@ -42,7 +42,7 @@ TEST_F(PlantedMistakes, AllTenInOneRun) {
                            "ten.xml:11:42: error: /body/fem.method",                         // word
                            "ten.xml:12:32: error: /body/FixedProjectiveConstraint.indices",  // broken link
                            "ten.xml:13:5: error: /body/empty: the selection is empty",       // empty selection
-                           "ten.xml:15:5: error: /body/loopB: components need each other in a circle",  // link cycle
+                           "ten.xml:15:5: error: /body/loopB: circular dependency between components",  // link cycle
                            "ten.xml:18:35: error: /other/loader.filename",                              // missing file
                            "ten.xml:21:51: error: /other/TetrahedronFEMForceField.poissonRatio",        // range
                            "did you mean 'gravity'", "did you mean 'EulerImplicitSolver'", "did you mean 'tolerance'",

@@ -58,11 +58,11 @@ TEST_F(ScenePage, ItsRulesHold) {
        "totalMass='1'/></Node>",
        0, ""},
       {"types of nodes", "<Node><EulerExplicitSolver/><MechanicalObject template='Rigid4'/></Node>", 2, "Rigid4"},
-      {"dt of a child", "<Node><Node dt='0.1'/></Node>", 2, "a child node has no time step of its own"},
+      {"dt of a child", "<Node><Node dt='0.1'/></Node>", 2, "a child node cannot have its own time step"},
       {"gravity of a child", "<Node gravity='0 0 0'>" + falling("", " gravity='0 -1 0'") + "</Node>", 0, ""},
-      {"a node that is off", falling("<Node activated='false'><Nonsense/></Node>"), 0, "nothing in it takes part"},
+      {"a node that is off", falling("<Node activated='false'><Nonsense/></Node>"), 0, "it is left out with its contents"},
       {"an attribute of a node", falling("", " dtt='1'"), 2, "did you mean 'dt'?"},
-      {"ranges", falling("<FixedProjectiveConstraint indices='1-0'/>"), 2, "not a rising range"},
+      {"ranges", falling("<FixedProjectiveConstraint indices='1-0'/>"), 2, "not an ascending range"},
       {"whole values", falling("", " gravity='0 -9.81 0 1'"), 2, "4 numbers instead of 3"},
       {"the component before",
        falling("<BoxROI box='-1 -1 -1 .5 1 1'/><FixedProjectiveConstraint "
@@ -79,7 +79,7 @@ TEST_F(ScenePage, ItsRulesHold) {
       {"a circle",
        falling("<BoxROI name='a' box='0 0 0 1 1 1' position='@b.pointsInROI'/><BoxROI name='b' box='0 0 0 1 1 1' "
                "position='@a.pointsInROI'/>"),
-       2, "in a circle: /a.position -> /b.position"},
+       2, "between components: /a.position -> /b.position"},
       {"an empty selection", falling("<BoxROI box='5 5 5 6 6 6'/>"), 2, "the selection is empty"},
       {"one that may be", falling("<BoxROI box='5 5 5 6 6 6' allowEmpty='true'/>"), 0, ""},
       {"what only draws", falling("<OglModel/><DefaultAnimationLoop/><Node><OglModel/><IdentityMapping/></Node>"), 0,

@@ -116,16 +116,30 @@ class Browser:
             self.until("window.stroma && window.stroma.ready && window.stroma.store.bodies.length > 0", "the scene to be drawn")
 
     def leave(self):
-        """The page for an empty one, and waits until it is gone: a server that ends before would be missed, rightly."""
-        self.driver.get("about:blank")
-        self.until("location.href === 'about:blank' && !window.stroma", "the page to be left")
+        """Replaces the page by an empty one and waits until it is gone: a server that ends earlier would be missed, rightly."""
+        if self.script("location.href !== 'about:blank'"):
+            self.driver.get("about:blank")
+            self.until("location.href === 'about:blank' && !window.stroma", "the page to be left")
+
+    def holds(self, condition):
+        """Whether a condition is true: a function, or some JavaScript, for which the page itself waits up to a quarter of a second.
+        A question from outside wakes four processes in turn; beside other programs each of them first waits for a core."""
+        if callable(condition):
+            return condition()
+        value, problem = self.driver.execute_async_script(
+            "const answer = arguments[0], end = performance.now() + 250; (function ask() { let value = false, problem = null;"
+            f" try {{ value = !!({condition}); }} catch (error) {{ problem = String(error); }}"
+            " if (value || performance.now() > end) answer([value, problem]); else setTimeout(ask, 4); })();")
+        if problem:
+            raise JavascriptException(problem)
+        return value
 
     def until(self, condition, what, seconds=PATIENCE):
-        """Waits for some JavaScript, or a function, to be true. What it asks of may not be there yet, or be made anew meanwhile."""
+        """Waits for some JavaScript, or a function, to be true. What it asks about may not be there yet, or be made again meanwhile."""
         end, problem, pause = time.monotonic() + seconds, "", 0.002
         while True:
             try:
-                value = condition() if callable(condition) else self.script(condition)
+                value = self.holds(condition)
                 if value:
                     return value
             except (JavascriptException, StaleElementReferenceException) as error:

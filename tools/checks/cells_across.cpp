@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/checks/cells_across.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
+#include <tuple>
 
-#include "framework/mechanics/open_choices.h"
-#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/mesh/cell_tables.h"
 
@@ -61,9 +57,14 @@ std::vector<Side> sidesOf(const std::vector<Cell>& cells, int faces) {
   return sides;
 }
 
+/// A hexahedron along the body.
+struct Along {
+  double step = 0;                    ///< its length
+  double lean = 0, lean_in_plan = 0;  ///< of its end faces, squared (Slenderness)
+};
 struct Line {
   double length, cells;
-  double step = 0;  ///< length of its first cell along the body
+  Along first = {};  ///< of its first cell
 };
 
 Vec3 middle(const Side& side, const std::vector<Vec3>& position) {
@@ -98,22 +99,67 @@ double reachFrom(const Side& side, const std::vector<Side>& sides, const std::ve
   return std::numeric_limits<double>::infinity();
 }
 
-/// Length of the cell of a side along the one of its two other directions in which the body goes farther.
-double stepAlong(const Side& start, const std::vector<Hexahedron>&, const std::vector<Side>& sides, const std::vector<Vec3>& position) {
+/// xi, eta or zeta (0, 1, 2) of corners of hexahedra: -1 or 1.
+double signOf(int corner, int axis) { return cell_kinds::hexahedron.reference[std::size_t(corner)][std::size_t(axis)]; }
+/// The axis that is the same at the four corners of a face.
+int axisOf(int face) {
+  const auto& nodes = cell_kinds::hexahedron.faces[std::size_t(face)].nodes;
+  int axis = 0;
+  while (signOf(nodes[0], axis) != signOf(nodes[1], axis) || signOf(nodes[0], axis) != signOf(nodes[2], axis)) ++axis;
+  return axis;
+}
+
+/// sum_c s_c x_c of the corners, s their sign along an axis, or the product of those along two.
+Vec3 sumOf(const Hexahedron& cell, const std::vector<Vec3>& position, int axis, int other = -1) {
+  Vec3 sum = Vec3::Zero();
+  for (int c = 0; c < 8; ++c) sum += signOf(c, axis) * (other < 0 ? 1 : signOf(c, other)) * position[cell[std::size_t(c)]];
+  return sum;
+}
+/// t, where the end faces of a cell across the axis `along` lean apart upward by the tangent t each. `up` is across the axis.
+double leanOf(const Hexahedron& cell, const std::vector<Vec3>& position, int along, const Vec3& up) {
+  int across = (along + 1) % 3;
+  if (const int third = 3 - along - across;
+      std::abs(sumOf(cell, position, third).normalized().dot(up)) > std::abs(sumOf(cell, position, across).normalized().dot(up)))
+    across = third;
+  const Vec3 length = sumOf(cell, position, along), height = sumOf(cell, position, across);
+  const double area = height.cross(length).norm(), t = sumOf(cell, position, along, across).dot(length) / area;
+  return area > 0 ? std::copysign(t, t * height.dot(up)) : 0;
+}
+
+/// Of the cell of a side, along the one of its two other directions in which the body extends farther.
+Along stepAlong(const Side& start, const std::vector<Hexahedron>& cells, const std::vector<Side>& sides,
+                const std::vector<Vec3>& position) {
   const Side* back = oppositeOf(start, sides);
-  double farthest = 0, step = 0;
+  double farthest = 0;
+  Along out;
+  int along = 0;
   for (std::size_t f = 0; back && f < 6; ++f) {
     const Side& side = sides[std::size_t(start.at.cell) * 6 + f];
     if (side.at.face == start.at.face || side.at.face == back->at.face) continue;
     const Side* other = oppositeOf(side, sides);
-    if (!other) return 0;
+    if (!other) return {};
     const double own = (middle(side, position) - middle(*other, position)).norm();
     const double reach = own + reachFrom(side, sides, position) + reachFrom(*other, sides, position);
-    if (reach > farthest) farthest = reach, step = own;
+    if (reach > farthest) farthest = reach, out.step = own, along = axisOf(side.at.face);
   }
-  return step;
+  if (!(out.step > 0)) return {};
+  const Hexahedron& cell = cells[std::size_t(start.at.cell)];
+  const int across = axisOf(start.at.face);
+  const Vec3 up = sumOf(cell, position, across).normalized(), aside = sumOf(cell, position, 3 - along - across).normalized();
+  double neighbours = 0;
+  for (std::size_t f = 0; f < 6; ++f) {
+    const Side& side = sides[std::size_t(start.at.cell) * 6 + f];
+    if (axisOf(int(f)) != along || side.across.cell < 0) continue;
+    const Hexahedron& next = cells[std::size_t(side.across.cell)];
+    const auto square = [&](const Vec3& direction) {
+      return std::pow((leanOf(cell, position, along, direction) - leanOf(next, position, axisOf(side.across.face), direction)) / 2, 2);
+    };
+    ++neighbours, out.lean += square(up), out.lean_in_plan += square(aside);
+  }
+  if (neighbours > 0) out.lean /= neighbours, out.lean_in_plan /= neighbours;
+  return out;
 }
-double stepAlong(const Side&, const std::vector<Tetrahedron>&, const std::vector<Side>&, const std::vector<Vec3>&) { return 0; }
+Along stepAlong(const Side&, const std::vector<Tetrahedron>&, const std::vector<Side>&, const std::vector<Vec3>&) { return {}; }
 
 /// Through opposite faces.
 Line lineFrom(const Side& start, const std::vector<Hexahedron>& cells, const std::vector<Side>& sides,
@@ -190,7 +236,8 @@ double median(std::vector<double>& values) {
 Line thinnest(std::vector<Line>& lines, bool hexahedra) {
   if (lines.empty()) return {0, 0};
   const auto at = lines.begin() + std::ptrdiff_t(lines.size() / (hexahedra ? 4 : 2));
-  std::nth_element(lines.begin(), at, lines.end(), [](const Line& a, const Line& b) { return a.cells < b.cells; });
+  std::nth_element(lines.begin(), at, lines.end(),
+                   [](const Line& a, const Line& b) { return std::tie(a.cells, a.length) < std::tie(b.cells, b.length); });
   return *at;
 }
 
@@ -222,7 +269,7 @@ Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& pos
     if (!(line.cells > 0)) continue;
     lengths.push_back(line.length);
     if (line.length >= 0.3 * out.extent) continue;
-    line.step = stepAlong(*boundary[i], cells, sides, position);
+    line.first = stepAlong(*boundary[i], cells, sides, position);
     short_lines.push_back(line);
   }
   out.typical = median(lengths);
@@ -230,7 +277,12 @@ Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& pos
   out.thickness = thin.length, out.cells = thin.cells;
   std::vector<double> steps;  // of lines like the thin one
   for (const Line& line : short_lines)
-    if (line.cells == thin.cells && line.length < 1.2 * thin.length) steps.push_back(line.step / line.length);
+    if (line.cells == thin.cells && line.length < 1.2 * thin.length) {
+      steps.push_back(line.first.step / line.length);
+      out.lean += line.first.lean, out.lean_in_plan += line.first.lean_in_plan;
+    }
+  const double count = double(std::max<std::size_t>(1, steps.size()));
+  out.lean = std::sqrt(out.lean / count), out.lean_in_plan = std::sqrt(out.lean_in_plan / count);
   out.step = median(steps);
   return out;
 }
@@ -242,123 +294,6 @@ Slenderness slenderness(const std::vector<Hexahedron>& cells, const std::vector<
 }
 Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& position, const Vec3& held) {
   return measure(cells, position, held);
-}
-
-std::string tooCoarseForBending(const Slenderness& body, bool hexahedra, const BendingLaw& law) {
-  constexpr double share_tetrahedra = 3, limit = 0.03;  // measured on cantilevers under their weight of 4 and 8 cubes over the height
-  if (!body.isSlender() || !(body.cells > 0) || law.has_incompatible_modes) return {};
-  const double nu = law.poisson_ratio, n = body.cells, shear = 1 / (2 * (1 + nu));
-  const double volume = law.has_mean_dilatation ? 0 : 1.1 * nu * nu / (1 - 2 * nu);
-  const double cubes = hexahedra ? shear + volume : share_tetrahedra;  // times 1 / n^2
-  const bool is_known = hexahedra && body.step > 0;
-  const double error = is_known ? shear * body.step * body.step + volume / (n * n) : cubes / (n * n);
-  if (error < limit) return {};
-  const bool are_long = is_known && body.step * n > 1.5;
-  return fmt::format(
-      "{:.2g} {} lie over a thickness of {:.3g} in a body of {:.3g}{}: coarse for bending, where it is some {:.0f} % too "
-      "stiff. {} over the thickness{} are within 3 %{}{}",
-      n, hexahedra ? "hexahedra" : "tetrahedra", body.thickness, body.extent,
-      are_long ? fmt::format(", and are {:.3g} long", body.step * body.thickness) : "", 100 * error / (1 + error),
-      std::ceil(std::sqrt(cubes / limit)), are_long ? ", as long as high," : "",
-      hexahedra ? "" : "; so are fewer hexahedra, which bend better",
-      hexahedra && law.may_have_them ? "; where edges are parallel these bend far better with incompatibleModes=\"true\"" : "");
-}
-
-bool hasMeanDilatation(const ForceField& field) {
-  const Data* dilatation = field.data().find("dilatation");
-  const auto* open = dynamic_cast<const OpenChoices*>(&field);
-  return dilatation && (dilatation->print() == "mean" || (open && open->choice().find("mean") != std::string::npos));
-}
-
-bool hasIncompatibleModes(const ForceField& field) {
-  const Data* modes = field.data().find("incompatibleModes");
-  return modes && modes->print() == "true";
-}
-
-/// An axis along which every node of a state is held, or zero.
-static Vec3 heldAxis(const System& system, const State& state) {
-  const ConstraintSet& constraints = system.constraints();
-  if (constraints.change() || state.rows_per_node != 1 || state.firstRow() >= system.independentRows()) return Vec3::Zero();
-  for (int axis = 0; axis < 3; ++axis) {
-    Index held = 0;
-    for (Index row = state.firstRow(); held < state.size(); ++row, ++held) {
-      const Index at = constraints.projectorOf(row);
-      if (at < 0 || !constraints.projectors()[std::size_t(at)].projector.col(axis).isZero(0)) break;
-    }
-    if (held == state.size()) return Vec3::Unit(axis);
-  }
-  return Vec3::Zero();
-}
-
-const CellKind* kindOfLaw(const ForceField& field) {
-  constexpr const char* stress = "vonMises";
-  const std::vector<std::string> known = field.cellFields();
-  return std::find(known.begin(), known.end(), stress) == known.end() ? nullptr : field.cellFieldShape(stress).kind;
-}
-
-/// A clause where `dilatation` is left open and Poisson's ratio is near that from which it is another: what is left open in a fit or a
-/// sweep is then no smooth function of it. A mean leaves the volume change of bending within a cell without energy.
-static std::string jumpOfDilatation(const ForceField& field, const Slenderness& body, bool hexahedra) {
-  constexpr double near = 0.05;
-  const Data *dilatation = field.data().find("dilatation"), *ratio = field.data().find("poissonRatio");
-  const bool elastic = field.data().find("method");  // hyperelastic tetrahedra have no mean, and may have no ratio
-  if (!dilatation || !ratio || dilatation->print() != "auto" || !(elastic || (hexahedra && ratio->isSet()))) return {};
-  const double from = hexahedra ? 0.4 : 0.45;
-  std::istringstream values(ratio->print());
-  double largest = 0;
-  for (double value = 0; values >> value;) largest = std::max(largest, value);
-  if (!(std::abs(largest - from) <= near)) return {};
-  // measured on cantilevers four times as long as high, of 1, 2 and 4 cells over the height: 125, 20 and 6 %; of tetrahedra 125, 90 and
-  // 40 % with six in each cube, with five 18, 21 and 8 %
-  const double n2 = body.cells * body.cells;
-  const double jump = hexahedra ? 0.8 / n2 * (1 + 0.5 / n2) : 9.6 / (n2 + 6.7);
-  return fmt::format("; with dilatation=\"auto\" it bends by {} {:.0f} % more from Poisson's ratio {:g} on, where cells take a mean "
-                     "volume change: write \"local\" or \"mean\" where the ratio is varied",
-                     hexahedra ? "some" : "up to", 100 * jump, from);
-}
-
-static bool mayHaveIncompatibleModes(const ForceField& field) {
-  const auto is = [&](const char* name, const char* word) {
-    const Data* data = field.data().find(name);
-    return data && data->print() == word;
-  };
-  return is("incompatibleModes", "false") && is("updateStiffnessMatrix", "false") && is("polarOf", "gradient") &&
-         !is("method", "green") && !is("method", "green_lagrange");
-}
-
-static BendingLaw bendingLawOf(const ForceField& field) {
-  BendingLaw law{.has_mean_dilatation = hasMeanDilatation(field),
-                 .has_incompatible_modes = hasIncompatibleModes(field),
-                 .may_have_them = mayHaveIncompatibleModes(field)};
-  const Data* ratio = field.data().find("poissonRatio");
-  const auto* list = ratio ? std::get_if<std::vector<double>*>(&ratio->pointer()) : nullptr;
-  if (list && !(*list)->empty()) law.poisson_ratio = *std::max_element((*list)->begin(), (*list)->end());
-  return law;
-}
-
-/// Cells of the kind of its law, in a mesh of its state.
-static std::string coarsenessOf(const ForceField& field, const CellKind& kind, const Vec3& held) {
-  const std::vector<Vec3>& rest = field.state().rest_position;
-  for (const Topology* topology : topologiesOf(field.state())) {
-    const Mesh& mesh = topology->mesh();
-    if (mesh.overlap != 1 || std::size_t(mesh.nodes()) > rest.size()) continue;
-    const bool hexahedra = kind.type == CellType::hexahedron && !mesh.hexahedra.empty();
-    if (!hexahedra && (kind.type != CellType::tetrahedron || mesh.tetrahedra.empty())) continue;
-    const Slenderness body = hexahedra ? slenderness(mesh.hexahedra, rest, held) : slenderness(mesh.tetrahedra, rest, held);
-    const std::string coarse = tooCoarseForBending(body, hexahedra, bendingLawOf(field));
-    return coarse.empty() ? coarse : coarse + jumpOfDilatation(field, body, hexahedra);
-  }
-  return {};
-}
-
-void noteCoarseCells(const Simulation& simulation, Diagnostics& diagnostics) {
-  for (const auto& system : simulation.systems())
-    for (const ForceField* field : system->forceFields()) {
-      const CellKind* kind = kindOfLaw(*field);
-      if (!kind) continue;
-      if (const std::string coarse = coarsenessOf(*field, *kind, heldAxis(*system, field->state())); !coarse.empty())
-        diagnostics.note(field->where(), field->path(), coarse);
-    }
 }
 
 }  // namespace stroma

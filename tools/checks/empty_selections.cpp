@@ -53,8 +53,8 @@ void warnOfEmptySelections(const Node& root, Diagnostics& diagnostics) {
     for (const Data& data : component->data().all())
       if (data.isSet() && !data.isOutput() && isEmptySelection(data))
         diagnostics.warning(component->where(), component->path() + "." + data.name(),
-                            fmt::format("{} is given and empty ({})", data.name(), data.helpText()),
-                            "check the selection that is linked here, or leave the attribute out");
+                            fmt::format("{} is empty ({})", data.name(), data.helpText()),
+                            "check the linked selection, or omit the attribute");
   }
 }
 

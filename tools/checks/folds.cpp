@@ -70,7 +70,7 @@ std::string insideOut(const CellKind& kind, const std::vector<Cell>& cells, cons
   for (std::size_t c = 0; c < cells.size(); ++c)
     if (isInsideOut(kind, cells[c], rest, now) && count++ == 0) first = c;
   if (count == 0) return {};
-  return fmt::format("{} of {} {} are inside out{}; the first is {} {} (nodes {})", count, cells.size(), kind.plural,
+  return fmt::format("{} of {} {} are inverted{}; the first is {} {} (nodes {})", count, cells.size(), kind.plural,
                      kind.affine       ? ""
                      : kind.order == 2 ? " at a node or the centre"
                                        : " at a corner",

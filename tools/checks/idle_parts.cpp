@@ -86,8 +86,8 @@ void warnOfHeldBodies(const System& system, Diagnostics& diagnostics) {
     });
     if (held == rows && state->nodes() > 1 && !by_dialect)
       diagnostics.warning(state->where(), state->path(),
-                          "every node is held by constraints: nothing of this body can move",
-                          "check what the constraints hold: a box that is too large holds all");
+                          "every node is fixed by constraints: this body cannot move",
+                          "check the selections of the constraints: a box that is too large selects all nodes");
   }
 }
 
@@ -140,9 +140,10 @@ void warnOfContradictions(const System& system, double t, double dt, Diagnostics
       });
       if (both > 0)
         diagnostics.warning(moving->where(), moving->path(),
-                            fmt::format("{} of its nodes are held by {} too: they move, and meanwhile what holds them has no effect", both,
+                            fmt::format("{} of its nodes are also fixed by {}: they move, and the other constraint has no effect "
+                                        "meanwhile", both,
                                         constraint->path()),
-                            "one of the two, or directions of each at right angles to the other's");
+                            "one of the two, or orthogonal directions");
     }
   }
 }
@@ -168,8 +169,9 @@ void warnOfHeldApart(const System& system, double t, double dt, Diagnostics& dia
     constraint->addProjectors(t, projectors);
     if (const auto count = std::ranges::count_if(projectors, broughtAway); count > 0)
       diagnostics.warning(constraint->where(), constraint->path(),
-                          fmt::format("{} of its nodes are attached to nodes that are held elsewhere: they are held there", count),
-                          "attached nodes that lie together, or one of the two free");
+                          fmt::format("{} of its nodes are attached to nodes that are fixed at another position: they are fixed "
+                                      "there", count),
+                          "attached nodes at the same position, or one of the two free");
   }
 }
 
@@ -189,7 +191,7 @@ void warnOfLoadsOnHeldNodes(const System& system, Diagnostics& diagnostics) {
     });
     if (all)
       diagnostics.warning(field->where(), field->path(),
-                          "every node that it acts on is held or moved by a constraint: it does nothing");
+                          "every node that it acts on is fixed or moved by a constraint: it has no effect");
   }
 }
 
@@ -201,9 +203,9 @@ void warnOfGravityWithoutMass(const System& system, Diagnostics& diagnostics) {
   if (!writer || writer->own_gravity->isZero(0)) return;
   const Vec3& g = *writer->own_gravity;
   diagnostics.warning(system.states().front()->where(), system.states().front()->path(),
-                      fmt::format("it has no mass: the gravity ({:g} {:g} {:g}) of {} acts on nothing", g.x(), g.y(), g.z(),
+                      fmt::format("it has no mass: the gravity ({:g} {:g} {:g}) of {} has no effect on it", g.x(), g.y(), g.z(),
                                   writer->path()),
-                      "a mass, as MeshMatrixMass massDensity, or gravity=\"0 0 0\"");
+                      "a mass, such as MeshMatrixMass massDensity, or gravity=\"0 0 0\"");
 }
 
 /// A weight that nobody wrote, and the fall of a body that nothing holds or meets.
@@ -216,7 +218,8 @@ void noteWhatGravityDoes(const System& system, Diagnostics& diagnostics) {
   if (g.isZero(0)) return;
   if (!writer)
     diagnostics.note(state.where(), state.path(),
-                     fmt::format("gravity is not given: ({:g} {:g} {:g}) m/s^2 acts; gravity=\"0 0 0\" on the root is none", g.x(),
+                     fmt::format("gravity is not given: the default ({:g} {:g} {:g}) m/s^2 is used; set gravity=\"0 0 0\" on the "
+                                 "root for none", g.x(),
                                  g.y(), g.z()));
   const auto isInternal = [](const ForceField* field) { return field->traits().forces_balance; };
   const Actors& actors = system.actors();
@@ -224,7 +227,7 @@ void noteWhatGravityDoes(const System& system, Diagnostics& diagnostics) {
                              actors.lagrangian_constraints.empty() && !system.inputs() && !system.forceFields().empty() &&
                              std::ranges::all_of(system.forceFields(), isInternal);
   if (meets_nothing)
-    diagnostics.note(state.where(), state.path(), "nothing holds it and nothing is in its way: it falls for ever");
+    diagnostics.note(state.where(), state.path(), "nothing fixes or supports it: it falls forever");
 }
 
 /// Fields with a law of their own for the same cells.
@@ -253,7 +256,7 @@ void noteLawsThatAddUp(const System& system, Diagnostics& diagnostics) {
     });
     if (same != before.end())
       diagnostics.note(field->where(), field->path(),
-                       fmt::format("it ties the same nodes as {}: the stiffness of the two adds up", same->field->path()));
+                       fmt::format("it connects the same nodes as {}: their stiffnesses add up", same->field->path()));
     before.push_back(std::move(law));
   }
 }
@@ -271,7 +274,7 @@ void warnOfCellsWithoutLaw(const System& system, const Node& root, Diagnostics& 
               if (!edgesAreTied(kind, cells[c], state->firstRow(), *tied) && idle++ == 0) first = c;
             if (idle == 0) return;
             diagnostics.warning(owner->where(), owner->path(),
-                                fmt::format("{} of {} {} have no law: no force field acts on them (the first is {} {})",
+                                fmt::format("{} of {} {} have no material: no force field acts on them (the first is {} {})",
                                             idle, cells.size(), kind.plural, kind.singular, first),
                                 fmt::format("a force field for {} too, or a mesh without them", kind.plural));
           },

@@ -112,8 +112,8 @@ std::string otherRest(const Simulation& simulation, std::size_t index) {
   const auto turned = [&](ForceField* field) { return !field->traits().conservative && hasTurned(system, *field, x); };
   if (std::any_of(fields.begin(), fields.end(), turned)) return {};
   return fmt::format(
-      "{} at t = {:.6g} s: at rest with {:.3g} J more than the rest shape has under the same loads: the body may have "
-      "folded, or snapped into another of several equilibria. Most of it is {}",
+      "{} at t = {:.6g} s: at rest with {:.3g} J more than the rest shape under the same loads: the body may have folded, or "
+      "snapped to another equilibrium. Most of the energy is {}",
       system.integrator().path(), simulation.time(), excess,
       most == fields.size() ? "the energy of gravity" : placeOf(*fields[most], system.x));
 }

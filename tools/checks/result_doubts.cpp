@@ -64,8 +64,8 @@ std::vector<std::string> unansweredForces(const System& system, ConstRows v_befo
       }
     if (sum.norm() <= 1e-9 * sizes) continue;
     sentences.push_back(fmt::format(
-        "{} at t = {:.6g} s: the nodes that follow pull with ({:.3g} {:.3g} {:.3g}) N, together {:.3g} N, and "
-        "what they follow does not feel it: nobody carries this force",
+        "{} at t = {:.6g} s: the following nodes pull with ({:.3g} {:.3g} {:.3g}) N, in sum {:.3g} N, which is not transmitted to "
+        "the nodes that they follow: this force is missing",
         constraint->path(), time, sum[0], sum[1], sum[2], sum.norm()));
   }
   return sentences;
@@ -75,8 +75,8 @@ std::vector<std::string> unansweredForces(const System& system, ConstRows v_befo
 std::string laggedForce(const ForceField& field, const Integrator& integrator) {
   if (!field.traits().lagged || integrator.toleratesLaggedForces()) return {};
   return fmt::format(
-      "{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may ring for ever. A "
-      "coupling without delay, or EulerImplicitSolver, does not",
+      "{} lags by one step, and {} hardly damps the motion that this excites: it may oscillate forever. Use a coupling without lag, "
+      "or EulerImplicitSolver",
       field.path(), integrator.path());
 }
 
@@ -85,10 +85,9 @@ std::string laggedForce(const ForceField& field, const Integrator& integrator) {
 std::string reversals(const Simulation& simulation, std::size_t index) {
   if (!simulation.watch().isReversing(index)) return {};
   return fmt::format(
-      "{} at t = {:.6g} s: velocities change sign from step to step, or every other step. dt = {:.6g} s is far above "
-      "the period of the "
-      "fastest motions, which this rule does not damp: the positions are a mean at best. A smaller dt, "
-      "EulerImplicitSolver or BDFOdeSolver settles",
+      "{} at t = {:.6g} s: velocities change sign from step to step, or every other step. dt = {:.6g} s is far above the period of "
+      "the fastest motions, which this rule does not damp: the positions are a mean at best. Use a smaller dt, EulerImplicitSolver "
+      "or BDFOdeSolver",
       simulation.systems()[index]->integrator().path(), simulation.time(), simulation.dt());
 }
 
@@ -111,8 +110,8 @@ std::string gainedEnergy(const Simulation& simulation, std::size_t index) {
   const double round_off = 1e-9 * (std::abs(potential) + std::abs(potential_start));
   if (!(gained > moved / 2 && gained > round_off)) return {};
   return fmt::format(
-      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it, as rules without damping may at large steps. A "
-      "smaller dt, or EulerImplicitSolver, keeps it bounded",
+      "{} has gained {:.3g} J by t = {:.6g} s without any work done on it, as undamped rules may with large steps. Use a smaller "
+      "dt, or EulerImplicitSolver",
       system.integrator().path(), gained, simulation.time());
 }
 
@@ -175,7 +174,7 @@ std::vector<std::string> refusedFromHere(const Simulation& simulation) {
     if (auto* guard = dynamic_cast<MeshChanger*>(observer) ? nullptr : dynamic_cast<StepGuard*>(observer))
       if (const std::string why = guard->refusal(next); !why.empty())
         sentences.push_back(
-            units.sentence(fmt::format("{} at t = {:.6g} s: a next step would be refused. {}", observer->path(), time, why)));
+            units.sentence(fmt::format("{} at t = {:.6g} s: another step would be rejected. {}", observer->path(), time, why)));
   return sentences;
 }
 

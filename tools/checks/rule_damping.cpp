@@ -63,8 +63,9 @@ std::string dampedSwing(const System& system, double dt, double time, long steps
   const double asked_for = valueOf(integrator, "rayleighStiffness") + valueOf(integrator, "rayleighMass") / (w * w);
   if (loss < worth_saying || dt < small_share * asked_for) return {};
   return fmt::format(
-      "{} at t = {:.6g} s: the rule itself damps. A swing as the present one, of {:.3g} s, loses {:.0f} % of its height in "
-      "each period with dt = {:.4g} s. Less with a smaller dt; NewmarkImplicitSolver or trapezoidalScheme=\"true\" keep it{}",
+      "{} at t = {:.6g} s: the integrator has numerical damping. An oscillation with the current period of {:.3g} s loses {:.0f} % "
+      "of its amplitude per period with dt = {:.4g} s. Use a smaller dt to reduce this; NewmarkImplicitSolver or "
+      "trapezoidalScheme=\"true\" avoid it{}",
       integrator.path(), time, 2 * std::numbers::pi / w, 100 * loss, dt,
       solvesOnce(integrator) ? ", with newtonIterations=\"2\"" : "");
 }
@@ -91,8 +92,8 @@ std::string skippedSwings(const System& system, ConstRows start, double dt) {
   const double periods = frequencyOfWay(system, start) * dt / (2 * std::numbers::pi);
   if (!(periods > few)) return {};
   return fmt::format(
-      "{}: a step of {:.4g} s is {:.2g} periods of the slowest swing, of {:.3g} s: what comes out is where the body comes to rest, "
-      "and nothing of how it moves. StaticSolver finds that at once; a motion needs dt = {:.1g} s or less",
+      "{}: a step of {:.4g} s is {:.2g} periods of the slowest oscillation, of {:.3g} s: the result is the rest position, not the "
+      "motion. StaticSolver finds it directly; the motion needs dt = {:.1g} s or less",
       system.integrator().path(), dt, periods, dt / periods, dt / periods / 20);
 }
 

@@ -51,11 +51,11 @@ std::string differenceOf(const Component& a, const Component& b, int depth = 0) 
 
 /// Why one of them cannot move the bodies of both, to be added to a sentence; empty: it can.
 std::string whyApart(const Integrator& a, const Integrator& b) {
-  if (a.movesInTime() != b.movesInTime() || a.stateOwner() || b.stateOwner()) return ". They have no step in common";
+  if (a.movesInTime() != b.movesInTime() || a.stateOwner() || b.stateOwner()) return ". They cannot make a common step";
   const auto text = [](const Data* data) { return !data || data->print() == "false" ? std::string("0") : data->print(); };
   for (const char* damping : {"rayleighStiffness", "rayleighMass", "vdamping", "velocityThreshold", "firstOrder"})
     if (text(a.data().find(damping)) != text(b.data().find(damping)))
-      return fmt::format(". {} makes two motions of it: damping of one body belongs to its fields and masses", damping);
+      return fmt::format(". {} would apply to both: put the damping of one body on its force fields and masses", damping);
   return {};
 }
 
@@ -66,7 +66,7 @@ std::string placed(const Component& component) { return fmt::format("{} ({})", c
 
 void refuseNested(const Integrator& integrator, const Integrator& above, Diagnostics& diagnostics) {
   diagnostics.error(integrator.where(), integrator.path(),
-                    fmt::format("this integrator lies below the integrator {}, which already moves every state of {} and below",
+                    fmt::format("this integrator is below the integrator {}, which already moves every state of {} and below",
                                 above.path(), above.node().path()),
                     "one integrator on the way from the root to a state", "remove one of the two, or make their nodes siblings");
 }
@@ -90,10 +90,10 @@ void tellDifference(const Component& actor, const State& a, const State& b, cons
   const std::string difference = differenceOf(mine, other);
   if (difference.empty()) return;
   const std::string problem =
-      fmt::format("the {} {} couples {} and {}, which then move in one system, but their integrators {} and {} are not alike: {}",
+      fmt::format("the {} {} couples {} and {}, which then move in one system, but their integrators {} and {} differ: {}",
                   actor.roleText(), actor.path(), a.path(), b.path(), placed(mine), placed(other), difference);
   if (const std::string why = whyApart(mine, other); !why.empty())
-    diagnostics.error(actor.where(), actor.path(), problem + why, "integrators of one kind with the same attributes",
+    diagnostics.error(actor.where(), actor.path(), problem + why, "integrators of the same type with the same attributes",
                       "one integrator in a node above both bodies");
   else
     diagnostics.warning(actor.where(), actor.path(), problem + ". " + mine.path() + " moves all of them");
@@ -126,7 +126,7 @@ void refuseUnused(const Node& root, const std::vector<Integrator*>& integrators,
     if (std::any_of(components.begin(), components.end(), takes_factors)) continue;
     diagnostics.error(
         component->where(), component->path(),
-        fmt::format("no integrator uses the {} {}: {} takes the one of its own node, {}", component->roleText(), component->path(),
+        fmt::format("no integrator uses the {} {}: {} uses the one in its own node, {}", component->roleText(), component->path(),
                     user->first->path(), user->first->node().path()),
         fmt::format("the {} in the node of the integrator, or named by it", component->roleText()),
         partnerOf(*user->first, *user->second) ? std::string("remove it") : fmt::format("move it to {}", user->first->node().path()));

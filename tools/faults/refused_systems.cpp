@@ -31,11 +31,11 @@ void checkMapping(const Actors& actors, std::size_t index) {
   for (std::size_t j = 0; j < index; ++j)
     if (&mapping.output() == &actors.mappings[j]->output())
       throw ComponentError(
-          fmt::format("two mappings place {}: {} and {}", mapping.output().path(), actors.mappings[j]->path(), mapping.path()),
+          fmt::format("two mappings move {}: {} and {}", mapping.output().path(), actors.mappings[j]->path(), mapping.path()),
           "one mapping per state");
   for (const ProjectiveConstraint* constraint : actors.constraints)
     if (const std::vector<State*> states = constraint->states(); std::ranges::find(states, &mapping.output()) != states.end())
-      throw ComponentError(fmt::format("{} holds nodes of {}, whose positions follow from {} by {}", constraint->path(),
+      throw ComponentError(fmt::format("{} constrains nodes of {}, whose positions are mapped from {} by {}", constraint->path(),
                                        mapping.output().path(), mapping.input().path(), mapping.path()),
                            "constraints on the state that is mapped from");
 }
@@ -49,9 +49,9 @@ void checkActors(const Actors& actors) {
 
 void checkPositionConstraints(const Actors& actors, const Integrator& integrator, const ConstraintSet& constraints) {
   if (!integrator.movesInTime())
-    throw ComponentError(fmt::format("{} finds an equilibrium, and {} acts on motion", integrator.path(),
+    throw ComponentError(fmt::format("{} finds an equilibrium, but {} acts on motion", integrator.path(),
                                      actors.position_constraints.front()->path()),
-                         "an integrator of dynamics, or no position constraint");
+                         "a dynamic integrator, or no position constraint");
   for (const PositionConstraint* constraint : actors.position_constraints)
     if (constraint->state().firstRow() >= actors.independent_rows)
       throw ComponentError(fmt::format("{} acts on {}, whose positions follow from another state by a mapping",
@@ -63,8 +63,8 @@ void checkPositionConstraints(const Actors& actors, const Integrator& integrator
                                        constraint->state().hasFrames() ? "rigid frames" : "numbers"),
                            "position constraints on a state of points");
   if (!constraints.relations().empty())
-    throw ComponentError(fmt::format("{} corrects positions after each step, and the corrections would break relations "
-                                     "between displacements", actors.position_constraints.front()->path()),
+    throw ComponentError(fmt::format("{} corrects positions after each step, and the corrections would violate relations between "
+                                     "displacements", actors.position_constraints.front()->path()),
                          "position constraints, or linear relations");
 }
 
@@ -76,7 +76,7 @@ void checkMassesUnderMotion(const Actors& actors) {
   };
   if (moving != actors.constraints.end() && !std::all_of(actors.masses.begin(), actors.masses.end(), alone))
     throw ComponentError(
-        (*moving)->path() + " moves nodes, and their inertia would not reach their neighbours through a mass that is not diagonal",
+        (*moving)->path() + " moves nodes, and their inertia would not act on their neighbours through a non-diagonal mass",
         "a diagonal mass", "use " + usualComponent(Part::diagonal_mass) + ", or lumping=\"true\"");
 }
 
@@ -121,14 +121,14 @@ void ConstraintSet::refuseTurningRows() const {
 void checkStepLimits(const System& system) {
   const auto& lagrangian = system.actors().lagrangian_constraints;
   if (!lagrangian.empty() && !dynamic_cast<const FindsMultipliers*>(&system.integrator()))
-    throw ComponentError(fmt::format("{} does not find the forces of the constraint {}", system.integrator().type(),
+    throw ComponentError(fmt::format("{} does not support the constraint {}", system.integrator().type(),
                                      dynamic_cast<const Component&>(*lagrangian.front()).path()),
                          "an integrator that does: " + usualComponent(Part::integrator));
   for (const ProjectiveConstraint* constraint : system.constraints().all())
     if (const auto* side = dynamic_cast<const ProjectsRightSide*>(constraint);
         side && side->leavesMatrix() && !dynamic_cast<const AsksRightSides*>(&system.integrator()))
       throw ComponentError(
-          fmt::format("{} has inMatrix=\"false\", and {} projects no right side", constraint->path(), system.integrator().type()),
+          fmt::format("{} has inMatrix=\"false\", and {} does not project the right side", constraint->path(), system.integrator().type()),
           usualComponent(Part::integrator) + ", or no inMatrix");
   const auto& fields = system.forceFields();
   const auto limiter = std::find_if(fields.begin(), fields.end(), [](ForceField* f) { return dynamic_cast<StepLimiter*>(f) != nullptr; });
@@ -140,8 +140,7 @@ void checkStepLimits(const System& system) {
                                      system.integrator().type(), path),
                          "an implicit integrator or statics with Newton's method", heeds ? heeds->howToHeedStepLimits() : "");
   if (!system.actors().position_constraints.empty())
-    throw ComponentError(fmt::format("{} moves positions after the step, where {} no longer sees to it that nothing passes "
-                                     "through anything",
+    throw ComponentError(fmt::format("{} moves positions after the step, where {} cannot prevent penetration",
                                      system.actors().position_constraints.front()->path(), path),
                          "contact or position constraints, not both");
   for (ForceField* field : fields)

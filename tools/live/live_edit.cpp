@@ -54,7 +54,7 @@ LiveEdit::LiveEdit(Node& root, const std::string& path, const std::string& attri
     throw ComponentError("a node has no attribute " + inQuotes(attribute) + " that may change while the scene runs",
                          "gravity or dt", nearest(attribute, {"gravity", "dt"}));
   if (attribute == "dt" && node_->parent())
-    throw ComponentError("a child node has no time step of its own", "dt of the outermost node");
+    throw ComponentError("a child node cannot have its own time step", "dt of the outermost node");
 }
 
 void LiveEdit::findAttribute() {

@@ -84,7 +84,7 @@ std::vector<std::string> Plan::lines() const {
   for (const SystemPlan& system : systems)
     for (std::string& line : system.lines()) lines.push_back(std::move(line));
   for (const PlanItem& mesh : meshes) lines.push_back(mesh.line());
-  lines.push_back(observers.empty() ? "observers: none, so energies, stresses and files are not computed"
+  lines.push_back(observers.empty() ? "observers: none, so no energies, stresses or files are computed"
                                     : "observers, after each step:");
   for (const PlanItem& observer : observers)
     lines.push_back(fmt::format("  {} ({}) {}", observer.path, observer.type, observer.says));

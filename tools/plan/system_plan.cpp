@@ -50,9 +50,9 @@ void addBodies(const System& system, std::vector<PlanItem>& items) {
     items.back().figures = {{"mass", mass->totalMass()}};
   }
   if (system.hasGravity())
-    items.push_back({"gravity", {}, {}, PlanWhen::once, "a constant force, computed once", {}, {}});
+    items.push_back({"gravity", {}, {}, PlanWhen::once, "constant force, computed once", {}, {}});
   else
-    items.push_back({"gravity", {}, {}, PlanWhen::skipped, "skipped, there is no mass under a gravity", {}, {}});
+    items.push_back({"gravity", {}, {}, PlanWhen::skipped, "skipped, no mass is subject to gravity", {}, {}});
 }
 
 void addForces(const System& system, std::vector<PlanItem>& items) {
@@ -83,8 +83,8 @@ void addSweeps(const System& system, std::vector<PlanItem>& items) {
   const bool is_scaled = isTrue(valueOf(**sweeps, "scaleTolerance")) && !isTrue(valueOf(**sweeps, "allVerified"));
   const char* per_row = is_scaled ? " for each condition" : "";
   items.push_back(itemFor("sweeps", **sweeps, PlanWhen::each_step,
-                          fmt::format("each step, forces of constraint that are found to {} m{}, by {} sweeps at most, where all are of "
-                                      "equal conditions",
+                          fmt::format("each step, constraint forces to a tolerance of {} m{}, by at most {} sweeps, if all "
+                                      "conditions are equalities",
                                       valueOf(**sweeps, "tolerance"), per_row, valueOf(**sweeps, "maxIterations"))));
 }
 
@@ -115,7 +115,7 @@ void addConstraints(const System& system, std::vector<PlanItem>& items) {
     const auto* open = dynamic_cast<const OpenChoices*>(constraint);
     const std::string choice = open ? open->choice() : std::string();
     items.push_back(itemFor("constraint", dynamic_cast<const Component&>(*constraint), PlanWhen::each_step,
-                            "each step, by forces that are found with it" + (choice.empty() ? choice : "; " + choice)));
+                            "each step, by constraint forces" + (choice.empty() ? choice : "; " + choice)));
   }
   addSweeps(system, items);
   for (const PositionConstraint* constraint : system.actors().position_constraints)
@@ -130,7 +130,7 @@ void addMappings(const System& system, std::vector<PlanItem>& items) {
     items.push_back(itemFor("mapping", *mapping, PlanWhen::each_evaluation, "each evaluation"));
   for (const Mapping* mapping : passive)
     items.push_back(
-        itemFor("mapping", *mapping, PlanWhen::after_each_step, "after steps that something reads; nothing acts on its nodes"));
+        itemFor("mapping", *mapping, PlanWhen::after_each_step, "only after steps in which it is read; nothing acts on its nodes"));
   if (acting.empty() && passive.empty())
     items.push_back({"mappings", {}, {}, PlanWhen::skipped, "none, skipped", {}, {}});
 }
@@ -164,7 +164,7 @@ void addSolvers(const System& system, std::vector<PlanItem>& items) {
   for (const MergedIntegrator& merged : system.merged())
     items.push_back(itemFor(
         "integrator", *merged.integrator, PlanWhen::skipped,
-        fmt::format("skipped, its bodies move in this system because {} couples them to others", merged.because)));
+        fmt::format("skipped, its bodies belong to this system because {} couples them to others", merged.because)));
   const LinearSolver* solver = system.linearSolver();
   if (!solver) {
     items.push_back({"linear solver", {}, {}, PlanWhen::skipped, "none", {}, {}});
@@ -179,7 +179,7 @@ void addSolvers(const System& system, std::vector<PlanItem>& items) {
   if (const Data* precision = solver->data().find("factorPrecision"))
     items.back().says += "; precision of factors: " + precision->print();
   if (solver->isMadeForAnother())
-    items.back().note = "made with its defaults because the scene has none";
+    items.back().note = "created with its defaults because the scene has none";
   addIdleSolvers(system, items);
 }
 

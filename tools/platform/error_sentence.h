@@ -5,7 +5,7 @@
 
 namespace stroma {
 
-/// In a catch clause: what the error says.
+/// In a catch clause: the message of the current exception.
 inline std::string errorSentence() {
   try {
     throw;

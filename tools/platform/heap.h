@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The heap of a process that simulates: of the command, and of an interpreter that has opened the module.
+// The heap of a process that simulates: the command, or an interpreter that has loaded the module.
 #pragma once
 #include <fcntl.h>
 #include <malloc.h>
@@ -14,7 +14,7 @@
 
 namespace stroma {
 
-/// Whether the kernel counts addresses as memory.
+/// Whether the kernel counts reserved addresses as memory.
 inline bool countsAddresses() {
   char setting = 0;
   const int file = open("/proc/sys/vm/overcommit_memory", O_RDONLY | O_CLOEXEC);
@@ -23,9 +23,9 @@ inline bool countsAddresses() {
   return is_read && setting == '2';
 }
 
-/// The heap goes on with addresses on huge pages, where the kernel gives them, and what is freed stays in it: to touch new memory in
-/// small pages costs more than to make a matrix in it. Addresses alone take no memory. There are at most `most` bytes of them, half of
-/// the machine's memory, and a quarter of what the process may have; twice as much that is free at the end goes back.
+/// Places the heap on huge pages, if the kernel grants them, and keeps freed memory in it: touching new memory in small pages
+/// costs more than building a matrix in it. Reserved addresses take no memory. At most `most` bytes, half of the
+/// machine's memory, and a quarter of the process's limit are reserved; free memory at the end beyond twice that is returned.
 inline void reserveHeap(std::size_t most) {
 #ifdef M_TOP_PAD
   constexpr std::size_t megabyte = std::size_t{1} << 20, huge_page = 2 * megabyte, large = 2047 * megabyte;  // what an int holds

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a run remembers, for the same scene with other meshes.
+// Transfers the checkpoint of a run to the same scene with changed meshes.
 #pragma once
 #include <map>
 #include <string>
@@ -11,16 +11,16 @@
 
 namespace stroma {
 
-/// A mesh that has changed, by its path, and the states on it.
+/// A changed mesh, by its path, and the states on it.
 struct ChangedMesh {
   std::string path;
   MeshEdit edit;
   Followed followed{};
 };
 
-/// The checkpoint of `before` for `after`: positions and velocities by node, memories by node and by cell, and times as they are. A new
-/// point lies and moves as its shares say. A memory that is of neither begins anew: its owner is named in `anew`. Solvers begin anew.
-/// Throws ComponentError: what cannot go on.
+/// The checkpoint of `before` converted for `after`: positions and velocities by node, component data by node and by cell, and
+/// unchanged times. New points are interpolated by their weights. Any other data is reset, and its owner is listed in `anew`.
+/// Solvers restart. Throws ComponentError if a component cannot continue.
 Archive carriedValues(Simulation& before, Simulation& after, const std::vector<ChangedMesh>& meshes,
                       std::vector<std::string>& anew);
 

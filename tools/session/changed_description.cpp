@@ -101,10 +101,10 @@ class ChangedScene {
     TopologicalMapping* const filler = fillerOf(topology_);
     const bool is_mapping = dynamic_cast<const TopologicalMapping*>(&topology_) != nullptr;
     if (!is_container && !is_mapping && type != "RegularGridTopology")
-      throw ComponentError(fmt::format("cells cannot go from {}, a {}", topology_.path(), type),
+      throw ComponentError(fmt::format("cells cannot be removed from {}, a {}", topology_.path(), type),
                            "a container, or a MeshTopology that takes its lists");
     if (topology_.mesh().overlap != 1)
-      throw ComponentError("cells cannot go from " + topology_.path() + ", whose cells cover the body twice",
+      throw ComponentError("cells cannot be removed from " + topology_.path() + ", whose cells cover the body twice",
                            "another cutting");
     ComponentDescription& written = at.written();
     done_.written.insert(topology_.path() + ".");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The scene with another mesh, as a scene that could have been written so.
+// Rewrites the description of a scene for a changed mesh, as if it had been written that way.
 #pragma once
 #include <map>
 #include <set>
@@ -11,24 +11,24 @@
 
 namespace stroma {
 
-/// Of lists of one length in which a Lagrangian constraint names points, and of which it remembers one thing each.
+/// The remaining entries of parallel lists in which a Lagrangian constraint names points, with data stored per entry.
 struct EntriesLeft {
   std::size_t before = 0;
-  std::vector<Index> of{};  ///< places before of those that stay
+  std::vector<Index> of{};  ///< old positions of the remaining entries
 };
 
-/// What a changed mesh has changed in a scene.
+/// The effects of a changed mesh on a scene.
 struct Followed {
   std::vector<std::string> states{};   ///< paths of those on the mesh
-  std::set<std::string> written{};     ///< "path.attribute", or "path." where all of a component is anew
-  std::vector<std::string> left_out{}; ///< paths of components that act on nothing any more
+  std::set<std::string> written{};     ///< "path.attribute", or "path." if a whole component was rewritten
+  std::vector<std::string> left_out{}; ///< paths of components that no longer act on anything
   std::map<std::string, EntriesLeft> entries{};  ///< by path
 };
 
-/// Puts the mesh of `edit` in the place of that of `topology` into `scene`, the description of `simulation`: as lists of nodes and cells.
-/// What counts its nodes or cells follows: states with positions of their own, lists of nodes (what goes is left out, with what
-/// else a list says of it), values per node and per cell. Regions are replaced by the numbers that they found.
-/// A component whose list of nodes or cells is empty then is left out. Throws ComponentError naming what cannot follow.
+/// Replaces the mesh of `topology` in `scene`, the description of `simulation`, by that of `edit`, as lists of nodes and cells.
+/// Everything indexed by its nodes or cells is updated: states with explicit positions, lists of nodes (removed ones are dropped
+/// with their values in parallel lists), values per node and per cell. Regions are replaced by the indices they found.
+/// Components left with no nodes or cells are dropped. Throws ComponentError naming whatever cannot be updated.
 Followed putMesh(const Simulation& simulation, const Topology& topology, const MeshEdit& edit, SceneDescription& scene);
 
 }  // namespace stroma

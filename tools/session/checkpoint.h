@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A run's memory as a file. One format serves `stroma run --record`, `--resume` and `--restart`.
+// The checkpoint file of a run. `stroma run --record`, `--resume` and `--restart` share one format.
 //
 //   stroma checkpoint 1
 //   scene <path>                    as it was given
@@ -22,11 +22,11 @@ struct Checkpoint {
   Archive values;     ///< Simulation::checkpoint()
 
   std::string bytes() const;
-  /// `name` is for messages. Throws std::runtime_error with a sentence when the bytes are no checkpoint, cut short or
+  /// `name` is for messages. Throws std::runtime_error if the bytes are not a checkpoint, truncated or
   /// damaged.
   static Checkpoint fromBytes(const std::string& bytes, const std::string& name);
 
-  /// Under a temporary name first, so that a file under `path` is always whole. Makes the folder. Throws OutputError.
+  /// Written under a temporary name first, so that the file at `path` is always complete. Creates the folder. Throws OutputError.
   void write(const std::string& path) const;
   static Checkpoint read(const std::string& path);
 
@@ -35,7 +35,7 @@ struct Checkpoint {
   std::string head() const;
 };
 
-/// Version, compiler and headers of this build: another one may compute other bits.
+/// Version, compiler and headers of this build: another build may compute different bits.
 std::string buildIdentity();
 
 }  // namespace stroma

@@ -108,13 +108,13 @@ ChildEnd Children::endOf(long number, Child& child) const {
     (last == returned ? end.text : end.failure) = std::move(child.text);
     end.is_late = false;
   } else if (child.is_late) {
-    end.failure = fmt::format("given up after {:.3g} s of processor time", child.seconds);
+    end.failure = fmt::format("abandoned after {:.3g} s of processor time", child.seconds);
   } else if (child.is_stuck) {
-    end.failure = fmt::format("it stands still: no processor time in {:.3g} s", patience_);
+    end.failure = fmt::format("it hangs: no processor time used in {:.3g} s", patience_);
   } else if (WIFSIGNALED(status)) {
     end.failure = fmt::format("it crashes with SIG{}", sigabbrev_np(WTERMSIG(status)));
   } else {
-    end.failure = fmt::format("its process ends with code {} and without a word", WEXITSTATUS(status));
+    end.failure = fmt::format("its process ends with code {} and no message", WEXITSTATUS(status));
   }
   return end;
 }

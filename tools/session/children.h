@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Work in processes of its own: what crashes, hangs or fills the memory costs a sentence.
+// Runs work in child processes, so that a crash, a hang or excessive memory becomes an ordinary error.
 #pragma once
 #include <sys/types.h>
 
@@ -12,23 +12,23 @@ namespace stroma {
 
 struct ChildEnd {
   long number = 0;
-  std::string text;     ///< what the work returned
-  std::string failure;  ///< a sentence where it did not: "it crashes with SIGSEGV", or what was thrown
+  std::string text;     ///< the result of the work
+  std::string failure;  ///< the reason for a failure: "it crashes with SIGSEGV", or the message of an exception
   bool is_late = false;
 };
 
-/// Those that run at present. They end with this process. Their time is that of the processor, with that of programs that they run:
-/// it does not depend on what else the machine does. One that takes none of it for `patience` seconds stands still for ever.
+/// The running children. They end with this process. Limits apply to processor time, including that of programs they start, so
+/// they do not depend on the load of the machine. A child that uses none for `patience` seconds is considered hung.
 class Children {
  public:
   explicit Children(double patience = 60) : patience_(patience) {}
   Children(const Children&) = delete;
   ~Children();
-  /// Calls work() in a child, which has `seconds` of processor time and `gigabytes` of memory. Before any thread is made.
+  /// Calls work() in a child limited to `seconds` of processor time and `gigabytes` of memory. Call it before creating threads.
   /// Throws std::runtime_error.
   void start(long number, double seconds, const std::function<std::string()>& work, double gigabytes = 1e9);
   std::size_t running() const { return children_.size(); }
-  /// Waits a while for one to end. False when none has.
+  /// Waits briefly for a child to end. Returns false if none has.
   bool wait(ChildEnd& end);
 
  private:
@@ -36,8 +36,8 @@ class Children {
   struct Child {
     pid_t process = -1;
     int pipe = -1;
-    double seconds = 0, used = 0;  ///< of processor time
-    Clock::time_point last_work;   ///< when it was seen to have taken some
+    double seconds = 0, used = 0;  ///< processor time
+    Clock::time_point last_work;   ///< when its processor time last increased
     std::string text;
     bool is_late = false, is_stuck = false;
   };
@@ -51,10 +51,10 @@ class Children {
 
 struct JobLimits {
   int at_once = 1;
-  double seconds = 600, gigabytes = 8;  ///< of one: of processor time, and of memory
+  double seconds = 600, gigabytes = 8;  ///< limits of processor time and memory per child
 };
 
-/// Calls work(i) for i in [0, count) in children, and done(i, end) here in the order of i. Before any thread is made.
+/// Calls work(i) for i in [0, count) in children, and done(i, end) here in the order of i. Call it before creating threads.
 void runJobs(int count, const JobLimits& limits, const std::function<std::string(int)>& work,
              const std::function<void(int, const ChildEnd&)>& done);
 

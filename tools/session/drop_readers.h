@@ -8,7 +8,7 @@
 
 namespace stroma {
 
-/// The scene writes nothing; what may refuse a step still does.
+/// Removes observers that write files; those that may reject a step stay.
 inline void dropReaders(Simulation& simulation) {
   const std::vector<Observer*> all = simulation.observers();
   for (Observer* observer : all)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Which files a run reads and writes, and that they are not the same.
+// The files that a run reads and writes, and a check that they do not overlap.
 #pragma once
 #include <optional>
 #include <string>
@@ -14,19 +14,19 @@ class Simulation;
 /// A file, and who reads or writes it: "/liver/mesh", "the scene", "--json".
 struct FileUse {
   std::string path, user;
-  bool is_replaced = false;  ///< written under another name first
+  bool is_replaced = false;  ///< written under a temporary name first
 };
 
-/// The scene's own files, and those that its components have read.
+/// The files of the scene, and those read by its components.
 std::vector<FileUse> inputsOf(const Scene& scene);
-/// What the observers write.
+/// The files written by observers.
 std::vector<FileUse> outputsOf(const Simulation& simulation);
 
-/// A sentence when one of `outputs` is one of `inputs`, by whatever name or link, or is there twice. Devices and pipes
-/// are not looked at.
+/// A message if one of `outputs` is also one of `inputs`, under any name or link, or is listed twice. Devices and pipes
+/// are ignored.
 std::optional<std::string> overwriting(const std::vector<FileUse>& outputs, const std::vector<FileUse>& inputs);
 
-/// Adds an error when the observers of a simulation would write over what the scene reads, or over each other's files.
+/// Adds an error if the observers of a simulation would overwrite files that the scene reads, or each other's files.
 void checkOverwriting(const Simulation& simulation, Diagnostics& diagnostics);
 
 }  // namespace stroma

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Lists of a scene that number the nodes or cells of a mesh, or have a value for each, after the mesh has changed.
+// Updates lists that index the nodes or cells of a mesh, or have a value for each, after the mesh has changed.
 #pragma once
 #include <functional>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace stroma {
 
-/// Whether an attribute that is set is a list of whole numbers, or has numbers of points among others.
+/// Whether a given attribute is a list of integers, or contains point indices among other values.
 bool mayNumberPoints(const Data& data);
 
 class FollowedLists {
@@ -24,14 +24,14 @@ class FollowedLists {
   FollowedLists(const Topology& topology, const MeshEdit& edit, std::function<bool(const Topology&)> isMade)
       : topology_(topology), edit_(edit), isMade_(std::move(isMade)) {}
 
-  /// The values of a list that has some for each node of `state`, for the nodes that there are now.
+  /// The values of a list with entries per node of `state`, for the current nodes.
   std::string valuesOf(const State& state, const char* attribute) const;
-  /// Calls `put` with each attribute of the component that is another one now. `isOfMesh`: whether an attribute means the
-  /// mesh. Returns what is left of its lists that go together. Throws ComponentError for one that cannot follow.
+  /// Calls `put` with each attribute of the component that has changed. `isOfMesh`: whether an attribute refers to the mesh.
+  /// Returns the remaining entries of its parallel lists. Throws ComponentError for a list that cannot be updated.
   EntriesLeft forEachChanged(const Component& component, const IsOfMesh& isOfMesh, const Put& put) const;
 
  private:
-  /// What is left of a list of numbers: the places in the list before, and the numbers now.
+  /// The remaining entries of a list of indices: their old positions in the list, and their new indices.
   struct Left {
     std::vector<std::size_t> places;
     std::string text;
@@ -39,14 +39,14 @@ class FollowedLists {
   };
   Left numbersLeft(const std::vector<int>& numbers, const std::vector<Index>& now) const;
   const ListOrigins* numbered(const Component& component, const Data& data) const;
-  /// What an attribute has values for, and how many numbers each.
+  /// What the values of an attribute belong to, and how many numbers each has.
   struct Valued {
     const ListOrigins* origins = nullptr;
     std::size_t width = 0;
   };
   Valued valued(const Component& component, const Data& data, std::size_t count) const;
   void followOne(const Component& component, const Data& data, const Put& put) const;
-  /// Lists that go together; returns the names of those that it has looked at, and what is left of them.
+  /// Updates parallel lists; returns the names of those it has handled, and their remaining entries.
   std::set<std::string> followTogether(const Component& component, const IsOfMesh& isOfMesh, const Put& put, EntriesLeft& left) const;
   void nameExternal(const Component& component, const IsOfMesh& isOfMesh, const std::vector<std::size_t>& places,
                     const Put& put) const;

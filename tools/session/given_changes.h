@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Changes of meshes that whoever leads a run gives, and no component of the scene plans (tools/session/mesh_changes.h).
+// Mesh changes requested by the caller of a run rather than by a component of the scene (tools/session/mesh_changes.h).
 #pragma once
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace stroma {
 
-/// Makes them between two steps, in order: each has the numbers that those before it have left. `who` is named where one cannot be
-/// made. Throws ComponentError with a sentence; nothing has changed then.
+/// Applies them between two steps, in order; each uses the numbering left by the previous one. `who` is named in errors.
+/// Throws ComponentError, and then nothing has changed.
 MeshChangesMade makeGivenChanges(Simulation& simulation, Factory& factory, Modules& modules, std::vector<MeshChange> changes,
                                  const std::string& who);
 

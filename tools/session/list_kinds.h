@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the whole numbers of attributes count. An attribute that is not known here is refused where a mesh changes.
+// What the integers of attributes index. An attribute that is not listed here is an error when a mesh changes.
 #pragma once
 #include <algorithm>
 #include <iterator>
@@ -10,25 +10,25 @@
 
 namespace stroma {
 
-/// Whether a list of names has the name.
+/// Whether a list of names contains the name.
 template <std::size_t n>
 bool isIn(const std::string& name, const std::string_view (&list)[n]) {
   return std::find(std::begin(list), std::end(list), name) != std::end(list);
 }
 
-/// The link of a component of this type whose state an attribute numbers; empty: that of its own node.
+/// The link of this component type to the state that an attribute indexes; empty: the state of its own node.
 std::string linkOf(const std::string& type, const std::string& attribute);
 
-/// Whether the whole number of an attribute is that of a node, of the state that linkOf() tells.
+/// Whether the integer of an attribute is a node of the state given by linkOf().
 bool namesOneNode(const std::string& type, const std::string& attribute);
-/// The same of the last of the states that a mapping maps from.
+/// The same for the last of the parent states of a mapping.
 bool namesOneMapped(const std::string& type, const std::string& attribute);
 
-/// What the whole numbers of an attribute count.
+/// What the integers of an attribute index.
 enum class ListKind { nodes, edges, triangles, quads, quadratic_triangles, tetrahedra, hexahedra, nothing, unknown };
-/// By the name of the attribute, which has one meaning in all components.
+/// By the name of the attribute, which means the same in all components.
 ListKind kindOf(std::string attribute);
-/// Null: those of nothing, or of what is not known.
+/// Null: nothing, or unknown.
 const ListOrigins* originsOf(const MeshEdit& edit, ListKind kind);
 
 }  // namespace stroma

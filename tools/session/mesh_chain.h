@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Which meshes of a scene are made of another one, and what takes values from it.
+// Which meshes of a scene are derived from another one, and which components take values from it.
 #pragma once
 #include <string>
 
@@ -9,19 +9,19 @@
 
 namespace stroma {
 
-/// A component as the scene has it.
+/// A component in the description of a scene.
 struct Place {
   NodeDescription* node = nullptr;
   std::size_t index = 0;
   ComponentDescription& written() const { return node->components[index]; }
 };
 
-/// Of the component at `path`; null where nobody wrote it.
+/// The description of the component at `path`; null if it is not written in the scene.
 Place placeOf(NodeDescription& root, std::string path);
 
 /// The mapping of a scene that fills a container, or null.
 TopologicalMapping* fillerOf(const Topology& topology);
-/// What a mapping takes its mesh from, or null.
+/// The source of a mapping's mesh, or null.
 const Topology* inputOf(const TopologicalMapping& mapping);
 
 class MeshChain {
@@ -29,10 +29,10 @@ class MeshChain {
   MeshChain(const Topology& whole, Node& root, NodeDescription& description)
       : whole_(whole), root_(root), description_(description) {}
 
-  /// Whether a topology has the mesh `whole`: it is that one, or a chain of mappings and links leads from it there, and its
-  /// nodes are the same.
+  /// Whether a topology has the mesh `whole`: it is that one, or is connected to it by a chain of mappings and links with
+  /// the same nodes.
   bool isMadeOf(const Topology& part) const;
-  /// Whether attributes of a component are linked to the mesh, or to a state or an engine that has its values from there.
+  /// Whether attributes of a component are linked to the mesh, or to a state or an engine with values from it.
   bool reaches(const Component& component, int depth = 0) const;
 
  private:

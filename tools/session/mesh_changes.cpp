@@ -7,6 +7,8 @@
 #include <iterator>
 #include <memory>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "framework/scene/load.h"
 #include "framework/scene/spans.h"
@@ -63,7 +65,7 @@ std::unique_ptr<Simulation> loaded(SceneDescription scene, Node& root, Factory& 
   try {
     return std::make_unique<Simulation>(instantiate(std::move(scene), factory, modules));
   } catch (const SceneError& error) {
-    throw ComponentError("the scene cannot be as it becomes: " + firstOf(error));
+    throw ComponentError("the changed scene is not valid: " + firstOf(error));
   }
 }
 
@@ -77,12 +79,20 @@ void addWarnings(const Simulation& before, const Simulation& after, std::vector<
           fmt::format("{}, since its mesh changed at t = {:.6g} s: {}", problem.path, before.time(), problem.message));
 }
 
-MeshChangesMade makeAll(Simulation& simulation, Factory& factory, Modules& modules, const std::vector<Due>& all) {
-  MeshChangesMade made;
-  std::vector<std::string>& notes = made.notes;
-  const Span span("change meshes");
+/// Paths of components in which something is written anew.
+std::set<std::string> componentsOf(const Followed& followed) {
+  std::set<std::string> paths;
+  for (const std::string& each : followed.written) paths.insert(each.substr(0, each.rfind('.')));
+  return paths;
+}
+
+bool haveOneInCommon(const std::set<std::string>& some, const std::set<std::string>& others) {
+  return std::any_of(some.begin(), some.end(), [&](const std::string& each) { return others.count(each) > 0; });
+}
+
+/// The meshes that change, each with all its changes. `topologies`: theirs, in the same order.
+std::vector<ChangedMesh> changedMeshes(const std::vector<Due>& all, std::vector<const Topology*>& topologies) {
   std::vector<ChangedMesh> meshes;
-  std::vector<const Topology*> topologies;
   for (const Due& due : all) try {
       const Topology* const topology = due.change.topology;
       auto at = std::find(topologies.begin(), topologies.end(), topology) - topologies.begin();
@@ -94,32 +104,81 @@ MeshChangesMade makeAll(Simulation& simulation, Factory& factory, Modules& modul
     } catch (const ComponentError& error) {
       throw ComponentError(due.who + ": " + error.what(), error.expected, error.suggestion);
     }
-  SceneDescription scene = simulation.scene().description;
+  return meshes;
+}
+
+void addNotes(const Simulation& simulation, const Followed& followed, std::vector<std::string>& notes) {
+  for (const std::string& path : followed.left_out)
+    notes.push_back(fmt::format("{}: all nodes that it acts on were removed at t = {:.6g} s, and it is left out from now on", path,
+                                simulation.time()));
+  for (const auto& [path, left] : followed.entries)
+    if (!left.of.empty() && left.of.size() < left.before)
+      notes.push_back(fmt::format("{}: {} of its {} points were removed at t = {:.6g} s, and it acts on the others from now on",
+                                  path, left.before - left.of.size(), left.before, simulation.time()));
+}
+
+/// Puts meshes into `scene`, in order. What names nodes of two of them, as a tie does, has the lists of one scene: the second of these
+/// meshes goes from `meshes` and stands in the result, to be changed in the scene that has the first.
+std::set<const Topology*> putMeshes(const Simulation& simulation, std::vector<ChangedMesh>& meshes,
+                                    const std::vector<const Topology*>& topologies, SceneDescription& scene) {
+  std::set<const Topology*> later;
+  std::set<std::string> written;
+  std::vector<ChangedMesh> put;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    meshes[i].followed = putMesh(simulation, *topologies[i], meshes[i].edit, scene);
-    for (const std::string& path : meshes[i].followed.left_out)
-      notes.push_back(fmt::format("{}: all that it acts on has gone at t = {:.6g} s, and it is left out from now on", path,
-                                  simulation.time()));
-    for (const auto& [path, left] : meshes[i].followed.entries)
-      if (!left.of.empty() && left.of.size() < left.before)
-        notes.push_back(fmt::format("{}: {} of {} points that it names have gone at t = {:.6g} s, and it holds the others from now on",
-                                    path, left.before - left.of.size(), left.before, simulation.time()));
+    SceneDescription with = scene;
+    meshes[i].followed = putMesh(simulation, *topologies[i], meshes[i].edit, with);
+    const std::set<std::string> components = componentsOf(meshes[i].followed);
+    if (haveOneInCommon(components, written)) {
+      later.insert(topologies[i]);
+      continue;
+    }
+    written.insert(components.begin(), components.end());
+    scene = std::move(with);
+    put.push_back(std::move(meshes[i]));
   }
+  meshes = std::move(put);
+  return later;
+}
+
+/// Makes the changes that can be made at once, and returns the others.
+std::vector<Due> makeSome(Simulation& simulation, Factory& factory, Modules& modules, const std::vector<Due>& all, MeshChangesMade& made) {
+  std::vector<std::string>& notes = made.notes;
+  const Span span("change meshes");
+  std::vector<const Topology*> topologies;
+  std::vector<ChangedMesh> meshes = changedMeshes(all, topologies);
+  SceneDescription scene = simulation.scene().description;
+  const std::set<const Topology*> later = putMeshes(simulation, meshes, topologies, scene);
+  std::vector<std::pair<std::string, Due>> left;
+  for (const Due& due : all)
+    if (later.count(due.change.topology) > 0) left.emplace_back(due.change.topology->path(), due);
+  for (const ChangedMesh& mesh : meshes) addNotes(simulation, mesh.followed, notes);
   std::unique_ptr<Simulation> changed = loaded(std::move(scene), simulation.root(), factory, modules);
   addWarnings(simulation, *changed, notes);
   std::vector<std::string> anew;
   Archive values = carriedValues(simulation, *changed, meshes, anew);
   for (const std::string& path : anew)
-    notes.push_back(fmt::format("{}: its mesh changed at t = {:.6g} s, and what it remembers begins anew", path,
+    notes.push_back(fmt::format("{}: its mesh changed at t = {:.6g} s, and its history is reset", path,
                                 simulation.time()));
   try {
     simulation.become(std::move(changed), std::move(values));
   } catch (const std::runtime_error& error) {
-    throw ComponentError(std::string("the run cannot go on with the other mesh: ") + error.what());
+    throw ComponentError(std::string("the run cannot continue with the new mesh: ") + error.what());
   }
   made.any = true;
   for (const ChangedMesh& mesh : meshes)
     for (const std::string& state : mesh.followed.states) made.nodes[state] = mesh.edit.points().now();
+  std::vector<Due> rest;
+  for (auto& [path, due] : left) {
+    due.change.topology = dynamic_cast<const Topology*>(findComponent(simulation.root(), path));
+    if (!due.change.topology) throw ComponentError("the mesh " + path + " is not in the scene any more", "one that stays");
+    rest.push_back(std::move(due));
+  }
+  return rest;
+}
+
+MeshChangesMade makeAll(Simulation& simulation, Factory& factory, Modules& modules, std::vector<Due> all) {
+  MeshChangesMade made;
+  while (!all.empty()) all = makeSome(simulation, factory, modules, all, made);
   return made;
 }
 

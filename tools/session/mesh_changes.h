@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Meshes that change while a scene runs. The scene is loaded again with the other mesh, as one that could have been written so, and
-// the run goes on in it from where it is: one way for all that depends on a mesh, and for what a scene may hold one day.
+// Meshes that change in a running scene. The scene is loaded again with the new mesh, as if it had been written that way, and
+// the run continues from its present state. This single mechanism covers every component that depends on a mesh.
 #pragma once
 #include <map>
 #include <string>
@@ -12,32 +12,33 @@
 
 namespace stroma {
 
-/// Where the nodes of states have gone: of each before, its number now, or -1, by the path of the state. A state that is not
-/// named has those that it had, or others that no list leads to.
+/// New numbers of the nodes of states, or -1, by the path of the state. A state that is not listed keeps its nodes, or has new
+/// ones that no list maps to.
 using NodesNow = std::map<std::string, std::vector<Index>>;
 
 struct MeshChangesMade {
   bool any = false;
   NodesNow nodes{};
-  std::vector<std::string> notes{};  ///< what the changed scene warns of, and what begins anew in it
+  std::vector<std::string> notes{};  ///< warnings of the changed scene, and data that was reset
 };
 
-/// Makes the changes that components of the scene (MeshChanger) plan before the next step. Throws ComponentError with a sentence;
-/// nothing has changed then.
+/// Applies the changes that components of the scene (MeshChanger) plan before the next step. Throws ComponentError, and then
+/// nothing has changed. If a component, such as a tie, names nodes of several changed meshes, those before the failed one have
+/// changed.
 MeshChangesMade makeMeshChanges(Simulation& simulation, Factory& factory, Modules& modules);
 
-/// What such changes have made of the scene, for another simulation of it: values of one owner of a checkpoint, and none where no mesh
-/// has changed.
+/// The changes made so far, for another simulation of the scene: values of one owner of a checkpoint, empty if no mesh has
+/// changed.
 constexpr const char* changed_scene_owner = "changed scene";
 void writeChangedScene(const Simulation& simulation, Archive& archive);
-/// The scene with the meshes of such values, which are of this scene; without any, with its first ones.
-/// Nothing happens where it has them. Everything begins anew in it: Simulation::restore() is to follow. Throws std::runtime_error;
-/// the scene is then anywhere between.
+/// Gives the scene the meshes of such values, which must belong to it, or its original meshes if there are none. Does nothing
+/// if it already has them. Everything restarts: call Simulation::restore() afterwards. Throws std::runtime_error, and then the
+/// scene is in an undefined state.
 void takeChangedScene(Simulation& simulation, Archive values, Factory& factory, Modules& modules);
 
-/// Where the meshes of a recorded run have changed: from each of these times on they are those of a checkpoint [s].
+/// The times at which the meshes of a recorded run have changed [s], each with the checkpoint that has the new meshes.
 using RecordedMeshes = std::map<double, Checkpoint>;
-/// Null: the scene has the meshes that it was written with.
+/// Null: the scene has its original meshes.
 const Checkpoint* meshesAt(double time, const RecordedMeshes& meshes);
 
 }  // namespace stroma

@@ -177,7 +177,7 @@ void MeshEdit::removePoints(std::vector<Index> numbers) {
         for (auto& cell : list)
           for (auto& node : cell) {
             if (now[std::size_t(node)] < 0)
-              throw ComponentError(fmt::format("point {} cannot go: one of the {} still has it", node, kind.plural),
+              throw ComponentError(fmt::format("point {} cannot be removed: one of the {} still uses it", node, kind.plural),
                                    "a point without cells");
             node = now[std::size_t(node)];
           }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A mesh after a change, and where its points and cells come from.
+// A changed mesh, and the origin of its points and cells.
 #pragma once
 #include <utility>
 #include <vector>
@@ -9,31 +9,31 @@
 
 namespace stroma {
 
-/// Numbers now and before of a list of which some went and others came.
+/// The new and old numbers of a list with removed and added items.
 struct ListOrigins {
-  std::size_t before = 0;          ///< how many there were
-  std::vector<Index> of{};         ///< of each now: its number before, or -1
-  bool areTheSame() const;         ///< nothing went, came or moved
-  std::vector<Index> now() const;  ///< of each before: its number now, or -1; shape (before)
+  std::size_t before = 0;          ///< old number of items
+  std::vector<Index> of{};         ///< per new item: its old number, or -1
+  bool areTheSame() const;         ///< nothing was removed, added or renumbered
+  std::vector<Index> now() const;  ///< per old item: its new number, or -1; shape (before)
 };
 
-/// Of points: one that came has its place between others.
+/// The same for points: a new point is a weighted mean of others.
 struct PointOrigins : ListOrigins {
-  std::vector<std::vector<std::pair<Index, double>>> shares{};  ///< of each now: points before and their shares
+  std::vector<std::vector<std::pair<Index, double>>> shares{};  ///< per new point: old points and their weights
 };
 
-/// A mesh, changed one change after the other.
+/// A mesh with a sequence of changes.
 class MeshEdit {
  public:
   explicit MeshEdit(const Mesh& before);
-  /// Throws ComponentError with a sentence: a number that is not there, a point that cells still need.
+  /// Throws ComponentError for an invalid number, and for a point that cells still use.
   void make(const MeshChange& change);
 
   const Mesh& mesh() const { return mesh_; }
   const PointOrigins& points() const { return points_; }
   /// By the names of a mesh's lists.
   const PerCellList<ListOrigins>& cells() const { return cells_; }
-  /// Points without cells that were to stay, by their numbers now.
+  /// Points without cells that are kept, by their new numbers.
   std::vector<Index> loosePoints() const;
 
  private:
@@ -46,7 +46,7 @@ class MeshEdit {
   Mesh mesh_;
   PointOrigins points_;
   PerCellList<ListOrigins> cells_;
-  std::vector<bool> is_loose_;  ///< of each point
+  std::vector<bool> is_loose_;  ///< per point
 };
 
 }  // namespace stroma

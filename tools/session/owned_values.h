@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The values of a checkpoint by their owners, for those who hand them to another simulation.
+// The values of a checkpoint by owner, for transfer to another simulation.
 #pragma once
 #include <map>
 #include <string>
@@ -12,11 +12,11 @@ namespace stroma {
 
 using Entries = std::map<std::string, Archive::Entry>;
 
-/// All values of an owner. Those of its matrix, its system and its state are other owners.
+/// All values of an owner. Its matrix, system and state are separate owners.
 Entries valuesOf(const std::string& owner, const Entries& all);
 
-/// The component takes all of these values, which are its own. False: it reads them when it runs, or they are others than it has;
-/// what it has taken of them until then stays.
+/// Makes the component read all of these values, which are its own. False: it reads them only when it runs, or they do not match;
+/// values read before the mismatch stay.
 bool takesAll(Component& component, const Entries& values);
 
 /// The same names and bits.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is in a scene before it is complete.
+// Access to the components of an incomplete scene.
 #pragma once
 #include <memory>
 #include <string>
@@ -8,21 +8,21 @@
 
 namespace stroma {
 
-/// The components of a description with their attributes and links. None is initialised before it is asked for, and what is
-/// wrong with others does not matter to it: a loader has read its file, a region has found its nodes, in a scene that has no
-/// integrator yet. Nothing of it runs.
+/// The components of a description with their attributes and links. Each is initialised on demand, independently of problems
+/// elsewhere: a loader can read its file, and a region can find its nodes, in a scene that has no integrator
+/// yet. Nothing runs.
 class Preview {
  public:
-  /// Modules and factory outlive it.
+  /// Modules and factory must outlive this object.
   Preview(SceneDescription description, Factory& factory, Modules& modules);
   Preview(const Preview&) = delete;
 
   Node& root() const { return *scene_.root; }
-  /// Null when there is none.
+  /// Null if there is none.
   Component* find(const std::string& path) const { return findComponent(root(), path); }
-  /// Runs init() of the component and of what it needs, once. False when that failed: problems() has the reason.
+  /// Runs init() of the component and its dependencies, once. Returns false if that failed: problems() has the reason.
   bool ready(Component& component);
-  /// All that was found so far.
+  /// All problems found so far.
   const Diagnostics& problems() const { return scene_.diagnostics; }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A scene that is a program: a file of Python, which describes a scene and takes part in its steps. Sessions know it by this
-// door only; who plays it is in the same process (tools/python/sofa_compat).
+// A scene that is a program: a Python file that describes a scene and takes part in its steps. This is the only interface that
+// sessions use; the implementation runs in the same process (tools/python/sofa_compat).
 #pragma once
 #include <memory>
 #include <stdexcept>
@@ -13,14 +13,14 @@ namespace stroma {
 
 class Session;
 
-/// The program of a scene has failed: a sentence with its place. A step that it came before was not made.
+/// The program of a scene has failed: a message with its location. The step after it was not made.
 class ProgramError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What a pointer does in a picture of the scene. States are those of SOFA: 0 moves, 1 and 2 left pressed and released, 3 and
-/// 4 right, 5 wheel, 6 and 7 middle.
+/// A pointer event in a view of the scene. States are those of SOFA: 0 move, 1 and 2 left button pressed and released, 3 and
+/// 4 right button, 5 wheel, 6 and 7 middle button.
 struct Mouse {
   long state, x, y, wheel;  ///< [pixels] from the upper left corner; a notch of a wheel is 120
 };
@@ -28,24 +28,24 @@ struct Mouse {
 class SceneProgram {
  public:
   virtual ~SceneProgram() = default;
-  /// Runs the file and returns the scene that it makes, for `session`. Throws SceneError or ProgramError.
+  /// Runs the file and returns the scene that it describes, for `session`. Throws SceneError or ProgramError.
   virtual SceneDescription describe(const std::string& file, Session& session) = 0;
-  /// The scene that was described is loaded.
+  /// Called when the described scene is loaded.
   virtual void loaded(Session& session) = 0;
-  /// Between two steps, by the thread that steps. Both throw ProgramError.
+  /// Called between two steps, by the stepping thread. Both throw ProgramError.
   virtual void beforeStep(Simulation& simulation) = 0;
   virtual void afterStep(Simulation& simulation) = 0;
-  /// A key of a page that shows the run, by its name there: "a", "ArrowUp". By the thread that steps, between steps.
+  /// A key pressed in a page that shows the run, by its name there: "a", "ArrowUp". Called by the stepping thread, between steps.
   virtual void key(const std::string& name, bool pressed) = 0;
-  /// The pointer of such a page, likewise.
+  /// A pointer event in such a page, in the same way.
   virtual void mouse(const Mouse&) {}
 };
 
 /// Whether a scene file is a program, by its name.
 bool isSceneProgram(std::string_view file);
-/// Plays programs of all sessions from now on; null: nobody does. Before the first scene is loaded.
+/// Sets the interpreter for all sessions; null: none. Call it before the first scene is loaded.
 void setSceneProgram(std::unique_ptr<SceneProgram> program);
-/// Throws ProgramError when nobody does.
+/// Throws ProgramError if there is none.
 SceneProgram& sceneProgram();
 
 }  // namespace stroma

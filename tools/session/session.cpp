@@ -161,7 +161,7 @@ void Session::unload() {
 }
 
 Simulation& Session::simulation() const {
-  if (!simulation_) throw std::logic_error("the session has no scene: load one first");
+  if (!simulation_) throw std::logic_error("no scene is loaded");
   return *simulation_;
 }
 
@@ -190,7 +190,7 @@ std::string Session::changeMeshes() {
     return {};
   } catch (const ComponentError& error) {
     const std::string expected = error.expected.empty() ? "" : " (expected " + error.expected + ")";
-    return fmt::format("step {} (from t = {:.6g} s), a mesh is to change and cannot: {}{}", running.steps() + 1, running.time(),
+    return fmt::format("step {} (from t = {:.6g} s): a planned change of a mesh is not possible: {}{}", running.steps() + 1, running.time(),
                        error.what(), expected);
   }
 }
@@ -333,10 +333,10 @@ std::vector<std::string> Session::restore(Checkpoint checkpoint, const std::stri
     throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
   }
   std::vector<std::string> notes;
-  if (!tells_convergence) notes.push_back(fmt::format("{} does not tell which steps before it converged", path));
+  if (!tells_convergence) notes.push_back(fmt::format("{} does not record which earlier steps converged", path));
   if (checkpoint.scene != scene_file_) notes.push_back(fmt::format("{} was written by {}", path, checkpoint.scene));
   if (checkpoint.build != buildIdentity())
-    notes.push_back(fmt::format("{} was written by another build: the run may go on with other bits", path));
+    notes.push_back(fmt::format("{} was written by another build: the continued run may differ in its last bits", path));
   return notes;
 }
 

@@ -61,13 +61,13 @@ std::vector<std::string> UnconvergedSteps::warnings() const {
     warnings.push_back(fmt::format(
         "the linear solver stopped before its tolerance in {} of {} steps (worst relative residual {:.2g}): {}",
         linear_at_limit, steps, worst_residual,
-        linear_at_round_off > 0 ? "round-off allows no more where stiffnesses are far apart or a body is hardly held"
-                                : "raise its iterations or its tolerance; where the `threshold` of a CGLinearSolver of SOFA's dialect "
+        linear_at_round_off > 0 ? "round-off limits the accuracy if stiffnesses differ by orders of magnitude or a body is hardly supported"
+                                : "raise its iterations or its tolerance; if the `threshold` of a CGLinearSolver in SOFA's dialect "
                                   "ended it, lower that"));
   if (linear > linear_at_limit)
     warnings.push_back(fmt::format(
-        "the matrix of the linear solves was singular or not positive definite in {} of {} steps: they went on along a "
-        "direction that was found before, or with more on the diagonal",
+        "the matrix of the linear solves was singular or not positive definite in {} of {} steps: these continued along an earlier "
+        "direction, or with a larger diagonal",
         linear - linear_at_limit, steps));
   if (newton > 0)
     warnings.push_back(
@@ -81,7 +81,7 @@ std::vector<std::string> UnconvergedSteps::warnings() const {
                                    "time: {}",
                                    kept, steps, constraint_reason));
   if (constraints > 0)
-    warnings.push_back(fmt::format("position constraints or contacts did not hold in {} of {} steps; the first time: {}",
+    warnings.push_back(fmt::format("position constraints or contacts were violated in {} of {} steps; the first time: {}",
                                    constraints, steps, constraint_reason));
   return warnings;
 }

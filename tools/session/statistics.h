@@ -10,30 +10,30 @@
 
 namespace stroma {
 
-/// At the present of all nodes.
+/// Requires all nodes to be up to date.
 Energies energiesOf(const Simulation& simulation);
 
-/// Steps of a run that relied on solves that ended before their tolerance. A run that goes on from a checkpoint still
-/// rests on the steps before it.
+/// Counts the steps of a run that relied on solves that ended before their tolerance. A run that continues from a checkpoint
+/// includes the steps before it.
 struct UnconvergedSteps {
-  long steps = 0;                                ///< of the run, good or not
+  long steps = 0;                                ///< of the run, successful or not
   long linear = 0, newton = 0, constraints = 0;  ///< steps
-  long linear_at_limit = 0;                      ///< of `linear`, those with a solve that ended before its tolerance
-  long linear_at_round_off = 0;                  ///< of `linear_at_limit`, those that more iterations do not help
-  long kept = 0;                                 ///< with contacts that were off by less than was tolerated
-  long without_result = 0;                       ///< steps whose solves converged, to what is no result
+  long linear_at_limit = 0;                      ///< part of `linear`: a solve ended before its tolerance
+  long linear_at_round_off = 0;                  ///< part of `linear_at_limit`: more iterations would not help
+  long kept = 0;                                 ///< contacts violated within their tolerance
+  long without_result = 0;                       ///< solves converged, but the state is not a valid result
   std::string without_result_reason;             ///< of the first of them
-  std::string constraint_reason;                 ///< of the first step with constraints or contacts that did not hold
+  std::string constraint_reason;                 ///< of the first step with violated constraints or contacts
   double worst_residual = 0, worst_newton_residual = 0;
 
   void add(const StepReport& report);
-  /// Sentences on them, summed over the run.
+  /// Messages about them, summed over the run.
   std::vector<std::string> warnings() const;
   bool none() const { return linear + newton + constraints + kept + without_result == 0; }
   void serialize(Archive& archive);  ///< see Component::serialize()
 };
 
-/// What the steps of a run cost and how well its solvers did.
+/// Cost of the steps of a run, and the convergence of its solvers.
 struct RunStatistics {
   std::vector<double> step_ms;  ///< wall time of each step [ms]
   std::map<SolveStop, long> stops;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// An attribute of a description with its value as it is: long lists need not be printed and read again.
+// An attribute of a description with a typed value, so that long lists need not be converted to text and back.
 #pragma once
 #include <memory>
 #include <string>

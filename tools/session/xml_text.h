@@ -5,7 +5,7 @@
 
 namespace stroma {
 
-/// As the text of an attribute or an element, of XML and HTML. Characters that XML cannot hold become '?'.
+/// Escapes text for an attribute or an element of XML or HTML. Characters that XML cannot represent become '?'.
 std::string xmlText(std::string_view text);
 
 }  // namespace stroma

@@ -87,7 +87,7 @@ void applyOverrides(const std::vector<Override>& overrides, NodeDescription& roo
   places.collect(root, "/");
   const std::string root_path = "/" + (root.name().empty() ? "root" : root.name()) + "/";
   std::vector<Override> sorted = overrides;  // what is in the place of a component has the attributes that others write
-  std::ranges::stable_partition(sorted, [](const Override& change) { return change.attribute.empty(); });
+  std::stable_partition(sorted.begin(), sorted.end(), [](const Override& change) { return change.attribute.empty(); });
   for (const Override& change : sorted) {
     const bool is_type = change.attribute.empty();
     const SourceLocation where{std::string(written_as) + change.path + (is_type ? "" : "." + change.attribute), 0, 0};

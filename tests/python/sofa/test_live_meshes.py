@@ -186,7 +186,7 @@ def test_what_cannot_be_changed_is_told():
     with pytest.raises(ValueError, match="point 5 would lose its last cell"):
         node.modifier.removeTetrahedra([2])
     Sofa.Simulation.init(root)
-    with pytest.raises(RuntimeError, match="/body/mesh: point 0 cannot go: one of the tetrahedra still has it"):
+    with pytest.raises(RuntimeError, match="/body/mesh: point 0 cannot be removed: one of the tetrahedra still uses it"):
         node.modifier.removePoints([0])
     with pytest.raises(IndexError, match="there are 3 tetrahedra, and 7 is none"):
         node.modifier.removeTetrahedra([7])

@@ -36,7 +36,7 @@ def test_all_that_is_missing_is_one_message(name, folder):
 
 def test_points_that_cells_still_have_stay(folder):
     done = run("run", SCENES / "topology_cut.py", "-n", 10, "--no-record", folder=folder)
-    assert done.returncode == 3 and re.search(r"topology_cut.py:\d+: .*point [01] cannot go: one of the edges still has it", done.stderr), done.stderr
+    assert done.returncode == 3 and re.search(r"topology_cut.py:\d+: .*point [01] cannot be removed: one of the edges still uses it", done.stderr), done.stderr
 
 
 def test_instruments_that_are_drawn_back_have_a_matrix_with_a_solution(folder):
