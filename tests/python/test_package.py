@@ -66,6 +66,12 @@ def test_what_is_public_is_documented():
                 assert value.__doc__ or member in ("get", "set", "insert", "node", "info", "component", "mesh"), f"{name}.{member}"
 
 
+def test_reports_and_their_numbers_are_documented():
+    for made in (stroma.RunReport, stroma.StepReport):
+        for name, value in vars(made).items():
+            assert not isinstance(value, property) or value.__doc__, f"{made.__name__}.{name}"
+
+
 def test_an_interpreter_ends_well_whatever_it_holds():
     """Views, simulations and force fields in globals at the end: no crash, no message."""
     program = """

@@ -132,6 +132,10 @@ def test_gradients_that_are_none():
         simulation.gradient(of, "/body/grid.n")
     with pytest.raises(stroma.SceneError, match="names no attribute|did you mean"):
         simulation.gradient(of, "fem")
+    free = block()
+    free["body"].remove(free["body/held"])
+    with pytest.raises(stroma.StromaError, match="moves freely"):
+        stroma.load(free, quiet=True).gradient(of)
     moving = stroma.load(block())
     moving.run(2)
     with pytest.warns(stroma.SceneWarning, match="no equilibrium"):

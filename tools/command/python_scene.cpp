@@ -12,6 +12,7 @@
 #include <fstream>
 #include <utility>
 
+#include "tools/command/recorded_run.h"
 #include "tools/session/scene_program.h"
 
 namespace stroma::command {
@@ -34,6 +35,17 @@ std::vector<std::string> packageFolders() {
   return {};
 }
 
+/// A folder with the recording of a scene in Python.
+bool isRecordedProgram(const std::string& folder) {
+  std::error_code no_folder;
+  if (!fs::is_directory(folder, no_folder)) return false;
+  try {
+    return isSceneProgram(recordedRun(folder).scene);
+  } catch (const std::exception&) {  // who opens it says what is wrong with it
+    return false;
+  }
+}
+
 }  // namespace
 
 bool needsPython(const Arguments& arguments) {
@@ -42,6 +54,7 @@ bool needsPython(const Arguments& arguments) {
   if (arguments[0] == "check" && std::find(arguments.begin(), arguments.end(), "--sofa") != arguments.end()) return false;  // as those
   for (std::size_t i = 1; i < arguments.size(); ++i) {
     std::error_code no_file;
+    if ((arguments[0] == "view" || arguments[0] == "picture") && isRecordedProgram(arguments[i])) return true;
     if (!fs::is_regular_file(arguments[i], no_file)) continue;
     if (isSceneProgram(arguments[i]) || (arguments[0] == "regress" && listsProgram(arguments[i]))) return true;
   }

@@ -130,20 +130,21 @@ py::array cellField(Ref engine, const std::string& path, const std::string& name
 
 void bindReports(py::module_& module) {
   py::class_<StepReport>(module, "StepReport", "What a step did.")
-      .def_readonly("diverged", &StepReport::diverged)
-      .def_readonly("stopped", &StepReport::stopped)
-      .def_readonly("unsolved", &StepReport::unsolved)
-      .def_readonly("reason", &StepReport::reason)
-      .def_readonly("newton_iterations", &StepReport::newton_iterations)
-      .def_readonly("linear_iterations", &StepReport::linear_iterations)
-      .def_readonly("factorisations", &StepReport::factorisations)
-      .def_readonly("solve_seconds", &StepReport::solve_seconds)
-      .def_readonly("linear_residual", &StepReport::linear_residual)
-      .def_readonly("linear_converged", &StepReport::linear_converged)
-      .def_readonly("newton_residual", &StepReport::newton_residual)
-      .def_readonly("newton_converged", &StepReport::newton_converged)
-      .def_readonly("constraints_converged", &StepReport::constraints_converged)
-      .def_readonly("constraint_reason", &StepReport::constraint_reason)
+      .def_readonly("diverged", &StepReport::diverged, "True: the step has no result, and the states are those before it.")
+      .def_readonly("stopped", &StepReport::stopped, "True: request_stop() gave it up.")
+      .def_readonly("unsolved", &StepReport::unsolved, "True: no equilibrium was found.")
+      .def_readonly("reason", &StepReport::reason, "Why, in a sentence; empty where all is well.")
+      .def_readonly("newton_iterations", &StepReport::newton_iterations, "Zero where no Newton method ran.")
+      .def_readonly("linear_iterations", &StepReport::linear_iterations,
+                    "Over all linear solves of the step; one by factors counts as one.")
+      .def_readonly("factorisations", &StepReport::factorisations, "Of matrices.")
+      .def_readonly("solve_seconds", &StepReport::solve_seconds, "Wall time of the linear solves, with their products and assembly [s].")
+      .def_readonly("linear_residual", &StepReport::linear_residual, "That of the last linear solve, relative to its right side.")
+      .def_readonly("linear_converged", &StepReport::linear_converged, "Whether every linear solve ended at its tolerance.")
+      .def_readonly("newton_residual", &StepReport::newton_residual, "Relative, where a Newton method ran.")
+      .def_readonly("newton_converged", &StepReport::newton_converged, "Whether every search for an equilibrium ended at its tolerance.")
+      .def_readonly("constraints_converged", &StepReport::constraints_converged, "Whether every constraint of positions holds.")
+      .def_readonly("constraint_reason", &StepReport::constraint_reason, "Which does not, in a sentence; else empty.")
       .def("__repr__", [](const StepReport& r) {
         const std::string reason = r.reason.empty() ? r.constraint_reason : r.reason;
         return fmt::format("<step: {}{}, {} Newton and {} linear iterations, {} factorisations>",
@@ -151,20 +152,23 @@ void bindReports(py::module_& module) {
                            reason.empty() ? "" : " (" + reason + ")", r.newton_iterations, r.linear_iterations, r.factorisations);
       });
   py::class_<RunReport>(module, "RunReport", "How a run ended.")
-      .def_property_readonly("end", [](const RunReport& report) { return wordFor(report.end); })
-      .def_readonly("last", &RunReport::last)
-      .def_readonly("reason", &RunReport::reason)
-      .def_readonly("seconds", &RunReport::seconds)
-      .def_property_readonly("steps", [](const RunReport& report) { return report.statistics.step_ms.size(); })
+      .def_property_readonly("end", [](const RunReport& report) { return wordFor(report.end); },
+                             "\"done\", \"stopped\", \"diverged\", \"not converged\", \"mesh not changed\" or \"output failed\".")
+      .def_readonly("last", &RunReport::last, "The StepReport of the last step.")
+      .def_readonly("reason", &RunReport::reason, "Why it ended, in a sentence; empty where it was done.")
+      .def_readonly("seconds", &RunReport::seconds, "Wall time [s].")
+      .def_property_readonly("steps", [](const RunReport& report) { return report.statistics.step_ms.size(); }, "How many were made.")
       .def_property_readonly("step_ms",
                              [](const RunReport& report) {
                                const std::vector<double>& ms = report.statistics.step_ms;
                                return py::array_t<double>(py::ssize_t(ms.size()), ms.data());
-                             })
-      .def_property_readonly("linear_iterations", [](const RunReport& r) { return r.statistics.linear_iterations; })
-      .def_property_readonly("newton_iterations", [](const RunReport& r) { return r.statistics.newton_iterations; })
-      .def_property_readonly("factorisations", [](const RunReport& r) { return r.statistics.factorisations; })
-      .def_property_readonly("warnings", [](const RunReport& r) { return r.statistics.unconverged.warnings(); })
+                             },
+                             "The wall time of each step, (steps,) [ms].")
+      .def_property_readonly("linear_iterations", [](const RunReport& r) { return r.statistics.linear_iterations; }, "Of all steps.")
+      .def_property_readonly("newton_iterations", [](const RunReport& r) { return r.statistics.newton_iterations; }, "Of all steps.")
+      .def_property_readonly("factorisations", [](const RunReport& r) { return r.statistics.factorisations; }, "Of all steps.")
+      .def_property_readonly("warnings", [](const RunReport& r) { return r.statistics.unconverged.warnings(); },
+                             "Sentences on solves that did not converge.")
       .def("__repr__", [](const RunReport& r) {
         const std::size_t steps = r.statistics.step_ms.size(), warnings = r.statistics.unconverged.warnings().size();
         return fmt::format("<run of {} {}: {}{}, {:.3g} s{}>", steps, steps == 1 ? "step" : "steps", wordFor(r.end),

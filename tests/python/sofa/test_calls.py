@@ -240,8 +240,8 @@ def test_prefabs_of_files(root):
     assert ball.MechanicalObject.position.value[0][0] == 2 and ball.prefabname.value == "Ball"
 
 
-def test_what_neither_has(root):
-    """Not even in silence: a call that does nothing would hide what a scene needs."""
+def test_calls_without_a_meaning_here_are_refused(root):
+    """A call that does nothing would hide what a scene needs."""
     for thing, names in ((root, "executeVisitor propagateEvent getTreeNode addParent addNewChild moveObject getNameAsString"),
                          (Sofa.Simulation, "createRoot setRoot loadFromFile exportXML"), (Sofa.Core, "CreateNode"),
                          (root.addData("d", value=1.0), "setDirty isDisplayed setGroup"), (SofaRuntime, "getMainFactory")):

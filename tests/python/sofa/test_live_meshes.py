@@ -488,6 +488,9 @@ def test_a_controller_changes_meshes_under_the_command(recorded, tmp_path, capsy
     assert [line for line in done.stdout.splitlines() if line.startswith("cells")] == lines
     if recorded:
         assert len(list((tmp_path / "kept").glob("meshes.*.checkpoint"))) == 2
+        drawn = run("picture", tmp_path / "kept", "--at", "start,0.03,0.05,end", "-o", tmp_path / "kept.png", folder=tmp_path,
+                    PYTHONPATH=str(HERE))
+        assert drawn.returncode == 0 and (tmp_path / "kept.png").exists(), drawn.stderr
 
 
 def test_a_controller_changes_meshes_in_the_view(tmp_path, monkeypatch):
@@ -499,9 +502,9 @@ def test_a_controller_changes_meshes_in_the_view(tmp_path, monkeypatch):
     with Server(COMMAND, str(tmp_path / "scene.py"), "--paused") as server:
         page = server.page()
         page.do("control")
-        for count, nodes in ((2, 6), (2, 5), (1, 5)):
+        for step, count, nodes in ((2, 2, 6), (4, 2, 5), (5, 1, 5)):
             page.do("step", count=count)
-            page.picture(page.status["step"])
+            page.picture(step)
             assert len(page.positions()) == nodes
         page.do("key", key="x", pressed=True)
         page.do("key", key="x", pressed=False)

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 _STILL = 1e-4  # of the size of the body: a step of Newton's method that is longer has left no equilibrium
+_ILL = 1e12
+_SINGULAR = "something in the scene moves freely, which no stiffness holds: its equilibrium has no derivative"
 _ENTRIES = 200  # of arrays of parameters: each costs two forces
 
 
@@ -95,7 +97,15 @@ class _Equilibrium:
         self.present = self.copy.force(integrator)
         K = simulation.matrix("stiffness", constrained=True, integrator=integrator)
         of_points = all(state.kind == "points" for state in self.states.values())
-        self.factors = splu((self.T.T @ (self._derivative(K) if of_points else K) @ self.T).tocsc())
+        reduced = (self.T.T @ (self._derivative(K) if of_points else K) @ self.T).tocsc()
+        try:
+            self.factors = splu(reduced)
+        except RuntimeError:  # an exact zero
+            raise StromaError(_SINGULAR) from None
+        # how far a force is taken, against what its size and that of K would do: of a body that moves freely round-off decides
+        random = numpy.random.default_rng(1).normal(size=reduced.shape[0])
+        if not numpy.linalg.norm(self.factors.solve(random)) * abs(reduced).max() < _ILL * numpy.linalg.norm(random):
+            raise StromaError(_SINGULAR)
 
     def force(self) -> numpy.ndarray:
         return self.copy.force(self.integrator)

@@ -464,7 +464,8 @@ class Simulation:
     def add_force(self, state: Union["State", str], nodes: Union[int, Sequence[int]], force: Any = (0, 0, 0),
                   targets: Sequence[Sequence[float]] = (), stiffness: float = 0, damping: float = 0) -> "Force":
         """A force [N] on each of these nodes, the same of three numbers or (nodes, 3) one for each, or a pull of each to its target [m] by
-        a spring [N/m, N s/m], from the next step on."""
+        a spring [N/m, N s/m], from the next step on. For forces on hundreds of nodes that change in each step a ConstantForceField, whose
+        `forces` may change, takes less time."""
         path = state.path if isinstance(state, State) else self.state(state).path
         return Force(self, path, nodes, force, targets, stiffness, damping)
 
