@@ -138,35 +138,37 @@ TEST(PorousConsolidation, BeginsUndrainedAndEndsDrained) {
 }
 
 /// Against the series, one error at a time: that in h with steps extrapolated to none, that in dt with cells
-/// extrapolated to none.
+/// extrapolated to none. Every two of kind, coupling and fluid meet; IsTerzaghis has all three.
 TEST(PorousConsolidation, OrdersInSpaceAndTime) {
   constexpr double when = 0.2;
-  for (const PorousKind& kind : porousKinds())
-    for (const std::string& coupling : couplings)
-      for (const Biot& biot : biots) {
-        const auto at = [&](int cells, double dt) {
-          Column column = columnOf(kind, coupling, biot);
-          column.cells = cells, column.dt = dt;
-          column.load = 0.01;  // strains of 1e-5: the series is linear
-          return column.run({when}).at(0);
-        };
-        const auto withoutSteps = [&at](int cells) {
-          const double a = at(cells, 0.008), b = at(cells, 0.004), c = at(cells, 0.002);
-          return (8 * c - 6 * b + a) / 3;
-        };
-        const auto withoutCells = [&at](double dt) { return (4 * at(20, dt) - at(10, dt)) / 3; };
-        const double h[] = {withoutSteps(5), withoutSteps(10), withoutSteps(20)};
-        const double t[] = {withoutCells(0.02), withoutCells(0.01), withoutCells(0.005)};
-        for (const auto& [what, found, order] : {std::tuple("h ", h, 2), std::tuple("dt", t, 1)}) {
-          double error[3];
-          for (int i = 0; i < 3; ++i) error[i] = std::abs(found[i] - consolidation(when));
-          std::printf("%-10s %-14s alpha = %g in %s: errors %.2e %.2e %.2e against the series, orders %.2f %.2f\n",
-                      kind.name.c_str(), coupling.c_str(), biot.alpha, what, error[0], error[1], error[2],
-                      std::log2(error[0] / error[1]), std::log2(error[1] / error[2]));
-          EXPECT_NEAR(std::log2(error[0] / error[1]), order, 0.15) << kind.name << " " << coupling << " " << what;
-          EXPECT_NEAR(std::log2(error[1] / error[2]), order, 0.15) << kind.name << " " << coupling << " " << what;
-        }
+  for (std::size_t k = 0; k < porousKinds().size(); ++k)
+    for (std::size_t c = 0; c < couplings.size(); ++c) {
+      const PorousKind& kind = porousKinds()[k];
+      const std::string coupling = couplings[c];
+      const Biot& biot = biots[(k + c) % 2];
+      const auto at = [&](int cells, double dt) {
+        Column column = columnOf(kind, coupling, biot);
+        column.cells = cells, column.dt = dt;
+        column.load = 0.01;  // strains of 1e-5: the series is linear
+        return column.run({when}).at(0);
+      };
+      const auto withoutSteps = [&at](int cells) {
+        const double a = at(cells, 0.008), b = at(cells, 0.004), c = at(cells, 0.002);
+        return (8 * c - 6 * b + a) / 3;
+      };
+      const auto withoutCells = [&at](double dt) { return (4 * at(20, dt) - at(10, dt)) / 3; };
+      const double h[] = {withoutSteps(5), withoutSteps(10), withoutSteps(20)};
+      const double t[] = {withoutCells(0.02), withoutCells(0.01), withoutCells(0.005)};
+      for (const auto& [what, found, order] : {std::tuple("h ", h, 2), std::tuple("dt", t, 1)}) {
+        double error[3];
+        for (int i = 0; i < 3; ++i) error[i] = std::abs(found[i] - consolidation(when));
+        std::printf("%-10s %-14s alpha = %g in %s: errors %.2e %.2e %.2e against the series, orders %.2f %.2f\n",
+                    kind.name.c_str(), coupling.c_str(), biot.alpha, what, error[0], error[1], error[2],
+                    std::log2(error[0] / error[1]), std::log2(error[1] / error[2]));
+        EXPECT_NEAR(std::log2(error[0] / error[1]), order, 0.15) << kind.name << " " << coupling << " " << what;
+        EXPECT_NEAR(std::log2(error[1] / error[2]), order, 0.15) << kind.name << " " << coupling << " " << what;
       }
+    }
 }
 
 /// Mandel and Cryer: the rim drains and shrinks first, and squeezes the centre of a cube under pressure on all sides;
@@ -232,11 +234,11 @@ TEST(PorousConsolidation, ImplicitStepsTakeFewNewtonIterationsWhateverTheFluid) 
 
 TEST(PorousConsolidation, UnderAStiffFluidIsTerzaghis) {
   for (const PorousKind& kind : porousKinds()) {
-    const Column column{.limit = 1.4e6, .kind = &kind};
-    const std::vector<double> times{0.1, 0.197, 0.5};
+    const Column column{.limit = 1.4e6, .dt = 0.004, .kind = &kind};
+    const std::vector<double> times{0.1, 0.2, 0.5};
     const std::vector<double> found = column.run(times);
     ASSERT_EQ(found.size(), times.size());
-    for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(found[i], consolidation(times[i]), 0.01) << kind.name;
+    for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(found[i], consolidation(times[i]), 0.003) << kind.name;
   }
 }
 
