@@ -19,6 +19,7 @@ struct Part {
   double radius = 0;
   unsigned owned = 0;        ///< bits: each node belongs to a corner of one part
   unsigned owned_edges = 0;  ///< the same of edges, from a corner to the next
+  bool of_quad = false;      ///< half of one
 };
 
 /// What the surface of a body is for whoever looks whether bodies touch: its parts, and with what they may meet.

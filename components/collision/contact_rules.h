@@ -15,7 +15,7 @@ struct Answer {
 };
 
 /// The words that say it for each pair of models: a `contactResponse` of one of both, else the first of `rules` that speaks of them,
-/// else `response`.
+/// else `response`. Where both models have a `contactResponse` and these differ, it is `response`, or that of the first with `rules`.
 class ContactRules {
  public:
   void declare(DataTable& table);

@@ -13,10 +13,20 @@
 // resolutionMethod = UnbuiltGaussSeidel: all begin at zero. NonsmoothNonlinearConjugateGradient: a sweep is a step of steepest
 // descent, and directions are those of Fletcher and Reeves, begun again where changes grow.
 //
+// A contact is a block of its push l_n and its friction l_t:
+//
+//   l_n = max(0, l_n - (g + W l)_n / W_nn),   l_t -= 2 (g + W l)_t / (W_tt + W_ss), cut to mu l_n;   no friction where l_n = 0
+//
+// It begins at zero, or with keepsContactForces where it ended in the step before. Blocks are visited node by node, a node before its
+// children, contacts last (those of CollisionResponse with sofaLists). resolutionMethod = NonlinearComplementarity is SOFA's
+// LCPConstraintSolver: the error of a contact is |W_bb dl_b|, and the tolerance is times the contacts and one; without friction it is not
+// scaled.
+//
 // Without this component conditions hold to round-off, which is right. With the usual tolerance a chain of tied bodies is off by some
-// thousandths of its movement. It counts where an integrator has oneRound and all conditions are equal ones, as those of
-// BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers. A step that has other
-// conditions makes no sweeps: all hold to round-off, and the integrator says so. A scene has one.
+// thousandths of its movement. It has an effect where an integrator has oneRound and all conditions are equal ones, as those of
+// BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers, or contacts of a
+// CollisionResponse with sofaLists. A step with other conditions makes no sweeps: all hold to round-off, and the integrator warns. A scene
+// has one.
 //
 // Source: SOFA's GenericConstraintSolver. Silcowitz, Niebe, Erleben: A nonsmooth nonlinear conjugate gradient method for interactive
 // contact force problems (2010).
