@@ -29,6 +29,8 @@
 //   (A + B S B^T)^-1 v = z - Y (S^-1 + B^T Y)^-1 B^T z,   z = A^-1 v,   Y = A^-1 B
 // Cells that roll on a sphere turn by more than any step that lacks it can follow.
 #pragma once
+#include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -170,6 +172,9 @@ class Multipliers {
   const State* stateOf(Index row) const;
   bool isOfFrame(Index row) const;
   bool isTurn(Index row) const;
+  bool findBlocks(std::size_t& other);
+  void takeSwept();
+  void keepContactForces();
   bool sweepForces(StopToken stop);
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
   bool isNoise(double step);
@@ -219,6 +224,8 @@ class Multipliers {
   Vector pushes_;                                          ///< right_side_ with what these take of it
   ConstraintSweeps* sweeps_ = nullptr;
   std::vector<ConstraintSweeps::Block> blocks_;
+  std::map<std::array<int, 2>, std::array<double, 3>> contact_forces_;  ///< of the last step, by names [N]
+  std::vector<std::size_t> swept_ends_;  ///< ends_ of the step that swept_ is of
   Eigen::VectorXd swept_, sweeping_;  ///< forces of the last step [N], where sweeps go on, and of the present one
   bool is_swept_ = false;             ///< so are forces of the present one
   std::string not_swept_;             ///< a constraint that has kept sweeps from being made
