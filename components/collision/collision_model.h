@@ -19,6 +19,7 @@ struct Part {
   double radius = 0;
   unsigned owned = 0;        ///< bits: each node belongs to a corner of one part
   unsigned owned_edges = 0;  ///< the same of edges, from a corner to the next
+  bool of_quad = false;      ///< half of one
 };
 
 /// The surface of a body as collision detection sees it: its parts, and what they may collide with.

@@ -63,6 +63,9 @@ class Triangles final : public CollisionModel {
   Kind kind() const override { return Kind::triangle; }
   void makeParts(std::vector<Part>& parts) override {
     for (const Triangle& face : faces()) parts.push_back({face, 3, 0});
+    const Mesh* found = mesh();
+    if (!found || found->quads.empty()) return;
+    for (std::size_t i = found->triangles.size(); i < parts.size(); ++i) parts[i].of_quad = true;
   }
 };
 

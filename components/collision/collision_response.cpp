@@ -57,10 +57,10 @@
 #include <algorithm>
 #include <map>
 
+#include "components/collision/contact_finder.h"
 #include "components/collision/contact_report.h"
-#include "components/collision/contact_rules.h"
+#include "components/collision/push.h"
 #include "framework/mechanics/force_field.h"
-#include "framework/mechanics/frames.h"
 #include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
@@ -71,20 +71,6 @@
 
 namespace stroma::collision {
 namespace {
-
-/// The way from p to q is fixed + sum c_i x_i over nodes that something moves.
-struct Push {
-  std::array<Index, 6> rows{-1, -1, -1, -1, -1, -1};
-  std::array<double, 6> c{};
-  Vec3 fixed = Vec3::Zero(), n;
-  double d = 0, k = 0;
-  std::array<Index, 2> turns{-1, -1};  ///< rows of orientations of balls: of p, of q
-  std::array<double, 2> radii{};       ///< theirs [m]
-  bool acts = false;    ///< at the last force
-  bool joined = false;  ///< a part of the matrix
-  bool rubs = false;    ///< by a force of constraint, which addForce() knows nothing of
-  double mu = 0;        ///< of friction
-};
 
 class CollisionResponse final : public ForceField,
                                 public HearsSteps,
@@ -100,6 +86,11 @@ class CollisionResponse final : public ForceField,
         .help("with friction: a step whose conditions are violated by no more than this is kept, and reported as not converged")
         .unit("m")
         .min(0);
+    finder_.declare(table);
+    table.add("sweepNames", sweep_names_)
+        .help("with sofaLists, for each contact with friction: the place of its node in the scene, its pair of models since these touch, "
+              "and its number in the pair")
+        .output();
     table.add("contacts", acting_).help("contacts that push").output();
     report_.declare(table);
   }
@@ -120,7 +111,7 @@ class CollisionResponse final : public ForceField,
   void takeForces(std::span<const double> forces) override;
   Tolerance tolerance() const override { return {.kept = tolerated_error_}; }
   void compile() override {
-    search_.compile(pairs_, *method_);
+    if (method_) finder_.compile(node().root(), pairs_, *method_, rules_);
     report_.compile(pairs_);
     pushes_.clear(), pattern_.clear();
     found_ = false;
@@ -137,11 +128,11 @@ class CollisionResponse final : public ForceField,
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
   void reset() override {
     found_ = false, acting_ = pushing_ = rubbing_ = 0;
-    report_.clear();
+    report_.clear(), finder_.reset();
   }
   void serialize(Archive& archive) override {
     archive.value("contacts", acting_);
-    report_.serialize(archive);
+    report_.serialize(archive), finder_.serialize(archive);
   }
 
  protected:
@@ -154,13 +145,9 @@ class CollisionResponse final : public ForceField,
     node().root().collect(pipelines);
     return !pipelines.empty();
   }
-  static Vec3 wayOf(const Push& push, ConstRows x);
-  static Vec3 slid(const Push& push, ConstRows x, ConstRows x_start);
   void find();
   bool joins(const CollisionModel& a, const CollisionModel& b) const;
-  static void addSide(const CollisionModel& model, const PartPoint& point, double sign, Push& push);
-  static double depth(const Push& push, ConstRows x);
-  static std::array<Vec3, 2> tangents(const Vec3& n);
+  std::array<Vec3, 2> tangents(const Vec3& n) const;
 
   ContactRules rules_;
   int acting_ = 0, pushing_ = 0, rubbing_ = 0;  ///< contacts with a force: all, and of each kind
@@ -171,7 +158,8 @@ class CollisionResponse final : public ForceField,
   const Method* method_ = nullptr;
   std::vector<ModelPair> pairs_;
   std::vector<State*> states_;
-  ContactSearch search_;
+  ContactFinder finder_;
+  std::vector<int> sweep_names_;  ///< three for each contact that rubs: what ConstraintSweeps sorts and recognises them by
   std::vector<Contact> contacts_;
   std::vector<Push> pushes_;  ///< of contacts_
   ContactReport report_;      ///< the same
@@ -209,28 +197,14 @@ void CollisionResponse::init() {
   ForceField::init();
 }
 
-void CollisionResponse::addSide(const CollisionModel& model, const PartPoint& point, double sign, Push& push) {
-  const State& state = model.state();
-  std::array<Vec3, 3> places;
-  model.corners(*point.part, places);
-  std::size_t at = sign < 0 ? 0 : 3;
-  for (std::size_t i = 0; i < std::size_t(point.part->corners); ++i, ++at)
-    if (state.isBound())
-      push.rows[at] = state.firstRow() + point.part->node[i] * state.rows_per_node, push.c[at] = sign * point.weight[i];
-    else
-      push.fixed += sign * point.weight[i] * places[i];
-  if (point.part->radius == 0 || !state.isBound() || !state.hasFrames()) return;
-  const std::size_t side = sign < 0 ? 0 : 1;
-  push.turns[side] = state.firstRow() + point.part->node[0] * state.rows_per_node + 1, push.radii[side] = point.part->radius;
-}
-
 bool CollisionResponse::joins(const CollisionModel& a, const CollisionModel& b) const {
   return !explicit_between_ || !a.isSimulated() || !b.isSimulated() || movers_.at(&a) == movers_.at(&b);
 }
 
 void CollisionResponse::find() {
-  search_.find(contacts_);
+  finder_.find(contacts_);
   pushes_.resize(contacts_.size());
+  sweep_names_.clear();
   has_new_ = has_new_ || pattern_.size() != pushes_.size();
   pattern_.resize(pushes_.size());
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
@@ -242,6 +216,7 @@ void CollisionResponse::find() {
     addSide(*contact.model_b, contact.b, 1, push);
     const Answer& answer = rules_.of(*contact.model_a, *contact.model_b);
     push.rubs = answer.rubs, push.mu = answer.mu;
+    if (push.rubs && finder_.lists()) finder_.addName(i, sweep_names_);
     push.joined = !push.rubs && joins(*contact.model_a, *contact.model_b);
     has_new_ = has_new_ || pattern_[i] != push.rows;
     pattern_[i] = push.rows;
@@ -250,28 +225,12 @@ void CollisionResponse::find() {
   found_ = true;
 }
 
-Vec3 CollisionResponse::wayOf(const Push& push, ConstRows x) {
-  Vec3 way = push.fixed;
-  for (std::size_t i = 0; i < 6; ++i)
-    if (push.rows[i] >= 0) way += push.c[i] * x[push.rows[i]];
-  return way;
-}
-
-/// s
-Vec3 CollisionResponse::slid(const Push& push, ConstRows x, ConstRows x_start) {
-  Vec3 way = wayOf(push, x) - wayOf(push, x_start);
-  for (std::size_t side = 0; side < 2; ++side)
-    if (const Index row = push.turns[side]; row >= 0)
-      way -= push.radii[side] * rotationVector(orientationIn(x, row) * orientationIn(x_start, row).conjugate()).cross(push.n);
-  return way;
-}
-
-std::array<Vec3, 2> CollisionResponse::tangents(const Vec3& n) {
-  const Vec3 across = n.unitOrthogonal();
+std::array<Vec3, 2> CollisionResponse::tangents(const Vec3& n) const {
+  Vec3 across = n.unitOrthogonal();
+  const Vec3 turned = n.cross(Vec3(n[2], n[0], n[1]));  // SOFA has no tangents along the diagonal of space
+  if (finder_.lists() && turned.norm() > 1e-9) across = turned.normalized().cross(n);
   return {across, n.cross(across)};
 }
-
-double CollisionResponse::depth(const Push& push, ConstRows x) { return push.d - push.n.dot(wayOf(push, x)); }
 
 void CollisionResponse::addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const {
   if (report_.isRestored()) return;  // asked for between steps: contacts are those of another one
@@ -284,7 +243,7 @@ void CollisionResponse::addConditions(ConstRows x, ConstRows x_start, Lagrangian
     rows.begin(LagrangianRows::Kind::push, -depth(push, x));
     add(push, push.n);
     if (push.mu == 0) continue;
-    const Vec3 way = slid(push, x, x_start);
+    const Vec3 way = (finder_.lists() ? shareInTouch(push, x, x_start) : 1) * slid(push, x, x_start);
     for (const Vec3& tangent : tangents(push.n)) {
       rows.begin(LagrangianRows::Kind::rub, tangent.dot(way), push.mu);
       add(push, tangent);

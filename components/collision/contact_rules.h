@@ -15,7 +15,7 @@ struct Answer {
 };
 
 /// The responses for each pair of models: a `contactResponse` of one of the two, otherwise the first of `rules` that matches
-/// them, otherwise `response`.
+/// them, otherwise `response`. If both models have different `contactResponse`s it is `response`, or with `rules` that of the first.
 class ContactRules {
  public:
   void declare(DataTable& table);

@@ -104,13 +104,15 @@ void CarriedForces::mix(Mixing& mixing, ConstRows from, Rows to, Rows out) {
 void Multipliers::stepTaken() {
   if (empty()) return;
   swept_ = sweeping_;
+  if (is_swept_) swept_ends_ = ends_;
+  if (sweeps_) keepContactForces();
   if (!carries_) return;
   carried_.end(rule_.weight);
 }
 
 void Multipliers::reset() {
   if (!empty()) carried_.forget();
-  swept_.resize(0), sweeping_.resize(0);
+  swept_.resize(0), sweeping_.resize(0), swept_ends_.clear(), contact_forces_.clear();
   not_swept_.clear();
 }
 
@@ -119,8 +121,18 @@ void Multipliers::serialize(Archive& archive) {
   archive.rows("forces_of_constraint", carried_.last());
   if (!sweeps_) return;
   std::vector<double> swept(swept_.begin(), swept_.end());
-  archive.list("forces_of_sweeps", swept);
+  archive.list("forces_of_sweeps", swept), archive.list("ends_of_sweeps", swept_ends_);
   swept_ = Eigen::Map<const Eigen::VectorXd>(swept.data(), Eigen::Index(swept.size()));
+  std::vector<int> names;
+  std::vector<double> forces;
+  for (const auto& [name, force] : contact_forces_) {
+    names.insert(names.end(), name.begin(), name.end());
+    forces.insert(forces.end(), force.begin(), force.end());
+  }
+  archive.list("names_of_contacts", names), archive.list("forces_of_contacts", forces);
+  contact_forces_.clear();
+  for (std::size_t i = 0; 2 * i + 1 < names.size(); ++i)
+    contact_forces_[{names[2 * i], names[2 * i + 1]}] = {forces[3 * i], forces[3 * i + 1], forces[3 * i + 2]};
 }
 
 }  // namespace stroma

@@ -12,11 +12,20 @@
 // tolerance / turnTolerance. resolutionMethod = UnbuiltGaussSeidel: all start from zero. NonsmoothNonlinearConjugateGradient:
 // a sweep is a step of steepest descent, with the directions of Fletcher and Reeves, restarted when changes grow.
 //
+// A contact is a block of its normal force l_n and its friction l_t:
+//
+//   l_n = max(0, l_n - (g + W l)_n / W_nn),   l_t -= 2 (g + W l)_t / (W_tt + W_ss), cut to mu l_n;   no friction if l_n = 0
+//
+// It starts at zero, or with keepsContactForces from the previous step. Blocks are visited node by node, a node before its children,
+// contacts last (those of CollisionResponse with sofaLists). resolutionMethod = NonlinearComplementarity is SOFA's LCPConstraintSolver:
+// the error of a contact is |W_bb dl_b|, and the tolerance is multiplied by the number of contacts plus one; without friction it is
+// not scaled.
+//
 // Without this component conditions hold to round-off, which is correct. With the usual tolerance the error of a chain of tied
 // bodies is some thousandths of its movement. It is used if an integrator has oneRound and all conditions are equalities, such
-// as those of BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers. A
-// step with other conditions makes no sweeps: all hold to round-off, and the integrator prints a warning. A scene has at most
-// one.
+// as those of BilateralLagrangianConstraint and FixedLagrangianConstraint, and of UniformLagrangianConstraint on numbers, or
+// contacts of a CollisionResponse with sofaLists. A step with other conditions makes no sweeps: all hold to round-off, and the
+// integrator prints a warning. A scene has at most one.
 //
 // Source: SOFA's GenericConstraintSolver. Silcowitz, Niebe, Erleben: A nonsmooth nonlinear conjugate gradient method for interactive
 // contact force problems (2010).

@@ -2,6 +2,7 @@
 // Constraint forces by Gauss-Seidel sweeps that end at a tolerance; constraint_sweeps.cpp.
 #pragma once
 #include <Eigen/Dense>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -14,11 +15,18 @@ class ConstraintSweeps final : public Component {
  public:
   std::string roleText() const override { return "constraint solver"; }
   void declare(DataTable& table) override;
+  /// Contacts that go on begin with the force of the step before.
+  bool goesOnWithContacts() const { return goes_on_; }
   bool startsFromZero() const { return method_ == Method::unbuilt; }
   /// Rows that are solved together.
   struct Block {
+    enum class Kind : unsigned char { equal, push, rub } kind = Kind::equal;  ///< rub: a push and the two rows of its friction
     int width = 1;
     bool turns = false;  ///< the relative orientation of two frames
+    int first = 0;       ///< row
+    double mu = 0;       ///< coefficient of friction
+    bool goes_on = true;  ///< its forces start from those of the step before
+    std::array<int, 2> name{};  ///< of a contact, the same from step to step
   };
   /// Solves g + W l = 0, starting from l. `impulse`: per unit of l [s]. Returns the number of sweeps. A stop ends it early.
   int solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<Block>& blocks, double impulse, StopToken stop,
@@ -34,15 +42,16 @@ class ConstraintSweeps final : public Component {
     double error = 0;       ///< sum of the changes of conditions
     bool verified = true;   ///< no row changes by more than the tolerance
   };
+  void pushBlock(const Block& block, Eigen::VectorXd& l);
   Sweep sweep(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, Eigen::VectorXd& l);
   bool isOver(const Sweep& sweep, double tolerance);
   int search(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, StopToken stop, Eigen::VectorXd& l);
   int searchByGradients(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance, StopToken stop, Eigen::VectorXd& l);
 
-  enum class Method : int { built, unbuilt, gradients } method_ = Method::built;
+  enum class Method : int { built, unbuilt, gradients, complementarity } method_ = Method::built;
   int most_ = 1000;
   double tolerance_ = 1e-3, turn_tolerance_ = 1e-4, relaxation_ = 1, softness_ = 0;
-  bool scales_ = true, all_verified_ = false, keeps_unsettled_ = false;
+  bool scales_ = true, all_verified_ = false, keeps_unsettled_ = false, goes_on_ = false;
   bool is_over_ = false;  ///< ended by the tolerance
   double last_error_ = 0;  ///< of the last sweep
   std::string unsettled_, idle_;  ///< the last reason why it has no effect

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "components/integrators/constraint_sweeps.h"
@@ -25,9 +26,10 @@ void ConstraintSweeps::declare(DataTable& table) {
   table.add("keepsUnsettled", keeps_unsettled_)
       .help("forces that have not come to the tolerance in maxIterations sweeps count, as in SOFA, and the run goes on and tells of it");
   table.addChoice("resolutionMethod", method_,
-                  {"ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient"})
+                  {"ProjectedGaussSeidel", "UnbuiltGaussSeidel", "NonsmoothNonlinearConjugateGradient", "NonlinearComplementarity"})
       .atOnce()
-      .help("sweeps that go on from the step before, that begin at zero, or as steps of conjugate gradients");
+      .help("sweeps that go on from the step before, that begin at zero, as steps of conjugate gradients, or with the error of contacts");
+  table.add("keepsContactForces", goes_on_).atOnce().help("contacts that go on begin with their forces of the step before");
 }
 
 void ConstraintSweeps::tellIdle(const Component& asker, const std::string& why) {
@@ -44,16 +46,37 @@ bool ConstraintSweeps::isOver(const Sweep& sweep, double tolerance) {
   return is_over_;
 }
 
+/// The push alone, and then friction with what this has moved, up to its cone. off_ is g + W l of the block.
+void ConstraintSweeps::pushBlock(const Block& block, Eigen::VectorXd& l) {
+  const auto w = w_.block(block.first, block.first, block.width, block.width);
+  auto force = l.segment(block.first, block.width);
+  const double before = force[0];
+  force[0] -= off_[0] / w(0, 0);
+  if (force[0] < 0) return force.setZero(), void();
+  if (block.width == 1) return;
+  const double answers = w(1, 1) + w(2, 2);
+  if (!(answers > 0)) return;
+  for (int k = 1; k < 3; ++k) force[k] -= 2 * (off_[k] + w(k, 0) * (force[0] - before)) / answers;
+  const double rubs = std::hypot(force[1], force[2]), most = block.mu * force[0];
+  if (rubs > most) force.tail(2) *= most / rubs;
+}
+
 ConstraintSweeps::Sweep ConstraintSweeps::sweep(const Eigen::VectorXd& g, const std::vector<Block>& blocks, double tolerance,
                                                 Eigen::VectorXd& l) {
   Sweep done;
-  int first = 0;
   for (const Block& each : blocks) {
+    const int first = each.first;
     const auto block = w_.block(first, first, each.width, each.width);
     off_ = g.segment(first, each.width) + w_.middleRows(first, each.width) * l;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(each.width);
-    if (block.diagonal().minCoeff() > 0) change = -block.partialPivLu().solve(off_);  // else nothing that moves is in it
-    l.segment(first, each.width) += change;
+    if (block(0, 0) > 0 && each.kind != Block::Kind::equal) {
+      const Eigen::VectorXd before = l.segment(first, each.width);
+      pushBlock(each, l);
+      change = l.segment(first, each.width) - before;
+    } else if (block.diagonal().minCoeff() > 0) {
+      change = -block.partialPivLu().solve(off_);
+      l.segment(first, each.width) += change;
+    }  // else nothing that moves is in it
     double moved = 0;
     for (int row = 0; row < each.width; ++row) {
       const double by = block.row(row).transpose().cwiseProduct(change).norm();
@@ -63,8 +86,7 @@ ConstraintSweeps::Sweep ConstraintSweeps::sweep(const Eigen::VectorXd& g, const 
       done.verified = done.verified && moved <= turn_tolerance_;
       moved *= tolerance / turn_tolerance_;
     }
-    done.error += moved;
-    first += each.width;
+    done.error += method_ == Method::complementarity ? (block * change).norm() : moved;
   }
   return done;
 }
@@ -96,7 +118,11 @@ int ConstraintSweeps::searchByGradients(const Eigen::VectorXd& g, const std::vec
 
 int ConstraintSweeps::solve(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<Block>& blocks, double impulse,
                             StopToken stop, Eigen::VectorXd& l) {
-  const double tolerance = tolerance_ * (scales_ && !all_verified_ ? double(g.size()) : 1.0);
+  double tolerance = tolerance_ * (scales_ && !all_verified_ ? double(g.size()) : 1.0);
+  if (method_ == Method::complementarity) {
+    const auto rubs = std::count_if(blocks.begin(), blocks.end(), [](const Block& each) { return each.kind == Block::Kind::rub; });
+    tolerance = tolerance_ * (rubs > 0 ? double(rubs + 1) : 1.0);
+  }
   w_ = w;
   w_.diagonal().array() += softness_ * impulse;
   is_over_ = false;
@@ -162,22 +188,110 @@ bool Multipliers::isTurn(Index row) const {
   return state && state->kindOf(row - state->firstRow()) == RowKind::turn;
 }
 
+namespace {
+
+/// Of what finds contacts in SOFA's order, three numbers for each: place of a node, pair, number. Null: its rows are not for sweeps.
+const std::vector<int>* namesOf(const LagrangianConstraint& constraint) {
+  const Component& component = dynamic_cast<const Component&>(constraint);
+  const Data *names = component.data().find("sweepNames"), *lists = component.data().find("sofaLists");
+  if (!names || !lists || !*std::get<bool*>(lists->pointer())) return nullptr;
+  return std::get<std::vector<int>*>(names->pointer());
+}
+
+/// Nodes above and before come first.
+void number(const Node& node, std::map<const Node*, int>& places) {
+  places.emplace(&node, int(places.size()));
+  for (const auto& child : node.children()) number(*child, places);
+}
+
+}  // namespace
+
+/// Rows that are solved together, in the order of sweeps. False, with the row that is not for them.
+bool Multipliers::findBlocks(std::size_t& other) {
+  using Kind = LagrangianRows::Kind;
+  using Block = ConstraintSweeps::Block;
+  std::map<const Node*, int> places;
+  number(system_->integrator().node().root(), places);
+  struct Placed {
+    int node;
+    bool is_shared;
+    Block block;
+  };
+  std::vector<Placed> placed;
+  std::size_t begin = 0;
+  const auto& constraints = system_->actors().lagrangian_constraints;
+  for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++]) {
+    const std::vector<int>* names = namesOf(*constraints[i]);
+    const int own = places.at(&dynamic_cast<const Component&>(*constraints[i]).node());
+    std::size_t contact = 0;
+    for (std::size_t row = begin; row < ends_[i]; row += std::size_t(placed.back().block.width)) {
+      other = row;
+      Block block;
+      block.first = int(row);
+      int place = own;
+      if (rows_.rows()[row].kind == Kind::push && names && 3 * contact + 2 < names->size()) {
+        place = (*names)[3 * contact];
+        block.name = {(*names)[3 * contact + 1], (*names)[3 * contact + 2]};
+        ++contact;
+        const bool rubs = row + 2 < ends_[i] && rows_.rows()[row + 1].kind == Kind::rub;
+        block.kind = rubs ? Block::Kind::rub : Block::Kind::push, block.width = rubs ? 3 : 1;
+        block.goes_on = false;
+        if (rubs) block.mu = rows_.rows()[row + 1].factor;
+      } else if (rows_.rows()[row].kind == Kind::equal) {
+        const auto entries = rows_.entriesOf(rows_.rows()[row]);
+        const bool is_point = holdsPoint(row), is_pair_of_frames = is_point && entries.size() == 2 && isOfFrame(entries[0].row);
+        block.width = is_point ? 3 : 1, block.turns = is_pair_of_frames && isTurn(entries[0].row);
+        block.goes_on = is_point && !is_pair_of_frames;
+      } else {
+        return false;
+      }
+      placed.push_back({place, names != nullptr, block});
+    }
+  }
+  std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
+    return std::pair(a.node, a.is_shared) < std::pair(b.node, b.is_shared);
+  });
+  blocks_.clear();
+  for (const Placed& each : placed) blocks_.push_back(each.block);
+  return true;
+}
+
+/// Of the step that has ended.
+void Multipliers::keepContactForces() {
+  contact_forces_.clear();
+  if (!is_swept_ || !sweeps_->goesOnWithContacts()) return;
+  for (const ConstraintSweeps::Block& block : blocks_)
+    for (int k = 0; block.kind != ConstraintSweeps::Block::Kind::equal && k < block.width; ++k)
+      contact_forces_[block.name][std::size_t(k)] = sweeping_[block.first + k];
+}
+
+/// Forces of the step before, by constraint: contacts come and go between them.
+void Multipliers::takeSwept() {
+  Eigen::VectorXd taken = Eigen::VectorXd::Zero(solve_.g.size());
+  for (std::size_t i = 0, begin = 0, before = 0; i < ends_.size(); ++i) {
+    const std::size_t count = ends_[i] - begin, old_end = i < swept_ends_.size() ? swept_ends_[i] : before;
+    if (old_end - before == count && old_end <= std::size_t(sweeping_.size()))
+      taken.segment(Eigen::Index(begin), Eigen::Index(count)) = sweeping_.segment(Eigen::Index(before), Eigen::Index(count));
+    begin = ends_[i], before = old_end;
+  }
+  sweeping_ = taken;
+}
+
 /// False: they are not found by sweeps.
 bool Multipliers::sweepForces(StopToken stop) {
   if (!sweeps_ || !isOnce()) return false;
-  const auto other = std::ranges::find_if(rows_.rows(), [](const auto& row) { return row.kind != LagrangianRows::Kind::equal; });
-  if (other != rows_.rows().end()) {
-    if (not_swept_.empty()) not_swept_ = nameOf(std::size_t(other - rows_.rows().begin()));
+  if (std::size_t other = 0; !findBlocks(other)) {
+    if (not_swept_.empty()) not_swept_ = nameOf(other);
     return false;
   }
-  is_swept_ = true, blocks_.clear();
-  sweeping_.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
-  if (sweeps_->startsFromZero()) sweeping_.setZero();
-  for (std::size_t row = 0; row < rows_.rows().size(); row += std::size_t(blocks_.back().width)) {
-    const auto entries = rows_.entriesOf(rows_.rows()[row]);
-    const bool is_point = holdsPoint(row), is_pair_of_frames = is_point && entries.size() == 2 && isOfFrame(entries[0].row);
-    blocks_.push_back({is_point ? 3 : 1, is_pair_of_frames && isTurn(entries[0].row)});
-    if (!is_point || is_pair_of_frames) sweeping_.segment(Eigen::Index(row), blocks_.back().width).setZero();
+  if (!is_swept_) takeSwept();
+  is_swept_ = true;
+  for (const ConstraintSweeps::Block& block : blocks_)
+    if (!block.goes_on || sweeps_->startsFromZero()) sweeping_.segment(block.first, block.width).setZero();
+  for (const ConstraintSweeps::Block& block : blocks_) {
+    const auto kept = contact_forces_.find(block.name);
+    if (block.kind == ConstraintSweeps::Block::Kind::equal || kept == contact_forces_.end()) continue;
+    for (int k = 0; k < block.width; ++k) sweeping_[block.first + k] = kept->second[std::size_t(k)];
   }
   solve_.rounds += sweeps_->solve(solve_.w, solve_.g, blocks_, rule_.weight, stop, sweeping_);
   solve_.l = sweeping_;
@@ -187,7 +301,7 @@ bool Multipliers::sweepForces(StopToken stop) {
 /// Other forces than those that the scene asks for have been found.
 std::string Multipliers::doubt() const {
   if (not_swept_.empty()) return {};
-  return fmt::format("{} had no effect in some steps: the conditions of {} are not all equal ones. All held to round-off there, which is "
+  return fmt::format("{} had no effect in some steps: the conditions of {} are not for sweeps. All held to round-off there, which is "
                      "right, without its tolerance",
                      sweeps_->path(), not_swept_);
 }

@@ -30,6 +30,8 @@
 //   (A + B S B^T)^-1 v = z - Y (S^-1 + B^T Y)^-1 B^T z,   z = A^-1 v,   Y = A^-1 B
 // Cells that roll on a sphere rotate too far for a step without this term.
 #pragma once
+#include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -171,6 +173,9 @@ class Multipliers {
   const State* stateOf(Index row) const;
   bool isOfFrame(Index row) const;
   bool isTurn(Index row) const;
+  bool findBlocks(std::size_t& other);
+  void takeSwept();
+  void keepContactForces();
   bool sweepForces(StopToken stop);
   static constexpr double held_within = 1e-9;  ///< of the place: by which conditions may be off
   bool isNoise(double step);
@@ -220,6 +225,8 @@ class Multipliers {
   Vector pushes_;                                          ///< right_side_ with the part of these bodies
   ConstraintSweeps* sweeps_ = nullptr;
   std::vector<ConstraintSweeps::Block> blocks_;
+  std::map<std::array<int, 2>, std::array<double, 3>> contact_forces_;  ///< of the last step, by names [N]
+  std::vector<std::size_t> swept_ends_;  ///< ends_ of the step that swept_ belongs to
   Eigen::VectorXd swept_, sweeping_;  ///< forces [N] of the last step, the initial guess of sweeps, and of the present one
   bool is_swept_ = false;             ///< forces of the present step are from sweeps
   std::string not_swept_;             ///< a constraint that prevents sweeps

@@ -34,6 +34,7 @@ const std::vector<Quirk>& allQuirks() {
       {"late-times", "movements and forces given at times are those of the start of a step"},
       {"impulse-values", "forces and pressures that cables and cavities are given, and tell, are those of a whole step, times dt"},
       {"ellipsoid-ratio", "ellipsoids push by a ratio of lengths, and frames with ellipsoids feel it at their centre alone"},
+      {"contact-lists", "contacts are those of SOFA's lists: by its formulas, in its order, without doubles; slides count from touch on"},
       {"isolated-springs", "springs and penalties between bodies that no solver has in common have the force of a step's start"},
       {"first-end-beams", "beams have the axes of their first frame, whose x is their direction whichever way they lie"},
       {"no-centrifugal", "masses on what follows frames do not press outwards as it turns"},

@@ -187,6 +187,8 @@ class Rewriting {
   void warnOfAccepted(const Element& element);
   void warnOfIgnored(const Element& element);
   void takeFriction(Element& response);
+  void listContacts(Element& response, const Element* method);
+  bool areContactsInOrder();
   static void fillVariables(Element& response);
   void meanRules(Element& response, const std::string& mu);
   std::string answerHere(const Element& element, const std::string& attribute, const std::string& word, const std::string& mu);
@@ -218,6 +220,7 @@ class Rewriting {
   std::map<const Element*, std::pair<std::string, std::string>> own_damping_;  ///< integrators of what damps itself, their own factors
   std::map<const Element*, std::string> layers_;               ///< by the load whose triangles lie in a box
   std::string turn_tolerance_;                                 ///< of frames that are tied
+  bool has_solids_ = false;  ///< capsules or boxes, which are surfaces here
   std::vector<Element*> parts_;                                ///< regions whose cells count their own nodes
   std::unique_ptr<SceneTree> tree_;
 };

@@ -200,18 +200,42 @@ static bool answersByConstraint(const Element& each) {
   return each.text("response").find("Constraint") != std::string::npos && !each.dropped;
 }
 
-/// All forces of constraint are of conditions that SOFA's sweeps take as equal ones, and one round finds them.
+/// Contacts are those that SOFA lists: of the formulas and with the filters of its methods.
+void Rewriting::listContacts(Element& response, const Element* method) {
+  constexpr const char* listed[] = {"MinProximityIntersection", "LocalMinDistance", "NewProximityIntersection"};
+  if (!method || has_solids_ || std::ranges::find(listed, method->written->type) == std::end(listed)) return;
+  setQuirk(response, "contact-lists", "sofaLists", "true");
+  tree_->forEachPlace([&](Place& place) {
+    for (const auto& each : place.elements)
+      if (each->is("CollisionPipeline") && std::atoi(each->text("depth").c_str()) > 0) response.set("treeDepth", each->text("depth"));
+  });
+}
+
+/// SOFA looks for contacts by its trees of boxes, whose order is known.
+bool Rewriting::areContactsInOrder() {
+  bool has_pairs = false, has_trees = false;
+  tree_->forEachPlace([&](Place& place) {
+    for (const auto& each : place.elements) {
+      has_pairs = has_pairs || each->is("BruteForceBroadPhase") || each->is("BruteForceDetection");
+      has_trees = has_trees || each->is("BVHNarrowPhase") || each->is("BruteForceDetection");
+    }
+  });
+  return has_pairs && has_trees;
+}
+
+/// All forces of constraint are of conditions that sweeps find as SOFA does, equal ones or contacts in its order, in one round.
 bool Rewriting::areForcesSwept() {
   if (!hasForcesOfConstraint() || hasActuators()) return false;
   bool all = true;
-  tree_->forEach([&all](Element& each) {
+  tree_->forEach([&all, this](Element& each) {
     const Element* state = each.place->nearest("mechanical state");
     const bool of_numbers = each.is("UniformLagrangianConstraint") && state && state->text("template").starts_with("Vec1");
     const bool is_other = each.role() == "Lagrangian constraint" && !of_numbers &&
                           !isAnyOf(each.written->type, {"BilateralLagrangianConstraint", "FixedLagrangianConstraint"});
     const bool iterates = each.role() == "integrator" && !each.dropped &&
                           (!each.is("EulerImplicitSolver") || each.text("newtonIterations") != "1" || each.find("newtonSolver"));
-    all = all && !answersByConstraint(each) && !is_other && !iterates;
+    const bool unordered = answersByConstraint(each) && !(saysYes(each.text("sofaLists")) && areContactsInOrder());
+    all = all && !unordered && !is_other && !iterates;
   });
   return all;
 }
@@ -259,11 +283,21 @@ const Element* Rewriting::findConstraintSolver(bool has_loop) {
   return solver;
 }
 
+/// LCPConstraintSolver with its matrix built, without levels and limits.
+static bool isPlainComplementarity(const Element& solver) {
+  const auto is = [&solver](const char* name, double usual) {
+    const std::string text = solver.text(name);
+    return text.empty() || (text == "true" ? 1 : std::atof(text.c_str())) == usual;
+  };
+  return is("build_lcp", 1) && is("multi_grid", 0) && is("minW", 0) && is("maxF", 0);
+}
+
 /// Forces hold here where SOFA's search for them ends early.
 void Rewriting::warnOfTolerance(const Element* solver, const Element& loop) {
   constexpr double tight = 1e-9;  // of a scene in metres or millimetres
   const std::string tolerance = solver ? solver->text("tolerance") : "";
-  if (!hasForcesOfConstraint() || areForcesSwept() || (!tolerance.empty() && std::atof(tolerance.c_str()) <= tight)) return;
+  const bool is_swept = areForcesSwept() && (!solver || !solver->is("LCPConstraintSolver") || isPlainComplementarity(*solver));
+  if (!hasForcesOfConstraint() || is_swept || (!tolerance.empty() && std::atof(tolerance.c_str()) <= tight)) return;
   bool has_contacts = false;
   tree_->forEach([&has_contacts](Element& each) { has_contacts = has_contacts || answersByConstraint(each); });
   warn(solver ? solver->written->where : scene_.root.where, solver ? *solver : loop, "tolerance",
@@ -290,7 +324,8 @@ void Rewriting::addSweeps() {
                 "takes all conditions as contacts that may come apart: here those hold that are to hold",
                 "GenericConstraintSolver, with which both do the same");
   const bool is_soft = solver && std::atof(solver->text("regularizationTerm").c_str()) != 0;
-  const bool counts = has_loop && areForcesSwept() && !isAnyOf(type, {"LCPConstraintSolver", "ImprovedJacobiConstraintSolver"}) &&
+  const bool is_plain = type != "LCPConstraintSolver" || isPlainComplementarity(*solver);
+  const bool counts = has_loop && areForcesSwept() && is_plain && type != "ImprovedJacobiConstraintSolver" &&
                       quirks_.use("one-iteration", solver ? solver->path() : tree_->root().path());
   const std::string method = solver ? solver->text("resolutionMethod") : "";
   const bool is_unbuilt = type.starts_with("Unbuilt") || method.starts_with("Unbuilt") || method == "1";
@@ -310,6 +345,11 @@ void Rewriting::addSweeps() {
       addSwept(*given, *solver, diagnostics_, sweeps);
   std::erase(no_effect_, type);
   if (!turn_tolerance_.empty()) sweeps.attributes.push_back({"turnTolerance", turn_tolerance_, where});
+  if (type == "LCPConstraintSolver") {
+    sweeps.attributes.push_back({"resolutionMethod", "NonlinearComplementarity", where});
+    const std::string guess = solver->text("initial_guess");
+    if (guess.empty() || saysYes(guess)) sweeps.attributes.push_back({"keepsContactForces", "1", where});
+  }
   if (type.starts_with("Unbuilt")) sweeps.attributes.push_back({"resolutionMethod", "UnbuiltGaussSeidel", where});
   if (type.starts_with("NNCG")) sweeps.attributes.push_back({"resolutionMethod", "NonsmoothNonlinearConjugateGradient", where});
   tree_->root().added_components.push_back(std::move(sweeps));

@@ -143,6 +143,7 @@ static void addBoxes(NodeDescription& node, const ComponentDescription& solid, c
 
 void Rewriting::expandSolids() {
   if (!holdsAny(scene_.root, [](const auto& each) { return isCapsule(each) || isBox(each); })) return;
+  has_solids_ = true;
   const bool with_triangles = holdsAny(scene_.root, isTrianglesMethod);
   const auto expand = [&](const auto& self, NodeDescription& node, const std::string& path, std::size_t frames) -> void {
     for (const ComponentDescription& each : node.components)

@@ -298,6 +298,7 @@ void Rewriting::takeFriction(Element& response) {
   }
   const bool pushes = isAnyOf(response.text("response"), {"", "default", "PenalityContactForceField"});
   if (pushes && !groups && !response.place->nearest("integrator")) setQuirk(response, "isolated-springs", "explicitBetween", "true");
+  listContacts(response, method);
   const bool rubs = response.text("response").find("Friction") != std::string::npos;
   const bool some_rub = rubs || response.text("rules").find("Friction") != std::string::npos;
   if (some_rub) findsForcesOfConstraint(response);
